@@ -1,0 +1,12 @@
+# One folder = one floor = one target. epafi_floor(name sources...) makes the static library epafi_<name>, alias epafi::<name>.
+function(epafi_floor name)
+  add_library(epafi_${name} STATIC ${ARGN})
+  add_library(epafi::${name} ALIAS epafi_${name})
+  set_target_properties(epafi_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(epafi_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/epafi>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(epafi_${name} PUBLIC cxx_std_20)
+  target_link_libraries(epafi_${name} PRIVATE $<BUILD_INTERFACE:epafi_warnings>)
+endfunction()

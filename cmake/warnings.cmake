@@ -1,0 +1,9 @@
+# One interface target with all warnings and the flags that decide bits: no contraction, no fast-math, no -march=native.
+add_library(epafi_warnings INTERFACE)
+target_compile_options(epafi_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-psabi -ffp-contract=off)
+if(EPAFI_WERROR)
+  target_compile_options(epafi_warnings INTERFACE -Werror)
+endif()
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+  target_compile_definitions(epafi_warnings INTERFACE EPAFI_CHECK_CONTRACTS)
+endif()

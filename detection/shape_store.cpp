@@ -1,0 +1,1 @@
+#include "detection/shape_store.h"

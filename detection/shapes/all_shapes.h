@@ -1,0 +1,15 @@
+/// @file all_shapes.h  The list of shapes: include the header, add the name.
+#pragma once
+#include "detection/shapes/half_space.h"
+#include "detection/shapes/sphere.h"
+
+namespace epafi {
+
+template <class... S>
+struct ShapeList {
+  static constexpr std::size_t size = sizeof...(S);
+};
+
+using AllShapes = ShapeList<Sphere, HalfSpace>;
+
+}  // namespace epafi

@@ -1,0 +1,69 @@
+#include "engine/contacts.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "engine/parallel.h"
+
+namespace epafi {
+
+void ContactSet::clear() {
+  a.clear(), b.clear(), feature.clear(), gap.clear(), normal.clear(), arm.clear();
+  effective_radius.clear(), force.clear(), moment.clear();
+}
+
+void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
+  a.push_back(slot_a), b.push_back(slot_b), feature.push_back(c.feature);
+  gap.push_back(c.gap), normal.push_back(c.normal), arm.push_back(c.arm);
+  if (with_curvature) effective_radius.push_back(c.effective_radius);
+}
+
+void ContactSet::append(const ContactSet& other) {
+  const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  join(a, other.a), join(b, other.b), join(feature, other.feature), join(gap, other.gap);
+  join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius);
+}
+
+std::size_t ContactSet::bytes_per_contact() const {
+  return 2 * sizeof(Slot) + sizeof(Feature) + sizeof(double) + 3 * sizeof(Vec3) + (with_curvature ? sizeof(double) : 0) +
+         (with_moment ? sizeof(Vec3) : 0);
+}
+
+void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous) {
+  previous.resize(contacts.size());
+  parallel_blocks(contacts.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
+    const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
+    std::size_t k = static_cast<std::size_t>(std::lower_bound(a_.begin(), a_.end(), contacts.a[begin]) - a_.begin());
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto wanted = key(i);
+      while (k < a_.size() && std::tuple(a_[k], b_[k], feature_[k]) < wanted) ++k;
+      const bool found = k < a_.size() && std::tuple(a_[k], b_[k], feature_[k]) == wanted;
+      previous[i] = found ? static_cast<std::uint32_t>(k) : none;
+    }
+  });
+  a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
+}
+
+std::vector<std::uint32_t> ContactMemory::reorder(const Reordering& change) {
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t k = 0; k < a_.size(); ++k) {
+    a_[k] = change.new_slot[a_[k]], b_[k] = change.new_slot[b_[k]];
+    if (a_[k] != no_slot && b_[k] != no_slot) order.push_back(k);
+  }
+  const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+  const auto permute = [&](auto& column) {
+    std::remove_reference_t<decltype(column)> sorted;
+    for (std::uint32_t k : order) sorted.push_back(column[k]);
+    column.swap(sorted);
+  };
+  permute(a_), permute(b_), permute(feature_);
+  return order;
+}
+
+void ContactMemory::visit(StateVisitor& visitor, const std::string& name) {
+  visitor.column(name + "/a", a_), visitor.column(name + "/b", b_), visitor.column(name + "/feature", feature_);
+}
+
+}  // namespace epafi

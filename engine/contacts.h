@@ -1,0 +1,84 @@
+/// @file contacts.h  Candidate pairs and contacts: what detection produces and contact models consume.
+/// Canonical order: by (a, b, feature) with a, b the slots. A is always the body of lower id, the normal points from A to B.
+/// The order is a function of the state alone, so sums taken along it are the same bits for every thread count.
+#pragma once
+#include <compare>
+#include <limits>
+#include <vector>
+
+#include "engine/state_visitor.h"
+#include "engine/world.h"
+
+namespace epafi {
+
+/// Two bodies whose fattened bounding boxes overlap; id(a) < id(b).
+struct Pair {
+  Slot a, b;
+  std::uint32_t image = 0;  ///< periodic image code of B, 0 where the cell is not periodic
+  auto operator<=>(const Pair&) const = default;
+};
+
+/// Sorted candidate pairs, kept while no body has moved beyond the margin.
+struct PairList {
+  std::vector<Pair> pairs;
+  double margin = 0.0;           ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
+  std::uint64_t generation = 0;  ///< grows when the list changes: whoever derives data from it derives it again
+};
+
+/// Persistent name of a contact within its pair: part or triangle, face, vertex; image code in the top byte.
+using Feature = std::uint64_t;
+constexpr Feature feature_of(std::uint32_t high, std::uint32_t low) { return Feature{high} << 32 | low; }
+
+/// Geometry of one contact.
+struct ContactPoint {
+  double gap = std::numeric_limits<double>::infinity();  ///< signed distance [m], < 0 overlap
+  Vec3 normal = Vec3::UnitZ();                           ///< unit, from A to B
+  Vec3 arm = Vec3::Zero();                               ///< from A's centre to the contact point, world axes [m]
+  double effective_radius = 0.0;                         ///< R* = 1/(1/R_a + 1/R_b) [m], where curvature is needed
+  Feature feature = 0;
+};
+
+/// Columns of contacts. Columns the plan does not need stay empty.
+struct ContactSet {
+  bool with_curvature = false;  ///< effective_radius is filled
+  bool with_moment = false;     ///< moment is filled by the contact model
+
+  std::vector<Slot> a, b;
+  std::vector<Feature> feature;
+  std::vector<double> gap;               ///< [m]
+  std::vector<Vec3> normal;              ///< from A to B
+  std::vector<Vec3> arm;                 ///< from A's centre to the contact point [m]
+  std::vector<double> effective_radius;  ///< [m]
+  std::vector<Vec3> force;               ///< on A, written by the contact model [N] (impulse / dt for non-smooth)
+  std::vector<Vec3> moment;              ///< on A beside the force [N m]
+
+  std::size_t size() const { return a.size(); }
+  void clear();
+  void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
+  /// Appends all of `other` behind this.
+  void append(const ContactSet& other);
+  /// From B's centre to the contact point [m].
+  Vec3 arm_b(std::size_t i, const World& world) const { return arm[i] + (world.position[a[i]] - world.position[b[i]]); }
+  Vec3 point(std::size_t i, const World& world) const { return world.position[a[i]] + arm[i]; }
+  /// Bytes of one contact, as `epafi explain` prints them.
+  std::size_t bytes_per_contact() const;
+};
+
+/// Keys of the contacts of the last step, for whatever is carried from step to step (tangential springs, warm starts).
+/// Both lists are in canonical order, so matching is one merge.
+class ContactMemory {
+ public:
+  static constexpr std::uint32_t none = 0xffffffffu;
+  /// previous[i] = index in the remembered list of contact i, or none; then remembers `contacts`.
+  void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous);
+  /// Renames slots and restores canonical order; order[k] = old index of the entry now at k (removed ones are dropped).
+  std::vector<std::uint32_t> reorder(const Reordering& change);
+  void visit(StateVisitor& visitor, const std::string& name);
+  std::size_t size() const { return a_.size(); }
+
+ private:
+  std::vector<Slot> a_, b_;
+  std::vector<Feature> feature_;
+};
+
+}  // namespace epafi

@@ -1,0 +1,36 @@
+#include "engine/incidence.h"
+
+#include "engine/parallel.h"
+
+namespace epafi {
+
+void Incidence::build(const ContactSet& contacts, std::size_t bodies) {
+  begin_a_.assign(bodies + 1, 0), begin_b_.assign(bodies + 1, 0);
+  for (std::size_t k = 0; k < contacts.size(); ++k) ++begin_a_[contacts.a[k] + 1], ++begin_b_[contacts.b[k] + 1];
+  for (std::size_t s = 0; s < bodies; ++s) begin_a_[s + 1] += begin_a_[s], begin_b_[s + 1] += begin_b_[s];
+  list_b_.resize(contacts.size());
+  for (std::uint32_t k = 0; k < contacts.size(); ++k) list_b_[begin_b_[contacts.b[k]]++] = k;
+  for (std::size_t s = bodies; s > 0; --s) begin_b_[s] = begin_b_[s - 1];  // the fill moved every start to its end
+  begin_b_[0] = 0;
+}
+
+void gather_forces(const ContactSet& contacts, const Incidence& incidence, World& world) {
+  const bool rotates = world.rotates();
+  parallel_for(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    if (world.is_movable(s)) {
+      incidence.for_each(s, [&](std::uint32_t k, double sign) {
+        force += sign * contacts.force[k];
+        if (!rotates) return;
+        const Vec3 arm = sign > 0 ? contacts.arm[k] : contacts.arm_b(k, world);
+        torque += sign * arm.cross(contacts.force[k]);
+        if (contacts.with_moment) torque += sign * contacts.moment[k];
+      });
+    }
+    world.force[s] = force;
+    if (rotates) world.torque[s] = torque;
+  });
+}
+
+}  // namespace epafi

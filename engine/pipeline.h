@@ -1,0 +1,70 @@
+/// @file pipeline.h  The four stages of a step. One virtual call per stage and step, none per contact.
+/// Every stage may keep data from step to step: it renames slots in `reorder` and shows its state in `visit`.
+#pragma once
+#include <memory>
+
+#include "engine/contacts.h"
+#include "engine/report.h"
+#include "engine/world.h"
+
+namespace epafi {
+
+/// What a stage that acts needs to know about the step.
+struct StepClock {
+  double dt = 0.0;            ///< [s]
+  double velocity_lag = 0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
+};
+
+/// What all stages share.
+class StepStage {
+ public:
+  virtual ~StepStage() = default;
+  virtual const char* name() const = 0;
+  /// Bodies moved to other slots or were removed.
+  virtual void reorder(const Reordering&) {}
+  /// State that must survive a restart for the same bits.
+  virtual void visit(StateVisitor&) {}
+};
+
+/// Integrates the bodies: half before the forces are known, half after.
+class Scheme : public StepStage {
+ public:
+  virtual void first_half(World& world, double dt) = 0;
+  virtual void second_half(World& world, double dt) = 0;
+  virtual double velocity_lag() const { return 0.0; }
+  /// The contact forces of time 0 must be known before the first step.
+  virtual bool needs_initial_forces() const { return false; }
+};
+
+/// Finds the pairs of bodies that may touch.
+class BroadPhase : public StepStage {
+ public:
+  virtual void find_pairs(const World& world, PairList& pairs) = 0;
+};
+
+/// Turns pairs into contacts in canonical order.
+class NarrowPhase : public StepStage {
+ public:
+  virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
+};
+
+/// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular velocity)
+/// and includes gravity and external forces of the step. Writes contacts.force.
+class ContactModel : public StepStage {
+ public:
+  virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
+};
+
+struct Pipeline {
+  std::unique_ptr<Scheme> scheme;
+  std::unique_ptr<BroadPhase> broad_phase;
+  std::unique_ptr<NarrowPhase> narrow_phase;
+  std::unique_ptr<ContactModel> contact_model;
+
+  template <class F>
+  void each_stage(F&& f) {
+    f(*scheme), f(*broad_phase), f(*narrow_phase), f(*contact_model);
+  }
+};
+
+}  // namespace epafi

@@ -1,0 +1,61 @@
+/// @file report.h  What a step did: counts, times, energies, residual. Numerical trouble is a value here, not an exception.
+#pragma once
+#include <array>
+#include <chrono>
+#include <string>
+
+#include "engine/types.h"
+
+namespace epafi {
+
+/// What a solver returns; residual is measured outside the solver (laws/nonsmooth/residual.h).
+struct SolverReport {
+  bool converged = true;
+  int iterations = 0;
+  double residual = 0.0;
+};
+
+enum class Stage { integrate, broad_phase, narrow_phase, contact, output };
+inline constexpr std::array<const char*, 5> stage_names{"integrate", "broad_phase", "narrow_phase", "contact", "output"};
+
+/// Wall seconds by stage.
+struct StageSeconds {
+  std::array<double, 5> seconds{};
+  double& operator[](Stage s) { return seconds[static_cast<std::size_t>(s)]; }
+  double operator[](Stage s) const { return seconds[static_cast<std::size_t>(s)]; }
+};
+
+/// Adds the time since the last lap to a stage.
+class StageTimer {
+ public:
+  explicit StageTimer(StageSeconds& seconds) : seconds_(seconds), last_(Clock::now()) {}
+  void lap(Stage stage) {
+    const auto now = Clock::now();
+    seconds_[stage] += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  StageSeconds& seconds_;
+  Clock::time_point last_;
+};
+
+/// What the contact model reports of one step.
+struct StepReport {
+  std::size_t pairs = 0;
+  std::size_t contacts = 0;        ///< reported by the narrow phase
+  std::size_t touching = 0;        ///< with gap < 0 (smooth) or impulse > 0 (non-smooth)
+  double elastic = 0.0;            ///< energy stored in the contacts now [J]
+  double dissipated = 0.0;         ///< energy lost in the contacts during this step [J]
+  double work = 0.0;               ///< work of driven bodies on the others during this step [J]
+  double max_overlap = 0.0;        ///< [m]
+  double sum_overlap = 0.0;        ///< over the contacts with gap < 0 [m]
+  std::size_t overlaps = 0;
+  double max_overlap_relative = 0.0;  ///< overlap over the smaller body's bounding radius
+  bool has_solver = false;
+  SolverReport solver;
+  StageSeconds seconds;            ///< summed over all steps so far
+};
+
+}  // namespace epafi

@@ -1,0 +1,29 @@
+/// @file symplectic_euler.h  Kick, then drift: first order, the cheapest for smooth contact; bounded below dt = 2/omega.
+#pragma once
+#include "engine/parallel.h"
+#include "engine/pipeline.h"
+#include "engine/rotation.h"
+
+namespace epafi {
+
+class SymplecticEuler final : public Scheme {
+ public:
+  const char* name() const override { return "symplectic-euler"; }
+  void first_half(World&, double) override {}
+  void second_half(World& world, double dt) override {
+    parallel_for(world.size(), [&](std::size_t i) {
+      const auto s = static_cast<Slot>(i);
+      if (world.is_movable(s)) world.velocity[s] += dt * world.acceleration(s);
+      world.position[s] += dt * world.velocity[s];
+      if (!world.rotates()) return;
+      if (!world.is_movable(s)) {
+        world.orientation[s] = turned(world.orientation[s], dt * world.angular_velocity[s]);
+        return;
+      }
+      world.angular_velocity[s] += dt * world.apply_inverse_inertia(s, world.torque[s]);
+      rotate_freely(world.orientation[s], world.angular_velocity[s], world.inverse_inertia[s], dt);
+    });
+  }
+};
+
+}  // namespace epafi

@@ -1,0 +1,39 @@
+/// @file velocity_verlet.h  Kick, drift, kick (Verlet 1967; Swope et al. 1982): second order, for smooth contact.
+/// Between the halves world.velocity is that of the middle of the step; contact laws see velocities at its end
+/// through StepClock::velocity_lag, so damping is of second order too. Bounded below dt = 2/omega (case B02).
+#pragma once
+#include "engine/parallel.h"
+#include "engine/pipeline.h"
+#include "engine/rotation.h"
+
+namespace epafi {
+
+class VelocityVerlet final : public Scheme {
+ public:
+  const char* name() const override { return "velocity-verlet"; }
+  double velocity_lag() const override { return 0.5; }
+  bool needs_initial_forces() const override { return true; }
+
+  void first_half(World& world, double dt) override {
+    parallel_for(world.size(), [&](std::size_t i) {
+      const auto s = static_cast<Slot>(i);
+      kick(world, s, 0.5 * dt);
+      world.position[s] += dt * world.velocity[s];
+      if (!world.rotates()) return;
+      if (world.is_movable(s)) rotate_freely(world.orientation[s], world.angular_velocity[s], world.inverse_inertia[s], dt);
+      else world.orientation[s] = turned(world.orientation[s], dt * world.angular_velocity[s]);
+    });
+  }
+  void second_half(World& world, double dt) override {
+    parallel_for(world.size(), [&](std::size_t i) { kick(world, static_cast<Slot>(i), 0.5 * dt); });
+  }
+
+ private:
+  static void kick(World& world, Slot s, double dt) {
+    if (!world.is_movable(s)) return;
+    world.velocity[s] += dt * world.acceleration(s);
+    if (world.rotates()) world.angular_velocity[s] += dt * world.apply_inverse_inertia(s, world.torque[s]);
+  }
+};
+
+}  // namespace epafi

@@ -1,0 +1,59 @@
+/// @file state_visitor.h  One walk over all state: the same walk saves a checkpoint, loads it, hashes it and counts its bytes.
+/// Whoever owns state offers `void visit(StateVisitor&)`; nobody above the engine knows what the columns mean.
+#pragma once
+#include <cstddef>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "engine/types.h"
+
+namespace epafi {
+
+/// Plain bytes: trivially copyable types and Eigen's fixed-size vectors and quaternions (no pointers inside).
+template <class T>
+inline constexpr bool is_plain = std::is_trivially_copyable_v<T>;
+template <class S, int R, int C, int O, int MR, int MC>
+inline constexpr bool is_plain<Eigen::Matrix<S, R, C, O, MR, MC>> = R > 0 && C > 0 && std::is_arithmetic_v<S>;
+template <class S, int O>
+inline constexpr bool is_plain<Eigen::Quaternion<S, O>> = std::is_arithmetic_v<S>;
+
+class StateVisitor {
+ public:
+  virtual ~StateVisitor() = default;
+
+  /// A column of plain values; a loading visitor resizes it. `name` is unique in the walk ("world/position").
+  template <class T>
+    requires is_plain<T>
+  void column(std::string_view name, std::vector<T>& values) {
+    const std::size_t wanted = bytes_of(name, sizeof(T), values.size() * sizeof(T));
+    if (wanted != values.size() * sizeof(T)) values.resize(wanted / sizeof(T));
+    exchange(name, sizeof(T), reinterpret_cast<std::byte*>(values.data()), wanted);
+  }
+  template <class T>
+    requires is_plain<T>
+  void value(std::string_view name, T& v) {
+    bytes_of(name, sizeof(T), sizeof(T));
+    exchange(name, sizeof(T), reinterpret_cast<std::byte*>(&v), sizeof(T));
+  }
+
+ protected:
+  /// Bytes the column shall have: `current` when saving, the stored size when loading (a multiple of `element`).
+  virtual std::size_t bytes_of(std::string_view name, std::size_t element, std::size_t current) = 0;
+  /// Copies out of `data` (saving) or into it (loading).
+  virtual void exchange(std::string_view name, std::size_t element, std::byte* data, std::size_t bytes) = 0;
+};
+
+/// Counts the bytes of all columns it is shown.
+class ByteCounter : public StateVisitor {
+ public:
+  std::size_t total = 0;
+
+ protected:
+  std::size_t bytes_of(std::string_view, std::size_t, std::size_t current) override { return current; }
+  void exchange(std::string_view, std::size_t, std::byte*, std::size_t bytes) override { total += bytes; }
+};
+
+}  // namespace epafi

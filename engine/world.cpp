@@ -1,0 +1,137 @@
+#include "engine/world.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "engine/error.h"
+#include "engine/hash.h"
+
+namespace epafi {
+
+template <class F>
+void World::each_column(F&& f) {
+  f("world/id", id), f("world/shape", shape), f("world/material", material), f("world/inverse_mass", inverse_mass);
+  f("world/position", position), f("world/velocity", velocity);
+  if (columns_.force) f("world/force", force);
+  if (columns_.external_force) f("world/external_force", external_force);
+  if (!columns_.rotation) return;
+  f("world/orientation", orientation), f("world/angular_velocity", angular_velocity);
+  f("world/inverse_inertia", inverse_inertia);
+  if (columns_.force) f("world/torque", torque);
+}
+
+Vec3 World::free_acceleration(Slot s) const {
+  if (inverse_mass[s] == 0.0) return Vec3::Zero();
+  if (!columns_.external_force) return gravity;
+  return gravity + inverse_mass[s] * external_force[s];
+}
+
+Vec3 World::apply_inverse_inertia(Slot s, const Vec3& x) const {
+  const Vec3& i = inverse_inertia[s];
+  if (i.x() == i.y() && i.y() == i.z()) return i.x() * x;  // spheres, cubes and fixed bodies: the axes do not matter
+  const Mat3 r = orientation[s].toRotationMatrix();
+  return r * i.cwiseProduct(r.transpose() * x);
+}
+
+BodyId World::add(const Body& body) {
+  const auto new_id = static_cast<BodyId>(slot_of_.size());
+  slot_of_.push_back(static_cast<Slot>(size()));
+  const bool free = body.mass > 0.0;
+  each_column([](const char*, auto& column) { column.emplace_back(); });
+  id.back() = new_id, shape.back() = body.shape, material.back() = body.material;
+  inverse_mass.back() = free ? 1.0 / body.mass : 0.0;
+  position.back() = body.position, velocity.back() = body.velocity;
+  if (columns_.force) force.back().setZero();
+  if (columns_.external_force) external_force.back() = body.external_force;
+  if (columns_.rotation) {
+    orientation.back() = body.orientation.normalized();
+    angular_velocity.back() = body.angular_velocity;
+    inverse_inertia.back() = free ? Vec3(body.inertia.cwiseInverse()) : Vec3::Zero();
+    if (columns_.force) torque.back().setZero();
+  }
+  return new_id;
+}
+
+Reordering World::reorder(std::span<const Slot> order) {
+  Reordering result{std::vector<Slot>(size(), no_slot)};
+  each_column([&](const char*, auto& column) {
+    std::remove_reference_t<decltype(column)> sorted;
+    sorted.reserve(order.size());
+    for (Slot s : order) sorted.push_back(column[s]);
+    column.swap(sorted);
+  });
+  for (Slot k = 0; k < order.size(); ++k) result.new_slot[order[k]] = k;
+  for (Slot& s : slot_of_)
+    if (s != no_slot) s = result.new_slot[s];
+  return result;
+}
+
+Reordering World::remove(std::span<const BodyId> bodies) {
+  std::vector<char> gone(size(), 0);
+  for (BodyId b : bodies) {
+    EPAFI_REQUIRE(slot_of(b) != no_slot, "a body is removed once");
+    gone[slot_of(b)] = 1;
+  }
+  std::vector<Slot> keep;
+  for (Slot s = 0; s < size(); ++s)
+    if (!gone[s]) keep.push_back(s);
+  return reorder(keep);
+}
+
+void World::visit(StateVisitor& visitor) {
+  visitor.value("world/time", time);
+  visitor.column("world/slot_of", slot_of_);
+  each_column([&](const char* name, auto& column) { visitor.column(name, column); });
+}
+
+std::size_t World::bytes_per_body() const {
+  std::size_t bytes = sizeof(Slot);  // slot_of
+  const_cast<World*>(this)->each_column([&](const char*, auto& column) { bytes += sizeof(column[0]); });
+  return bytes;
+}
+
+namespace {
+/// Spreads the lowest 21 bits of v to every third bit.
+std::uint64_t spread(std::uint64_t v) {
+  v &= 0x1fffff;
+  v = (v | v << 32) & 0x1f00000000ffffULL;
+  v = (v | v << 16) & 0x1f0000ff0000ffULL;
+  v = (v | v << 8) & 0x100f00f00f00f00fULL;
+  v = (v | v << 4) & 0x10c30c30c30c30c3ULL;
+  return (v | v << 2) & 0x1249249249249249ULL;
+}
+}  // namespace
+
+std::vector<Slot> morton_order(const World& world) {
+  std::vector<Slot> order(world.size());
+  std::iota(order.begin(), order.end(), Slot{0});
+  if (world.size() < 2) return order;
+  Vec3 low = world.position[0], high = low;
+  for (const Vec3& x : world.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double extent = std::max((high - low).maxCoeff(), 1e-300);
+  std::vector<std::uint64_t> code(world.size());
+  for (std::size_t s = 0; s < code.size(); ++s) {
+    const Vec3 u = (world.position[s] - low) * (1023.0 / extent);
+    code[s] = spread(static_cast<std::uint64_t>(u.x())) | spread(static_cast<std::uint64_t>(u.y())) << 1 |
+              spread(static_cast<std::uint64_t>(u.z())) << 2;
+  }
+  std::sort(order.begin(), order.end(), [&](Slot p, Slot q) {
+    return code[p] != code[q] ? code[p] < code[q] : world.id[p] < world.id[q];
+  });
+  return order;
+}
+
+std::string state_hash(const World& world) {
+  Hash hash;
+  for (std::uint32_t b = 0; b < world.ids_given(); ++b) {
+    const Slot s = world.slot_of(static_cast<BodyId>(b));
+    if (s == no_slot) continue;
+    hash.add(b);
+    hash.add(world.position[s].data(), 3), hash.add(world.velocity[s].data(), 3);
+    if (!world.rotates()) continue;
+    hash.add(world.orientation[s].coeffs().data(), 4), hash.add(world.angular_velocity[s].data(), 3);
+  }
+  return hash.hex();
+}
+
+}  // namespace epafi

@@ -1,0 +1,97 @@
+/// @file world.h  The state of all bodies: one column per quantity, structure of arrays, indexed by slot.
+/// A column that the scene does not need is empty (see Columns). Fixed and driven bodies have inverse mass 0.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/state_visitor.h"
+#include "engine/types.h"
+
+namespace epafi {
+
+/// Which optional columns exist; the plan of the scene decides.
+struct Columns {
+  bool rotation = false;        ///< orientation, angular velocity, inverse inertia
+  bool force = true;            ///< force (and torque, with rotation): smooth contact only
+  bool external_force = false;  ///< constant forces on some bodies
+};
+
+/// One body as it enters the world.
+struct Body {
+  Vec3 position = Vec3::Zero();             ///< centre of mass [m]
+  Quat orientation = Quat(1, 0, 0, 0);     ///< principal axes to world
+  Vec3 velocity = Vec3::Zero();             ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();     ///< world axes [rad/s]
+  double mass = 0.0;                        ///< [kg]; 0: fixed or driven
+  Vec3 inertia = Vec3::Zero();              ///< principal moments [kg m^2]; unused where mass is 0
+  Vec3 external_force = Vec3::Zero();       ///< [N]
+  std::uint32_t shape = 0;                  ///< opaque to the engine: packed type and index of detection/shape_store.h
+  std::uint16_t material = 0;
+};
+
+/// Where every slot went: new_slot[old], no_slot where the body was removed. Stages remap what they keep.
+struct Reordering {
+  std::vector<Slot> new_slot;
+};
+
+class World {
+ public:
+  explicit World(Columns columns = {}) : columns_(columns) {}
+
+  double time = 0.0;                   ///< [s]
+  Vec3 gravity = Vec3::Zero();         ///< [m/s^2]
+
+  std::vector<BodyId> id;              ///< of each slot
+  std::vector<std::uint32_t> shape;
+  std::vector<std::uint16_t> material;
+  std::vector<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
+  std::vector<Vec3> position;          ///< [m]
+  std::vector<Vec3> velocity;          ///< [m/s]
+  std::vector<Vec3> force;             ///< contact force at the last detection [N]; with columns().force
+  std::vector<Vec3> external_force;    ///< [N]; with columns().external_force
+  std::vector<Quat> orientation;       ///< with columns().rotation, as are the next three
+  std::vector<Vec3> angular_velocity;  ///< world axes [rad/s]
+  std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]
+  std::vector<Vec3> torque;            ///< [N m]; with columns().force
+
+  std::size_t size() const { return id.size(); }
+  bool rotates() const { return columns_.rotation; }
+  const Columns& columns() const { return columns_; }
+  bool is_movable(Slot s) const { return inverse_mass[s] > 0.0; }
+  Slot slot_of(BodyId body) const { return slot_of_[static_cast<std::uint32_t>(body)]; }  ///< no_slot when removed
+  std::size_t ids_given() const { return slot_of_.size(); }
+
+  Pose pose(Slot s) const { return {position[s], rotates() ? orientation[s] : Quat(1, 0, 0, 0)}; }
+  /// Acceleration by everything but contact: gravity and external force [m/s^2]; zero for fixed bodies.
+  Vec3 free_acceleration(Slot s) const;
+  /// Whole acceleration, with the stored contact force.
+  Vec3 acceleration(Slot s) const { return free_acceleration(s) + inverse_mass[s] * force[s]; }
+  /// I^-1 x in world axes.
+  Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const;
+
+  BodyId add(const Body& body);
+  /// Takes the bodies out; slots close up. The caller hands the result to every stage.
+  Reordering remove(std::span<const BodyId> bodies);
+  /// Puts the body of slot order[k] into slot k.
+  Reordering reorder(std::span<const Slot> order);
+
+  void visit(StateVisitor& visitor);
+  /// Bytes of the columns of one body, as `epafi explain` prints them.
+  std::size_t bytes_per_body() const;
+
+ private:
+  Columns columns_;
+  std::vector<Slot> slot_of_;  ///< by body id
+
+  template <class F>
+  void each_column(F&& f);
+};
+
+/// Slots along a Morton (Z-order) curve over the bodies' positions, cell of 1/1024 of the largest extent.
+std::vector<Slot> morton_order(const World& world);
+
+/// Hash of id, position, velocity, orientation and angular velocity in the order of body ids: 16 hexadecimal digits.
+std::string state_hash(const World& world);
+
+}  // namespace epafi

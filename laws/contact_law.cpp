@@ -1,0 +1,1 @@
+#include "laws/contact_law.h"
