@@ -49,10 +49,6 @@ struct StepReport {
   double elastic = 0.0;            ///< energy stored in the contacts now [J]
   double dissipated = 0.0;         ///< energy lost in the contacts during this step [J]
   double work = 0.0;               ///< work of driven bodies on the others during this step [J]
-  double max_overlap = 0.0;        ///< [m]
-  double sum_overlap = 0.0;        ///< over the contacts with gap < 0 [m]
-  std::size_t overlaps = 0;
-  double max_overlap_relative = 0.0;  ///< overlap over the smaller body's bounding radius
   bool has_solver = false;
   SolverReport solver;
   StageSeconds seconds;            ///< summed over all steps so far
