@@ -1,5 +1,6 @@
 # Fails when an include breaks the floors, a dependency has two doors, or a file is too long.
 # Run as: cmake -DROOT=<source folder> -P cmake/check_floors.cmake
+cmake_minimum_required(VERSION 3.22)
 set(problems "")
 function(complain text)
   set(problems "${problems}\n  ${text}" PARENT_SCOPE)
