@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/domain.h"
 #include "engine/error.h"
+#include "engine/events.h"
 #include "engine/registry.h"
 #include "engine/types.h"
 #include "laws/material.h"
@@ -32,14 +34,6 @@ struct RunSettings {
   Placed<double> output_interval;           ///< [s], > 0; default duration / 100
   std::optional<double> checkpoint_interval;  ///< [s], > 0; empty: only at the end and on interruption
   std::uint64_t seed = 1;
-};
-
-/// [world] domain: a box that bodies must not leave.
-struct Domain {
-  enum class Outside { error, remove };  ///< scene words: error, delete
-  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< [m], min < max
-  Outside outside = Outside::error;
-  Place place;
 };
 
 /// [material.NAME]; index in Scene::materials is the material column of the world.
@@ -91,26 +85,6 @@ struct ShapeSpec {
   Place place;
 };
 
-/// motion = { ... } of a driven body; outside [from, until] it stands still. Parts add up.
-struct MotionSpec {
-  struct Rotation {
-    Vec3 axis = Vec3::UnitZ();   ///< unit
-    double rate = 0.0;           ///< [rad/s]
-    std::optional<Vec3> about;   ///< a point of the axis [m]; empty: the body's centre
-  };
-  struct Oscillation {
-    Vec3 direction = Vec3::UnitZ();  ///< unit
-    double amplitude = 0.0;          ///< [m]
-    double frequency = 0.0;          ///< [Hz]: displacement = amplitude sin(2 pi frequency (t - from))
-  };
-  Vec3 velocity = Vec3::Zero();  ///< [m/s]
-  double from = 0.0;             ///< [s]
-  double until = infinity;       ///< [s]
-  std::optional<Rotation> rotation;
-  std::optional<Oscillation> oscillation;
-  Place place;
-};
-
 /// One body after `repeat` is unrolled, from [[body]] or a row of [[bodies]].
 struct BodySpec {
   std::string name;          ///< "stack[3]", "grid[0,1,2]" or the plain name
@@ -118,7 +92,7 @@ struct BodySpec {
   std::size_t shape = 0;     ///< index in Scene::shapes
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
-  std::optional<MotionSpec> motion;
+  std::optional<Motion> motion;          ///< motion = { ... } of a driven body
   std::optional<double> remove_at;          ///< [s]
   Vec3 position = Vec3::Zero();             ///< of the centre of mass [m]
   Quat orientation = Quat(1, 0, 0, 0);      ///< of the author's axes, unit
@@ -209,7 +183,7 @@ struct Scene {
   std::string text;                 ///< the whole text that was read, includes and overrides too: hashed, stored
   RunSettings run;
   Vec3 gravity = Vec3::Zero();      ///< [m/s^2]
-  std::optional<Domain> domain;
+  std::optional<Placed<Domain>> domain;
   std::vector<MaterialSpec> materials;
   ContactSettings contact;
   DetectionSettings detection;
