@@ -1,0 +1,16 @@
+/// @file contact_setup.h  From the [contact] tables to the contact model and what it needs.
+#pragma once
+#include <memory>
+
+#include "engine/pipeline.h"
+#include "scenes/scene.h"
+
+namespace epafi {
+
+/// What the chosen law or solver needs of the engine.
+Needs contact_needs(const Scene& scene);
+
+/// The chosen law or solver; throws SceneError where parts do not fit together.
+std::unique_ptr<ContactModel> make_contact_model(const Scene& scene);
+
+}  // namespace epafi
