@@ -44,7 +44,7 @@ void Progress::print(const Simulation& sim, const RunMonitor& monitor) {
 }
 
 void Progress::update(const Simulation& sim, const RunMonitor& monitor) {
-  if (quiet_ || ++calls_ % 16 != 0) return;
+  if (quiet_) return;
   const auto now = Clock::now();
   if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? 0.5 : 10.0)) return;
   last_ = now;

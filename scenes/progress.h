@@ -24,7 +24,6 @@ class Progress {
   std::uint64_t steps_, first_;
   bool quiet_, terminal_;
   Clock::time_point start_, last_;
-  std::uint64_t calls_ = 0;
 };
 
 /// "3:07" or "2:15:30".
