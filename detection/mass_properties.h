@@ -2,23 +2,12 @@
 /// Sum over signed tetrahedra with their apex in the middle of the surface (Mirtich 1996; Eberly 2002): exact but for
 /// rounding, also far from the origin. A surface that is not closed or not oriented gives numbers without meaning.
 #pragma once
-#include <array>
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "detection/shapes/shape_concept.h"
+#include "detection/shapes/triangle_surface.h"
 
 namespace epafi {
-
-/// Vertices by index, counter-clockwise seen from outside.
-using Triangle = std::array<std::uint32_t, 3>;
-
-/// A surface made of triangles.
-struct TriangleSurface {
-  std::vector<Vec3> vertices;  ///< [m]
-  std::vector<Triangle> triangles;
-};
 
 /// At density 1: volume [m^3], centre [m], inertia about the centre [m^5]. Volume < 0: the orientation is inside out.
 [[nodiscard]] MassProperties surface_mass_properties(std::span<const Vec3> vertices, std::span<const Triangle> triangles);

@@ -157,26 +157,14 @@ std::string MeshReport::to_string() const {
 }
 
 MeshReport inspect(const TriangleSurface& surface) {
-  struct Side {
-    std::uint32_t low, high;
-    bool forward;
-    auto key() const { return std::pair(low, high); }
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * surface.triangles.size());
-  for (const auto& t : surface.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto from = t[k], to = t[(k + 1) % 3];
-      sides.push_back({std::min(from, to), std::max(from, to), from < to});
-    }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.key() < b.key(); });
+  const auto uses = sorted_edge_uses(surface.triangles);
   MeshReport report;
-  for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
-    while (end < sides.size() && sides[end].key() == sides[begin].key()) ++end;
-    const std::array<Vec3, 2> ends{surface.vertices[sides[begin].low], surface.vertices[sides[begin].high]};
+  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+    while (end < uses.size() && uses[end].edge() == uses[begin].edge()) ++end;
+    const std::array<Vec3, 2> ends{surface.vertices[uses[begin].low], surface.vertices[uses[begin].high]};
     if (end - begin == 1) {
       if (report.open_edges++ == 0) report.first_open = ends;
-    } else if (end - begin > 2 || sides[begin].forward == sides[begin + 1].forward) {
+    } else if (end - begin > 2 || uses[begin].forward == uses[begin + 1].forward) {
       if (report.clashing_edges++ == 0) report.first_clash = ends;
     }
   }
