@@ -1,5 +1,7 @@
 /// @file all_shapes.h  The list of shapes: include the header, add the name.
 #pragma once
+#include "detection/shapes/box.h"
+#include "detection/shapes/convex_hull.h"
 #include "detection/shapes/half_space.h"
 #include "detection/shapes/sphere.h"
 
@@ -10,6 +12,6 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, HalfSpace>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull>;
 
 }  // namespace epafi
