@@ -16,6 +16,6 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, Box, Capsule, Cylinder, Ellipsoid, ConvexHull, HalfSpace, TriangleMesh>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, TriangleMesh>;
 
 }  // namespace epafi
