@@ -1,16 +1,15 @@
 #include "scenes/contact_setup.h"
 
 #include "laws/nonsmooth/nonsmooth_contact.h"
-#include "laws/smooth/make_smooth_contact.h"
 
 namespace epafi {
-
-namespace {
 
 SmoothSetup smooth_setup(const Scene& scene) {
   const ContactSettings& c = scene.contact;
   return {c.law.value, c.tangential.value, c.rolling.value, material_table(scene)};
 }
+
+namespace {
 
 NonsmoothSetup nonsmooth_setup(const Scene& scene) {
   return {scene.contact.solver.value, scene.contact.nonsmooth, material_table(scene)};

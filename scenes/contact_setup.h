@@ -3,9 +3,13 @@
 #include <memory>
 
 #include "engine/pipeline.h"
+#include "laws/smooth/make_smooth_contact.h"
 #include "scenes/scene.h"
 
 namespace epafi {
+
+/// The smooth law of the scene with its materials.
+SmoothSetup smooth_setup(const Scene& scene);
 
 /// What the chosen law or solver needs of the engine.
 Needs contact_needs(const Scene& scene);

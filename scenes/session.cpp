@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engine/hash.h"
 #include "engine/parallel.h"
@@ -50,6 +51,7 @@ struct Session::Files {
   FrameWriter frames;
   SurfaceCache surfaces;
   StateSnapshot last_good;
+  std::map<std::string, std::size_t> measure_numbers{};  ///< in run.h5
 };
 
 std::string scene_hash(const Scene& scene) {
@@ -66,9 +68,9 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder)
     : Session(std::move(assembly), std::move(overrides), std::move(folder), false) {
   std::filesystem::create_directories(folder_);
-  const Scene& scene = assembly_->scene;
-  files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", {EPAFI_VERSION, scene.title, scene_hash(scene), scene.text}),
-                         FrameWriter(folder_), SurfaceCache(*assembly_->shapes), {}});
+  files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", run_header()), FrameWriter(folder_),
+                         SurfaceCache(*assembly_->shapes), {}});
+  define_measures();
   assembly_->simulation->start();
 }
 
@@ -78,14 +80,24 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
   Simulation& sim = *s->assembly_->simulation;
   load_checkpoint(s->folder_ / "checkpoint.h5", {EPAFI_VERSION, scene_hash(s->assembly_->scene)}, [&](StateVisitor& v) { sim.visit(v); });
   const double time = sim.world.time;
-  s->files_.reset(new Files{MeasuresCsv(s->folder_ / "measures.csv", time), RunFile::append(s->folder_ / "run.h5", time),
+  s->files_.reset(new Files{MeasuresCsv(s->folder_ / "measures.csv", time), RunFile(s->folder_ / "run.h5", s->run_header(), sim.steps(), time),
                             FrameWriter(s->folder_, time), SurfaceCache(*s->assembly_->shapes), {}});
+  s->define_measures();
   s->first_step_ = sim.steps();
   s->first_body_steps_ = s->monitor_->body_steps();
   return s;
 }
 
 Session::~Session() = default;
+
+RunFileHeader Session::run_header() const {
+  const Scene& scene = assembly_->scene;
+  return {EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
+}
+
+void Session::define_measures() {
+  for (const auto* r : recorders_) files_->measure_numbers[r->name()] = files_->run.define_measure(r->name(), r->components());
+}
 
 void Session::add_observers() {
   const Scene& scene = assembly_->scene;
@@ -106,7 +118,7 @@ void Session::add_observers() {
         spec.name, entry->make(setup), spec.interval > 0 ? steps_of(spec.interval, dt) : 1,
         [this](double time, const std::string& name, const std::vector<std::string>& components, const std::vector<double>& values) {
           for (std::size_t k = 0; k < components.size(); ++k) files_->csv.add(time, name, components[k], values[k]);
-          files_->run.add_measure(name, components, time, values);
+          files_->run.add_measure(files_->measure_numbers.at(name), time, values);
         });
     recorders_.push_back(recorder.get());
     sim.observers.push_back(std::move(recorder));
@@ -116,7 +128,7 @@ void Session::add_observers() {
 
 void Session::write_frame(const StepView& view) {
   const auto bodies = body_records(view.world, files_->surfaces);
-  files_->run.add_snapshot(view.step, view.world, *assembly_->shapes);
+  files_->run.add_snapshot({view.step, view.world.time, state_hash(view.world), view.world.rotates()}, bodies);
   files_->frames.write(view.world.time, bodies, contact_records(view.world, view.contacts));
 }
 

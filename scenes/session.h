@@ -10,6 +10,7 @@
 #include "scenes/progress.h"
 #include "viz_export/checkpoint.h"
 #include "viz_export/measure_recorder.h"
+#include "viz_export/run_file.h"
 #include "viz_export/summary.h"
 
 namespace epafi {
@@ -42,6 +43,8 @@ class Session {
   struct Files;
   Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, bool resumed);
   void add_observers();
+  RunFileHeader run_header() const;
+  void define_measures();
   void write_frame(const StepView& view);
   void save_checkpoint_now();
   void walk(StateVisitor& visitor) { assembly_->simulation->visit(visitor); }

@@ -134,7 +134,8 @@ int command_new(const std::string& kind) {
 }
 
 int command_export(const std::string& directory, const std::string& format) {
-  export_run(directory, format);
+  const ExportReport report = export_run(directory, format == "csv" ? ExportFormat::csv : ExportFormat::vtk);
+  say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures, directory));
   return exit_done;
 }
 
