@@ -31,10 +31,23 @@ inline constexpr Range not_negative{0, infinity, false, false};
 inline constexpr Range unit_interval{0, 1, false, false};
 
 /// What a field holds.
-enum class Kind { number, integer, boolean, text, vec3, numbers, vectors, table };
+enum class Kind {
+  number,      ///< with `choices`: or one of these words ("auto")
+  integer,
+  boolean,
+  text,
+  vec3,
+  quaternion,  ///< w x y z, stored as four numbers of unit length
+  numbers,
+  integers,    ///< one integer or a list of them
+  vectors,
+  texts,       ///< one word or a list of them
+  table,       ///< a nested table; its values are stored flat as `name.key`
+  shape,       ///< a name under [shape.*] or a shape written in place
+};
 
 /// A resolved value of a field (numbers in SI).
-using Value = std::variant<double, bool, std::string, Vec3, std::vector<double>, std::vector<Vec3>>;
+using Value = std::variant<double, bool, std::string, Vec3, std::vector<double>, std::vector<Vec3>, std::vector<std::string>>;
 
 /// One parameter of an entry or one key of a scene table.
 struct Field {
@@ -47,6 +60,7 @@ struct Field {
   std::string help;
   bool optional = false;                 ///< may be absent and has no default: absence is meaningful
   std::vector<std::string> choices{};    ///< for text: the admissible words, empty = any
+  std::vector<Field> fields{};           ///< for a table: its keys
 };
 
 /// Parameters of one entry after validation, by field name.
@@ -55,11 +69,13 @@ class Parameters {
   bool has(const std::string& name) const { return values_.count(name) != 0; }
   double number(const std::string& name) const { return std::get<double>(values_.at(name)); }
   double number_or(const std::string& name, double otherwise) const { return has(name) ? number(name) : otherwise; }
+  long long integer(const std::string& name) const { return static_cast<long long>(number(name)); }
   bool boolean(const std::string& name) const { return std::get<bool>(values_.at(name)); }
   const std::string& text(const std::string& name) const { return std::get<std::string>(values_.at(name)); }
   const Vec3& vec3(const std::string& name) const { return std::get<Vec3>(values_.at(name)); }
   const std::vector<double>& numbers(const std::string& name) const { return std::get<std::vector<double>>(values_.at(name)); }
   const std::vector<Vec3>& vectors(const std::string& name) const { return std::get<std::vector<Vec3>>(values_.at(name)); }
+  const std::vector<std::string>& texts(const std::string& name) const { return std::get<std::vector<std::string>>(values_.at(name)); }
   void set(const std::string& name, Value value) { values_[name] = std::move(value); }
   const std::map<std::string, Value>& all() const { return values_; }
 

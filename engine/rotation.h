@@ -1,5 +1,5 @@
 /// @file rotation.h  Torque-free motion of a rigid body over one step, by symmetric splitting of the kinetic energy
-/// (McLachlan 1993; Dullweber, Leimkuhler and McLachlan 1997). The angular momentum in space is kept to rounding, the
+/// (McLachlan 1993; Dullweber, Leimkuhler and McLachlan 1997). The angular momentum in space is kept exactly, the
 /// energy error is bounded and of second order; for symmetric tops (two equal moments) the motion is exact.
 #pragma once
 #include <array>
@@ -14,9 +14,9 @@ struct SinCos {
 };
 SinCos sin_cos(double x);
 
-/// Advances orientation q (body to world) and angular velocity w (world axes) by dt without torque.
-/// inverse_inertia: principal [1/(kg m^2)], each > 0.
-void rotate_freely(Quat& q, Vec3& w, const Vec3& inverse_inertia, double dt);
+/// Advances the orientation q (body to world) by dt without torque. The angular momentum in space [kg m^2/s] is the
+/// state that stays: not a bit of it changes. inverse_inertia: principal [1/(kg m^2)], each > 0.
+void rotate_freely(Quat& q, const Vec3& angular_momentum, const Vec3& inverse_inertia, double dt);
 
 /// q turned by the rotation vector `angle` (world axes) [rad].
 Quat turned(const Quat& q, const Vec3& angle);

@@ -5,6 +5,7 @@
 
 #include "engine/error.h"
 #include "engine/hash.h"
+#include "engine/rotation.h"
 
 namespace epafi {
 
@@ -18,6 +19,7 @@ void World::each_column(F&& f) {
   f("world/orientation", orientation), f("world/angular_velocity", angular_velocity);
   f("world/inverse_inertia", inverse_inertia);
   if (columns_.force) f("world/torque", torque);
+  if (columns_.anisotropy) f("world/angular_momentum", angular_momentum);
 }
 
 Vec3 World::free_acceleration(Slot s) const {
@@ -33,6 +35,33 @@ Vec3 World::apply_inverse_inertia(Slot s, const Vec3& x) const {
   return r * i.cwiseProduct(r.transpose() * x);
 }
 
+void World::apply_angular_impulse(Slot s, const Vec3& impulse) {
+  if (!columns_.anisotropy) {
+    angular_velocity[s] += apply_inverse_inertia(s, impulse);
+    return;
+  }
+  angular_momentum[s] += impulse;
+  angular_velocity[s] = apply_inverse_inertia(s, angular_momentum[s]);
+}
+
+void World::set_angular_velocity(Slot s, const Vec3& w) {
+  angular_velocity[s] = w;
+  if (!columns_.anisotropy || !is_movable(s)) return;
+  const Mat3 r = orientation[s].toRotationMatrix();
+  angular_momentum[s] = r * (r.transpose() * w).cwiseQuotient(inverse_inertia[s]);
+}
+
+void World::rotate(Slot s, double dt) {
+  const Vec3& i = inverse_inertia[s];
+  if (i.x() == i.y() && i.y() == i.z()) {
+    orientation[s] = turned(orientation[s], dt * angular_velocity[s]);
+    return;
+  }
+  EPAFI_REQUIRE(columns_.anisotropy, "a body with unequal principal moments needs columns().anisotropy");
+  rotate_freely(orientation[s], angular_momentum[s], i, dt);
+  angular_velocity[s] = apply_inverse_inertia(s, angular_momentum[s]);
+}
+
 BodyId World::add(const Body& body) {
   const auto new_id = static_cast<BodyId>(slot_of_.size());
   slot_of_.push_back(static_cast<Slot>(size()));
@@ -45,9 +74,10 @@ BodyId World::add(const Body& body) {
   if (columns_.external_force) external_force.back() = body.external_force;
   if (columns_.rotation) {
     orientation.back() = body.orientation.normalized();
-    angular_velocity.back() = body.angular_velocity;
-    inverse_inertia.back() = free ? Vec3(body.inertia.cwiseInverse()) : Vec3::Zero();
+    inverse_inertia.back() = free ? Vec3(body.inertia.cwiseInverse()) : Vec3(0, 0, 0);
     if (columns_.force) torque.back().setZero();
+    if (columns_.anisotropy) angular_momentum.back().setZero();
+    set_angular_velocity(static_cast<Slot>(size() - 1), body.angular_velocity);
   }
   return new_id;
 }

@@ -13,6 +13,7 @@ namespace epafi {
 /// Which optional columns exist; the plan of the scene decides.
 struct Columns {
   bool rotation = false;        ///< orientation, angular velocity, inverse inertia
+  bool anisotropy = false;      ///< some free body has unequal principal moments: angular momentum is kept beside the velocity
   bool force = true;            ///< force (and torque, with rotation): smooth contact only
   bool external_force = false;  ///< constant forces on some bodies
 };
@@ -54,6 +55,7 @@ class World {
   std::vector<Vec3> angular_velocity;  ///< world axes [rad/s]
   std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]
   std::vector<Vec3> torque;            ///< [N m]; with columns().force
+  std::vector<Vec3> angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
 
   std::size_t size() const { return id.size(); }
   bool rotates() const { return columns_.rotation; }
@@ -69,6 +71,11 @@ class World {
   Vec3 acceleration(Slot s) const { return free_acceleration(s) + inverse_mass[s] * force[s]; }
   /// I^-1 x in world axes.
   Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const;
+  /// Changes the angular momentum by an impulse [N m s] and the angular velocity with it; free bodies only.
+  void apply_angular_impulse(Slot s, const Vec3& impulse);
+  void set_angular_velocity(Slot s, const Vec3& w);
+  /// Motion of the orientation over dt: torque-free for free bodies, with constant angular velocity for driven ones.
+  void rotate(Slot s, double dt);
 
   BodyId add(const Body& body);
   /// Takes the bodies out; slots close up. The caller hands the result to every stage.

@@ -3,7 +3,6 @@
 #pragma once
 #include "engine/parallel.h"
 #include "engine/pipeline.h"
-#include "engine/rotation.h"
 
 namespace epafi {
 
@@ -18,9 +17,7 @@ class MoreauJean final : public Scheme {
     parallel_for(world.size(), [&](std::size_t i) {
       const auto s = static_cast<Slot>(i);
       world.position[s] += dt * world.velocity[s];
-      if (!world.rotates()) return;
-      if (world.is_movable(s)) rotate_freely(world.orientation[s], world.angular_velocity[s], world.inverse_inertia[s], dt);
-      else world.orientation[s] = turned(world.orientation[s], dt * world.angular_velocity[s]);
+      if (world.rotates()) world.rotate(s, dt);
     });
   }
 };

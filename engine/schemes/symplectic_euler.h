@@ -2,7 +2,6 @@
 #pragma once
 #include "engine/parallel.h"
 #include "engine/pipeline.h"
-#include "engine/rotation.h"
 
 namespace epafi {
 
@@ -16,12 +15,8 @@ class SymplecticEuler final : public Scheme {
       if (world.is_movable(s)) world.velocity[s] += dt * world.acceleration(s);
       world.position[s] += dt * world.velocity[s];
       if (!world.rotates()) return;
-      if (!world.is_movable(s)) {
-        world.orientation[s] = turned(world.orientation[s], dt * world.angular_velocity[s]);
-        return;
-      }
-      world.angular_velocity[s] += dt * world.apply_inverse_inertia(s, world.torque[s]);
-      rotate_freely(world.orientation[s], world.angular_velocity[s], world.inverse_inertia[s], dt);
+      if (world.is_movable(s)) world.apply_angular_impulse(s, dt * world.torque[s]);
+      world.rotate(s, dt);
     });
   }
 };

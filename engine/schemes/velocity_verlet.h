@@ -4,7 +4,6 @@
 #pragma once
 #include "engine/parallel.h"
 #include "engine/pipeline.h"
-#include "engine/rotation.h"
 
 namespace epafi {
 
@@ -19,9 +18,7 @@ class VelocityVerlet final : public Scheme {
       const auto s = static_cast<Slot>(i);
       kick(world, s, 0.5 * dt);
       world.position[s] += dt * world.velocity[s];
-      if (!world.rotates()) return;
-      if (world.is_movable(s)) rotate_freely(world.orientation[s], world.angular_velocity[s], world.inverse_inertia[s], dt);
-      else world.orientation[s] = turned(world.orientation[s], dt * world.angular_velocity[s]);
+      if (world.rotates()) world.rotate(s, dt);
     });
   }
   void second_half(World& world, double dt) override {
@@ -32,7 +29,7 @@ class VelocityVerlet final : public Scheme {
   static void kick(World& world, Slot s, double dt) {
     if (!world.is_movable(s)) return;
     world.velocity[s] += dt * world.acceleration(s);
-    if (world.rotates()) world.angular_velocity[s] += dt * world.apply_inverse_inertia(s, world.torque[s]);
+    if (world.rotates()) world.apply_angular_impulse(s, dt * world.torque[s]);
   }
 };
 

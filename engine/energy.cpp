@@ -1,0 +1,85 @@
+#include "engine/energy.h"
+
+#include <algorithm>
+
+#include "engine/parallel.h"
+
+namespace epafi {
+
+double kinetic_energy(const World& world) {
+  return block_sum<double>(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    if (!world.is_movable(s)) return 0.0;
+    double twice = world.velocity[s].squaredNorm() / world.inverse_mass[s];
+    if (world.rotates()) {
+      const Vec3 w = world.orientation[s].conjugate() * world.angular_velocity[s];
+      twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia[s]).sum();
+    }
+    return 0.5 * twice;
+  });
+}
+
+double potential_energy(const World& world) {
+  return block_sum<double>(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    if (!world.is_movable(s)) return 0.0;
+    return -world.free_acceleration(s).dot(world.position[s]) / world.inverse_mass[s];
+  });
+}
+
+Vec3 linear_momentum(const World& world) {
+  const auto sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    if (!world.is_movable(s)) return Sum3{};
+    const Vec3 p = world.velocity[s] / world.inverse_mass[s];
+    return Sum3{p.x(), p.y(), p.z()};
+  });
+  return {sum.a, sum.b, sum.c};
+}
+
+void EnergyLedger::start(const World& world, const StepReport& report) {
+  now_ = {};
+  now_.elastic = report.elastic;
+  measure(world);
+  start_ = now_.stored();
+  largest_inner_ = now_.kinetic + now_.elastic;
+  lowest_potential_ = highest_potential_ = now_.potential;
+}
+
+void EnergyLedger::add(const StepReport& report) {
+  now_.elastic = report.elastic;
+  now_.dissipated += report.dissipated;
+  now_.work += report.work;
+}
+
+void EnergyLedger::accept_jump(const World& world, double stored_before) {
+  const double jump = stored(world) - stored_before;
+  now_.work += jump;
+  // the spread is that of the bodies' motion: a body that is taken out does not widen it
+  const double potential = potential_energy(world);
+  const double change = potential - now_.potential;
+  lowest_potential_ += change, highest_potential_ += change;
+  now_.potential = potential;
+}
+
+Energy EnergyLedger::measure(const World& world) {
+  now_.kinetic = kinetic_energy(world);
+  now_.potential = potential_energy(world);
+  largest_inner_ = std::max(largest_inner_, now_.kinetic + now_.elastic);
+  lowest_potential_ = std::min(lowest_potential_, now_.potential);
+  highest_potential_ = std::max(highest_potential_, now_.potential);
+  return now_;
+}
+
+double EnergyLedger::relative_error() const {
+  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
+  const double error = now_.stored() - start_ + now_.dissipated - now_.work;
+  return reference > 0 ? error / reference : 0.0;
+}
+
+void EnergyLedger::visit(StateVisitor& v) {
+  v.value("energy/now", now_), v.value("energy/start", start_), v.value("energy/largest_inner", largest_inner_);
+  v.value("energy/lowest_potential", lowest_potential_), v.value("energy/highest_potential", highest_potential_);
+}
+
+}  // namespace epafi

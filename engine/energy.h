@@ -1,0 +1,47 @@
+/// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
+/// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the spread of
+/// the potential energy. Potential: gravity and constant external forces. All sums in a fixed order.
+#pragma once
+#include "engine/report.h"
+#include "engine/state_visitor.h"
+#include "engine/world.h"
+
+namespace epafi {
+
+/// Kinetic energy of the free bodies, translation and rotation [J].
+double kinetic_energy(const World& world);
+/// -sum (m g + F).x over the free bodies [J].
+double potential_energy(const World& world);
+/// sum m v of the free bodies [N s].
+Vec3 linear_momentum(const World& world);
+
+struct Energy {
+  double kinetic = 0, potential = 0, elastic = 0;  ///< stored now [J]
+  double dissipated = 0, work = 0;                 ///< since the start [J]
+  double stored() const { return kinetic + potential + elastic; }
+};
+
+class EnergyLedger {
+ public:
+  /// The state of time 0.
+  void start(const World& world, const StepReport& report);
+  /// After every step: adds its losses and work.
+  void add(const StepReport& report);
+  /// Bodies were added or removed: the jump of stored energy counts as work.
+  void accept_jump(const World& world, double stored_before);
+  /// Stored energies now; extends E_ref. Costs one pass over the bodies, so call it as often as the error is wanted.
+  Energy measure(const World& world);
+
+  const Energy& last() const { return now_; }
+  double relative_error() const;
+  double stored(const World& world) const { return kinetic_energy(world) + potential_energy(world) + now_.elastic; }
+  void visit(StateVisitor& visitor);
+
+ private:
+  Energy now_;
+  double start_ = 0;             ///< E(0) [J]
+  double largest_inner_ = 0;     ///< max of kinetic + elastic [J]
+  double lowest_potential_ = 0, highest_potential_ = 0;
+};
+
+}  // namespace epafi

@@ -1,0 +1,91 @@
+#include "engine/simulation.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace epafi {
+
+void Simulation::start() {
+  sort_bodies();
+  if (pipeline.scheme->needs_initial_forces()) evaluate_forces(world, pipeline, work);
+  ledger.start(world, work.report);
+  observe(false);
+}
+
+std::optional<Failure> Simulation::advance(bool last) {
+  for (auto& event : events) event->before_step(world, time_step, leaving_);
+  if (!leaving_.empty()) take_out();
+  if (steps_ > 0 && steps_ % sort_interval == 0) sort_bodies();
+  step(world, pipeline, work, time_step);
+  ++steps_;
+  ledger.add(work.report);
+  if (auto failure = watch()) return failure;
+  StageTimer timer(work.report.seconds);
+  observe(last);
+  timer.lap(Stage::output);
+  return std::nullopt;
+}
+
+void Simulation::sort_bodies() { reorder(world.reorder(morton_order(world))); }
+
+void Simulation::reorder(const Reordering& change) {
+  pipeline.each_stage([&](auto& stage) { stage.reorder(change); });
+  work.contacts.clear();  // their slots are those of before
+}
+
+void Simulation::take_out() {
+  std::sort(leaving_.begin(), leaving_.end());
+  leaving_.erase(std::unique(leaving_.begin(), leaving_.end()), leaving_.end());
+  ledger.measure(world);
+  const double before = ledger.stored(world);
+  reorder(world.remove(leaving_));
+  removed_ += leaving_.size();
+  leaving_.clear();
+  ledger.accept_jump(world, before);
+}
+
+std::optional<Failure> Simulation::watch() {
+  const auto strays = find_strays(world, domain);
+  for (Slot s : strays) {
+    const Vec3 &x = world.position[s], &v = world.velocity[s];
+    char text[256];
+    if (!is_finite(world, s)) {
+      std::snprintf(text, sizeof text, "body %u became non-finite in step %llu: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s",
+                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(), v.x(), v.y(), v.z());
+      return Failure{"non-finite state", steps_, world.id[s], text};
+    }
+    if (domain->outside == Domain::Outside::error) {
+      std::snprintf(text, sizeof text, "body %u left the domain in step %llu at (%g, %g, %g) m with velocity (%g, %g, %g) m/s",
+                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(), v.x(), v.y(), v.z());
+      return Failure{"lost body", steps_, world.id[s], text};
+    }
+    leaving_.push_back(world.id[s]);
+  }
+  return std::nullopt;
+}
+
+void Simulation::observe(bool last) {
+  bool energy = false, any = false;
+  for (const auto& o : observers) {
+    const bool due = last || o->is_due(steps_);
+    any = any || due, energy = energy || (due && o->wants_energy());
+  }
+  if (!any) return;
+  if (energy) ledger.measure(world);
+  const StepView view{world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, last};
+  for (const auto& o : observers)
+    if (last || o->is_due(steps_)) o->observe(view);
+}
+
+void Simulation::visit(StateVisitor& visitor) {
+  visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
+  visitor.column("simulation/leaving", leaving_);
+  world.visit(visitor);
+  ledger.visit(visitor);
+  visitor.value("simulation/elastic", work.report.elastic);
+  pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });
+  for (auto& event : events) event->visit(visitor);
+  for (auto& observer : observers) observer->visit(visitor);
+}
+
+}  // namespace epafi

@@ -1,0 +1,205 @@
+/// @file scene.h  The validated description of a scene: plain structs in SI, nothing parsed, nothing built.
+/// Everything here has passed the door (scenes/reader): names are resolved to indices, numbers are finite and in range.
+/// A Place is kept where a later stage may still have to complain about a value or name the line that asked for a cost.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/domain.h"
+#include "engine/error.h"
+#include "engine/events.h"
+#include "engine/registry.h"
+#include "engine/types.h"
+#include "laws/material.h"
+
+namespace epafi {
+
+/// A value and where the user wrote it; line 0: it is a default.
+template <class T>
+struct Placed {
+  T value{};
+  Place place{};
+  bool written() const { return !place.file.empty(); }
+};
+
+/// [run]
+struct RunSettings {
+  Placed<double> duration;                  ///< [s], > 0
+  Placed<std::optional<double>> time_step;  ///< [s], > 0; empty: "auto"
+  Placed<std::string> scheme;               ///< resolved from the method where not written
+  Placed<double> output_interval;           ///< [s], > 0; default duration / 100
+  std::optional<double> checkpoint_interval;  ///< [s], > 0; empty: only at the end and on interruption
+  std::uint64_t seed = 1;
+};
+
+/// [material.NAME]; index in Scene::materials is the material column of the world.
+struct MaterialSpec {
+  Material material;  ///< NaN where not written
+  Place place;
+};
+
+/// [[contact.pair]]: what differs for one unordered pair of materials.
+struct PairSpec {
+  std::size_t a = 0, b = 0;  ///< indices of materials, a <= b
+  std::optional<double> restitution, friction, rolling_friction;
+  Parameters parameters;     ///< of the smooth law, only those written here
+  Place place;
+};
+
+enum class Method { smooth, nonsmooth };
+
+/// [contact], [contact.smooth], [contact.nonsmooth]
+struct ContactSettings {
+  Placed<Method> method;
+  Placed<double> restitution;       ///< e, in [0, 1]; where absent from [contact], every pair gives its own
+  Placed<double> friction;          ///< mu, >= 0
+  Placed<double> rolling_friction;  ///< mu_r, >= 0
+  Placed<std::string> law;          ///< [contact.smooth] law
+  Placed<std::string> tangential;   ///< "" = the law's own
+  Placed<std::string> rolling;      ///< "" = the law's own
+  Parameters smooth;                ///< of the law and its parts: written values and defaults
+  Placed<std::string> solver;       ///< [contact.nonsmooth] solver
+  Parameters nonsmooth;             ///< of the solver: written values and defaults
+  std::vector<PairSpec> pairs;
+};
+
+/// [detection]
+struct DetectionSettings {
+  Placed<std::string> broad_phase;  ///< "auto" or an entry's name
+  Parameters parameters;            ///< of the broad phase: written values and defaults
+};
+
+/// [shape.NAME] or a shape written in place (name empty). `type` is the entry's name, `parameters` its fields.
+/// polyhedron: exactly one of text("file"), vectors("vertices"), integer("random.vertices") with integer("random.seed").
+/// mesh: text("file"). File names are already relative to the working directory.
+struct ShapeSpec {
+  std::string name;
+  std::string type;
+  Parameters parameters;
+  std::optional<double> scale_to_diameter;  ///< of the bounding sphere about the centre of mass [m], > 0
+  double rounding = 0.0;                    ///< radius of a swept sphere [m], >= 0
+  Place place;
+};
+
+/// One body after `repeat` is unrolled, from [[body]] or a row of [[bodies]].
+struct BodySpec {
+  std::string name;          ///< "stack[3]", "grid[0,1,2]" or the plain name
+  std::size_t group = 0;     ///< index in Scene::groups: the table this body came from
+  std::size_t shape = 0;     ///< index in Scene::shapes
+  std::size_t material = 0;  ///< index in Scene::materials
+  bool fixed = false;
+  std::optional<Motion> motion;          ///< motion = { ... } of a driven body
+  std::optional<double> remove_at;          ///< [s]
+  Vec3 position = Vec3::Zero();             ///< of the centre of mass [m]
+  Quat orientation = Quat(1, 0, 0, 0);      ///< of the author's axes, unit
+  Vec3 velocity = Vec3::Zero();             ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();     ///< world axes [rad/s]
+  Vec3 force = Vec3::Zero();                ///< constant external force [N]
+  Placed<bool> spins;                       ///< an angular velocity was written
+  bool moves() const { return !fixed && !motion; }  ///< free: has mass, is integrated
+};
+
+/// A [[body]] or [[bodies]] table: its bodies are Scene::bodies[first .. first + count).
+struct GroupSpec {
+  std::string name;  ///< may be empty
+  std::size_t first = 0, count = 0;
+  Place place;
+};
+
+/// A box [m].
+struct Region {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();
+};
+
+/// [[fill]]
+struct FillSpec {
+  enum class Method { lattice, random };
+  struct Size {
+    std::string distribution = "uniform";
+    double min = 1.0, max = 1.0;  ///< factor of the shape's size, > 0
+  };
+  std::string name;                 ///< of the group; "fill" where not written
+  std::vector<std::size_t> shapes;  ///< indices in Scene::shapes
+  std::vector<double> weights;      ///< by shape, of number, > 0; same length as shapes
+  std::optional<Size> size;
+  std::size_t material = 0;
+  std::optional<std::uint64_t> count;  ///< exactly one of count, mass, full
+  std::optional<double> mass;          ///< [kg]
+  bool full = false;
+  Region region;
+  Method method = Method::lattice;
+  std::uint64_t seed = 1;
+  Vec3 velocity = Vec3::Zero();  ///< [m/s]
+  Place place;
+};
+
+/// [[measure]]: kind is the entry's name, parameters its fields (plane.point, plane.normal (unit), body, between,
+/// region.box.min, ...). Bodies are resolved: `bodies` holds the indices of all bodies that the name stands for.
+struct MeasureSpec {
+  std::string name;
+  std::string kind;
+  double interval = 0.0;  ///< [s]; 0: every step
+  Parameters parameters;
+  std::vector<std::vector<std::size_t>> bodies;  ///< of body = NAME (one list) or between = [NAME, NAME] (two lists)
+  Place place;
+};
+
+/// One entry of [bounds] or [accuracy].
+struct BoundSpec {
+  std::string quantity;             ///< energy_error, overlap_relative, momentum_error, residual, drift, sag
+  double limit = 0.0;               ///< value <= limit
+  std::string body;                 ///< of drift and sag
+  std::vector<std::size_t> bodies;  ///< resolved
+  double after = 0.0;               ///< [s]
+  Place place;
+};
+
+/// "key.path" = [values]: values as TOML text, ready for `--set`.
+struct Variation {
+  std::string key;
+  std::vector<std::string> values;
+  Place place;
+};
+
+/// [benchmark]
+struct BenchmarkSpec {
+  std::vector<Variation> sizes;
+  std::string error;
+  Place place;
+};
+
+/// [output]
+struct OutputSettings {
+  std::optional<Placed<double>> problems_every;  ///< write the contact problems each so many seconds [s]
+};
+
+struct Scene {
+  std::string title;
+  std::string file;                 ///< as given to the reader
+  std::string text;                 ///< the whole text that was read, includes and overrides too: hashed, stored
+  RunSettings run;
+  Vec3 gravity = Vec3::Zero();      ///< [m/s^2]
+  std::optional<Placed<Domain>> domain;
+  std::vector<MaterialSpec> materials;
+  ContactSettings contact;
+  DetectionSettings detection;
+  std::vector<ShapeSpec> shapes;
+  std::vector<BodySpec> bodies;
+  std::vector<GroupSpec> groups;
+  std::vector<FillSpec> fills;
+  std::vector<MeasureSpec> measures;
+  std::vector<BoundSpec> bounds;
+  std::vector<BoundSpec> accuracy;
+  std::vector<Variation> sweep;
+  std::optional<BenchmarkSpec> benchmark;
+  OutputSettings output;
+};
+
+/// Every unordered pair of the scene's materials with what [contact] and [[contact.pair]] say of it.
+MaterialTable material_table(const Scene& scene);
+
+}  // namespace epafi
