@@ -83,7 +83,9 @@ TEST_CASE("over many steps no close pair is missing, all methods agree, and list
         REQUIRE(std::includes(lists[0].pairs.begin(), lists[0].pairs.end(), close.begin(), close.end()));
       }
       CHECK(lists[0].generation > 2);
-      CHECK(lists[0].generation < (margin > 0.0 ? steps : steps / 4));
+      // a boulder moves more than half of a margin of 0.2 in one step: only a margin of its own keeps the list
+      const bool kept = kind != "bimodal" || margin == 0.0;
+      CHECK(lists[0].generation < (kept ? steps / 4 : steps + 1));
     }
 }
 
@@ -140,7 +142,7 @@ TEST_CASE("a turned or moved plane lists the bodies it has come near", "[detecti
     broad->find_pairs(scene.world, list);
     CHECK(list.pairs == std::vector<Pair>{{side, plane}});  // 5 * -0.48 + 3 * 0.88 = 0.24 < 0.5
     scene.world.orientation[plane] = Quat(1, 0, 0, 0);
-    scene.world.position[plane].z() = 4.45;
+    scene.world.position[plane].z() = 4.55;
     broad->find_pairs(scene.world, list);
     CHECK(list.pairs == std::vector<Pair>{{high, plane}, {side, plane}});
   }
@@ -222,7 +224,7 @@ TEST_CASE("a spinning needle is listed before its tip arrives", "[detection][bro
     scene.setup.shapes = &scene.shapes;
     Body needle;
     needle.mass = 1.0, needle.inertia = Vec3(1, 10, 10), needle.angular_velocity = Vec3(0, 0, 1);
-    needle.shape = scene.shapes.add(Box{Vec3(4.0, 0.02, 0.02)}).packed;
+    needle.shape = scene.shapes.add(Box{Vec3(2.0, 0.01, 0.01)}).packed;
     scene.world.add(needle);
     scene.add_sphere({0, 1.9, 0}, 0.05);
     scene.add_sphere({0, 3.0, 0}, 0.05);  // the tip stays 1 m away
