@@ -1,5 +1,6 @@
 #include "engine/simulation.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace epafi {
@@ -12,9 +13,8 @@ void Simulation::start() {
 }
 
 std::optional<Failure> Simulation::advance(bool last) {
-  std::vector<BodyId> leaving;
-  for (auto& event : events) event->before_step(world, time_step, leaving);
-  if (!leaving.empty()) take_out(leaving);
+  for (auto& event : events) event->before_step(world, time_step, leaving_);
+  if (!leaving_.empty()) take_out();
   if (steps_ > 0 && steps_ % sort_interval == 0) sort_bodies();
   step(world, pipeline, work, time_step);
   ++steps_;
@@ -33,17 +33,19 @@ void Simulation::reorder(const Reordering& change) {
   work.contacts.clear();  // their slots are those of before
 }
 
-void Simulation::take_out(const std::vector<BodyId>& leaving) {
+void Simulation::take_out() {
+  std::sort(leaving_.begin(), leaving_.end());
+  leaving_.erase(std::unique(leaving_.begin(), leaving_.end()), leaving_.end());
   ledger.measure(world);
   const double before = ledger.stored(world);
-  reorder(world.remove(leaving));
-  removed_ += leaving.size();
+  reorder(world.remove(leaving_));
+  removed_ += leaving_.size();
+  leaving_.clear();
   ledger.accept_jump(world, before);
 }
 
 std::optional<Failure> Simulation::watch() {
   const auto strays = find_strays(world, domain);
-  std::vector<BodyId> leaving;
   for (Slot s : strays) {
     const Vec3 &x = world.position[s], &v = world.velocity[s];
     char text[256];
@@ -57,9 +59,8 @@ std::optional<Failure> Simulation::watch() {
                     static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(), v.x(), v.y(), v.z());
       return Failure{"lost body", steps_, world.id[s], text};
     }
-    leaving.push_back(world.id[s]);
+    leaving_.push_back(world.id[s]);
   }
-  if (!leaving.empty()) take_out(leaving);
   return std::nullopt;
 }
 
@@ -67,7 +68,7 @@ void Simulation::observe(bool last) {
   bool energy = false, any = false;
   for (const auto& o : observers) {
     const bool due = last || o->is_due(steps_);
-    any = any || due, energy = energy || (due && o->wants_energy());
+    any = any || due, energy = energy || (due && (last || o->wants_energy(steps_)));
   }
   if (!any) return;
   if (energy) ledger.measure(world);
@@ -78,6 +79,7 @@ void Simulation::observe(bool last) {
 
 void Simulation::visit(StateVisitor& visitor) {
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
+  visitor.column("simulation/leaving", leaving_);
   world.visit(visitor);
   ledger.visit(visitor);
   visitor.value("simulation/elastic", work.report.elastic);

@@ -38,13 +38,14 @@ class Simulation {
 
  private:
   void sort_bodies();
-  void take_out(const std::vector<BodyId>& leaving);
+  void take_out();
   std::optional<Failure> watch();
   void observe(bool last);
   void reorder(const Reordering& change);
 
   std::uint64_t steps_ = 0;
   std::uint64_t removed_ = 0;
+  std::vector<BodyId> leaving_;  ///< left the domain in the last step; taken out before the next, after observers saw it
 };
 
 }  // namespace epafi
