@@ -41,8 +41,8 @@ void check_polyhedron(Reading& reading, const ShapeSpec& shape, const std::strin
 }
 
 void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {
-  if (form.name == "half_space" && values.written("scale_to_diameter")) {
-    reading.error(values.place_of("scale_to_diameter"), label + ": a half_space has no size to scale");
+  if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere") {
+    reading.error(values.place_of("scale_to_diameter"), label + ": scale_to_diameter is for a polyhedron or a sphere, not for a " + form.name);
   }
   if (values.number_or("rounding", 0.0) > 0.0 && form.name != "polyhedron") {
     reading.error(values.place_of("rounding"), label + ": rounding is for a polyhedron, not for a " + form.name);

@@ -3,7 +3,7 @@
 #pragma once
 #include "detection/shape_store.h"
 #include "engine/schemes/all_schemes.h"
-#include "scenes/all_measures.h"
+#include "viz_export/measures/all_measures.h"
 #include "scenes/reader/registry.h"
 
 namespace epafi {
@@ -38,7 +38,7 @@ inline Registry test_registry() {
     r.schemes.push_back(scheme.entry);
     (scheme.smooth ? r.smooth_schemes : r.nonsmooth_schemes).push_back(scheme.entry.name);
   }
-  r.measures = all_measures();
+  for (const auto& measure : all_measures()) r.measures.push_back(measure.entry);
   return r;
 }
 
