@@ -43,7 +43,8 @@ enum class Kind {
   vectors,
   texts,       ///< one word or a list of them
   table,       ///< a nested table; its values are stored flat as `name.key`
-  shape,       ///< a name under [shape.*] or a shape written in place
+  shape,       ///< a name under [shape.*] or a shape written in place; read by whoever knows the shapes
+  tables,      ///< a table or list of tables with a declaration of its own; read with that
 };
 
 /// A resolved value of a field (numbers in SI).

@@ -5,24 +5,10 @@
 #include <vector>
 
 #include "engine/error.h"
-#include "engine/registry.h"
+#include "scenes/reader/registry.h"
 #include "scenes/scene.h"
 
 namespace epafi {
-
-/// The lists of variants that a scene may name. Passed in, so that the reader knows no list of its own.
-struct Registry {
-  std::vector<Entry> shapes;
-  std::vector<Entry> normal_laws;
-  std::vector<Entry> tangential_laws;
-  std::vector<Entry> rolling_laws;
-  std::vector<Entry> solvers;
-  std::vector<Entry> broad_phases;
-  std::vector<Entry> schemes;         ///< of both methods
-  std::vector<std::string> smooth_schemes;  ///< names of those that work with forces; the first is the default
-  std::vector<std::string> nonsmooth_schemes;
-  std::vector<Entry> measures;
-};
 
 struct ReadResult {
   std::optional<Scene> scene;      ///< empty when there is an error

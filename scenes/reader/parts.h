@@ -1,0 +1,61 @@
+/// @file parts.h  The steps of reading a scene, each for one group of tables. Internal to scenes/reader.
+#pragma once
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenes/reader/table_reader.h"
+#include "scenes/scene.h"
+
+namespace epafi {
+
+/// A scene in the making.
+struct Draft {
+  Reading& reading;
+  Scene scene;
+  std::map<double, std::size_t> sphere_of_radius;  ///< shapes made for rows of [[bodies]]
+};
+
+void read_run(Draft& draft);
+void read_world(Draft& draft);
+void read_materials(Draft& draft);
+void read_contact(Draft& draft);
+void read_detection(Draft& draft);
+void read_shapes(Draft& draft);
+void read_bodies(Draft& draft);
+void read_body_files(Draft& draft);
+void read_fills(Draft& draft);
+void read_measures(Draft& draft);
+void read_bounds(Draft& draft);
+void read_studies(Draft& draft);  ///< [sweep], [benchmark], [output]
+/// What needs all bodies: restitution and friction of pairs that can touch, densities of free bodies.
+void check_pairs(Draft& draft);
+
+/// The table of that name (dots step inwards) or null; reports what is not a table.
+const Node* find_table(Reading& reading, const std::string& name);
+/// The table, or an empty one in its place so that defaults are set.
+const Node& table_or_empty(Reading& reading, const std::string& name);
+/// Every element of [[name]].
+void each_item(Reading& reading, const std::string& name, const std::function<void(const Node&)>& visit);
+/// "[[body]] 'floor'" or "[[body]]".
+std::string item_label(const std::string& name, const Node& item);
+
+/// Index of a material or shape by name; reports an unknown one with the nearest.
+std::optional<std::size_t> find_material(Draft& draft, const std::string& name, const Place& place, const std::string& label);
+std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, const Place& place, const std::string& label);
+/// A shape by name or written in place.
+std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label);
+/// Adds a shape table; reports if it is not exactly one form.
+std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name, const std::string& label);
+
+/// Reports a group name that is taken.
+void check_group_name(Draft& draft, const std::string& name, const Place& place);
+/// The bodies a name stands for: a group or one of its bodies; reports an unknown one.
+std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place, const std::string& label);
+/// min < max in every component, else reported.
+bool check_box(Reading& reading, const Vec3& min, const Vec3& max, const Place& place, const std::string& label);
+/// A direction of any length but 0, made a unit vector.
+std::optional<Vec3> unit_vector(Reading& reading, const Vec3& direction, const Place& place, const std::string& label);
+
+}  // namespace epafi

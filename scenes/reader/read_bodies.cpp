@@ -1,0 +1,211 @@
+/// @file read_bodies.cpp  [[body]] with `repeat` unrolled, and names of bodies.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/nearest.h"
+#include "scenes/reader/parts.h"
+
+namespace epafi {
+namespace {
+
+constexpr double most_bodies = 1e7;  // a repeat beyond is a slip of the keyboard: 10 million bodies take 2 GB
+
+/// An expression somewhere in the value that uses i, j or k.
+bool uses_index(const Node& node) {
+  if (node.type == Node::Type::text)
+    return node.text.find('=') != std::string::npos && (mentions(node.text, "i") || mentions(node.text, "j") || mentions(node.text, "k"));
+  return std::any_of(node.items.begin(), node.items.end(), uses_index) ||
+         std::any_of(node.members.begin(), node.members.end(), [](const Member& m) { return uses_index(m.value); });
+}
+
+/// The members that `keep` takes, as a table of its own.
+template <class F>
+Node part_of(const Node& table, F&& keep) {
+  Node part;
+  part.place = table.place;
+  for (const auto& member : table.members)
+    if (keep(member)) part.members.push_back(member);
+  return part;
+}
+
+/// 1 to 3 counts; one empty entry stands for a body that is not repeated.
+std::vector<std::size_t> read_repeat(Draft& draft, const Node& item, const std::string& label, const std::vector<Field>& fields) {
+  const auto field = std::find_if(fields.begin(), fields.end(), [](const Field& f) { return f.name == "repeat"; });
+  const TableValues values = read_table(part_of(item, [](const Member& m) { return m.key == "repeat"; }), label, {*field}, draft.reading);
+  if (!values.has("repeat")) return {};
+  const auto& counts = values.numbers("repeat");
+  double product = 1.0;
+  for (const double c : counts) product *= c;
+  if (counts.empty() || counts.size() > 3) draft.reading.error(values.place_of("repeat"), label + " repeat: expected n or [l, m, n]");
+  else if (product > most_bodies) draft.reading.error(values.place_of("repeat"), label + " repeat: more than 10 million bodies");
+  return std::vector<std::size_t>(counts.begin(), counts.end());
+}
+
+std::optional<Motion> read_motion(Reading& reading, const TableValues& v, const std::string& label) {
+  if (!v.written("motion")) return std::nullopt;
+  Motion motion;
+  if (v.has("motion.velocity")) motion.velocity = v.vec3("motion.velocity");
+  motion.from = v.number_or("motion.from", 0.0);
+  motion.until = v.number_or("motion.until", infinity);
+  if (motion.until <= motion.from) reading.error(v.place_of("motion.until"), label + " motion: until must be later than from");
+  const auto direction = [&](const std::string& key, Vec3& out) {
+    if (!v.has(key)) return;
+    if (const auto unit = unit_vector(reading, v.vec3(key), v.place_of(key), label + " " + key)) out = *unit;
+  };
+  direction("motion.rotation.axis", motion.rotation_axis);
+  motion.rotation_rate = v.number_or("motion.rotation.rate", 0.0);
+  if (v.has("motion.rotation.about")) motion.rotation_about = v.vec3("motion.rotation.about");
+  direction("motion.oscillation.direction", motion.oscillation_direction);
+  motion.oscillation_amplitude = v.number_or("motion.oscillation.amplitude", 0.0);
+  motion.oscillation_frequency = v.number_or("motion.oscillation.frequency", 0.0);
+  return motion;
+}
+
+Quat read_orientation(Reading& reading, const TableValues& v, const std::string& label) {
+  if (v.has("orientation") && v.has("euler_deg")) {
+    reading.error(v.place_of("euler_deg"), label + ": orientation and euler_deg are both given; write one");
+  }
+  if (v.has("orientation")) {
+    const auto& q = v.numbers("orientation");
+    return Quat(q[0], q[1], q[2], q[3]);
+  }
+  if (!v.has("euler_deg")) return Quat(1, 0, 0, 0);
+  const Vec3 angle = v.vec3("euler_deg") * (3.14159265358979323846 / 180.0);
+  const auto about = [&](int axis) { return Eigen::AngleAxisd(angle[axis], Vec3::Unit(axis)); };
+  return Quat(about(2) * about(1) * about(0));  // about x first, then y, then z of the world
+}
+
+/// Values whose shape and material are resolved.
+struct BodyTable {
+  const Node& item;
+  std::string label;
+  std::size_t group;
+  Placed<bool> spins{};
+};
+
+std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const TableValues& v, std::optional<std::size_t> shape) {
+  Reading& reading = draft.reading;
+  if (!v.has("material")) return std::nullopt;
+  const auto material = find_material(draft, v.text("material"), v.place_of("material"), table.label);
+  if (!shape || !material) return std::nullopt;
+  BodySpec body;
+  body.group = table.group;
+  body.shape = *shape, body.material = *material;
+  const auto vec3 = [&](const char* key) { return v.has(key) ? v.vec3(key) : Vec3(Vec3::Zero()); };
+  body.fixed = v.has("fixed") && v.boolean("fixed");
+  body.position = vec3("position"), body.velocity = vec3("velocity");
+  body.angular_velocity = vec3("angular_velocity"), body.force = vec3("force");
+  body.orientation = read_orientation(reading, v, table.label);
+  body.spins = {v.written("angular_velocity"), v.place_of("angular_velocity")};
+  body.motion = read_motion(reading, v, table.label);
+  body.remove_at = v.optional_number("remove_at");
+  return body;
+}
+
+/// What does not go together, once per table.
+void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const std::string& label) {
+  Reading& reading = draft.reading;
+  if (body.fixed && body.motion) reading.error(v.place_of("motion"), label + ": a fixed body has no motion; leave out fixed");
+  const std::string& form = draft.scene.shapes[body.shape].type;
+  if (body.moves() && (form == "half_space" || form == "mesh")) {
+    reading.error(v.place, label + ": a " + form + " cannot move freely; write fixed = true or give it a motion");
+  }
+  for (const char* key : {"velocity", "angular_velocity", "force"}) {
+    if (!body.moves() && v.written(key)) {
+      reading.warning(v.place_of(key), label + ": " + key + " is not used: the body is " + (body.fixed ? "fixed" : "driven by its motion"));
+    }
+  }
+}
+
+using Index3 = std::array<std::size_t, 3>;
+
+std::string index_text(const Index3& index, std::size_t dimensions) {
+  std::string text = fmt::format("[{}", index[0]);
+  for (std::size_t d = 1; d < dimensions; ++d) text += fmt::format(",{}", index[d]);
+  return text + "]";
+}
+
+void set_indices(Reading& reading, const Index3& index, std::size_t dimensions) {
+  constexpr const char* names[] = {"i", "j", "k"};
+  reading.indices.clear();
+  for (std::size_t d = 0; d < dimensions; ++d) reading.indices.emplace_back(names[d], static_cast<double>(index[d]));
+}
+
+/// Reads the whole table once, then for each copy only the keys that use an index: 10^5 bodies take a fraction of a second.
+void read_body(Draft& draft, const Node& item) {
+  Reading& reading = draft.reading;
+  const std::string label = item_label("body", item);
+  const auto& fields = reading.schema.at("body").fields;
+  const std::size_t errors = reading.errors();
+  const auto counts = read_repeat(draft, item, label, fields);
+  if (reading.errors() != errors) return;
+  Index3 size{1, 1, 1};
+  std::copy(counts.begin(), counts.end(), size.begin());
+  set_indices(reading, {0, 0, 0}, counts.size());
+
+  std::vector<Field> varying_fields, other_fields;
+  const Node varying = part_of(item, [](const Member& m) { return uses_index(m.value); });
+  for (const auto& field : fields) {
+    if (field.name != "repeat") other_fields.push_back(field);
+    if (varying.find(field.name)) varying_fields.push_back(field);
+  }
+  TableValues values = read_table(part_of(item, [](const Member& m) { return m.key != "repeat"; }), label, other_fields, reading);
+  const Node* shape_node = item.find("shape");
+  std::optional<std::size_t> shape = shape_node ? read_shape_value(draft, *shape_node, label) : std::nullopt;
+  const std::string name = values.has("name") ? values.text("name") : "";
+  check_group_name(draft, name, values.place_of("name"));
+  auto& scene = draft.scene;
+  scene.groups.push_back({name, scene.bodies.size(), 0, item.place});
+  const BodyTable table{item, label, scene.groups.size() - 1};
+  scene.bodies.reserve(scene.bodies.size() + size[0] * size[1] * size[2]);
+  Index3 at{};
+  for (at[0] = 0; at[0] < size[0]; ++at[0]) for (at[1] = 0; at[1] < size[1]; ++at[1]) for (at[2] = 0; at[2] < size[2]; ++at[2]) {
+    const bool first = at == Index3{};
+    if (!first && !varying.members.empty()) {
+      set_indices(reading, at, counts.size());
+      const TableValues own = read_table(varying, label, varying_fields, reading);
+      for (const auto& [key, value] : own.all()) values.set(key, value);
+      if (shape_node && uses_index(*shape_node)) shape = read_shape_value(draft, *shape_node, label);
+    }
+    auto body = make_body(draft, table, values, shape);
+    if (body && first) check_body(draft, *body, values, label);
+    if (!body || reading.errors() != errors) return reading.indices.clear();
+    body->name = name.empty() || counts.empty() ? name : name + index_text(at, counts.size());
+    scene.bodies.push_back(std::move(*body));
+    ++scene.groups.back().count;
+  }
+  reading.indices.clear();
+}
+
+}  // namespace
+
+void read_bodies(Draft& draft) {
+  each_item(draft.reading, "body", [&](const Node& item) { read_body(draft, item); });
+}
+
+void check_group_name(Draft& draft, const std::string& name, const Place& place) {
+  if (name.empty()) return;
+  Place other;
+  for (const auto& group : draft.scene.groups) if (group.name == name) other = group.place;
+  for (const auto& fill : draft.scene.fills) if (fill.name == name) other = fill.place;
+  if (!other.file.empty()) draft.reading.error(place, "the name '" + name + "' is given twice; first in line " + std::to_string(other.line));
+}
+
+std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place, const std::string& label) {
+  std::vector<std::size_t> found;
+  std::vector<std::string> names;
+  for (const auto& group : draft.scene.groups) {
+    for (std::size_t k = group.first; k < group.first + group.count; ++k)
+      if (group.name == name || draft.scene.bodies[k].name == name) found.push_back(k);
+    if (!group.name.empty()) names.push_back(group.name);
+  }
+  for (const auto& fill : draft.scene.fills) {
+    if (fill.name == name) return found;  // its bodies do not exist yet: whoever fills knows them
+    names.push_back(fill.name);
+  }
+  if (found.empty()) draft.reading.error(place, "unknown body '" + name + "' in " + label + suggestion(name, names, "bodies"));
+  return found;
+}
+
+}  // namespace epafi

@@ -1,0 +1,108 @@
+/// @file read_shapes.cpp  [shape.*] and shapes written in place.
+#include <filesystem>
+
+#include "engine/nearest.h"
+#include "scenes/reader/parts.h"
+
+namespace epafi {
+namespace {
+
+/// The one form of the table: "sphere"; reported if there is none or more than one.
+const Entry* find_form(Reading& reading, const Node& table, const TableValues& values, const std::string& label) {
+  const Entry* form = nullptr;
+  for (const auto& entry : reading.registry.shapes) {
+    if (!values.written(entry.name)) continue;
+    if (form) {
+      reading.error(values.place_of(entry.name), label + " is a " + form->name + " and a " + entry.name + "; a shape has one form");
+      return nullptr;
+    }
+    form = &entry;
+  }
+  if (!form) reading.error(table.place, label + " has no form" + suggestion("", names_of(reading.registry.shapes), "write one of"));
+  return form;
+}
+
+/// File names become relative to the working directory; a file that is not there is reported.
+void resolve_file(Reading& reading, ShapeSpec& shape, const Place& place, const std::string& label) {
+  if (!shape.parameters.has("file")) return;
+  const std::string path = resolve_path(shape.parameters.text("file"), place, reading.main_file);
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(path, failure)) reading.error(place, label + " file: there is no file '" + path + "'");
+  shape.parameters.set("file", path);
+}
+
+void check_polyhedron(Reading& reading, const ShapeSpec& shape, const std::string& label) {
+  const auto& p = shape.parameters;
+  const int ways = p.has("file") + p.has("vertices") + p.has("random.vertices");
+  if (ways != 1) reading.error(shape.place, label + ": write exactly one of file, vertices, random");
+  if (p.has("vertices") && p.vectors("vertices").size() < 4) {
+    reading.error(shape.place, label + " vertices: a polyhedron has at least 4, found " + std::to_string(p.vectors("vertices").size()));
+  }
+}
+
+void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {
+  if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere") {
+    reading.error(values.place_of("scale_to_diameter"), label + ": scale_to_diameter is for a polyhedron or a sphere, not for a " + form.name);
+  }
+  if (values.number_or("rounding", 0.0) > 0.0 && form.name != "polyhedron") {
+    reading.error(values.place_of("rounding"), label + ": rounding is for a polyhedron, not for a " + form.name);
+  }
+}
+
+}  // namespace
+
+std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name, const std::string& label) {
+  Reading& reading = draft.reading;
+  const std::size_t errors = reading.errors();
+  const TableValues values = read_table(table, label, reading.schema.at("shape").fields, reading);
+  const Entry* form = reading.errors() == errors ? find_form(reading, table, values, label) : nullptr;
+  ShapeSpec shape;
+  shape.name = name;
+  shape.place = table.place;
+  if (form) {
+    shape.type = form->name;
+    const std::string prefix = form->name + ".";
+    for (const auto& [key, value] : values.all())
+      if (key.compare(0, prefix.size(), prefix) == 0) shape.parameters.set(key.substr(prefix.size()), value);
+    shape.scale_to_diameter = values.optional_number("scale_to_diameter");
+    shape.rounding = values.number_or("rounding", 0.0);
+    resolve_file(reading, shape, values.place_of(prefix + "file"), label + " " + form->name);
+    if (form->name == "polyhedron") check_polyhedron(reading, shape, label + " polyhedron");
+    if (shape.parameters.has("normal")) {
+      const auto normal = unit_vector(reading, shape.parameters.vec3("normal"), values.place_of(prefix + "normal"), label + " " + form->name + " normal");
+      if (normal) shape.parameters.set("normal", *normal);
+    }
+    check_size(reading, values, *form, label);
+  }
+  draft.scene.shapes.push_back(std::move(shape));  // a wrong one too, so that its name is known
+  if (reading.errors() != errors) return std::nullopt;
+  return draft.scene.shapes.size() - 1;
+}
+
+void read_shapes(Draft& draft) {
+  for (const auto& [name, place, node] : table_or_empty(draft.reading, "shape").members) {
+    const std::string label = "[shape." + name + "]";
+    if (node.type == Node::Type::table) add_shape(draft, node, name, label);
+    else draft.reading.error(node.place, label + ": expected a table, found " + type_name(node.type));
+  }
+}
+
+std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, const Place& place, const std::string& label) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < draft.scene.shapes.size(); ++k) {
+    if (draft.scene.shapes[k].name == name) return k;
+    if (!draft.scene.shapes[k].name.empty()) names.push_back(draft.scene.shapes[k].name);
+  }
+  draft.reading.error(place, "unknown shape '" + name + "' in " + label +
+                                 (names.empty() ? "; there is no [shape." + name + "]" : suggestion(name, names, "shapes")));
+  return std::nullopt;
+}
+
+std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label) {
+  if (node.type == Node::Type::text) return find_shape(draft, node.text, node.place, label);
+  if (node.type == Node::Type::table) return add_shape(draft, node, "", label + " shape");
+  draft.reading.error(node.place, label + " shape: expected a name or a table, found " + type_name(node.type));
+  return std::nullopt;
+}
+
+}  // namespace epafi

@@ -1,0 +1,81 @@
+/// @file table_reader.h  Reads one table by its fields: types, units, expressions, ranges, unknown and missing keys.
+/// Nothing is thrown: every problem is collected with its place, and reading goes on.
+#pragma once
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/error.h"
+#include "engine/registry.h"
+#include "scenes/reader/document.h"
+#include "scenes/reader/expression.h"
+#include "scenes/reader/schema.h"
+#include "scenes/scene.h"
+
+namespace epafi {
+
+/// What stays the same while a scene is read.
+class Reading {
+ public:
+  Reading(const Registry& r, const Node& document_root, std::string file)
+      : registry(r), schema(make_schema(r)), root(document_root), main_file(std::move(file)) {}
+
+  const Registry& registry;
+  const SceneSchema schema;
+  const Node& root;
+  const std::string main_file;
+  std::vector<Problem> problems;
+  std::vector<std::pair<std::string, double>> indices;  ///< i, j, k of the `repeat` being unrolled
+
+  void error(const Place& place, std::string text) { report(Problem::Level::error, place, std::move(text)); }
+  void warning(const Place& place, std::string text) { report(Problem::Level::warning, place, std::move(text)); }
+  std::size_t errors() const { return errors_; }
+
+  /// A number in SI: written plain, with a unit or as "= expression". Reports what is wrong under `label`.
+  std::optional<double> number(const Node& node, const std::string& unit, const std::string& label);
+  /// Evaluates every parameter once, so that a wrong one is reported even if nothing uses it.
+  void check_params();
+
+ private:
+  struct Param {
+    enum class State { waiting, busy, done, failed } state = State::waiting;
+    double value = 0.0;
+  };
+  void report(Problem::Level level, const Place& place, std::string text);
+  NameValue look_up(std::string_view name);
+  std::vector<std::string> known_names() const;
+  std::optional<double> expression(const Node& node, const std::string& label);
+
+  std::map<std::string, Param> params_;
+  std::size_t errors_ = 0;
+  int param_depth_ = 0;
+};
+
+/// The values of a table and where they stand.
+struct TableValues : Parameters {
+  std::map<std::string, Place> places;  ///< of written keys only
+  Place place;                          ///< of the table
+
+  bool written(const std::string& name) const { return places.count(name) != 0; }
+  Place place_of(const std::string& name) const { return written(name) ? places.at(name) : Place{}; }
+  Placed<double> placed_number(const std::string& name, double otherwise = 0.0) const {
+    return {number_or(name, otherwise), place_of(name)};
+  }
+  std::optional<double> optional_number(const std::string& name) const {
+    return has(name) ? std::optional(number(name)) : std::nullopt;
+  }
+  Placed<std::string> placed_text(const std::string& name) const { return {has(name) ? text(name) : std::string{}, place_of(name)}; }
+};
+
+/// `label` names the table in messages: "[contact]", "[[body]] 'floor'".
+TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields, Reading& reading);
+
+/// 1.7e6, 0.25, -3: shortest text that gives the same number.
+std::string format_number(double value);
+
+/// "(0, 10]"
+std::string format_range(const Range& range);
+
+}  // namespace epafi
