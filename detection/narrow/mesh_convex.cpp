@@ -20,7 +20,7 @@ bool is_forbidden(const TriangleMesh& mesh, std::span<const std::uint32_t> trian
     if (t == own || !lies_on(mesh, t, point, tolerance)) continue;
     for (const Vec3& c : mesh.corners(t)) {
       const Vec3 w = c - point;
-      if (n.dot(w) > tolerance + along_face * w.norm()) return true;
+      if (n.dot(w) > 1e-3 * tolerance + 0.1 * along_face * w.norm()) return true;  // flat within 1e-6 rad is not reaching out
     }
   }
   return false;
@@ -35,11 +35,12 @@ bool projects_into(const std::array<Vec3, 3>& corner, const Vec3& normal, const 
   return true;
 }
 
-/// Face of the polyhedron that looks most against n (its own axes).
+/// Of the faces around the vertex farthest against n (its own axes) the one that looks most against n.
 std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
-  std::uint32_t best = 0;
-  for (std::uint32_t f = 1; f < p.face_normals.size(); ++f)
-    if (p.face_normals[f].dot(n) < p.face_normals[best].dot(n)) best = f;
+  const std::uint32_t v = ConvexHull::support_vertex(p, -n);
+  std::uint32_t best = p.fans[p.fan_begin[v]];
+  for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
+    if (p.face_normals[p.fans[k]].dot(n) < p.face_normals[best].dot(n)) best = p.fans[k];
   return best;
 }
 
@@ -65,16 +66,15 @@ class PolyhedronOnMesh {
     if (d.beyond) return;
     if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
     const Vec3 n = -(turn_ * d.axis.normal);
-    const bool is_face = d.axis.kind == SeparatingAxis::Kind::face_b;
-    if (is_face ? n.dot(face_normal) < 0.0 : is_forbidden(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, tolerance_))
+    // The triangle's own normal holds where it separates best, where the direction is that one within 1e-5 rad, and where
+    // the direction belongs to an inner edge or vertex; towards the side of the body's centre.
+    if (d.axis.kind == SeparatingAxis::Kind::face_b || n.cross(face_normal).squaredNorm() <= along_face * along_face ||
+        is_forbidden(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, tolerance_))
       return collide_face(t, corner, face_normal, out);
-    const bool plane = n.cross(face_normal).squaredNorm() <= along_face * along_face && n.dot(face_normal) > 0.0;
     const Patch patch = contact_patch(pair, d, reach_, sweep_, 0.0);
     for (int k = 0; k < patch.count; ++k) {
       const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
-      const bool vertex = p.feature >> 44 == static_cast<Feature>(FeatureKind::vertex_a);
-      out.push_back({centre() + turn_ * p.position, is_face ? face_normal : n, p.gap,
-                     mesh_feature(plane && vertex ? mesh_.flat_group[t] : t, short_name(p.feature))});
+      out.push_back({centre() + turn_ * p.position, n, p.gap, mesh_feature(t, short_name(p.feature))});
     }
   }
 
