@@ -19,11 +19,13 @@ class Polytope {
   /// Tetrahedron from extreme points; false when the difference is flat, with the direction across it in `normal`.
   bool start(Vec3& normal) {
     const double flat = 1e-13 * difference_.size();
-    const Vec3 first = difference_.offset.squaredNorm() > 0.0 ? Vec3(-difference_.offset) : Vec3::UnitX();
-    points_[0] = difference_.support(first);
-    points_[1] = difference_.support(-first);
-    Vec3 e = points_[1].y - points_[0].y;
-    if (!(e.norm() > flat)) return normal = any_orthogonal(first), false;
+    Vec3 e = Vec3::Zero();  // the longest of three spans along the axes
+    for (const Vec3& d : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) {
+      const MinkowskiVertex high = difference_.support(d), low = difference_.support(-d);
+      if (!((low.y - high.y).squaredNorm() > e.squaredNorm())) continue;
+      points_[0] = high, points_[1] = low, e = low.y - high.y;
+    }
+    if (!(e.norm() > flat)) return normal = Vec3::UnitZ(), false;
     e.normalize();
     const Vec3 side = any_orthogonal(e);
     if (!add_across(2, side, e, flat) && !add_across(2, e.cross(side), e, flat)) return normal = side, false;
