@@ -99,6 +99,12 @@ void polish_normal(const MinkowskiDifference& difference, const Vec3& v, GjkResu
   if (bound > r.lower) r.lower = bound, r.normal = n;
 }
 
+Vec3 weighted_point(const Simplex& s) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(s.count); ++k) sum += s.weight[k] * s.vertex[k].y;
+  return sum;
+}
+
 bool holds(const Simplex& s, const MinkowskiVertex& w) {
   for (int k = 0; k < s.count; ++k) {
     const auto& v = s.vertex[static_cast<std::size_t>(k)];
@@ -146,8 +152,10 @@ GjkResult gjk(const MinkowskiDifference& difference, const GjkOptions& options) 
   for (r.iterations = 1; r.iterations <= gjk_cap; ++r.iterations) {
     const double distance = v.norm();
     if (!(distance > 1e-15 * size)) break;  // touching to rounding
-    const bool stalled = !(distance < r.upper);
-    r.upper = std::min(r.upper, distance);
+    // The point by its weights lies in the difference whatever rounding did to the projection: its length is an upper bound.
+    const double length = weighted_point(r.simplex).norm();
+    const bool stalled = !(length < r.upper);
+    r.upper = std::min(r.upper, length);
     const MinkowskiVertex w = difference.support(-v);
     const double bound = v.dot(w.y) / distance;
     if (bound > r.lower) r.lower = bound, r.normal = -v / distance;

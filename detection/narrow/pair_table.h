@@ -8,6 +8,7 @@
 
 #include "detection/narrow/closed_forms.h"
 #include "detection/narrow/convex_pairs.h"
+#include "detection/narrow/mesh_pairs.h"
 #include "detection/shape_store.h"
 
 namespace epafi {

@@ -35,8 +35,9 @@ TEST_CASE("the tree finds what testing every triangle finds, in ascending order"
       const Vec3 at = random_point(random, -1.2, 1.2);
       const Vec3 half = random_point(random, 0, k % 10 == 0 ? 1.0 : 0.1);
       const Aabb box{at - half, at + half};
+      found.assign(1, 7u);  // what was there stays
       mesh.query(box, found);
-      std::vector<std::uint32_t> expected;
+      std::vector<std::uint32_t> expected{7u};
       for (std::uint32_t t = 0; t < n; ++t)
         if (box_of(mesh, t).overlaps(box)) expected.push_back(t);
       CHECK(found == expected);
@@ -69,6 +70,16 @@ TEST_CASE("edges of a closed box are convex, its diagonals flat, from inside con
   for (const auto& kinds : room.edge_kinds)
     for (const auto kind : kinds) concave += kind == EdgeKind::concave;
   CHECK(concave == 24);
+}
+
+TEST_CASE("flat groups are the faces of a polyhedron and never creep round a curve", "[detection][triangle-mesh]") {
+  const TriangleMesh box = TriangleMesh::from_surface(box_surface({1, 2, 3}));
+  CHECK(box.flat_group == std::vector<std::uint32_t>{0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10});
+  // 20000 sides: 3e-4 rad from side to side, well above what counts as flat; each side is its own pair of triangles
+  const TriangleMesh drum = TriangleMesh::from_surface(prism_surface(20000, 1, 1));
+  std::size_t groups = 0;
+  for (std::uint32_t t = 0; t < drum.triangles.size(); ++t) groups += drum.flat_group[t] == t;
+  CHECK(groups == 20002);
 }
 
 TEST_CASE("neighbours are mutual and open edges have none", "[detection][triangle-mesh]") {
