@@ -1,10 +1,13 @@
 /// @file narrow.cpp  Convex pairs with exact answers: time and error of the narrow phase.
+/// perf_narrow: ns per candidate pair of spheres through the whole narrow phase, one thread.
 /// perf_narrow CORPUS [--pairs]: per category ns per cold query, failures, wrong classes, worst errors in units of the size.
 #include <chrono>
 #include <cstdio>
 #include <map>
 
+#include "detection/narrow/narrow_phase.h"
 #include "detection/narrow/polyhedra.h"
+#include "engine/parallel.h"
 #include "tests/support/convex_corpus.h"
 
 using namespace epafi;
@@ -67,10 +70,52 @@ Row measure(const support::CorpusPair& p, bool verbose) {
   return row;
 }
 
+/// Spheres on a cubic lattice that overlap their 6 neighbours and list the 12 edge neighbours as candidates. Error: the gap.
+int spheres() {
+  constexpr std::uint32_t side = 22;
+  constexpr double spacing = 0.99;
+  ShapeStore shapes;
+  World world;
+  Body body;
+  body.mass = 1.0, body.shape = shapes.add(Sphere{0.5}).packed;
+  PairList list{{}, 0.0, 1};
+  for (std::uint32_t s = 0; s < side * side * side; ++s) {
+    const std::uint32_t i = s % side, j = s / side % side, k = s / side / side;
+    body.position = spacing * Vec3(i, j, k);
+    world.add(body);
+    for (int di = -1; di <= 1; ++di) {
+      for (std::uint32_t dj = 0; dj <= 1; ++dj) {
+        for (std::uint32_t dk = 0; dk <= 1; ++dk) {
+          const bool self = di == 0 && dj + dk == 0, back = di < 0 && dj + dk == 0, corner = di != 0 && dj + dk == 2;
+          const std::uint32_t i2 = i + static_cast<std::uint32_t>(di);
+          if (self || back || corner || i2 >= side || j + dj >= side || k + dk >= side) continue;
+          list.pairs.push_back({s, i2 + side * (j + dj + side * (k + dk))});
+        }
+      }
+    }
+  }
+  std::sort(list.pairs.begin(), list.pairs.end());
+  set_thread_count(1);
+  BatchNarrowPhase narrow(shapes, 0.0, true);
+  ContactSet contacts;
+  narrow.collide(world, list, contacts);
+  using Clock = std::chrono::steady_clock;
+  double best = infinity, error = 0.0;
+  for (int repeat = 0; repeat < 50; ++repeat) {
+    const auto begin = Clock::now();
+    narrow.collide(world, list, contacts);
+    best = std::min(best, std::chrono::duration<double, std::nano>(Clock::now() - begin).count());
+  }
+  for (const double gap : contacts.gap) error = std::max(error, std::abs(gap - (spacing - 1.0)));
+  std::printf("spheres: %zu bodies, %zu pairs, %zu contacts: %.1f ns per pair, %.1f ns per contact, worst gap error %.2e\n", world.size(),
+              list.pairs.size(), contacts.size(), best / static_cast<double>(list.pairs.size()), best / static_cast<double>(contacts.size()), error);
+  return error < 1e-14 ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) return std::fprintf(stderr, "usage: perf_narrow CORPUS [--pairs]\n"), 2;
+  if (argc < 2) return spheres();
   std::map<std::string, Row> rows;
   Row total;
   for (const auto& p : support::read_corpus(argv[1])) {
