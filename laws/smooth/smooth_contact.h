@@ -198,12 +198,14 @@ class SmoothContact final : public ContactModel {
     const double stiffness = Rolling::stiffness(p, t.normal.stiffness, t.at.effective_radius);
     const double limit = Rolling::limit(p, t.normal.force, t.at.effective_radius);
     const Vec3 elastic = pull(t, springs - 1, n, twist(world, t, n, dt), stiffness, dt * in_plane(spin), limit, sums);
-    if (elastic.squaredNorm() >= limit * limit * (1.0 - 1e-12)) return elastic;  // at the limit: no dashpot
     if (predicted) spin += change_.angular[t.b] - change_.angular[t.a];
+    spin = in_plane(spin);
     const double mobility = rolling_mobility(world, t.a, contacts.arm[t.i]) + rolling_mobility(world, t.b, t.arm_b);
-    const Vec3 viscous = Rolling::damping(p, stiffness, 1.0 / mobility) * in_plane(spin);
-    sums.viscous_power += viscous.dot(in_plane(spin));
-    return elastic + viscous;
+    Vec3 moment = elastic + Rolling::damping(p, stiffness, 1.0 / mobility) * spin;
+    const double square = moment.squaredNorm();
+    if (square > limit * limit) moment *= limit / std::sqrt(square);
+    sums.viscous_power += (moment - elastic).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
+    return moment;
   }
 
   /// Moves spring k of the contact on; its load on A. In a call without time (dt = 0) the spring stays as it is.
