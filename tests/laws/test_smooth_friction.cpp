@@ -157,6 +157,33 @@ TEST_CASE("micro-slip impacts converge to the published incremental Mindlin law 
   }
 }
 
+TEST_CASE("a spinning sphere dropped on a plane gains the speed of full slip, less the lag of its spring (cases A10, A11)",
+          "[laws][impact][A10][A11]") {
+  // R = .1, v_n = .2, mu = .4, e = .5; full slip: v_t = mu (1 + e) v_n = .12, omega = omega0 - 3
+  const Material aluminium{"aluminium", 2700, 70e9, 0.33};
+  const double radius = 0.1, vn = 0.2, m = 4.0 / 3.0 * pi * 1e-3 * 2700, modulus = 70e9 / (1 - 0.33 * 0.33);
+  const double time = 2.868266 * std::pow(m * m / (radius * modulus * modulus * vn), 0.2), dt = time / 4000;
+  // converged values of the incremental Mindlin law with Tsuji damping, independent computation
+  struct Row { double spin, speed_out, spin_out; };
+  for (const Row& row : {Row{0.5, .018184509, .045387268}, {1, .041606967, -.040174174}, {2, .081485042, -.037126046},
+                         {3, .10848853, .28778686}, {5, .11758768, 2.060308}, {12, .11908648, 9.0228381}, {22, .11951812, 19.012047}}) {
+    Rig rig = sphere_on_plane(setup_of({"hertz", 0.5, 0.4}, {aluminium, rigid}), radius, 0.3 * vn * dt, {0, 0, -vn}, {0, row.spin, 0});
+    run_impact(rig, dt);
+    INFO("spin " << row.spin);
+    CHECK(std::abs(rig.world.velocity[0].x() - row.speed_out) < 0.003 * 0.4 * 1.5 * vn);
+    CHECK(std::abs(rig.world.angular_velocity[0].y() - row.spin_out) < 0.003 * 3);
+  }
+  // two equal spheres of the same spin, each at .2: the plane between them is a mirror of slip
+  const double pair_time = 2.868266 * std::pow(m * m / 4 / (0.5 * radius * modulus * modulus / 4 * 2 * vn), 0.2);
+  Rig rig(setup_of({"hertz", 0.5, 0.4}, {aluminium}));
+  rig.add_sphere(radius, 2700, {-radius - 1e-9, 0, 0}, {vn, 0, 0}, {0, 0, 22});
+  rig.add_sphere(radius, 2700, {radius + 1e-9, 0, 0}, {-vn, 0, 0}, {0, 0, 22});
+  run_impact(rig, pair_time / 4000);
+  CHECK(rig.world.velocity[0].y() == Approx(-0.12).epsilon(0.005));
+  CHECK(rig.world.velocity[1].y() == Approx(0.12).epsilon(0.005));
+  for (int s : {0, 1}) CHECK(rig.world.angular_velocity[static_cast<std::size_t>(s)].z() == Approx(19).epsilon(0.005));
+}
+
 namespace {
 
 /// One contact moved by hand through the spring: overlap and sliding along given lines, work done ON it.
