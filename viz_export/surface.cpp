@@ -9,7 +9,8 @@ namespace epafi {
 
 namespace {
 
-// 12 sides leave out 3.4 % of a radius; 24 sides would make the frames of ten thousand capsules four times larger (150 MB)
+// 12 sides leave out 3.4 % of a radius; 24 sides would make the frames of ten thousand capsules four times larger (150
+// MB)
 constexpr Fineness fineness{.segments = 12};
 constexpr std::int32_t rows = 6, columns = 12;  // directions; rows is even, so that none is level
 
@@ -41,7 +42,8 @@ Surface triangles_of(const TriangleSurface& mesh) {
   Surface surface;
   surface.points = mesh.vertices;
   for (const Triangle& t : mesh.triangles)
-    add_polygon(surface, {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])});
+    add_polygon(surface,
+                {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[1]), static_cast<std::int32_t>(t[2])});
   return surface;
 }
 
@@ -61,7 +63,8 @@ Surface support_grid(const S& shape) {
   const auto at = [](std::int32_t r, std::int32_t c) { return 1 + r * columns + c % columns; };
   for (std::int32_t c = 0; c < columns; ++c) {
     add_polygon(surface, {0, at(0, c), at(0, c + 1)});
-    for (std::int32_t r = 0; r + 1 < rows; ++r) add_polygon(surface, {at(r, c), at(r + 1, c), at(r + 1, c + 1), at(r, c + 1)});
+    for (std::int32_t r = 0; r + 1 < rows; ++r)
+      add_polygon(surface, {at(r, c), at(r + 1, c), at(r + 1, c + 1), at(r, c + 1)});
     add_polygon(surface, {at(rows - 1, c + 1), at(rows - 1, c), rows * columns + 1});
   }
   return surface;

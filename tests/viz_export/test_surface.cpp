@@ -15,7 +15,9 @@ double volume(const Surface& s) {
   double six = 0.0;
   for (std::size_t f = 0, k = 0; f < s.offsets.size(); ++f) {
     const auto end = static_cast<std::size_t>(s.offsets[f]);
-    const auto corner = [&](std::size_t i) -> const Vec3& { return s.points[static_cast<std::size_t>(s.connectivity[i])]; };
+    const auto corner = [&](std::size_t i) -> const Vec3& {
+      return s.points[static_cast<std::size_t>(s.connectivity[i])];
+    };
     for (std::size_t i = k + 1; i + 1 < end; ++i) six += corner(k).dot(corner(i).cross(corner(i + 1)));
     k = end;
   }
