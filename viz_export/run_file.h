@@ -6,7 +6,7 @@
 ///                     rotates, orientation (w x y z) and angular_velocity; rows in the order of body ids
 ///   measures/NAME     attribute components; time, value (one column per component)
 /// The file is open only while something is written: a crash between snapshots leaves it whole, and others may read it
-/// meanwhile. A crash within a write can spoil it: readers then get a FileError, and the checkpoint is not touched by it.
+/// meanwhile. A crash within a write can spoil it: readers then get a FileError; the checkpoint is another file.
 #pragma once
 #include <cstdint>
 #include <filesystem>
