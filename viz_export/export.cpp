@@ -18,7 +18,8 @@ namespace {
 void append_rows(std::string& out, const StoredSnapshot& snapshot) {
   const auto put = [&](double value) { fmt::format_to(std::back_inserter(out), ",{:.17g}", value); };
   for (const BodyRecord& b : snapshot.bodies) {
-    fmt::format_to(std::back_inserter(out), "{:.17g},{},{},{}", snapshot.stamp.time, snapshot.stamp.step, b.id, b.material);
+    fmt::format_to(std::back_inserter(out), "{:.17g},{},{},{}", snapshot.stamp.time, snapshot.stamp.step, b.id,
+                   b.material);
     put(b.mass), put(b.radius);
     for (const Vec3* v : {&b.pose.position, &b.velocity})
       for (double c : *v) put(c);
@@ -53,9 +54,8 @@ std::vector<Sample> samples_by_time(const std::vector<StoredMeasure>& measures) 
   std::vector<Sample> samples;
   for (const StoredMeasure& m : measures)
     for (std::size_t row = 0; row < m.times.size(); ++row) samples.push_back({&m, row});
-  std::stable_sort(samples.begin(), samples.end(), [](const Sample& p, const Sample& q) {
-    return p.measure->times[p.row] < q.measure->times[q.row];
-  });
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& p, const Sample& q) { return p.measure->times[p.row] < q.measure->times[q.row]; });
   return samples;
 }
 

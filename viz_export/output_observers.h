@@ -31,7 +31,8 @@ class StateRecorder final : public Observer {
 /// Samples one measure into measures.csv, run.h5 and the summary. Either file may be null.
 class MeasureRecorder final : public Observer {
  public:
-  MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run, std::uint64_t every);
+  MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
+                  std::uint64_t every);
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   bool wants_energy(std::uint64_t step) const override { return measure_->wants_energy() && is_due(step); }
   void observe(const StepView& view) override;
@@ -49,7 +50,7 @@ class MeasureRecorder final : public Observer {
   RunFile* run_;
   std::size_t number_ = 0;  ///< in run.h5
   EverySteps due_;
-  std::uint64_t sampled_ = ~std::uint64_t{0};     ///< step of the last sample
+  std::uint64_t sampled_ = ~std::uint64_t{0};      ///< step of the last sample
   std::vector<double> values_, last_, min_, max_;  ///< by component; NaN where there was no value yet
 };
 

@@ -15,7 +15,8 @@ using Catch::Contains;
 
 namespace {
 
-const CheckpointHeader header{"0.1.0", "00ff", "scenes/a.toml", "[run]\nduration = 1\n", {"params.n=5", "x=\"y\""}, 1234, 0.1};
+const CheckpointHeader header{"0.1.0", "00ff", "scenes/a.toml", "[run]\nduration = 1\n", {"params.n=5", "x=\"y\""},
+                              1234,    0.1};
 const CheckpointExpectation expected{"0.1.0", "00ff"};
 
 World some_world(std::uint64_t seed, int bodies) {
@@ -27,7 +28,8 @@ World some_world(std::uint64_t seed, int bodies) {
     const Vec3 v = any();
     Body body;
     body.position = any(), body.orientation = Quat(1, v.x(), v.y(), v.z()), body.velocity = any();
-    body.angular_velocity = any(), body.mass = 2.0, body.inertia = {1, 2, 3}, body.material = static_cast<std::uint16_t>(k);
+    body.angular_velocity = any(), body.mass = 2.0, body.inertia = {1, 2, 3},
+    body.material = static_cast<std::uint16_t>(k);
     const BodyId id = world.add(body);
     if (k % 7 == 3) leaving.push_back(id);
   }
@@ -52,7 +54,8 @@ std::string message_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-TEST_CASE("a loaded checkpoint gives the saved bits and header, into a world of another size too", "[viz_export][checkpoint]") {
+TEST_CASE("a loaded checkpoint gives the saved bits and header, into a world of another size too",
+          "[viz_export][checkpoint]") {
   const TemporaryFolder folder;
   const auto path = folder / "checkpoint.h5";
   World saved = some_world(1, 50), loaded = some_world(2, 3);
@@ -112,7 +115,8 @@ TEST_CASE("columns that the simulation lacks or has beside the stored ones are n
   CHECK_THROWS_WITH(load_checkpoint(path, expected, twice), Contains("twice"));
 }
 
-TEST_CASE("every cut and every changed byte of a checkpoint is either harmless or refused", "[viz_export][checkpoint]") {
+TEST_CASE("every cut and every changed byte of a checkpoint is either harmless or refused",
+          "[viz_export][checkpoint]") {
   const TemporaryFolder folder;
   const auto path = folder / "checkpoint.h5", damaged = folder / "damaged.h5";
   World world = some_world(1, 40);

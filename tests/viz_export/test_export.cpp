@@ -43,7 +43,8 @@ TEST_CASE("exported frames and measures are those that the run wrote itself, byt
     CHECK(read_whole_file(copy / name) == read_whole_file(folder / name));
   const std::string rows = read_whole_file(copy / "snapshots.csv");
   CHECK(std::count(rows.begin(), rows.end(), '\n') == 1 + 3 * 5);
-  // sphere 1 of the second snapshot: id 2, mass 2, radius 0.11, at (1.125, 2, 0.5) with velocity (1, 1, -1), spinning by 1
+  // sphere 1 of the second snapshot: id 2, mass 2, radius 0.11, at (1.125, 2, 0.5) with velocity (1, 1, -1), spinning
+  // by 1
   CHECK_THAT(rows, Catch::Contains("\n0.125,1,2,0,2,0.11,1.125,2,0.5,1,1,-1,1,0,0,0,0,0,1\n"));
 }
 

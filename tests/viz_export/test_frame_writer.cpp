@@ -29,7 +29,8 @@ std::size_t count_files(const std::filesystem::path& folder) {
 
 }  // namespace
 
-TEST_CASE("records follow body ids, not slots, and their kinetic energies sum to the ledger's", "[viz_export][frames]") {
+TEST_CASE("records follow body ids, not slots, and their kinetic energies sum to the ledger's",
+          "[viz_export][frames]") {
   SmallScene scene(20);
   std::vector<Slot> backwards;
   for (Slot s = 21; s-- > 0;) backwards.push_back(s);
@@ -81,7 +82,8 @@ TEST_CASE("a half-space is drawn as a square on its plane that reaches beyond al
   CHECK(d.polygons.offsets == std::vector<std::int32_t>{4});
 }
 
-TEST_CASE("contacts that touch or carry force are lines between centres, to the contact point at a wall", "[viz_export][frames]") {
+TEST_CASE("contacts that touch or carry force are lines between centres, to the contact point at a wall",
+          "[viz_export][frames]") {
   SmallScene scene(3);
   const auto contacts = contact_records(scene.world, scene.contacts);
   REQUIRE(contacts.size() == 2);

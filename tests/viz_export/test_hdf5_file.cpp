@@ -94,7 +94,8 @@ TEST_CASE("reading refuses what is not there, of another type or larger than the
 }
 
 TEST_CASE("files of other programs: claims beyond the file are refused before memory is taken", "[viz_export][hdf5]") {
-  const Hdf5File file(std::string(EPAFI_SOURCE_DIR) + "/tests/data/viz_export/claims_too_much.h5", Hdf5File::Mode::read);
+  const Hdf5File file(std::string(EPAFI_SOURCE_DIR) + "/tests/data/viz_export/claims_too_much.h5",
+                      Hdf5File::Mode::read);
   CHECK_THROWS_WITH(file.read<double>("unwritten"), Contains("claims 8796093022208 bytes but the file holds 0"));
   CHECK_THROWS_WITH(file.read<double>("overflow"), Contains("claims more than 2^64 bytes"));
   CHECK_THROWS_WITH(file.read<double>("zeros"), Contains("claims 8796093022208 bytes"));

@@ -23,7 +23,8 @@ TEST_CASE("JSON numbers read back to the same bits and non-finite ones are null"
 TEST_CASE("JSON text escapes quotes, control characters and bytes that are not UTF-8", "[viz_export][json]") {
   CHECK(json_text("a\"b\\c\n\t\x01") == R"("a\"b\\c\n\t\u0001")");
   CHECK(json_text("\u00b5 \u20ac \U0001f600") == "\"\u00b5 \u20ac \U0001f600\"");
-  // overlong '/', a surrogate, beyond U+10FFFF, a cut sequence: one replacement character per byte (RFC 3629, section 3)
+  // overlong '/', a surrogate, beyond U+10FFFF, a cut sequence: one replacement character per byte (RFC 3629, section
+  // 3)
   CHECK(json_text("\xc0\xaf") == "\"\ufffd\ufffd\"");
   CHECK(json_text("\xed\xa0\x80") == "\"\ufffd\ufffd\ufffd\"");
   CHECK(json_text("\xf4\x90\x80\x80") == "\"\ufffd\ufffd\ufffd\ufffd\"");
@@ -35,6 +36,7 @@ TEST_CASE("JSON objects and arrays nest with commas where they belong", "[viz_ex
   json.begin_object().member("a", 1).member("b", std::optional<double>()).key("c").begin_array();
   json.value(true).begin_object().end_object().value("x").end_array().member("d", std::optional<double>(2.5));
   json.member("e", std::uint64_t{18446744073709551615ull}).end_object();
-  CHECK(json.text() == "{\n  \"a\": 1,\n  \"c\": [\n    true,\n    {},\n    \"x\"\n  ],\n  \"d\": 2.5,\n"
-                       "  \"e\": 18446744073709551615\n}");
+  CHECK(json.text() ==
+        "{\n  \"a\": 1,\n  \"c\": [\n    true,\n    {},\n    \"x\"\n  ],\n  \"d\": 2.5,\n"
+        "  \"e\": 18446744073709551615\n}");
 }

@@ -16,15 +16,17 @@ TEST_CASE("measures.csv is long, keeps 17 digits and quotes what needs it", "[vi
     csv.add(0.1, "outflow", "rate", 1.0 / 3.0);
     csv.add(0.2, "a,\"b\"", "x", -0.0);
   }
-  CHECK(read_whole_file(folder / "m.csv") == "time,measure,component,value\n"
-                                             "0.10000000000000001,outflow,rate,0.33333333333333331\n"
-                                             "0.20000000000000001,\"a,\"\"b\"\"\",x,-0\n");
+  CHECK(read_whole_file(folder / "m.csv") ==
+        "time,measure,component,value\n"
+        "0.10000000000000001,outflow,rate,0.33333333333333331\n"
+        "0.20000000000000001,\"a,\"\"b\"\"\",x,-0\n");
 }
 
 TEST_CASE("a continued measures.csv equals the one of an uninterrupted run", "[viz_export][csv]") {
   const TemporaryFolder folder;
   const auto fill = [](MeasuresCsv& csv, int from, int to) {
-    for (int k = from; k < to; ++k) csv.add(k * 0.1, "energy", "kinetic", 1.0 / k), csv.add(k * 0.1, "two\nlines", "x", k);
+    for (int k = from; k < to; ++k)
+      csv.add(k * 0.1, "energy", "kinetic", 1.0 / k), csv.add(k * 0.1, "two\nlines", "x", k);
   };
   {
     MeasuresCsv straight(folder / "straight.csv"), stopped(folder / "stopped.csv");

@@ -13,7 +13,8 @@ namespace {
 
 const RunFileHeader header{"0.1.0", "00ff", "a title", "[run]\n", {"params.n=2"}};
 
-/// Writes snapshots `from` .. `to` of a scene whose step k is at time 0.1 k; body 6 is added at step 3, body 2 leaves at 4.
+/// Writes snapshots `from` .. `to` of a scene whose step k is at time 0.1 k; body 6 is added at step 3, body 2 leaves
+/// at 4.
 void run_steps(RunFile& file, SmallScene& scene, SurfaceCache& surfaces, std::uint64_t from, std::uint64_t to) {
   const std::size_t flow = file.define_measure("a/b", {"rate", "mass"});
   for (std::uint64_t k = from; k < to; ++k) {

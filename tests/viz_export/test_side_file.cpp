@@ -25,6 +25,7 @@ TEST_CASE("a side file replaces its target only when it is committed", "[viz_exp
 
 TEST_CASE("writing where there is no folder is an error with path and cause", "[viz_export]") {
   const TemporaryFolder folder;
-  CHECK_THROWS_WITH(write_whole_file(folder / "no/a.txt", {"x"}), Catch::Contains("no/a.txt") && Catch::Contains("No such file"));
+  CHECK_THROWS_WITH(write_whole_file(folder / "no/a.txt", {"x"}),
+                    Catch::Contains("no/a.txt") && Catch::Contains("No such file"));
   CHECK_THROWS_AS(read_whole_file(folder / "a.txt"), FileError);
 }

@@ -9,16 +9,19 @@ namespace {
 std::string quoted(const char* key) { return std::string(1, '"').append(key).append("\":"); }
 }  // namespace
 
-TEST_CASE("a summary holds every key of its contract and leaves out what the scene does not have", "[viz_export][summary]") {
+TEST_CASE("a summary holds every key of its contract and leaves out what the scene does not have",
+          "[viz_export][summary]") {
   RunSummary s;
   s.epafi = "0.1.0", s.scene = "hopper", s.status = "completed", s.state_hash = "00ff";
   const std::string bare = summary_json(s);
-  for (const char* key : {"epafi", "scene", "scene_hash", "status", "bodies", "bodies_lost", "steps", "time_step",
-                          "simulated_time", "wall_time", "threads", "stage_seconds", "measures", "checks",
-                          "peak_memory_bytes", "state_hash", "broad_phase", "narrow_phase", "contact", "integrate", "output"})
+  for (const char* key : {"epafi",       "scene",         "scene_hash",   "status",         "bodies",
+                          "bodies_lost", "steps",         "time_step",    "simulated_time", "wall_time",
+                          "threads",     "stage_seconds", "measures",     "checks",         "peak_memory_bytes",
+                          "state_hash",  "broad_phase",   "narrow_phase", "contact",        "integrate",
+                          "output"})
     CHECK_THAT(bare, Contains(quoted(key)));
-  for (const char* key : {"energy", "momentum_error", "overlap", "residual", "iterations", "ns_per_body_step", "contacts_mean",
-                          "failure"})
+  for (const char* key : {"energy", "momentum_error", "overlap", "residual", "iterations", "ns_per_body_step",
+                          "contacts_mean", "failure"})
     CHECK_THAT(bare, !Contains(quoted(key)));
 
   s.energy = RunSummary::Energy{1, 2, std::nullopt, 3, 4, 1e-5};
