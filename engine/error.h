@@ -26,9 +26,9 @@ struct Problem {
 
   std::string to_string() const {
     std::string out = place.file;
-    if (place.line > 0) out += ":" + std::to_string(place.line) + ":" + std::to_string(place.column);
-    if (!out.empty()) out += ": ";
-    return out + (level == Level::error ? "error: " : "warning: ") + text;
+    if (place.line > 0) out.append(":").append(std::to_string(place.line)).append(":").append(std::to_string(place.column));
+    if (!out.empty()) out.append(": ");
+    return out.append(level == Level::error ? "error: " : "warning: ").append(text);
   }
 };
 
@@ -44,7 +44,7 @@ class SceneError : public std::runtime_error {
  private:
   static std::string join(const std::vector<Problem>& problems) {
     std::string all;
-    for (const auto& p : problems) all += (all.empty() ? "" : "\n") + p.to_string();
+    for (const auto& p : problems) all.append(all.empty() ? "" : "\n").append(p.to_string());
     return all;
   }
   std::vector<Problem> problems_;

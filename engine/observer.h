@@ -15,6 +15,7 @@ struct StepView {
   const EnergyLedger& ledger;
   std::uint64_t step = 0;  ///< steps done so far
   double dt = 0.0;         ///< [s]
+  std::size_t movable = 0; ///< free bodies now
   bool last = false;       ///< the run ends with this step
 };
 

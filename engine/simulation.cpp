@@ -7,6 +7,7 @@ namespace epafi {
 
 void Simulation::start() {
   sort_bodies();
+  count_movable();
   if (pipeline.scheme->needs_initial_forces()) evaluate_forces(world, pipeline, work);
   ledger.start(world, work.report);
   observe(false);
@@ -26,6 +27,10 @@ std::optional<Failure> Simulation::advance(bool last) {
   return std::nullopt;
 }
 
+void Simulation::count_movable() {
+  movable_ = static_cast<std::size_t>(std::count_if(world.inverse_mass.begin(), world.inverse_mass.end(), [](double m) { return m > 0; }));
+}
+
 void Simulation::sort_bodies() { reorder(world.reorder(morton_order(world))); }
 
 void Simulation::reorder(const Reordering& change) {
@@ -41,6 +46,7 @@ void Simulation::take_out() {
   reorder(world.remove(leaving_));
   removed_ += leaving_.size();
   leaving_.clear();
+  count_movable();
   ledger.accept_jump(world, before);
 }
 
@@ -72,7 +78,7 @@ void Simulation::observe(bool last) {
   }
   if (!any) return;
   if (energy) ledger.measure(world);
-  const StepView view{world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, last};
+  const StepView view{world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last};
   for (const auto& o : observers)
     if (last || o->is_due(steps_)) o->observe(view);
 }
@@ -82,7 +88,7 @@ void Simulation::visit(StateVisitor& visitor) {
   visitor.column("simulation/leaving", leaving_);
   world.visit(visitor);
   ledger.visit(visitor);
-  visitor.value("simulation/elastic", work.report.elastic);
+  visitor.value("simulation/elastic", work.report.elastic), visitor.value("simulation/movable", movable_);
   pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });
   for (auto& event : events) event->visit(visitor);
   for (auto& observer : observers) observer->visit(visitor);

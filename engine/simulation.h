@@ -38,6 +38,7 @@ class Simulation {
 
  private:
   void sort_bodies();
+  void count_movable();
   void take_out();
   std::optional<Failure> watch();
   void observe(bool last);
@@ -45,6 +46,7 @@ class Simulation {
 
   std::uint64_t steps_ = 0;
   std::uint64_t removed_ = 0;
+  std::size_t movable_ = 0;  ///< free bodies
   std::vector<BodyId> leaving_;  ///< left the domain in the last step; taken out before the next, after observers saw it
 };
 

@@ -35,7 +35,7 @@ RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>
 void RunMonitor::observe(const StepView& view) {
   if (view.step > 0) {
     totals_.steps += 1, totals_.contacts += static_cast<double>(view.report.touching);
-    totals_.body_steps += static_cast<double>(view.world.size());
+    totals_.body_steps += static_cast<double>(view.movable);
     if (view.report.has_solver) {
       const SolverReport& s = view.report.solver;
       totals_.residual += s.residual, totals_.residual_max = std::max(totals_.residual_max, s.residual);

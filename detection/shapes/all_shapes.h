@@ -1,7 +1,13 @@
 /// @file all_shapes.h  The list of shapes: include the header, add the name.
 #pragma once
+#include "detection/shapes/box.h"
+#include "detection/shapes/capsule.h"
+#include "detection/shapes/convex_hull.h"
+#include "detection/shapes/cylinder.h"
+#include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/half_space.h"
 #include "detection/shapes/sphere.h"
+#include "detection/shapes/triangle_mesh.h"
 
 namespace epafi {
 
@@ -10,6 +16,6 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, HalfSpace>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, TriangleMesh>;
 
 }  // namespace epafi

@@ -10,6 +10,7 @@ struct HalfSpace {
 
   static Entry entry() { return {name, "half space below a plane, fixed or driven", {{"normal", "n", "", Kind::vec3, {}, {}, "outward normal"}}, {}, ""}; }
 
+  double contact_radius() const { return infinity; }
   double bounding_radius() const { return infinity; }
   Aabb bounding_box(const Pose&) const { return {Vec3::Constant(-infinity), Vec3::Constant(infinity)}; }
 };

@@ -10,6 +10,7 @@ struct Sphere {
 
   static Entry entry() { return {name, "sphere about its centre", {{"radius", "r", "m", Kind::number, {}, positive, "radius"}}, {}, ""}; }
 
+  double contact_radius() const { return radius; }
   double bounding_radius() const { return radius; }
   Aabb bounding_box(const Pose& pose) const { return {pose.position.array() - radius, pose.position.array() + radius}; }
   MassProperties mass_properties() const {

@@ -1,0 +1,51 @@
+#include "detection/broad/all_broad_phases.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "detection/broad/aabb_tree.h"
+#include "detection/broad/all_pairs.h"
+#include "detection/broad/spatial_hash.h"
+#include "detection/broad/sweep_and_prune.h"
+
+namespace epafi {
+
+namespace {
+template <class T>
+std::unique_ptr<BroadPhase> make(const BroadSetup& setup) { return std::make_unique<T>(setup); }
+
+constexpr std::size_t few = 48;  // bodies below which testing all pairs is fastest (perf/broad.cpp)
+}  // namespace
+
+const std::vector<BroadPhaseEntry>& all_broad_phases() {
+  static const std::vector<BroadPhaseEntry> list{
+      {{"spatial-hash", "bodies sorted into cells, one grid per size class", {}, {}, "Ericson 2005"}, make<SpatialHash>},
+      {{"aabb-tree", "tree of boxes, refitted, rebuilt when worn", {}, {}, "van den Bergen 1997"}, make<AabbTree>},
+      {{"sweep-and-prune", "intervals sorted along one axis", {}, {}, "Cohen et al. 1995"}, make<SweepAndPrune>},
+      {{"all-pairs", "every pair tested: the reference", {}, {}, ""}, make<AllPairs>},
+  };
+  return list;
+}
+
+BroadChoice choose_broad_phase(const World& world, const BroadSetup& setup) {
+  FatBodies bodies;
+  bodies.update(world, setup, 0.0);
+  const std::size_t n = bodies.ordinary.size();
+  const std::string count = std::to_string(n);
+  if (n < few) return {"all-pairs", count + " bounded bodies: below " + std::to_string(few) + " no structure pays"};
+  double least = infinity, most = 0.0;
+  for (Slot s : bodies.ordinary) least = std::min(least, bodies.radius[s]), most = std::max(most, bodies.radius[s]);
+  char ratio[32];
+  std::snprintf(ratio, sizeof ratio, "%.3g", least > 0.0 ? most / least : infinity);
+  return {"spatial-hash", count + " bodies, sizes 1:" + ratio + ": one grid per factor of two in size; " +
+                              std::to_string(bodies.apart.size()) + " unbounded or giant bodies tested one by one"};
+}
+
+std::unique_ptr<BroadPhase> make_broad_phase(std::string_view name, const BroadSetup& setup, const World& world) {
+  const std::string wanted = name == "auto" ? choose_broad_phase(world, setup).name : std::string(name);
+  for (const auto& e : all_broad_phases())
+    if (e.entry.name == wanted) return e.make(setup);
+  return nullptr;
+}
+
+}  // namespace epafi

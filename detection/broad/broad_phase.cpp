@@ -1,0 +1,18 @@
+#include "detection/broad/broad_phase.h"
+
+namespace epafi {
+
+void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
+  if (world.time > last_time_) step_time_ = world.time - last_time_;
+  last_time_ = world.time;
+  if (world.size() != bodies_.size()) valid_ = false;
+  if (valid_ && !bodies_.outdated(world)) return;
+  bodies_.update(world, setup_, step_time_);
+  collect(bodies_, collector_);
+  collector_.finish(pairs.pairs);
+  pairs.margin = bodies_.largest_margin();
+  ++pairs.generation;
+  valid_ = true;
+}
+
+}  // namespace epafi

@@ -1,0 +1,36 @@
+/// @file broad_phase.h  What all broad phases share: fat bodies, the test when the list is outdated, the canonical list (Verlet 1967).
+/// A method only hands over candidates. The list is a function of the fat boxes, not of the method. Contacts do not depend on
+/// the list's age: a pair with gap < reach is always listed. Hence nothing is saved in `visit` and any restart gives the same bits.
+#pragma once
+#include "detection/broad/fat_bodies.h"
+#include "detection/broad/pair_collector.h"
+#include "engine/pipeline.h"
+
+namespace epafi {
+
+class ListBroadPhase : public BroadPhase {
+ public:
+  explicit ListBroadPhase(BroadSetup setup) : setup_(std::move(setup)), collector_(bodies_, setup_.filter) {}
+  ListBroadPhase(const ListBroadPhase&) = delete;
+  ListBroadPhase& operator=(const ListBroadPhase&) = delete;
+
+  void find_pairs(const World& world, PairList& pairs) final;
+  /// The next call builds anew: the list names slots.
+  void reorder(const Reordering&) override { valid_ = false; }
+  const FatBodies& bodies() const { return bodies_; }
+
+ protected:
+  /// Hands every ordinary body and its candidates to the collector.
+  virtual void collect(const FatBodies& bodies, PairCollector& collector) = 0;
+  bool slots_changed() const { return !valid_; }  ///< within collect: what was kept by slot is void
+
+ private:
+  BroadSetup setup_;
+  FatBodies bodies_;
+  PairCollector collector_;
+  bool valid_ = false;
+  double last_time_ = infinity;  ///< of the last call [s]
+  double step_time_ = 0.0;       ///< dt as seen between two calls [s]; 0: not known yet
+};
+
+}  // namespace epafi

@@ -1,0 +1,153 @@
+#include "detection/broad/fat_bodies.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/parallel.h"
+
+namespace epafi {
+
+namespace {
+constexpr double least_margin = 0.1;   // of the bounding radius: what a body at rest may creep; 0.05-0.2 cost the same within 10 %
+constexpr double most_margin = 0.5;    // of the bounding radius: beyond, the longer list costs more than the rebuilds it saves
+constexpr double giant_ratio = 16.0;   // of the median radius: above, one box test per body is cheaper than one more grid level
+constexpr std::size_t most_giants = 16;
+constexpr double headroom = 1.25;      // bodies speed up between rebuilds
+constexpr double least_steps = 4.0, most_steps = 64.0;  // of one list
+
+/// Distance by which a point of the body moves per second, at most [m/s].
+double surface_speed(const World& world, Slot s, double turning_radius) {
+  const double v = std::sqrt(world.velocity[s].squaredNorm());
+  const double w2 = world.rotates() ? world.angular_velocity[s].squaredNorm() : 0.0;
+  return w2 > 0.0 && turning_radius > 0.0 ? v + std::sqrt(w2) * turning_radius : v;
+}
+}  // namespace
+
+bool FatBodies::near_plane(Slot i, std::size_t k) const {
+  const Slot w = apart[k];
+  const Vec3& n = plane_normal[k];
+  const Vec3 from_plane = box[i].centre() - position[w];
+  const Vec3 half_extent = 0.5 * box[i].extent();
+  const double corner = n.dot(from_plane) - n.cwiseAbs().dot(half_extent);
+  const Vec3 to_ball(ball[i].x - position[w].x(), ball[i].y - position[w].y(), ball[i].z - position[w].z());
+  return std::max(corner, n.dot(to_ball) - ball[i].r) <= half[w];  // half of a half-space: its own fattening
+}
+
+void FatBodies::update(const World& world, const BroadSetup& setup, double step_time) {
+  const std::size_t n = world.size();
+  box.resize(n), ball.resize(n), half.resize(n), radius.resize(n), turning_radius.resize(n), margin.resize(n);
+  id.resize(n), type.resize(n), immovable.resize(n), position.resize(n);
+  if (world.rotates()) orientation.resize(n);
+  read_shapes(world, *setup.shapes);
+  choose_margins(world, setup, step_time);
+  fatten(world, setup);
+  set_apart(world, *setup.shapes);
+}
+
+void FatBodies::read_shapes(const World& world, const ShapeStore& shapes) {
+  parallel_for(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    const ShapeRef ref{world.shape[s]};
+    id[i] = static_cast<std::uint32_t>(world.id[s]), type[i] = ref.type();
+    immovable[i] = !world.is_movable(s);
+    radius[i] = shapes.bounding_radius(ref);
+    turning_radius[i] = ref.type() == ShapeStore::type_of<Sphere>() ? 0.0 : radius[i];
+    position[i] = world.position[s];
+    if (world.rotates()) orientation[i] = world.orientation[s];
+  });
+}
+
+double FatBodies::median_radius() {
+  scratch_.clear();
+  for (std::size_t i = 0; i < size(); ++i)
+    if (!immovable[i] && std::isfinite(radius[i])) scratch_.push_back(radius[i]);
+  if (scratch_.empty())
+    for (double r : radius)
+      if (std::isfinite(r)) scratch_.push_back(r);
+  if (scratch_.empty()) return 0.0;
+  const auto middle = scratch_.begin() + static_cast<std::ptrdiff_t>(scratch_.size() / 2);
+  std::nth_element(scratch_.begin(), middle, scratch_.end());
+  return *middle;
+}
+
+void FatBodies::choose_margins(const World& world, const BroadSetup& setup, double step_time) {
+  if (setup.margin > 0.0) {
+    margin.assign(world.size(), setup.margin);
+    return;
+  }
+  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 0.8/sqrt(e), e the mean motion per step
+  // in radii; perf/broad.cpp shows the minimum to be flat within a factor of two.
+  const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
+    if (immovable[i] || !(radius[i] > 0.0)) return Sum3{};
+    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]) / radius[i], 1.0, 0.0};
+  });
+  const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
+  const double steps = motion > 0.0 ? std::clamp(0.8 / std::sqrt(motion), least_steps, most_steps) : most_steps;
+  const double small = 4.0 * median_radius();
+  parallel_for(world.size(), [&](std::size_t i) {
+    const double step = step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]);
+    const double wanted = 2.0 * headroom * steps * step;
+    if (!std::isfinite(wanted)) margin[i] = 0.0;  // a turning half-space: its list lasts one step
+    else if (immovable[i]) margin[i] = std::min(wanted, most_margin * small);
+    else margin[i] = std::clamp(wanted, least_margin * std::min(radius[i], small), most_margin * radius[i]);
+  });
+}
+
+void FatBodies::fatten(const World& world, const BroadSetup& setup) {
+  parallel_for(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    const Vec3& x = position[i];
+    // four units in the last place of the coordinate: far from the origin the box itself is rounded
+    const double rounding = 0x1p-50 * x.cwiseAbs().maxCoeff();
+    const double fat = 0.5 * (setup.reach + margin[i]) + rounding;
+    if (!std::isfinite(radius[i])) {
+      half[i] = fat;
+      box[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)}, ball[i] = {x.x(), x.y(), x.z(), infinity};
+      return;
+    }
+    box[i] = setup.shapes->bounding_box(world, s).fattened(fat);
+    half[i] = std::max((box[i].max - x).maxCoeff(), (x - box[i].min).maxCoeff());
+    ball[i] = {x.x(), x.y(), x.z(), radius[i] + fat};
+  });
+}
+
+void FatBodies::set_apart(const World& world, const ShapeStore& shapes) {
+  const double giant = giant_ratio * median_radius();
+  std::size_t giants = 0;
+  for (double r : radius) giants += std::isfinite(r) && r > giant;
+  const bool giants_apart = giants <= most_giants;
+  ordinary.clear(), apart.clear(), plane_normal.clear();
+  for (Slot s = 0; s < world.size(); ++s) {
+    // a body that is nowhere has no neighbours: whoever watches the state reports it
+    if (!position[s].allFinite() || !(half[s] >= 0.0)) continue;
+    if (std::isfinite(radius[s]) && !(giants_apart && radius[s] > giant)) {
+      ordinary.push_back(s);
+      continue;
+    }
+    apart.push_back(s);
+    const ShapeRef ref{world.shape[s]};
+    const bool plane = ref.type() == ShapeStore::type_of<HalfSpace>();
+    plane_normal.push_back(plane ? Vec3(world.pose(s).orientation * shapes.of<HalfSpace>()[ref.index()].normal) : Vec3::Zero());
+  }
+}
+
+bool FatBodies::outdated(const World& world) const {
+  if (world.size() != size()) return true;
+  const bool rotates = world.rotates();
+  // the largest of (moved - allowed): a maximum is the same for every thread count
+  return block_max<char>(size(), 0, [&](std::size_t i) {
+    double moved = std::sqrt((world.position[i] - position[i]).squaredNorm());
+    if (rotates && turning_radius[i] > 0.0) {
+      // a turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|, as |q - q0| = 2 sin(t/4)
+      const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
+      if (turn > 0.0) moved += 2.0 * turning_radius[i] * std::sqrt(turn);
+    }
+    return static_cast<char>(moved > 0.5 * margin[i]);
+  }) != 0;
+}
+
+double FatBodies::largest_margin() const {
+  return block_max<double>(margin.size(), 0.0, [&](std::size_t i) { return margin[i]; });
+}
+
+}  // namespace epafi

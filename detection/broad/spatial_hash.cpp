@@ -1,0 +1,151 @@
+#include "detection/broad/spatial_hash.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "engine/parallel.h"
+
+namespace epafi {
+
+namespace {
+constexpr double cell_per_size = 1.0;      // cell edge over largest body of the class
+constexpr double level_ratio = 2.0;        // sizes in one class
+constexpr std::size_t block_size = 512;    // bodies per parallel block
+}  // namespace
+
+std::int64_t SpatialHash::Axis::cell(double x) const {
+  // not negative after the clamp, so truncation is floor; NaN never comes here
+  return static_cast<std::int64_t>(std::clamp((x - origin) * inverse_cell, 0.0, last));
+}
+
+void SpatialHash::set_levels(const FatBodies& bodies) {
+  const auto& all = bodies.ordinary;
+  level_of_.resize(all.size());
+  double largest = 0.0;
+  for (Slot s : all) largest = std::max(largest, bodies.half[s]);
+  std::array<double, most_levels> below{};  // class l holds halves in (below[l], below[l - 1]]
+  for (std::size_t l = 0; l < most_levels; ++l) below[l] = largest /= level_ratio;
+  below[most_levels - 1] = -1.0;
+  std::array<Vec3, most_levels> low, high;
+  low.fill(Vec3::Constant(infinity)), high.fill(Vec3::Constant(-infinity));
+  level_.fill(Level{});
+  levels_ = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Slot s = all[k];
+    std::size_t l = 0;
+    while (bodies.half[s] <= below[l]) ++l;
+    level_of_[k] = static_cast<std::uint8_t>(l);
+    levels_ = std::max(levels_, l + 1);
+    ++level_[l].count;
+    level_[l].half = std::max(level_[l].half, bodies.half[s]);
+    low[l] = low[l].cwiseMin(bodies.position[s]), high[l] = high[l].cwiseMax(bodies.position[s]);
+  }
+  std::uint32_t first = 0;
+  std::size_t table = 0;
+  for (std::size_t l = 0; l < levels_; ++l) {
+    level_[l].first = first, level_[l].table = table;
+    first += level_[l].count;
+    if (level_[l].count > 0) set_grid(level_[l], low[l], high[l]);
+    std::size_t cells = 1;
+    for (const Axis& a : level_[l].axis) cells *= static_cast<std::size_t>(a.mask + 1);
+    table += cells + 1;
+  }
+  start_.assign(table, 0);
+}
+
+void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
+  // positions are rounded to an ulp of their size: the search must reach a little further
+  level.half += 0x1p-48 * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  const double cell = std::max(cell_per_size * 2.0 * level.half, 1e-300);
+  std::array<double, 3> cells{};
+  for (int k = 0; k < 3; ++k) {
+    Axis& a = level.axis[static_cast<std::size_t>(k)];
+    a.origin = low[k], a.inverse_cell = 1.0 / cell;
+    a.last = std::min(std::floor((high[k] - low[k]) / cell), 1e15);
+    cells[static_cast<std::size_t>(k)] = a.last + 1.0;
+  }
+  // fold the longest axis until the table has at most some four entries per body
+  std::array<std::uint64_t, 3> size{};
+  for (std::size_t k = 0; k < 3; ++k) size[k] = std::bit_ceil(static_cast<std::uint64_t>(cells[k]));
+  const double most = 4.0 * level.count + 64.0;
+  while (static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]) > most)
+    *std::max_element(size.begin(), size.end()) /= 2;
+  for (std::size_t k = 0; k < 3; ++k) level.axis[k].mask = static_cast<std::int64_t>(size[k]) - 1;
+}
+
+void SpatialHash::sort_bodies(const FatBodies& bodies) {
+  const auto& all = bodies.ordinary;
+  cell_of_.resize(all.size()), ball_.resize(all.size()), slot_.resize(all.size()), id_.resize(all.size());
+  parallel_for(all.size(), [&](std::size_t k) {
+    const Level& level = level_[level_of_[k]];
+    const Vec3& x = bodies.position[all[k]];
+    std::uint64_t cell = 0;
+    for (int d = 2; d >= 0; --d) {
+      const Axis& a = level.axis[static_cast<std::size_t>(d)];
+      cell = cell * static_cast<std::uint64_t>(a.mask + 1) + static_cast<std::uint64_t>(a.cell(x[d]) & a.mask);
+    }
+    cell_of_[k] = static_cast<std::uint32_t>(level.table + cell);
+  });
+  // counting sort; the entry behind each level's cells takes the end of its last cell
+  for (std::uint32_t c : cell_of_) ++start_[c];
+  std::uint32_t sum = 0;
+  for (std::uint32_t& s : start_) s = (sum += s);
+  for (std::size_t k = all.size(); k-- > 0;) {  // from the back: starts end where they belong, order in a cell is by slot
+    const std::uint32_t place = --start_[cell_of_[k]];
+    ball_[place] = bodies.ball[all[k]], slot_[place] = all[k], id_[place] = bodies.id[all[k]];
+  }
+}
+
+void SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,
+                         std::vector<Slot>& found) const {
+  const Aabb& box = bodies.box[slot_[body]];
+  const Ball ball = ball_[body];
+  const std::uint32_t id = id_[body];
+  std::array<std::int64_t, 3> from{}, to{};
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = level.axis[static_cast<std::size_t>(d)];
+    auto &lo = from[static_cast<std::size_t>(d)], &hi = to[static_cast<std::size_t>(d)];
+    lo = a.cell(box.min[d] - level.half), hi = a.cell(box.max[d] + level.half);
+    if (hi - lo >= a.mask) lo = 0, hi = a.mask;  // the whole folded axis, each cell once
+  }
+  const auto scan = [&](std::uint32_t begin, std::uint32_t end) {
+    const std::size_t n = found.size();
+    found.resize(n + (end - begin));
+    Slot* out = found.data() + n;
+    for (std::uint32_t k = begin; k < end; ++k) {  // no branch: half of the candidates hit
+      *out = slot_[k];
+      out += static_cast<int>(ball.overlaps(ball_[k])) & static_cast<int>(!own_level || id_[k] > id);
+    }
+    found.resize(static_cast<std::size_t>(out - found.data()));
+  };
+  const auto [mx, my, mz] = std::array{level.axis[0].mask, level.axis[1].mask, level.axis[2].mask};
+  const std::int64_t x0 = from[0] & mx, x1 = to[0] & mx;
+  for (std::int64_t z = from[2]; z <= to[2]; ++z)
+    for (std::int64_t y = from[1]; y <= to[1]; ++y) {
+      const std::uint32_t* row = start_.data() + level.table + ((z & mz) * (my + 1) + (y & my)) * (mx + 1);
+      if (x0 <= x1) scan(row[x0], row[x1 + 1]);
+      else scan(row[0], row[x1 + 1]), scan(row[x0], row[mx + 1]);
+    }
+}
+
+void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
+  const std::size_t n = bodies.ordinary.size(), blocks = (n + block_size - 1) / block_size;
+  set_levels(bodies);
+  sort_bodies(bodies);
+  collector.begin(blocks);
+  if (found_.size() < blocks) found_.resize(blocks);
+  parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t block) {
+    std::vector<Slot>& found = found_[block];
+    for (std::size_t k = begin; k < end; ++k) {
+      found.clear();
+      std::size_t own = 0;
+      while (own + 1 < levels_ && k >= level_[own + 1].first) ++own;
+      for (std::size_t l = 0; l <= own; ++l)
+        if (level_[l].count > 0) search(bodies, level_[l], static_cast<std::uint32_t>(k), l == own, found);
+      collector.add(block, slot_[k], found);
+    }
+  });
+}
+
+}  // namespace epafi

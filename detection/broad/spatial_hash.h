@@ -1,0 +1,50 @@
+/// @file spatial_hash.h  Bodies sorted into uniform cells, one grid per size class (Ericson 2005, ch. 7; Mirtich 1996 for levels).
+/// Each class spans a factor of two in size. A body searches its own class and the larger ones, so a dust grain beside a
+/// boulder costs a few look-ups. The cell table is an array, no hash map: where the bodies are too sparse for a dense array,
+/// the grid is folded (cell index modulo a power of two) and the aliases fall to the exact test.
+/// Fails (slow, still right) where most bodies overlap each other.
+#pragma once
+#include <array>
+
+#include "detection/broad/broad_phase.h"
+
+namespace epafi {
+
+class SpatialHash final : public ListBroadPhase {
+ public:
+  using ListBroadPhase::ListBroadPhase;
+  const char* name() const override { return "spatial-hash"; }
+
+ private:
+  /// One axis of one grid.
+  struct Axis {
+    double origin = 0.0, inverse_cell = 1.0, last = 0.0;  ///< last: largest cell index before folding
+    std::int64_t mask = 0;                                ///< cells after folding, minus 1
+    std::int64_t cell(double x) const;
+  };
+  /// One size class.
+  struct Level {
+    std::array<Axis, 3> axis;
+    double half = 0.0;                   ///< largest half size in the class, with room for rounding [m]
+    std::uint32_t first = 0, count = 0;  ///< its bodies in the sorted columns
+    std::size_t table = 0;               ///< its first entry in start_
+  };
+  static constexpr std::size_t most_levels = 20;
+
+  std::array<Level, most_levels> level_{};
+  std::size_t levels_ = 0;
+  std::vector<std::uint8_t> level_of_;           ///< by position in bodies.ordinary
+  std::vector<std::uint32_t> cell_of_, start_;   ///< start_[table + cell]: first body of the cell in the sorted columns
+  std::vector<Ball> ball_;                       ///< sorted by level and cell, as are the next two
+  std::vector<Slot> slot_;
+  std::vector<std::uint32_t> id_;
+  std::vector<std::vector<Slot>> found_;         ///< candidates, one column per block
+
+  void collect(const FatBodies& bodies, PairCollector& collector) override;
+  void set_levels(const FatBodies& bodies);
+  void set_grid(Level& level, const Vec3& low, const Vec3& high);
+  void sort_bodies(const FatBodies& bodies);
+  void search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level, std::vector<Slot>& found) const;
+};
+
+}  // namespace epafi

@@ -1,0 +1,53 @@
+/// @file pair_query.h  What every pair function takes and gives: collide(shape_a, shape_b, query, sink).
+#pragma once
+#include "engine/contacts.h"
+
+namespace epafi {
+
+/// Last separating direction of a pair. A shortcut only: answers are the same bits without it, so it is not state.
+struct PairCache {
+  Vec3 axis = Vec3::Zero();  ///< from A to B, world axes; zero: unknown
+  std::uint32_t code = 0;
+};
+
+/// One pair at one instant.
+struct PairQuery {
+  Pose a, b;
+  double reach = 0.0;      ///< contacts with gap < reach are wanted [m]; 0: overlapping ones only
+  bool curvature = false;  ///< effective_radius is wanted
+  PairCache* cache = nullptr;
+};
+
+/// Collects the contact points of one pair at a time into a block's contact set, in the order of their features.
+class ContactSink {
+ public:
+  explicit ContactSink(ContactSet& out) : out_(out) {}
+  /// Opens the pair that the next points belong to.
+  void begin(Slot a, Slot b) { a_ = a, b_ = b, first_ = out_.size(); }
+  void add(const ContactPoint& c) { out_.append(a_, b_, c); }
+  /// Closes the pair: its points are put in the order of their features, which are distinct within a pair.
+  void end() {
+    if (out_.size() > first_ + 1) sort();
+  }
+  /// Points of the open pair so far.
+  std::size_t count() const { return out_.size() - first_; }
+
+ private:
+  void sort() {  // insertion: at most a few points, mostly in order
+    for (std::size_t i = first_ + 1; i < out_.size(); ++i) {
+      for (std::size_t j = i; j > first_ && out_.feature[j] < out_.feature[j - 1]; --j) {
+        std::swap(out_.feature[j], out_.feature[j - 1]), std::swap(out_.gap[j], out_.gap[j - 1]);
+        std::swap(out_.normal[j], out_.normal[j - 1]), std::swap(out_.arm[j], out_.arm[j - 1]);
+        if (out_.with_curvature) std::swap(out_.effective_radius[j], out_.effective_radius[j - 1]);
+      }
+    }
+  }
+  ContactSet& out_;
+  Slot a_ = 0, b_ = 0;
+  std::size_t first_ = 0;
+};
+
+/// R* = 1/(1/R_a + 1/R_b); infinity for a plane gives the other's radius. Two planes: infinity.
+inline double effective_radius(double radius_a, double radius_b) { return 1.0 / (1.0 / radius_a + 1.0 / radius_b); }
+
+}  // namespace epafi

@@ -1,0 +1,222 @@
+#include "detection/shapes/mesh_file.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <tuple>
+
+#include "detection/shapes/mesh_text.h"
+
+namespace epafi {
+namespace {
+
+constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 31;  // 2 GiB: about 40 million triangles, far beyond any use
+constexpr std::size_t stl_header = 84, stl_record = 50;           // bytes of a binary STL
+constexpr std::size_t largest_index = 0xfffffffeu;
+
+bool has_area(const TriangleSurface& s, const Triangle& t) {
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return false;
+  const Vec3 &a = s.vertices[t[0]], &b = s.vertices[t[1]], &c = s.vertices[t[2]];
+  return (b - a).cross(c - a).squaredNorm() > 0.0;
+}
+
+MeshFile checked(TriangleSurface surface, const std::string& file) {
+  const std::size_t before = surface.triangles.size();
+  std::erase_if(surface.triangles, [&](const Triangle& t) { return !has_area(surface, t); });
+  const std::size_t dropped = before - surface.triangles.size();
+  if (surface.triangles.empty()) throw SceneError("the mesh has no triangle with an area", {file, 0, 0});
+  MeshReport report = inspect(surface);
+  report.dropped = dropped;
+  return {std::move(surface), report};
+}
+
+/// Index of an OBJ face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; counted from 1, or back from the last where negative.
+std::uint32_t corner(MeshText& text, std::string_view word, std::size_t vertices) {
+  const auto number = word.substr(0, word.find('/'));
+  long long k = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), k);
+  if (error != std::errc{} || end != number.data() + number.size() || k == 0)
+    text.fail("expected a vertex index, found '" + MeshText::shown(word) + "'");
+  const auto count = static_cast<long long>(vertices);
+  if (k > count || k < -count)
+    text.fail("vertex index " + std::to_string(k) + " is out of range: " + std::to_string(count) + " vertices so far");
+  return static_cast<std::uint32_t>(k > 0 ? k - 1 : count + k);
+}
+
+void read_face(MeshText& text, TriangleSurface& surface) {
+  std::vector<std::uint32_t> polygon;
+  for (auto w = text.word(); !w.empty(); w = text.word()) polygon.push_back(corner(text, w, surface.vertices.size()));
+  if (polygon.size() < 3) text.fail("a face needs at least 3 vertices, found " + std::to_string(polygon.size()));
+  for (std::size_t k = 2; k < polygon.size(); ++k) surface.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+}
+
+/// Vertices with equal coordinates become one, numbered in the order of their first appearance.
+TriangleSurface welded(const std::vector<Vec3>& corners) {
+  std::vector<std::uint32_t> order(corners.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t k) { return std::tuple(corners[k].x(), corners[k].y(), corners[k].z()); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b)); });
+  std::vector<std::uint32_t> first(corners.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    first[order[k]] = k > 0 && key(order[k]) == key(order[k - 1]) ? first[order[k - 1]] : order[k];
+  TriangleSurface surface;
+  std::vector<std::uint32_t> name(corners.size());
+  for (std::uint32_t k = 0; k < corners.size(); ++k) {
+    if (first[k] == k) {
+      name[k] = static_cast<std::uint32_t>(surface.vertices.size());
+      surface.vertices.push_back(corners[k]);
+    } else {
+      name[k] = name[first[k]];
+    }
+  }
+  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) surface.triangles.push_back({name[k], name[k + 1], name[k + 2]});
+  return surface;
+}
+
+std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < 4; ++k) value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
+  return value;
+}
+
+std::vector<Vec3> binary_corners(std::string_view bytes, const std::string& file) {
+  const std::size_t count = little_endian(bytes, 80);
+  std::vector<Vec3> corners;
+  corners.reserve(3 * count);  // the caller has held the count against the size of the file
+  for (std::size_t t = 0; t < count; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 p;
+      for (int i = 0; i < 3; ++i) {
+        const std::size_t at = stl_header + t * stl_record + 12 + 12 * k + 4 * static_cast<std::size_t>(i);
+        p[i] = std::bit_cast<float>(little_endian(bytes, at));
+      }
+      if (!p.allFinite())
+        throw SceneError("triangle " + std::to_string(t + 1) + " of " + std::to_string(count) + " has a vertex that is not finite", {file, 0, 0});
+      corners.push_back(p + Vec3::Zero());
+    }
+  }
+  return corners;
+}
+
+bool next_filled_line(MeshText& text) {
+  while (text.next_line())
+    if (text.line().find_first_not_of(" \t\r\v\f") != std::string_view::npos) return true;
+  return false;
+}
+
+std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file) {
+  MeshText text(bytes, file);
+  const auto line = [&](const char* what) {
+    if (!next_filled_line(text)) text.fail(std::string("the file ends where '") + what + "' is expected");
+  };
+  std::vector<Vec3> corners;
+  line("solid");
+  text.expect("solid");
+  while (next_filled_line(text)) {
+    const auto first = text.word();
+    if (first == "endsolid") {
+      if (!next_filled_line(text)) return corners;
+      text.expect("solid");  // several solids in one file are one surface
+      continue;
+    }
+    if (first != "facet") text.fail("expected 'facet' or 'endsolid', found " + MeshText::named(first));
+    line("outer loop"), text.expect("outer"), text.expect("loop"), text.expect_end();
+    for (int k = 0; k < 3; ++k) {
+      line("vertex"), text.expect("vertex");
+      corners.push_back(text.point() + Vec3::Zero());
+      text.expect_end();
+    }
+    line("endloop"), text.expect("endloop"), text.expect_end();
+    line("endfacet"), text.expect("endfacet"), text.expect_end();
+  }
+  text.fail("the file ends where 'endsolid' is expected");
+}
+
+}  // namespace
+
+std::string MeshReport::to_string() const {
+  const auto edge = [](const std::array<Vec3, 2>& e) {
+    const auto point = [](const Vec3& p) {
+      char out[96];
+      std::snprintf(out, sizeof out, "(%.6g, %.6g, %.6g)", p.x(), p.y(), p.z());
+      return std::string(out);
+    };
+    return point(e[0]) + " - " + point(e[1]);
+  };
+  std::string text;
+  const auto add = [&](const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; };
+  if (open_edges > 0) add("not watertight: " + std::to_string(open_edges) + " open edges, the first is " + edge(first_open));
+  if (clashing_edges > 0)
+    add(std::to_string(clashing_edges) + " edges with more than two triangles or with two of opposite orientation, the first is " + edge(first_clash));
+  if (is_inverted()) add("inside out: the triangles are clockwise seen from outside");
+  if (dropped > 0) add(std::to_string(dropped) + " triangles without area left out");
+  return text;
+}
+
+MeshReport inspect(const TriangleSurface& surface) {
+  const auto uses = sorted_edge_uses(surface.triangles);
+  MeshReport report;
+  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+    while (end < uses.size() && uses[end].edge() == uses[begin].edge()) ++end;
+    const std::array<Vec3, 2> ends{surface.vertices[uses[begin].low], surface.vertices[uses[begin].high]};
+    if (end - begin == 1) {
+      if (report.open_edges++ == 0) report.first_open = ends;
+    } else if (end - begin > 2 || uses[begin].forward == uses[begin + 1].forward) {
+      if (report.clashing_edges++ == 0) report.first_clash = ends;
+    }
+  }
+  report.volume = surface_mass_properties(surface).mass;
+  return report;
+}
+
+MeshFile read_obj(std::string_view bytes, const std::string& file) {
+  // what describes looks, names or groups does not change the surface
+  constexpr std::array<std::string_view, 9> without_effect{"vn", "vt", "vp", "o", "g", "s", "usemtl", "mtllib", "l"};
+  MeshText text(bytes, file);
+  TriangleSurface surface;
+  while (text.next_line()) {
+    const auto first = text.word();
+    if (first.empty() || first.front() == '#') continue;
+    if (first == "v") {
+      if (surface.vertices.size() == largest_index) text.fail("too many vertices");
+      surface.vertices.push_back(text.point());  // a fourth number (weight) or a colour may follow
+    } else if (first == "f") {
+      read_face(text, surface);
+    } else if (std::find(without_effect.begin(), without_effect.end(), first) == without_effect.end()) {
+      text.fail("unknown statement '" + MeshText::shown(first) + "' (v, f and comments are read)");
+    }
+  }
+  return checked(std::move(surface), file);
+}
+
+MeshFile read_stl(std::string_view bytes, const std::string& file) {
+  if (bytes.size() >= stl_header && bytes.size() - stl_header == stl_record * std::size_t{little_endian(bytes, 80)})
+    return checked(welded(binary_corners(bytes, file)), file);
+  if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid")
+    return checked(welded(ascii_corners(bytes, file)), file);
+  if (bytes.size() < stl_header)
+    throw SceneError("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: " + std::to_string(bytes.size()) + " bytes", {file, 0, 0});
+  const std::size_t count = little_endian(bytes, 80);
+  throw SceneError("the binary STL announces " + std::to_string(count) + " triangles (" + std::to_string(stl_header + stl_record * count) +
+                       " bytes), the file has " + std::to_string(bytes.size()) + " bytes", {file, 0, 0});
+}
+
+MeshFile read_mesh_file(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) throw FileError("cannot read mesh '" + path + "': no such file");
+  const auto size = fs::file_size(path, error);
+  if (error || size > largest_file) throw FileError("cannot read mesh '" + path + "': larger than 2 GiB");
+  std::string ending = fs::path(path).extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (ending != ".obj" && ending != ".stl") throw SceneError("mesh files end in .obj or .stl, found '" + ending + "'", {path, 0, 0});
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  std::ifstream in(path, std::ios::binary);
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) throw FileError("cannot read mesh '" + path + "'");
+  return ending == ".obj" ? read_obj(bytes, path) : read_stl(bytes, path);
+}
+
+}  // namespace epafi

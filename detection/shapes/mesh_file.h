@@ -1,0 +1,44 @@
+/// @file mesh_file.h  Triangle surfaces from Wavefront OBJ and from STL (ASCII and binary).
+/// Strict: what cannot be understood is a SceneError with file:line and what was found; nothing is repaired silently.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "detection/mass_properties.h"
+#include "engine/error.h"
+
+namespace epafi {
+
+/// What a surface is worth: closed or not, which way round, what was left out.
+struct MeshReport {
+  std::size_t open_edges = 0;        ///< edges with one triangle
+  std::size_t clashing_edges = 0;    ///< edges with three or more triangles, or two that run along it in the same direction
+  std::array<Vec3, 2> first_open{};  ///< ends of the first open edge [m]
+  std::array<Vec3, 2> first_clash{}; ///< ends of the first clashing edge [m]
+  std::size_t dropped = 0;           ///< triangles without area, left out when reading
+  double volume = 0.0;               ///< signed [m^3]; meaningful where watertight
+
+  bool is_watertight() const { return open_edges == 0 && clashing_edges == 0; }
+  bool is_inverted() const { return is_watertight() && volume < 0.0; }
+  /// One sentence for every trouble, "" where there is none.
+  std::string to_string() const;
+};
+
+struct MeshFile {
+  TriangleSurface surface;
+  MeshReport report;
+};
+
+/// Reads by the file's ending (.obj or .stl, any case). Throws FileError where the file cannot be read, SceneError for
+/// its content. Coordinates are metres.
+[[nodiscard]] MeshFile read_mesh_file(const std::string& path);
+
+/// The same from text in memory; `file` is the name in messages. Vertices of an STL with equal coordinates become one;
+/// polygons of an OBJ are cut into fans from their first vertex.
+[[nodiscard]] MeshFile read_obj(std::string_view text, const std::string& file);
+[[nodiscard]] MeshFile read_stl(std::string_view bytes, const std::string& file);
+
+/// Counts open and clashing edges and the volume.
+[[nodiscard]] MeshReport inspect(const TriangleSurface& surface);
+
+}  // namespace epafi

@@ -1,0 +1,73 @@
+/// @file mesh_text.h  Lines and words of a mesh file in text form, with the place for messages.
+#pragma once
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "engine/error.h"
+#include "engine/types.h"
+
+namespace epafi {
+
+/// Walks over a text line by line, and over a line word by word. Views into the text: it must outlive the reader.
+class MeshText {
+ public:
+  MeshText(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
+
+  bool next_line() {
+    if (at_ >= text_.size()) return false;
+    const auto end = std::min(text_.find('\n', at_), text_.size());
+    line_ = text_.substr(at_, end - at_);
+    at_ = end + 1, column_ = 0, ++number_;
+    return true;
+  }
+  /// The next word of the line, "" at its end.
+  std::string_view word() {
+    constexpr std::string_view blank = " \t\r\v\f";
+    const auto begin = std::min(line_.find_first_not_of(blank, column_), line_.size());
+    const auto end = std::min(line_.find_first_of(blank, begin), line_.size());
+    word_begin_ = begin, column_ = end;
+    return line_.substr(begin, end - begin);
+  }
+  std::string_view line() const { return line_; }
+  double number() {
+    const auto w = word();
+    if (w.empty()) fail("a number is missing");
+    const auto digits = w.starts_with('+') ? w.substr(1) : w;
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error == std::errc::result_out_of_range) fail("'" + shown(w) + "' is outside the range of numbers");
+    if (error != std::errc{} || end != digits.data() + digits.size()) fail("expected a number, found '" + shown(w) + "'");
+    if (!std::isfinite(value)) fail("'" + shown(w) + "' is not a finite number");
+    return value;
+  }
+  Vec3 point() {
+    const double x = number(), y = number(), z = number();
+    return {x, y, z};
+  }
+  void expect(std::string_view what) {
+    if (const auto w = word(); w != what) fail("expected '" + std::string(what) + "', found " + named(w));
+  }
+  void expect_end() {
+    if (const auto w = word(); !w.empty()) fail("expected the end of the line, found '" + shown(w) + "'");
+  }
+  [[noreturn]] void fail(const std::string& text) const {
+    throw SceneError(text, {file_, number_, static_cast<int>(word_begin_) + 1});
+  }
+  static std::string named(std::string_view w) { return w.empty() ? "the end of the line" : "'" + shown(w) + "'"; }
+  /// Printable and short: a broken file may hold anything.
+  static std::string shown(std::string_view w) {
+    std::string out;
+    for (const char c : w.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
+    return w.size() > 40 ? out + "..." : out;
+  }
+
+ private:
+  std::string_view text_, line_;
+  std::string file_;
+  std::size_t at_ = 0, column_ = 0, word_begin_ = 0;
+  int number_ = 0;
+};
+
+}  // namespace epafi

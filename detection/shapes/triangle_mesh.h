@@ -1,0 +1,70 @@
+/// @file triangle_mesh.h  Surface of triangles for fixed and driven bodies ("mesh" in scenes); both sides are walls.
+/// Body axes are the author's: the body's position is where the origin of the file comes to lie.
+/// Found by a tree of boxes over the triangles, split at the median of the longest side, kept as one array.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "detection/mass_properties.h"
+#include "detection/shapes/shape_concept.h"
+#include "detection/shapes/triangle_surface.h"
+
+namespace epafi {
+
+/// How the neighbour behind an edge lies, seen from the front of the triangle (its vertices counter-clockwise).
+enum class EdgeKind : std::uint8_t {
+  open,    ///< no neighbour, or several, or one of opposite orientation
+  flat,    ///< within 1e-9 rad of the triangle's plane
+  convex,  ///< bent away from the front
+  concave  ///< bent towards the front
+};
+
+struct TriangleMesh {
+  static constexpr const char* name = "mesh";
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+  std::vector<Vec3> vertices;  ///< body axes [m]
+  std::vector<Triangle> triangles;
+  std::vector<Vec3> normals;                              ///< unit, towards the front
+  std::vector<std::array<std::uint32_t, 3>> neighbours;   ///< triangle behind side k, or none
+  std::vector<std::array<EdgeKind, 3>> edge_kinds;        ///< of side k
+
+  /// The surface need not be closed. Triangles must have an area (the mesh reader leaves others out).
+  static TriangleMesh from_surface(TriangleSurface surface);
+
+  static Entry entry() {
+    return {name, "surface of triangles for fixed and driven bodies, both sides are walls",
+            {{"file", "", "", Kind::text, {}, {}, "OBJ or STL file, coordinates in m"}}, {}, ""};
+  }
+
+  /// Triangles whose box overlaps `box` (body axes), ascending; `out` is cleared first and keeps its capacity.
+  void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
+
+  double contact_radius() const { return infinity; }
+  double bounding_radius() const { return radius_; }
+  /// Of the turned box of the whole mesh: may be larger than the mesh's own, never smaller.
+  Aabb bounding_box(const Pose& pose) const;
+  /// At density 1, meaningful for a closed surface; the centre is given, the inertia is about it.
+  MassProperties mass_properties() const { return surface_mass_properties(vertices, triangles); }
+
+ private:
+  struct Node {
+    Aabb box;
+    std::uint32_t skip;   ///< node to go on with when this one is left out; nodes are in depth-first order
+    std::uint32_t begin;  ///< first entry of leaves_ (leaf), or unused
+    std::uint32_t count;  ///< triangles of a leaf, 0: inner node
+  };
+  void find_neighbours();
+  std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> leaves_;  ///< triangles in the order of the leaves
+  std::vector<Aabb> boxes_;            ///< of each triangle
+  double radius_ = 0.0;
+};
+static_assert(SolidShape<TriangleMesh>);
+
+/// Box in the axes of a body at `pose` that contains the world box.
+Aabb box_in_body_axes(const Aabb& world, const Pose& pose);
+
+}  // namespace epafi

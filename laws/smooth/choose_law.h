@@ -1,0 +1,27 @@
+/// @file choose_law.h  A name becomes a type: one visit per run, none per contact.
+#pragma once
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+#include "laws/all_laws.h"
+
+namespace epafi {
+
+template <class... L>
+std::vector<Entry> law_entries(LawList<L...>) { return {L::entry()...}; }
+
+/// The type of the list with that name, none where there is no such law.
+template <class... L>
+auto find_law(LawList<L...>, const std::string& name) {
+  std::optional<std::variant<std::type_identity<L>...>> found;
+  ((name == L::name ? void(found = std::type_identity<L>{}) : void()), ...);
+  return found;
+}
+
+/// Whether the three parts make a law.
+template <NormalLaw N, TangentialLaw T, RollingLaw R>
+inline constexpr bool parts_fit = T::template fits<N> && (T::is_present || !R::is_present);
+
+}  // namespace epafi

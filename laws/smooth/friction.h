@@ -1,0 +1,78 @@
+/// @file friction.h  Tangential parts: none, a spring of given ratio to the normal stiffness, and Mindlin's stiffness.
+/// Both springs are incremental (laws/smooth/spring.h) and slide at mu N. No dashpot: a sticking contact keeps its shear energy.
+#pragma once
+#include "laws/smooth/hertz.h"
+
+namespace epafi {
+
+/// Frictionless: no rotation, no memory.
+struct NoFriction {
+  static constexpr const char* name = "none";
+  static constexpr Needs needs{};
+  static constexpr bool is_present = false;
+  template <NormalLaw N>
+  static constexpr bool fits = true;
+  struct Parameters {};
+
+  static Entry entry() { return {name, "frictionless", {}, needs, ""}; }
+  static Missing missing(const MaterialPair&) { return {}; }
+  static Parameters parameters(const MaterialPair&) { return {}; }
+  static double stiffness(const Parameters&, double) { return 0.0; }
+  static double friction(const Parameters&) { return 0.0; }
+};
+static_assert(TangentialLaw<NoFriction>);
+
+/// k_t = ratio k_n; 2/7 makes the tangential period of a solid sphere twice its contact time.
+struct CoulombSpring {
+  static constexpr const char* name = "coulomb-spring";
+  static constexpr Needs needs{.rotation = true, .slip_velocity = true, .memory = true};
+  static constexpr bool is_present = true;
+  template <NormalLaw N>
+  static constexpr bool fits = true;
+  struct Parameters {
+    double friction;  ///< mu [-], >= 0
+    double ratio;     ///< k_t / k_n [-], > 0
+  };
+
+  static Entry entry() {
+    return {name, "tangential spring of fixed ratio to the normal stiffness, sliding at mu N",
+            {{"tangential_ratio", "k_t/k_n", "", Kind::number, Value{2.0 / 7.0}, {0, 2, true, false},
+              "tangential over normal stiffness"}},
+            needs, "Cundall and Strack 1979"};
+  }
+  static Missing missing(const MaterialPair&) { return {}; }
+  static Parameters parameters(const MaterialPair& pair) {
+    return {pair.friction, number_or_default(pair.parameters, entry(), "tangential_ratio")};
+  }
+  static double stiffness(const Parameters& p, double normal_stiffness) { return p.ratio * normal_stiffness; }
+  static double friction(const Parameters& p) { return p.friction; }
+};
+static_assert(TangentialLaw<CoulombSpring>);
+
+/// k_t = 8 G* sqrt(R* delta) (Mindlin 1949, no slip), the simplified law: within mu N the true compliance of partial
+/// slip is larger (10 % at half the limit, case A12). As k_n = 2 E* sqrt(R* delta), k_t = 4 G*/E* k_n.
+struct Mindlin {
+  static constexpr const char* name = "mindlin";
+  static constexpr Needs needs{.rotation = true, .slip_velocity = true, .memory = true, .curvature = true};
+  static constexpr bool is_present = true;
+  template <NormalLaw N>
+  static constexpr bool fits = N::is_hertzian;
+  struct Parameters {
+    double friction;  ///< mu [-], >= 0
+    double ratio;     ///< 4 G*/E* [-]
+  };
+
+  static Entry entry() {
+    return {name, "incremental no-slip stiffness of Mindlin, rescaled on unloading, sliding at mu N", {}, needs,
+            "Mindlin 1949; rescaling: Walton and Braun 1986"};
+  }
+  static Missing missing(const MaterialPair& pair) { return missing_elasticity(pair); }
+  static Parameters parameters(const MaterialPair& pair) {
+    return {pair.friction, 4.0 * pair.effective_shear_modulus() / pair.effective_modulus()};
+  }
+  static double stiffness(const Parameters& p, double normal_stiffness) { return p.ratio * normal_stiffness; }
+  static double friction(const Parameters& p) { return p.friction; }
+};
+static_assert(TangentialLaw<Mindlin>);
+
+}  // namespace epafi

@@ -1,0 +1,42 @@
+/// @file linear.h  Linear spring and dashpot in the normal direction (Cundall and Strack 1979) that never pulls.
+/// Contact time is independent of impact speed. The stiffness is a number of the scene, not of the material.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "laws/contact_law.h"
+#include "laws/smooth/restitution.h"
+
+namespace epafi {
+
+/// N = max(0, k delta + 2 zeta sqrt(m* k) delta_dot), zeta from the restitution
+struct Linear {
+  static constexpr const char* name = "linear";
+  static constexpr Needs needs{};
+  static constexpr bool is_hertzian = false;
+  struct Parameters {
+    double stiffness;      ///< k [N/m], > 0
+    double damping_ratio;  ///< zeta [-], >= 0; 0 is elastic
+  };
+
+  static Entry entry() {
+    return {name, "linear spring and dashpot, never pulls",
+            {{"stiffness", "k_n", "N/m", Kind::number, {}, positive, "normal stiffness of the contact"}},
+            needs, "Cundall and Strack 1979; damping by Schwager and Poeschel 2007"};
+  }
+  static Missing missing(const MaterialPair& pair) {
+    return pair.parameters.has("stiffness") ? Missing{} : Missing{"stiffness [N/m] of the contact"};
+  }
+  static Parameters parameters(const MaterialPair& pair) {
+    return {pair.parameters.number("stiffness"), damping_ratio_for(pair.restitution)};
+  }
+  static bool is_damped(const Parameters& p) { return p.damping_ratio > 0.0; }
+  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
+    const double elastic = p.stiffness * c.overlap;
+    const double viscous = 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
+    return {std::max(0.0, elastic + viscous), elastic, p.stiffness, 0.5 * elastic * c.overlap};
+  }
+};
+static_assert(NormalLaw<Linear>);
+
+}  // namespace epafi

@@ -1,0 +1,162 @@
+#include "laws/smooth/make_smooth_contact.h"
+
+#include <algorithm>
+
+#include "laws/smooth/choose_law.h"
+#include "laws/smooth/smooth_contact.h"
+
+namespace epafi {
+
+namespace {
+
+/// A law as scenes name it: a normal part and the tangential part it takes where friction is not zero.
+struct NamedLaw {
+  const char *name, *summary, *normal, *tangential;
+};
+constexpr NamedLaw named_laws[] = {
+    {"linear", "linear spring and dashpot; friction by a spring in fixed ratio", "linear", "coulomb-spring"},
+    {"hertz", "Hertz with Tsuji damping; friction by Mindlin's spring", "hertz", "mindlin"},
+    {"hertz-mindlin", "the same as hertz, by its common name", "hertz", "mindlin"},
+    {"hunt-crossley", "Hertz with Hunt-Crossley damping; friction by Mindlin's spring", "hunt-crossley", "mindlin"},
+};
+
+const NamedLaw* find_named(const std::string& name) {
+  for (const NamedLaw& law : named_laws)
+    if (name == law.name) return &law;
+  return nullptr;
+}
+
+template <class F>
+bool any_pair(const MaterialTable& table, const F& f) {
+  return std::any_of(table.pairs.begin(), table.pairs.end(), [&](const MaterialPair& p) { return p.occurs && f(p); });
+}
+
+/// f(type of normal part, of tangential part, of rolling part); all three names must be known.
+template <class F>
+decltype(auto) with_parts(const SmoothParts& parts, const F& f) {
+  return std::visit(f, *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential),
+                    *find_law(RollingLaws{}, parts.rolling));
+}
+
+void add(std::vector<Problem>& out, Problem::Level level, std::string text) {
+  Problem problem;
+  problem.level = level;
+  problem.text = std::move(text);
+  out.push_back(std::move(problem));
+}
+
+template <class List>
+void check_name(const List& list, const char* key, const std::string& name, std::vector<Problem>& out) {
+  if (find_law(list, name)) return;
+  std::string known;
+  for (const Entry& e : law_entries(list)) known += (known.empty() ? "" : ", ") + e.name;
+  add(out, Problem::Level::error, std::string("[contact.smooth] ") + key + " '" + name + "' is unknown; known: " + known);
+}
+
+template <class N, class T, class R>
+void check_combination(const SmoothParts& parts, std::vector<Problem>& out) {
+  if (!T::template fits<N>)
+    add(out, Problem::Level::error, "tangential law '" + parts.tangential + "' needs a Hertzian normal law, not '" +
+                                        parts.normal + "'; use tangential = \"coulomb-spring\"");
+  if (R::is_present && !T::is_present)
+    add(out, Problem::Level::error, "rolling law '" + parts.rolling + "' needs friction: with friction 0 nothing makes a body roll");
+}
+
+template <class N, class T, class R>
+void check_materials(const SmoothSetup& setup, std::vector<Problem>& out) {
+  for (std::size_t i = 0; i < setup.materials.materials; ++i) {
+    for (std::size_t j = i; j < setup.materials.materials; ++j) {
+      const MaterialPair& pair = setup.materials.pairs[i * setup.materials.materials + j];
+      if (!pair.occurs) continue;
+      const std::string where = "contact " + pair.a.name + "-" + pair.b.name;
+      for (const Missing& list : {N::missing(pair), T::missing(pair), R::missing(pair)})
+        for (const std::string& what : list) {
+          const std::string text = "law '" + setup.law + "' needs " + what + " (" + where + ")";
+          const bool said = std::any_of(out.begin(), out.end(), [&](const Problem& p) { return p.text == text; });
+          if (!said) add(out, Problem::Level::error, text);
+        }
+      if (pair.restitution < minimum_restitution)
+        add(out, Problem::Level::warning, where + ": restitution " + std::to_string(pair.restitution) +
+                                              " would need more damping than laws are set for; it acts as 0.01");
+    }
+  }
+}
+
+}  // namespace
+
+const std::vector<Entry>& all_smooth_laws() {
+  static const std::vector<Entry> list = [] {
+    std::vector<Entry> out;
+    for (const NamedLaw& law : named_laws) {
+      const SmoothParts parts{law.normal, law.tangential, RollingSpring::name};
+      out.push_back(with_parts(parts, [&](auto n, auto t, auto r) {
+        Entry e = decltype(n)::type::entry();
+        e.name = law.name, e.summary = law.summary;
+        for (const Entry& part : {decltype(t)::type::entry(), decltype(r)::type::entry()})
+          e.fields.insert(e.fields.end(), part.fields.begin(), part.fields.end());
+        return e;
+      }));
+    }
+    return out;
+  }();
+  return list;
+}
+
+std::vector<Entry> all_normal_laws() { return law_entries(NormalLaws{}); }
+std::vector<Entry> all_tangential_laws() { return law_entries(TangentialLaws{}); }
+std::vector<Entry> all_rolling_laws() { return law_entries(RollingLaws{}); }
+
+SmoothParts smooth_parts(const SmoothSetup& setup) {
+  const NamedLaw* law = find_named(setup.law);
+  const auto chosen = [](const std::string& given, const char* otherwise) { return given.empty() ? otherwise : given; };
+  SmoothParts parts;
+  parts.normal = law ? law->normal : setup.law;
+  parts.tangential = chosen(setup.tangential, law ? law->tangential : NoFriction::name);
+  parts.rolling = chosen(setup.rolling, RollingSpring::name);
+  if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.friction > 0.0; })) parts.tangential = NoFriction::name;
+  if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.rolling_friction > 0.0; })) parts.rolling = NoRolling::name;
+  return parts;
+}
+
+std::vector<Problem> check_smooth(const SmoothSetup& setup) {
+  std::vector<Problem> out;
+  if (!find_named(setup.law)) {
+    std::string known;
+    for (const NamedLaw& law : named_laws) known += (known.empty() ? "" : ", ") + std::string(law.name);
+    add(out, Problem::Level::error, "[contact.smooth] law '" + setup.law + "' is unknown; known: " + known);
+  }
+  // the names as given, even where friction 0 makes them idle
+  if (!setup.tangential.empty()) check_name(TangentialLaws{}, "tangential", setup.tangential, out);
+  if (!setup.rolling.empty()) check_name(RollingLaws{}, "rolling", setup.rolling, out);
+  if (!out.empty()) return out;
+  const SmoothParts parts = smooth_parts(setup);
+  with_parts(parts, [&](auto n, auto t, auto r) {
+    using N = typename decltype(n)::type;
+    using T = typename decltype(t)::type;
+    using R = typename decltype(r)::type;
+    check_combination<N, T, R>(parts, out);
+    check_materials<N, T, R>(setup, out);
+  });
+  return out;
+}
+
+Needs smooth_needs(const SmoothSetup& setup) {
+  return with_parts(smooth_parts(setup), [](auto n, auto t, auto r) {
+    return decltype(n)::type::needs | decltype(t)::type::needs | decltype(r)::type::needs;
+  });
+}
+
+std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup) {
+  std::vector<Problem> problems = check_smooth(setup);
+  std::erase_if(problems, [](const Problem& p) { return p.level != Problem::Level::error; });
+  if (!problems.empty()) throw SceneError(std::move(problems));
+  return with_parts(smooth_parts(setup), [&](auto n, auto t, auto r) -> std::unique_ptr<ContactModel> {
+    using N = typename decltype(n)::type;
+    using T = typename decltype(t)::type;
+    using R = typename decltype(r)::type;
+    if constexpr (parts_fit<N, T, R>) return std::make_unique<SmoothContact<N, T, R>>(setup.materials);
+    return nullptr;  // refused above
+  });
+}
+
+}  // namespace epafi

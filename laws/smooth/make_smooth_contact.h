@@ -1,0 +1,41 @@
+/// @file make_smooth_contact.h  From the names a scene gives to the contact model with exactly these parts.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/error.h"
+#include "engine/pipeline.h"
+#include "laws/material.h"
+
+namespace epafi {
+
+/// What a scene says of smooth contact. Empty names take the default of the law; friction 0 everywhere takes no tangential
+/// part and rolling friction 0 everywhere no rolling part, whatever the names.
+struct SmoothSetup {
+  std::string law;         ///< of all_smooth_laws()
+  std::string tangential;  ///< of all_tangential_laws(), or empty
+  std::string rolling;     ///< of all_rolling_laws(), or empty
+  MaterialTable materials;
+};
+
+/// Names of the parts a set-up comes to.
+struct SmoothParts {
+  std::string normal, tangential, rolling;
+};
+
+/// The laws by the names scenes use; fields are those of the normal part and of its default companions.
+const std::vector<Entry>& all_smooth_laws();
+std::vector<Entry> all_normal_laws();
+std::vector<Entry> all_tangential_laws();
+std::vector<Entry> all_rolling_laws();
+
+SmoothParts smooth_parts(const SmoothSetup& setup);
+/// Errors (unknown names, impossible combinations, constants a material lacks) and warnings; empty when all is well.
+std::vector<Problem> check_smooth(const SmoothSetup& setup);
+/// Union of the needs of the parts. The set-up must have passed check_smooth.
+Needs smooth_needs(const SmoothSetup& setup);
+/// Throws SceneError with the errors of check_smooth.
+std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup);
+
+}  // namespace epafi

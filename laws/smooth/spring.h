@@ -1,0 +1,43 @@
+/// @file spring.h  An incremental spring in the contact plane with a largest load: friction (force) and rolling (moment).
+/// Stiffness follows the overlap. When it falls, the load falls with it: otherwise a closed cycle of shear and
+/// unloading would create T^2/2 (1/k_t(d2) - 1/k_t(d1)) (Walton and Braun 1986; case A13).
+#pragma once
+#include <cmath>
+
+#include "engine/state_visitor.h"
+
+namespace epafi {
+
+/// What is remembered of a contact: 32 bytes.
+struct Spring {
+  Vec3 load = Vec3::Zero();  ///< on A: T [N] or M [N m], in the contact plane
+  double stiffness = 0.0;    ///< [N/m] or [N m/rad]
+
+  double energy() const { return stiffness > 0.0 ? 0.5 * load.squaredNorm() / stiffness : 0.0; }
+};
+
+template <>
+inline constexpr bool is_plain<Spring> = true;  // four doubles; Eigen's copy is not trivial by name only
+
+/// The load after the contact plane has turned to normal n and the pair has spun by `twist` [rad] about it.
+/// Its length is kept: projection alone would let it fade by half the square of the angle every step.
+inline Vec3 turn_load(const Vec3& load, const Vec3& n, double twist) {
+  const double before = load.squaredNorm();
+  if (before == 0.0) return load;
+  Vec3 turned = load + twist * n.cross(load);
+  turned -= n.dot(turned) * n;
+  const double after = turned.squaredNorm();
+  return after > 0.0 ? Vec3(std::sqrt(before / after) * turned) : Vec3(0, 0, 0);
+}
+
+/// The spring after a displacement [m or rad] of B against A; `load` is the turned load of `old`.
+inline Spring extend(const Spring& old, const Vec3& load, double stiffness, const Vec3& displacement, double limit) {
+  Spring now{load, stiffness};
+  if (stiffness < old.stiffness) now.load *= stiffness / old.stiffness;
+  now.load += stiffness * displacement;
+  const double square = now.load.squaredNorm();
+  if (square > limit * limit) now.load *= limit / std::sqrt(square);
+  return now;
+}
+
+}  // namespace epafi

@@ -1,0 +1,141 @@
+#include "scenes/assemble.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/broad/all_broad_phases.h"
+#include "detection/narrow/narrow_phase.h"
+#include "engine/schemes/all_schemes.h"
+#include "scenes/contact_setup.h"
+#include "scenes/generators.h"
+#include "scenes/time_step.h"
+
+namespace epafi {
+
+namespace {
+
+double density(const Scene& scene, std::size_t material, const Place& place) {
+  const Material& m = scene.materials[material].material;
+  if (!(m.density > 0)) throw SceneError("a free body needs the density of material '" + m.name + "' (kg/m^3)", place);
+  return m.density;
+}
+
+/// Adds the body and gives it its name; checks that its shape may do what it is asked to.
+BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
+  Body body;
+  body.position = spec.position, body.velocity = spec.velocity, body.angular_velocity = spec.angular_velocity;
+  body.shape = shape.ref.packed, body.material = static_cast<std::uint16_t>(spec.material);
+  body.orientation = spec.orientation * shape.frame.orientation;
+  body.external_force = spec.force;
+  if (spec.moves()) {
+    if (!shape.is_solid)
+      throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion", spec.name, a.scene.shapes[spec.shape].type), place);
+    const double rho = density(a.scene, spec.material, place);
+    body.mass = rho * shape.volume, body.inertia = rho * shape.frame.moments;
+  }
+  World& world = a.simulation->world;
+  const BodyId id = world.add(body);
+  a.body_names.push_back(spec.name);
+  if (spec.motion) a.simulation->events.push_back(std::make_unique<DriveBody>(id, *spec.motion, spec.position));
+  return id;
+}
+
+void add_removals(Assembly& a) {
+  std::map<double, std::vector<BodyId>> by_time;
+  for (std::size_t i = 0; i < a.scene.bodies.size(); ++i)
+    if (a.scene.bodies[i].remove_at) by_time[*a.scene.bodies[i].remove_at].push_back(a.body_ids[i]);
+  for (auto& [time, bodies] : by_time) a.simulation->events.push_back(std::make_unique<RemoveBodies>(bodies, time));
+}
+
+void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
+  std::vector<FillShape> shapes;
+  const double rho = density(a.scene, fill.material, fill.place);
+  for (std::size_t s : fill.shapes) {
+    const BuiltShape& b = builder.build(s);
+    if (!b.is_solid) throw SceneError("shape '" + a.scene.shapes[s].type + "' cannot fill a region", fill.place);
+    shapes.push_back({b.radius, rho * b.volume, b.is_sphere});
+  }
+  const FillResult result = generate(fill, shapes);
+  if (!result.shortfall.empty()) throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
+  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
+    const FillBody& f = result.bodies[k];
+    BodySpec spec;
+    spec.name = fmt::format("{}[{}]", fill.name, k);
+    spec.shape = fill.shapes[f.shape], spec.material = fill.material;
+    spec.position = f.position, spec.orientation = f.orientation, spec.velocity = fill.velocity;
+    add_body(a, builder.build(spec.shape, f.size), spec, fill.place);
+  }
+}
+
+BroadSetup broad_setup(const Assembly& a) {
+  BroadSetup setup;
+  setup.shapes = a.shapes.get();
+  setup.reach = a.plan.reach;
+  return setup;
+}
+
+void set_broad_phase(Assembly& a) {
+  const BroadSetup setup = broad_setup(a);
+  const World& world = a.simulation->world;
+  std::string name = a.scene.detection.broad_phase.value;
+  a.plan.broad_phase_reason = "named in the scene";
+  if (name == "auto") {
+    const BroadChoice choice = choose_broad_phase(world, setup);
+    name = choice.name, a.plan.broad_phase_reason = choice.reason;
+  }
+  a.plan.broad_phase = name;
+  a.simulation->pipeline.broad_phase = make_broad_phase(name, setup, world);
+}
+
+Pipeline make_pipeline(Assembly& a) {
+  Pipeline p;
+  const auto& schemes = all_schemes();
+  const auto scheme = std::find_if(schemes.begin(), schemes.end(), [&](const auto& s) { return s.entry.name == a.scene.run.scheme.value; });
+  p.scheme = scheme->make();
+  p.contact_model = make_contact_model(a.scene);
+  p.narrow_phase = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
+  return p;
+}
+
+}  // namespace
+
+std::vector<BodyId> Assembly::ids(const std::vector<std::size_t>& bodies) const {
+  std::vector<BodyId> out;
+  for (std::size_t b : bodies) out.push_back(body_ids[b]);
+  return out;
+}
+
+std::unique_ptr<Assembly> assemble(Scene scene) {
+  auto a = std::make_unique<Assembly>();
+  a->scene = std::move(scene);
+  a->shapes = std::make_shared<ShapeStore>();
+  ShapeBuilder builder(a->scene, *a->shapes);
+  std::vector<BuiltShape> shapes;
+  for (std::size_t s = 0; s < a->scene.shapes.size(); ++s) shapes.push_back(builder.build(s));
+  a->plan = plan(a->scene, shapes);
+  a->simulation = std::make_unique<Simulation>(World(a->plan.columns), make_pipeline(*a), 0.0);
+  Simulation& sim = *a->simulation;
+  sim.world.gravity = a->scene.gravity;
+  sim.work.contacts.with_curvature = a->plan.needs.curvature;
+  sim.work.contacts.with_moment = a->plan.needs.contact_moment;
+  if (a->scene.domain) sim.domain = a->scene.domain->value;
+  for (const auto& b : a->scene.bodies)
+    a->body_ids.push_back(add_body(*a, builder.build(b.shape), b, a->scene.groups[b.group].place));
+  for (const auto& f : a->scene.fills) add_fill(*a, builder, f);
+  add_removals(*a);
+  a->warnings = builder.warnings();
+  set_broad_phase(*a);
+  a->time_step = choose_time_step(*a);
+  sim.time_step = a->time_step.value;
+  a->steps = static_cast<std::uint64_t>(std::max(1.0, std::ceil(a->scene.run.duration.value / sim.time_step * (1 - 1e-9))));
+  return a;
+}
+
+std::string body_name(const Assembly& a, BodyId id) {
+  const auto k = static_cast<std::size_t>(id);
+  return k < a.body_names.size() && !a.body_names[k].empty() ? a.body_names[k] : fmt::format("body {}", k);
+}
+
+}  // namespace epafi

@@ -1,0 +1,13 @@
+/// @file check.h  `epafi check`: what a run would be, without running it.
+#pragma once
+#include <string>
+
+#include "scenes/assemble.h"
+
+namespace epafi {
+
+/// Bodies, geometry, overlaps at t = 0, time step and its limit, steps, memory, estimated wall time. Runs one detection and a
+/// few timed steps on the assembled scene, which is used up; writes nothing.
+std::string check_text(Assembly& assembly);
+
+}  // namespace epafi

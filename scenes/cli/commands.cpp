@@ -1,0 +1,160 @@
+#include "scenes/cli/commands.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "engine/parallel.h"
+#include "scenes/cli/check.h"
+#include "scenes/cli/list.h"
+#include "scenes/cli/new_scene.h"
+#include "scenes/cli/schema_json.h"
+#include "scenes/reader/scene_reader.h"
+#include "scenes/registry.h"
+#include "scenes/session.h"
+#include "scenes/stop.h"
+#include "viz_export/export.h"
+
+namespace epafi {
+
+namespace {
+
+void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+void print_problems(const std::vector<Problem>& problems) {
+  for (const auto& p : problems) say(p.to_string());
+}
+
+/// The scene, or a SceneError with all its problems; warnings are printed.
+Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
+  ReadResult result = read_scene(path, overrides, full_registry());
+  if (!result.scene) throw SceneError(result.problems);
+  print_problems(result.problems);
+  return std::move(*result.scene);
+}
+
+int exit_code(Ending ending) {
+  switch (ending) {
+    case Ending::completed:
+    case Ending::until: return exit_done;
+    case Ending::bound_violated: return exit_bound;
+    case Ending::failed: return exit_failed;
+    case Ending::time_limit: return exit_time_limit;
+    case Ending::interrupted: return exit_interrupt;
+    case Ending::terminated: return exit_terminate;
+  }
+  return exit_failed;
+}
+
+SessionLimits limits_of(const RunOptions& o) {
+  SessionLimits limits{o.until, o.steps, std::nullopt};
+  if (!o.time_limit.empty()) {
+    limits.wall = parse_duration(o.time_limit);
+    if (!limits.wall) throw SceneError("--time-limit '" + o.time_limit + "' is no duration; write 90s, 30m or 3h50m");
+  }
+  return limits;
+}
+
+int finish(Session& session, const std::filesystem::path& folder, const RunOptions& options, const SessionLimits& limits) {
+  const Ending ending = session.run(limits, options.quiet);
+  const RunSummary summary = session.summary();
+  write_summary(folder / "summary.json", summary);
+  if (!session.trouble().empty()) say("epafi: " + session.trouble());
+  if (options.json) print(summary_json(summary) + "\n");
+  else if (!options.quiet)
+    say(fmt::format("{}: {} steps, t = {:.6g} s, {:.3g} s of wall time, energy error {:.2g}, state {}; results in {}", summary.status, summary.steps,
+                    summary.simulated_time, summary.wall_time, summary.energy->relative_error, summary.state_hash, folder.string()));
+  return exit_code(ending);
+}
+
+void set_threads(int threads) {
+  if (threads > 0) set_thread_count(threads);
+}
+
+}  // namespace
+
+int command_run(const CommonOptions& common, const RunOptions& options) {
+  set_threads(options.threads);
+  const SessionLimits limits = limits_of(options);
+  auto assembly = assemble(read_or_throw(common.scene, common.overrides));
+  print_problems(assembly->warnings);
+  const std::filesystem::path folder =
+      options.out.empty() ? std::filesystem::path("out") / std::filesystem::path(common.scene).stem() : std::filesystem::path(options.out);
+  if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
+    if (!options.force) throw SceneError("output folder '" + folder.string() + "' is not empty; name another with -o or allow it with --force");
+    for (const char* name : {"run.h5", "checkpoint.h5", "measures.csv", "summary.json", "frames.pvd", "frames"})
+      std::filesystem::remove_all(folder / name);
+  }
+  if (options.verbose) say(explain(assembly->scene, assembly->plan));
+  if (!options.quiet) say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason, assembly->steps));
+  Session session(std::move(assembly), common.overrides, folder);
+  return finish(session, folder, options, limits);
+}
+
+int command_resume(const std::string& directory, const RunOptions& options) {
+  set_threads(options.threads);
+  const SessionLimits limits = limits_of(options);
+  const std::filesystem::path folder(directory);
+  const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
+  Scene scene = read_or_throw(header.scene_path, header.overrides);
+  if (scene_hash(scene) != header.scene_hash)
+    throw SceneError("the scene '" + header.scene_path + "' has changed since the run was started; restore it, or start anew with `epafi run`");
+  auto session = Session::resume(assemble(std::move(scene)), header.overrides, folder);
+  return finish(*session, folder, options, limits);
+}
+
+int command_check(const CommonOptions& common) {
+  auto assembly = assemble(read_or_throw(common.scene, common.overrides));
+  print_problems(assembly->warnings);
+  print(check_text(*assembly));
+  return exit_done;
+}
+
+int command_explain(const CommonOptions& common) {
+  const auto assembly = assemble(read_or_throw(common.scene, common.overrides));
+  print(explain(assembly->scene, assembly->plan));
+  return exit_done;
+}
+
+int command_list(const std::string& kind) {
+  print(list_text(full_registry(), kind));
+  return exit_done;
+}
+
+int command_schema() {
+  print(json_schema(full_registry()));
+  return exit_done;
+}
+
+int command_new(const std::string& kind) {
+  print(starter_scene(kind));
+  return exit_done;
+}
+
+int command_export(const std::string& directory, const std::string& format) {
+  const ExportReport report = export_run(directory, format == "csv" ? ExportFormat::csv : ExportFormat::vtk);
+  say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures, directory));
+  return exit_done;
+}
+
+int guarded(const std::function<int()>& command) {
+  try {
+    return command();
+  } catch (const SceneError& e) {
+    say(e.what());
+    return exit_usage;
+  } catch (const FileError& e) {
+    say(std::string("epafi: ") + e.what());
+    return exit_file;
+  } catch (const std::filesystem::filesystem_error& e) {
+    say(std::string("epafi: ") + e.what());
+    return exit_file;
+  } catch (const std::bad_alloc&) {
+    say("epafi: not enough memory; `epafi check` tells what the scene needs");
+    return exit_file;
+  }
+}
+
+}  // namespace epafi

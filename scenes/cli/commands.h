@@ -1,0 +1,47 @@
+/// @file commands.h  The commands of the program as functions that return an exit code. Results go to stdout, messages to stderr.
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace epafi {
+
+enum ExitCode {
+  exit_done = 0,
+  exit_bound = 1,       ///< a [bounds] entry was violated
+  exit_usage = 2,       ///< wrong scene or usage
+  exit_file = 3,        ///< input/output
+  exit_failed = 4,      ///< the simulation failed; last good state saved
+  exit_time_limit = 75,
+  exit_interrupt = 130,
+  exit_terminate = 143,
+};
+
+struct CommonOptions {
+  std::string scene;
+  std::vector<std::string> overrides;
+};
+
+struct RunOptions {
+  std::string out;  ///< empty: out/<scene name>
+  int threads = 0;  ///< 0: all cores
+  std::optional<double> until;          ///< [s]
+  std::optional<std::uint64_t> steps;
+  std::string time_limit;               ///< "3h50m", "90s"; empty: none
+  bool quiet = false, verbose = false, json = false, force = false;
+};
+
+int command_run(const CommonOptions& common, const RunOptions& options);
+int command_resume(const std::string& directory, const RunOptions& options);
+int command_check(const CommonOptions& common);
+int command_explain(const CommonOptions& common);
+int command_list(const std::string& kind);
+int command_schema();
+int command_new(const std::string& kind);
+int command_export(const std::string& directory, const std::string& format);
+
+/// Runs a command and turns what it throws into a message and an exit code.
+int guarded(const std::function<int()>& command);
+
+}  // namespace epafi

@@ -1,0 +1,129 @@
+#include "scenes/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "detection/broad/all_broad_phases.h"
+#include "detection/narrow/pair_table.h"
+#include "scenes/contact_setup.h"
+
+namespace epafi {
+
+namespace {
+
+/// Which shapes the free and the other bodies have, with one body's place each.
+struct ShapesInUse {
+  std::set<std::size_t> free, held;
+};
+
+ShapesInUse shapes_in_use(const Scene& scene) {
+  ShapesInUse use;
+  for (const auto& b : scene.bodies) (b.moves() ? use.free : use.held).insert(b.shape);
+  for (const auto& f : scene.fills) use.free.insert(f.shapes.begin(), f.shapes.end());
+  return use;
+}
+
+bool is_isotropic(const Vec3& m) { return m.x() == m.y() && m.y() == m.z(); }
+
+bool is_turned(const BodySpec& b) { return std::abs(b.orientation.w()) < 1.0; }
+
+/// Everything that makes orientations necessary, most telling reason first.
+void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
+  const auto pay = [&](const std::string& why, const Place& where) {
+    if (!plan.columns.rotation) plan.costs.push_back({"rotation", why, where});
+    plan.columns.rotation = true;
+  };
+  if (plan.needs.rotation) pay("friction exerts a torque", scene.contact.friction.place);
+  for (std::size_t s : use.free) {
+    if (!shapes[s].is_sphere) pay("free bodies of shape '" + scene.shapes[s].type + "' turn", scene.shapes[s].place);
+    if (is_isotropic(shapes[s].frame.moments) || plan.columns.anisotropy) continue;
+    plan.columns.anisotropy = true;
+    plan.costs.push_back({"angular momentum", "unequal principal moments of shape '" + scene.shapes[s].type + "'", scene.shapes[s].place});
+  }
+  for (const auto& b : scene.bodies) {
+    const Place& where = b.spins.written() ? b.spins.place : scene.groups[b.group].place;
+    if (b.angular_velocity.squaredNorm() > 0) pay("body '" + b.name + "' spins", where);
+    if (b.motion && b.motion->rotation_rate != 0) pay("body '" + b.name + "' is driven to rotate", where);
+    if (is_turned(b) && !shapes[b.shape].is_sphere) pay("body '" + b.name + "' is turned", where);
+  }
+}
+
+void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> cells;
+  const auto reach = [&](std::size_t p, std::size_t q) {
+    const auto a = shapes[p].ref.type(), b = shapes[q].ref.type();
+    if (cells.insert(std::minmax(a, b)).second) {
+      const std::string method = pair_method(std::min(a, b), std::max(a, b));
+      if (method != "none") plan.pair_cells.push_back({scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method});
+    }
+  };
+  for (std::size_t p : use.free) {
+    for (std::size_t q : use.free) reach(p, q);
+    for (std::size_t q : use.held) reach(p, q);
+  }
+  for (const auto& cell : plan.pair_cells) {
+    if (cell.method == "closed-form") continue;
+    const auto asked = std::find_if(scene.shapes.begin(), scene.shapes.end(), [&](const auto& s) { return s.type == cell.b; });
+    plan.costs.push_back({cell.method, "pair " + cell.a + " - " + cell.b + " has no closed form", asked->place});
+  }
+}
+
+}  // namespace
+
+std::string StepPlan::reason(const std::string& cost) const {
+  for (const auto& c : costs)
+    if (c.name == cost) return fmt::format("{}:{}", c.where.file, c.where.line);
+  return "not paid";
+}
+
+StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
+  StepPlan plan;
+  const bool smooth = scene.contact.method.value == Method::smooth;
+  const ShapesInUse use = shapes_in_use(scene);
+  plan.needs = contact_needs(scene);
+  plan.columns.force = smooth;
+  plan_rotation(scene, shapes, use, plan);
+  const auto pay = [&](bool needed, const char* name, const char* why, const Place& where) {
+    if (needed) plan.costs.push_back({name, why, where});
+    else plan.not_paid.push_back(name);
+  };
+  if (!plan.columns.rotation) plan.not_paid.push_back("rotation");
+  if (!plan.columns.anisotropy) plan.not_paid.push_back("angular momentum");
+  const ContactSettings& c = scene.contact;
+  pay(plan.needs.memory, smooth ? "tangential history" : "warm start", smooth ? "the friction spring is carried by contact" : "impulses of the last step start the solver", smooth ? c.friction.place : c.method.place);
+  pay(plan.needs.curvature, "curvature", "the law needs the radius of the contact", c.law.place);
+  pay(plan.needs.contact_moment, "contact moment", "rolling friction", c.rolling_friction.place);
+  const auto pushed = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.force.squaredNorm() > 0; });
+  plan.columns.external_force = pushed != scene.bodies.end();
+  pay(plan.columns.external_force, "external force", "a body has a constant force", pushed != scene.bodies.end() ? scene.groups[pushed->group].place : Place{});
+  plan_pairs(scene, shapes, use, plan);
+  if (!smooth) {
+    double smallest = infinity;
+    for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
+    plan.reach = std::isfinite(smallest) ? 0.02 * smallest : 0.0;
+  }
+  World world(plan.columns);
+  plan.bytes_per_body = world.bytes_per_body();
+  ContactSet contacts;
+  contacts.with_curvature = plan.needs.curvature, contacts.with_moment = plan.needs.contact_moment;
+  plan.bytes_per_contact = contacts.bytes_per_contact() + (plan.needs.memory ? sizeof(Vec3) + 2 * sizeof(Slot) + sizeof(Feature) : 0);
+  return plan;
+}
+
+std::string explain(const Scene& scene, const StepPlan& plan) {
+  std::string out = fmt::format("{}: {} contact, {} bodies\n", scene.file,
+                                scene.contact.method.value == Method::smooth ? "smooth" : "non-smooth", scene.bodies.size());
+  const auto where = [](const Place& p) { return p.line > 0 ? fmt::format("{}:{}", p.file, p.line) : std::string("default"); };
+  out += fmt::format(" {:<20} {:<60} {}\n", "cost", "why", "where");
+  for (const auto& c : plan.costs) out += fmt::format(" {:<20} {:<60} {}\n", c.name, c.why, where(c.where));
+  out += fmt::format(" {:<20} {:<60} {}\n", plan.broad_phase, "broad phase: " + plan.broad_phase_reason, where(scene.detection.broad_phase.place));
+  out += " NOT paid: ";
+  for (std::size_t i = 0; i < plan.not_paid.size(); ++i) out += (i > 0 ? ", " : "") + plan.not_paid[i];
+  out += "\n pairs:";
+  for (const auto& p : plan.pair_cells) out += fmt::format(" {}-{} ({})", p.a, p.b, p.method);
+  return out + fmt::format("\n per body {} B, per contact {} B\n", plan.bytes_per_body, plan.bytes_per_contact);
+}
+
+}  // namespace epafi

@@ -1,0 +1,43 @@
+/// @file plan.h  What a scene makes the engine do, and nothing more: derived from what it declares, printed by `epafi explain`.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "engine/contacts.h"
+#include "scenes/scene.h"
+#include "scenes/shape_builder.h"
+
+namespace epafi {
+
+/// Something the scene pays for, why, and the line that asked.
+struct Cost {
+  std::string name, why;
+  Place where{};
+};
+
+/// A cell of the pair table that the scene can reach.
+struct PairCell {
+  std::string a, b, method;
+};
+
+struct StepPlan {
+  Columns columns;                  ///< of the world
+  Needs needs;                      ///< of laws or solver
+  double reach = 0.0;               ///< contacts with gap < reach are handed to the contact model [m]
+  std::vector<PairCell> pair_cells;
+  std::vector<Cost> costs;
+  std::vector<std::string> not_paid;
+  std::string broad_phase, broad_phase_reason;
+  std::size_t bytes_per_body = 0, bytes_per_contact = 0;
+
+  /// The line that asked for a cost, or "not paid".
+  std::string reason(const std::string& cost) const;
+};
+
+/// shapes: of every scene shape, built. Bodies of fills count as free bodies.
+StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes);
+
+/// The text of `epafi explain`.
+std::string explain(const Scene& scene, const StepPlan& plan);
+
+}  // namespace epafi

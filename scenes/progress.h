@@ -1,0 +1,32 @@
+/// @file progress.h  What a user sees of a run: a bar on a terminal, else a line every 10 s; always on stderr.
+#pragma once
+#include <chrono>
+#include <string>
+
+#include "engine/simulation.h"
+#include "scenes/monitor.h"
+
+namespace epafi {
+
+class Progress {
+ public:
+  /// steps: of the whole run; first: those done before (a resumed run).
+  Progress(std::uint64_t steps, std::uint64_t first, bool quiet);
+  /// Cheap to call every step: prints at most every 0.5 s (bar) or 10 s (lines).
+  void update(const Simulation& sim, const RunMonitor& monitor);
+  void finish(const Simulation& sim, const RunMonitor& monitor);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string line(const Simulation& sim, const RunMonitor& monitor) const;
+  void print(const Simulation& sim, const RunMonitor& monitor);
+
+  std::uint64_t steps_, first_;
+  bool quiet_, terminal_;
+  Clock::time_point start_, last_;
+};
+
+/// "3:07" or "2:15:30".
+std::string clock_text(double seconds);
+
+}  // namespace epafi

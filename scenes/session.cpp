@@ -1,0 +1,230 @@
+#include "scenes/session.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/hash.h"
+#include "engine/parallel.h"
+#include "engine/state_snapshot.h"
+#include "scenes/stop.h"
+#include "viz_export/frame_writer.h"
+#include "viz_export/measures/all_measures.h"
+#include "viz_export/measures_csv.h"
+#include "viz_export/run_file.h"
+
+namespace epafi {
+
+namespace {
+
+/// Steps between two happenings `interval` seconds apart, at least 1.
+std::uint64_t steps_of(double interval, double dt) {
+  return static_cast<std::uint64_t>(std::max(1.0, std::round(interval / dt)));
+}
+
+/// Calls a function at its interval.
+class Periodic final : public Observer {
+ public:
+  Periodic(std::uint64_t every, std::function<void(const StepView&)> f) : every_(every), f_(std::move(f)) {}
+  bool is_due(std::uint64_t step) const override { return every_.is_due(step); }
+  void observe(const StepView& view) override { f_(view); }
+
+ private:
+  EverySteps every_;
+  std::function<void(const StepView&)> f_;
+};
+
+std::uint64_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace
+
+struct Session::Files {
+  MeasuresCsv csv;
+  RunFile run;
+  FrameWriter frames;
+  SurfaceCache surfaces;
+  StateSnapshot last_good;
+  std::map<std::string, std::size_t> measure_numbers{};  ///< in run.h5
+};
+
+std::string scene_hash(const Scene& scene) {
+  Hash hash;
+  hash.add(scene.text);
+  return hash.hex();
+}
+
+Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, bool)
+    : assembly_(std::move(assembly)), overrides_(std::move(overrides)), folder_(std::move(folder)) {
+  add_observers();
+}
+
+Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder)
+    : Session(std::move(assembly), std::move(overrides), std::move(folder), false) {
+  std::filesystem::create_directories(folder_);
+  files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", run_header()), FrameWriter(folder_),
+                         SurfaceCache(*assembly_->shapes), {}});
+  define_measures();
+  assembly_->simulation->start();
+}
+
+std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
+                                         std::filesystem::path folder) {
+  std::unique_ptr<Session> s(new Session(std::move(assembly), std::move(overrides), std::move(folder), true));
+  Simulation& sim = *s->assembly_->simulation;
+  load_checkpoint(s->folder_ / "checkpoint.h5", {EPAFI_VERSION, scene_hash(s->assembly_->scene)}, [&](StateVisitor& v) { sim.visit(v); });
+  const double time = sim.world.time;
+  s->files_.reset(new Files{MeasuresCsv(s->folder_ / "measures.csv", time), RunFile(s->folder_ / "run.h5", s->run_header(), sim.steps(), time),
+                            FrameWriter(s->folder_, time), SurfaceCache(*s->assembly_->shapes), {}});
+  s->define_measures();
+  s->first_step_ = sim.steps();
+  s->first_body_steps_ = s->monitor_->body_steps();
+  return s;
+}
+
+Session::~Session() = default;
+
+RunFileHeader Session::run_header() const {
+  const Scene& scene = assembly_->scene;
+  return {EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
+}
+
+void Session::define_measures() {
+  for (const auto* r : recorders_) files_->measure_numbers[r->name()] = files_->run.define_measure(r->name(), r->components());
+}
+
+void Session::add_observers() {
+  const Scene& scene = assembly_->scene;
+  Simulation& sim = *assembly_->simulation;
+  const double dt = sim.time_step;
+  std::vector<std::vector<BodyId>> bound_bodies;
+  for (const auto& b : scene.bounds) bound_bodies.push_back(assembly_->ids(b.bodies));
+  const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
+  auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, assembly_->steps, std::min<std::uint64_t>(100, frame_every));
+  monitor_ = monitor.get();
+  sim.observers.push_back(std::move(monitor));
+  for (const auto& spec : scene.measures) {
+    const auto& list = all_measures();
+    const auto entry = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.entry.name == spec.kind; });
+    MeasureSetup setup{spec.name, spec.parameters, {}, assembly_->shapes.get(), spec.interval};
+    for (const auto& bodies : spec.bodies) setup.bodies.push_back(assembly_->ids(bodies));
+    auto recorder = std::make_unique<MeasureRecorder>(
+        spec.name, entry->make(setup), spec.interval > 0 ? steps_of(spec.interval, dt) : 1,
+        [this](double time, const std::string& name, const std::vector<std::string>& components, const std::vector<double>& values) {
+          for (std::size_t k = 0; k < components.size(); ++k) files_->csv.add(time, name, components[k], values[k]);
+          files_->run.add_measure(files_->measure_numbers.at(name), time, values);
+        });
+    recorders_.push_back(recorder.get());
+    sim.observers.push_back(std::move(recorder));
+  }
+  sim.observers.push_back(std::make_unique<Periodic>(frame_every, [this](const StepView& view) { write_frame(view); }));
+}
+
+void Session::write_frame(const StepView& view) {
+  const auto bodies = body_records(view.world, files_->surfaces);
+  files_->run.add_snapshot({view.step, view.world.time, state_hash(view.world), view.world.rotates()}, bodies);
+  files_->frames.write(view.world.time, bodies, contact_records(view.world, view.contacts));
+}
+
+void Session::save_checkpoint_now() {
+  const Simulation& sim = *assembly_->simulation;
+  files_->csv.flush();
+  files_->run.flush();
+  const Scene& scene = assembly_->scene;
+  save_checkpoint(folder_ / "checkpoint.h5",
+                  {EPAFI_VERSION, scene_hash(scene), std::filesystem::absolute(scene.file).string(), scene.text, overrides_, sim.steps(), sim.world.time},
+                  [this](StateVisitor& v) { walk(v); });
+}
+
+double Session::elapsed() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+std::optional<Ending> Session::reason_to_stop(const SessionLimits& limits) const {
+  const Simulation& sim = *assembly_->simulation;
+  if (const int signal = SignalWatch::received()) return signal == 2 ? Ending::interrupted : Ending::terminated;
+  if (limits.wall && elapsed() >= *limits.wall) return Ending::time_limit;
+  if (limits.steps && sim.steps() >= *limits.steps) return Ending::until;
+  if (limits.until && sim.world.time >= *limits.until - 1e-9 * sim.time_step) return Ending::until;
+  return std::nullopt;
+}
+
+std::optional<Ending> Session::step_once(std::uint64_t last_step) {
+  Simulation& sim = *assembly_->simulation;
+  constexpr std::uint64_t keep_every = 1000;  // a copy of 20 000 spheres takes 2 ms: 0.1 % of 1000 steps
+  if (sim.steps() % keep_every == 0) files_->last_good.save([this](StateVisitor& v) { walk(v); });
+  if (const auto failure = sim.advance(sim.steps() + 1 == last_step)) {
+    trouble_ = fmt::format("{}: {}{}", failure->kind, failure->text, failure->body ? " ('" + body_name(*assembly_, *failure->body) + "')" : "");
+    lost_ = failure->kind == "lost body" ? 1 : 0;
+    if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
+    trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", sim.steps());
+    return Ending::failed;
+  }
+  if (const auto bound = monitor_->violated()) {
+    trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value, bound->bound, sim.world.time, sim.steps());
+    return Ending::bound_violated;
+  }
+  return std::nullopt;
+}
+
+Ending Session::run(const SessionLimits& limits, bool quiet) {
+  SignalWatch signals;
+  Simulation& sim = *assembly_->simulation;
+  start_ = std::chrono::steady_clock::now();
+  const std::uint64_t last_step = assembly_->steps;
+  const auto interval = assembly_->scene.run.checkpoint_interval;
+  const std::uint64_t checkpoint_every = interval ? steps_of(*interval, sim.time_step) : 0;
+  Progress progress(last_step, first_step_, quiet);
+  ending_ = Ending::completed;
+  while (sim.steps() < last_step) {
+    if (const auto stop = reason_to_stop(limits)) { ending_ = *stop; break; }
+    if (const auto stop = step_once(last_step)) { ending_ = *stop; break; }
+    progress.update(sim, *monitor_);
+    if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
+  }
+  sim.ledger.measure(sim.world);
+  progress.finish(sim, *monitor_);
+  save_checkpoint_now();
+  wall_ = elapsed();
+  return ending_;
+}
+
+RunSummary Session::summary() const {
+  const Simulation& sim = *assembly_->simulation;
+  const Scene& scene = assembly_->scene;
+  const bool smooth = scene.contact.method.value == Method::smooth;
+  RunSummary s;
+  s.epafi = EPAFI_VERSION, s.scene = scene.file, s.scene_hash = scene_hash(scene), s.failure = trouble_;
+  s.status = ending_ == Ending::completed || ending_ == Ending::until ? "completed" : ending_ == Ending::bound_violated ? "bound_violated"
+           : ending_ == Ending::failed ? "failed" : "interrupted";
+  s.bodies = sim.world.size(), s.bodies_lost = lost_;
+  if (sim.bodies_removed() > 0) s.bodies_removed = sim.bodies_removed();
+  s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_, s.threads = thread_count();
+  s.stage_seconds = sim.work.report.seconds;
+  const double output = s.stage_seconds[Stage::output], body_steps = monitor_->body_steps() - first_body_steps_;
+  if (body_steps > 0) s.ns_per_body_step = 1e9 * (wall_ - output) / body_steps;
+  s.contacts_mean = monitor_->contacts_mean();
+  const Energy& e = sim.ledger.last();
+  s.energy = RunSummary::Energy{e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, sim.ledger.relative_error()};
+  if (smooth) s.energy->elastic = e.elastic;
+  s.momentum_error = monitor_->momentum_error();
+  const Overlap o = monitor_->overlap();
+  s.overlap = RunSummary::Overlap{o.max, o.mean, o.max_relative};
+  if (!smooth) {
+    s.residual = RunSummary::MaxMean{monitor_->residual_max(), monitor_->residual_mean()};
+    s.iterations = RunSummary::MaxMean{monitor_->iterations_max(), monitor_->iterations_mean()};
+  }
+  for (const auto* r : recorders_)
+    for (std::size_t k = 0; k < r->components().size(); ++k)
+      s.measures[r->name()][r->components()[k]] = {r->statistics()[k].last, r->statistics()[k].min, r->statistics()[k].max};
+  for (const auto& c : monitor_->checks()) s.checks[c.name] = {c.value, c.bound, c.ok};
+  s.peak_memory_bytes = peak_memory();
+  s.state_hash = state_hash(sim.world);
+  return s;
+}
+
+}  // namespace epafi

@@ -1,0 +1,73 @@
+/// @file session.h  One run on disk: a simulation with its observers and files, from start or from a checkpoint, to its end.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/assemble.h"
+#include "scenes/progress.h"
+#include "viz_export/checkpoint.h"
+#include "viz_export/measure_recorder.h"
+#include "viz_export/run_file.h"
+#include "viz_export/summary.h"
+
+namespace epafi {
+
+struct SessionLimits {
+  std::optional<double> until;           ///< simulated time [s]
+  std::optional<std::uint64_t> steps;    ///< steps of the whole run
+  std::optional<double> wall;            ///< wall time of this session [s]
+};
+
+/// Why a session ended.
+enum class Ending { completed, until, bound_violated, failed, time_limit, interrupted, terminated };
+
+class Session {
+ public:
+  /// A new run in an empty folder.
+  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder);
+  /// Continues a run from folder/checkpoint.h5; `assembly` is the same scene assembled anew.
+  static std::unique_ptr<Session> resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
+                                         std::filesystem::path folder);
+  ~Session();
+
+  Ending run(const SessionLimits& limits, bool quiet);
+  /// Text of the failure or of the violated bound; empty when all is well.
+  const std::string& trouble() const { return trouble_; }
+  RunSummary summary() const;
+  const Assembly& assembly() const { return *assembly_; }
+
+ private:
+  struct Files;
+  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, bool resumed);
+  void add_observers();
+  RunFileHeader run_header() const;
+  void define_measures();
+  void write_frame(const StepView& view);
+  void save_checkpoint_now();
+  void walk(StateVisitor& visitor) { assembly_->simulation->visit(visitor); }
+  std::optional<Ending> step_once(std::uint64_t last_step);
+  std::optional<Ending> reason_to_stop(const SessionLimits& limits) const;
+  double elapsed() const;
+
+  std::unique_ptr<Assembly> assembly_;
+  std::vector<std::string> overrides_;
+  std::filesystem::path folder_;
+  std::unique_ptr<Files> files_;
+  RunMonitor* monitor_ = nullptr;
+  std::vector<MeasureRecorder*> recorders_;
+  Ending ending_ = Ending::completed;
+  std::string trouble_;
+  std::uint64_t first_step_ = 0;      ///< done before this session
+  double first_body_steps_ = 0;
+  std::uint64_t lost_ = 0;
+  std::chrono::steady_clock::time_point start_;
+  double wall_ = 0;
+};
+
+/// Hash of everything that decides the run: scene text with includes, overrides.
+std::string scene_hash(const Scene& scene);
+
+}  // namespace epafi

@@ -1,0 +1,93 @@
+#include "scenes/shape_builder.h"
+
+#include <cmath>
+
+#include "detection/shapes/hull_from_points.h"
+#include "detection/shapes/mesh_file.h"
+#include "engine/random.h"
+
+namespace epafi {
+
+namespace {
+
+BuiltShape solid(ShapeRef ref, const MassProperties& mass, double radius, bool is_sphere = false) {
+  return {ref, mass.mass, principal_frame(mass), radius, is_sphere, true};
+}
+
+/// Points of a polyhedron as the author gave them.
+std::vector<Vec3> hull_points(const ShapeSpec& spec) {
+  const Parameters& p = spec.parameters;
+  if (p.has("vertices")) return p.vectors("vertices");
+  if (p.has("file")) return read_mesh_file(p.text("file")).surface.vertices;
+  // random points on a sphere of diameter 1: uniform by the cylinder's map (Archimedes)
+  std::vector<Vec3> points;
+  Random random(static_cast<std::uint64_t>(p.integer("random.seed")), 0);
+  for (long long k = 0; k < p.integer("random.vertices"); ++k) {
+    const double z = random.uniform(-1, 1), angle = random.uniform(0, 2 * M_PI), r = std::sqrt(1 - z * z);
+    points.push_back(0.5 * Vec3(r * std::cos(angle), r * std::sin(angle), z));
+  }
+  return points;
+}
+
+double largest_distance(const std::vector<Vec3>& points, const Vec3& from) {
+  double radius = 0;
+  for (const Vec3& v : points) radius = std::max(radius, (v - from).norm());
+  return radius;
+}
+
+}  // namespace
+
+const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
+  const auto key = std::pair(shape, size);
+  if (const auto found = built_.find(key); found != built_.end()) return found->second;
+  const ShapeSpec& spec = scene_.shapes[shape];
+  const Parameters& p = spec.parameters;
+  if (spec.scale_to_diameter && spec.type == "sphere") size *= *spec.scale_to_diameter / (2 * p.number("radius"));
+  const auto add = [&](auto s) {
+    const MassProperties mass = s.mass_properties();
+    const double radius = s.bounding_radius();
+    return solid(store_.add(std::move(s)), mass, radius, spec.type == "sphere");
+  };
+  BuiltShape out;
+  if (spec.type == "sphere") out = add(Sphere{size * p.number("radius")});
+  else if (spec.type == "box") out = add(Box(0.5 * size * p.vec3("size")));
+  else if (spec.type == "capsule") out = add(Capsule(size * p.number("radius"), size * p.number("length")));
+  else if (spec.type == "cylinder") out = add(Cylinder(size * p.number("radius"), size * p.number("length")));
+  else if (spec.type == "ellipsoid") out = add(Ellipsoid(size * p.vec3("semi_axes")));
+  else if (spec.type == "polyhedron") out = build_hull(spec, size);
+  else if (spec.type == "mesh") out = build_mesh(spec, size);
+  else if (spec.type == "half_space")
+    out = {store_.add(HalfSpace{p.vec3("normal").normalized()}), 0.0, {}, infinity, false, false};
+  else throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
+  return built_.emplace(key, out).first->second;
+}
+
+BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {
+  HullSurface surface = hull_from_points(hull_points(spec), spec.place);
+  std::vector<Triangle> triangles;
+  for (const auto& f : surface.faces)
+    for (std::size_t k = 2; k < f.size(); ++k) triangles.push_back({f[0], f[k - 1], f[k]});
+  const MassProperties author = surface_mass_properties(surface.vertices, triangles);
+  double factor = size;
+  if (spec.scale_to_diameter) factor *= *spec.scale_to_diameter / (2 * largest_distance(surface.vertices, author.centre));
+  PrincipalFrame frame = principal_frame(author);
+  for (Vec3& v : surface.vertices) v = factor * frame.to_principal(v);
+  auto built = ConvexHull::from_faces(std::move(surface.vertices), surface.faces);
+  if (!built.problem.empty()) throw SceneError("the hull of '" + spec.name + "' " + built.problem, spec.place);
+  built.hull.sweep = size * spec.rounding;
+  const double f3 = factor * factor * factor, radius = built.hull.bounding_radius();
+  frame.moments *= f3 * factor * factor;
+  return {store_.add(std::move(built.hull)), author.mass * f3, frame, radius, false, true};
+}
+
+BuiltShape ShapeBuilder::build_mesh(const ShapeSpec& spec, double size) {
+  MeshFile file = read_mesh_file(spec.parameters.text("file"));
+  for (Vec3& v : file.surface.vertices) v *= size;
+  if (const std::string text = file.report.to_string(); file.report.is_inverted() || file.report.dropped > 0)
+    warnings_.push_back({Problem::Level::warning, spec.place, spec.parameters.text("file") + ": " + text});
+  TriangleMesh mesh = TriangleMesh::from_surface(std::move(file.surface));
+  const double radius = mesh.bounding_radius();
+  return {store_.add(std::move(mesh)), 0.0, {}, radius, false, false};
+}
+
+}  // namespace epafi

@@ -1,0 +1,43 @@
+/// @file shape_builder.h  From the description of a shape to the shape itself with its mass properties.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "detection/mass_properties.h"
+#include "detection/shape_store.h"
+#include "scenes/scene.h"
+
+namespace epafi {
+
+/// A shape in the store and what a body of it weighs.
+struct BuiltShape {
+  ShapeRef ref{};
+  double volume = 0.0;        ///< [m^3]; 0 for shapes that only fixed and driven bodies may have
+  PrincipalFrame frame;       ///< of the body: moments at density 1, principal to author's axes
+  double radius = 0.0;        ///< of the bounding sphere about the body's centre [m], infinite for a half-space
+  bool is_sphere = false;
+  bool is_solid = true;       ///< may move freely
+};
+
+/// Builds each (shape, size factor) once. Geometry that cannot be built (not convex, no volume, not closed) is a SceneError
+/// at the place of the shape.
+class ShapeBuilder {
+ public:
+  ShapeBuilder(const Scene& scene, ShapeStore& store) : scene_(scene), store_(store) {}
+  /// size: factor of all lengths, > 0.
+  const BuiltShape& build(std::size_t shape, double size = 1.0);
+  /// Remarks about geometry that can be used but may not be meant (an open mesh, say).
+  const std::vector<Problem>& warnings() const { return warnings_; }
+
+ private:
+  BuiltShape build_hull(const ShapeSpec& spec, double size);
+  BuiltShape build_mesh(const ShapeSpec& spec, double size);
+
+  const Scene& scene_;
+  ShapeStore& store_;
+  std::map<std::pair<std::size_t, double>, BuiltShape> built_;
+  std::vector<Problem> warnings_;
+};
+
+}  // namespace epafi

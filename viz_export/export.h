@@ -1,0 +1,21 @@
+/// @file export.h  Frames or tables from run.h5 afterwards: `epafi export DIR`.
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace epafi {
+
+enum class ExportFormat {
+  vtk,  ///< frames/*.vtp and frames.pvd, without contacts (run.h5 does not hold them)
+  csv   ///< snapshots.csv: time, step and every column of every body; measures.csv
+};
+
+/// What was written, for the user.
+struct ExportReport {
+  std::size_t snapshots = 0, measures = 0;
+};
+
+/// From folder/run.h5 into folder. Throws FileError.
+ExportReport export_run(const std::filesystem::path& folder, ExportFormat format);
+
+}  // namespace epafi

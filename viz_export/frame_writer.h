@@ -1,0 +1,41 @@
+/// @file frame_writer.h  The frames of a run for ParaView: spheres as points, other bodies as surfaces, contacts as lines with
+/// force, and walls (fixed and driven bodies) again only when they moved. frames/*.vtp, listed with times in frames.pvd.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "viz_export/body_record.h"
+#include "viz_export/vtp_writer.h"
+
+namespace epafi {
+
+/// Centres with radius, id, material, speed, kinetic_energy, velocity, angular_velocity.
+PolyData draw_spheres(const std::vector<const BodyRecord*>& bodies, double time);
+/// Polygons in world axes, with id, material, speed, kinetic_energy and velocity on every polygon.
+PolyData draw_surfaces(const std::vector<const BodyRecord*>& bodies, double time);
+/// Lines with force, force_magnitude, normal_force, overlap, id_a, id_b.
+PolyData draw_contacts(const std::vector<ContactRecord>& contacts, double time);
+
+class FrameWriter {
+ public:
+  /// Frames go to folder/frames, the list to folder/frames.pvd.
+  explicit FrameWriter(std::filesystem::path folder);
+  /// Continues a run: frames later than `time` [s] leave the list and are overwritten.
+  FrameWriter(std::filesystem::path folder, double time);
+
+  /// A frame of the same time as the last one is not written again. Kinds without members get no file.
+  void write(double time, const std::vector<BodyRecord>& bodies, const std::vector<ContactRecord>& contacts);
+  std::size_t frames() const { return next_; }
+
+ private:
+  void put(int part, const std::string& kind, const PolyData& data, VtpEncoding encoding);
+  void put_walls(const std::vector<const BodyRecord*>& walls, double time);
+  std::filesystem::path folder_;
+  PvdFile list_;
+  std::size_t next_ = 0;            ///< number of the next frame
+  std::vector<double> wall_poses_;  ///< of the walls as last written
+  std::string wall_file_;
+};
+
+}  // namespace epafi

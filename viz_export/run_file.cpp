@@ -1,0 +1,207 @@
+#include "viz_export/run_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "viz_export/hdf5_file.h"
+#include "viz_export/run_layout.h"
+#include "viz_export/side_file.h"
+
+namespace epafi {
+
+namespace {
+
+constexpr Hdf5Layout growing{.extendable = true, .chunk_rows = 512};
+constexpr std::size_t most_buffered = 1 << 16;  // values; 512 kB are lost at most in a crash, and written again on resume
+
+std::string numbered(const char* group, std::size_t k) { return fmt::format("{}/{:06d}", group, k); }
+
+/// A link name of HDF5 may not hold '/' nor be '.'.
+std::string link_name(std::string name) {
+  std::replace(name.begin(), name.end(), '/', '|');
+  return name.empty() || name == "." ? "_" : name;
+}
+
+template <class T, class F>
+void append_column(Hdf5File& file, const std::string& name, std::size_t n, const F& f) {
+  std::vector<T> values(n);
+  for (std::size_t k = 0; k < n; ++k) values[k] = static_cast<T>(f(k));
+  file.append<T>(name, values);
+}
+
+/// Writes `width` doubles per body.
+template <class F>
+void write_rows(Hdf5File& file, const std::string& name, std::size_t width, std::size_t n, const F& row) {
+  std::vector<double> values(width * n);
+  for (std::size_t k = 0; k < n; ++k) row(k, &values[width * k]);
+  file.write<double>(name, values, {.columns = width});
+}
+
+void put(const Vec3& v, double* to) { std::copy_n(v.data(), 3, to); }
+
+std::string joined(const std::vector<std::string>& words, char separator) {
+  std::string out;
+  for (const std::string& w : words) out += (out.empty() ? "" : std::string(1, separator)) + w;
+  return out;
+}
+
+void check_scene(const std::filesystem::path& path, const std::string& scene_hash) {
+  const Hdf5File file(path, Hdf5File::Mode::read);
+  run_layout::check(file);
+  if (file.text_attribute("/", "scene_hash") != scene_hash)
+    throw FileError(path.string() + ": cannot continue it: it belongs to another scene");
+}
+
+}  // namespace
+
+RunFile::RunFile(std::filesystem::path path, const RunFileHeader& header) : path_(std::move(path)) {
+  SideFile side(path_);
+  Hdf5File file(side.path(), Hdf5File::Mode::create);
+  file.set_attribute("/", "kind", std::string(run_layout::kind));
+  file.set_attribute("/", "format", run_layout::format);
+  file.set_attribute("/", "version", header.version);
+  file.set_attribute("/", "scene_hash", header.scene_hash);
+  file.set_attribute("/", "title", header.title);
+  file.write_text("scene", header.scene_text);
+  file.write_text("overrides", joined(header.overrides, '\n'));
+  file.write<std::uint32_t>("bodies/shape", {}, growing);
+  file.write<std::int32_t>("bodies/surface", {}, growing);
+  file.write<std::uint16_t>("bodies/material", {}, growing);
+  file.write<double>("bodies/mass", {}, growing);
+  file.write<double>("bodies/radius", {}, growing);
+  for (const char* group : {"shapes", "snapshots", "measures"}) file.make_group(group);
+  file.close();
+  side.commit(false);
+}
+
+RunFile::RunFile(std::filesystem::path path, const RunFileHeader& header, std::uint64_t step, double time)
+    : path_(std::move(path)) {
+  check_scene(path_, header.scene_hash);
+  drop_after(step, time);
+}
+
+void RunFile::drop_after(std::uint64_t step, double time) {
+  Hdf5File file(path_, Hdf5File::Mode::append);
+  for (const std::string& name : file.children("snapshots")) {
+    const std::string group = "snapshots/" + name;
+    const std::uint64_t stored = file.count_attribute(group, "step");
+    if (stored > step) {
+      file.remove(group);
+      continue;
+    }
+    ++snapshots_;
+    last_step_ = static_cast<std::int64_t>(stored);
+  }
+  for (const std::string& name : file.children("measures")) {
+    const auto times = file.read<double>("measures/" + name + "/time");
+    const auto kept = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
+    file.truncate("measures/" + name + "/time", kept), file.truncate("measures/" + name + "/value", kept);
+  }
+  for (const std::string& name : file.children("shapes"))
+    surfaces_[static_cast<std::uint32_t>(file.count_attribute("shapes/" + name, "shape"))] = std::stoi(name);
+  bodies_known_ = file.shape("bodies/shape").at(0);
+  file.close();
+}
+
+void RunFile::append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodies) {
+  // rows by id: ids that came and went between two snapshots leave rows of zero mass and radius
+  const std::size_t known = bodies.empty() ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies.back().id + 1u);
+  const std::size_t fresh = known - bodies_known_;
+  if (fresh == 0) return;
+  std::vector<BodyRecord> rows(fresh);
+  for (const BodyRecord& b : bodies) {
+    if (b.id < bodies_known_) continue;
+    rows[b.id - bodies_known_] = b;
+    if (b.surface == nullptr || surfaces_.count(b.shape) != 0) continue;
+    const auto number = static_cast<std::int32_t>(surfaces_.size());
+    const std::string group = numbered("shapes", static_cast<std::size_t>(number));
+    write_rows(file, group + "/points", 3, b.surface->points.size(), [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
+    file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
+    file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
+    file.set_attribute(group, "shape", std::uint64_t{b.shape});
+    surfaces_[b.shape] = number;
+  }
+  append_column<std::uint32_t>(file, "bodies/shape", fresh, [&](std::size_t k) { return rows[k].shape; });
+  append_column<std::int32_t>(file, "bodies/surface", fresh, [&](std::size_t k) {
+    return rows[k].surface == nullptr ? -1 : surfaces_.at(rows[k].shape);
+  });
+  append_column<std::uint16_t>(file, "bodies/material", fresh, [&](std::size_t k) { return rows[k].material; });
+  append_column<double>(file, "bodies/mass", fresh, [&](std::size_t k) { return rows[k].mass; });
+  append_column<double>(file, "bodies/radius", fresh, [&](std::size_t k) { return rows[k].radius; });
+  bodies_known_ = known;
+}
+
+void RunFile::add_snapshot(const SnapshotStamp& stamp, const std::vector<BodyRecord>& bodies) {
+  if (static_cast<std::int64_t>(stamp.step) <= last_step_) return;
+  Hdf5File file(path_, Hdf5File::Mode::append);
+  append_measures(file);
+  append_bodies(file, bodies);
+  const std::string group = numbered("snapshots", snapshots_);
+  const std::size_t n = bodies.size();
+  std::vector<std::uint32_t> ids(n);
+  for (std::size_t k = 0; k < n; ++k) ids[k] = bodies[k].id;
+  file.write<std::uint32_t>(group + "/id", ids);
+  write_rows(file, group + "/position", 3, n, [&](std::size_t k, double* to) { put(bodies[k].pose.position, to); });
+  write_rows(file, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies[k].velocity, to); });
+  if (stamp.rotates) {
+    write_rows(file, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
+      const Quat& q = bodies[k].pose.orientation;
+      to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+    });
+    write_rows(file, group + "/angular_velocity", 3, n, [&](std::size_t k, double* to) { put(bodies[k].angular_velocity, to); });
+  }
+  write_rows(file, group + "/kinetic_energy", 1, n, [&](std::size_t k, double* to) { *to = bodies[k].kinetic_energy; });
+  file.set_attribute(group, "step", stamp.step);
+  file.set_attribute(group, "time", stamp.time);
+  file.set_attribute(group, "state_hash", stamp.state_hash);
+  file.close();
+  ++snapshots_;
+  last_step_ = static_cast<std::int64_t>(stamp.step);
+}
+
+std::size_t RunFile::define_measure(const std::string& name, const std::vector<std::string>& components) {
+  const std::string group = "measures/" + link_name(name);
+  measures_.push_back({group, components.size(), {}, {}});
+  Hdf5File file(path_, Hdf5File::Mode::append);
+  if (!file.has(group)) {
+    file.write<double>(group + "/time", {}, growing);
+    file.write<double>(group + "/value", {}, {.columns = components.size(), .extendable = true, .chunk_rows = 512});
+    file.set_attribute(group, "name", name);
+    file.set_attribute(group, "components", joined(components, ','));
+  } else if (file.text_attribute(group, "components") != joined(components, ',')) {
+    throw FileError(path_.string() + ": measure '" + name + "' has other components than this scene's");
+  }
+  file.close();
+  return measures_.size() - 1;
+}
+
+void RunFile::add_measure(std::size_t measure, double time, const std::vector<double>& values) {
+  Measure& m = measures_.at(measure);
+  EPAFI_REQUIRE(values.size() == m.components, "one value per component");
+  m.times.push_back(time);
+  m.values.insert(m.values.end(), values.begin(), values.end());
+  buffered_ += 1 + values.size();
+  if (buffered_ < most_buffered) return;
+  Hdf5File file(path_, Hdf5File::Mode::append);
+  append_measures(file);
+  file.close();
+}
+
+void RunFile::append_measures(Hdf5File& file) {
+  for (Measure& m : measures_) {
+    if (m.times.empty()) continue;
+    file.append<double>(m.group + "/time", m.times), file.append<double>(m.group + "/value", m.values);
+    m.times.clear(), m.values.clear();
+  }
+  buffered_ = 0;
+}
+
+void RunFile::flush() {
+  Hdf5File file(path_, Hdf5File::Mode::append);
+  append_measures(file);
+  file.close();
+  sync_to_disk(path_);
+}
+
+}  // namespace epafi

@@ -1,0 +1,67 @@
+/// @file run_file.h  run.h5: what a run was and how its bodies moved. Plain HDF5, meant to be read with h5py:
+///   attributes kind, format, version, scene_hash, title; texts scene, overrides
+///   bodies/{shape, surface, material, mass, radius}   one row per body id; surface: number in shapes/, -1 for spheres
+///   shapes/NNNNNN/{points, connectivity, offsets}     polygons in body axes
+///   snapshots/NNNNNN  attributes time, step, state_hash; id, position, velocity[, orientation w x y z, angular_velocity],
+///                     kinetic_energy, rows in the order of body ids
+///   measures/NAME     attribute components; time, value (one column per component)
+/// The file is open only while a snapshot is written: a crash between snapshots leaves it whole and others may read meanwhile.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "viz_export/body_record.h"
+
+namespace epafi {
+
+struct RunFileHeader {
+  std::string version, scene_hash, title, scene_text;
+  std::vector<std::string> overrides;
+};
+
+/// State of one instant beside its bodies.
+struct SnapshotStamp {
+  std::uint64_t step = 0;
+  double time = 0.0;       ///< [s]
+  std::string state_hash;
+  bool rotates = false;    ///< orientation and angular velocity are stored
+};
+
+class Hdf5File;
+
+class RunFile {
+ public:
+  /// A new file.
+  RunFile(std::filesystem::path path, const RunFileHeader& header);
+  /// Continues the file of an interrupted run: snapshots after `step` and measures after `time` [s] are dropped.
+  RunFile(std::filesystem::path path, const RunFileHeader& header, std::uint64_t step, double time);
+
+  /// Ignored where a snapshot of this step or a later one is already there. Also flushes the measures.
+  void add_snapshot(const SnapshotStamp& stamp, const std::vector<BodyRecord>& bodies);
+  /// Number of a measure for add_measure; one that the file already holds is continued.
+  std::size_t define_measure(const std::string& name, const std::vector<std::string>& components);
+  void add_measure(std::size_t measure, double time, const std::vector<double>& values);
+  /// Writes buffered measures and waits until the file is on disk: call before a checkpoint.
+  void flush();
+
+ private:
+  struct Measure {
+    std::string group;
+    std::size_t components;
+    std::vector<double> times, values;
+  };
+  void drop_after(std::uint64_t step, double time);
+  void append_measures(Hdf5File& file);
+  void append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodies);
+  std::filesystem::path path_;
+  std::vector<Measure> measures_;
+  std::size_t buffered_ = 0;                      ///< values of measures waiting
+  std::map<std::uint32_t, std::int32_t> surfaces_;  ///< number in shapes/ by packed reference
+  std::size_t snapshots_ = 0, bodies_known_ = 0;
+  std::int64_t last_step_ = -1;
+};
+
+}  // namespace epafi

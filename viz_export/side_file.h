@@ -1,0 +1,37 @@
+/// @file side_file.h  A file that is never seen half written: it is written beside its place and renamed over it.
+#pragma once
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace epafi {
+
+class SideFile {
+ public:
+  /// `target` is where the file shall stand; write to path() and commit.
+  explicit SideFile(std::filesystem::path target);
+  ~SideFile();  ///< without a commit the side file is removed and the target is as it was
+  SideFile(const SideFile&) = delete;
+  SideFile& operator=(const SideFile&) = delete;
+
+  const std::filesystem::path& path() const { return side_; }
+  /// Renames over the target; `durable` also waits until file and folder are on disk (power loss, not only a crash).
+  void commit(bool durable);
+
+ private:
+  std::filesystem::path target_, side_;
+  bool committed_ = false;
+};
+
+/// Writes the parts one behind the other to `target`, through a side file.
+void write_whole_file(const std::filesystem::path& target, std::initializer_list<std::string_view> parts,
+                      bool durable = false);
+
+/// The whole content of a file; FileError where it cannot be read.
+std::string read_whole_file(const std::filesystem::path& path);
+
+/// Waits until the file's content is on disk.
+void sync_to_disk(const std::filesystem::path& path);
+
+}  // namespace epafi

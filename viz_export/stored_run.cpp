@@ -1,0 +1,114 @@
+#include "viz_export/stored_run.h"
+
+#include <sstream>
+
+#include "viz_export/hdf5_file.h"
+#include "viz_export/run_layout.h"
+
+namespace epafi {
+
+struct StoredRun::Impl {
+  Hdf5File file;
+  std::vector<std::string> snapshots;
+  std::vector<Surface> surfaces;
+  std::vector<std::uint32_t> shape;
+  std::vector<std::int32_t> surface;
+  std::vector<std::uint16_t> material;
+  std::vector<double> mass, radius;
+
+  [[noreturn]] void refuse(const std::string& what) const { throw FileError(file.path().string() + ": is damaged: " + what); }
+
+  void read_surface(const std::string& group) {
+    Surface s;
+    const auto points = file.read<double>(group + "/points");
+    s.connectivity = file.read<std::int32_t>(group + "/connectivity");
+    s.offsets = file.read<std::int32_t>(group + "/offsets");
+    if (points.size() % 3 != 0) refuse("'" + group + "/points' is not a list of triples");
+    for (std::size_t k = 0; k < points.size(); k += 3) s.points.emplace_back(points[k], points[k + 1], points[k + 2]);
+    for (std::int32_t c : s.connectivity)
+      if (c < 0 || static_cast<std::size_t>(c) >= s.points.size()) refuse("'" + group + "' names a point that is not there");
+    std::int32_t last = 0;
+    for (std::int32_t o : s.offsets) {
+      if (o < last || static_cast<std::size_t>(o) > s.connectivity.size()) refuse("'" + group + "' has a wrong offset");
+      last = o;
+    }
+    surfaces.push_back(std::move(s));
+  }
+
+  void read_bodies() {
+    shape = file.read<std::uint32_t>("bodies/shape");
+    surface = file.read<std::int32_t>("bodies/surface");
+    material = file.read<std::uint16_t>("bodies/material");
+    mass = file.read<double>("bodies/mass");
+    radius = file.read<double>("bodies/radius");
+    for (std::size_t n : {surface.size(), material.size(), mass.size(), radius.size()})
+      if (n != shape.size()) refuse("the columns of 'bodies' differ in length");
+    for (std::int32_t s : surface)
+      if (s < -1 || s >= static_cast<std::int32_t>(surfaces.size())) refuse("a body has a surface that is not there");
+  }
+
+  std::vector<double> rows(const std::string& name, std::size_t width, std::size_t n) const {
+    auto values = file.read<double>(name);
+    if (values.size() != width * n) refuse("'" + name + "' has not one row per body");
+    return values;
+  }
+};
+
+StoredRun::StoredRun(const std::filesystem::path& path)
+    : impl_(std::make_unique<Impl>(Impl{Hdf5File(path, Hdf5File::Mode::read), {}, {}, {}, {}, {}, {}, {}})) {
+  Hdf5File& file = impl_->file;
+  run_layout::check(file);
+  impl_->snapshots = file.children("snapshots");
+  for (const std::string& name : file.children("shapes")) impl_->read_surface("shapes/" + name);
+  impl_->read_bodies();
+}
+
+StoredRun::~StoredRun() = default;
+
+std::size_t StoredRun::snapshots() const { return impl_->snapshots.size(); }
+
+StoredSnapshot StoredRun::snapshot(std::size_t k) const {
+  const std::string group = "snapshots/" + impl_->snapshots.at(k);
+  const Hdf5File& file = impl_->file;
+  StoredSnapshot out;
+  out.stamp = {file.count_attribute(group, "step"), file.number_attribute(group, "time"),
+               file.text_attribute(group, "state_hash"), file.has(group + "/orientation")};
+  const auto id = file.read<std::uint32_t>(group + "/id");
+  const std::size_t n = id.size();
+  const auto x = impl_->rows(group + "/position", 3, n), v = impl_->rows(group + "/velocity", 3, n);
+  const auto energy = impl_->rows(group + "/kinetic_energy", 1, n);
+  std::vector<double> q, w;
+  if (out.stamp.rotates) q = impl_->rows(group + "/orientation", 4, n), w = impl_->rows(group + "/angular_velocity", 3, n);
+  out.bodies.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    BodyRecord& b = out.bodies[i];
+    if (id[i] >= impl_->shape.size()) impl_->refuse("'" + group + "' holds a body that is not in 'bodies'");
+    b.id = id[i], b.shape = impl_->shape[b.id], b.material = impl_->material[b.id];
+    b.mass = impl_->mass[b.id], b.radius = impl_->radius[b.id], b.kinetic_energy = energy[i];
+    const std::int32_t surface = impl_->surface[b.id];
+    b.surface = surface < 0 ? nullptr : &impl_->surfaces[static_cast<std::size_t>(surface)];
+    b.pose.position = Vec3(&x[3 * i]), b.velocity = Vec3(&v[3 * i]);
+    if (!out.stamp.rotates) continue;
+    b.pose.orientation = Quat(q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]);
+    b.angular_velocity = Vec3(&w[3 * i]);
+  }
+  return out;
+}
+
+std::vector<StoredMeasure> StoredRun::measures() const {
+  const Hdf5File& file = impl_->file;
+  std::vector<StoredMeasure> out;
+  for (const std::string& name : file.children("measures")) {
+    const std::string group = "measures/" + name;
+    StoredMeasure m;
+    m.name = file.text_attribute(group, "name");
+    std::istringstream words(file.text_attribute(group, "components"));
+    for (std::string word; std::getline(words, word, ',');) m.components.push_back(word);
+    m.times = file.read<double>(group + "/time");
+    m.values = impl_->rows(group + "/value", m.components.size(), m.times.size());
+    out.push_back(std::move(m));
+  }
+  return out;
+}
+
+}  // namespace epafi

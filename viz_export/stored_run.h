@@ -1,0 +1,36 @@
+/// @file stored_run.h  Reads run.h5 back. Every function throws FileError on a file that is damaged, cut or not a run.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "viz_export/run_file.h"
+
+namespace epafi {
+
+struct StoredSnapshot {
+  SnapshotStamp stamp;
+  std::vector<BodyRecord> bodies;  ///< their surfaces belong to the StoredRun
+};
+
+struct StoredMeasure {
+  std::string name;
+  std::vector<std::string> components;
+  std::vector<double> times, values;  ///< values row by row
+};
+
+class StoredRun {
+ public:
+  explicit StoredRun(const std::filesystem::path& path);
+  ~StoredRun();
+  std::size_t snapshots() const;
+  StoredSnapshot snapshot(std::size_t k) const;
+  std::vector<StoredMeasure> measures() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace epafi

@@ -1,0 +1,76 @@
+#include "viz_export/summary.h"
+
+#include "viz_export/json_writer.h"
+#include "viz_export/side_file.h"
+
+namespace epafi {
+
+namespace {
+
+void put_stages(JsonWriter& json, const StageSeconds& seconds) {
+  json.key("stage_seconds").begin_object();
+  for (Stage s : {Stage::broad_phase, Stage::narrow_phase, Stage::contact, Stage::integrate, Stage::output})
+    json.member(stage_names[static_cast<std::size_t>(s)], seconds[s]);
+  json.end_object();
+}
+
+void put_energy(JsonWriter& json, const RunSummary::Energy& e) {
+  json.key("energy").begin_object();
+  json.member("kinetic", e.kinetic).member("potential", e.potential).member("elastic", e.elastic);
+  json.member("dissipated", e.dissipated).member("work", e.work).member("relative_error", e.relative_error);
+  json.end_object();
+}
+
+void put_max_mean(JsonWriter& json, const char* name, const std::optional<RunSummary::MaxMean>& v) {
+  if (v) json.key(name).begin_object().member("max", v->max).member("mean", v->mean).end_object();
+}
+
+void put_measures(JsonWriter& json, const RunSummary& s) {
+  json.key("measures").begin_object();
+  for (const auto& [name, components] : s.measures) {
+    json.key(name).begin_object();
+    for (const auto& [component, v] : components)
+      json.key(component).begin_object().member("last", v.last).member("min", v.min).member("max", v.max).end_object();
+    json.end_object();
+  }
+  json.end_object();
+}
+
+void put_checks(JsonWriter& json, const RunSummary& s) {
+  json.key("checks").begin_object();
+  for (const auto& [name, c] : s.checks)
+    json.key(name).begin_object().member("value", c.value).member("bound", c.bound).member("ok", c.ok).end_object();
+  json.end_object();
+}
+
+}  // namespace
+
+std::string summary_json(const RunSummary& s) {
+  JsonWriter json;
+  json.begin_object();
+  json.member("epafi", s.epafi).member("scene", s.scene).member("scene_hash", s.scene_hash).member("status", s.status);
+  if (!s.failure.empty()) json.member("failure", s.failure);
+  json.member("bodies", s.bodies).member("bodies_lost", s.bodies_lost).member("bodies_removed", s.bodies_removed);
+  json.member("steps", s.steps).member("time_step", s.time_step).member("simulated_time", s.simulated_time);
+  json.member("wall_time", s.wall_time).member("threads", s.threads).member("ns_per_body_step", s.ns_per_body_step);
+  put_stages(json, s.stage_seconds);
+  json.member("contacts_mean", s.contacts_mean);
+  if (s.energy) put_energy(json, *s.energy);
+  json.member("momentum_error", s.momentum_error);
+  if (s.overlap)
+    json.key("overlap").begin_object().member("max", s.overlap->max).member("mean", s.overlap->mean)
+        .member("max_relative", s.overlap->max_relative).end_object();
+  put_max_mean(json, "residual", s.residual);
+  put_max_mean(json, "iterations", s.iterations);
+  put_measures(json, s);
+  put_checks(json, s);
+  json.member("peak_memory_bytes", s.peak_memory_bytes).member("state_hash", s.state_hash);
+  json.end_object();
+  return json.text() + "\n";
+}
+
+void write_summary(const std::filesystem::path& path, const RunSummary& summary) {
+  write_whole_file(path, {summary_json(summary)}, true);
+}
+
+}  // namespace epafi

@@ -1,0 +1,63 @@
+/// @file summary.h  What a run was and what came out, as summary.json. A quantity that a scene does not have is absent.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "engine/report.h"
+
+namespace epafi {
+
+struct RunSummary {
+  struct Energy {
+    double kinetic = 0, potential = 0;     ///< at the end [J]
+    std::optional<double> elastic;         ///< [J]; smooth contact only
+    double dissipated = 0, work = 0;       ///< since the start [J]
+    double relative_error = 0;             ///< of the ledger
+  };
+  struct Overlap {
+    double max = 0, mean = 0;  ///< over pairs that overlap [m]
+    double max_relative = 0;   ///< of the smaller body's bounding radius
+  };
+  struct MaxMean {
+    double max = 0, mean = 0;
+  };
+  struct Component {
+    double last = 0, min = 0, max = 0;
+  };
+  struct Check {
+    double value = 0, bound = 0;
+    bool ok = true;
+  };
+
+  std::string epafi;       ///< version
+  std::string scene;
+  std::string scene_hash;
+  std::string status;      ///< completed, bound_violated, failed, interrupted
+  std::string failure;     ///< why, where the status is not completed; else empty and absent
+  std::uint64_t bodies = 0, bodies_lost = 0;
+  std::optional<std::uint64_t> bodies_removed;  ///< by the domain or remove_at
+  std::uint64_t steps = 0;
+  double time_step = 0;       ///< [s]
+  double simulated_time = 0;  ///< [s]
+  double wall_time = 0;       ///< [s]
+  int threads = 1;
+  std::optional<double> ns_per_body_step;  ///< of moving bodies, everything but output
+  StageSeconds stage_seconds;
+  std::optional<double> contacts_mean;
+  std::optional<Energy> energy;
+  std::optional<double> momentum_error;
+  std::optional<Overlap> overlap;
+  std::optional<MaxMean> residual, iterations;  ///< non-smooth contact only
+  std::map<std::string, std::map<std::string, Component>> measures;  ///< by measure, by component
+  std::map<std::string, Check> checks;                               ///< of [bounds]
+  std::uint64_t peak_memory_bytes = 0;
+  std::string state_hash;
+};
+
+std::string summary_json(const RunSummary& summary);
+void write_summary(const std::filesystem::path& path, const RunSummary& summary);
+
+}  // namespace epafi
