@@ -18,7 +18,7 @@ set(doors
   "omp\\.h|engine/parallel\\.h"
   "hdf5\\.h|viz_export/hdf5_file\\.cpp"
   "CGAL/|detection/shapes/hull_from_points\\.cpp,detection/shapes/mesh_repair\\.cpp"
-  "toml\\+\\+/|scenes/reader/document\\.cpp"
+  "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/main\\.cpp"
   "catch2/|tests/support/catch\\.h")
 

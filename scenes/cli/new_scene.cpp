@@ -12,7 +12,7 @@ struct Starter {
 };
 
 constexpr Starter starters[] = {
-    {"impact", R"(title = "A glass ball dropped on a glass floor"
+    {"impact", R"toml(title = "A glass ball dropped on a glass floor"
 # `epafi check` this file, then `epafi run` it. Units: SI, or write them: "10 mm", "70 GPa".
 
 [params]                      # names for "= expression"; change one with --set params.d=0.02
@@ -59,8 +59,8 @@ interval = 1e-3               # s
 
 [bounds]                      # a violation ends the run with exit code 1
 energy_error = 1e-2
-)"},
-    {"stack", R"(title = "Ten boxes on each other"
+)toml"},
+    {"stack", R"toml(title = "Ten boxes on each other"
 [params]
 n = 10                        # boxes: --set params.n=20
 a = 1.0                       # m, edge
@@ -105,8 +105,8 @@ interval = 0.1                # s
 
 [bounds]
 overlap_relative = 1e-2
-)"},
-    {"pile", R"(title = "Pebbles that settle in a tray"
+)toml"},
+    {"pile", R"toml(title = "Pebbles that settle in a tray"
 [params]
 n = 300                       # pebbles
 d = 0.05                      # m, diameter
@@ -159,8 +159,8 @@ region = { box = { min = ["= -6*d", "= -6*d", 0], max = ["= 6*d", "= 6*d", "= 2*
 name = "energy"
 kind = "energy"
 interval = 0.02               # s
-)"},
-    {"hopper", R"(title = "Beads that leave a box when its gate opens"
+)toml"},
+    {"hopper", R"toml(title = "Beads that leave a box when its gate opens"
 [params]
 n = 500                       # beads
 d = 0.010                     # m, diameter
@@ -226,7 +226,7 @@ name = "outflow"
 kind = "mass_flow"            # rate and mass through a plane
 plane = { point = [0, 0, "= -2.5*d"], normal = [0, 0, -1] }
 interval = 0.01               # s
-)"},
+)toml"},
 };
 
 }  // namespace
