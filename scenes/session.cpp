@@ -5,16 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "engine/hash.h"
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
 #include "scenes/stop.h"
-#include "viz_export/frame_writer.h"
 #include "viz_export/measures/all_measures.h"
-#include "viz_export/measures_csv.h"
-#include "viz_export/run_file.h"
 
 namespace epafi {
 
@@ -24,18 +20,6 @@ namespace {
 std::uint64_t steps_of(double interval, double dt) {
   return static_cast<std::uint64_t>(std::max(1.0, std::round(interval / dt)));
 }
-
-/// Calls a function at its interval.
-class Periodic final : public Observer {
- public:
-  Periodic(std::uint64_t every, std::function<void(const StepView&)> f) : every_(every), f_(std::move(f)) {}
-  bool is_due(std::uint64_t step) const override { return every_.is_due(step); }
-  void observe(const StepView& view) override { f_(view); }
-
- private:
-  EverySteps every_;
-  std::function<void(const StepView&)> f_;
-};
 
 std::uint64_t peak_memory() {
   rusage usage{};
@@ -49,9 +33,7 @@ struct Session::Files {
   MeasuresCsv csv;
   RunFile run;
   FrameWriter frames;
-  SurfaceCache surfaces;
-  StateSnapshot last_good;
-  std::map<std::string, std::size_t> measure_numbers{};  ///< in run.h5
+  StateSnapshot last_good{};
 };
 
 std::string scene_hash(const Scene& scene) {
@@ -60,44 +42,38 @@ std::string scene_hash(const Scene& scene) {
   return hash.hex();
 }
 
-Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, bool)
+Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
+                 const CheckpointHeader* from)
     : assembly_(std::move(assembly)), overrides_(std::move(overrides)), folder_(std::move(folder)) {
+  std::filesystem::create_directories(folder_);
+  const Scene& scene = assembly_->scene;
+  const RunFileHeader header{EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
+  if (from)
+    files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time), RunFile(folder_ / "run.h5", header, from->step, from->time),
+                           FrameWriter(folder_, from->time)});
+  else
+    files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_)});
   add_observers();
 }
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder)
-    : Session(std::move(assembly), std::move(overrides), std::move(folder), false) {
-  std::filesystem::create_directories(folder_);
-  files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", run_header()), FrameWriter(folder_),
-                         SurfaceCache(*assembly_->shapes), {}});
-  define_measures();
+    : Session(std::move(assembly), std::move(overrides), std::move(folder), nullptr) {
   assembly_->simulation->start();
 }
 
 std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
                                          std::filesystem::path folder) {
-  std::unique_ptr<Session> s(new Session(std::move(assembly), std::move(overrides), std::move(folder), true));
-  Simulation& sim = *s->assembly_->simulation;
-  load_checkpoint(s->folder_ / "checkpoint.h5", {EPAFI_VERSION, scene_hash(s->assembly_->scene)}, [&](StateVisitor& v) { sim.visit(v); });
-  const double time = sim.world.time;
-  s->files_.reset(new Files{MeasuresCsv(s->folder_ / "measures.csv", time), RunFile(s->folder_ / "run.h5", s->run_header(), sim.steps(), time),
-                            FrameWriter(s->folder_, time), SurfaceCache(*s->assembly_->shapes), {}});
-  s->define_measures();
-  s->first_step_ = sim.steps();
+  const std::filesystem::path file = folder / "checkpoint.h5";
+  const CheckpointHeader header = read_checkpoint_header(file);
+  const CheckpointExpectation expected{EPAFI_VERSION, scene_hash(assembly->scene)};
+  std::unique_ptr<Session> s(new Session(std::move(assembly), std::move(overrides), std::move(folder), &header));
+  load_checkpoint(file, expected, [&](StateVisitor& v) { s->walk(v); });
+  s->first_step_ = s->assembly_->simulation->steps();
   s->first_body_steps_ = s->monitor_->body_steps();
   return s;
 }
 
 Session::~Session() = default;
-
-RunFileHeader Session::run_header() const {
-  const Scene& scene = assembly_->scene;
-  return {EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
-}
-
-void Session::define_measures() {
-  for (const auto* r : recorders_) files_->measure_numbers[r->name()] = files_->run.define_measure(r->name(), r->components());
-}
 
 void Session::add_observers() {
   const Scene& scene = assembly_->scene;
@@ -114,22 +90,12 @@ void Session::add_observers() {
     const auto entry = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.entry.name == spec.kind; });
     MeasureSetup setup{spec.name, spec.parameters, {}, assembly_->shapes.get(), spec.interval};
     for (const auto& bodies : spec.bodies) setup.bodies.push_back(assembly_->ids(bodies));
-    auto recorder = std::make_unique<MeasureRecorder>(
-        spec.name, entry->make(setup), spec.interval > 0 ? steps_of(spec.interval, dt) : 1,
-        [this](double time, const std::string& name, const std::vector<std::string>& components, const std::vector<double>& values) {
-          for (std::size_t k = 0; k < components.size(); ++k) files_->csv.add(time, name, components[k], values[k]);
-          files_->run.add_measure(files_->measure_numbers.at(name), time, values);
-        });
+    auto recorder = std::make_unique<MeasureRecorder>(spec.name, entry->make(setup), &files_->csv, &files_->run,
+                                                      spec.interval > 0 ? steps_of(spec.interval, dt) : 1);
     recorders_.push_back(recorder.get());
     sim.observers.push_back(std::move(recorder));
   }
-  sim.observers.push_back(std::make_unique<Periodic>(frame_every, [this](const StepView& view) { write_frame(view); }));
-}
-
-void Session::write_frame(const StepView& view) {
-  const auto bodies = body_records(view.world, files_->surfaces);
-  files_->run.add_snapshot({view.step, view.world.time, state_hash(view.world), view.world.rotates()}, bodies);
-  files_->frames.write(view.world.time, bodies, contact_records(view.world, view.contacts));
+  sim.observers.push_back(std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
 }
 
 void Session::save_checkpoint_now() {
@@ -218,9 +184,7 @@ RunSummary Session::summary() const {
     s.residual = RunSummary::MaxMean{monitor_->residual_max(), monitor_->residual_mean()};
     s.iterations = RunSummary::MaxMean{monitor_->iterations_max(), monitor_->iterations_mean()};
   }
-  for (const auto* r : recorders_)
-    for (std::size_t k = 0; k < r->components().size(); ++k)
-      s.measures[r->name()][r->components()[k]] = {r->statistics()[k].last, r->statistics()[k].min, r->statistics()[k].max};
+  for (const auto* r : recorders_) s.measures[r->name()] = r->summary();
   for (const auto& c : monitor_->checks()) s.checks[c.name] = {c.value, c.bound, c.ok};
   s.peak_memory_bytes = peak_memory();
   s.state_hash = state_hash(sim.world);

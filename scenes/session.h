@@ -9,8 +9,7 @@
 #include "scenes/assemble.h"
 #include "scenes/progress.h"
 #include "viz_export/checkpoint.h"
-#include "viz_export/measure_recorder.h"
-#include "viz_export/run_file.h"
+#include "viz_export/output_observers.h"
 #include "viz_export/summary.h"
 
 namespace epafi {
@@ -41,11 +40,10 @@ class Session {
 
  private:
   struct Files;
-  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, bool resumed);
+  /// from: the checkpoint to continue from, null for a new run. Files are opened, observers added.
+  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
+          const CheckpointHeader* from);
   void add_observers();
-  RunFileHeader run_header() const;
-  void define_measures();
-  void write_frame(const StepView& view);
   void save_checkpoint_now();
   void walk(StateVisitor& visitor) { assembly_->simulation->visit(visitor); }
   std::optional<Ending> step_once(std::uint64_t last_step);
