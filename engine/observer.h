@@ -23,7 +23,7 @@ class Observer {
  public:
   virtual ~Observer() = default;
   virtual bool is_due(std::uint64_t step) const = 0;
-  virtual bool wants_energy() const { return false; }
+  virtual bool wants_energy(std::uint64_t /*step*/) const { return false; }
   virtual void observe(const StepView& view) = 0;
   virtual void visit(StateVisitor&) {}
 };

@@ -68,7 +68,7 @@ void Simulation::observe(bool last) {
   bool energy = false, any = false;
   for (const auto& o : observers) {
     const bool due = last || o->is_due(steps_);
-    any = any || due, energy = energy || (due && o->wants_energy());
+    any = any || due, energy = energy || (due && (last || o->wants_energy(steps_)));
   }
   if (!any) return;
   if (energy) ledger.measure(world);

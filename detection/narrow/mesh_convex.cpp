@@ -12,18 +12,28 @@ constexpr double on_surface = 1e-6;  // of the size, as in the manifold: what co
 constexpr double along_face = 1e-5;  // [rad] a direction of EPA nearer than this to the triangle's normal is meant to be it
 constexpr double certain = 1e-6;     // of the size: a wider interval than this is reported as degenerate
 
-/// Does another triangle at `point` reach out along n, the normal from the mesh to the body? Then n is outside the normal
-/// cone of the surface there and belongs to an inner edge or vertex that the body cannot feel.
-bool is_forbidden(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, std::uint32_t own, const Vec3& point,
-                  const Vec3& n, double tolerance) {
+/// What the surface around the point of a triangle says to a normal n from the mesh to the body.
+enum class Verdict {
+  free,  ///< n is in the normal cone of the surface there
+  flat,  ///< a triangle in the same plane reaches out along n: an inner edge that the body cannot feel, the plane holds
+  bent   ///< only triangles of other planes reach out along n: the contact is theirs
+};
+
+Verdict judge(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, std::uint32_t own, const Vec3& point,
+              const Vec3& n, double tolerance) {
+  Verdict verdict = Verdict::free;
   for (const auto t : triangles) {
     if (t == own || !lies_on(mesh, t, point, tolerance)) continue;
+    bool reaches_out = false;
     for (const Vec3& c : mesh.corners(t)) {
-      const Vec3 w = c - point;
-      if (n.dot(w) > tolerance + along_face * w.norm()) return true;
+      const Vec3 w = c - point;  // flat within 1e-6 rad is not reaching out
+      reaches_out = reaches_out || n.dot(w) > 1e-3 * tolerance + 0.1 * along_face * w.norm();
     }
+    if (!reaches_out) continue;
+    if (mesh.normals[t].cross(mesh.normals[own]).squaredNorm() <= along_face * along_face) return Verdict::flat;
+    verdict = Verdict::bent;
   }
-  return false;
+  return verdict;
 }
 
 /// The inside of the triangle, up to `tolerance` beyond its sides, seen along its normal.
@@ -35,11 +45,12 @@ bool projects_into(const std::array<Vec3, 3>& corner, const Vec3& normal, const 
   return true;
 }
 
-/// Face of the polyhedron that looks most against n (its own axes).
+/// Of the faces around the vertex farthest against n (its own axes) the one that looks most against n.
 std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
-  std::uint32_t best = 0;
-  for (std::uint32_t f = 1; f < p.face_normals.size(); ++f)
-    if (p.face_normals[f].dot(n) < p.face_normals[best].dot(n)) best = f;
+  const std::uint32_t v = ConvexHull::support_vertex(p, -n);
+  std::uint32_t best = p.fans[p.fan_begin[v]];
+  for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
+    if (p.face_normals[p.fans[k]].dot(n) < p.face_normals[best].dot(n)) best = p.fans[k];
   return best;
 }
 
@@ -65,16 +76,16 @@ class PolyhedronOnMesh {
     if (d.beyond) return;
     if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
     const Vec3 n = -(turn_ * d.axis.normal);
-    const bool is_face = d.axis.kind == SeparatingAxis::Kind::face_b;
-    if (is_face ? n.dot(face_normal) < 0.0 : is_forbidden(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, tolerance_))
-      return collide_face(t, corner, face_normal, out);
-    const bool plane = n.cross(face_normal).squaredNorm() <= along_face * along_face && n.dot(face_normal) > 0.0;
+    // The triangle's own normal holds where it separates best, where the direction is that one within 1e-5 rad, and where
+    // the direction belongs to an inner edge or vertex; towards the side of the body's centre.
+    const bool face = d.axis.kind == SeparatingAxis::Kind::face_b || n.cross(face_normal).squaredNorm() <= along_face * along_face;
+    const Verdict verdict = face ? Verdict::flat : judge(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, tolerance_);
+    if (verdict == Verdict::flat) return collide_face(t, corner, face_normal, out);
+    if (verdict == Verdict::bent) return;
     const Patch patch = contact_patch(pair, d, reach_, sweep_, 0.0);
     for (int k = 0; k < patch.count; ++k) {
       const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
-      const bool vertex = p.feature >> 44 == static_cast<Feature>(FeatureKind::vertex_a);
-      out.push_back({centre() + turn_ * p.position, is_face ? face_normal : n, p.gap,
-                     mesh_feature(plane && vertex ? mesh_.flat_group[t] : t, short_name(p.feature))});
+      out.push_back({centre() + turn_ * p.position, n, p.gap, mesh_feature(t, short_name(p.feature))});
     }
   }
 
@@ -82,6 +93,29 @@ class PolyhedronOnMesh {
   /// Kind (2 bits), index on the body (22 bits), index on the triangle (2 bits).
   static std::uint32_t short_name(Feature f) {
     return static_cast<std::uint32_t>(f >> 44 & 3u) << 24 | static_cast<std::uint32_t>(f >> 22 & 0x3fffffu) << 2 | static_cast<std::uint32_t>(f & 3u);
+  }
+  /// Did the body come to x, behind the triangle, through the triangle (or one in its plane) and through no other before?
+  /// Otherwise x belongs to the surface beyond an edge: a corner of a box on a table is behind the table's side as well.
+  /// cut: 1 + side of the triangle whose prism cut the body at x; where the surface bends away or ends there, x is its edge.
+  bool went_through(std::uint32_t t, const Vec3& n, const Vec3& x, std::uint32_t cut) const {
+    const bool front = n.dot(mesh_.normals[t]) > 0.0;
+    if (cut > 0 && mesh_.edge_kinds[t][cut - 1] != (front ? EdgeKind::concave : EdgeKind::convex)) return true;
+    const double from = n.dot(centre() - mesh_.corners(t)[0]), to = n.dot(x - mesh_.corners(t)[0]);
+    const double when = from / (from - to);
+    const Vec3 gate = centre() + when * (x - centre());
+    bool through = false;
+    for (const auto other : triangles_) {
+      const auto corner = mesh_.corners(other);
+      const Vec3& m = mesh_.normals[other];
+      if (m.cross(n).squaredNorm() <= along_face * along_face) {
+        through = through || (std::abs(m.dot(gate - corner[0])) <= tolerance_ && projects_into(corner, m, gate, tolerance_));
+        continue;
+      }
+      const double h0 = m.dot(centre() - corner[0]), h1 = m.dot(x - corner[0]);
+      if (!(h0 * h1 < 0.0) || !(h0 / (h0 - h1) < when)) continue;
+      if (projects_into(corner, m, centre() + h0 / (h0 - h1) * (x - centre()), 0.0)) return false;
+    }
+    return through;
   }
   /// The face of the body that looks at the triangle, cut to the prism over the triangle (Sutherland and Hodgman 1974).
   void collide_face(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n, std::vector<MeshPoint>& out) const {
@@ -108,7 +142,7 @@ class PolyhedronOnMesh {
     }
     for (const Corner& c : polygon) {
       const double height = n.dot(c.x - corner[0]), gap = height - sweep_;
-      if (!(gap < reach_)) continue;
+      if (!(gap < reach_) || (height < -tolerance_ && !went_through(t, n, c.x, c.name & 3u))) continue;
       const bool vertex = (c.name & 3u) == 0;
       const auto kind = static_cast<std::uint32_t>(vertex ? FeatureKind::vertex_a : FeatureKind::edges);
       out.push_back({c.x - (sweep_ + 0.5 * gap) * n, n, gap, mesh_feature(vertex ? mesh_.flat_group[t] : t, kind << 24 | c.name)});
@@ -145,14 +179,15 @@ class CoreOnMesh {
 
   void collide(std::uint32_t t, std::vector<MeshPoint>& out, ContactSink& sink) const {
     const auto corner = mesh_.corners(t);
-    Vec3 face_normal = normal_towards(mesh_, t, centre());
+    const Vec3 face_normal = normal_towards(mesh_, t, centre());
     if (face_normal.dot(centre() - corner[0]) - body_.core.radius > reach_ + sweep_) return;
     const TriangleSolid solid(corner, mesh_.normals[t]);
     const CoreDistance d = measure(solid, sink);
     if (!d.wanted) return;
-    const double sine = d.normal.cross(face_normal).norm();
-    const bool is_face = sine <= along_face;
-    if (!is_face && !is_forbidden(mesh_, triangles_, t, d.on_mesh, d.normal, tolerance_)) {
+    const bool is_face = d.normal.cross(face_normal).norm() <= along_face;
+    const Verdict verdict = is_face ? Verdict::flat : judge(mesh_, triangles_, t, d.on_mesh, d.normal, tolerance_);
+    if (verdict == Verdict::bent) return;
+    if (verdict == Verdict::free) {
       const double gap = d.gap - sweep_;
       out.push_back({d.on_mesh + 0.5 * gap * d.normal, d.normal, gap, mesh_feature(t, 1u << 24)});
       return;

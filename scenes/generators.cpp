@@ -1,0 +1,166 @@
+#include "scenes/generators.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "engine/random.h"
+
+namespace epafi {
+
+namespace {
+
+/// What body number k is, whatever else was placed.
+FillBody draw(const FillSpec& fill, const std::vector<FillShape>& shapes, Random& random) {
+  FillBody body;
+  double total = 0;
+  for (double w : fill.weights) total += w;
+  double pick = random.uniform() * total;
+  while (body.shape + 1 < fill.weights.size() && pick >= fill.weights[body.shape]) pick -= fill.weights[body.shape++];
+  const double u = random.uniform();
+  if (fill.size) body.size = fill.size->min + (fill.size->max - fill.size->min) * u;
+  if (!shapes[body.shape].is_sphere) {  // uniform on the rotations (Shoemake 1992)
+    const double a = random.uniform(), b = 2 * M_PI * random.uniform(), c = 2 * M_PI * random.uniform();
+    body.orientation = Quat(std::sqrt(a) * std::cos(c), std::sqrt(1 - a) * std::sin(b), std::sqrt(1 - a) * std::cos(b),
+                            std::sqrt(a) * std::sin(c));
+  }
+  return body;
+}
+
+/// Counts what is placed against what is asked for.
+class Quota {
+ public:
+  explicit Quota(const FillSpec& fill) : fill_(fill) {}
+  bool wants_more(double next_mass) const {
+    if (fill_.count) return placed_ < *fill_.count;
+    if (fill_.mass) return mass_ + 0.5 * next_mass <= *fill_.mass;  // the nearest total
+    return true;
+  }
+  void place(double mass) { ++placed_, mass_ += mass; }
+  std::string shortfall() const {
+    if (fill_.full) return {};
+    if (fill_.count) return fmt::format("only {} of {} bodies fit into the region", placed_, *fill_.count);
+    return fmt::format("only {:g} of {:g} kg fit into the region", mass_, *fill_.mass);
+  }
+
+ private:
+  const FillSpec& fill_;
+  std::uint64_t placed_ = 0;
+  double mass_ = 0;
+};
+
+double largest_radius(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  double r = 0;
+  for (const auto& s : shapes) r = std::max(r, s.radius);
+  return r * (fill.size ? fill.size->max : 1.0);
+}
+
+double mass_of(const FillBody& b, const std::vector<FillShape>& shapes) {
+  return shapes[b.shape].mass * b.size * b.size * b.size;
+}
+
+FillResult lattice(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  const double pitch = 2.04 * largest_radius(fill, shapes);
+  const Vec3 extent = fill.region.max - fill.region.min;
+  std::array<std::uint64_t, 3> cells{};
+  Vec3 cell;
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    cells[i] = static_cast<std::uint64_t>(std::max(0.0, std::floor(extent[k] / pitch * (1 + 1e-12))));
+    cell[k] = k < 2 ? extent[k] / static_cast<double>(std::max<std::uint64_t>(1, cells[i])) : pitch;
+  }
+  FillResult result;
+  Quota quota(fill);
+  for (std::uint64_t n = 0;; ++n) {
+    Random random(fill.seed, n);
+    FillBody body = draw(fill, shapes, random);
+    const double mass = mass_of(body, shapes);
+    if (!quota.wants_more(mass)) return result;
+    if (n >= cells[0] * cells[1] * cells[2]) break;
+    const Vec3 index(static_cast<double>(n % cells[0]), static_cast<double>(n / cells[0] % cells[1]),
+                     static_cast<double>(n / (cells[0] * cells[1])));
+    const double radius = shapes[body.shape].radius * body.size;
+    for (int k = 0; k < 3; ++k)
+      body.position[k] = fill.region.min[k] + (index[k] + 0.5) * cell[k] + (0.5 * cell[k] - radius) * random.uniform(-1, 1);
+    result.bodies.push_back(body);
+    quota.place(mass);
+  }
+  result.shortfall = quota.shortfall();
+  return result;
+}
+
+/// Placed spheres, found by cells of the largest diameter.
+class Occupancy {
+ public:
+  Occupancy(const Vec3& origin, double cell) : origin_(origin), cell_(cell) {}
+  bool is_free(const Vec3& x, double radius) const {
+    const auto c = cell_of(x);
+    for (long i = c[0] - 1; i <= c[0] + 1; ++i)
+      for (long j = c[1] - 1; j <= c[1] + 1; ++j)
+        for (long k = c[2] - 1; k <= c[2] + 1; ++k) {
+          const auto found = spheres_.find(key({i, j, k}));
+          if (found == spheres_.end()) continue;
+          for (const auto& [y, r] : found->second)
+            if ((x - y).squaredNorm() < (radius + r) * (radius + r)) return false;
+        }
+    return true;
+  }
+  void add(const Vec3& x, double radius) { spheres_[key(cell_of(x))].push_back({x, radius}); }
+
+ private:
+  std::array<long, 3> cell_of(const Vec3& x) const {
+    const Vec3 u = (x - origin_) / cell_;
+    return {static_cast<long>(std::floor(u.x())), static_cast<long>(std::floor(u.y())), static_cast<long>(std::floor(u.z()))};
+  }
+  static std::uint64_t key(const std::array<long, 3>& c) {
+    const auto part = [](long v) { return static_cast<std::uint64_t>(v + 1) & 0x1fffff; };
+    return part(c[0]) | part(c[1]) << 21 | part(c[2]) << 42;
+  }
+  Vec3 origin_;
+  double cell_;
+  std::unordered_map<std::uint64_t, std::vector<std::pair<Vec3, double>>> spheres_;
+};
+
+FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  constexpr int trials = 200;
+  const double largest = largest_radius(fill, shapes);
+  Occupancy occupied(fill.region.min, 2 * largest);
+  FillResult result;
+  Quota quota(fill);
+  double low = fill.region.min.z();
+  for (std::uint64_t n = 0;; ++n) {
+    Random random(fill.seed, n);
+    FillBody body = draw(fill, shapes, random);
+    const double radius = shapes[body.shape].radius * body.size, mass = mass_of(body, shapes);
+    if (!quota.wants_more(mass)) return result;
+    bool placed = false;
+    while (!placed && low + 2 * radius <= fill.region.max.z()) {
+      const double high = std::min(fill.region.max.z(), low + 4 * largest);
+      for (int t = 0; t < trials && !placed; ++t) {
+        const Vec3 u(random.uniform(), random.uniform(), random.uniform());
+        const Vec3 from(fill.region.min.x() + radius, fill.region.min.y() + radius, low + radius);
+        const Vec3 to(fill.region.max.x() - radius, fill.region.max.y() - radius, high - radius);
+        if ((to - from).minCoeff() < 0) break;
+        body.position = from + u.cwiseProduct(to - from);
+        placed = occupied.is_free(body.position, radius);
+      }
+      if (!placed) low += largest;
+    }
+    if (!placed) break;
+    occupied.add(body.position, radius);
+    result.bodies.push_back(body);
+    quota.place(mass);
+  }
+  result.shortfall = quota.shortfall();
+  return result;
+}
+
+}  // namespace
+
+FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  return fill.method == FillSpec::Method::lattice ? lattice(fill, shapes) : random_insertion(fill, shapes);
+}
+
+}  // namespace epafi

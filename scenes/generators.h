@@ -1,0 +1,34 @@
+/// @file generators.h  Bodies of a [[fill]]: centres, sizes, orientations. A pure function of the fill and its seed.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+
+namespace epafi {
+
+/// What a fill needs to know of a shape it may place.
+struct FillShape {
+  double radius = 0.0;  ///< of the bounding sphere at size factor 1 [m]
+  double mass = 0.0;    ///< at size factor 1 [kg]
+  bool is_sphere = false;
+};
+
+struct FillBody {
+  std::size_t shape = 0;  ///< index into FillSpec::shapes
+  double size = 1.0;      ///< factor of the shape's size
+  Vec3 position = Vec3::Zero();
+  Quat orientation = Quat(1, 0, 0, 0);
+};
+
+struct FillResult {
+  std::vector<FillBody> bodies;
+  std::string shortfall;  ///< why there are fewer bodies than asked for; empty when all are placed
+};
+
+/// Bounding spheres of the placed bodies neither overlap each other nor leave the region.
+/// lattice: cubic cells of 1.02 of the largest diameter, filled from below, each body anywhere inside its cell.
+/// random: sequential insertion, from below in slices; stops after 200 rejected trials in a row per body.
+FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes);
+
+}  // namespace epafi

@@ -1,0 +1,129 @@
+#include "scenes/monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace epafi {
+
+Overlap measure_overlap(const World& world, const ContactSet& contacts, const ShapeStore& shapes) {
+  Overlap o;
+  double sum = 0;
+  for (std::size_t k = 0; k < contacts.size();) {
+    const Slot a = contacts.a[k], b = contacts.b[k];
+    double deepest = 0;
+    for (; k < contacts.size() && contacts.a[k] == a && contacts.b[k] == b; ++k) deepest = std::max(deepest, -contacts.gap[k]);
+    if (deepest <= 0) continue;
+    const double radius = std::min(shapes.bounding_radius({world.shape[a]}), shapes.bounding_radius({world.shape[b]}));
+    o.max = std::max(o.max, deepest), o.max_relative = std::max(o.max_relative, deepest / radius);
+    sum += deepest, ++o.pairs;
+  }
+  if (o.pairs > 0) o.mean = sum / static_cast<double>(o.pairs);
+  return o;
+}
+
+RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies, const ShapeStore& shapes,
+                       std::uint64_t steps, std::uint64_t interval)
+    : bounds_(scene.bounds), bound_bodies_(bound_bodies), bound_start_(bounds_.size()), shapes_(shapes), steps_(steps),
+      interval_(std::max<std::uint64_t>(1, interval)) {
+  for (const auto& b : bounds_) {
+    const std::string name = b.body.empty() ? b.quantity : b.quantity + "." + b.body;
+    checks_.push_back({name, 0.0, b.limit, true});
+  }
+}
+
+void RunMonitor::observe(const StepView& view) {
+  if (view.step > 0) {
+    totals_.steps += 1, totals_.contacts += static_cast<double>(view.report.touching);
+    totals_.body_steps += static_cast<double>(view.world.size());
+    if (view.report.has_solver) {
+      const SolverReport& s = view.report.solver;
+      totals_.residual += s.residual, totals_.residual_max = std::max(totals_.residual_max, s.residual);
+      totals_.iterations += s.iterations, totals_.iterations_max = std::max(totals_.iterations_max, double(s.iterations));
+      totals_.not_converged += s.converged ? 0 : 1;
+    }
+  }
+  if (view.step % interval_ == 0 || view.last) look(view);
+}
+
+void RunMonitor::look(const StepView& view) {
+  last_overlap_ = measure_overlap(view.world, view.contacts, shapes_);
+  if (view.last || view.step * 10 >= steps_ * 9) {
+    totals_.overlap_max = std::max(totals_.overlap_max, last_overlap_.max);
+    totals_.overlap_relative = std::max(totals_.overlap_relative, last_overlap_.max_relative);
+    totals_.overlap_mean += last_overlap_.mean, totals_.overlap_looks += 1;
+  }
+  look_at_momentum(view);
+  check(view);
+}
+
+void RunMonitor::look_at_momentum(const StepView& view) {
+  const World& w = view.world;
+  double magnitude = 0, mass = 0;
+  for (Slot s = 0; s < w.size(); ++s) {
+    if (!w.is_movable(s)) return;  // walls take momentum: the balance is that of closed systems only
+    magnitude += w.velocity[s].norm() / w.inverse_mass[s], mass += 1.0 / w.inverse_mass[s];
+  }
+  if (w.columns().external_force) return;
+  const Vec3 p = linear_momentum(w) - mass * w.time * w.gravity;
+  if (momentum_.started == 0) {
+    for (int k = 0; k < 3; ++k) momentum_.start[k] = p[k];
+    momentum_.started = 1;
+  }
+  momentum_.largest = std::max(momentum_.largest, magnitude);
+  const Vec3 start(momentum_.start[0], momentum_.start[1], momentum_.start[2]);
+  if (momentum_.largest > 0) momentum_.error = std::max(momentum_.error, (p - start).norm() / momentum_.largest);
+  momentum_error_ = momentum_.error;
+}
+
+double RunMonitor::value_of(std::size_t i, const StepView& view) {
+  const BoundSpec& b = bounds_[i];
+  const World& w = view.world;
+  if (b.quantity == "energy_error") return std::abs(view.ledger.relative_error());
+  if (b.quantity == "overlap_relative") return last_overlap_.max_relative;
+  if (b.quantity == "momentum_error") return momentum_error_.value_or(0.0);
+  if (b.quantity == "residual") return view.report.has_solver ? view.report.solver.residual : 0.0;
+  const Vec3 up = w.gravity.squaredNorm() > 0 ? Vec3(-w.gravity.normalized()) : Vec3::UnitZ();
+  if (w.time < b.after * (1 - 1e-12)) return 0.0;
+  auto& start = bound_start_[i];
+  if (start.empty())
+    for (BodyId id : bound_bodies_[i]) start.push_back(w.slot_of(id) == no_slot ? Vec3::Zero() : w.position[w.slot_of(id)]);
+  double worst = 0;
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    const Slot s = w.slot_of(bound_bodies_[i][k]);
+    if (s == no_slot) continue;
+    const Vec3 moved = w.position[s] - start[k];
+    const double rise = moved.dot(up);
+    worst = std::max(worst, b.quantity == "sag" ? -rise : (moved - rise * up).norm());
+  }
+  return worst;
+}
+
+void RunMonitor::check(const StepView& view) {
+  for (std::size_t i = 0; i < bounds_.size(); ++i) {
+    const double value = value_of(i, view);
+    checks_[i].value = std::max(checks_[i].value, value);
+    checks_[i].ok = checks_[i].ok && value <= checks_[i].bound;
+  }
+}
+
+std::optional<BoundCheck> RunMonitor::violated() const {
+  for (const auto& c : checks_)
+    if (!c.ok) return c;
+  return std::nullopt;
+}
+
+Overlap RunMonitor::overlap() const {
+  const double looks = std::max(1.0, totals_.overlap_looks);
+  return {totals_.overlap_max, totals_.overlap_mean / looks, totals_.overlap_relative, 0};
+}
+
+void RunMonitor::visit(StateVisitor& v) {
+  v.value("monitor/totals", totals_), v.value("monitor/momentum", momentum_);
+  for (std::size_t i = 0; i < bounds_.size(); ++i) {
+    const std::string name = "monitor/bound" + std::to_string(i);
+    v.value(name + "/value", checks_[i].value), v.value(name + "/ok", checks_[i].ok), v.column(name + "/start", bound_start_[i]);
+  }
+}
+
+}  // namespace epafi

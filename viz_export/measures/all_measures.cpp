@@ -1,0 +1,42 @@
+#include "viz_export/measures/all_measures.h"
+
+#include "viz_export/measures/body_measures.h"
+#include "viz_export/measures/contact_measures.h"
+#include "viz_export/measures/flow_measures.h"
+
+namespace epafi {
+
+namespace {
+
+const Field body{"body", "", "", Kind::text, {}, {}, "name of a body or a group"};
+const Field between{"between", "", "", Kind::texts, {}, {}, "two names of bodies or groups"};
+const Field plane{"plane", "", "", Kind::table, {}, {}, "plane that is crossed", false, {},
+                  {{"point", "", "m", Kind::vec3, {}, {}, "a point of the plane"},
+                   {"normal", "", "", Kind::vec3, {}, {}, "direction that counts positive"}}};
+const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
+
+template <BodyQuantity Q>
+std::unique_ptr<Measure> make_body(MeasureSetup s) { return std::make_unique<BodyMeasure>(std::move(s), Q); }
+
+}  // namespace
+
+const std::vector<MeasureEntry>& all_measures() {
+  static const std::vector<MeasureEntry> list{
+      {{"mass_flow", "mass through a plane: rate, mass", {plane, window}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<MassFlow>(std::move(s)); }},
+      {{"energy", "kinetic, potential, elastic, dissipated, work and the ledger's relative error", {}, {}, ""},
+       [](MeasureSetup) { return std::make_unique<EnergyMeasure>(); }},
+      {{"contact", "overlap, forces and slip between two bodies or groups", {between}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<ContactMeasure>(std::move(s)); }},
+      {{"position", "centre of mass of a body or group", {body}, {}, ""}, make_body<BodyQuantity::position>},
+      {{"velocity", "velocity of the centre of mass", {body}, {}, ""}, make_body<BodyQuantity::velocity>},
+      {{"angular_velocity", "angular velocity (mean by mass)", {body}, {}, ""}, make_body<BodyQuantity::angular_velocity>},
+      {{"drift", "largest horizontal displacement (distance) and sag since the start", {body}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<DriftMeasure>(std::move(s)); }},
+      {{"coordination", "mean number of touching neighbours, with and without rattlers", {}, {}, "Agnolin and Roux 2007"},
+       [](MeasureSetup) { return std::make_unique<Coordination>(); }},
+  };
+  return list;
+}
+
+}  // namespace epafi

@@ -1,0 +1,46 @@
+#include "viz_export/measures/body_measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace epafi {
+
+Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::vector<Vec3>& column) {
+  Vec3 sum = Vec3::Zero();
+  double weight = 0;
+  for (BodyId b : bodies) {
+    const Slot s = world.slot_of(b);
+    if (s == no_slot) continue;
+    const double w = world.is_movable(s) ? 1.0 / world.inverse_mass[s] : 1.0;
+    sum += w * column[s], weight += w;
+  }
+  return sum / weight;  // NaN when all are gone
+}
+
+void BodyMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  Vec3 v = Vec3::Zero();
+  if (quantity_ == BodyQuantity::position) v = mean_over(w, setup_.bodies[0], w.position);
+  if (quantity_ == BodyQuantity::velocity) v = mean_over(w, setup_.bodies[0], w.velocity);
+  if (quantity_ == BodyQuantity::angular_velocity && w.rotates()) v = mean_over(w, setup_.bodies[0], w.angular_velocity);
+  values = {v.x(), v.y(), v.z()};
+}
+
+void DriftMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  const auto& bodies = setup_.bodies[0];
+  if (start_.empty())
+    for (BodyId b : bodies) start_.push_back(w.slot_of(b) == no_slot ? Vec3::Zero() : w.position[w.slot_of(b)]);
+  const Vec3 up = w.gravity.squaredNorm() > 0 ? Vec3(-w.gravity.normalized()) : Vec3::UnitZ();
+  double distance = 0, sag = 0;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const Slot s = w.slot_of(bodies[k]);
+    if (s == no_slot) continue;
+    const Vec3 moved = w.position[s] - start_[k];
+    const double rise = moved.dot(up);
+    distance = std::max(distance, (moved - rise * up).norm()), sag = std::max(sag, -rise);
+  }
+  values = {distance, sag};
+}
+
+}  // namespace epafi

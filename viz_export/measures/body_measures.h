@@ -1,0 +1,35 @@
+/// @file body_measures.h  Position, velocity, angular velocity and drift of a body or the mean of a group.
+#pragma once
+#include "viz_export/measures/measure.h"
+
+namespace epafi {
+
+enum class BodyQuantity { position, velocity, angular_velocity };
+
+/// Components x, y, z.
+class BodyMeasure final : public Measure {
+ public:
+  BodyMeasure(MeasureSetup setup, BodyQuantity quantity) : setup_(std::move(setup)), quantity_(quantity) {}
+  std::vector<std::string> components() const override { return {"x", "y", "z"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+
+ private:
+  MeasureSetup setup_;
+  BodyQuantity quantity_;
+};
+
+/// distance: largest horizontal displacement of the bodies' centres since the start; sag: largest downward one [m].
+/// Horizontal is across gravity; z is up where there is none.
+class DriftMeasure final : public Measure {
+ public:
+  explicit DriftMeasure(MeasureSetup setup) : setup_(std::move(setup)) {}
+  std::vector<std::string> components() const override { return {"distance", "sag"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+  void visit(StateVisitor& visitor, const std::string& prefix) override { visitor.column(prefix + "/start", start_); }
+
+ private:
+  MeasureSetup setup_;
+  std::vector<Vec3> start_;  ///< by place in setup_.bodies[0]
+};
+
+}  // namespace epafi

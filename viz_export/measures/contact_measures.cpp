@@ -1,0 +1,88 @@
+#include "viz_export/measures/contact_measures.h"
+
+#include <limits>
+
+namespace epafi {
+
+ContactMeasure::ContactMeasure(MeasureSetup setup) : setup_(std::move(setup)) {
+  for (std::size_t g = 0; g < 2; ++g)
+    for (BodyId b : setup_.bodies[g]) {
+      const auto id = static_cast<std::size_t>(b);
+      if (side_.size() <= id) side_.resize(id + 1, 0);
+      side_[id] = static_cast<char>(side_[id] | (g == 0 ? 1 : 2));
+    }
+}
+
+void ContactMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  const ContactSet& c = view.contacts;
+  const auto side = [&](Slot s) {
+    const auto id = static_cast<std::size_t>(w.id[s]);
+    return id < side_.size() ? side_[id] : char{0};
+  };
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  values = {0, 0, 0, 0, nan, nan, nan, 0};
+  double deepest = 0;
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    const char a = side(c.a[k]), b = side(c.b[k]);
+    if (!((a & 1 && b & 2) || (a & 2 && b & 1)) || k >= c.force.size()) continue;
+    const double normal_force = -c.force[k].dot(c.normal[k]);
+    if (c.gap[k] >= 0 && normal_force == 0) continue;
+    values[1] += normal_force, values[2] += (c.force[k] + normal_force * c.normal[k]).norm(), values[7] += 1;
+    if (values[7] > 1 && -c.gap[k] <= deepest) continue;
+    deepest = -c.gap[k];
+    Vec3 slip = w.velocity[c.b[k]] - w.velocity[c.a[k]];
+    if (w.rotates()) slip += w.angular_velocity[c.b[k]].cross(c.arm_b(k, w)) - w.angular_velocity[c.a[k]].cross(c.arm[k]);
+    slip -= slip.dot(c.normal[k]) * c.normal[k];
+    const Vec3 p = c.point(k, w);
+    values[0] = std::max(0.0, deepest), values[3] = slip.norm(), values[4] = p.x(), values[5] = p.y(), values[6] = p.z();
+  }
+}
+
+namespace {
+
+/// Touching pairs as (a, b), each once; contacts are sorted, so points of one pair are neighbours.
+std::vector<std::pair<Slot, Slot>> touching_pairs(const ContactSet& c) {
+  std::vector<std::pair<Slot, Slot>> pairs;
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    const bool acts = k < c.force.size() && c.force[k].squaredNorm() > 0;
+    if (!acts && c.gap[k] >= 0) continue;
+    const std::pair<Slot, Slot> pair(c.a[k], c.b[k]);
+    if (pairs.empty() || pairs.back() != pair) pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+/// Contacts per body over the bodies that are `in`.
+std::vector<int> degrees(const World& w, const std::vector<std::pair<Slot, Slot>>& pairs, const std::vector<char>& in) {
+  std::vector<int> degree(w.size(), 0);
+  for (const auto& [a, b] : pairs) {
+    const bool wall_a = !w.is_movable(a), wall_b = !w.is_movable(b);
+    if ((in[a] || wall_a) && (in[b] || wall_b)) ++degree[a], ++degree[b];
+  }
+  return degree;
+}
+
+}  // namespace
+
+void Coordination::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  const auto pairs = touching_pairs(view.contacts);
+  std::vector<char> in(w.size(), 0);
+  double bodies = 0, sum = 0;
+  for (Slot s = 0; s < w.size(); ++s) in[s] = w.is_movable(s), bodies += in[s];
+  auto degree = degrees(w, pairs, in);
+  for (Slot s = 0; s < w.size(); ++s) sum += in[s] ? degree[s] : 0;
+  values = {bodies > 0 ? sum / bodies : 0.0, 0.0, 0.0};
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (Slot s = 0; s < w.size(); ++s)
+      if (in[s] && degree[s] < 4) in[s] = 0, changed = true;
+    if (changed) degree = degrees(w, pairs, in);
+  }
+  double kept = 0, kept_sum = 0;
+  for (Slot s = 0; s < w.size(); ++s) kept += in[s], kept_sum += in[s] ? degree[s] : 0;
+  values[1] = kept > 0 ? kept_sum / kept : 0.0, values[2] = bodies - kept;
+}
+
+}  // namespace epafi

@@ -1,0 +1,38 @@
+/// @file flow_measures.h  Mass through a plane, and the energies of the ledger.
+#pragma once
+#include "viz_export/measures/measure.h"
+
+namespace epafi {
+
+/// mass [kg] that went through the plane in the direction of its normal since the start (backwards counts negative; bodies
+/// removed behind it stay counted), rate [kg/s] over the last `window` seconds.
+class MassFlow final : public Measure {
+ public:
+  explicit MassFlow(MeasureSetup setup);
+  std::vector<std::string> components() const override { return {"rate", "mass"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+  void visit(StateVisitor& visitor, const std::string& prefix) override;
+
+ private:
+  MeasureSetup setup_;
+  Vec3 point_, normal_;
+  double window_;
+  double mass_ = 0;
+  std::vector<char> behind_;                ///< by body id: 0 before, 1 behind, 2 not seen yet
+  std::vector<double> times_, masses_;      ///< samples of the last window
+};
+
+/// Components kinetic, potential, elastic, dissipated, work [J] and relative_error.
+class EnergyMeasure final : public Measure {
+ public:
+  std::vector<std::string> components() const override {
+    return {"kinetic", "potential", "elastic", "dissipated", "work", "relative_error"};
+  }
+  bool wants_energy() const override { return true; }
+  void sample(const StepView& view, std::vector<double>& values) override {
+    const Energy& e = view.ledger.last();
+    values = {e.kinetic, e.potential, e.elastic, e.dissipated, e.work, view.ledger.relative_error()};
+  }
+};
+
+}  // namespace epafi

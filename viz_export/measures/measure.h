@@ -1,0 +1,35 @@
+/// @file measure.h  A named quantity sampled during a run, with components. One file per kind, one line in all_measures.h.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "detection/shape_store.h"
+#include "engine/observer.h"
+#include "engine/registry.h"
+
+namespace epafi {
+
+/// What a measure looks at, resolved from the scene.
+struct MeasureSetup {
+  std::string name;
+  Parameters parameters;                    ///< fields of the kind
+  std::vector<std::vector<BodyId>> bodies;  ///< of `body` (one list) or `between` (two lists)
+  const ShapeStore* shapes = nullptr;
+  double interval = 0.0;                    ///< [s]
+};
+
+class Measure {
+ public:
+  virtual ~Measure() = default;
+  virtual std::vector<std::string> components() const = 0;
+  /// One value per component; NaN where the quantity does not exist at this moment.
+  virtual void sample(const StepView& view, std::vector<double>& values) = 0;
+  virtual bool wants_energy() const { return false; }
+  virtual void visit(StateVisitor&, const std::string& /*prefix*/) {}
+};
+
+/// Centre of the bodies' masses (plain mean for fixed ones), skipping those that were removed.
+Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::vector<Vec3>& column);
+
+}  // namespace epafi
