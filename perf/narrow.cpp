@@ -1,6 +1,7 @@
 /// @file narrow.cpp  Convex pairs with exact answers: time and error of the narrow phase.
 /// perf_narrow: ns per candidate pair of spheres through the whole narrow phase, one thread.
-/// perf_narrow CORPUS [--pairs]: per category ns per cold query, failures, wrong classes, worst errors in units of the size.
+/// perf_narrow CORPUS [--pairs]: per category ns per cold query, failures, wrong classes, worst errors in units of the
+/// size.
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -23,8 +24,8 @@ struct Row {
     regret = std::max(regret, o.regret), witness = std::max(witness, o.witness);
   }
   void print(const char* name) const {
-    std::printf("%-20s %5d pairs %8.0f ns  refused %d  wrong class %d  distance %.2e  regret %.2e  witness %.2e\n", name, pairs,
-                nanoseconds / pairs, refused, wrong, distance, regret, witness);
+    std::printf("%-20s %5d pairs %8.0f ns  refused %d  wrong class %d  distance %.2e  regret %.2e  witness %.2e\n",
+                name, pairs, nanoseconds / pairs, refused, wrong, distance, regret, witness);
   }
 };
 
@@ -62,15 +63,18 @@ Row measure(const support::CorpusPair& p, bool verbose) {
   row.regret = static_cast<double>(p.distance - p.separation(d.axis.normal)) / p.size;
   row.witness = std::abs((d.witness_b - d.witness_a).dot(d.axis.normal) - p.distance) / p.size;
   row.wrong = std::abs(p.distance) > allowed && (d.axis.gap < 0) != (p.distance < 0);
-  const bool bad = row.wrong || row.distance * p.size > allowed || row.regret * p.size > allowed || !(row.distance < 1e300);
+  const bool bad =
+      row.wrong || row.distance * p.size > allowed || row.regret * p.size > allowed || !(row.distance < 1e300);
   if (verbose && bad) {
-    std::printf("bad: %s size %.3g exact %.17g found %.17g (error/allowed %.3g, regret/allowed %.3g) kind %d\n", p.category.c_str(), p.size,
-                p.distance, d.axis.gap, row.distance * p.size / allowed, row.regret * p.size / allowed, static_cast<int>(d.axis.kind));
+    std::printf("bad: %s size %.3g exact %.17g found %.17g (error/allowed %.3g, regret/allowed %.3g) kind %d\n",
+                p.category.c_str(), p.size, p.distance, d.axis.gap, row.distance * p.size / allowed,
+                row.regret * p.size / allowed, static_cast<int>(d.axis.kind));
   }
   return row;
 }
 
-/// Spheres on a cubic lattice that overlap their 6 neighbours and list the 12 edge neighbours as candidates. Error: the gap.
+/// Spheres on a cubic lattice that overlap their 6 neighbours and list the 12 edge neighbours as candidates. Error: the
+/// gap.
 int spheres() {
   constexpr std::uint32_t side = 22;
   constexpr double spacing = 0.99;
@@ -107,8 +111,10 @@ int spheres() {
     best = std::min(best, std::chrono::duration<double, std::nano>(Clock::now() - begin).count());
   }
   for (const double gap : contacts.gap) error = std::max(error, std::abs(gap - (spacing - 1.0)));
-  std::printf("spheres: %zu bodies, %zu pairs, %zu contacts: %.1f ns per pair, %.1f ns per contact, worst gap error %.2e\n", world.size(),
-              list.pairs.size(), contacts.size(), best / static_cast<double>(list.pairs.size()), best / static_cast<double>(contacts.size()), error);
+  std::printf(
+      "spheres: %zu bodies, %zu pairs, %zu contacts: %.1f ns per pair, %.1f ns per contact, worst gap error %.2e\n",
+      world.size(), list.pairs.size(), contacts.size(), best / static_cast<double>(list.pairs.size()),
+      best / static_cast<double>(contacts.size()), error);
   return error < 1e-14 ? 0 : 1;
 }
 

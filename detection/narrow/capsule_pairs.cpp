@@ -7,7 +7,8 @@ namespace epafi {
 namespace {
 
 /// Spheres of radius ra about p and rb about q (world axes, relative to A's centre); `fallback` parts concentric ones.
-void add_spheres(const Vec3& p, double ra, const Vec3& q, double rb, const Vec3& fallback, Feature feature, const PairQuery& query, ContactSink& sink) {
+void add_spheres(const Vec3& p, double ra, const Vec3& q, double rb, const Vec3& fallback, Feature feature,
+                 const PairQuery& query, ContactSink& sink) {
   const Vec3 d = q - p;
   const double distance = d.norm(), gap = distance - ra - rb;
   if (!(gap < query.reach)) return;
@@ -37,7 +38,9 @@ void collide_closed(const Capsule& a, const Capsule& b, const PairQuery& q, Cont
     across = across.squaredNorm() > 0.0 ? across.normalized().eval() : orthogonal_to(u);
     add_spheres(s * u, a.radius, c + t * v, b.radius, across, feature, q, sink);
   };
-  const auto on_a = [&](double t) { return std::clamp(cu + t * cosine, -la, la); };   // point of A nearest to B's point t
+  const auto on_a = [&](double t) {
+    return std::clamp(cu + t * cosine, -la, la);
+  };  // point of A nearest to B's point t
   const auto on_b = [&](double s) { return std::clamp(s * cosine - cv, -lb, lb); };
   if (sine2 > 1e-6) {
     // Unbounded closest points, then B's parameter from A's, then A's from B's (Ericson 2005, 5.1.9).
@@ -72,7 +75,8 @@ void collide_closed(const Cylinder& a, const HalfSpace& b, const PairQuery& q, C
   const double height = outward.dot(q.a.position - q.b.position);
   const double lower = local.z() > 0.0 ? -a.half_length() : a.half_length();
   const double across = std::sqrt(local.x() * local.x() + local.y() * local.y());
-  const Vec3 down = across > 0.0 ? Vec3(-a.radius * local.x() / across, -a.radius * local.y() / across, 0.0) : Vec3(a.radius, 0.0, 0.0);
+  const Vec3 down = across > 0.0 ? Vec3(-a.radius * local.x() / across, -a.radius * local.y() / across, 0.0)
+                                 : Vec3(a.radius, 0.0, 0.0);
   const auto add = [&](const Vec3& p, Feature feature) {
     const double gap = height + local.dot(p);
     if (gap < q.reach) sink.add({gap, -outward, q.a.orientation * p - 0.5 * gap * outward, contact_radius(a), feature});

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double certain = 1e-6;  // of the size: a wider interval than this is reported as degenerate
 
-/// A separating direction of an earlier step that still separates answers without a search. It must clear the reach by more
-/// than rounding, so that the search would have found no contact either: the cache cannot change a result.
+/// A separating direction of an earlier step that still separates answers without a search. It must clear the reach by
+/// more than rounding, so that the search would have found no contact either: the cache cannot change a result.
 template <class Separation>
 bool still_apart(const PairQuery& q, double limit, double size, const Separation& separation) {
   if (!q.cache || !(q.cache->axis.squaredNorm() > 0.0)) return false;
@@ -27,7 +27,8 @@ bool spheres_apart(const PairQuery& q, double reach) {
 
 }  // namespace
 
-void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
+void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q,
+                   ContactSink& sink) {
   const double limit = q.reach + r.sweep_a + r.sweep_b;
   if (spheres_apart(q, a.radius + b.radius + limit)) return;
   const MinkowskiDifference difference(a, b, q.a, q.b);
@@ -52,7 +53,8 @@ void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r,
   sink.add({gap, to_world * n, to_world * middle, q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, 0});
 }
 
-void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
+void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q,
+                       ContactSink& sink) {
   const double limit = q.reach + r.sweep_a + r.sweep_b;
   if (spheres_apart(q, a.radius + b.radius + limit)) return;
   const PolyhedronPair pair(a, b, q.a, q.b);

@@ -1,4 +1,5 @@
-/// @file convex_pairs.h  Convex pairs without a closed form: polyhedra by their features, everything else by GJK and EPA.
+/// @file convex_pairs.h  Convex pairs without a closed form: polyhedra by their features, everything else by GJK and
+/// EPA.
 #pragma once
 #include "detection/narrow/manifold.h"
 #include "detection/narrow/minkowski.h"
@@ -12,10 +13,12 @@ struct RoundedPair {
 };
 
 /// Distance by GJK while the cores are apart, depth by EPA otherwise: one point.
-void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& rounded, const PairQuery& q, ContactSink& sink);
+void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& rounded, const PairQuery& q,
+                   ContactSink& sink);
 
 /// Signed distance by features, up to 4 points by clipping.
-void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& rounded, const PairQuery& q, ContactSink& sink);
+void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& rounded, const PairQuery& q,
+                       ContactSink& sink);
 
 template <class A, class B>
 RoundedPair rounded_pair(const A& a, const B& b) {

@@ -35,7 +35,8 @@ class Polytope {
     count_ = 4;
     const bool positive = normal.dot(points_[3].y - points_[0].y) > 0.0;
     if (positive) std::swap(points_[1], points_[2]);  // so that 0 1 2 looks away from 3
-    if (!set_facet(0, 0, 1, 2) || !set_facet(1, 0, 3, 1) || !set_facet(2, 1, 3, 2) || !set_facet(3, 2, 3, 0)) return false;
+    if (!set_facet(0, 0, 1, 2) || !set_facet(1, 0, 3, 1) || !set_facet(2, 1, 3, 2) || !set_facet(3, 2, 3, 0))
+      return false;
     facets_[0].beyond = {1, 2, 3};
     facets_[1].beyond = {3, 2, 0}, facets_[2].beyond = {1, 3, 0}, facets_[3].beyond = {2, 1, 0};
     facets_count_ = 4;
@@ -81,7 +82,7 @@ class Polytope {
   static Vec3 any_orthogonal(const Vec3& e) {
     const Vec3 axis = std::abs(e.x()) < std::abs(e.y()) && std::abs(e.x()) < std::abs(e.z()) ? Vec3::UnitX()
                       : std::abs(e.y()) < std::abs(e.z())                                    ? Vec3::UnitY()
-                                                                                              : Vec3::UnitZ();
+                                                                                             : Vec3::UnitZ();
     return e.cross(axis).normalized();
   }
   /// Extreme point along +d or -d, whichever lies farther from the span so far (line along e, or plane when e is 0).
@@ -109,8 +110,10 @@ class Polytope {
     facets_[f].distance = infinity;
     free_[free_count_++] = f;
   }
-  /// Comes into facet f across the edge i -> j of facet `from`. Visits edges in turn, so that the horizon is a closed loop.
-  void grow(std::uint16_t f, std::uint16_t from, std::uint16_t i, std::uint16_t j, const MinkowskiVertex& w, double slack) {
+  /// Comes into facet f across the edge i -> j of facet `from`. Visits edges in turn, so that the horizon is a closed
+  /// loop.
+  void grow(std::uint16_t f, std::uint16_t from, std::uint16_t i, std::uint16_t j, const MinkowskiVertex& w,
+            double slack) {
     Facet& facet = facets_[f];
     if (facet.distance == infinity) return;  // already taken into the cap
     if (!(facet.normal.dot(w.y) - facet.distance > slack)) {
@@ -129,14 +132,18 @@ class Polytope {
   bool close(std::uint16_t apex) {
     std::array<std::uint16_t, horizon_cap>& made = made_;
     for (std::size_t k = 0; k < horizon_count_; ++k) {
-      if (free_count_ > 0) made[k] = free_[--free_count_];
-      else if (facets_count_ < facets_.size()) made[k] = facets_count_++;
-      else return false;
+      if (free_count_ > 0)
+        made[k] = free_[--free_count_];
+      else if (facets_count_ < facets_.size())
+        made[k] = facets_count_++;
+      else
+        return false;
     }
     for (std::size_t k = 0; k < horizon_count_; ++k) {
       const Edge& e = horizon_[k];
       if (e.to != horizon_[(k + 1) % horizon_count_].from || !set_facet(made[k], e.from, e.to, apex)) return false;
-      facets_[made[k]].beyond = {e.outside, made[(k + 1) % horizon_count_], made[(k + horizon_count_ - 1) % horizon_count_]};
+      facets_[made[k]].beyond = {e.outside, made[(k + 1) % horizon_count_],
+                                 made[(k + horizon_count_ - 1) % horizon_count_]};
       for (std::size_t side = 0; side < 3; ++side) {  // the facet outside sees the edge the other way round
         Facet& outside = facets_[e.outside];
         if (outside.vertex[side] == e.to && outside.vertex[(side + 1) % 3] == e.from) outside.beyond[side] = made[k];
@@ -148,7 +155,8 @@ class Polytope {
   struct Edge {
     std::uint16_t from, to, outside;  ///< two vertices and the facet beyond them that stays
   };
-  static constexpr std::size_t facet_cap = 2 * epa_vertex_cap;  // a triangulated sphere of V vertices has 2 V - 4 facets
+  static constexpr std::size_t facet_cap =
+      2 * epa_vertex_cap;  // a triangulated sphere of V vertices has 2 V - 4 facets
   static constexpr std::size_t horizon_cap = 3 * facet_cap;
 
   const MinkowskiDifference& difference_;

@@ -1,8 +1,8 @@
 /// @file epa.h  Penetration depth by the expanding polytope algorithm (van den Bergen 2001).
-/// The depth is the smallest support h(n) of the difference A - B over all directions. Two bounds enclose it at all times:
-/// h of the best direction seen (upper), the nearest facet of the polytope inside (lower). It starts from any tetrahedron
-/// of the difference, so that it does not depend on GJK's last simplex. The depth is `degenerate`, never a guess, when the
-/// interval does not close (cap reached, facet without area).
+/// The depth is the smallest support h(n) of the difference A - B over all directions. Two bounds enclose it at all
+/// times: h of the best direction seen (upper), the nearest facet of the polytope inside (lower). It starts from any
+/// tetrahedron of the difference, so that it does not depend on GJK's last simplex. The depth is `degenerate`, never a
+/// guess, when the interval does not close (cap reached, facet without area).
 #pragma once
 #include "detection/narrow/minkowski.h"
 

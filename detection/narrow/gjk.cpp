@@ -35,7 +35,8 @@ Closest on_segment(const Simplex& s, int i, int j) {
 }
 
 Closest on_triangle(const Simplex& s, int i, int j, int k) {
-  const Vec3 &a = s.vertex[static_cast<std::size_t>(i)].y, &b = s.vertex[static_cast<std::size_t>(j)].y, &c = s.vertex[static_cast<std::size_t>(k)].y;
+  const Vec3 &a = s.vertex[static_cast<std::size_t>(i)].y, &b = s.vertex[static_cast<std::size_t>(j)].y,
+             &c = s.vertex[static_cast<std::size_t>(k)].y;
   const Vec3 n = (b - a).cross(c - a);
   const double square = n.squaredNorm();
   const double wa = n.dot(b.cross(c)), wb = n.dot(c.cross(a)), wc = n.dot(a.cross(b));  // signed areas, sum n^2
@@ -44,7 +45,8 @@ Closest on_triangle(const Simplex& s, int i, int j, int k) {
     const double sum = wa + wb + wc;
     return {{i, j, k}, {wa / sum, wb / sum, wc / sum}, 3, v, v.squaredNorm()};
   }
-  Closest best;  // the origin projects outside across an edge whose area is not positive; all edges where areas are noise
+  Closest
+      best;  // the origin projects outside across an edge whose area is not positive; all edges where areas are noise
   const bool noise = !(square > 0.0);
   if (noise || !(wa > 0.0)) best.keep_nearer(on_segment(s, j, k));
   if (noise || !(wb > 0.0)) best.keep_nearer(on_segment(s, i, k));
@@ -80,8 +82,8 @@ void find_witnesses(GjkResult& r) {
   }
 }
 
-/// Closed polyhedral searches leave rounding in v, which a tiny distance turns into a wrong direction. The simplex gives
-/// the direction without that loss: normal to its plane, or v made orthogonal to its segment.
+/// Closed polyhedral searches leave rounding in v, which a tiny distance turns into a wrong direction. The simplex
+/// gives the direction without that loss: normal to its plane, or v made orthogonal to its segment.
 void polish_normal(const MinkowskiDifference& difference, const Vec3& v, GjkResult& r) {
   const auto& y = r.simplex.vertex;
   Vec3 n = -v;
@@ -91,7 +93,8 @@ void polish_normal(const MinkowskiDifference& difference, const Vec3& v, GjkResu
   } else if (r.simplex.count == 2) {
     const Vec3 e = (y[1].y - y[0].y).normalized();
     n = y[0].y.squaredNorm() < y[1].y.squaredNorm() ? -y[0].y : -y[1].y;
-    for (int pass = 0; pass < 3; ++pass) n = (n - e * e.dot(n)).normalized();  // twice is enough, unless n was all along e
+    for (int pass = 0; pass < 3; ++pass)
+      n = (n - e * e.dot(n)).normalized();  // twice is enough, unless n was all along e
   }
   if (!(n.squaredNorm() > 0.0)) return;
   n.normalize();
@@ -119,10 +122,16 @@ Vec3 closest_to_origin(Simplex& s, bool& contains_origin) {
   contains_origin = false;
   Closest best = on_vertex(s, 0);
   switch (s.count) {
-    case 1: break;
-    case 2: best = on_segment(s, 0, 1); break;
-    case 3: best = on_triangle(s, 0, 1, 2); break;
-    default: best = on_tetrahedron(s, contains_origin);
+    case 1:
+      break;
+    case 2:
+      best = on_segment(s, 0, 1);
+      break;
+    case 3:
+      best = on_triangle(s, 0, 1, 2);
+      break;
+    default:
+      best = on_tetrahedron(s, contains_origin);
   }
   if (contains_origin) return Vec3::Zero();
   Simplex kept;
@@ -152,7 +161,8 @@ GjkResult gjk(const MinkowskiDifference& difference, const GjkOptions& options) 
   for (r.iterations = 1; r.iterations <= gjk_cap; ++r.iterations) {
     const double distance = v.norm();
     if (!(distance > 1e-15 * size)) break;  // touching to rounding
-    // The point by its weights lies in the difference whatever rounding did to the projection: its length is an upper bound.
+    // The point by its weights lies in the difference whatever rounding did to the projection: its length is an upper
+    // bound.
     const double length = weighted_point(r.simplex).norm();
     const bool stalled = !(length < r.upper);
     r.upper = std::min(r.upper, length);

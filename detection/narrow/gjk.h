@@ -32,8 +32,8 @@ struct GjkResult {
 };
 
 struct GjkOptions {
-  double limit = infinity;  ///< stop as soon as the distance is known to exceed this [m]
-  double tolerance = 1e-15; ///< upper - lower, relative to the pair's size
+  double limit = infinity;    ///< stop as soon as the distance is known to exceed this [m]
+  double tolerance = 1e-15;   ///< upper - lower, relative to the pair's size
   Vec3 guess = Vec3::Zero();  ///< direction from A to B to begin with, A's axes; zero: the centres
 };
 

@@ -2,7 +2,8 @@
 
 namespace epafi {
 
-void collide_with_plane(const PolyhedronView& a, double sweep, double radius, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {
+void collide_with_plane(const PolyhedronView& a, double sweep, double radius, const HalfSpace& b, const PairQuery& q,
+                        ContactSink& sink) {
   static thread_local std::vector<PatchPoint> points;  // keeps its size: no allocation once the largest body was seen
   const Mat3 rotation = q.a.orientation.toRotationMatrix();
   const Vec3 outward = q.b.orientation * b.normal;
@@ -13,7 +14,8 @@ void collide_with_plane(const PolyhedronView& a, double sweep, double radius, co
   for (std::uint32_t v = 0; v < a.vertices.size(); ++v) {
     const double gap = centre + local.dot(a.vertices[v]) - sweep;
     if (!(gap < q.reach)) continue;
-    points.push_back({rotation * a.vertices[v] - (sweep + 0.5 * gap) * outward, gap, make_feature(FeatureKind::vertex_a, v, 0)});
+    points.push_back(
+        {rotation * a.vertices[v] - (sweep + 0.5 * gap) * outward, gap, make_feature(FeatureKind::vertex_a, v, 0)});
   }
   Patch patch;
   keep_four(points, -outward, patch);

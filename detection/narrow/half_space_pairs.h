@@ -7,17 +7,19 @@
 namespace epafi {
 
 /// Vertices below reach, at most 4, named by their index.
-void collide_with_plane(const PolyhedronView& a, double sweep, double radius, const HalfSpace& b, const PairQuery& q, ContactSink& sink);
+void collide_with_plane(const PolyhedronView& a, double sweep, double radius, const HalfSpace& b, const PairQuery& q,
+                        ContactSink& sink);
 
 template <PolyhedralShape S>
 void collide_closed(const S& a, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {
   collide_with_plane(a.view(), a.rounding(), contact_radius(a), b, q, sink);
 }
 
-/// Any other convex body: its deepest point. A body with a flat side or a straight edge gives a better-fitting overload.
+/// Any other convex body: its deepest point. A body with a flat side or a straight edge gives a better-fitting
+/// overload.
 template <ConvexShape S>
-  requires(!PolyhedralShape<S>)
-void collide_closed(const S& a, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {
+requires(!PolyhedralShape<S>) void collide_closed(const S& a, const HalfSpace& b, const PairQuery& q,
+                                                  ContactSink& sink) {
   const Vec3 outward = q.b.orientation * b.normal;
   const Vec3 deepest = q.a.orientation * a.support(q.a.orientation.conjugate() * -outward);
   const double gap = outward.dot(q.a.position - q.b.position) + outward.dot(deepest) - a.rounding();

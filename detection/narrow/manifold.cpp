@@ -7,13 +7,13 @@
 namespace epafi {
 namespace {
 
-constexpr double snap = 1e-6;        // of the size: closer vertices and edges are one, so that equal boxes do not flicker
-constexpr double facing = 0.05;      // cosine below which a face is too steep to carry a point
+constexpr double snap = 1e-6;    // of the size: closer vertices and edges are one, so that equal boxes do not flicker
+constexpr double facing = 0.05;  // cosine below which a face is too steep to carry a point
 
 /// Corner of a polygon in the plane across the normal. source: vertex of its polygon from which the next edge starts.
 struct Corner {
   double x, y;
-  std::uint32_t source;   ///< of the edge that leaves this corner: index into A's (own = false) or B's polygon
+  std::uint32_t source;  ///< of the edge that leaves this corner: index into A's (own = false) or B's polygon
   bool edge_of_a;
   std::uint32_t edge_a, edge_b;  ///< the edges that cross here, for a corner made by clipping
 };
@@ -24,8 +24,8 @@ struct Buffers {
   std::vector<PatchPoint> points;
 };
 
-void project_face(const PolyhedronView& p, std::uint32_t face, const Mat3& rotation, const Vec3& offset, const ContactFrame& frame,
-                  bool reversed, std::vector<Corner>& out) {
+void project_face(const PolyhedronView& p, std::uint32_t face, const Mat3& rotation, const Vec3& offset,
+                  const ContactFrame& frame, bool reversed, std::vector<Corner>& out) {
   out.clear();
   const std::uint32_t begin = p.face_begin[face], end = p.face_begin[face + 1];
   for (std::uint32_t k = begin; k < end; ++k) {
@@ -36,7 +36,8 @@ void project_face(const PolyhedronView& p, std::uint32_t face, const Mat3& rotat
   }
 }
 
-/// Cuts polygon `subject` (B's face) by every edge of the counter-clockwise polygon `by` (A's face) (Sutherland, Hodgman 1974).
+/// Cuts polygon `subject` (B's face) by every edge of the counter-clockwise polygon `by` (A's face) (Sutherland,
+/// Hodgman 1974).
 void clip(Buffers& buf, double tolerance) {
   buf.clipped = buf.b;
   const auto n = static_cast<std::uint32_t>(buf.a.size());
@@ -44,7 +45,9 @@ void clip(Buffers& buf, double tolerance) {
     const Corner &p = buf.a[k], &q = buf.a[(k + 1) % n];
     const double ex = q.x - p.x, ey = q.y - p.y, length = std::sqrt(ex * ex + ey * ey);
     if (!(length > 0.0)) continue;
-    const auto inside = [&](const Corner& c) { return (ex * (c.y - p.y) - ey * (c.x - p.x)) / length; };  // distance, > 0 inside
+    const auto inside = [&](const Corner& c) {
+      return (ex * (c.y - p.y) - ey * (c.x - p.x)) / length;
+    };  // distance, > 0 inside
     buf.next.clear();
     for (std::size_t i = 0; i < buf.clipped.size(); ++i) {
       const Corner &from = buf.clipped[i], &to = buf.clipped[(i + 1) % buf.clipped.size()];
@@ -53,7 +56,8 @@ void clip(Buffers& buf, double tolerance) {
       if (in0) buf.next.push_back(from);
       if (in0 == in1) continue;
       const double t = std::clamp(d0 / (d0 - d1), 0.0, 1.0);
-      Corner cross{from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.source, from.edge_of_a, k, from.source};
+      Corner cross{
+          from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.source, from.edge_of_a, k, from.source};
       if (in0) cross.source = k, cross.edge_of_a = true;  // leaving: the polygon goes on along A's edge
       buf.next.push_back(cross);
     }
@@ -80,25 +84,35 @@ FacingFaces facing_faces(const PolyhedronPair& pair, const SeparatingAxis& axis)
   using Kind = SeparatingAxis::Kind;
   const Vec3 into_b = -(pair.rotation.transpose() * axis.normal);
   FacingFaces f{};
-  if (axis.kind == Kind::face_a) f.a = axis.feature_a;
-  else f.a = facing_face(pair.a, axis.kind == Kind::edges ? pair.a.edges[axis.feature_a].from : pair.support_a(axis.normal), axis.normal);
-  if (axis.kind == Kind::face_b) f.b = axis.feature_b;
-  else f.b = facing_face(pair.b, axis.kind == Kind::edges ? pair.b.edges[axis.feature_b].from : pair.support_b(axis.normal), into_b);
+  if (axis.kind == Kind::face_a)
+    f.a = axis.feature_a;
+  else
+    f.a =
+        facing_face(pair.a, axis.kind == Kind::edges ? pair.a.edges[axis.feature_a].from : pair.support_a(axis.normal),
+                    axis.normal);
+  if (axis.kind == Kind::face_b)
+    f.b = axis.feature_b;
+  else
+    f.b = facing_face(
+        pair.b, axis.kind == Kind::edges ? pair.b.edges[axis.feature_b].from : pair.support_b(axis.normal), into_b);
   if (axis.kind == Kind::edges) {  // only faces that hold the edge
     const HullEdge &ea = pair.a.edges[axis.feature_a], &eb = pair.b.edges[axis.feature_b];
-    f.a = pair.a.face_normals[ea.left].dot(axis.normal) >= pair.a.face_normals[ea.right].dot(axis.normal) ? ea.left : ea.right;
+    f.a = pair.a.face_normals[ea.left].dot(axis.normal) >= pair.a.face_normals[ea.right].dot(axis.normal) ? ea.left
+                                                                                                          : ea.right;
     f.b = pair.b.face_normals[eb.left].dot(into_b) >= pair.b.face_normals[eb.right].dot(into_b) ? eb.left : eb.right;
   }
   return f;
 }
 
 /// Name of a clipped corner by what lies there, the same whichever body was clipped.
-Feature name_corner(const Corner& c, const Buffers& buf, const PolyhedronPair& pair, const FacingFaces& f, double tolerance) {
+Feature name_corner(const Corner& c, const Buffers& buf, const PolyhedronPair& pair, const FacingFaces& f,
+                    double tolerance) {
   const auto near = [&](const Corner& v) {
     const double dx = v.x - c.x, dy = v.y - c.y;
     return dx * dx + dy * dy <= 4.0 * tolerance * tolerance;
   };
-  const std::uint32_t begin_a = pair.a.face_begin[f.a], begin_b = pair.b.face_begin[f.b], end_b = pair.b.face_begin[f.b + 1];
+  const std::uint32_t begin_a = pair.a.face_begin[f.a], begin_b = pair.b.face_begin[f.b],
+                      end_b = pair.b.face_begin[f.b + 1];
   const auto vertex_a = [&](std::uint32_t k) { return pair.a.face_vertices[begin_a + k]; };
   const auto vertex_b = [&](std::uint32_t k) { return pair.b.face_vertices[end_b - 1 - k]; };
   for (std::uint32_t k = 0; k < buf.a.size(); ++k) {
@@ -149,7 +163,8 @@ void keep_four(std::span<PatchPoint> points, const Vec3& normal, Patch& out) {
   if (right != first && right != second && right != left) take(right);
 }
 
-Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, double reach, double sweep_a, double sweep_b) {
+Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, double reach, double sweep_a,
+                    double sweep_b) {
   Patch out;
   const double sweeps = sweep_a + sweep_b;
   if (!(d.axis.gap - sweeps < reach)) return out;
@@ -177,7 +192,8 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
     }
   }
   keep_four(buf.points, n, out);
-  // The patch must hold the pair's deepest point; where it does not (tip, crossed edges), that point alone is the contact.
+  // The patch must hold the pair's deepest point; where it does not (tip, crossed edges), that point alone is the
+  // contact.
   double deepest = infinity;
   for (int k = 0; k < out.count; ++k) deepest = std::min(deepest, out.point[static_cast<std::size_t>(k)].gap);
   if (!(std::abs(deepest - (d.axis.gap - sweeps)) <= 1e-5 * size)) single_point(pair, d, sweep_a, sweep_b, out);

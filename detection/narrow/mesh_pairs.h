@@ -5,7 +5,8 @@
 /// vertices. On a flat part the contact is that of its plane and is named by the part, not by the triangle: its memory
 /// survives the way from triangle to triangle.
 /// Limits: bodies that move more than their size through the surface in one step; two shallow concave faces give two
-/// contacts where a smooth surface would give one.
+/// contacts where a smooth surface would give one; a polyhedron that touches a corner of the mesh nearer to it than the contact
+/// is deep may get a direction that is off by some degrees (1 of 300 random contacts of 1e-5 depth; the gap is right).
 #pragma once
 #include "detection/narrow/closed_forms.h"
 #include "detection/narrow/convex_pairs.h"

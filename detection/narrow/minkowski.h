@@ -15,7 +15,8 @@ struct ConvexRef {
 
   template <ConvexShape S>
   static ConvexRef to(const S& s) {
-    return {&s, [](const void* p, const Vec3& d) { return static_cast<const S*>(p)->support(d); }, s.bounding_radius() - s.rounding()};
+    return {&s, [](const void* p, const Vec3& d) { return static_cast<const S*>(p)->support(d); },
+            s.bounding_radius() - s.rounding()};
   }
   Vec3 support(const Vec3& d) const { return support_of(shape, d); }
 };

@@ -1,6 +1,6 @@
 /// @file narrow_phase.h  Pairs to contacts: blocks of consecutive pairs, runs of equal cells, results joined in order.
-/// Each block fills its own contact set, kept from step to step, so nothing is allocated once the scene has settled and the
-/// contacts are the same bits in the same order for every thread count.
+/// Each block fills its own contact set, kept from step to step, so nothing is allocated once the scene has settled and
+/// the contacts are the same bits in the same order for every thread count.
 #pragma once
 #include "detection/narrow/pair_table.h"
 #include "engine/pipeline.h"
@@ -9,8 +9,10 @@ namespace epafi {
 
 class BatchNarrowPhase : public NarrowPhase {
  public:
-  /// reach: contacts with gap < reach are reported [m], >= 0. curvature: effective_radius is filled. `shapes` must outlive this.
-  BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature) : shapes_(shapes), reach_(reach), curvature_(curvature) {}
+  /// reach: contacts with gap < reach are reported [m], >= 0. curvature: effective_radius is filled. `shapes` must
+  /// outlive this.
+  BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature)
+      : shapes_(shapes), reach_(reach), curvature_(curvature) {}
 
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
@@ -30,8 +32,9 @@ class BatchNarrowPhase : public NarrowPhase {
   struct Block {
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
+    std::vector<PairCache> caches;  ///< of the block's pairs, where a cell remembers; shortcuts only, so not state
     ContactSet contacts;
-    std::size_t first = 0;       ///< index of the block's first contact in the whole set
+    std::size_t first = 0;  ///< index of the block's first contact in the whole set
     std::size_t degenerate = 0;
   };
 
@@ -42,11 +45,11 @@ class BatchNarrowPhase : public NarrowPhase {
   const ShapeStore& shapes_;
   double reach_;
   bool curvature_;
-  bool known_ = false;              ///< the runs belong to `generation_`
+  bool known_ = false;  ///< the runs belong to `generation_`
   std::uint64_t generation_ = 0;
+  std::size_t pairs_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
-  std::vector<PairCache> caches_;   ///< one per pair of the list; shortcuts only, so not state
 };
 
 }  // namespace epafi

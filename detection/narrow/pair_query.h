@@ -58,7 +58,8 @@ class ContactSink {
   Vec3 centre_ = Vec3::Zero();
 };
 
-/// Radius that stands for a shape's curvature in R* [m]: exact for spheres, infinite for planes, otherwise the shape's choice.
+/// Radius that stands for a shape's curvature in R* [m]: exact for spheres, infinite for planes, otherwise the shape's
+/// choice.
 template <class S>
 double contact_radius(const S& s) {
   if constexpr (requires { s.contact_radius(); }) {

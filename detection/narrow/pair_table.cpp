@@ -11,7 +11,8 @@ std::string describe_pair_table() {
   std::string out;
   const auto entries = shape_entries(AllShapes{});
   for (std::size_t a = 0; a < entries.size(); ++a) {
-    for (std::size_t b = 0; b < entries.size(); ++b) out += entries[a].name + " " + entries[b].name + " " + pair_table()[a][b].method + "\n";
+    for (std::size_t b = 0; b < entries.size(); ++b)
+      out += entries[a].name + " " + entries[b].name + " " + pair_table()[a][b].method + "\n";
   }
   return out;
 }

@@ -18,7 +18,9 @@ struct Side {
   double other_inner;
 
   /// No direction n normal to this face can separate by more than this.
-  double face_bound(std::uint32_t f) const { return own.face_normals[f].dot(other_centre) - own.face_offsets[f] - other_inner; }
+  double face_bound(std::uint32_t f) const {
+    return own.face_normals[f].dot(other_centre) - own.face_offsets[f] - other_inner;
+  }
 
   /// Can some direction between the normals of the edge's faces separate by more than `best`?
   /// separation(n) <= n.w - inner radius of the other, w from the edge to the other's centre; the largest n.w over
@@ -40,8 +42,11 @@ struct Side {
 class AxisSearch {
  public:
   AxisSearch(const PolyhedronPair& pair, double limit, const SeparatingAxis& start)
-      : pair_(pair), side_a_{pair.a, pair.offset, pair.b.inner_radius},
-        side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius}, limit_(limit), best_(start) {}
+      : pair_(pair),
+        side_a_{pair.a, pair.offset, pair.b.inner_radius},
+        side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius},
+        limit_(limit),
+        best_(start) {}
 
   SeparatingAxis run() {
     try_best_faces();
@@ -105,7 +110,8 @@ class AxisSearch {
       const HullEdge& edge = pair_.b.edges[k];
       if (!side_b_.edge_may_exceed(edge, best_.gap)) continue;
       const ArcEdge other{pair_.rotation * (pair_.b.vertices[edge.to] - pair_.b.vertices[edge.from]),
-                          -(pair_.rotation * pair_.b.face_normals[edge.left]), -(pair_.rotation * pair_.b.face_normals[edge.right]), k};
+                          -(pair_.rotation * pair_.b.face_normals[edge.left]),
+                          -(pair_.rotation * pair_.b.face_normals[edge.right]), k};
       for (const ArcEdge& own : held) {
         if (arcs_cross(own, other)) try_edge_pair(own, other);
       }
@@ -121,9 +127,11 @@ class AxisSearch {
   void try_edge_pair(const ArcEdge& own, const ArcEdge& other) {
     Vec3 n = own.direction.cross(other.direction);
     const double square = n.squaredNorm();
-    if (!(square > 1e-30 * own.direction.squaredNorm() * other.direction.squaredNorm())) return;  // parallel: faces cover it
+    if (!(square > 1e-30 * own.direction.squaredNorm() * other.direction.squaredNorm()))
+      return;  // parallel: faces cover it
     n /= n.dot(own.left + own.right) < 0.0 ? -std::sqrt(square) : std::sqrt(square);
-    const Vec3 from_a = pair_.vertex_b(pair_.b.edges[other.index].from) - pair_.a.vertices[pair_.a.edges[own.index].from];
+    const Vec3 from_a =
+        pair_.vertex_b(pair_.b.edges[other.index].from) - pair_.a.vertices[pair_.a.edges[own.index].from];
     if (!(n.dot(from_a) > best_.gap)) return;
     // Where arcs only just cross, rounding may have chosen edges that do not support: the bodies themselves decide.
     const double gap = std::min(n.dot(from_a), pair_.separation(n));
@@ -150,7 +158,8 @@ void edge_witnesses(const PolyhedronPair& pair, PolyhedronDistance& d) {
 
 void axis_witnesses(const PolyhedronPair& pair, PolyhedronDistance& d) {
   switch (d.axis.kind) {
-    case SeparatingAxis::Kind::edges: return edge_witnesses(pair, d);
+    case SeparatingAxis::Kind::edges:
+      return edge_witnesses(pair, d);
     case SeparatingAxis::Kind::face_b:
       d.witness_a = pair.a.vertices[pair.support_a(d.axis.normal)];
       d.witness_b = d.witness_a + d.axis.gap * d.axis.normal;
@@ -163,7 +172,8 @@ void axis_witnesses(const PolyhedronPair& pair, PolyhedronDistance& d) {
 
 }  // namespace
 
-PolyhedronPair::PolyhedronPair(const PolyhedronView& view_a, const PolyhedronView& view_b, const Pose& pose_a, const Pose& pose_b)
+PolyhedronPair::PolyhedronPair(const PolyhedronView& view_a, const PolyhedronView& view_b, const Pose& pose_a,
+                               const Pose& pose_b)
     : a(view_a), b(view_b) {
   const Mat3 to_a = pose_a.orientation.toRotationMatrix().transpose();
   rotation = to_a * pose_b.orientation.toRotationMatrix();
@@ -179,7 +189,8 @@ PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit,
     const auto& view = *static_cast<const PolyhedronView*>(p);
     return view.vertices[ConvexHull::support_vertex(view, d)];
   };
-  const MinkowskiDifference difference({&pair.a, support, pair.a.radius}, {&pair.b, support, pair.b.radius}, pair.rotation, pair.offset);
+  const MinkowskiDifference difference({&pair.a, support, pair.a.radius}, {&pair.b, support, pair.b.radius},
+                                       pair.rotation, pair.offset);
   const double size = pair.size();
   const GjkResult g = gjk(difference, {limit + 1e-12 * size, 1e-15, guess});
   PolyhedronDistance d;

@@ -18,7 +18,8 @@ struct PolyhedronPair {
   Vec3 vertex_b(std::uint32_t v) const { return rotation * b.vertices[v] + offset; }
   std::uint32_t support_a(const Vec3& n) const { return ConvexHull::support_vertex(a, n); }
   std::uint32_t support_b(const Vec3& n) const { return ConvexHull::support_vertex(b, -(rotation.transpose() * n)); }
-  /// Signed distance along the unit direction n (A to B): min over B of n.x minus max over A. A lower bound of the distance.
+  /// Signed distance along the unit direction n (A to B): min over B of n.x minus max over A. A lower bound of the
+  /// distance.
   double separation(const Vec3& n) const { return n.dot(vertex_b(support_b(n)) - a.vertices[support_a(n)]); }
   double size() const { return std::max(a.radius, b.radius); }
 };
@@ -27,10 +28,10 @@ struct PolyhedronPair {
 struct SeparatingAxis {
   enum class Kind { none, points, face_a, face_b, edges };
   Kind kind = Kind::none;
-  double gap = -infinity;         ///< signed distance along `normal` [m]
-  Vec3 normal = Vec3::UnitZ();    ///< unit, A to B, A's axes
-  std::uint32_t feature_a = 0;    ///< face of A, edge of A (kind edges)
-  std::uint32_t feature_b = 0;    ///< face of B, edge of B
+  double gap = -infinity;       ///< signed distance along `normal` [m]
+  Vec3 normal = Vec3::UnitZ();  ///< unit, A to B, A's axes
+  std::uint32_t feature_a = 0;  ///< face of A, edge of A (kind edges)
+  std::uint32_t feature_b = 0;  ///< face of B, edge of B
 };
 
 /// Largest separation over faces and edge pairs, or `start` where nothing exceeds it. Stops early once above `limit`.
@@ -45,6 +46,7 @@ struct PolyhedronDistance {
 };
 
 /// limit: distances above it are not wanted [m]. guess: direction from A to B to begin with, A's axes; zero: centres.
-PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity, const Vec3& guess = Vec3::Zero());
+PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity,
+                                       const Vec3& guess = Vec3::Zero());
 
 }  // namespace epafi

@@ -8,7 +8,8 @@ Box::Box(const Vec3& half_extents) : half(half_extents) {
     corners.emplace_back(k & 1 ? half.x() : -half.x(), k & 2 ? half.y() : -half.y(), k & 4 ? half.z() : -half.z());
   }
   // Outward counter-clockwise: +x, -x, +y, -y, +z, -z.
-  const std::vector<std::vector<std::uint32_t>> faces{{1, 3, 7, 5}, {0, 4, 6, 2}, {2, 6, 7, 3}, {0, 1, 5, 4}, {4, 5, 7, 6}, {0, 2, 3, 1}};
+  const std::vector<std::vector<std::uint32_t>> faces{{1, 3, 7, 5}, {0, 4, 6, 2}, {2, 6, 7, 3},
+                                                      {0, 1, 5, 4}, {4, 5, 7, 6}, {0, 2, 3, 1}};
   hull = ConvexHull::from_faces(std::move(corners), faces).hull;
 }
 

@@ -7,7 +7,7 @@ namespace epafi {
 struct Box {
   static constexpr const char* name = "box";
   Vec3 half = Vec3::Zero();  ///< half edge lengths [m], > 0
-  ConvexHull hull;           ///< vertex k has the signs of bits 0 (x), 1 (y), 2 (z) of k; face 2i is +axis i, 2i+1 is -axis i
+  ConvexHull hull;  ///< vertex k has the signs of bits 0 (x), 1 (y), 2 (z) of k; face 2i is +axis i, 2i+1 is -axis i
 
   Box() = default;
   explicit Box(const Vec3& half_extents);

@@ -47,7 +47,8 @@ std::string collect_edges(const Faces& faces, DirectedEdges& edges) {
     for (std::size_t k = 0; k < faces[f].size(); ++k) {
       const std::pair edge(faces[f][k], faces[f][(k + 1) % faces[f].size()]);
       if (!edges.emplace(edge, f).second) {
-        return fmt::format("edge {}-{} is used twice in the same direction (faces {} and {})", edge.first, edge.second, edges[edge], f);
+        return fmt::format("edge {}-{} is used twice in the same direction (faces {} and {})", edge.first, edge.second,
+                           edges[edge], f);
       }
     }
   }
@@ -81,7 +82,8 @@ std::string merge_coplanar(const std::vector<Vec3>& vertices, Faces& faces, cons
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> outline;  // group -> next vertex along its border
   for (const auto& [edge, f] : edges) {
     if (find(f) == find(edges.at({edge.second, edge.first}))) continue;
-    if (!outline[find(f)].emplace(edge.first, edge.second).second) return fmt::format("the surface meets itself at vertex {}", edge.first);
+    if (!outline[find(f)].emplace(edge.first, edge.second).second)
+      return fmt::format("the surface meets itself at vertex {}", edge.first);
   }
   faces.clear();
   for (const auto& [name, next] : outline) {
@@ -149,7 +151,8 @@ void find_topology(ConvexHull& hull, const Faces& faces, const DirectedEdges& ed
   for (const auto& [edge, face] : edges) {
     neighbours[edge.first].push_back(edge.second);
     fans[edge.first].push_back(face);
-    if (edge.first < edge.second) hull.edges.push_back({edge.first, edge.second, face, edges.at({edge.second, edge.first})});
+    if (edge.first < edge.second)
+      hull.edges.push_back({edge.first, edge.second, face, edges.at({edge.second, edge.first})});
   }
   flatten(neighbours, hull.neighbour_begin, hull.neighbours);
   flatten(fans, hull.fan_begin, hull.fans);
@@ -174,7 +177,8 @@ void find_mass(ConvexHull& hull, const Faces& faces) {
 
 }  // namespace
 
-ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points, const std::vector<std::vector<std::uint32_t>>& polygons) {
+ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
+                                         const std::vector<std::vector<std::uint32_t>>& polygons) {
   Built built;
   ConvexHull& hull = built.hull;
   Faces faces = polygons;
@@ -195,7 +199,8 @@ ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points, const std::ve
   find_topology(hull, faces, edges);
   const std::size_t euler = hull.vertices.size() + faces.size() - hull.edges.size();  // V - E + F = 2
   if (euler != 2) {
-    built.problem = fmt::format("the surface is not one closed sphere: vertices - edges + faces = {}, not 2", static_cast<long>(euler));
+    built.problem = fmt::format("the surface is not one closed sphere: vertices - edges + faces = {}, not 2",
+                                static_cast<long>(euler));
     return built;
   }
   find_mass(hull, faces);
@@ -203,7 +208,8 @@ ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points, const std::ve
 }
 
 PolyhedronView ConvexHull::view() const {
-  return {vertices, face_begin, face_vertices, face_normals, face_offsets, edges, neighbour_begin, neighbours, fan_begin, fans, radius, inner_radius};
+  return {vertices,        face_begin, face_vertices, face_normals, face_offsets, edges,
+          neighbour_begin, neighbours, fan_begin,     fans,         radius,       inner_radius};
 }
 
 std::uint32_t ConvexHull::support_vertex(const PolyhedronView& p, const Vec3& d, std::uint32_t start) {

@@ -19,20 +19,20 @@ struct HullEdge {
 /// Coordinates are relative to the shape's own origin, which lies inside (on, for a triangle) the shape.
 struct PolyhedronView {
   std::span<const Vec3> vertices;
-  std::span<const std::uint32_t> face_begin, face_vertices;    ///< CSR, counter-clockwise seen from outside
-  std::span<const Vec3> face_normals;                          ///< unit, outward
-  std::span<const double> face_offsets;                        ///< normal . x = offset on the face [m]
+  std::span<const std::uint32_t> face_begin, face_vertices;  ///< CSR, counter-clockwise seen from outside
+  std::span<const Vec3> face_normals;                        ///< unit, outward
+  std::span<const double> face_offsets;                      ///< normal . x = offset on the face [m]
   std::span<const HullEdge> edges;
   std::span<const std::uint32_t> neighbour_begin, neighbours;  ///< CSR: vertices joined by an edge
   std::span<const std::uint32_t> fan_begin, fans;              ///< CSR: faces around each vertex
-  double radius = 0.0;        ///< of the sphere about the origin that contains it [m]
-  double inner_radius = 0.0;  ///< of the sphere about the origin that it contains [m]
+  double radius = 0.0;                                         ///< of the sphere about the origin that contains it [m]
+  double inner_radius = 0.0;                                   ///< of the sphere about the origin that it contains [m]
 };
 
 struct ConvexHull {
   static constexpr const char* name = "polyhedron";
 
-  std::vector<Vec3> vertices;                            ///< body axes: origin at the centre of mass, axes principal [m]
+  std::vector<Vec3> vertices;  ///< body axes: origin at the centre of mass, axes principal [m]
   std::vector<std::uint32_t> face_begin, face_vertices;  ///< CSR; coplanar triangles are merged into one face
   std::vector<Vec3> face_normals;
   std::vector<double> face_offsets;
@@ -40,15 +40,16 @@ struct ConvexHull {
   std::vector<Edge> edges;
   std::vector<std::uint32_t> neighbour_begin, neighbours;
   std::vector<std::uint32_t> fan_begin, fans;
-  double radius = 0.0;        ///< of the core, about the origin [m]
-  double inner_radius = 0.0;  ///< smallest face offset [m]
-  double volume = 0.0;        ///< of the core [m^3]
+  double radius = 0.0;          ///< of the core, about the origin [m]
+  double inner_radius = 0.0;    ///< smallest face offset [m]
+  double volume = 0.0;          ///< of the core [m^3]
   Mat3 inertia = Mat3::Zero();  ///< of the core about the origin at density 1 [kg m^2]
-  double sweep = 0.0;         ///< `rounding` of the scene: radius of the sphere swept over the core [m]
+  double sweep = 0.0;           ///< `rounding` of the scene: radius of the sphere swept over the core [m]
 
   /// Builds topology and planes from outward counter-clockwise polygons (triangles or larger, at least 4).
   /// `problem` is empty when the surface is closed, consistently oriented, convex and contains the origin;
-  /// otherwise it says what is wrong and `hull` must not be used. Faces that agree within 1e-13 of the radius are merged.
+  /// otherwise it says what is wrong and `hull` must not be used. Faces that agree within 1e-13 of the radius are
+  /// merged.
   struct Built;
   static Built from_faces(std::vector<Vec3> vertices, const std::vector<std::vector<std::uint32_t>>& faces);
 
@@ -67,7 +68,8 @@ struct ConvexHull {
   double rounding() const { return sweep; }
   PolyhedronView view() const;
 
-  /// Scan up to 24 vertices, hill climbing beyond (convexity: a local maximum is the global one). Ties: any of the best.
+  /// Scan up to 24 vertices, hill climbing beyond (convexity: a local maximum is the global one). Ties: any of the
+  /// best.
   static std::uint32_t support_vertex(const PolyhedronView& p, const Vec3& d, std::uint32_t start = 0);
 };
 

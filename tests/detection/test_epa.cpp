@@ -24,7 +24,8 @@ TEST_CASE("the polytope gives the depth of polyhedra that the features give", "[
   double worst = 0.0;
   int overlaps = 0;
   for (int k = 0; k < 200; ++k) {
-    const ConvexHull a = support::random_hull(random, 6 + static_cast<std::size_t>(k % 20)), b = support::random_hull(random, 12);
+    const ConvexHull a = support::random_hull(random, 6 + static_cast<std::size_t>(k % 20)),
+                     b = support::random_hull(random, 12);
     const Pose pb{random.uniform(0, 1.5) * testing::random_direction(random), testing::random_turn(random)};
     const auto axis = separating_axis({a.view(), b.view(), {}, pb});
     if (axis.gap > -1e-3) continue;

@@ -77,7 +77,8 @@ TEST_CASE("cores that are points and segments have closed forms", "[detection][g
   CHECK(spheres.upper == Approx(13.0).epsilon(1e-15));  // 3 4 12 13
   CHECK((spheres.normal - Vec3(3, 4, 12) / 13).norm() < 1e-15);
   // Segments along z and x, 5 apart in y.
-  const auto crossed = run(Capsule(1, 4), {}, Capsule(1, 4), {{0, 5, 0}, Quat(Eigen::AngleAxisd(2 * std::atan(1.0), Vec3::UnitY()))});
+  const auto crossed =
+      run(Capsule(1, 4), {}, Capsule(1, 4), {{0, 5, 0}, Quat(Eigen::AngleAxisd(2 * std::atan(1.0), Vec3::UnitY()))});
   CHECK(crossed.lower == Approx(5.0).epsilon(1e-15));
   CHECK(crossed.status == GjkResult::Status::separated);
 }

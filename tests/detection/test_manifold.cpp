@@ -40,7 +40,8 @@ TEST_CASE("a box resting on a larger one touches at its four lower corners", "[d
   CHECK(features(p).size() == 4);
 }
 
-TEST_CASE("equal boxes stacked exactly keep their features under jitter, whichever body is A", "[detection][manifold]") {
+TEST_CASE("equal boxes stacked exactly keep their features under jitter, whichever body is A",
+          "[detection][manifold]") {
   const Box box(Vec3::Constant(0.5));
   Random random(51, 0);
   const auto straight = features(patch_of(box.hull, {}, box.hull, {{0, 0, 0.999}, upright}));
@@ -88,7 +89,8 @@ TEST_CASE("a corner on a face and crossed edges give one point", "[detection][ma
 TEST_CASE("octagonal overlaps keep four points and the deepest", "[detection][manifold]") {
   const Box floor(Vec3(0.5, 0.5, 0.5)), box(Vec3(0.5, 0.5, 0.5));
   const double eighth = std::atan(1.0);
-  const Quat turn = Quat(Eigen::AngleAxisd(1e-4, Vec3(1, 0.3, 0).normalized())) * Quat(Eigen::AngleAxisd(eighth, Vec3::UnitZ()));
+  const Quat turn =
+      Quat(Eigen::AngleAxisd(1e-4, Vec3(1, 0.3, 0).normalized())) * Quat(Eigen::AngleAxisd(eighth, Vec3::UnitZ()));
   const PolyhedronPair pair(floor.view(), box.view(), {}, {{0, 0, 0.99}, turn});
   const auto d = polyhedron_distance(pair);
   const Patch p = contact_patch(pair, d, 0.0, 0.0, 0.0);
@@ -96,9 +98,11 @@ TEST_CASE("octagonal overlaps keep four points and the deepest", "[detection][ma
   double deepest = 0.0;
   for (const auto& c : p.point) deepest = std::min(deepest, c.gap);
   CHECK(std::abs(deepest - d.axis.gap) < 1e-14);
-  // Area of the kept quadrilateral: at least that of the inscribed square of the octagon's corners, 1/2 of the unit square.
+  // Area of the kept quadrilateral: at least that of the inscribed square of the octagon's corners, 1/2 of the unit
+  // square.
   std::array<Vec3, 4> q{p.point[0].position, p.point[1].position, p.point[2].position, p.point[3].position};
-  const double area = 0.5 * std::abs((q[1] - q[0]).cross(q[2] - q[0]).z()) + 0.5 * std::abs((q[1] - q[0]).cross(q[3] - q[0]).z());
+  const double area =
+      0.5 * std::abs((q[1] - q[0]).cross(q[2] - q[0]).z()) + 0.5 * std::abs((q[1] - q[0]).cross(q[3] - q[0]).z());
   CHECK(area > 0.5);
 }
 
@@ -113,11 +117,13 @@ TEST_CASE("swept boxes touch at their skins with the same four points", "[detect
   }
 }
 
-TEST_CASE("patches of random overlapping hulls hold the pair's depth and lie within the overlap", "[detection][manifold]") {
+TEST_CASE("patches of random overlapping hulls hold the pair's depth and lie within the overlap",
+          "[detection][manifold]") {
   Random random(52, 0);
   int overlaps = 0;
   for (int k = 0; k < 400; ++k) {
-    const ConvexHull a = support::random_hull(random, 8 + static_cast<std::size_t>(k % 30)), b = support::random_hull(random, 12);
+    const ConvexHull a = support::random_hull(random, 8 + static_cast<std::size_t>(k % 30)),
+                     b = support::random_hull(random, 12);
     const Pose pb{random.uniform(1.2, 2) * testing::random_direction(random), testing::random_turn(random)};
     const PolyhedronPair pair(a.view(), b.view(), {}, pb);
     const auto d = polyhedron_distance(pair);
@@ -136,9 +142,11 @@ TEST_CASE("patches of random overlapping hulls hold the pair's depth and lie wit
       CHECK(c.gap >= d.axis.gap - 1e-9);  // nothing is deeper along the normal than the depth
       // Midway between a point of A's face and a point of B's face: no farther from either body than half the overlap.
       const double off = -0.5 * c.gap + 2e-6;
-      for (std::size_t f = 0; f < a.face_normals.size(); ++f) CHECK(a.face_normals[f].dot(c.position) <= a.face_offsets[f] + off);
+      for (std::size_t f = 0; f < a.face_normals.size(); ++f)
+        CHECK(a.face_normals[f].dot(c.position) <= a.face_offsets[f] + off);
       const Vec3 in_b = pb.to_local(c.position);
-      for (std::size_t f = 0; f < b.face_normals.size(); ++f) CHECK(b.face_normals[f].dot(in_b) <= b.face_offsets[f] + off);
+      for (std::size_t f = 0; f < b.face_normals.size(); ++f)
+        CHECK(b.face_normals[f].dot(in_b) <= b.face_offsets[f] + off);
     }
     CHECK(std::abs(deepest - d.axis.gap) < 1.1e-5);
   }

@@ -50,12 +50,23 @@ Scene mixed(std::uint64_t seed, int bodies) {
     const Vec3 x(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(0.2, 4));
     const Quat turn = testing::random_turn(random);
     switch (k % 6) {
-      case 0: s.add(Sphere{random.uniform(0.2, 0.5)}, x, turn); break;
-      case 1: s.add(Box(Vec3(0.3, 0.2, random.uniform(0.1, 0.5))), x, turn); break;
-      case 2: s.add(support::random_hull(random, 14, Vec3::Constant(0.4)), x, turn); break;
-      case 3: s.add(Capsule(0.2, random.uniform(0, 1)), x, turn); break;
-      case 4: s.add(Cylinder(0.25, random.uniform(0.2, 1)), x, turn); break;
-      default: s.add(Ellipsoid(Vec3(0.4, 0.3, 0.2)), x, turn);
+      case 0:
+        s.add(Sphere{random.uniform(0.2, 0.5)}, x, turn);
+        break;
+      case 1:
+        s.add(Box(Vec3(0.3, 0.2, random.uniform(0.1, 0.5))), x, turn);
+        break;
+      case 2:
+        s.add(support::random_hull(random, 14, Vec3::Constant(0.4)), x, turn);
+        break;
+      case 3:
+        s.add(Capsule(0.2, random.uniform(0, 1)), x, turn);
+        break;
+      case 4:
+        s.add(Cylinder(0.25, random.uniform(0.2, 1)), x, turn);
+        break;
+      default:
+        s.add(Ellipsoid(Vec3(0.4, 0.3, 0.2)), x, turn);
     }
   }
   return s;
@@ -65,8 +76,8 @@ bool same_bits(const ContactSet& x, const ContactSet& y) {
   const auto equal = [](const auto& p, const auto& q) {
     return p.size() == q.size() && (p.empty() || std::memcmp(p.data(), q.data(), p.size() * sizeof(p[0])) == 0);
   };
-  return equal(x.a, y.a) && equal(x.b, y.b) && equal(x.feature, y.feature) && equal(x.gap, y.gap) && equal(x.normal, y.normal) &&
-         equal(x.arm, y.arm) && equal(x.effective_radius, y.effective_radius);
+  return equal(x.a, y.a) && equal(x.b, y.b) && equal(x.feature, y.feature) && equal(x.gap, y.gap) &&
+         equal(x.normal, y.normal) && equal(x.arm, y.arm) && equal(x.effective_radius, y.effective_radius);
 }
 
 }  // namespace
@@ -80,7 +91,8 @@ TEST_CASE("two spheres: gap, normal, point and R* as written", "[detection][narr
   CHECK(c.normal[0] == Vec3(0, 0, 1));
   CHECK(c.arm[0] == Vec3(0, 0, 0.75));  // surfaces at 1 and 0.5 above A's centre
   CHECK(c.effective_radius[0] == Approx(2.0 / 3.0).epsilon(1e-15));
-  // A tiny sphere on a large one: centre distance 1 + 1e-6 - 1e-9, depth 1e-9 up to the rounding of the stored position.
+  // A tiny sphere on a large one: centre distance 1 + 1e-6 - 1e-9, depth 1e-9 up to the rounding of the stored
+  // position.
   Scene tiny;
   const double z = 1.0 + 1e-6 - 1e-9;
   tiny.add(Sphere{1}, {0, 0, 0}), tiny.add(Sphere{1e-6}, {0, 0, z});
@@ -162,7 +174,8 @@ TEST_CASE("capsules agree with GJK on their axes", "[detection][narrow]") {
   Random random(61, 0);
   for (int k = 0; k < 300; ++k) {
     const Capsule a(0.2, random.uniform(0.1, 2)), b(0.3, random.uniform(0.1, 2));
-    const Pose pa{testing::random_point(random), testing::random_turn(random)}, pb{testing::random_point(random), testing::random_turn(random)};
+    const Pose pa{testing::random_point(random), testing::random_turn(random)},
+        pb{testing::random_point(random), testing::random_turn(random)};
     ContactSet closed, general;
     ContactSink closed_sink(closed), general_sink(general);
     const PairQuery q{pa, pb, 10.0, false, nullptr};
@@ -182,7 +195,8 @@ TEST_CASE("exchanging the bodies turns the normal and keeps gap and point", "[de
     t.shapes = s.shapes;
     for (Slot b = static_cast<Slot>(s.world.size()); b-- > 0;) {  // the same bodies in reversed order
       Body body;
-      body.position = s.world.position[b], body.orientation = s.world.orientation[b], body.mass = 1.0, body.inertia = Vec3::Ones();
+      body.position = s.world.position[b], body.orientation = s.world.orientation[b], body.mass = 1.0,
+      body.inertia = Vec3::Ones();
       body.shape = s.world.shape[b];
       t.world.add(body);
     }
@@ -201,13 +215,15 @@ TEST_CASE("exchanging the bodies turns the normal and keeps gap and point", "[de
     }
     REQUIRE(deepest.size() == reversed.size());
     for (const auto& [pair, gap] : deepest) {
-      INFO("shapes " << ShapeRef{s.world.shape[pair.first]}.type() << " " << ShapeRef{s.world.shape[pair.second]}.type());
+      INFO("shapes " << ShapeRef{s.world.shape[pair.first]}.type() << " "
+                     << ShapeRef{s.world.shape[pair.second]}.type());
       CHECK(std::abs(gap - reversed.at(pair)) < 1e-7);  // EPA of smooth bodies; polyhedra are held to 1e-12 elsewhere
     }
   }
 }
 
-TEST_CASE("contacts are canonical and the same bits at every thread count, with or without remembered directions", "[detection][narrow]") {
+TEST_CASE("contacts are canonical and the same bits at every thread count, with or without remembered directions",
+          "[detection][narrow]") {
   Scene s = mixed(7, 150);
   s.pair_all();
   REQUIRE(s.pairs.pairs.size() > 4 * 1024);

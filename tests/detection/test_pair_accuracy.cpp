@@ -8,7 +8,8 @@ using namespace epafi;
 
 namespace {
 
-/// What doubles can resolve: 1e-12 of the smaller body, and a few ulp of the largest coordinate (size ratios, far bodies).
+/// What doubles can resolve: 1e-12 of the smaller body, and a few ulp of the largest coordinate (size ratios, far
+/// bodies).
 double allowance(const support::CorpusPair& p) {
   double largest = std::max(p.a.centre.norm(), p.b.centre.norm());
   for (const auto* body : {&p.a, &p.b}) {
@@ -52,7 +53,8 @@ const Quat upright(1, 0, 0, 0);
 
 }  // namespace
 
-TEST_CASE("distances and depths of the exact corpus are right to 1e-12 of the size, at any scale", "[detection][accuracy]") {
+TEST_CASE("distances and depths of the exact corpus are right to 1e-12 of the size, at any scale",
+          "[detection][accuracy]") {
   REQUIRE(corpus().size() == 209);
   for (const double scale : {1.0, 1e-6, 1e6, 1.0 / 3.0}) {
     Errors errors, swapped;
@@ -65,9 +67,11 @@ TEST_CASE("distances and depths of the exact corpus are right to 1e-12 of the si
       const auto s = distance(b, pb, a, pa);
       judge(p, s.axis.gap, -s.axis.normal, scale, allowance(p), swapped);
     }
-    INFO("scale " << scale << ": " << errors.wrong_class << " wrong classes, " << errors.off_distance << " distances, " << errors.off_normal << " normals");
+    INFO("scale " << scale << ": " << errors.wrong_class << " wrong classes, " << errors.off_distance << " distances, "
+                  << errors.off_normal << " normals");
     CHECK(errors.none());
-    INFO("swapped: " << swapped.wrong_class << " wrong classes, " << swapped.off_distance << " distances, " << swapped.off_normal << " normals");
+    INFO("swapped: " << swapped.wrong_class << " wrong classes, " << swapped.off_distance << " distances, "
+                     << swapped.off_normal << " normals");
     CHECK(swapped.none());
   }
 }
@@ -78,7 +82,8 @@ TEST_CASE("a common rigid motion leaves the distances of the corpus", "[detectio
   for (const auto& p : corpus()) {
     const ConvexHull a = hull_of(p.a), b = hull_of(p.b);
     const Quat turn = testing::random_turn(random);
-    // Both centres relative to A's: the motion's own rounding, not the algorithm's, is that of the distance between them.
+    // Both centres relative to A's: the motion's own rounding, not the algorithm's, is that of the distance between
+    // them.
     const auto d = distance(a, {Vec3::Zero(), turn}, b, {turn * Vec3(p.b.centre - p.a.centre), turn});
     const double rounding = 1e-15 * ((p.b.centre - p.a.centre).norm() + a.radius + b.radius);
     judge(p, d.axis.gap, d.axis.normal, 1.0, allowance(p) + rounding, errors);  // A's axes are the corpus' axes
@@ -98,7 +103,8 @@ TEST_CASE("random polyhedra agree with brute force", "[detection][accuracy]") {
     };
     const ConvexHull a = body(), b = body();
     const Pose pa{testing::random_point(random), testing::random_turn(random)};
-    const Pose pb{pa.position + random.uniform(0, 2.2) * testing::random_direction(random), testing::random_turn(random)};
+    const Pose pb{pa.position + random.uniform(0, 2.2) * testing::random_direction(random),
+                  testing::random_turn(random)};
     const auto d = distance(a, pa, b, pb);
     worst = std::max(worst, std::abs(d.axis.gap - support::brute_force_distance(a, pa, b, pb)));
     CHECK(d.uncertainty < 1e-13);
@@ -108,7 +114,8 @@ TEST_CASE("random polyhedra agree with brute force", "[detection][accuracy]") {
 
 TEST_CASE("degenerate poses have their exact answers", "[detection][accuracy]") {
   const Box cube(Vec3::Constant(0.5));
-  const auto boxes = [](const Box& a, const Box& b, const Vec3& centre, const Quat& turn, const Quat& turn_a = upright) {
+  const auto boxes = [](const Box& a, const Box& b, const Vec3& centre, const Quat& turn,
+                        const Quat& turn_a = upright) {
     return distance(a.hull, {Vec3::Zero(), turn_a}, b.hull, {centre, turn}).axis.gap;
   };
   const auto about = [](const Vec3& axis, double angle) { return Quat(Eigen::AngleAxisd(angle, axis.normalized())); };
@@ -120,7 +127,8 @@ TEST_CASE("degenerate poses have their exact answers", "[detection][accuracy]") 
   CHECK(distance(t, {}, t, {}).axis.gap == Approx(-std::sqrt(0.5)).epsilon(1e-15));
   // Cubes turned 45 degrees about x and about y, 1.5 apart in z: 1.5 - sqrt(2) between crossed edges.
   const double quarter = std::atan(1.0);
-  CHECK(std::abs(boxes(cube, cube, {0, 0, 1.5}, about(Vec3::UnitY(), quarter), about(Vec3::UnitX(), quarter)) - (1.5 - std::sqrt(2.0))) < 1e-15);
+  CHECK(std::abs(boxes(cube, cube, {0, 0, 1.5}, about(Vec3::UnitY(), quarter), about(Vec3::UnitX(), quarter)) -
+                 (1.5 - std::sqrt(2.0))) < 1e-15);
   // A needle 1 x 1e-3 x 1e-6 lying 1e-9 above a cube: the gap is the difference of stored heights.
   const Box needle(Vec3(0.5, 0.5e-3, 0.5e-6));
   const double height = 0.5 + 0.5e-6 + 1e-9;
@@ -154,8 +162,10 @@ TEST_CASE("aspect ratios and size ratios to 1e6 keep the depth of slabs", "[dete
     const Box plate(Vec3(0.5, 0.5, 0.5 / ratio)), cube(Vec3::Constant(0.5)), small(Vec3::Constant(0.5 / ratio));
     const double overlap = 0.25 / ratio;
     const double z = 0.5 + 0.5 / ratio - overlap;
-    CHECK(std::abs(distance(cube.hull, {}, plate.hull, {{0.3, 0.2, z}, upright}).axis.gap - (z - 0.5 - 0.5 / ratio)) < 2e-16);
-    CHECK(std::abs(distance(cube.hull, {}, small.hull, {{0.3, 0.2, z}, upright}).axis.gap - (z - 0.5 - 0.5 / ratio)) < 2e-16);
+    CHECK(std::abs(distance(cube.hull, {}, plate.hull, {{0.3, 0.2, z}, upright}).axis.gap - (z - 0.5 - 0.5 / ratio)) <
+          2e-16);
+    CHECK(std::abs(distance(cube.hull, {}, small.hull, {{0.3, 0.2, z}, upright}).axis.gap - (z - 0.5 - 0.5 / ratio)) <
+          2e-16);
   }
 }
 

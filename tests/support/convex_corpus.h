@@ -1,4 +1,5 @@
-/// @file convex_corpus.h  Pairs of convex polyhedra with exact signed distances, read from the CXP1 format (tests/data/README.md).
+/// @file convex_corpus.h  Pairs of convex polyhedra with exact signed distances, read from the CXP1 format
+/// (tests/data/README.md).
 #pragma once
 #include <cstring>
 #include <fstream>
@@ -11,9 +12,9 @@
 namespace epafi::support {
 
 struct CorpusBody {
-  Vec3 centre;                                     ///< [m]
-  std::vector<Vec3> vertices;                      ///< relative to centre
-  std::vector<std::vector<std::uint32_t>> faces;   ///< counter-clockwise triangles
+  Vec3 centre;                                    ///< [m]
+  std::vector<Vec3> vertices;                     ///< relative to centre
+  std::vector<std::vector<std::uint32_t>> faces;  ///< counter-clockwise triangles
 };
 
 struct CorpusPair {
@@ -26,13 +27,15 @@ struct CorpusPair {
   /// Separation along n by brute force in extended precision: min over B of n.x minus max over A.
   long double separation(const Vec3& n) const {
     const auto along = [&](const Vec3& v) {
-      return static_cast<long double>(n.x()) * v.x() + static_cast<long double>(n.y()) * v.y() + static_cast<long double>(n.z()) * v.z();
+      return static_cast<long double>(n.x()) * v.x() + static_cast<long double>(n.y()) * v.y() +
+             static_cast<long double>(n.z()) * v.z();
     };
     long double high = -std::numeric_limits<long double>::infinity(), low = -high;
     for (const Vec3& v : a.vertices) high = std::max(high, along(v));
     for (const Vec3& v : b.vertices) low = std::min(low, along(v));
     long double apart = 0.0L;
-    for (int k = 0; k < 3; ++k) apart += static_cast<long double>(n[k]) * (static_cast<long double>(b.centre[k]) - a.centre[k]);
+    for (int k = 0; k < 3; ++k)
+      apart += static_cast<long double>(n[k]) * (static_cast<long double>(b.centre[k]) - a.centre[k]);
     return apart + low - high;
   }
 };

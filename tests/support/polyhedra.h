@@ -10,7 +10,9 @@ namespace epafi::support {
 /// Regular tetrahedron of edge 1 about its centre.
 inline ConvexHull unit_tetrahedron() {
   const double s = 1.0 / (2.0 * std::sqrt(2.0));
-  return ConvexHull::from_faces({{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}}, {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}).hull;
+  return ConvexHull::from_faces({{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}},
+                                {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}})
+      .hull;
 }
 
 /// Hull of n random points on the ellipsoid with the given semi-axes.
@@ -32,7 +34,8 @@ inline double brute_force_distance(const ConvexHull& a, const Pose& pose_a, cons
   const auto place = [](const ConvexHull& h, const Pose& pose, const Vec3& origin) {
     std::vector<Long3> out;
     const Eigen::Matrix<long double, 3, 3> rotation = pose.orientation.toRotationMatrix().cast<long double>();
-    for (const Vec3& v : h.vertices) out.push_back(rotation * v.cast<long double>() + (pose.position - origin).cast<long double>());
+    for (const Vec3& v : h.vertices)
+      out.push_back(rotation * v.cast<long double>() + (pose.position - origin).cast<long double>());
     return out;
   };
   const std::vector<Long3> va = place(a, pose_a, pose_a.position), vb = place(b, pose_b, pose_a.position);
