@@ -169,7 +169,7 @@ void read_body(Draft& draft, const Node& item) {
       if (shape_node && uses_index(*shape_node)) shape = read_shape_value(draft, *shape_node, label);
     }
     auto body = make_body(draft, table, values, shape);
-    if (body && first) check_body(draft, *body, values, label);
+    if (body && first && reading.errors() == errors) check_body(draft, *body, values, label);
     if (!body || reading.errors() != errors) return reading.indices.clear();
     body->name = name.empty() || counts.empty() ? name : name + index_text(at, counts.size());
     scene.bodies.push_back(std::move(*body));

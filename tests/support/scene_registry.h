@@ -10,15 +10,9 @@ namespace epafi {
 
 inline Registry test_registry() {
   Registry r;
-  r.shapes = shape_entries(AllShapes{});
-  const auto add_shape = [&](Entry entry) {
-    if (!find_entry(r.shapes, entry.name)) r.shapes.push_back(std::move(entry));
-  };
-  add_shape({"box", "cuboid", {{"size", "", "m", Kind::vec3, {}, positive, "edge lengths"}}, {}, ""});
-  add_shape({"capsule", "swept segment", {{"radius", "r", "m", Kind::number, {}, positive, "radius"},
-                                          {"length", "l", "m", Kind::number, {}, positive, "length of the cylindrical part"}}, {}, ""});
-  add_shape({"polyhedron", "convex polyhedron", {}, {}, ""});
-  add_shape({"mesh", "triangles, fixed or driven", {}, {}, ""});
+  const auto shapes = shape_entries(AllShapes{});
+  for (const char* name : {"sphere", "box", "capsule", "cylinder", "ellipsoid", "polyhedron", "mesh", "half_space"})
+    if (const Entry* entry = find_entry(shapes, name)) r.shapes.push_back(*entry);
   const Field stiffness{"stiffness", "k_n", "N/m", Kind::number, {}, positive, "normal stiffness"};
   const Field ratio{"stiffness_ratio", "k_t/k_n", "", Kind::number, Value(2.0 / 7.0), positive, "tangential over normal stiffness"};
   r.normal_laws = {{"linear", "linear spring and dashpot", {stiffness}, {}, "Cundall and Strack 1979"},
