@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "detection/broad/all_broad_phases.h"
 #include "detection/narrow/narrow_phase.h"
@@ -73,6 +74,8 @@ BroadSetup broad_setup(const Assembly& a) {
   BroadSetup setup;
   setup.shapes = a.shapes.get();
   setup.reach = a.plan.reach;
+  for (const auto& row : pair_table())
+    for (const auto& cell : row) setup.filter.has_cell.push_back(cell.batch != nullptr);
   return setup;
 }
 

@@ -55,7 +55,7 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   const auto reach = [&](std::size_t p, std::size_t q) {
     const auto a = shapes[p].ref.type(), b = shapes[q].ref.type();
     if (cells.insert(std::minmax(a, b)).second) {
-      const std::string method = pair_method(std::min(a, b), std::max(a, b));
+      const std::string method = pair_table()[std::min(a, b)][std::max(a, b)].method;
       if (method != "none") plan.pair_cells.push_back({scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method});
     }
   };

@@ -16,7 +16,7 @@ struct Cost {
 };
 
 /// A cell of the pair table that the scene can reach.
-struct PairCell {
+struct ReachableCell {
   std::string a, b, method;
 };
 
@@ -24,7 +24,7 @@ struct StepPlan {
   Columns columns;                  ///< of the world
   Needs needs;                      ///< of laws or solver
   double reach = 0.0;               ///< contacts with gap < reach are handed to the contact model [m]
-  std::vector<PairCell> pair_cells;
+  std::vector<ReachableCell> pair_cells;
   std::vector<Cost> costs;
   std::vector<std::string> not_paid;
   std::string broad_phase, broad_phase_reason;

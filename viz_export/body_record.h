@@ -1,5 +1,5 @@
-/// @file body_record.h  One body as files show it: what snapshots store and frames draw. Made from the running world, or
-/// read back from run.h5, so that frames made afterwards are those that the run would have written.
+/// @file body_record.h  One body as files show it: what snapshots store and frames draw. Made from the running world,
+/// or read back from run.h5, so that frames made afterwards are those that the run would have written.
 #pragma once
 #include <map>
 #include <memory>
@@ -13,11 +13,11 @@ namespace epafi {
 struct BodyRecord {
   static constexpr std::uint32_t sphere_type = ShapeStore::type_of<Sphere>();
   std::uint32_t id = 0;
-  std::uint32_t shape = 0;               ///< packed reference, see detection/shape_store.h
+  std::uint32_t shape = 0;  ///< packed reference, see detection/shape_store.h
   std::uint16_t material = 0;
-  double mass = 0.0;                     ///< [kg], 0 for fixed and driven bodies
-  double radius = 0.0;                   ///< of the bounding sphere [m], infinite for half-spaces
-  const Surface* surface = nullptr;      ///< null: a sphere
+  double mass = 0.0;                 ///< [kg], 0 for fixed and driven bodies
+  double radius = 0.0;               ///< of the bounding sphere [m], infinite for half-spaces
+  const Surface* surface = nullptr;  ///< null: a sphere
   Pose pose;
   Vec3 velocity = Vec3::Zero();          ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();  ///< world axes [rad/s]
@@ -28,14 +28,15 @@ struct BodyRecord {
 /// One contact as a frame shows it.
 struct ContactRecord {
   std::uint32_t id_a = 0, id_b = 0;
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< centre of A and of B; the contact point in place of a wall's centre [m]
-  Vec3 force = Vec3::Zero();                    ///< on A [N]
-  double normal_force = 0.0;                    ///< > 0 pushes the bodies apart [N]
-  double overlap = 0.0;                         ///< [m], >= 0
+  Vec3 from = Vec3::Zero(),
+       to = Vec3::Zero();     ///< centre of A and of B; the contact point in place of a wall's centre [m]
+  Vec3 force = Vec3::Zero();  ///< on A [N]
+  double normal_force = 0.0;  ///< > 0 pushes the bodies apart [N]
+  double overlap = 0.0;       ///< [m], >= 0
 };
 
-/// Surfaces of the shapes that occur, made once each. Half-spaces are cut to squares as large as the bodies' extent when
-/// the first surface was made.
+/// Surfaces of the shapes that occur, made once each. Half-spaces are cut to squares as large as the bodies' extent
+/// when the first surface was made.
 class SurfaceCache {
  public:
   explicit SurfaceCache(const ShapeStore& shapes) : shapes_(shapes) {}

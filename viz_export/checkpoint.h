@@ -1,6 +1,7 @@
 /// @file checkpoint.h  The whole state in one HDF5 file, column by column, without knowing what a column means.
-/// Written beside its place, synced and renamed: checkpoint.h5 is always the last good one. Every column carries a hash of
-/// its name and bytes; a file that is cut, torn, of another version or of another scene is refused before any state changes.
+/// Written beside its place, synced and renamed: checkpoint.h5 is always the last good one. Every column carries a hash
+/// of its name and bytes; a file that is cut, torn, of another version or of another scene is refused before any state
+/// changes.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -37,8 +38,8 @@ struct CheckpointExpectation {
   std::string scene_hash;
 };
 
-/// Fills the walked columns. Throws FileError where the file does not match `expected`, is damaged, or its columns are not
-/// exactly those of the walk; after an error inside the walk the walked state is unusable.
+/// Fills the walked columns. Throws FileError where the file does not match `expected`, is damaged, or its columns are
+/// not exactly those of the walk; after an error inside the walk the walked state is unusable.
 CheckpointHeader load_checkpoint(const std::filesystem::path& path, const CheckpointExpectation& expected,
                                  const StateWalk& walk);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "engine/error.h"
@@ -17,7 +18,8 @@ namespace {
 void append_rows(std::string& out, const StoredSnapshot& snapshot) {
   const auto put = [&](double value) { fmt::format_to(std::back_inserter(out), ",{:.17g}", value); };
   for (const BodyRecord& b : snapshot.bodies) {
-    fmt::format_to(std::back_inserter(out), "{:.17g},{},{},{}", snapshot.stamp.time, snapshot.stamp.step, b.id, b.material);
+    fmt::format_to(std::back_inserter(out), "{:.17g},{},{},{}", snapshot.stamp.time, snapshot.stamp.step, b.id,
+                   b.material);
     put(b.mass), put(b.radius);
     for (const Vec3* v : {&b.pose.position, &b.velocity})
       for (double c : *v) put(c);
@@ -42,13 +44,30 @@ void write_snapshots_csv(const std::filesystem::path& path, const StoredRun& run
   side.commit(false);
 }
 
+struct Sample {
+  const StoredMeasure* measure;
+  std::size_t row;
+};
+
+/// A run continues measures.csv by cutting it at a time, so rows must be in order of time here too.
+std::vector<Sample> samples_by_time(const std::vector<StoredMeasure>& measures) {
+  std::vector<Sample> samples;
+  for (const StoredMeasure& m : measures)
+    for (std::size_t row = 0; row < m.times.size(); ++row) samples.push_back({&m, row});
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& p, const Sample& q) { return p.measure->times[p.row] < q.measure->times[q.row]; });
+  return samples;
+}
+
 void write_measures_csv(const std::filesystem::path& path, const std::vector<StoredMeasure>& measures) {
   SideFile side(path);
   {
     MeasuresCsv csv(side.path());
-    for (const StoredMeasure& m : measures)
-      for (std::size_t i = 0; i < m.values.size(); ++i)
-        csv.add(m.times[i / m.components.size()], m.name, m.components[i % m.components.size()], m.values[i]);
+    for (const Sample& s : samples_by_time(measures)) {
+      const StoredMeasure& m = *s.measure;
+      for (std::size_t c = 0; c < m.components.size(); ++c)
+        csv.add(m.times[s.row], m.name, m.components[c], m.values[s.row * m.components.size() + c]);
+    }
     csv.flush();
   }
   side.commit(false);

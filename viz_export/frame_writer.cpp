@@ -88,20 +88,23 @@ PolyData draw_surfaces(const std::vector<const BodyRecord*>& bodies, double time
   d.points.resize(3 * start.back().point);
   d.polygons.connectivity.resize(start.back().corner), d.polygons.offsets.resize(start.back().polygon);
   std::vector<std::uint32_t> owner(start.back().polygon);
-  parallel_for(bodies.size(), [&](std::size_t k) {
-    const Surface& s = *bodies[k]->surface;
-    const Mat3 turn = bodies[k]->pose.orientation.toRotationMatrix();
-    for (std::size_t i = 0; i < s.points.size(); ++i) {
-      const Eigen::Vector3f x = (bodies[k]->pose.position + turn * s.points[i]).cast<float>();
-      std::copy_n(x.data(), 3, &d.points[3 * (start[k].point + i)]);
-    }
-    for (std::size_t i = 0; i < s.connectivity.size(); ++i)
-      d.polygons.connectivity[start[k].corner + i] = s.connectivity[i] + static_cast<std::int32_t>(start[k].point);
-    for (std::size_t i = 0; i < s.offsets.size(); ++i) {
-      d.polygons.offsets[start[k].polygon + i] = s.offsets[i] + static_cast<std::int32_t>(start[k].corner);
-      owner[start[k].polygon + i] = static_cast<std::uint32_t>(k);
-    }
-  }, 16);
+  parallel_for(
+      bodies.size(),
+      [&](std::size_t k) {
+        const Surface& s = *bodies[k]->surface;
+        const Mat3 turn = bodies[k]->pose.orientation.toRotationMatrix();
+        for (std::size_t i = 0; i < s.points.size(); ++i) {
+          const Eigen::Vector3f x = (bodies[k]->pose.position + turn * s.points[i]).cast<float>();
+          std::copy_n(x.data(), 3, &d.points[3 * (start[k].point + i)]);
+        }
+        for (std::size_t i = 0; i < s.connectivity.size(); ++i)
+          d.polygons.connectivity[start[k].corner + i] = s.connectivity[i] + static_cast<std::int32_t>(start[k].point);
+        for (std::size_t i = 0; i < s.offsets.size(); ++i) {
+          d.polygons.offsets[start[k].polygon + i] = s.offsets[i] + static_cast<std::int32_t>(start[k].corner);
+          owner[start[k].polygon + i] = static_cast<std::uint32_t>(k);
+        }
+      },
+      16);
   d.cell_data = body_columns(owner.size(), [&](std::size_t f) -> const BodyRecord& { return *bodies[owner[f]]; });
   return d;
 }
@@ -160,7 +163,8 @@ void FrameWriter::put_walls(const std::vector<const BodyRecord*>& walls, double 
   wall_poses_ = std::move(poses);
 }
 
-void FrameWriter::write(double time, const std::vector<BodyRecord>& bodies, const std::vector<ContactRecord>& contacts) {
+void FrameWriter::write(double time, const std::vector<BodyRecord>& bodies,
+                        const std::vector<ContactRecord>& contacts) {
   if (!list_.entries().empty() && list_.entries().back().time >= time) return;
   std::vector<const BodyRecord*> spheres, solids, walls;
   for (const BodyRecord& b : bodies) (b.surface == nullptr ? spheres : b.is_wall() ? walls : solids).push_back(&b);

@@ -1,5 +1,6 @@
-/// @file frame_writer.h  The frames of a run for ParaView: spheres as points, other bodies as surfaces, contacts as lines with
-/// force, and walls (fixed and driven bodies) again only when they moved. frames/*.vtp, listed with times in frames.pvd.
+/// @file frame_writer.h  The frames of a run for ParaView: spheres as points, other bodies as surfaces, contacts as
+/// lines with force, and walls (fixed and driven bodies) again only when they moved. frames/*.vtp, listed with times in
+/// frames.pvd.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -21,7 +22,7 @@ class FrameWriter {
  public:
   /// Frames go to folder/frames, the list to folder/frames.pvd.
   explicit FrameWriter(std::filesystem::path folder);
-  /// Continues a run: frames later than `time` [s] leave the list and are overwritten.
+  /// Continues a run: frames later than `time` [s] leave the list and are overwritten; the walls are written anew.
   FrameWriter(std::filesystem::path folder, double time);
 
   /// A frame of the same time as the last one is not written again. Kinds without members get no file.

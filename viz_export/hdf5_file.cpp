@@ -44,16 +44,26 @@ std::string last_cause() {
 
 hid_t memory_type(Hdf5Type type) {
   switch (type) {
-    case Hdf5Type::float32: return H5T_NATIVE_FLOAT;
-    case Hdf5Type::float64: return H5T_NATIVE_DOUBLE;
-    case Hdf5Type::int8: return H5T_NATIVE_INT8;
-    case Hdf5Type::int16: return H5T_NATIVE_INT16;
-    case Hdf5Type::int32: return H5T_NATIVE_INT32;
-    case Hdf5Type::int64: return H5T_NATIVE_INT64;
-    case Hdf5Type::uint8: return H5T_NATIVE_UINT8;
-    case Hdf5Type::uint16: return H5T_NATIVE_UINT16;
-    case Hdf5Type::uint32: return H5T_NATIVE_UINT32;
-    case Hdf5Type::uint64: return H5T_NATIVE_UINT64;
+    case Hdf5Type::float32:
+      return H5T_NATIVE_FLOAT;
+    case Hdf5Type::float64:
+      return H5T_NATIVE_DOUBLE;
+    case Hdf5Type::int8:
+      return H5T_NATIVE_INT8;
+    case Hdf5Type::int16:
+      return H5T_NATIVE_INT16;
+    case Hdf5Type::int32:
+      return H5T_NATIVE_INT32;
+    case Hdf5Type::int64:
+      return H5T_NATIVE_INT64;
+    case Hdf5Type::uint8:
+      return H5T_NATIVE_UINT8;
+    case Hdf5Type::uint16:
+      return H5T_NATIVE_UINT16;
+    case Hdf5Type::uint32:
+      return H5T_NATIVE_UINT32;
+    case Hdf5Type::uint64:
+      return H5T_NATIVE_UINT64;
   }
   return -1;
 }
@@ -66,7 +76,7 @@ Handle text_type(std::size_t size) {
   return type;
 }
 
-constexpr std::size_t deflate_ratio = 1032;             // the most that deflate can expand (zlib technical details)
+constexpr std::size_t deflate_ratio = 1032;              // the most that deflate can expand (zlib technical details)
 constexpr std::size_t most_text = std::size_t{1} << 28;  // 256 MiB: no scene text is longer
 
 }  // namespace
@@ -179,7 +189,8 @@ void Hdf5File::close() {
   const bool flushed = H5Fflush(id, H5F_SCOPE_GLOBAL) >= 0;
   const std::string cause = flushed ? "" : last_cause();
   const bool closed = H5Fclose(id) >= 0;
-  if (!flushed || !closed) throw FileError(impl_->path.string() + ": cannot write: " + (flushed ? last_cause() : cause));
+  if (!flushed || !closed)
+    throw FileError(impl_->path.string() + ": cannot write: " + (flushed ? last_cause() : cause));
 }
 
 bool Hdf5File::has(const std::string& name) const {

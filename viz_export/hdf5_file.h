@@ -17,22 +17,52 @@ namespace epafi {
 enum class Hdf5Type { float32, float64, int8, int16, int32, int64, uint8, uint16, uint32, uint64 };
 template <class T>
 struct Hdf5TypeOf;
-template <> struct Hdf5TypeOf<float> { static constexpr Hdf5Type value = Hdf5Type::float32; };
-template <> struct Hdf5TypeOf<double> { static constexpr Hdf5Type value = Hdf5Type::float64; };
-template <> struct Hdf5TypeOf<std::int8_t> { static constexpr Hdf5Type value = Hdf5Type::int8; };
-template <> struct Hdf5TypeOf<std::int16_t> { static constexpr Hdf5Type value = Hdf5Type::int16; };
-template <> struct Hdf5TypeOf<std::int32_t> { static constexpr Hdf5Type value = Hdf5Type::int32; };
-template <> struct Hdf5TypeOf<std::int64_t> { static constexpr Hdf5Type value = Hdf5Type::int64; };
-template <> struct Hdf5TypeOf<std::uint8_t> { static constexpr Hdf5Type value = Hdf5Type::uint8; };
-template <> struct Hdf5TypeOf<std::uint16_t> { static constexpr Hdf5Type value = Hdf5Type::uint16; };
-template <> struct Hdf5TypeOf<std::uint32_t> { static constexpr Hdf5Type value = Hdf5Type::uint32; };
-template <> struct Hdf5TypeOf<std::uint64_t> { static constexpr Hdf5Type value = Hdf5Type::uint64; };
+template <>
+struct Hdf5TypeOf<float> {
+  static constexpr Hdf5Type value = Hdf5Type::float32;
+};
+template <>
+struct Hdf5TypeOf<double> {
+  static constexpr Hdf5Type value = Hdf5Type::float64;
+};
+template <>
+struct Hdf5TypeOf<std::int8_t> {
+  static constexpr Hdf5Type value = Hdf5Type::int8;
+};
+template <>
+struct Hdf5TypeOf<std::int16_t> {
+  static constexpr Hdf5Type value = Hdf5Type::int16;
+};
+template <>
+struct Hdf5TypeOf<std::int32_t> {
+  static constexpr Hdf5Type value = Hdf5Type::int32;
+};
+template <>
+struct Hdf5TypeOf<std::int64_t> {
+  static constexpr Hdf5Type value = Hdf5Type::int64;
+};
+template <>
+struct Hdf5TypeOf<std::uint8_t> {
+  static constexpr Hdf5Type value = Hdf5Type::uint8;
+};
+template <>
+struct Hdf5TypeOf<std::uint16_t> {
+  static constexpr Hdf5Type value = Hdf5Type::uint16;
+};
+template <>
+struct Hdf5TypeOf<std::uint32_t> {
+  static constexpr Hdf5Type value = Hdf5Type::uint32;
+};
+template <>
+struct Hdf5TypeOf<std::uint64_t> {
+  static constexpr Hdf5Type value = Hdf5Type::uint64;
+};
 
 /// How a dataset lies in the file. Rows are the first dimension; `columns` 1 makes it one-dimensional.
 struct Hdf5Layout {
   std::size_t columns = 1;
-  bool extendable = false;   ///< may be appended to and truncated
-  bool compressed = false;   ///< byte shuffle and gzip level 1
+  bool extendable = false;  ///< may be appended to and truncated
+  bool compressed = false;  ///< byte shuffle and gzip level 1
   std::size_t chunk_rows = 1024;
 };
 

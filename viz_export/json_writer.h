@@ -1,4 +1,5 @@
-/// @file json_writer.h  JSON out, value by value: numbers so that they read back to the same bits, non-finite ones as null.
+/// @file json_writer.h  JSON out, value by value: numbers so that they read back to the same bits, non-finite ones as
+/// null.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -29,10 +30,14 @@ class JsonWriter {
   JsonWriter& value(std::string_view v);
   JsonWriter& value(const char* v) { return value(std::string_view(v)); }
   template <class T>
-  JsonWriter& member(std::string_view name, const T& v) { return key(name).value(v); }
+  JsonWriter& member(std::string_view name, const T& v) {
+    return key(name).value(v);
+  }
   /// Absent where there is no value.
   template <class T>
-  JsonWriter& member(std::string_view name, const std::optional<T>& v) { return v ? member(name, *v) : *this; }
+  JsonWriter& member(std::string_view name, const std::optional<T>& v) {
+    return v ? member(name, *v) : *this;
+  }
   /// The document; complete when every begin has its end.
   const std::string& text() const { return text_; }
 

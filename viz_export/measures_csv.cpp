@@ -61,7 +61,8 @@ MeasuresCsv::~MeasuresCsv() {
 }
 
 void MeasuresCsv::add(double time, std::string_view measure, std::string_view component, double value) {
-  fmt::format_to(std::back_inserter(buffer_), "{:.17g},{},{},{:.17g}\n", time, csv_field(measure), csv_field(component), value);
+  fmt::format_to(std::back_inserter(buffer_), "{:.17g},{},{},{:.17g}\n", time, csv_field(measure), csv_field(component),
+                 value);
   if (buffer_.size() > buffer_bytes) flush();
 }
 

@@ -1,5 +1,6 @@
-/// @file measures_csv.h  measures.csv, long format: `time,measure,component,value`, 17 digits, so that it reads back to the
-/// same bits. Rows are buffered; flush() before a checkpoint, so that a resumed run can cut the file to the checkpoint.
+/// @file measures_csv.h  measures.csv, long format: `time,measure,component,value`, 17 digits, so that it reads back to
+/// the same bits. Rows are buffered; flush() before a checkpoint, so that a resumed run can cut the file to the
+/// checkpoint.
 #pragma once
 #include <filesystem>
 #include <fstream>

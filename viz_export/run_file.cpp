@@ -13,7 +13,8 @@ namespace epafi {
 namespace {
 
 constexpr Hdf5Layout growing{.extendable = true, .chunk_rows = 512};
-constexpr std::size_t most_buffered = 1 << 16;  // values; 512 kB are lost at most in a crash, and written again on resume
+constexpr std::size_t most_buffered =
+    1 << 16;  // values; 512 kB are lost at most in a crash, and written again on resume
 
 std::string numbered(const char* group, std::size_t k) { return fmt::format("{}/{:06d}", group, k); }
 
@@ -106,7 +107,8 @@ void RunFile::drop_after(std::uint64_t step, double time) {
 
 void RunFile::append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodies) {
   // rows by id: ids that came and went between two snapshots leave rows of zero mass and radius
-  const std::size_t known = bodies.empty() ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies.back().id + 1u);
+  const std::size_t known =
+      bodies.empty() ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies.back().id + 1u);
   const std::size_t fresh = known - bodies_known_;
   if (fresh == 0) return;
   std::vector<BodyRecord> rows(fresh);
@@ -116,7 +118,8 @@ void RunFile::append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodie
     if (b.surface == nullptr || surfaces_.count(b.shape) != 0) continue;
     const auto number = static_cast<std::int32_t>(surfaces_.size());
     const std::string group = numbered("shapes", static_cast<std::size_t>(number));
-    write_rows(file, group + "/points", 3, b.surface->points.size(), [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
+    write_rows(file, group + "/points", 3, b.surface->points.size(),
+               [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
     file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
     file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
     file.set_attribute(group, "shape", std::uint64_t{b.shape});
@@ -149,7 +152,8 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const std::vector<BodyRec
       const Quat& q = bodies[k].pose.orientation;
       to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
     });
-    write_rows(file, group + "/angular_velocity", 3, n, [&](std::size_t k, double* to) { put(bodies[k].angular_velocity, to); });
+    write_rows(file, group + "/angular_velocity", 3, n,
+               [&](std::size_t k, double* to) { put(bodies[k].angular_velocity, to); });
   }
   write_rows(file, group + "/kinetic_energy", 1, n, [&](std::size_t k, double* to) { *to = bodies[k].kinetic_energy; });
   file.set_attribute(group, "step", stamp.step);

@@ -2,10 +2,11 @@
 ///   attributes kind, format, version, scene_hash, title; texts scene, overrides
 ///   bodies/{shape, surface, material, mass, radius}   one row per body id; surface: number in shapes/, -1 for spheres
 ///   shapes/NNNNNN/{points, connectivity, offsets}     polygons in body axes
-///   snapshots/NNNNNN  attributes time, step, state_hash; id, position, velocity[, orientation w x y z, angular_velocity],
-///                     kinetic_energy, rows in the order of body ids
+///   snapshots/NNNNNN  attributes time, step, state_hash; id, position, velocity, kinetic_energy and, where the scene
+///                     rotates, orientation (w x y z) and angular_velocity; rows in the order of body ids
 ///   measures/NAME     attribute components; time, value (one column per component)
-/// The file is open only while a snapshot is written: a crash between snapshots leaves it whole and others may read meanwhile.
+/// The file is open only while something is written: a crash between snapshots leaves it whole, and others may read it
+/// meanwhile. A crash within a write can spoil it: readers then get a FileError; the checkpoint is another file.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -25,9 +26,9 @@ struct RunFileHeader {
 /// State of one instant beside its bodies.
 struct SnapshotStamp {
   std::uint64_t step = 0;
-  double time = 0.0;       ///< [s]
+  double time = 0.0;  ///< [s]
   std::string state_hash;
-  bool rotates = false;    ///< orientation and angular velocity are stored
+  bool rotates = false;  ///< orientation and angular velocity are stored
 };
 
 class Hdf5File;
@@ -58,7 +59,7 @@ class RunFile {
   void append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodies);
   std::filesystem::path path_;
   std::vector<Measure> measures_;
-  std::size_t buffered_ = 0;                      ///< values of measures waiting
+  std::size_t buffered_ = 0;                        ///< values of measures waiting
   std::map<std::uint32_t, std::int32_t> surfaces_;  ///< number in shapes/ by packed reference
   std::size_t snapshots_ = 0, bodies_known_ = 0;
   std::int64_t last_step_ = -1;

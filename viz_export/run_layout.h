@@ -14,7 +14,8 @@ inline void check(const Hdf5File& file) {
     throw FileError(path + ": is not a run file of Epafi");
   const std::uint64_t found = file.count_attribute("/", "format");
   if (found != format)
-    throw FileError(path + ": has run format " + std::to_string(found) + ", this program reads " + std::to_string(format));
+    throw FileError(path + ": has run format " + std::to_string(found) + ", this program reads " +
+                    std::to_string(format));
 }
 
 }  // namespace epafi::run_layout

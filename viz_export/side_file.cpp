@@ -17,7 +17,8 @@ namespace epafi {
 namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, const char* operation) {
   const int cause = errno;
-  throw FileError(path.string() + ": cannot " + operation + ": " + (cause != 0 ? std::strerror(cause) : "unknown cause"));
+  throw FileError(path.string() + ": cannot " + operation + ": " +
+                  (cause != 0 ? std::strerror(cause) : "unknown cause"));
 }
 }  // namespace
 
@@ -45,7 +46,8 @@ void SideFile::commit(bool durable) {
   if (durable) sync_to_disk(target_.has_parent_path() ? target_.parent_path() : std::filesystem::path("."));
 }
 
-void write_whole_file(const std::filesystem::path& target, std::initializer_list<std::string_view> parts, bool durable) {
+void write_whole_file(const std::filesystem::path& target, std::initializer_list<std::string_view> parts,
+                      bool durable) {
   SideFile side(target);
   errno = 0;
   std::ofstream out(side.path(), std::ios::binary);

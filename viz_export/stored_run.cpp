@@ -16,7 +16,9 @@ struct StoredRun::Impl {
   std::vector<std::uint16_t> material;
   std::vector<double> mass, radius;
 
-  [[noreturn]] void refuse(const std::string& what) const { throw FileError(file.path().string() + ": is damaged: " + what); }
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw FileError(file.path().string() + ": is damaged: " + what);
+  }
 
   void read_surface(const std::string& group) {
     Surface s;
@@ -26,7 +28,8 @@ struct StoredRun::Impl {
     if (points.size() % 3 != 0) refuse("'" + group + "/points' is not a list of triples");
     for (std::size_t k = 0; k < points.size(); k += 3) s.points.emplace_back(points[k], points[k + 1], points[k + 2]);
     for (std::int32_t c : s.connectivity)
-      if (c < 0 || static_cast<std::size_t>(c) >= s.points.size()) refuse("'" + group + "' names a point that is not there");
+      if (c < 0 || static_cast<std::size_t>(c) >= s.points.size())
+        refuse("'" + group + "' names a point that is not there");
     std::int32_t last = 0;
     for (std::int32_t o : s.offsets) {
       if (o < last || static_cast<std::size_t>(o) > s.connectivity.size()) refuse("'" + group + "' has a wrong offset");
@@ -78,7 +81,8 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
   const auto x = impl_->rows(group + "/position", 3, n), v = impl_->rows(group + "/velocity", 3, n);
   const auto energy = impl_->rows(group + "/kinetic_energy", 1, n);
   std::vector<double> q, w;
-  if (out.stamp.rotates) q = impl_->rows(group + "/orientation", 4, n), w = impl_->rows(group + "/angular_velocity", 3, n);
+  if (out.stamp.rotates)
+    q = impl_->rows(group + "/orientation", 4, n), w = impl_->rows(group + "/angular_velocity", 3, n);
   out.bodies.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     BodyRecord& b = out.bodies[i];

@@ -58,8 +58,12 @@ std::string summary_json(const RunSummary& s) {
   if (s.energy) put_energy(json, *s.energy);
   json.member("momentum_error", s.momentum_error);
   if (s.overlap)
-    json.key("overlap").begin_object().member("max", s.overlap->max).member("mean", s.overlap->mean)
-        .member("max_relative", s.overlap->max_relative).end_object();
+    json.key("overlap")
+        .begin_object()
+        .member("max", s.overlap->max)
+        .member("mean", s.overlap->mean)
+        .member("max_relative", s.overlap->max_relative)
+        .end_object();
   put_max_mean(json, "residual", s.residual);
   put_max_mean(json, "iterations", s.iterations);
   put_measures(json, s);

@@ -12,10 +12,10 @@ namespace epafi {
 
 struct RunSummary {
   struct Energy {
-    double kinetic = 0, potential = 0;     ///< at the end [J]
-    std::optional<double> elastic;         ///< [J]; smooth contact only
-    double dissipated = 0, work = 0;       ///< since the start [J]
-    double relative_error = 0;             ///< of the ledger
+    double kinetic = 0, potential = 0;  ///< at the end [J]
+    std::optional<double> elastic;      ///< [J]; smooth contact only
+    double dissipated = 0, work = 0;    ///< since the start [J]
+    double relative_error = 0;          ///< of the ledger
   };
   struct Overlap {
     double max = 0, mean = 0;  ///< over pairs that overlap [m]
@@ -32,11 +32,11 @@ struct RunSummary {
     bool ok = true;
   };
 
-  std::string epafi;       ///< version
+  std::string epafi;  ///< version
   std::string scene;
   std::string scene_hash;
-  std::string status;      ///< completed, bound_violated, failed, interrupted
-  std::string failure;     ///< why, where the status is not completed; else empty and absent
+  std::string status;   ///< completed, bound_violated, failed, interrupted
+  std::string failure;  ///< why, where the status is not completed; else empty and absent
   std::uint64_t bodies = 0, bodies_lost = 0;
   std::optional<std::uint64_t> bodies_removed;  ///< by the domain or remove_at
   std::uint64_t steps = 0;
@@ -50,7 +50,7 @@ struct RunSummary {
   std::optional<Energy> energy;
   std::optional<double> momentum_error;
   std::optional<Overlap> overlap;
-  std::optional<MaxMean> residual, iterations;  ///< non-smooth contact only
+  std::optional<MaxMean> residual, iterations;                       ///< non-smooth contact only
   std::map<std::string, std::map<std::string, Component>> measures;  ///< by measure, by component
   std::map<std::string, Check> checks;                               ///< of [bounds]
   std::uint64_t peak_memory_bytes = 0;

@@ -1,5 +1,5 @@
-/// @file surface.h  The surface of a shape as polygons, for pictures. Flat faces are exact; round bodies are drawn as the
-/// support points of a grid of directions, so every corner lies on the body and the picture lies inside it.
+/// @file surface.h  The surface of a shape as polygons, for pictures. Flat faces are exact; round bodies are drawn as
+/// the support points of a grid of directions, so every corner lies on the body and the picture lies inside it.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -15,8 +15,9 @@ struct Surface {
   bool empty() const { return offsets.empty(); }
 };
 
-/// Empty for a sphere: it is drawn as a point with its radius. plane_size: edge of the square that stands for a half-space
-/// [m], cut around the foot of `plane_centre` (body axes) on the plane.
-Surface surface_of(const ShapeStore& shapes, ShapeRef shape, double plane_size, const Vec3& plane_centre = Vec3::Zero());
+/// Empty for a sphere: it is drawn as a point with its radius. plane_size: edge of the square that stands for a
+/// half-space [m], cut around the foot of `plane_centre` (body axes) on the plane.
+Surface surface_of(const ShapeStore& shapes, ShapeRef shape, double plane_size,
+                   const Vec3& plane_centre = Vec3::Zero());
 
 }  // namespace epafi

@@ -43,7 +43,8 @@ std::string compress_blocks(Bytes data) {
     uLongf size = compressBound(static_cast<uLong>(end - begin));
     streams[b].resize(size);
     const auto* from = reinterpret_cast<const Bytef*>(data.data() + begin);
-    const int status = compress2(reinterpret_cast<Bytef*>(streams[b].data()), &size, from, static_cast<uLong>(end - begin), 1);
+    const int status =
+        compress2(reinterpret_cast<Bytef*>(streams[b].data()), &size, from, static_cast<uLong>(end - begin), 1);
     streams[b].resize(status == Z_OK ? size : 0);
   });
   std::string out;
@@ -93,7 +94,8 @@ class Appended {
 
 std::string array_tag(Appended& appended, const std::string& name, const char* type, int components, Bytes data) {
   return fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)", type,
-                     name, components, appended.add(data)) + "\n";
+                     name, components, appended.add(data)) +
+         "\n";
 }
 
 std::string cells_tag(Appended& appended, const char* tag, const VtpCells& cells) {
@@ -104,11 +106,14 @@ std::string cells_tag(Appended& appended, const char* tag, const VtpCells& cells
 std::string data_tag(Appended& appended, const char* tag, const std::vector<VtpArray>& arrays, std::size_t tuples) {
   std::string out = fmt::format("<{}>\n", tag);
   for (const VtpArray& a : arrays) {
-    std::visit([&](const auto& values) {
-      EPAFI_REQUIRE(values.size() == tuples * static_cast<std::size_t>(a.components), "one tuple per point or cell");
-      using T = typename std::decay_t<decltype(values)>::value_type;
-      out += array_tag(appended, a.name, type_name(T{}), a.components, bytes_of(values));
-    }, a.values);
+    std::visit(
+        [&](const auto& values) {
+          EPAFI_REQUIRE(values.size() == tuples * static_cast<std::size_t>(a.components),
+                        "one tuple per point or cell");
+          using T = typename std::decay_t<decltype(values)>::value_type;
+          out += array_tag(appended, a.name, type_name(T{}), a.components, bytes_of(values));
+        },
+        a.values);
   }
   (void)tuples;
   return out + fmt::format("</{}>\n", tag);
@@ -122,9 +127,11 @@ void write_vtp(const std::filesystem::path& path, const PolyData& d, VtpEncoding
   std::string head = fmt::format(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{}>\n<PolyData>\n"
-      "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{:.17g}</DataArray>"
+      "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+      "format=\"ascii\">{:.17g}</DataArray>"
       "</FieldData>\n"
-      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
+      "NumberOfPolys=\"{}\">\n",
       compressor, d.time, d.point_count(), d.vertices.size(), d.lines.size(), d.polygons.size());
   head += data_tag(appended, "PointData", d.point_data, d.point_count());
   head += data_tag(appended, "CellData", d.cell_data, d.vertices.size() + d.lines.size() + d.polygons.size());
@@ -181,8 +188,9 @@ void PvdFile::keep_until(double time) {
 void PvdFile::add(double time, int part, const std::string& file) { entries_.push_back({time, part, file}); }
 
 void PvdFile::write() const {
-  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-                     "<Collection>\n";
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "<Collection>\n";
   for (const Entry& e : entries_)
     text += fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", e.time, e.part, e.file);
   write_whole_file(path_, {text, "</Collection>\n</VTKFile>\n"});

@@ -1,5 +1,5 @@
-/// @file vtp_writer.h  Points, lines and polygons with data arrays as VTK XML PolyData (.vtp, appended raw), and the .pvd
-/// list of frames. Without the VTK library; read by VTK 9.1 and ParaView 5.11 (VTK File Formats, Kitware 2005).
+/// @file vtp_writer.h  Points, lines and polygons with data arrays as VTK XML PolyData (.vtp, appended raw), and the
+/// .pvd list of frames. Without the VTK library; read by VTK 9.1 and ParaView 5.11 (VTK File Formats, Kitware 2005).
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -33,8 +33,8 @@ struct PolyData {
   std::size_t point_count() const { return points.size() / 3; }
 };
 
-/// Compressed: zlib level 1 in blocks. Index arrays of meshes shrink to almost nothing; positions hardly shrink and cost
-/// ten times the time, so points of spheres are written plain.
+/// Compressed: zlib level 1 in blocks. Index arrays of meshes shrink to almost nothing; positions hardly shrink and
+/// cost ten times the time, so points of spheres are written plain.
 enum class VtpEncoding { plain, compressed };
 
 /// Throws FileError.

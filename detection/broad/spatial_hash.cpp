@@ -97,8 +97,8 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
   }
 }
 
-void SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,
-                         std::vector<Slot>& found) const {
+std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,
+                                std::vector<Slot>& found, std::size_t n) const {
   const Aabb& box = bodies.box[slot_[body]];
   const Ball ball = ball_[body];
   const std::uint32_t id = id_[body];
@@ -110,14 +110,13 @@ void SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint3
     if (hi - lo >= a.mask) lo = 0, hi = a.mask;  // the whole folded axis, each cell once
   }
   const auto scan = [&](std::uint32_t begin, std::uint32_t end) {
-    const std::size_t n = found.size();
-    found.resize(n + (end - begin));
+    if (found.size() < n + (end - begin)) found.resize(2 * (n + (end - begin)));
     Slot* out = found.data() + n;
     for (std::uint32_t k = begin; k < end; ++k) {  // no branch: half of the candidates hit
       *out = slot_[k];
       out += static_cast<int>(ball.overlaps(ball_[k])) & static_cast<int>(!own_level || id_[k] > id);
     }
-    found.resize(static_cast<std::size_t>(out - found.data()));
+    n = static_cast<std::size_t>(out - found.data());
   };
   const auto [mx, my, mz] = std::array{level.axis[0].mask, level.axis[1].mask, level.axis[2].mask};
   const std::int64_t x0 = from[0] & mx, x1 = to[0] & mx;
@@ -127,6 +126,7 @@ void SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint3
       if (x0 <= x1) scan(row[x0], row[x1 + 1]);
       else scan(row[0], row[x1 + 1]), scan(row[x0], row[mx + 1]);
     }
+  return n;
 }
 
 void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
@@ -138,12 +138,11 @@ void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t block) {
     std::vector<Slot>& found = found_[block];
     for (std::size_t k = begin; k < end; ++k) {
-      found.clear();
-      std::size_t own = 0;
+      std::size_t own = 0, count = 0;
       while (own + 1 < levels_ && k >= level_[own + 1].first) ++own;
       for (std::size_t l = 0; l <= own; ++l)
-        if (level_[l].count > 0) search(bodies, level_[l], static_cast<std::uint32_t>(k), l == own, found);
-      collector.add(block, slot_[k], found);
+        if (level_[l].count > 0) count = search(bodies, level_[l], static_cast<std::uint32_t>(k), l == own, found, count);
+      collector.add(block, slot_[k], std::span(found).first(count));
     }
   });
 }

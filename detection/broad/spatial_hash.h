@@ -44,7 +44,10 @@ class SpatialHash final : public ListBroadPhase {
   void set_levels(const FatBodies& bodies);
   void set_grid(Level& level, const Vec3& low, const Vec3& high);
   void sort_bodies(const FatBodies& bodies);
-  void search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level, std::vector<Slot>& found) const;
+  /// Appends the bodies of the level whose fat balls meet that of the body behind found[n]; of its own level those of higher
+  /// id. Returns the new count: `found` only grows.
+  std::size_t search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,
+                     std::vector<Slot>& found, std::size_t n) const;
 };
 
 }  // namespace epafi

@@ -23,8 +23,17 @@ class ContactSink {
  public:
   explicit ContactSink(ContactSet& out) : out_(out) {}
   /// Opens the pair that the next points belong to.
-  void begin(Slot a, Slot b) { a_ = a, b_ = b, first_ = out_.size(); }
-  void add(const ContactPoint& c) { out_.append(a_, b_, c); }
+  void begin(Slot a, Slot b) { a_ = a, b_ = b, first_ = out_.size(), flipped_ = false; }
+  /// The next points come from a function that has the bodies the other way round: normals turn, arms are taken from A.
+  /// centre: of the function's A relative to the pair's A [m].
+  void flip(const Vec3& centre) { flipped_ = true, centre_ = centre; }
+  void add(const ContactPoint& c) {
+    if (!flipped_) return out_.append(a_, b_, c);
+    out_.append(a_, b_, {c.gap, -c.normal, c.arm + centre_, c.effective_radius, c.feature});
+  }
+  /// A pair whose certified interval did not close: counted, and reported by the narrow phase.
+  void mark_degenerate() { ++degenerate_; }
+  std::size_t degenerate() const { return degenerate_; }
   /// Closes the pair: its points are put in the order of their features, which are distinct within a pair.
   void end() {
     if (out_.size() > first_ + 1) sort();
@@ -44,8 +53,20 @@ class ContactSink {
   }
   ContactSet& out_;
   Slot a_ = 0, b_ = 0;
-  std::size_t first_ = 0;
+  std::size_t first_ = 0, degenerate_ = 0;
+  bool flipped_ = false;
+  Vec3 centre_ = Vec3::Zero();
 };
+
+/// Radius that stands for a shape's curvature in R* [m]: exact for spheres, infinite for planes, otherwise the shape's choice.
+template <class S>
+double contact_radius(const S& s) {
+  if constexpr (requires { s.contact_radius(); }) {
+    return s.contact_radius();
+  } else {
+    return s.bounding_radius();
+  }
+}
 
 /// R* = 1/(1/R_a + 1/R_b); infinity for a plane gives the other's radius. Two planes: infinity.
 inline double effective_radius(double radius_a, double radius_b) { return 1.0 / (1.0 / radius_a + 1.0 / radius_b); }

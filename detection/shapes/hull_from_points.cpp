@@ -10,6 +10,8 @@
 #include <string>
 #include <tuple>
 
+#include "detection/narrow/point_triangle.h"
+
 namespace epafi {
 namespace {
 
@@ -77,16 +79,12 @@ HullSurface exact_hull(const std::vector<Vec3>& points) {
   return hull;
 }
 
-/// How far p lies outside of the hull, by the planes of its faces [m].
-double outside(const HullSurface& hull, const Vec3& p) {
-  double most = -1.0;
-  for (const auto& f : hull.faces) {
-    const Vec3 &a = hull.vertices[f[0]], &b = hull.vertices[f[1]], &c = hull.vertices[f[2]];
-    const Vec3 area = (b - a).cross(c - a);
-    const double size = area.norm();
-    if (size > 0.0) most = std::max(most, area.dot(p - a) / size);
-  }
-  return most;
+/// Distance of p, not inside, from the hull [m]. By triangles, not by planes: slivers have no usable plane.
+double distance(const HullSurface& hull, const Vec3& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& f : hull.faces)
+    least = std::min(least, nearest_on_triangle(p, {hull.vertices[f[0]], hull.vertices[f[1]], hull.vertices[f[2]]}).distance);
+  return least;
 }
 
 /// Vertices of triangles that are flat to within `tolerance`, and of pairs of triangles that are coplanar to within it.
@@ -130,7 +128,7 @@ HullSurface hull_from_points(std::span<const Vec3> points, const Place& place) {
     const auto rest = extents(others);
     if (!(rest[2] > flat * rest[0])) continue;
     HullSurface smaller = exact_hull(others);
-    if (outside(smaller, candidates[k]) <= tolerance) hull = std::move(smaller);
+    if (distance(smaller, candidates[k]) <= tolerance) hull = std::move(smaller);
   }
   return hull;
 }

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include "detection/shapes/mesh_text.h"
 
 namespace epafi {
@@ -39,17 +41,17 @@ std::uint32_t corner(MeshText& text, std::string_view word, std::size_t vertices
   long long k = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), k);
   if (error != std::errc{} || end != number.data() + number.size() || k == 0)
-    text.fail("expected a vertex index, found '" + MeshText::shown(word) + "'");
+    text.fail(fmt::format("expected a vertex index, found '{}'", MeshText::shown(word)));
   const auto count = static_cast<long long>(vertices);
   if (k > count || k < -count)
-    text.fail("vertex index " + std::to_string(k) + " is out of range: " + std::to_string(count) + " vertices so far");
+    text.fail(fmt::format("vertex index {} is out of range: {} vertices so far", k, count));
   return static_cast<std::uint32_t>(k > 0 ? k - 1 : count + k);
 }
 
 void read_face(MeshText& text, TriangleSurface& surface) {
   std::vector<std::uint32_t> polygon;
   for (auto w = text.word(); !w.empty(); w = text.word()) polygon.push_back(corner(text, w, surface.vertices.size()));
-  if (polygon.size() < 3) text.fail("a face needs at least 3 vertices, found " + std::to_string(polygon.size()));
+  if (polygon.size() < 3) text.fail(fmt::format("a face needs at least 3 vertices, found {}", polygon.size()));
   for (std::size_t k = 2; k < polygon.size(); ++k) surface.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
 }
 
@@ -94,7 +96,7 @@ std::vector<Vec3> binary_corners(std::string_view bytes, const std::string& file
         p[i] = std::bit_cast<float>(little_endian(bytes, at));
       }
       if (!p.allFinite())
-        throw SceneError("triangle " + std::to_string(t + 1) + " of " + std::to_string(count) + " has a vertex that is not finite", {file, 0, 0});
+        throw SceneError(fmt::format("triangle {} of {} has a vertex that is not finite", t + 1, count), {file, 0, 0});
       corners.push_back(p + Vec3::Zero());
     }
   }
@@ -110,7 +112,7 @@ bool next_filled_line(MeshText& text) {
 std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file) {
   MeshText text(bytes, file);
   const auto line = [&](const char* what) {
-    if (!next_filled_line(text)) text.fail(std::string("the file ends where '") + what + "' is expected");
+    if (!next_filled_line(text)) text.fail(fmt::format("the file ends where '{}' is expected", what));
   };
   std::vector<Vec3> corners;
   line("solid");
@@ -122,7 +124,7 @@ std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file)
       text.expect("solid");  // several solids in one file are one surface
       continue;
     }
-    if (first != "facet") text.fail("expected 'facet' or 'endsolid', found " + MeshText::named(first));
+    if (first != "facet") text.fail(fmt::format("expected 'facet' or 'endsolid', found {}", MeshText::named(first)));
     line("outer loop"), text.expect("outer"), text.expect("loop"), text.expect_end();
     for (int k = 0; k < 3; ++k) {
       line("vertex"), text.expect("vertex");
@@ -139,20 +141,15 @@ std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file)
 
 std::string MeshReport::to_string() const {
   const auto edge = [](const std::array<Vec3, 2>& e) {
-    const auto point = [](const Vec3& p) {
-      char out[96];
-      std::snprintf(out, sizeof out, "(%.6g, %.6g, %.6g)", p.x(), p.y(), p.z());
-      return std::string(out);
-    };
-    return point(e[0]) + " - " + point(e[1]);
+    return fmt::format("({:.6g}, {:.6g}, {:.6g}) - ({:.6g}, {:.6g}, {:.6g})", e[0].x(), e[0].y(), e[0].z(), e[1].x(), e[1].y(), e[1].z());
   };
   std::string text;
-  const auto add = [&](const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; };
-  if (open_edges > 0) add("not watertight: " + std::to_string(open_edges) + " open edges, the first is " + edge(first_open));
+  const auto add = [&](const std::string& sentence) { text.append(text.empty() ? "" : "; ").append(sentence); };
+  if (open_edges > 0) add(fmt::format("not watertight: {} open edges, the first is {}", open_edges, edge(first_open)));
   if (clashing_edges > 0)
-    add(std::to_string(clashing_edges) + " edges with more than two triangles or with two of opposite orientation, the first is " + edge(first_clash));
+    add(fmt::format("{} edges with more than two triangles or with two of opposite orientation, the first is {}", clashing_edges, edge(first_clash)));
   if (is_inverted()) add("inside out: the triangles are clockwise seen from outside");
-  if (dropped > 0) add(std::to_string(dropped) + " triangles without area left out");
+  if (dropped > 0) add(fmt::format("{} triangles without area left out", dropped));
   return text;
 }
 
@@ -186,7 +183,7 @@ MeshFile read_obj(std::string_view bytes, const std::string& file) {
     } else if (first == "f") {
       read_face(text, surface);
     } else if (std::find(without_effect.begin(), without_effect.end(), first) == without_effect.end()) {
-      text.fail("unknown statement '" + MeshText::shown(first) + "' (v, f and comments are read)");
+      text.fail(fmt::format("unknown statement '{}' (v, f and comments are read)", MeshText::shown(first)));
     }
   }
   return checked(std::move(surface), file);
@@ -198,24 +195,24 @@ MeshFile read_stl(std::string_view bytes, const std::string& file) {
   if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid")
     return checked(welded(ascii_corners(bytes, file)), file);
   if (bytes.size() < stl_header)
-    throw SceneError("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: " + std::to_string(bytes.size()) + " bytes", {file, 0, 0});
+    throw SceneError(fmt::format("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: {} bytes", bytes.size()), {file, 0, 0});
   const std::size_t count = little_endian(bytes, 80);
-  throw SceneError("the binary STL announces " + std::to_string(count) + " triangles (" + std::to_string(stl_header + stl_record * count) +
-                       " bytes), the file has " + std::to_string(bytes.size()) + " bytes", {file, 0, 0});
+  throw SceneError(fmt::format("the binary STL announces {} triangles ({} bytes), the file has {} bytes", count, stl_header + stl_record * count,
+                               bytes.size()), {file, 0, 0});
 }
 
 MeshFile read_mesh_file(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) throw FileError("cannot read mesh '" + path + "': no such file");
+  if (!fs::is_regular_file(path, error)) throw FileError(fmt::format("cannot read mesh '{}': no such file", path));
   const auto size = fs::file_size(path, error);
-  if (error || size > largest_file) throw FileError("cannot read mesh '" + path + "': larger than 2 GiB");
+  if (error || size > largest_file) throw FileError(fmt::format("cannot read mesh '{}': larger than 2 GiB", path));
   std::string ending = fs::path(path).extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (ending != ".obj" && ending != ".stl") throw SceneError("mesh files end in .obj or .stl, found '" + ending + "'", {path, 0, 0});
+  if (ending != ".obj" && ending != ".stl") throw SceneError(fmt::format("mesh files end in .obj or .stl, found '{}'", ending), {path, 0, 0});
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(path, std::ios::binary);
-  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) throw FileError("cannot read mesh '" + path + "'");
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) throw FileError(fmt::format("cannot read mesh '{}'", path));
   return ending == ".obj" ? read_obj(bytes, path) : read_stl(bytes, path);
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "engine/error.h"
 #include "engine/types.h"
 
@@ -37,9 +39,9 @@ class MeshText {
     const auto digits = w.starts_with('+') ? w.substr(1) : w;
     double value = 0.0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error == std::errc::result_out_of_range) fail("'" + shown(w) + "' is outside the range of numbers");
-    if (error != std::errc{} || end != digits.data() + digits.size()) fail("expected a number, found '" + shown(w) + "'");
-    if (!std::isfinite(value)) fail("'" + shown(w) + "' is not a finite number");
+    if (error == std::errc::result_out_of_range) fail(fmt::format("'{}' is outside the range of numbers", shown(w)));
+    if (error != std::errc{} || end != digits.data() + digits.size()) fail(fmt::format("expected a number, found '{}'", shown(w)));
+    if (!std::isfinite(value)) fail(fmt::format("'{}' is not a finite number", shown(w)));
     return value;
   }
   Vec3 point() {
@@ -47,20 +49,21 @@ class MeshText {
     return {x, y, z};
   }
   void expect(std::string_view what) {
-    if (const auto w = word(); w != what) fail("expected '" + std::string(what) + "', found " + named(w));
+    if (const auto w = word(); w != what) fail(fmt::format("expected '{}', found {}", what, named(w)));
   }
   void expect_end() {
-    if (const auto w = word(); !w.empty()) fail("expected the end of the line, found '" + shown(w) + "'");
+    if (const auto w = word(); !w.empty()) fail(fmt::format("expected the end of the line, found '{}'", shown(w)));
   }
   [[noreturn]] void fail(const std::string& text) const {
     throw SceneError(text, {file_, number_, static_cast<int>(word_begin_) + 1});
   }
-  static std::string named(std::string_view w) { return w.empty() ? "the end of the line" : "'" + shown(w) + "'"; }
+  static std::string named(std::string_view w) { return w.empty() ? "the end of the line" : fmt::format("'{}'", shown(w)); }
   /// Printable and short: a broken file may hold anything.
   static std::string shown(std::string_view w) {
     std::string out;
     for (const char c : w.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
-    return w.size() > 40 ? out + "..." : out;
+    if (w.size() > 40) out.append("...");
+    return out;
   }
 
  private:

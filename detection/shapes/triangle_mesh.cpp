@@ -37,6 +37,7 @@ TriangleMesh TriangleMesh::from_surface(TriangleSurface surface) {
     for (const auto v : t) mesh.radius_ = std::max(mesh.radius_, mesh.vertices[v].norm());
   }
   mesh.find_neighbours();
+  mesh.find_flat_groups();
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
   if (n > 0) mesh.build(order, 0, n);
@@ -64,6 +65,28 @@ void TriangleMesh::find_neighbours() {
   }
 }
 
+void TriangleMesh::find_flat_groups() {
+  flat_group.assign(triangles.size(), none);
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t first = 0; first < triangles.size(); ++first) {
+    if (flat_group[first] != none) continue;
+    open.assign(1, first);
+    flat_group[first] = first;
+    while (!open.empty()) {
+      const std::uint32_t t = open.back();
+      open.pop_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t next = neighbours[t][k];
+        if (edge_kinds[t][k] != EdgeKind::flat || flat_group[next] != none) continue;
+        // against the first triangle too: a fine curved surface must not become one plane step by step
+        if (normals[first].cross(normals[next]).norm() > flat_angle) continue;
+        flat_group[next] = first;
+        open.push_back(next);
+      }
+    }
+  }
+}
+
 std::uint32_t TriangleMesh::build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) {
   const auto self = static_cast<std::uint32_t>(nodes_.size());
   Aabb box, centres;
@@ -84,7 +107,7 @@ std::uint32_t TriangleMesh::build(std::vector<std::uint32_t>& order, std::uint32
 }
 
 void TriangleMesh::query(const Aabb& box, std::vector<std::uint32_t>& out) const {
-  out.clear();
+  const auto first = static_cast<std::ptrdiff_t>(out.size());
   for (std::uint32_t k = 0; k < nodes_.size();) {
     const Node& node = nodes_[k];
     if (!node.box.overlaps(box)) {
@@ -95,7 +118,7 @@ void TriangleMesh::query(const Aabb& box, std::vector<std::uint32_t>& out) const
       if (boxes_[leaves_[i]].overlaps(box)) out.push_back(leaves_[i]);
     ++k;
   }
-  std::sort(out.begin(), out.end());
+  std::sort(out.begin() + first, out.end());
 }
 
 Aabb TriangleMesh::bounding_box(const Pose& pose) const {

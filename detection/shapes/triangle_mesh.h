@@ -29,6 +29,8 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> neighbours;   ///< triangle behind side k, or none
   std::vector<std::array<EdgeKind, 3>> edge_kinds;        ///< of side k
 
+  std::vector<std::uint32_t> flat_group;                  ///< lowest triangle of the connected flat part a triangle is in
+
   /// The surface need not be closed. Triangles must have an area (the mesh reader leaves others out).
   static TriangleMesh from_surface(TriangleSurface surface);
 
@@ -37,7 +39,11 @@ struct TriangleMesh {
             {{"file", "", "", Kind::text, {}, {}, "OBJ or STL file, coordinates in m"}}, {}, ""};
   }
 
-  /// Triangles whose box overlaps `box` (body axes), ascending; `out` is cleared first and keeps its capacity.
+  std::array<Vec3, 3> corners(std::uint32_t t) const {
+    return {vertices[triangles[t][0]], vertices[triangles[t][1]], vertices[triangles[t][2]]};
+  }
+
+  /// Appends the triangles whose box overlaps `box` (body axes), ascending.
   void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
 
   double contact_radius() const { return infinity; }
@@ -55,6 +61,7 @@ struct TriangleMesh {
     std::uint32_t count;  ///< triangles of a leaf, 0: inner node
   };
   void find_neighbours();
+  void find_flat_groups();
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 
   std::vector<Node> nodes_;

@@ -1,5 +1,6 @@
 /// @file rolling.h  Rolling parts: none, and the elastic-plastic spring with dashpot (type C of Ai et al. 2011).
-/// The spring holds a body at rest without creep; the dashpot is off while the spring is at its limit.
+/// The spring holds a body at rest without creep. The limit holds for spring and dashpot together: with the dashpot
+/// outside it, as published, a rolling sphere that touches down gets a moment of 60 to 260 times the limit for a step.
 #pragma once
 #include <cmath>
 
@@ -22,7 +23,7 @@ struct NoRolling {
 };
 static_assert(RollingLaw<NoRolling>);
 
-/// k_r = 9/4 k_n (mu_r R*)^2, |M| <= mu_r R* N, C_r = 2 eta sqrt(I_r k_r)
+/// M = k_r theta + C_r theta_dot, |M| <= mu_r R* N, k_r = 9/4 k_n (mu_r R*)^2, C_r = 2 eta sqrt(I_r k_r)
 struct RollingSpring {
   static constexpr const char* name = "spring";
   static constexpr Needs needs{.rotation = true, .memory = true, .curvature = true, .contact_moment = true};

@@ -5,6 +5,7 @@
 /// Energies (StepReport): viscous losses and work of driven bodies by the trapezoid of their power; losses of springs
 /// (slip, rescaling, opening of the contact) as work done on them minus growth of their energy.
 #pragma once
+#include "engine/error.h"
 #include "engine/incidence.h"
 #include "engine/parallel.h"
 #include "engine/pipeline.h"
@@ -82,8 +83,9 @@ class SmoothContact final : public ContactModel {
     const double lag = damped_ ? clock.velocity_lag * clock.dt : 0.0;
     if (lag > 0.0) change_.predict(world, lag);
     if constexpr (springs > 0) memory_.advance(contacts, springs);
+    EPAFI_REQUIRE(world.rotates() || springs == 0, "friction and rolling need a world with rotation");
     const SmoothSums sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
-                                            : run<false>(world, contacts, clock.dt, lag > 0.0);
+                                            : run<(springs > 0)>(world, contacts, clock.dt, lag > 0.0);
     incidence_.build(contacts, world.size());
     gather_forces(contacts, incidence_, world);
     record(sums, contacts, clock.dt, report);
@@ -114,7 +116,7 @@ class SmoothContact final : public ContactModel {
   struct Touch {
     std::size_t i;
     Slot a, b;
-    Vec3 arm_b;
+    Vec3 arm_b;          ///< where the world rotates [m]
     Vec3 slip_velocity;  ///< of B against A at the contact, middle of the step, normal part taken out [m/s]
     ContactKinematics at;
     NormalResponse normal;
@@ -124,18 +126,25 @@ class SmoothContact final : public ContactModel {
   SmoothSums run(const World& world, ContactSet& contacts, double dt, bool predicted) {
     blocks_.resize((contacts.size() + sum_block - 1) / sum_block);
     parallel_blocks(contacts.size(), sum_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
-      SmoothSums sums;
-      for (std::size_t i = begin; i < end; ++i) evaluate<rotates>(world, contacts, i, dt, predicted, sums);
-      blocks_[block] = sums;
+      blocks_[block] = evaluate_block<rotates>(world, contacts, begin, end, dt, predicted);
     });
     SmoothSums total;
     for (const SmoothSums& s : blocks_) total += s;
     return total;
   }
 
+  /// Flattened: GCC leaves vector helpers uninlined in a body of this size, which costs twice the time (perf/laws.cpp).
+  template <bool rotates>
+  [[gnu::flatten]] SmoothSums evaluate_block(const World& world, ContactSet& contacts, std::size_t begin, std::size_t end,
+                                             double dt, bool predicted) {
+    SmoothSums sums;
+    for (std::size_t i = begin; i < end; ++i) evaluate<rotates>(world, contacts, i, dt, predicted, sums);
+    return sums;
+  }
+
   template <bool rotates>
   void evaluate(const World& world, ContactSet& contacts, std::size_t i, double dt, bool predicted, SmoothSums& sums) {
-    Touch t{i, contacts.a[i], contacts.b[i], {}, {}, {}, {}};
+    Touch t{i, contacts.a[i], contacts.b[i], Vec3::Zero(), Vec3::Zero(), {}, {}};
     const double mobility = world.inverse_mass[t.a] + world.inverse_mass[t.b];  // 1/m*
     if (!(contacts.gap[i] < 0.0) || mobility == 0.0) {
       contacts.force[i].setZero();
@@ -198,12 +207,14 @@ class SmoothContact final : public ContactModel {
     const double stiffness = Rolling::stiffness(p, t.normal.stiffness, t.at.effective_radius);
     const double limit = Rolling::limit(p, t.normal.force, t.at.effective_radius);
     const Vec3 elastic = pull(t, springs - 1, n, twist(world, t, n, dt), stiffness, dt * in_plane(spin), limit, sums);
-    if (elastic.squaredNorm() >= limit * limit * (1.0 - 1e-12)) return elastic;  // at the limit: no dashpot
     if (predicted) spin += change_.angular[t.b] - change_.angular[t.a];
+    spin = in_plane(spin);
     const double mobility = rolling_mobility(world, t.a, contacts.arm[t.i]) + rolling_mobility(world, t.b, t.arm_b);
-    const Vec3 viscous = Rolling::damping(p, stiffness, 1.0 / mobility) * in_plane(spin);
-    sums.viscous_power += viscous.dot(in_plane(spin));
-    return elastic + viscous;
+    Vec3 moment = elastic + Rolling::damping(p, stiffness, 1.0 / mobility) * spin;
+    const double square = moment.squaredNorm();
+    if (square > limit * limit) moment *= limit / std::sqrt(square);
+    sums.viscous_power += (moment - elastic).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
+    return moment;
   }
 
   /// Moves spring k of the contact on; its load on A. In a call without time (dt = 0) the spring stays as it is.

@@ -11,7 +11,7 @@
 #include "scenes/cli/new_scene.h"
 #include "scenes/cli/schema_json.h"
 #include "scenes/reader/scene_reader.h"
-#include "scenes/registry.h"
+#include "scenes/full_registry.h"
 #include "scenes/session.h"
 #include "scenes/stop.h"
 #include "viz_export/export.h"

@@ -26,7 +26,8 @@ struct HandShape {
   Vec3 normal = Vec3::UnitZ();
 };
 
-/// All pairs; reports contacts of gap below `reach` as well, which must carry no force.
+/// All pairs; reports contacts of gap below `reach` as well, which must carry no force. The contact point divides the line of
+/// centres in proportion to the radii: inside the overlap, and at the sphere's own radius where the other is a plane.
 class HandNarrowPhase final : public NarrowPhase {
  public:
   std::vector<HandShape> shapes;
@@ -47,9 +48,11 @@ class HandNarrowPhase final : public NarrowPhase {
     ContactPoint c;
     if (p.radius > 0.0 && q.radius > 0.0) {
       const Vec3 d = world.position[b] - world.position[a];
+      const double far = p.radius + q.radius + reach;
+      if (d.squaredNorm() > far * far) return;
       c.gap = d.norm() - p.radius - q.radius;
       c.normal = d.normalized();
-      c.arm = (p.radius + 0.5 * c.gap) * c.normal;
+      c.arm = p.radius / (p.radius + q.radius) * d;
       c.effective_radius = p.radius * q.radius / (p.radius + q.radius);
     } else {
       const bool plane_is_a = p.radius == 0.0;
@@ -58,7 +61,7 @@ class HandNarrowPhase final : public NarrowPhase {
       const double radius = shapes[world.shape[ball]].radius;
       c.gap = n.dot(world.position[ball] - world.position[plane]) - radius;
       c.normal = plane_is_a ? n : Vec3(-n);
-      const Vec3 point = world.position[ball] - (radius + 0.5 * c.gap) * n;
+      const Vec3 point = world.position[ball] - radius * n;
       c.arm = point - world.position[a];
       c.effective_radius = radius;
     }

@@ -1,4 +1,4 @@
-#include "scenes/registry.h"
+#include "scenes/full_registry.h"
 
 #include "detection/broad/all_broad_phases.h"
 #include "detection/shape_store.h"

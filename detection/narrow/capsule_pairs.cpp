@@ -1,0 +1,92 @@
+#include "detection/narrow/capsule_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace epafi {
+namespace {
+
+/// Spheres of radius ra about p and rb about q (world axes, relative to A's centre); `fallback` parts concentric ones.
+void add_spheres(const Vec3& p, double ra, const Vec3& q, double rb, const Vec3& fallback, Feature feature, const PairQuery& query, ContactSink& sink) {
+  const Vec3 d = q - p;
+  const double distance = d.norm(), gap = distance - ra - rb;
+  if (!(gap < query.reach)) return;
+  const Vec3 n = distance > 0.0 ? Vec3(d / distance) : fallback;
+  sink.add({gap, n, p + (ra + 0.5 * gap) * n, effective_radius(ra, rb), feature});
+}
+
+Vec3 orthogonal_to(const Vec3& u) {
+  const Vec3 axis = std::abs(u.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY();
+  return u.cross(axis).normalized();
+}
+
+}  // namespace
+
+void collide_closed(const Sphere& a, const Capsule& b, const PairQuery& q, ContactSink& sink) {
+  const Vec3 axis = q.b.orientation * Vec3::UnitZ(), centre = q.b.position - q.a.position;
+  const double along = std::clamp(-centre.dot(axis), -b.half_length(), b.half_length());
+  add_spheres(Vec3::Zero(), a.radius, centre + along * axis, b.radius, orthogonal_to(axis), 0, q, sink);
+}
+
+void collide_closed(const Capsule& a, const Capsule& b, const PairQuery& q, ContactSink& sink) {
+  const Vec3 u = q.a.orientation * Vec3::UnitZ(), v = q.b.orientation * Vec3::UnitZ(), c = q.b.position - q.a.position;
+  const double la = a.half_length(), lb = b.half_length(), cosine = u.dot(v), cu = c.dot(u), cv = c.dot(v);
+  const double sine2 = u.cross(v).squaredNorm();
+  const auto add = [&](double s, double t, Feature feature) {
+    Vec3 across = u.cross(v);  // crossing axes part along their common normal, collinear ones anyhow across
+    across = across.squaredNorm() > 0.0 ? across.normalized().eval() : orthogonal_to(u);
+    add_spheres(s * u, a.radius, c + t * v, b.radius, across, feature, q, sink);
+  };
+  const auto on_a = [&](double t) { return std::clamp(cu + t * cosine, -la, la); };   // point of A nearest to B's point t
+  const auto on_b = [&](double s) { return std::clamp(s * cosine - cv, -lb, lb); };
+  if (sine2 > 1e-6) {
+    // Unbounded closest points, then B's parameter from A's, then A's from B's (Ericson 2005, 5.1.9).
+    const double s = std::clamp((cu - cosine * cv) / sine2, -la, la);
+    const double t = on_b(s);
+    return add(on_a(t), t, 0);
+  }
+  // Common length, measured along A.
+  const double end = lb * std::abs(cosine);
+  const double low = std::max(-la, cu - end), high = std::min(la, cu + end);
+  if (!(high - low > 1e-6 * (la + lb))) {
+    const double s = std::clamp(0.5 * (low + high), -la, la), t = on_b(s);
+    return add(on_a(t), t, 0);
+  }
+  add(low, on_b(low), 0);
+  add(high, on_b(high), 1);
+}
+
+void collide_closed(const Capsule& a, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {
+  const Vec3 outward = q.b.orientation * b.normal, axis = q.a.orientation * Vec3::UnitZ();
+  const double height = outward.dot(q.a.position - q.b.position);
+  for (const Feature end : {Feature{0}, Feature{1}}) {
+    const Vec3 centre = (end == 0 ? -a.half_length() : a.half_length()) * axis;
+    const double gap = height + outward.dot(centre) - a.radius;
+    if (gap < q.reach) sink.add({gap, -outward, centre - (a.radius + 0.5 * gap) * outward, a.radius, end});
+  }
+}
+
+void collide_closed(const Cylinder& a, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {
+  const Vec3 outward = q.b.orientation * b.normal;
+  const Vec3 local = q.a.orientation.conjugate() * outward;  // the plane's normal in the body's axes
+  const double height = outward.dot(q.a.position - q.b.position);
+  const double lower = local.z() > 0.0 ? -a.half_length() : a.half_length();
+  const double across = std::sqrt(local.x() * local.x() + local.y() * local.y());
+  const Vec3 down = across > 0.0 ? Vec3(-a.radius * local.x() / across, -a.radius * local.y() / across, 0.0) : Vec3(a.radius, 0.0, 0.0);
+  const auto add = [&](const Vec3& p, Feature feature) {
+    const double gap = height + local.dot(p);
+    if (gap < q.reach) sink.add({gap, -outward, q.a.orientation * p - 0.5 * gap * outward, contact_radius(a), feature});
+  };
+  const Vec3 end(0.0, 0.0, lower);
+  const double side = 0.86602540378443864676 * a.radius;  // sin 120 deg
+  add(end + down, 0);
+  if (across < 0.5) {  // steeper than 60 deg: it stands
+    add(end + Vec3(a.radius, 0.0, 0.0), 1);
+    add(end + Vec3(-0.5 * a.radius, side, 0.0), 2);
+    add(end + Vec3(-0.5 * a.radius, -side, 0.0), 3);
+  } else {
+    add(down - end, 4);
+  }
+}
+
+}  // namespace epafi

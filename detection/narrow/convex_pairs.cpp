@@ -1,0 +1,75 @@
+#include "detection/narrow/convex_pairs.h"
+
+#include "detection/narrow/epa.h"
+#include "detection/narrow/gjk.h"
+
+namespace epafi {
+namespace {
+
+constexpr double certain = 1e-6;  // of the size: a wider interval than this is reported as degenerate
+
+/// A separating direction of an earlier step that still separates answers without a search. It must clear the reach by more
+/// than rounding, so that the search would have found no contact either: the cache cannot change a result.
+template <class Separation>
+bool still_apart(const PairQuery& q, double limit, double size, const Separation& separation) {
+  if (!q.cache || !(q.cache->axis.squaredNorm() > 0.0)) return false;
+  return separation(Vec3(q.a.orientation.conjugate() * q.cache->axis)) > limit + 4e-12 * size;
+}
+
+void remember(const PairQuery& q, const Vec3& normal_in_a) {
+  if (q.cache) q.cache->axis = q.a.orientation * normal_in_a;
+}
+
+/// Centres farther apart than the bounding spheres reach.
+bool spheres_apart(const PairQuery& q, double reach) {
+  return (q.b.position - q.a.position).squaredNorm() > reach * reach;
+}
+
+}  // namespace
+
+void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
+  const double limit = q.reach + r.sweep_a + r.sweep_b;
+  if (spheres_apart(q, a.radius + b.radius + limit)) return;
+  const MinkowskiDifference difference(a, b, q.a, q.b);
+  const double size = difference.size() + std::max(r.sweep_a, r.sweep_b);
+  if (still_apart(q, limit, size, [&](const Vec3& n) { return -n.dot(difference.support(n).y); })) return;
+  const GjkResult g = gjk(difference, {limit + 1e-12 * size, 1e-14, Vec3::Zero()});
+  remember(q, g.normal);
+  if (g.status == GjkResult::Status::beyond) return;
+  double core = g.lower;
+  Vec3 n = g.normal, on_a = g.witness_a, on_b = g.witness_b;
+  double uncertainty = g.upper - g.lower;
+  if (g.status == GjkResult::Status::overlapping) {
+    const Penetration p = epa(difference);
+    core = -p.upper, n = p.normal, on_a = p.witness_a, on_b = p.witness_b;
+    uncertainty = p.upper - p.lower;
+  }
+  if (uncertainty > certain * size) sink.mark_degenerate();
+  const double gap = core - r.sweep_a - r.sweep_b;
+  if (!(gap < q.reach)) return;
+  const Vec3 middle = 0.5 * (on_a + on_b) + 0.5 * (r.sweep_a - r.sweep_b) * n;
+  const Mat3 to_world = q.a.orientation.toRotationMatrix();
+  sink.add({gap, to_world * n, to_world * middle, q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, 0});
+}
+
+void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
+  const double limit = q.reach + r.sweep_a + r.sweep_b;
+  if (spheres_apart(q, a.radius + b.radius + limit)) return;
+  const PolyhedronPair pair(a, b, q.a, q.b);
+  if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
+  const PolyhedronDistance d = polyhedron_distance(pair, limit);
+  remember(q, d.axis.normal);
+  if (d.beyond) return;
+  if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
+  const Patch patch = contact_patch(pair, d, q.reach, r.sweep_a, r.sweep_b);
+  if (patch.count == 0) return;
+  const Mat3 to_world = q.a.orientation.toRotationMatrix();
+  const Vec3 n = to_world * d.axis.normal;
+  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  for (int k = 0; k < patch.count; ++k) {
+    const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+    sink.add({p.gap, n, to_world * p.position, radius, p.feature});
+  }
+}
+
+}  // namespace epafi

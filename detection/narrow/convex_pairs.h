@@ -1,0 +1,35 @@
+/// @file convex_pairs.h  Convex pairs without a closed form: polyhedra by their features, everything else by GJK and EPA.
+#pragma once
+#include "detection/narrow/manifold.h"
+#include "detection/narrow/minkowski.h"
+#include "detection/narrow/pair_query.h"
+
+namespace epafi {
+
+/// Two cores with the spheres swept over them, and the radii that stand for their curvature [m].
+struct RoundedPair {
+  double sweep_a, sweep_b, radius_a, radius_b;
+};
+
+/// Distance by GJK while the cores are apart, depth by EPA otherwise: one point.
+void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& rounded, const PairQuery& q, ContactSink& sink);
+
+/// Signed distance by features, up to 4 points by clipping.
+void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& rounded, const PairQuery& q, ContactSink& sink);
+
+template <class A, class B>
+RoundedPair rounded_pair(const A& a, const B& b) {
+  return {a.rounding(), b.rounding(), contact_radius(a), contact_radius(b)};
+}
+
+/// The default for two convex shapes. A closed form (collide_closed) replaces it.
+template <ConvexShape A, ConvexShape B>
+void collide(const A& a, const B& b, const PairQuery& q, ContactSink& sink) {
+  if constexpr (PolyhedralShape<A> && PolyhedralShape<B>) {
+    collide_polyhedra(a.view(), b.view(), rounded_pair(a, b), q, sink);
+  } else {
+    collide_cores(ConvexRef::to(a), ConvexRef::to(b), rounded_pair(a, b), q, sink);
+  }
+}
+
+}  // namespace epafi

@@ -1,0 +1,187 @@
+#include "detection/narrow/manifold.h"
+
+#include <cmath>
+
+#include "engine/frame.h"
+
+namespace epafi {
+namespace {
+
+constexpr double snap = 1e-6;        // of the size: closer vertices and edges are one, so that equal boxes do not flicker
+constexpr double facing = 0.05;      // cosine below which a face is too steep to carry a point
+
+/// Corner of a polygon in the plane across the normal. source: vertex of its polygon from which the next edge starts.
+struct Corner {
+  double x, y;
+  std::uint32_t source;   ///< of the edge that leaves this corner: index into A's (own = false) or B's polygon
+  bool edge_of_a;
+  std::uint32_t edge_a, edge_b;  ///< the edges that cross here, for a corner made by clipping
+};
+
+/// Buffers that keep their size: no allocation once the largest face was seen. Results do not depend on them.
+struct Buffers {
+  std::vector<Corner> a, b, clipped, next;
+  std::vector<PatchPoint> points;
+};
+
+void project_face(const PolyhedronView& p, std::uint32_t face, const Mat3& rotation, const Vec3& offset, const ContactFrame& frame,
+                  bool reversed, std::vector<Corner>& out) {
+  out.clear();
+  const std::uint32_t begin = p.face_begin[face], end = p.face_begin[face + 1];
+  for (std::uint32_t k = begin; k < end; ++k) {
+    // A face that looks against the normal runs clockwise in the plane: take it backwards.
+    const std::uint32_t v = p.face_vertices[reversed ? begin + end - 1 - k : k];
+    const Vec3 x = rotation * p.vertices[v] + offset;
+    out.push_back({frame.tangent1.dot(x), frame.tangent2.dot(x), static_cast<std::uint32_t>(out.size()), false, 0, 0});
+  }
+}
+
+/// Cuts polygon `subject` (B's face) by every edge of the counter-clockwise polygon `by` (A's face) (Sutherland, Hodgman 1974).
+void clip(Buffers& buf, double tolerance) {
+  buf.clipped = buf.b;
+  const auto n = static_cast<std::uint32_t>(buf.a.size());
+  for (std::uint32_t k = 0; k < n && !buf.clipped.empty(); ++k) {
+    const Corner &p = buf.a[k], &q = buf.a[(k + 1) % n];
+    const double ex = q.x - p.x, ey = q.y - p.y, length = std::sqrt(ex * ex + ey * ey);
+    if (!(length > 0.0)) continue;
+    const auto inside = [&](const Corner& c) { return (ex * (c.y - p.y) - ey * (c.x - p.x)) / length; };  // distance, > 0 inside
+    buf.next.clear();
+    for (std::size_t i = 0; i < buf.clipped.size(); ++i) {
+      const Corner &from = buf.clipped[i], &to = buf.clipped[(i + 1) % buf.clipped.size()];
+      const double d0 = inside(from), d1 = inside(to);
+      const bool in0 = d0 >= -tolerance, in1 = d1 >= -tolerance;
+      if (in0) buf.next.push_back(from);
+      if (in0 == in1) continue;
+      const double t = std::clamp(d0 / (d0 - d1), 0.0, 1.0);
+      Corner cross{from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.source, from.edge_of_a, k, from.source};
+      if (in0) cross.source = k, cross.edge_of_a = true;  // leaving: the polygon goes on along A's edge
+      buf.next.push_back(cross);
+    }
+    buf.clipped.swap(buf.next);
+  }
+}
+
+/// Best aligned face around a vertex: the one whose normal is closest to `direction` (the body's own axes).
+std::uint32_t facing_face(const PolyhedronView& p, std::uint32_t vertex, const Vec3& direction) {
+  std::uint32_t best = p.fans[p.fan_begin[vertex]];
+  double cosine = -2.0;
+  for (std::uint32_t k = p.fan_begin[vertex]; k < p.fan_begin[vertex + 1]; ++k) {
+    const double c = p.face_normals[p.fans[k]].dot(direction);
+    if (c > cosine) cosine = c, best = p.fans[k];
+  }
+  return best;
+}
+
+struct FacingFaces {
+  std::uint32_t a, b;
+};
+
+FacingFaces facing_faces(const PolyhedronPair& pair, const SeparatingAxis& axis) {
+  using Kind = SeparatingAxis::Kind;
+  const Vec3 into_b = -(pair.rotation.transpose() * axis.normal);
+  FacingFaces f{};
+  if (axis.kind == Kind::face_a) f.a = axis.feature_a;
+  else f.a = facing_face(pair.a, axis.kind == Kind::edges ? pair.a.edges[axis.feature_a].from : pair.support_a(axis.normal), axis.normal);
+  if (axis.kind == Kind::face_b) f.b = axis.feature_b;
+  else f.b = facing_face(pair.b, axis.kind == Kind::edges ? pair.b.edges[axis.feature_b].from : pair.support_b(axis.normal), into_b);
+  if (axis.kind == Kind::edges) {  // only faces that hold the edge
+    const HullEdge &ea = pair.a.edges[axis.feature_a], &eb = pair.b.edges[axis.feature_b];
+    f.a = pair.a.face_normals[ea.left].dot(axis.normal) >= pair.a.face_normals[ea.right].dot(axis.normal) ? ea.left : ea.right;
+    f.b = pair.b.face_normals[eb.left].dot(into_b) >= pair.b.face_normals[eb.right].dot(into_b) ? eb.left : eb.right;
+  }
+  return f;
+}
+
+/// Name of a clipped corner by what lies there, the same whichever body was clipped.
+Feature name_corner(const Corner& c, const Buffers& buf, const PolyhedronPair& pair, const FacingFaces& f, double tolerance) {
+  const auto near = [&](const Corner& v) {
+    const double dx = v.x - c.x, dy = v.y - c.y;
+    return dx * dx + dy * dy <= 4.0 * tolerance * tolerance;
+  };
+  const std::uint32_t begin_a = pair.a.face_begin[f.a], begin_b = pair.b.face_begin[f.b], end_b = pair.b.face_begin[f.b + 1];
+  const auto vertex_a = [&](std::uint32_t k) { return pair.a.face_vertices[begin_a + k]; };
+  const auto vertex_b = [&](std::uint32_t k) { return pair.b.face_vertices[end_b - 1 - k]; };
+  for (std::uint32_t k = 0; k < buf.a.size(); ++k) {
+    if (near(buf.a[k])) return make_feature(FeatureKind::vertex_a, vertex_a(k), 0);
+  }
+  for (std::uint32_t k = 0; k < end_b - begin_b; ++k) {
+    if (near(buf.b[k])) return make_feature(FeatureKind::vertex_b, 0, vertex_b(k));
+  }
+  return make_feature(FeatureKind::edges, vertex_a(c.edge_a), vertex_b(c.edge_b));
+}
+
+void single_point(const PolyhedronPair& pair, const PolyhedronDistance& d, double sweep_a, double sweep_b, Patch& out) {
+  using Kind = SeparatingAxis::Kind;
+  Feature feature = make_feature(FeatureKind::single, 0, 0);
+  if (d.axis.kind == Kind::face_a) feature = make_feature(FeatureKind::vertex_b, 0, pair.support_b(d.axis.normal));
+  if (d.axis.kind == Kind::face_b) feature = make_feature(FeatureKind::vertex_a, pair.support_a(d.axis.normal), 0);
+  const Vec3 middle = 0.5 * (d.witness_a + d.witness_b) + 0.5 * (sweep_a - sweep_b) * d.axis.normal;
+  out.point[0] = {middle, d.axis.gap - sweep_a - sweep_b, feature};
+  out.count = 1;
+}
+
+}  // namespace
+
+void keep_four(std::span<PatchPoint> points, const Vec3& normal, Patch& out) {
+  out.count = 0;
+  const auto take = [&](std::size_t i) { out.point[static_cast<std::size_t>(out.count++)] = points[i]; };
+  if (points.size() <= 4) {
+    for (std::size_t i = 0; i < points.size(); ++i) take(i);
+    return;
+  }
+  const auto best_by = [&](const auto& value) {
+    std::size_t best = 0;
+    double high = value(points[0]);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      if (const double v = value(points[i]); v > high) high = v, best = i;
+    }
+    return best;
+  };
+  const std::size_t first = best_by([](const PatchPoint& p) { return -p.gap; });
+  const Vec3 p0 = points[first].position;
+  const std::size_t second = best_by([&](const PatchPoint& p) { return (p.position - p0).squaredNorm(); });
+  const Vec3 across = normal.cross(points[second].position - p0);
+  const std::size_t left = best_by([&](const PatchPoint& p) { return across.dot(p.position - p0); });
+  const std::size_t right = best_by([&](const PatchPoint& p) { return -across.dot(p.position - p0); });
+  take(first);
+  if (second != first) take(second);
+  if (left != first && left != second) take(left);
+  if (right != first && right != second && right != left) take(right);
+}
+
+Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, double reach, double sweep_a, double sweep_b) {
+  Patch out;
+  const double sweeps = sweep_a + sweep_b;
+  if (!(d.axis.gap - sweeps < reach)) return out;
+  static thread_local Buffers buf;
+  const Vec3& n = d.axis.normal;
+  const FacingFaces f = facing_faces(pair, d.axis);
+  const Vec3 &na = pair.a.face_normals[f.a], nb = pair.rotation * pair.b.face_normals[f.b];
+  const double cosine_a = na.dot(n), cosine_b = nb.dot(n);
+  buf.points.clear();
+  const double size = std::min(pair.a.radius, pair.b.radius), tolerance = snap * size;
+  if (cosine_a > facing && cosine_b < -facing) {
+    const ContactFrame frame = contact_frame(n);
+    project_face(pair.a, f.a, Mat3::Identity(), Vec3::Zero(), frame, false, buf.a);
+    project_face(pair.b, f.b, pair.rotation, pair.offset, frame, true, buf.b);
+    clip(buf, tolerance);
+    const double offset_b = pair.b.face_offsets[f.b] + nb.dot(pair.offset);
+    for (const Corner& c : buf.clipped) {
+      const Vec3 x = c.x * frame.tangent1 + c.y * frame.tangent2;
+      const double on_a = (pair.a.face_offsets[f.a] - na.dot(x)) / cosine_a, on_b = (offset_b - nb.dot(x)) / cosine_b;
+      if (!(on_b - on_a - sweeps < reach)) continue;
+      const Feature name = name_corner(c, buf, pair, f, tolerance);
+      const auto same = [&](const PatchPoint& p) { return p.feature == name; };
+      if (std::any_of(buf.points.begin(), buf.points.end(), same)) continue;  // corners within the snap distance
+      buf.points.push_back({x + 0.5 * (on_a + sweep_a + on_b - sweep_b) * n, on_b - on_a - sweeps, name});
+    }
+  }
+  keep_four(buf.points, n, out);
+  // The patch must hold the pair's deepest point; where it does not (tip, crossed edges), that point alone is the contact.
+  double deepest = infinity;
+  for (int k = 0; k < out.count; ++k) deepest = std::min(deepest, out.point[static_cast<std::size_t>(k)].gap);
+  if (!(std::abs(deepest - (d.axis.gap - sweeps)) <= 1e-5 * size)) single_point(pair, d, sweep_a, sweep_b, out);
+  return out;
+}
+
+}  // namespace epafi

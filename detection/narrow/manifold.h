@@ -1,0 +1,38 @@
+/// @file manifold.h  Contact points of two polyhedra: the facing faces, projected along the common normal and clipped
+/// against each other; at most 4 points, the deepest always among them.
+/// Every point carries its own gap along the common normal and lies midway between the surfaces. Its feature names a vertex
+/// of A, a vertex of B or a crossing of two edges: names do not depend on which body is taken as reference, so they stay
+/// while the contact does. Vertices closer than 1e-6 of the size to each other or to an edge count as on it.
+#pragma once
+#include <array>
+
+#include "detection/narrow/pair_query.h"
+#include "detection/narrow/polyhedra.h"
+
+namespace epafi {
+
+struct PatchPoint {
+  Vec3 position;       ///< midway between the surfaces, A's axes, relative to A's centre [m]
+  double gap;          ///< signed distance along the common normal [m]
+  Feature feature;
+};
+
+struct Patch {
+  std::array<PatchPoint, 4> point;
+  int count = 0;
+};
+
+/// Kinds of features; together with two indices of 22 bits below the image code's byte.
+enum class FeatureKind : std::uint64_t { vertex_a = 0, vertex_b = 1, edges = 2, single = 3 };
+constexpr Feature make_feature(FeatureKind kind, std::uint32_t a, std::uint32_t b) {
+  return static_cast<Feature>(kind) << 44 | Feature{a & 0x3fffffu} << 22 | (b & 0x3fffffu);
+}
+
+/// Points with gap < reach; sweeps: sphere radii swept over A and B [m], already inside `reach` and the gaps given back.
+/// Where the faces do not look at each other (a tip, two crossed edges) it is the one closest (deepest) point.
+Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& distance, double reach, double sweep_a, double sweep_b);
+
+/// Keeps 4 of the points: the deepest, the farthest from it, the two that span the largest area with them on either side.
+void keep_four(std::span<PatchPoint> points, const Vec3& normal, Patch& out);
+
+}  // namespace epafi

@@ -1,0 +1,182 @@
+#include "detection/narrow/mesh_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace epafi {
+namespace {
+
+constexpr double on_surface = 1e-9;  // of the radius: what counts as lying on an edge or triangle; rounding is 1e-15
+constexpr double sharp = 1e-6;       // [rad] an edge that bends less is no edge to the side of a capsule
+
+/// A triangle near a sphere.
+struct Touch {
+  double distance;  ///< of the centre; < 0: the centre has gone through the triangle [m]
+  std::uint32_t triangle;
+  NearestOnTriangle nearest;
+  Vec3 normal;      ///< from the mesh to the sphere
+};
+
+/// The segment from a to b goes through the inside of the triangle.
+bool crosses(const TriangleMesh& mesh, std::uint32_t t, const Vec3& a, const Vec3& b) {
+  const auto corner = mesh.corners(t);
+  const double ha = mesh.normals[t].dot(a - corner[0]), hb = mesh.normals[t].dot(b - corner[0]);
+  if (!(ha * hb < 0.0)) return false;
+  return nearest_on_triangle(a + ha / (ha - hb) * (b - a), corner).part == TrianglePart::face;
+}
+
+/// A sphere of a body whose own centre may lie elsewhere (the end of a capsule).
+class SphereOnMesh {
+ public:
+  SphereOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
+      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_surface * radius) {}
+
+  /// Appends the contacts of the sphere at `centre` of a body whose centre is `inside`; local: distinguishes the spheres.
+  void collide(const Vec3& centre, const Vec3& inside, std::uint32_t local, std::vector<MeshPoint>& out) {
+    find_touches(centre, inside);
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+      const Touch& touch = touches_[i];
+      if (is_covered(i)) continue;
+      const double gap = touch.distance - radius_;
+      out.push_back({centre - (radius_ + 0.5 * gap) * touch.normal, touch.normal, gap, name(i, local)});
+    }
+  }
+
+ private:
+  void find_touches(const Vec3& centre, const Vec3& inside) {
+    touches_.clear();
+    for (const auto t : triangles_) {
+      auto corner = mesh_.corners(t);
+      const double height = mesh_.normals[t].dot(centre - corner[0]);
+      if (&centre != &inside && crosses(mesh_, t, inside, centre)) {
+        const Vec3 n = normal_towards(mesh_, t, inside);
+        touches_.push_back({-std::abs(height), t, {centre - height * mesh_.normals[t], std::abs(height), TrianglePart::face}, n});
+        continue;
+      }
+      if (!(std::abs(height) < limit_)) continue;
+      for (Vec3& c : corner) c -= centre;  // differences first: the place of the mesh costs no digits
+      const NearestOnTriangle near = nearest_on_triangle(Vec3::Zero(), corner, tolerance_);
+      if (!(near.distance < limit_)) continue;
+      const bool face = near.part == TrianglePart::face || !(near.distance > 0.0);
+      const Vec3 n = face ? normal_towards(mesh_, t, centre) : Vec3(-near.point / near.distance);
+      touches_.push_back({near.distance, t, {centre + near.point, near.distance, near.part}, n});
+    }
+    std::sort(touches_.begin(), touches_.end(), [](const Touch& a, const Touch& b) {
+      return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
+    });
+  }
+  /// Its nearest point lies on a triangle that comes as close or closer, or behind a flat part that the centre went through.
+  bool is_covered(std::size_t i) const {
+    const Touch& touch = touches_[i];
+    for (std::size_t j = 0; j < i; ++j) {
+      if (lies_on(mesh_, touches_[j].triangle, touch.nearest.point, tolerance_)) return true;
+      if (touches_[j].distance < 0.0 && mesh_.flat_group[touches_[j].triangle] == mesh_.flat_group[touch.triangle]) return true;
+    }
+    return false;
+  }
+  /// A face is named by its flat part, an edge or vertex by the lowest triangle that holds the point.
+  Feature name(std::size_t i, std::uint32_t local) const {
+    const Touch* owner = &touches_[i];
+    if (owner->nearest.part == TrianglePart::face) return mesh_feature(mesh_.flat_group[owner->triangle], local << 3);
+    for (const Touch& other : touches_) {
+      if (other.triangle < owner->triangle && other.nearest.part != TrianglePart::face &&
+          lies_on(mesh_, other.triangle, touches_[i].nearest.point, tolerance_))
+        owner = &other;
+    }
+    return mesh_feature(owner->triangle, local << 3 | static_cast<std::uint32_t>(owner->nearest.part));
+  }
+
+  const TriangleMesh& mesh_;
+  std::span<const std::uint32_t> triangles_;
+  double radius_, limit_, tolerance_;
+  static thread_local std::vector<Touch> touches_;  // keeps its size: no allocation once the largest neighbourhood was seen
+};
+thread_local std::vector<Touch> SphereOnMesh::touches_;
+
+/// Parameter in [0, 1] on the segment from a along u of its point nearest to the segment from b along v (Ericson 2005, 5.1.9).
+double nearest_of_segments(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v) {
+  const Vec3 w = a - b;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
+  const double denominator = uu * vv - uv * uv;
+  double s = denominator > 1e-24 * uu * vv ? std::clamp((uv * vw - uw * vv) / denominator, 0.0, 1.0) : 0.5;
+  const double t = (uv * s + vw) / vv;
+  if (t < 0.0) s = std::clamp(-uw / uu, 0.0, 1.0);
+  if (t > 1.0) s = std::clamp((uv - uw) / uu, 0.0, 1.0);
+  return s;
+}
+
+/// The inside of a capsule's axis from `from` along `axis` against the edges of the mesh.
+class SideOnMesh {
+ public:
+  SideOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
+      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_surface * radius) {}
+
+  void collide(const Vec3& from, const Vec3& axis, std::vector<MeshPoint>& out) const {
+    if (!(axis.squaredNorm() > 0.0)) return;
+    for (const auto t : triangles_)
+      for (std::uint32_t k = 0; k < 3; ++k)
+        if (mesh_.edge_kinds[t][k] != EdgeKind::flat) collide_edge(t, k, from, axis, out);
+  }
+
+ private:
+  void collide_edge(std::uint32_t t, std::uint32_t k, const Vec3& from, const Vec3& axis, std::vector<MeshPoint>& out) const {
+    const auto corner = mesh_.corners(t);
+    const Vec3 &a = corner[k], &b = corner[(k + 1) % 3];
+    const double s = nearest_of_segments(from, axis, a, b - a);
+    if (!(s > on_surface && s < 1.0 - on_surface)) return;  // the ends are spheres of their own
+    const Vec3 centre = from + s * axis;
+    const Vec3 point = a + nearest_on_segment(centre, a, b) * (b - a);
+    const Vec3 d = centre - point;
+    const double distance = d.norm();
+    if (!(distance < limit_) || !(distance > 0.0)) return;
+    const Vec3 n = d / distance;
+    if (!supports(t, centre, point, n, distance)) return;
+    const double gap = distance - radius_;
+    const Vec3 position = centre - (radius_ + 0.5 * gap) * n;
+    const auto one = [&](const MeshPoint& p) { return (p.position - position).squaredNorm() <= tolerance_ * tolerance_; };
+    if (std::any_of(out.begin(), out.end(), one)) return;  // the same edge or vertex from a lower triangle
+    out.push_back({position, n, gap, mesh_feature(t, 2u << 3 | (1 + k))});
+  }
+  /// No triangle at the point comes closer to the axis, and the surface bends away there or ends.
+  bool supports(std::uint32_t own, const Vec3& centre, const Vec3& point, const Vec3& n, double distance) const {
+    bool bends = false, ends = true;
+    for (const auto t : triangles_) {
+      if (!lies_on(mesh_, t, point, tolerance_)) continue;
+      if (nearest_on_triangle(centre, mesh_.corners(t)).distance < distance - tolerance_) return false;
+      bends = bends || n.cross(mesh_.normals[t]).squaredNorm() > sharp * sharp;
+      ends = ends && t == own;
+    }
+    return bends || ends;
+  }
+
+  const TriangleMesh& mesh_;
+  std::span<const std::uint32_t> triangles_;
+  double radius_, limit_, tolerance_;
+};
+
+}  // namespace
+
+void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles, const PairQuery& q,
+                       ContactSink& sink) {
+  static thread_local std::vector<MeshPoint> points;
+  points.clear();
+  const Vec3 centre = q.b.to_local(q.a.position);
+  SphereOnMesh(b, triangles, a.radius, q.reach).collide(centre, centre, 0, points);
+  emit(points, centre, a.radius, q, sink);
+}
+
+void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles, const PairQuery& q,
+                       ContactSink& sink) {
+  static thread_local std::vector<MeshPoint> points;
+  points.clear();
+  const Vec3 centre = q.b.to_local(q.a.position);
+  const Vec3 half = q.b.orientation.conjugate() * (q.a.orientation * Vec3(0, 0, a.half_length()));
+  const Vec3 low = centre - half, high = centre + half;
+  SphereOnMesh ends(b, triangles, a.radius, q.reach);
+  ends.collide(low, centre, 0, points);
+  if (a.length > 0.0) ends.collide(high, centre, 1, points);
+  SideOnMesh(b, triangles, a.radius, q.reach).collide(low, 2.0 * half, points);
+  emit(points, centre, a.radius, q, sink);
+}
+
+}  // namespace epafi

@@ -1,0 +1,81 @@
+#include "detection/narrow/narrow_phase.h"
+
+#include "engine/parallel.h"
+
+namespace epafi {
+
+void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin, std::size_t end) {
+  block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear();
+  const PairTable& table = pair_table();
+  bool has_candidates = false;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Pair& p = list.pairs[i];
+    const PairCell* cell = &table[ShapeRef{world.shape[p.a]}.type()][ShapeRef{world.shape[p.b]}.type()];
+    if (block.runs.empty() || block.runs.back().cell != cell) block.runs.push_back({i, i, cell});
+    block.runs.back().end = i + 1;
+    has_candidates = has_candidates || cell->candidates;
+  }
+  if (!has_candidates) return;
+  const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
+  block.triangle_begin.push_back(0);
+  for (const Run& run : block.runs) {
+    for (std::size_t i = run.begin; i < run.end; ++i) {
+      if (run.cell->candidates) run.cell->candidates(input, list.pairs[i], list.margin, block.triangles);
+      block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
+    }
+  }
+}
+
+void BatchNarrowPhase::collide_block(const World& world, const PairList& list, Block& block, std::size_t begin) {
+  block.contacts.clear();
+  block.contacts.with_curvature = curvature_;
+  ContactSink sink(block.contacts);
+  for (const Run& run : block.runs) {
+    if (!run.cell->batch) continue;
+    const std::size_t count = run.end - run.begin;
+    BatchInput input{shapes_, world, reach_, curvature_, std::span(caches_).subspan(run.begin, count), {}, block.triangles};
+    if (run.cell->candidates) input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin - begin, count + 1);
+    run.cell->batch(input, std::span(list.pairs).subspan(run.begin, count), sink);
+  }
+  block.degenerate = sink.degenerate();
+}
+
+void BatchNarrowPhase::join(ContactSet& out) {
+  std::size_t total = 0;
+  degenerate_ = 0;
+  for (Block& block : blocks_) {
+    block.first = total, total += block.contacts.size();
+    degenerate_ += block.degenerate;
+  }
+  out.with_curvature = curvature_;
+  out.a.resize(total), out.b.resize(total), out.feature.resize(total);
+  out.gap.resize(total), out.normal.resize(total), out.arm.resize(total);
+  out.effective_radius.resize(curvature_ ? total : 0);
+  out.force.clear(), out.moment.clear();
+  parallel_for(blocks_.size(), [&](std::size_t k) {
+    const ContactSet& from = blocks_[k].contacts;
+    const auto place = [at = static_cast<std::ptrdiff_t>(blocks_[k].first)](const auto& source, auto& target) {
+      std::copy(source.begin(), source.end(), target.begin() + at);
+    };
+    place(from.a, out.a), place(from.b, out.b), place(from.feature, out.feature);
+    place(from.gap, out.gap), place(from.normal, out.normal), place(from.arm, out.arm);
+    place(from.effective_radius, out.effective_radius);
+  }, 1);
+}
+
+void BatchNarrowPhase::collide(const World& world, const PairList& list, ContactSet& contacts) {
+  const std::size_t n = list.pairs.size();
+  const bool fresh = !known_ || generation_ != list.generation || caches_.size() != n;
+  if (fresh) {
+    caches_.assign(n, PairCache{});
+    blocks_.resize((n + block_size - 1) / block_size);
+    generation_ = list.generation, known_ = true;
+  }
+  parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
+    if (fresh) prepare(world, list, blocks_[b], begin, end);
+    collide_block(world, list, blocks_[b], begin);
+  });
+  join(contacts);
+}
+
+}  // namespace epafi

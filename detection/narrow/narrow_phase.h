@@ -1,0 +1,52 @@
+/// @file narrow_phase.h  Pairs to contacts: blocks of consecutive pairs, runs of equal cells, results joined in order.
+/// Each block fills its own contact set, kept from step to step, so nothing is allocated once the scene has settled and the
+/// contacts are the same bits in the same order for every thread count.
+#pragma once
+#include "detection/narrow/pair_table.h"
+#include "engine/pipeline.h"
+
+namespace epafi {
+
+class BatchNarrowPhase : public NarrowPhase {
+ public:
+  /// reach: contacts with gap < reach are reported [m], >= 0. curvature: effective_radius is filled. `shapes` must outlive this.
+  BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature) : shapes_(shapes), reach_(reach), curvature_(curvature) {}
+
+  const char* name() const override { return "batches"; }
+  void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
+  void reorder(const Reordering&) override { known_ = false; }
+
+  /// Pairs of the last step whose certified interval stayed wider than 1e-6 of their size.
+  std::size_t degenerate_pairs() const { return degenerate_; }
+
+ private:
+  static constexpr std::size_t block_size = 1024;
+
+  struct Run {
+    std::size_t begin, end;  ///< indices of pairs
+    const PairCell* cell;
+  };
+  /// What is derived from the pair list lasts until its next generation; the contacts last one step.
+  struct Block {
+    std::vector<Run> runs;
+    std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
+    ContactSet contacts;
+    std::size_t first = 0;       ///< index of the block's first contact in the whole set
+    std::size_t degenerate = 0;
+  };
+
+  void prepare(const World& world, const PairList& pairs, Block& block, std::size_t begin, std::size_t end);
+  void collide_block(const World& world, const PairList& pairs, Block& block, std::size_t begin);
+  void join(ContactSet& contacts);
+
+  const ShapeStore& shapes_;
+  double reach_;
+  bool curvature_;
+  bool known_ = false;              ///< the runs belong to `generation_`
+  std::uint64_t generation_ = 0;
+  std::size_t degenerate_ = 0;
+  std::vector<Block> blocks_;
+  std::vector<PairCache> caches_;   ///< one per pair of the list; shortcuts only, so not state
+};
+
+}  // namespace epafi

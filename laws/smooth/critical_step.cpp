@@ -1,0 +1,98 @@
+#include "laws/smooth/critical_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "laws/smooth/choose_law.h"
+
+namespace epafi {
+
+namespace {
+
+std::string number(double value, const char* unit) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3g %s", value, unit);
+  return text;
+}
+
+/// delta'' = -N/m* from first touch until the force has ended.
+template <NormalLaw N>
+ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedContact& c, double dt) {
+  ImpactEstimate out;
+  const auto force = [&](double overlap, double velocity) {
+    return N::respond(p, {std::max(overlap, 0.0), velocity, c.effective_mass, c.effective_radius}).force;
+  };
+  const auto acceleration = [&](double overlap, double velocity) { return -force(overlap, velocity) / c.effective_mass; };
+  double x = 0.0, v = c.speed;
+  for (int k = 0; k < 100000000; ++k) {
+    const double a1 = acceleration(x, v), v2 = v + 0.5 * dt * a1;
+    const double a2 = acceleration(x + 0.5 * dt * v, v2), v3 = v + 0.5 * dt * a2;
+    const double a3 = acceleration(x + 0.5 * dt * v2, v3), v4 = v + dt * a3;
+    const double a4 = acceleration(x + dt * v3, v4);
+    x += dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
+    v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    out.contact_time += dt;
+    out.largest_overlap = std::max(out.largest_overlap, x);
+    out.largest_force = std::max(out.largest_force, force(x, v));
+    if (v < 0.0 && force(x, v) <= 0.0) break;
+  }
+  out.restitution = -v / c.speed;
+  return out;
+}
+
+/// Contact time without damping, the scale of the integration [s].
+template <NormalLaw N>
+double elastic_contact_time(const typename N::Parameters& p, const ExpectedContact& c) {
+  if constexpr (N::is_hertzian) return hertz_contact_time(c.effective_mass, c.effective_radius, p.modulus, c.speed);
+  else return 3.14159265358979323846 * std::sqrt(c.effective_mass / p.stiffness);
+}
+
+template <NormalLaw N, TangentialLaw T>
+StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
+  ExpectedContact c = given;
+  if (!N::is_hertzian && !(c.speed > 0.0)) c.speed = 1.0;  // the contact time of the linear law does not depend on it
+  const auto p = N::parameters(pair);
+  StepLimit out;
+  out.impact = integrate_impact<N>(p, c, elastic_contact_time<N>(p, c) / 4000);
+  const double stiffness = N::respond(p, {out.impact.largest_overlap, 0.0, c.effective_mass, c.effective_radius}).stiffness;
+  out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination);
+  const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
+  out.auto_step = std::min(by_time, by_mode);
+  const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
+  out.reason = by_time <= by_mode
+                   ? number(auto_step_part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who
+                   : "half of the stable step " + number(out.stable_step, "s of ") + who + " with " +
+                         std::to_string(c.coordination) + " contacts per body";
+  if (N::is_hertzian) out.reason += " at " + number(c.speed, "m/s");
+  return out;
+}
+
+}  // namespace
+
+double hertz_contact_time(double m, double radius, double modulus, double speed) {
+  // 2 (15/16)^(2/5) sqrt(pi) Gamma(7/5) / Gamma(9/10)
+  constexpr double factor = 2.868265699195333;
+  return factor * std::pow(m * m / (radius * modulus * modulus * speed), 0.2);
+}
+
+double fall_speed(double gravity, double height) { return std::sqrt(2.0 * std::abs(gravity) * std::max(height, 0.0)); }
+
+double stable_step(double normal_stiffness, double tangential_stiffness, double mass, int coordination) {
+  const double kn = normal_stiffness, kt = tangential_stiffness, contacts = coordination;
+  const double chain = std::max(kn, 3.5 * kt), packing = std::max(kn + 2.0 * kt, 5.0 * kt);
+  const double stiffness = std::max(std::min(contacts, 2.0) * chain, coordination > 2 ? contacts / 3.0 * packing : 0.0);
+  return std::sqrt(2.0 * mass / stiffness);
+}
+
+ImpactEstimate estimate_impact(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact) {
+  return critical_step(setup, pair, contact).impact;
+}
+
+StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact) {
+  const SmoothParts parts = smooth_parts(setup);
+  return std::visit([&](auto n, auto t) { return limit_of<typename decltype(n)::type, typename decltype(t)::type>(pair, contact); },
+                    *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential));
+}
+
+}  // namespace epafi

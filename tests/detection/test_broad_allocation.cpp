@@ -1,0 +1,48 @@
+/// The one place of this executable that replaces operator new: counts allocations.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "tests/detection/broad_scenes.h"
+#include "tests/support/catch.h"
+
+namespace {
+std::atomic<std::size_t> allocations{0};
+}
+
+void* operator new(std::size_t bytes) {
+  ++allocations;
+  if (void* p = std::malloc(bytes > 0 ? bytes : 1)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+using namespace epafi;
+using namespace epafi::test;
+
+TEST_CASE("a settled broad phase allocates nothing, neither keeping nor rebuilding its list", "[detection][broad]") {
+  for (const auto& entry : all_broad_phases()) {
+    INFO(entry.entry.name);
+    BroadScene scene = random_scene("bimodal", 1200, 5);
+    const auto broad = entry.make(scene.setup);
+    PairList list;
+    // there and back: the rebuilds of the second round meet nothing larger than those of the first
+    const auto round = [&] {
+      std::uint64_t first = list.generation;
+      for (int k = 0; k < 80; ++k) {
+        scene.world.time += 1.0;
+        for (Slot s = 0; s < scene.world.size(); ++s)
+          scene.world.position[s] += (k < 40 ? 1.0 : -1.0) * scene.world.velocity[s];
+        broad->find_pairs(scene.world, list);
+      }
+      return list.generation - first;
+    };
+    for (int k = 0; k < 3; ++k) round();
+    const std::size_t before = allocations;
+    const std::uint64_t rebuilds = round();
+    const std::size_t after = allocations;
+    CHECK(rebuilds > 2);
+    CHECK(after - before == 0);
+  }
+}

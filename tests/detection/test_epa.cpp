@@ -1,0 +1,83 @@
+#include "detection/narrow/epa.h"
+
+#include "detection/narrow/polyhedra.h"
+#include "detection/shapes/capsule.h"
+#include "detection/shapes/cylinder.h"
+#include "detection/shapes/ellipsoid.h"
+#include "tests/support/catch.h"
+#include "tests/support/polyhedra.h"
+
+using namespace epafi;
+
+namespace {
+
+template <class A, class B>
+MinkowskiDifference difference(const A& a, const Pose& pa, const B& b, const Pose& pb) {
+  return MinkowskiDifference(ConvexRef::to(a), ConvexRef::to(b), pa, pb);
+}
+const Quat upright(1, 0, 0, 0);
+
+}  // namespace
+
+TEST_CASE("the polytope gives the depth of polyhedra that the features give", "[detection][epa]") {
+  Random random(31, 0);
+  double worst = 0.0;
+  int overlaps = 0;
+  for (int k = 0; k < 200; ++k) {
+    const ConvexHull a = support::random_hull(random, 6 + static_cast<std::size_t>(k % 20)), b = support::random_hull(random, 12);
+    const Pose pb{random.uniform(0, 1.5) * testing::random_direction(random), testing::random_turn(random)};
+    const auto axis = separating_axis({a.view(), b.view(), {}, pb});
+    if (axis.gap > -1e-3) continue;
+    ++overlaps;
+    const auto p = epa(difference(a, {}, b, pb));
+    CHECK(p.status == Penetration::Status::converged);
+    worst = std::max(worst, std::abs(p.upper + axis.gap));
+  }
+  CHECK(overlaps > 100);
+  CHECK(worst < 1e-12);  // the tolerance of the interval
+}
+
+TEST_CASE("smooth depths: concentric and coaxial bodies have closed forms", "[detection][epa]") {
+  // Two ellipsoids on the z axis, semi-axes 1 and 1.5 there, 2 apart: 0.5 deep, unless leaving sideways were shorter.
+  const auto e = epa(difference(Ellipsoid(Vec3(3, 2, 1)), {}, Ellipsoid(Vec3(2, 2, 1.5)), {{0, 0, 2}, upright}), 1e-8);
+  CHECK(e.status == Penetration::Status::converged);
+  CHECK(e.lower <= 0.5 + 1e-15);
+  CHECK(std::abs(e.upper - 0.5) < 3e-8);  // tolerance 1e-8 of size 3
+  CHECK(std::abs(e.normal.z() - 1.0) < 1e-6);
+  // Cylinder r 1, L 2 standing on another, 0.1 deep.
+  const auto c = epa(difference(Cylinder(1, 2), {}, Cylinder(1, 2), {{0.2, 0.1, 1.9}, upright}));
+  CHECK(c.status == Penetration::Status::converged);
+  CHECK(std::abs(c.upper - 0.1) < 2e-12);
+}
+
+TEST_CASE("the interval holds the depth of random smooth bodies, and the direction parts them", "[detection][epa]") {
+  Random random(32, 0);
+  int tried = 0;
+  double widest = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    const Ellipsoid a(Vec3(random.uniform(0.3, 1), random.uniform(0.3, 1), random.uniform(0.3, 1)));
+    const Cylinder b(random.uniform(0.3, 1), random.uniform(0.3, 2));
+    const auto m = difference(a, {Vec3::Zero(), testing::random_turn(random)}, b,
+                              {random.uniform(0, 1) * testing::random_direction(random), testing::random_turn(random)});
+    const auto p = epa(m, 1e-9);
+    if (p.upper < 1e-3) continue;
+    ++tried;
+    widest = std::max(widest, p.upper - p.lower);
+    CHECK(p.normal.dot(m.support(p.normal).y) == Approx(p.upper).epsilon(1e-12));
+    for (int j = 0; j < 200; ++j) {  // no sampled direction leaves earlier than `lower`
+      const Vec3 n = testing::random_direction(random);
+      CHECK(n.dot(m.support(n).y) >= p.lower - 1e-12);
+    }
+  }
+  CHECK(tried > 50);
+  INFO("widest interval " << widest);
+  CHECK(widest < 1e-4);
+}
+
+TEST_CASE("a difference without volume is named flat and left across at once", "[detection][epa]") {
+  const Quat across(Eigen::AngleAxisd(2 * std::atan(1.0), Vec3::UnitX()));
+  const auto p = epa(difference(Capsule(0.1, 2), {}, Capsule(0.1, 2), {Vec3::Zero(), across}));
+  CHECK(p.status == Penetration::Status::flat);
+  CHECK(std::abs(p.upper) < 1e-15);
+  CHECK(std::abs(std::abs(p.normal.x()) - 1.0) < 1e-12);  // segments along z and y cross: apart along x
+}

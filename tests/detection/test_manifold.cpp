@@ -1,0 +1,146 @@
+#include "detection/narrow/manifold.h"
+
+#include <algorithm>
+#include <set>
+
+#include "tests/support/catch.h"
+#include "tests/support/polyhedra.h"
+
+using namespace epafi;
+
+namespace {
+
+const Quat upright(1, 0, 0, 0);
+
+Patch patch_of(const ConvexHull& a, const Pose& pa, const ConvexHull& b, const Pose& pb, double reach = 0.0) {
+  const PolyhedronPair pair(a.view(), b.view(), pa, pb);
+  return contact_patch(pair, polyhedron_distance(pair, reach + a.sweep + b.sweep), reach, a.sweep, b.sweep);
+}
+std::set<Feature> features(const Patch& p) {
+  std::set<Feature> out;
+  for (int k = 0; k < p.count; ++k) out.insert(p.point[static_cast<std::size_t>(k)].feature);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a box resting on a larger one touches at its four lower corners", "[detection][manifold]") {
+  const Box floor(Vec3(2, 2, 0.5)), box(Vec3(0.5, 0.25, 0.5));
+  const Patch p = patch_of(floor.hull, {}, box.hull, {{0.3, 0.1, 0.99}, upright});
+  REQUIRE(p.count == 4);
+  Vec3 sum = Vec3::Zero();
+  for (const auto& c : p.point) {
+    CHECK(c.gap == Approx(-0.01).epsilon(1e-12));
+    CHECK(c.position.z() == Approx(0.495).epsilon(1e-14));  // midway between 0.5 and 0.49
+    CHECK(std::abs(std::abs(c.position.x() - 0.3) - 0.5) < 1e-14);
+    CHECK(std::abs(std::abs(c.position.y() - 0.1) - 0.25) < 1e-14);
+    sum += c.position;
+  }
+  CHECK((sum / 4 - Vec3(0.3, 0.1, 0.495)).norm() < 1e-14);
+  CHECK(features(p).size() == 4);
+}
+
+TEST_CASE("equal boxes stacked exactly keep their features under jitter, whichever body is A", "[detection][manifold]") {
+  const Box box(Vec3::Constant(0.5));
+  Random random(51, 0);
+  const auto straight = features(patch_of(box.hull, {}, box.hull, {{0, 0, 0.999}, upright}));
+  REQUIRE(straight.size() == 4);
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 slip = 1e-8 * testing::random_point(random);
+    const Quat tilt(Eigen::AngleAxisd(1e-8 * random.uniform(), testing::random_direction(random)));
+    const Patch p = patch_of(box.hull, {}, box.hull, {Vec3(0, 0, 0.999) + slip, tilt});
+    CHECK(features(p) == straight);
+  }
+}
+
+TEST_CASE("each point of a tilted contact has its own gap", "[detection][manifold]") {
+  const Box floor(Vec3(2, 2, 0.5)), box(Vec3::Constant(0.5));
+  const double angle = 1e-3;
+  const Pose pose{{0, 0, 0.999}, Quat(Eigen::AngleAxisd(angle, Vec3::UnitY()))};
+  const Patch p = patch_of(floor.hull, {}, box.hull, pose, 0.01);
+  REQUIRE(p.count == 4);
+  for (const auto& c : p.point) {
+    // The lower corner above or below c, by the rotation matrix.
+    const double side = c.position.x() > 0 ? 0.5 : -0.5;
+    const double height = 0.999 - side * std::sin(angle) - 0.5 * std::cos(angle);
+    CHECK(std::abs(c.gap - (height - 0.5)) < 1e-14);
+  }
+  // Without reach only the corners below the floor are contacts.
+  CHECK(patch_of(floor.hull, {}, box.hull, {{0, 0, 1.0001}, pose.orientation}).count == 2);
+}
+
+TEST_CASE("a corner on a face and crossed edges give one point", "[detection][manifold]") {
+  const Box floor(Vec3(2, 2, 0.5)), box(Vec3::Constant(0.5));
+  // Body diagonal vertical: the corner is sqrt(3)/2 below the centre.
+  const Quat diagonal = Quat::FromTwoVectors(Vec3(1, 1, 1), Vec3::UnitZ());
+  const Patch corner = patch_of(floor.hull, {}, box.hull, {{0.1, 0.2, 0.5 + std::sqrt(0.75) - 1e-3}, diagonal});
+  REQUIRE(corner.count == 1);
+  CHECK(corner.point[0].gap == Approx(-1e-3).epsilon(1e-10));
+  CHECK((corner.point[0].position - Vec3(0.1, 0.2, 0.4995)).norm() < 1e-13);
+  CHECK(corner.point[0].feature >> 44 == static_cast<Feature>(FeatureKind::vertex_b));
+  const double quarter = std::atan(1.0);
+  const Patch edges = patch_of(box.hull, {Vec3::Zero(), Quat(Eigen::AngleAxisd(quarter, Vec3::UnitX()))}, box.hull,
+                               {{0.1, 0.05, std::sqrt(2.0) - 1e-3}, Quat(Eigen::AngleAxisd(quarter, Vec3::UnitY()))});
+  REQUIRE(edges.count == 1);
+  CHECK(edges.point[0].gap == Approx(-1e-3).epsilon(1e-10));
+}
+
+TEST_CASE("octagonal overlaps keep four points and the deepest", "[detection][manifold]") {
+  const Box floor(Vec3(0.5, 0.5, 0.5)), box(Vec3(0.5, 0.5, 0.5));
+  const double eighth = std::atan(1.0);
+  const Quat turn = Quat(Eigen::AngleAxisd(1e-4, Vec3(1, 0.3, 0).normalized())) * Quat(Eigen::AngleAxisd(eighth, Vec3::UnitZ()));
+  const PolyhedronPair pair(floor.view(), box.view(), {}, {{0, 0, 0.99}, turn});
+  const auto d = polyhedron_distance(pair);
+  const Patch p = contact_patch(pair, d, 0.0, 0.0, 0.0);
+  REQUIRE(p.count == 4);
+  double deepest = 0.0;
+  for (const auto& c : p.point) deepest = std::min(deepest, c.gap);
+  CHECK(std::abs(deepest - d.axis.gap) < 1e-14);
+  // Area of the kept quadrilateral: at least that of the inscribed square of the octagon's corners, 1/2 of the unit square.
+  std::array<Vec3, 4> q{p.point[0].position, p.point[1].position, p.point[2].position, p.point[3].position};
+  const double area = 0.5 * std::abs((q[1] - q[0]).cross(q[2] - q[0]).z()) + 0.5 * std::abs((q[1] - q[0]).cross(q[3] - q[0]).z());
+  CHECK(area > 0.5);
+}
+
+TEST_CASE("swept boxes touch at their skins with the same four points", "[detection][manifold]") {
+  Box floor(Vec3(2, 2, 0.5)), box(Vec3::Constant(0.5));
+  floor.hull.sweep = 0.05, box.hull.sweep = 0.02;
+  const Patch p = patch_of(floor.hull, {}, box.hull, {{0, 0, 1.06}, upright});
+  REQUIRE(p.count == 4);
+  for (const auto& c : p.point) {
+    CHECK(c.gap == Approx(-0.01).epsilon(1e-11));
+    CHECK(c.position.z() == Approx(0.545).epsilon(1e-13));  // between 0.55 (floor's skin) and 0.54
+  }
+}
+
+TEST_CASE("patches of random overlapping hulls hold the pair's depth and lie within the overlap", "[detection][manifold]") {
+  Random random(52, 0);
+  int overlaps = 0;
+  for (int k = 0; k < 400; ++k) {
+    const ConvexHull a = support::random_hull(random, 8 + static_cast<std::size_t>(k % 30)), b = support::random_hull(random, 12);
+    const Pose pb{random.uniform(1.2, 2) * testing::random_direction(random), testing::random_turn(random)};
+    const PolyhedronPair pair(a.view(), b.view(), {}, pb);
+    const auto d = polyhedron_distance(pair);
+    const Patch p = contact_patch(pair, d, 0.0, 0.0, 0.0);
+    if (d.axis.gap >= 0.0) {
+      CHECK(p.count == 0);
+      continue;
+    }
+    ++overlaps;
+    REQUIRE(p.count >= 1);
+    CHECK(features(p).size() == static_cast<std::size_t>(p.count));
+    double deepest = 0.0;
+    for (int i = 0; i < p.count; ++i) {
+      const auto& c = p.point[static_cast<std::size_t>(i)];
+      deepest = std::min(deepest, c.gap);
+      CHECK(c.gap >= d.axis.gap - 1e-9);  // nothing is deeper along the normal than the depth
+      // Midway between a point of A's face and a point of B's face: no farther from either body than half the overlap.
+      const double off = -0.5 * c.gap + 2e-6;
+      for (std::size_t f = 0; f < a.face_normals.size(); ++f) CHECK(a.face_normals[f].dot(c.position) <= a.face_offsets[f] + off);
+      const Vec3 in_b = pb.to_local(c.position);
+      for (std::size_t f = 0; f < b.face_normals.size(); ++f) CHECK(b.face_normals[f].dot(in_b) <= b.face_offsets[f] + off);
+    }
+    CHECK(std::abs(deepest - d.axis.gap) < 1.1e-5);
+  }
+  CHECK(overlaps > 50);
+}

@@ -1,0 +1,200 @@
+#include "detection/shapes/mesh_file.h"
+
+#include <bit>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+#include "tests/support/catch.h"
+#include "tests/support/random_geometry.h"
+
+using namespace epafi;
+using namespace epafi::testing;
+using Catch::Matchers::Equals;
+
+namespace {
+
+std::string obj_text(const TriangleSurface& s) {
+  std::string text = "# box\nmtllib none.mtl\no box\n";
+  char line[160];
+  for (const Vec3& v : s.vertices) std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", v.x(), v.y(), v.z()), text += line;
+  for (const auto& t : s.triangles) std::snprintf(line, sizeof line, "f %u/1/1 %u//2 %u\n", t[0] + 1, t[1] + 1, t[2] + 1), text += line;
+  return text;
+}
+std::string ascii_stl(const TriangleSurface& s) {
+  std::string text = "solid box\n";
+  char line[160];
+  for (const auto& t : s.triangles) {
+    text += " facet normal 0 0 0\n  outer loop\n";
+    for (const auto v : t) std::snprintf(line, sizeof line, "   vertex %.17g %.17g %.17g\n", s.vertices[v].x(), s.vertices[v].y(), s.vertices[v].z()), text += line;
+    text += "  endloop\n endfacet\n";
+  }
+  return text + "endsolid box\n";
+}
+void put(std::string& out, std::uint32_t bits) {
+  for (int k = 0; k < 4; ++k) out += static_cast<char>(bits >> (8 * k) & 255u);
+}
+std::string binary_stl(const TriangleSurface& s) {
+  std::string out = "solid is what some writers put even here";
+  out.resize(80, ' ');
+  put(out, static_cast<std::uint32_t>(s.triangles.size()));
+  for (const auto& t : s.triangles) {
+    for (int k = 0; k < 3; ++k) put(out, 0);
+    for (const auto v : t)
+      for (int i = 0; i < 3; ++i) put(out, std::bit_cast<std::uint32_t>(static_cast<float>(s.vertices[v][i])));
+    out += std::string(2, '\0');
+  }
+  return out;
+}
+std::vector<Vec3> corners(const TriangleSurface& s) {
+  std::vector<Vec3> out;
+  for (const auto& t : s.triangles)
+    for (const auto v : t) out.push_back(s.vertices[v]);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("OBJ and both kinds of STL give back the surface that was written", "[detection][mesh-file]") {
+  const TriangleSurface box = box_surface({0.5, 0.25, 2.0});
+  for (const auto& [name, mesh] : {std::pair{"obj", read_obj(obj_text(box), "box.obj")},
+                                   {"ascii", read_stl(ascii_stl(box), "box.stl")}, {"binary", read_stl(binary_stl(box), "box.stl")}}) {
+    INFO(name);
+    CHECK(mesh.surface.vertices.size() == 8);
+    CHECK(corners(mesh.surface) == corners(box));
+    CHECK(mesh.report.is_watertight());
+    CHECK_FALSE(mesh.report.is_inverted());
+    CHECK(mesh.report.volume == Approx(2.0).epsilon(1e-15));
+    CHECK(mesh.report.to_string() == "");
+  }
+}
+
+TEST_CASE("numbers with every digit survive the text", "[detection][mesh-file]") {
+  Random random(31, 0);
+  const TriangleSurface s = moved(prism_surface(20, 0.3, 0.7), random_turn(random), random_point(random));
+  CHECK(corners(read_obj(obj_text(s), "p.obj").surface) == corners(s));
+  CHECK(corners(read_stl(ascii_stl(s), "p.stl").surface) == corners(s));
+}
+
+TEST_CASE("OBJ: polygons, negative indices, Windows line ends, signs and exponents", "[detection][mesh-file]") {
+  const auto mesh = read_obj("v 0 0 0\r\nv +1 0 0\r\nv 1e0 1.0E0 0\r\nv -0 1 0\r\n\r\ns off\r\nf -4 -3 -2 -1\r\n", "q.obj");
+  CHECK(mesh.surface.triangles == std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}});
+  CHECK(mesh.surface.vertices[1] == Vec3(1, 0, 0));
+}
+
+TEST_CASE("open, clashing and inverted surfaces are named", "[detection][mesh-file]") {
+  TriangleSurface s = box_surface({1, 1, 1});
+  s.triangles.pop_back();  // {3, 7, 5}
+  CHECK(inspect(s).open_edges == 3);
+  CHECK_FALSE(inspect(s).is_watertight());
+  CHECK(inspect(s).to_string() == "not watertight: 3 open edges, the first is (1, 1, -1) - (1, -1, 1)");
+  s.triangles.push_back({3, 5, 7});
+  CHECK(inspect(s).open_edges == 0);
+  CHECK(inspect(s).clashing_edges == 3);
+  s = box_surface({1, 1, 1});
+  for (auto& t : s.triangles) std::swap(t[0], t[1]);
+  CHECK(inspect(s).is_watertight());
+  CHECK(inspect(s).to_string() == "inside out: the triangles are clockwise seen from outside");
+}
+
+TEST_CASE("triangles without area are left out and counted", "[detection][mesh-file]") {
+  std::string text = obj_text(box_surface({1, 1, 1}));
+  text += "f 1 1 2\nf 3 3 3\n";
+  const auto mesh = read_obj(text, "box.obj");
+  CHECK(mesh.surface.triangles.size() == 12);
+  CHECK(mesh.report.dropped == 2);
+  CHECK(mesh.report.is_watertight());
+  CHECK(mesh.report.to_string() == "2 triangles without area left out");
+}
+
+TEST_CASE("broken OBJ files are refused at the place of the trouble", "[detection][mesh-file]") {
+  const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> broken{
+      {v + "f 1 2 4\n", "a.obj:4:7: error: vertex index 4 is out of range: 3 vertices so far"},
+      {v + "f 1 2 -4\n", "a.obj:4:7: error: vertex index -4 is out of range: 3 vertices so far"},
+      {v + "f 0 1 2\n", "a.obj:4:3: error: expected a vertex index, found '0'"},
+      {v + "f 1 2 3.5\n", "a.obj:4:7: error: expected a vertex index, found '3.5'"},
+      {v + "f 1 2 99999999999999999999\n", "a.obj:4:7: error: expected a vertex index, found '99999999999999999999'"},
+      {v + "f 1 2\n", "a.obj:4:6: error: a face needs at least 3 vertices, found 2"},
+      {"v 0 0\n", "a.obj:1:6: error: a number is missing"},
+      {"v 0 zero 0\n", "a.obj:1:5: error: expected a number, found 'zero'"},
+      {"v 0 1.5x 0\n", "a.obj:1:5: error: expected a number, found '1.5x'"},
+      {"v 0 nan 0\n", "a.obj:1:5: error: 'nan' is not a finite number"},
+      {"v 0 0 inf\n", "a.obj:1:7: error: 'inf' is not a finite number"},
+      {"v 0 0 1e999\n", "a.obj:1:7: error: '1e999' is outside the range of numbers"},
+      {"curv2 1 2\n", "a.obj:1:1: error: unknown statement 'curv2' (v, f and comments are read)"},
+      {"\x7f\x45LF\x01\n", "a.obj:1:1: error: unknown statement '?ELF?' (v, f and comments are read)"},
+      {v, "a.obj: error: the mesh has no triangle with an area"},
+      {"", "a.obj: error: the mesh has no triangle with an area"}};
+  for (const auto& [text, message] : broken) CHECK_THROWS_WITH(read_obj(text, "a.obj"), Equals(message));
+}
+
+TEST_CASE("broken STL files are refused at the place of the trouble", "[detection][mesh-file]") {
+  const std::string begin = "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n";
+  const std::vector<std::pair<std::string, std::string>> broken{
+      {begin + "endloop\n", "a.stl:6:1: error: expected 'vertex', found 'endloop'"},
+      {begin + "vertex 0 1 nan\n", "a.stl:6:12: error: 'nan' is not a finite number"},
+      {begin + "vertex 0 1 0 1\n", "a.stl:6:14: error: expected the end of the line, found '1'"},
+      {begin + "vertex 0 1 0\nvertex 1 1 0\n", "a.stl:7:1: error: expected 'endloop', found 'vertex'"},
+      {begin, "a.stl:5:13: error: the file ends where 'vertex' is expected"},
+      {begin + "vertex 0 1 0\nendloop\nendfacet\n", "a.stl:8:9: error: the file ends where 'endsolid' is expected"},
+      {"solid x\nfacets\n", "a.stl:2:1: error: expected 'facet' or 'endsolid', found 'facets'"},
+      {"solid x\nendsolid x\n", "a.stl: error: the mesh has no triangle with an area"},
+      {"sol", "a.stl: error: neither text that begins with 'solid' nor the 84 bytes of a binary STL header: 3 bytes"},
+      {"", "a.stl: error: neither text that begins with 'solid' nor the 84 bytes of a binary STL header: 0 bytes"}};
+  for (const auto& [text, message] : broken) CHECK_THROWS_WITH(read_stl(text, "a.stl"), Equals(message));
+}
+
+TEST_CASE("a binary STL that announces more than it holds allocates nothing", "[detection][mesh-file]") {
+  std::string bytes(84, ' ');
+  for (std::size_t k = 80; k < 84; ++k) bytes[k] = '\xff';
+  CHECK_THROWS_WITH(read_stl(bytes, "a.stl"), Equals("a.stl: error: the binary STL announces 4294967295 triangles (214748364834 bytes), the file has 84 bytes"));
+  std::string cut = binary_stl(box_surface({1, 1, 1}));
+  cut.replace(0, 5, "DOSID");
+  cut.pop_back();
+  CHECK_THROWS_WITH(read_stl(cut, "a.stl"), Equals("a.stl: error: the binary STL announces 12 triangles (684 bytes), the file has 683 bytes"));
+  std::string spoiled = binary_stl(box_surface({1, 1, 1}));
+  for (std::size_t k = 0; k < 4; ++k) spoiled[84 + 50 + 12 + k] = '\xff';
+  CHECK_THROWS_WITH(read_stl(spoiled, "a.stl"), Equals("a.stl: error: triangle 2 of 12 has a vertex that is not finite"));
+}
+
+TEST_CASE("any cut or flipped byte gives a mesh or a message, nothing else", "[detection][mesh-file]") {
+  Random random(32, 0);
+  const TriangleSurface box = box_surface({1, 2, 3});
+  int read = 0, refused = 0;
+  for (const std::string& good : {obj_text(box), ascii_stl(box), binary_stl(box)}) {
+    for (int k = 0; k < 400; ++k) {
+      std::string bad = good.substr(0, static_cast<std::size_t>(random.uniform(0, static_cast<double>(good.size() + 1))));
+      for (int j = 0; j < 3 && !bad.empty(); ++j) bad[static_cast<std::size_t>(random.uniform(0, static_cast<double>(bad.size())))] = static_cast<char>(random.bits() & 255u);
+      for (const auto reader : {&read_obj, &read_stl}) {
+        try {
+          const auto mesh = reader(bad, "x");
+          ++read;
+          for (const auto& t : mesh.surface.triangles)
+            for (const auto v : t) REQUIRE(v < mesh.surface.vertices.size());
+          for (const Vec3& v : mesh.surface.vertices) REQUIRE(v.allFinite());
+        } catch (const SceneError&) {
+          ++refused;
+        }
+      }
+    }
+  }
+  CHECK(read > 0);
+  CHECK(refused > 0);
+}
+
+TEST_CASE("files are read by their ending; what is missing or strange is refused", "[detection][mesh-file]") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("epafi_mesh_file_" + std::to_string(::getpid()));
+  fs::create_directory(folder);
+  const TriangleSurface box = box_surface({1, 1, 1});
+  std::ofstream(folder / "box.STL", std::ios::binary) << binary_stl(box);
+  std::ofstream(folder / "box.obj") << obj_text(box);
+  std::ofstream(folder / "box.ply") << "ply";
+  CHECK(read_mesh_file((folder / "box.STL").string()).surface.triangles.size() == 12);
+  CHECK(read_mesh_file((folder / "box.obj").string()).surface.triangles.size() == 12);
+  CHECK_THROWS_AS(read_mesh_file((folder / "box.ply").string()), SceneError);
+  CHECK_THROWS_AS(read_mesh_file((folder / "none.obj").string()), FileError);
+  CHECK_THROWS_AS(read_mesh_file(folder.string()), FileError);
+  fs::remove_all(folder);
+}

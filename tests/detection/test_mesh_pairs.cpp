@@ -1,0 +1,398 @@
+#include "detection/narrow/mesh_pairs.h"
+
+#include "detection/narrow/narrow_phase.h"
+#include "tests/support/catch.h"
+#include "tests/support/random_geometry.h"
+
+using namespace epafi;
+using namespace epafi::testing;
+
+namespace {
+
+enum class Joints { shared, loose, staggered };
+
+/// Floor z = 0 over [-1, 1]^2 in n by n cells with jittered nodes and random diagonals. loose: no shared vertices.
+/// staggered: every second row shifted by half a cell, so that vertices lie in the middle of their neighbours' edges.
+TriangleSurface floor_surface(Random& random, std::uint32_t n, Joints joints = Joints::shared) {
+  TriangleSurface s;
+  const double cell = 2.0 / n;
+  const auto quad = [&](const std::array<std::uint32_t, 4>& q) {
+    if (random.bits() & 1u) s.triangles.push_back({q[0], q[1], q[2]}), s.triangles.push_back({q[0], q[2], q[3]});
+    else s.triangles.push_back({q[1], q[2], q[3]}), s.triangles.push_back({q[1], q[3], q[0]});
+  };
+  if (joints == Joints::staggered) {
+    for (std::uint32_t j = 0; j < n; ++j)
+      for (std::uint32_t i = 0; i <= n; ++i) {
+        const double x = -1 + cell * (i - (j % 2 ? 0.5 : 0.0)), y = -1 + cell * j;
+        const auto k = static_cast<std::uint32_t>(s.vertices.size());
+        for (const Vec3& v : {Vec3(x, y, 0), Vec3(x + cell, y, 0), Vec3(x + cell, y + cell, 0), Vec3(x, y + cell, 0)}) s.vertices.push_back(v);
+        quad({k, k + 1, k + 2, k + 3});
+      }
+    return s;
+  }
+  for (std::uint32_t j = 0; j <= n; ++j)
+    for (std::uint32_t i = 0; i <= n; ++i) {
+      const bool border = i == 0 || j == 0 || i == n || j == n;
+      const double shift = border ? 0.0 : 0.3 * cell;
+      s.vertices.push_back({-1 + cell * i + shift * random.uniform(-1, 1), -1 + cell * j + shift * random.uniform(-1, 1), 0.0});
+    }
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t k = j * (n + 1) + i;
+      quad({k, k + 1, k + n + 2, k + n + 1});
+    }
+  if (joints == Joints::shared) return s;
+  TriangleSurface loose;
+  for (const auto& t : s.triangles) {
+    const auto k = static_cast<std::uint32_t>(loose.vertices.size());
+    for (const auto v : t) loose.vertices.push_back(s.vertices[v]);
+    loose.triangles.push_back({k, k + 1, k + 2});
+  }
+  return loose;
+}
+
+/// Contacts of a body with all triangles near it.
+template <class S>
+ContactSet contacts_with(const S& shape, const Pose& body, const TriangleMesh& mesh, const Pose& at = {}, double reach = 0.0) {
+  ContactSet set;
+  set.with_curvature = true;
+  ContactSink sink(set);
+  std::vector<std::uint32_t> triangles;
+  mesh.query(box_in_body_axes(shape.bounding_box(body), at).fattened(reach + 1e-3), triangles);
+  sink.begin(0, 1);
+  collide_triangles(shape, mesh, triangles, {body, at, reach, true, nullptr}, sink);
+  sink.end();
+  return set;
+}
+template <class A, class B>
+ContactSet contacts_closed(const A& a, const Pose& pa, const B& b, const Pose& pb, double reach = 0.0) {
+  ContactSet set;
+  set.with_curvature = true;
+  ContactSink sink(set);
+  sink.begin(0, 1);
+  collide_closed(a, b, {pa, pb, reach, true, nullptr}, sink);
+  sink.end();
+  return set;
+}
+
+/// Every contact of `found` is one of `expected` and the other way round: gap, normal and point.
+void check_same_contacts(const ContactSet& found, const ContactSet& expected, double tolerance) {
+  CHECK(found.size() == expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    double best = infinity;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      best = std::min(best, std::abs(found.gap[i] - expected.gap[k]) + (found.normal[i] - expected.normal[k]).norm() + (found.arm[i] - expected.arm[k]).norm());
+    CHECK(best < tolerance);
+  }
+}
+
+void check_distinct_features(const ContactSet& set) {
+  for (std::size_t k = 1; k < set.size(); ++k) CHECK(set.feature[k - 1] < set.feature[k]);
+}
+
+}  // namespace
+
+TEST_CASE("a sphere on a triangulated floor sees exactly the plane, whatever the triangles", "[detection][mesh-pairs]") {
+  Random random(51, 0);
+  for (const auto joints : {Joints::shared, Joints::loose, Joints::staggered}) {
+    for (const std::uint32_t n : {2u, 8u, 40u}) {  // cells larger and smaller than the sphere
+      const TriangleSurface flat = floor_surface(random, n, joints);
+      const TriangleMesh mesh = TriangleMesh::from_surface(flat);
+      const Pose at{random_point(random), random_turn(random)};
+      const Sphere sphere{0.1};
+      for (int k = 0; k < 300; ++k) {
+        Vec3 foot(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), 0.0);
+        const auto& t = flat.triangles[random.bits() % flat.triangles.size()];
+        if (k % 3 == 1) foot = 0.5 * (flat.vertices[t[0]] + flat.vertices[t[1]]);  // over an edge
+        if (k % 3 == 2) foot = flat.vertices[t[0]];                                // over a vertex
+        if (foot.cwiseAbs().maxCoeff() > 0.7) continue;
+        const double side = k % 2 ? 1.0 : -1.0;  // both sides are walls
+        const Pose body{at.to_world(foot + Vec3(0, 0, side * random.uniform(0.05, 0.1))), random_turn(random)};
+        const HalfSpace plane{Vec3(0, 0, side)};
+        const ContactSet found = contacts_with(sphere, body, mesh, at);
+        check_same_contacts(found, contacts_closed(sphere, body, plane, at), 1e-14);
+        if (found.size() == 1) CHECK(found.effective_radius[0] == 0.1);
+      }
+    }
+  }
+}
+
+TEST_CASE("a sphere sliding over a flat mesh feels no kick and keeps its contact", "[detection][mesh-pairs]") {
+  Random random(52, 0);
+  const TriangleMesh mesh = TriangleMesh::from_surface(floor_surface(random, 40));
+  const Sphere sphere{0.05};
+  Feature first = 0;
+  double kick = 0.0, gap_error = 0.0;
+  for (int k = 0; k <= 10000; ++k) {
+    const Vec3 p(-0.9 + 1.8e-4 * k, 0.3 + 1e-5 * k, 0.0499);
+    const ContactSet c = contacts_with(sphere, {p, Quat(1, 0, 0, 0)}, mesh);
+    REQUIRE(c.size() == 1);
+    if (k == 0) first = c.feature[0];
+    CHECK(c.feature[0] == first);
+    kick = std::max(kick, c.normal[0].head<2>().norm());
+    gap_error = std::max(gap_error, std::abs(c.gap[0] + 1e-4));
+  }
+  CHECK(kick < 1e-9);
+  CHECK(gap_error < 1e-15);
+}
+
+TEST_CASE("a sphere outside a closed box of triangles meets the box", "[detection][mesh-pairs]") {
+  Random random(53, 0);
+  const Vec3 half(0.5, 0.3, 0.2);
+  const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
+  const Box box(half);
+  int faces = 0, edges = 0, corners = 0;
+  for (int k = 0; k < 12000; ++k) {
+    const Sphere sphere{random.uniform(0.02, 0.3)};
+    const Pose at{random_point(random), random_turn(random)};
+    const Vec3 on(random.uniform(-0.8, 0.8), random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5));
+    const Vec3 outside = on - on.cwiseMax(-half).cwiseMin(half);
+    if (outside.norm() == 0.0) continue;
+    const Pose body{at.to_world(on), Quat(1, 0, 0, 0)};
+    const auto n = (outside.array() != 0.0).count();
+    const ContactSet expected = contacts_closed(sphere, body, box, at);
+    if (expected.size() == 1) (n == 1 ? faces : n == 2 ? edges : corners)++;
+    const ContactSet found = contacts_with(sphere, body, mesh, at);
+    check_same_contacts(found, expected, 1e-12);  // the normal of an edge is a difference divided by the distance
+  }
+  CHECK(std::min({faces, edges, corners}) > 100);
+}
+
+TEST_CASE("a sphere in the corner of a room meets its three walls", "[detection][mesh-pairs]") {
+  const TriangleMesh room = TriangleMesh::from_surface(box_surface({1, 1, 1}));
+  const ContactSet c = contacts_with(Sphere{0.2}, {Vec3(0.81, -0.82, 0.83), Quat(1, 0, 0, 0)}, room);
+  REQUIRE(c.size() == 3);
+  check_distinct_features(c);
+  Vec3 gaps = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) gaps += c.gap[k] * c.normal[k];
+  CHECK((gaps - Vec3(-0.01, 0.02, -0.03)).norm() < 1e-15);  // normals from the sphere to the walls: +x, -y, +z
+}
+
+TEST_CASE("contacts on a sharp edge keep their name while the sphere rounds it", "[detection][mesh-pairs]") {
+  const TriangleMesh mesh = TriangleMesh::from_surface(box_surface({1, 1, 1}));
+  Feature first = 0;
+  for (int k = 1; k < 100; ++k) {
+    const double angle = 0.5 * pi * k / 100;
+    const ContactSet c = contacts_with(Sphere{0.1}, {Vec3(1 + 0.09 * std::cos(angle), 0.013 * k - 0.6, 1 + 0.09 * std::sin(angle)), Quat(1, 0, 0, 0)}, mesh);
+    REQUIRE(c.size() == 1);
+    CHECK(c.gap[0] == Approx(-0.01).epsilon(1e-12));
+    if (k == 1) first = c.feature[0];
+    CHECK(c.feature[0] == first);
+  }
+}
+
+TEST_CASE("a capsule on a triangulated floor stands on its ends as on the plane", "[detection][mesh-pairs]") {
+  Random random(54, 0);
+  for (const auto joints : {Joints::shared, Joints::loose, Joints::staggered}) {
+    const TriangleMesh mesh = TriangleMesh::from_surface(floor_surface(random, 12, joints));
+    const Capsule capsule(0.05, 0.6);
+    for (int k = 0; k < 500; ++k) {
+      const double tilt = k % 2 ? 0.0 : random.uniform(-0.1, 0.1);
+      const Quat turn = Quat(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ())) * Quat(Eigen::AngleAxisd(0.5 * pi + tilt, Vec3::UnitX()));
+      const Pose body{Vec3(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0.3 * std::abs(std::sin(tilt)) + 0.049), turn};
+      check_same_contacts(contacts_with(capsule, body, mesh), contacts_closed(capsule, body, HalfSpace{}, {}), 1e-14);
+    }
+  }
+}
+
+TEST_CASE("the deepest contact of a capsule with a box of triangles is the distance of its axis", "[detection][mesh-pairs]") {
+  Random random(55, 0);
+  const Vec3 half(0.5, 0.3, 0.2);
+  const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
+  int touching = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const Capsule capsule(0.1, random.uniform(0.0, 1.0));
+    const Pose body{random_point(random, -0.9, 0.9), random_turn(random)};
+    const Vec3 along = body.orientation * Vec3(0, 0, capsule.half_length());
+    const auto distance = [&](double t) {
+      const Vec3 p = body.position + t * along;
+      return (p - p.cwiseMax(-half).cwiseMin(half)).norm();
+    };
+    double low = -1, high = 1;  // the distance to a convex body is convex along the axis: ternary search
+    for (int i = 0; i < 200; ++i) {
+      const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+      (distance(a) < distance(b) ? high : low) = distance(a) < distance(b) ? b : a;
+    }
+    const double exact = distance(0.5 * (low + high)) - capsule.radius;
+    if (exact + capsule.radius < 1e-6) continue;  // the axis goes through: depth is another question
+    const ContactSet c = contacts_with(capsule, body, mesh);
+    double deepest = infinity;
+    for (const double gap : c.gap) deepest = std::min(deepest, gap);
+    if (exact >= 0) {
+      CHECK(c.size() == 0);
+    } else {
+      ++touching;
+      CHECK(deepest == Approx(exact).margin(1e-7));  // ternary search stalls at the square root of rounding
+      check_distinct_features(c);
+    }
+  }
+  CHECK(touching > 200);
+}
+
+TEST_CASE("a capsule across the edge of a table rests on the edge", "[detection][mesh-pairs]") {
+  const TriangleMesh table = TriangleMesh::from_surface(box_surface({1, 1, 0.1}));
+  const Quat along_x(Eigen::AngleAxisd(0.5 * pi, Vec3::UnitY()));
+  const ContactSet c = contacts_with(Capsule(0.05, 1.0), {Vec3(0.8, 0.2, 0.149), along_x}, table);
+  REQUIRE(c.size() == 2);  // the end over the table and the edge at x = 1
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK(c.gap[k] == Approx(-0.001).epsilon(1e-12));
+    CHECK((c.normal[k] - Vec3(0, 0, -1)).norm() < 1e-12);
+  }
+  CHECK(std::max(c.arm[0].x(), c.arm[1].x()) == Approx(0.2).epsilon(1e-12));
+  CHECK(std::min(c.arm[0].x(), c.arm[1].x()) == Approx(-0.5).epsilon(1e-12));
+}
+
+TEST_CASE("an end of a capsule that has gone through a thin floor is pushed back", "[detection][mesh-pairs]") {
+  Random random(56, 0);
+  const TriangleMesh mesh = TriangleMesh::from_surface(floor_surface(random, 12));
+  const ContactSet c = contacts_with(Capsule(0.05, 0.6), {Vec3(0.1, 0.2, 0.2), Quat(1, 0, 0, 0)}, mesh);
+  REQUIRE(c.size() == 1);
+  CHECK(c.gap[0] == Approx(-0.15).epsilon(1e-12));  // the lower end at z = -0.1, its sphere down to -0.15
+  CHECK(c.normal[0].z() == Approx(-1.0));
+}
+
+TEST_CASE("a box on a triangulated floor stands on its four corners", "[detection][mesh-pairs]") {
+  Random random(57, 0);
+  for (const auto joints : {Joints::shared, Joints::loose, Joints::staggered}) {
+    for (const std::uint32_t n : {2u, 10u, 40u}) {
+      const TriangleMesh mesh = TriangleMesh::from_surface(floor_surface(random, n, joints));
+      const Pose at{random_point(random), random_turn(random)};
+      const Box box(Vec3(0.1, 0.15, 0.2));
+      for (int k = 0; k < 100; ++k) {
+        // penetration far below the cells: triangles that reach under the box by less than it must not push sideways
+        const double depth = std::pow(10.0, random.uniform(-6, -3));
+        const double tilt = k % 2 ? 0.0 : 0.3 * depth;
+        const Pose in_mesh{Vec3(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 0.2 - depth),
+                           Quat(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ())) * Quat(Eigen::AngleAxisd(tilt, Vec3::UnitX()))};
+        const Pose body{at.to_world(in_mesh.position), at.orientation * in_mesh.orientation};
+        const ContactSet found = contacts_with(box, body, mesh, at), expected = contacts_closed(box, body, HalfSpace{}, at);
+        CHECK(expected.size() == 4);
+        check_same_contacts(found, expected, 2e-7);  // points within the snap distance of 1e-6 of the size of an edge may be its
+        check_distinct_features(found);
+        for (std::size_t i = 0; i < found.size(); ++i) CHECK((found.normal[i] + at.orientation * Vec3::UnitZ()).norm() < 1e-9);
+      }
+    }
+  }
+}
+
+TEST_CASE("polyhedra near a box of triangles are as far from it as from the solid box", "[detection][mesh-pairs]") {
+  Random random(58, 0);
+  const Vec3 half(0.5, 0.3, 0.2);
+  const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
+  const Box solid(half), body(Vec3(0.1, 0.2, 0.15));
+  int near = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const Pose pose{random_point(random, -0.9, 0.9), random_turn(random)}, at;
+    const double reach = 0.05;
+    const PolyhedronPair pair(body.view(), solid.view(), pose, at);
+    const PolyhedronDistance d = polyhedron_distance(pair);
+    if (d.axis.gap <= 0.0) continue;
+    const ContactSet c = contacts_with(body, pose, mesh, at, reach);
+    double least = infinity;
+    for (const double gap : c.gap) least = std::min(least, gap);
+    if (d.axis.gap < reach) {
+      ++near;
+      CHECK(least == Approx(d.axis.gap).margin(1e-6));  // snap distance of the manifold
+    } else {
+      CHECK(least == infinity);
+    }
+  }
+  CHECK(near > 100);
+}
+
+TEST_CASE("a box in slight contact with a box of triangles is pushed apart as the solid boxes are", "[detection][mesh-pairs]") {
+  Random random(59, 0);
+  const Vec3 half(0.5, 0.3, 0.2);
+  const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
+  const Box solid(half), body(Vec3(0.1, 0.2, 0.15));
+  int touching = 0;
+  for (int k = 0; k < 20000 && touching < 300; ++k) {
+    Pose pose{random_point(random, -0.9, 0.9), random_turn(random)};
+    PolyhedronDistance d = polyhedron_distance(PolyhedronPair(body.view(), solid.view(), pose, {}));
+    if (d.axis.gap <= 0.0 || d.axis.gap > 0.1) continue;
+    pose.position += (d.axis.gap + 1e-5) * (pose.orientation * d.axis.normal);  // 1e-5 into the solid
+    d = polyhedron_distance(PolyhedronPair(body.view(), solid.view(), pose, {}));
+    if (d.axis.gap > -0.9e-5) continue;  // corners against corners slide past
+    ++touching;
+    const ContactSet c = contacts_with(body, pose, mesh);
+    REQUIRE(c.size() > 0);
+    const Vec3 n = pose.orientation * d.axis.normal;
+    std::size_t deepest = 0;
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      if (c.gap[i] < c.gap[deepest]) deepest = i;
+      CHECK(c.normal[i].dot(n) > 0.0);  // none pulls the body in
+    }
+    CHECK(c.gap[deepest] == Approx(d.axis.gap).margin(1e-7));
+    // two directions may separate equally well: the one that was found must be one of them
+    const PolyhedronPair pair(body.view(), solid.view(), pose, {});
+    CHECK(pair.separation(pose.orientation.conjugate() * c.normal[deepest]) == Approx(d.axis.gap).margin(1e-7));
+  }
+  CHECK(touching == 300);
+}
+
+TEST_CASE("cylinders and ellipsoids on a triangulated floor see the plane", "[detection][mesh-pairs]") {
+  Random random(60, 0);
+  for (const std::uint32_t n : {2u, 20u}) {
+    const TriangleMesh mesh = TriangleMesh::from_surface(floor_surface(random, n));
+    const Cylinder cylinder(0.1, 0.3);
+    const Ellipsoid ellipsoid({0.1, 0.2, 0.15});
+    for (int k = 0; k < 100; ++k) {
+      const Vec3 place(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 0.0);
+      const Quat yaw(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ()));
+      const Pose standing{place + Vec3(0, 0, 0.1499), yaw};
+      const ContactSet stands = contacts_with(cylinder, standing, mesh), plane = contacts_closed(cylinder, standing, HalfSpace{}, {});
+      CHECK(stands.size() >= std::min<std::size_t>(plane.size(), 3));
+      CHECK(stands.size() <= 4);
+      for (std::size_t i = 0; i < stands.size(); ++i) {
+        CHECK(stands.gap[i] == Approx(-1e-4).epsilon(1e-9));
+        CHECK((stands.normal[i] - Vec3(0, 0, -1)).norm() < 1e-12);
+      }
+      const Quat turn = random_turn(random);
+      const Vec3 down = turn.conjugate() * Vec3(0, 0, -1);
+      const Pose tipped{place + Vec3(0, 0, ellipsoid.support(down).dot(down) - 1e-4), turn};
+      check_same_contacts(contacts_with(ellipsoid, tipped, mesh), contacts_closed(ellipsoid, tipped, HalfSpace{}, {}), 1e-12);
+    }
+  }
+}
+
+TEST_CASE("through the narrow phase the mesh may be A or B, and threads change nothing", "[detection][mesh-pairs]") {
+  Random random(62, 0);
+  ShapeStore shapes;
+  const ShapeRef floor = shapes.add(TriangleMesh::from_surface(floor_surface(random, 20)));
+  const ShapeRef sphere = shapes.add(Sphere{0.1}), box = shapes.add(Box(Vec3(0.1, 0.1, 0.1)));
+  const auto build = [&](bool mesh_first) {
+    World world(Columns{.rotation = true});
+    const Body mesh{.shape = floor.packed};
+    if (mesh_first) world.add(mesh);
+    for (const auto& [shape, x] : {std::pair{sphere, -0.5}, {box, 0.5}})
+      world.add({.position = Vec3(x, 0.1, 0.099), .mass = 1.0, .inertia = Vec3(1, 1, 1), .shape = shape.packed});
+    if (!mesh_first) world.add(mesh);
+    return world;
+  };
+  const auto detect = [&](bool mesh_first) {
+    const World world = build(mesh_first);
+    PairList list;
+    list.margin = 0.01, list.generation = 1;
+    if (mesh_first) list.pairs = {{0, 1}, {0, 2}};
+    else list.pairs = {{0, 2}, {1, 2}};
+    BatchNarrowPhase narrow(shapes, 0.0, true);
+    ContactSet contacts;
+    narrow.collide(world, list, contacts);
+    ContactSet again;
+    narrow.collide(world, list, again);  // with the candidates of the first call
+    CHECK(again.gap == contacts.gap);
+    CHECK(again.feature == contacts.feature);
+    return contacts;
+  };
+  const ContactSet ahead = detect(true), behind = detect(false);
+  REQUIRE(ahead.size() == 5);
+  REQUIRE(behind.size() == 5);
+  for (std::size_t k = 0; k < 5; ++k) {
+    CHECK(ahead.gap[k] == Approx(-0.001).epsilon(1e-9));
+    CHECK((ahead.normal[k] - Vec3(0, 0, 1)).norm() < 1e-12);  // from the mesh (A) to the body
+    CHECK((behind.normal[k] - Vec3(0, 0, -1)).norm() < 1e-12);
+    CHECK(ahead.feature[k] == behind.feature[k]);
+    const Vec3 body = k == 0 ? Vec3(-0.5, 0.1, 0.099) : Vec3(0.5, 0.1, 0.099);
+    CHECK((ahead.arm[k] - (behind.arm[k] + body)).norm() < 1e-15);  // from the mesh's origin, from the body's centre
+  }
+}

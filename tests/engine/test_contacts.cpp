@@ -1,0 +1,139 @@
+#include "engine/contacts.h"
+
+#include <map>
+#include <tuple>
+
+#include "engine/parallel.h"
+#include "engine/random.h"
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+
+using Key = std::tuple<Slot, Slot, Feature>;
+
+ContactSet set_of(const std::vector<Key>& keys) {
+  ContactSet set;
+  for (const auto& [a, b, feature] : keys) {
+    ContactPoint c;
+    c.feature = feature;
+    set.append(a, b, c);
+  }
+  return set;
+}
+
+/// A random subset of pairs near each other, one to three features, in canonical order.
+std::vector<Key> random_keys(Random& random, Slot bodies, double share) {
+  std::vector<Key> keys;
+  for (Slot a = 0; a < bodies; ++a)
+    for (Slot b = 0; b < bodies; ++b)  // b < a happens: slot order is not id order
+      for (std::uint32_t f = 0; f < 3; ++f)
+        if (a != b && (a + b) % 5 != 0 && random.uniform() < share) keys.emplace_back(a, b, feature_of(f, 7 * f));
+  return keys;
+}
+
+}  // namespace
+
+TEST_CASE("contact memory finds what a map finds, through random churn", "[engine][contacts]") {
+  Random random(5, 1);
+  ContactMemory memory;
+  std::map<Key, std::uint32_t> remembered;
+  for (int step = 0; step < 60; ++step) {
+    // now and then all contacts are lost, and blocks are longer than one (4096)
+    const double share = step % 13 == 0 ? 0.0 : step % 17 == 0 ? 0.9 : 0.3;
+    const auto keys = random_keys(random, 60, share);
+    std::vector<std::uint32_t> previous;
+    memory.match(set_of(keys), previous);
+    REQUIRE(previous.size() == keys.size());
+    bool same = true;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const auto found = remembered.find(keys[i]);
+      same = same && previous[i] == (found == remembered.end() ? ContactMemory::none : found->second);
+    }
+    REQUIRE(same);
+    remembered.clear();
+    for (std::uint32_t i = 0; i < keys.size(); ++i) remembered[keys[i]] = i;
+    CHECK(memory.size() == keys.size());
+  }
+}
+
+TEST_CASE("contact memory follows renamed and removed bodies", "[engine][contacts]") {
+  Random random(6, 1);
+  for (int round = 0; round < 20; ++round) {
+    const Slot bodies = 40;
+    const auto keys = random_keys(random, bodies, 0.2);
+    ContactMemory memory;
+    std::vector<std::uint32_t> previous;
+    memory.match(set_of(keys), previous);
+    std::vector<Slot> order;
+    for (Slot s = 0; s < bodies; ++s)
+      if (random.uniform() < 0.8) order.push_back(s);
+    for (std::size_t i = order.size(); i-- > 1;) std::swap(order[i], order[random.bits() % (i + 1)]);
+    Reordering change{std::vector<Slot>(bodies, no_slot)};
+    for (Slot k = 0; k < order.size(); ++k) change.new_slot[order[k]] = k;
+
+    std::map<Key, std::uint32_t> expected;  // new key -> old index, in canonical order
+    for (std::uint32_t i = 0; i < keys.size(); ++i) {
+      const auto& [a, b, f] = keys[i];
+      if (change.new_slot[a] != no_slot && change.new_slot[b] != no_slot) expected[{change.new_slot[a], change.new_slot[b], f}] = i;
+    }
+    const auto kept = memory.reorder(change);
+    REQUIRE(kept.size() == expected.size());
+    std::vector<Key> renamed;
+    std::size_t i = 0;
+    bool same = true;
+    for (const auto& [key, old] : expected) same = same && kept[i++] == old, renamed.push_back(key);
+    CHECK(same);
+    memory.match(set_of(renamed), previous);  // all are found where reorder put them
+    for (std::uint32_t k = 0; k < previous.size(); ++k) same = same && previous[k] == k;
+    CHECK(same);
+  }
+}
+
+TEST_CASE("contact memory is the same for every thread count", "[engine][contacts][threads]") {
+  const int before = thread_count();
+  Random random(7, 1);
+  const auto first = random_keys(random, 120, 0.5), second = random_keys(random, 120, 0.5);
+  std::vector<std::uint32_t> reference;
+  for (int threads : {1, 2, 3, 4, 7, 8}) {
+    set_thread_count(threads);
+    ContactMemory memory;
+    std::vector<std::uint32_t> previous;
+    memory.match(set_of(first), previous);
+    memory.match(set_of(second), previous);
+    if (threads == 1) reference = previous;
+    CHECK(previous == reference);
+  }
+  set_thread_count(before);
+}
+
+TEST_CASE("features of different words differ and keep their order", "[engine][contacts]") {
+  CHECK(feature_of(1, 0) > feature_of(0, 0xffffffffu));
+  CHECK(feature_of(2, 3) != feature_of(3, 2));
+  CHECK(feature_of(0xffffffffu, 0xffffffffu) == ~Feature{0});
+}
+
+TEST_CASE("arms of A and B meet in the contact point; joined sets keep their columns in step", "[engine][contacts]") {
+  World world;
+  Body body;
+  body.position = Vec3(1, 2, 3), body.mass = 1;
+  world.add(body);
+  body.position = Vec3(4, 2, 3);
+  world.add(body);
+  ContactSet set, other;
+  set.with_curvature = other.with_curvature = true;
+  ContactPoint c;
+  c.arm = Vec3(1.5, 0.25, 0), c.gap = -0.1, c.effective_radius = 0.7;
+  set.append(0, 1, c);
+  c.gap = -0.2;
+  other.append(1, 0, c);
+  set.append(other);
+  CHECK(set.point(0, world) == Vec3(2.5, 2.25, 3));
+  CHECK(world.position[1] + set.arm_b(0, world) == set.point(0, world));
+  CHECK(set.size() == 2);
+  CHECK(set.gap[1] == -0.2);
+  CHECK(set.effective_radius.size() == 2);
+  set.clear();
+  CHECK((set.size() == 0 && set.effective_radius.empty() && set.with_curvature));
+}

@@ -1,0 +1,96 @@
+#include "engine/incidence.h"
+
+#include "engine/parallel.h"
+#include "engine/random.h"
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+
+struct Case {
+  World world{Columns{.rotation = true}};
+  ContactSet contacts;
+};
+
+Case random_case(std::uint64_t seed, Slot bodies) {
+  Case c;
+  Random random(seed, 1);
+  const auto vec = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
+  for (Slot s = 0; s < bodies; ++s) {
+    Body b;
+    b.position = vec(), b.mass = s % 9 == 4 ? 0.0 : 1.0, b.inertia = Vec3(1, 1, 1);
+    c.world.add(b);
+  }
+  c.contacts.with_moment = seed % 2 == 1;
+  for (Slot a = 0; a < bodies; ++a)
+    for (Slot d = 0; d < bodies; ++d) {
+      if (a == d || random.uniform() > 8.0 / bodies || a % 17 == 3) continue;  // some bodies are A of nothing
+      ContactPoint p;
+      p.arm = vec();
+      c.contacts.append(a, d, p);
+      c.contacts.force.push_back(vec());
+      if (c.contacts.with_moment) c.contacts.moment.push_back(vec());
+    }
+  return c;
+}
+
+}  // namespace
+
+TEST_CASE("each body meets its contacts as A, then as B, both in canonical order", "[engine][incidence]") {
+  for (Slot bodies : {0u, 1u, 2u, 50u, 300u}) {
+    const Case c = random_case(2, bodies);
+    Incidence incidence;
+    incidence.build(c.contacts, bodies);
+    for (Slot s = 0; s < bodies; ++s) {
+      std::vector<std::pair<std::uint32_t, double>> expected, found;
+      for (std::uint32_t k = 0; k < c.contacts.size(); ++k)
+        if (c.contacts.a[k] == s) expected.emplace_back(k, 1.0);
+      for (std::uint32_t k = 0; k < c.contacts.size(); ++k)
+        if (c.contacts.b[k] == s) expected.emplace_back(k, -1.0);
+      incidence.for_each(s, [&](std::uint32_t k, double sign) { found.emplace_back(k, sign); });
+      REQUIRE((found == expected));
+      REQUIRE(incidence.count(s) == expected.size());
+    }
+  }
+}
+
+TEST_CASE("gathered forces and torques are the direct sums; fixed bodies take none", "[engine][incidence]") {
+  for (std::uint64_t seed : {1u, 2u}) {
+    Case c = random_case(seed, 200);
+    Incidence incidence;
+    incidence.build(c.contacts, 200);
+    gather_forces(c.contacts, incidence, c.world);
+    std::vector<Vec3> force(200, Vec3::Zero()), torque(200, Vec3::Zero());
+    for (std::size_t k = 0; k < c.contacts.size(); ++k) {
+      const Slot a = c.contacts.a[k], b = c.contacts.b[k];
+      const Vec3 f = c.contacts.force[k], point = c.world.position[a] + c.contacts.arm[k];
+      const Vec3 moment = c.contacts.with_moment ? c.contacts.moment[k] : Vec3(Vec3::Zero());
+      force[a] += f, force[b] -= f;
+      torque[a] += (point - c.world.position[a]).cross(f) + moment;
+      torque[b] -= (point - c.world.position[b]).cross(f) + moment;
+    }
+    for (Slot s = 0; s < 200; ++s) {
+      const double free = c.world.is_movable(s) ? 1.0 : 0.0;
+      // some 16 terms of size 2: 16 * 2 * 1.1e-16 and as much for the other order of summation
+      CHECK((c.world.force[s] - free * force[s]).norm() < 1e-14);
+      CHECK((c.world.torque[s] - free * torque[s]).norm() < 1e-13);
+    }
+  }
+}
+
+TEST_CASE("gathered sums are the same bits for every thread count", "[engine][incidence][threads]") {
+  const int before = thread_count();
+  std::string reference;
+  for (int threads : {1, 2, 3, 4, 7, 8}) {
+    set_thread_count(threads);
+    Case c = random_case(3, 1500);
+    Incidence incidence;
+    incidence.build(c.contacts, 1500);
+    gather_forces(c.contacts, incidence, c.world);
+    c.world.velocity = c.world.force, c.world.angular_velocity = c.world.torque;  // for the hash
+    if (threads == 1) reference = state_hash(c.world);
+    CHECK(state_hash(c.world) == reference);
+  }
+  set_thread_count(before);
+}

@@ -1,0 +1,75 @@
+#include "engine/parallel.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+
+#include "engine/random.h"
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+struct Threads {  ///< restores the thread count
+  int before = thread_count();
+  ~Threads() { set_thread_count(before); }
+};
+const auto counts = {1, 2, 3, 4, 7, 8};
+}  // namespace
+
+TEST_CASE("every index is visited once, for every length and thread count", "[engine][parallel]") {
+  const Threads restore;
+  for (int threads : counts) {
+    set_thread_count(threads);
+    for (std::size_t n : {0u, 1u, 2u, 511u, 512u, 1023u, 1024u, 1025u, 5000u}) {
+      std::vector<int> visits(n, 0);
+      parallel_for(n, [&](std::size_t i) { ++visits[i]; });
+      CHECK(std::count(visits.begin(), visits.end(), 1) == static_cast<std::ptrdiff_t>(n));
+      for (std::size_t size : {1u, 7u, 512u, 10000u}) {
+        std::vector<int> covered(n, 0);
+        std::vector<std::size_t> begins((n + size - 1) / size, n);
+        parallel_blocks(n, size, [&](std::size_t begin, std::size_t end, std::size_t block) {
+          begins[block] = begin;
+          for (std::size_t i = begin; i < end; ++i) ++covered[i];
+        });
+        CHECK(std::count(covered.begin(), covered.end(), 1) == static_cast<std::ptrdiff_t>(n));
+        for (std::size_t b = 0; b < begins.size(); ++b) CHECK(begins[b] == b * size);
+      }
+    }
+  }
+}
+
+TEST_CASE("sums and maxima are the same bits for every thread count", "[engine][parallel][threads]") {
+  const Threads restore;
+  Random random(1, 1);
+  std::vector<double> x(100001);
+  for (double& v : x) v = std::exp(random.uniform(-30, 30)) * (random.uniform() < 0.5 ? -1 : 1);
+  std::uint64_t sum = 0, most = 0, third = 0;
+  for (int threads : counts) {
+    set_thread_count(threads);
+    const double s = block_sum<double>(x.size(), [&](std::size_t i) { return x[i]; });
+    const double m = block_max<double>(x.size(), 0.0, [&](std::size_t i) { return x[i]; });
+    const Sum3 t = block_sum<Sum3>(x.size(), [&](std::size_t i) { return Sum3{1.0, x[i], x[i] * x[i]}; });
+    CHECK(t.a == 100001.0);
+    CHECK(t.b == s);
+    CHECK(m == *std::max_element(x.begin(), x.end()));
+    if (threads == 1) sum = std::bit_cast<std::uint64_t>(s), most = std::bit_cast<std::uint64_t>(m), third = std::bit_cast<std::uint64_t>(t.c);
+    CHECK(std::bit_cast<std::uint64_t>(s) == sum);
+    CHECK(std::bit_cast<std::uint64_t>(m) == most);
+    CHECK(std::bit_cast<std::uint64_t>(t.c) == third);
+  }
+}
+
+TEST_CASE("a sum is exact where its terms are integers, a maximum starts from its least", "[engine][parallel]") {
+  const double n = 5000;
+  CHECK(block_sum<double>(5000, [](std::size_t i) { return static_cast<double>(i); }) == n * (n - 1) / 2);
+  CHECK(block_sum<double>(0, [](std::size_t) { return 1.0; }) == 0.0);
+  CHECK(block_max<double>(0, -3.0, [](std::size_t) { return 1.0; }) == -3.0);
+  CHECK(block_max<double>(3000, 7.0, [](std::size_t) { return 1.0; }) == 7.0);
+  // one sum inside the terms of another of a different type
+  const double nested = block_sum<double>(10, [](std::size_t) {
+    return static_cast<double>(block_sum<std::size_t>(3000, [](std::size_t i) { return i % 2; }));
+  });
+  CHECK(nested == 15000.0);
+}

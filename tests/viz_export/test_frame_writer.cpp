@@ -1,0 +1,138 @@
+#include "viz_export/frame_writer.h"
+
+#include "engine/energy.h"
+#include "tests/support/catch.h"
+#include "tests/viz_export/small_scene.h"
+#include "tests/viz_export/temporary_folder.h"
+#include "viz_export/side_file.h"
+
+using namespace epafi;
+
+namespace {
+
+std::vector<const BodyRecord*> pointers(const std::vector<BodyRecord>& bodies) {
+  std::vector<const BodyRecord*> out;
+  for (const BodyRecord& b : bodies) out.push_back(&b);
+  return out;
+}
+
+template <class T>
+const std::vector<T>& values(const std::vector<VtpArray>& arrays, const std::string& name) {
+  for (const VtpArray& a : arrays)
+    if (a.name == name) return std::get<std::vector<T>>(a.values);
+  throw std::runtime_error("no array " + name);
+}
+
+std::size_t count_files(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+}  // namespace
+
+TEST_CASE("records follow body ids, not slots, and their kinetic energies sum to the ledger's",
+          "[viz_export][frames]") {
+  SmallScene scene(20);
+  std::vector<Slot> backwards;
+  for (Slot s = 21; s-- > 0;) backwards.push_back(s);
+  scene.world.reorder(backwards);
+  SurfaceCache surfaces(scene.shapes);
+  const auto bodies = body_records(scene.world, surfaces);
+  REQUIRE(bodies.size() == 21);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    CHECK(bodies[k].id == k);
+    sum += bodies[k].kinetic_energy;
+  }
+  CHECK(bodies[3].pose.position == Vec3(2, 4, 0.5));
+  CHECK(bodies[3].radius == 0.1 + 0.01 * 2);
+  CHECK((bodies[0].is_wall() && bodies[0].surface != nullptr && bodies[3].surface == nullptr));
+  CHECK(sum == Approx(kinetic_energy(scene.world)).epsilon(1e-14));
+}
+
+TEST_CASE("spheres are drawn as points that carry their numbers", "[viz_export][frames]") {
+  SmallScene scene(3);
+  SurfaceCache surfaces(scene.shapes);
+  auto bodies = body_records(scene.world, surfaces);
+  bodies.erase(bodies.begin());
+  const PolyData d = draw_spheres(pointers(bodies), 0.5);
+  CHECK(d.points == std::vector<float>{0, 0, 0.5f, 1, 2, 0.5f, 2, 4, 0.5f});
+  CHECK(d.vertices.connectivity == std::vector<std::int32_t>{0, 1, 2});
+  CHECK(d.vertices.offsets == std::vector<std::int32_t>{1, 2, 3});
+  CHECK(values<std::uint32_t>(d.point_data, "id") == std::vector<std::uint32_t>{1, 2, 3});
+  CHECK(values<float>(d.point_data, "radius") == std::vector<float>{0.1f, 0.11f, 0.12f});
+  CHECK(values<float>(d.point_data, "velocity")[4] == 1.0f);
+  CHECK(values<float>(d.point_data, "speed")[2] == static_cast<float>(std::sqrt(6.0)));  // velocity (1, 2, -1)
+}
+
+TEST_CASE("a half-space is drawn as a square on its plane that reaches beyond all bodies", "[viz_export][frames]") {
+  SmallScene scene(10);
+  scene.world.position[0] = {5, 5, 0.3};
+  scene.world.orientation[0] = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // z turns to -y
+  SurfaceCache surfaces(scene.shapes);
+  const auto bodies = body_records(scene.world, surfaces);
+  const std::vector<const BodyRecord*> wall{&bodies[0]};
+  const PolyData d = draw_surfaces(wall, 0.0);
+  REQUIRE(d.points.size() == 12);
+  Aabb square;
+  for (std::size_t k = 0; k < 4; ++k) {
+    CHECK(d.points[3 * k + 1] == Approx(5.0).epsilon(1e-6));  // all on y = 5
+    square.include(Vec3(d.points[3 * k], d.points[3 * k + 1], d.points[3 * k + 2]));
+  }
+  CHECK((square.min.x() < -0.1 && square.max.x() > 9.2 && square.min.z() < 0.3 && square.max.z() > 0.7));
+  CHECK(d.polygons.offsets == std::vector<std::int32_t>{4});
+}
+
+TEST_CASE("contacts that touch or carry force are lines between centres, to the contact point at a wall",
+          "[viz_export][frames]") {
+  SmallScene scene(3);
+  const auto contacts = contact_records(scene.world, scene.contacts);
+  REQUIRE(contacts.size() == 2);
+  CHECK((contacts[0].id_a == 0 && contacts[0].from == Vec3(0, 0, 0) && contacts[0].to == Vec3(0, 0, 0.5)));
+  CHECK((contacts[0].normal_force == 7.0 && contacts[0].overlap == 0.01));
+  CHECK((contacts[1].from == Vec3(0, 0, 0.5) && contacts[1].to == Vec3(1, 2, 0.5)));
+  CHECK(contacts[1].normal_force == 3.0);  // force on A is (-3, 4, 0), the normal x
+  const PolyData d = draw_contacts(contacts, 0.0);
+  CHECK(d.points.size() == 12);
+  CHECK(values<float>(d.cell_data, "force_magnitude") == std::vector<float>{7, 5});
+}
+
+TEST_CASE("walls are written again only when they moved, and every time lists one", "[viz_export][frames]") {
+  const TemporaryFolder folder;
+  SmallScene scene(3);
+  SurfaceCache surfaces(scene.shapes);
+  FrameWriter frames(folder.path());
+  for (int k = 0; k < 4; ++k) {
+    scene.world.time = k;
+    if (k == 2) scene.world.position[0].z() = -0.5;
+    const auto bodies = body_records(scene.world, surfaces);
+    frames.write(scene.world.time, bodies, contact_records(scene.world, scene.contacts));
+    frames.write(scene.world.time, bodies, {});  // the same time again: nothing
+  }
+  CHECK(frames.frames() == 4);
+  CHECK(count_files(folder / "frames") == 4 + 4 + 2);  // spheres, contacts, walls
+  CHECK(std::filesystem::exists(folder / "frames/walls_000002.vtp"));
+  PvdFile list(folder / "frames.pvd");
+  list.keep_until(1e9);
+  CHECK(list.entries().size() == 12);
+  CHECK(list.entries().back().file == "frames/walls_000002.vtp");
+}
+
+TEST_CASE("frames continued from a checkpoint are numbered as in an uninterrupted run", "[viz_export][frames]") {
+  const TemporaryFolder folder;
+  SmallScene scene(3);
+  SurfaceCache surfaces(scene.shapes);
+  const auto write = [&](FrameWriter& frames, int from, int to) {
+    for (int k = from; k < to; ++k) frames.write(0.1 * k, body_records(scene.world, surfaces), {});
+  };
+  {
+    FrameWriter frames(folder.path());
+    write(frames, 0, 5);
+  }
+  FrameWriter resumed(folder.path(), 0.1 * 2);
+  CHECK(resumed.frames() == 3);
+  write(resumed, 3, 5);
+  PvdFile list(folder / "frames.pvd");
+  list.keep_until(1e9);
+  REQUIRE(list.entries().size() == 10);
+  CHECK((list.entries()[8].time == 0.1 * 4 && list.entries()[8].file == "frames/spheres_000004.vtp"));
+}

@@ -1,0 +1,76 @@
+#include "viz_export/vtp_writer.h"
+
+#include <cstring>
+
+#include "engine/error.h"
+#include "tests/support/catch.h"
+#include "tests/viz_export/temporary_folder.h"
+#include "viz_export/side_file.h"
+
+using namespace epafi;
+
+namespace {
+
+/// The bytes of one array of an uncompressed file, found as a VTK reader finds them: by its offset behind the
+/// underscore.
+std::string array_bytes(const std::string& file, const std::string& name) {
+  const std::size_t tag = file.find("Name=\"" + name + "\"");
+  REQUIRE(tag != std::string::npos);
+  const std::size_t offset = std::stoul(file.substr(file.find("offset=\"", tag) + 8));
+  const std::size_t start =
+      file.find("<AppendedData encoding=\"raw\">\n_") + std::strlen("<AppendedData encoding=\"raw\">\n_") + offset;
+  std::uint64_t size = 0;
+  std::memcpy(&size, file.data() + start, 8);
+  return file.substr(start + 8, size);
+}
+
+template <class T>
+std::string bytes(const std::vector<T>& v) {
+  return {reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T)};
+}
+
+PolyData triangle() {
+  PolyData d;
+  d.time = 0.1;
+  d.points = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  d.polygons = {{0, 1, 2}, {3}};
+  d.point_data.push_back({"height", 1, std::vector<double>{1, 2, 3}});
+  d.cell_data.push_back({"id", 1, std::vector<std::uint32_t>{7}});
+  return d;
+}
+
+}  // namespace
+
+TEST_CASE("arrays of a .vtp stand where their offsets say, behind their size", "[viz_export][vtp]") {
+  const TemporaryFolder folder;
+  write_vtp(folder / "a.vtp", triangle(), VtpEncoding::plain);
+  const std::string file = read_whole_file(folder / "a.vtp");
+  CHECK(array_bytes(file, "Points") == bytes<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
+  CHECK(array_bytes(file, "height") == bytes<double>({1, 2, 3}));
+  CHECK(array_bytes(file, "id") == bytes<std::uint32_t>({7}));
+  CHECK_THAT(
+      file,
+      Catch::Contains(
+          "NumberOfPoints=\"3\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"1\""));
+  CHECK_THAT(file, Catch::Contains(">0.10000000000000001<") && Catch::EndsWith("</VTKFile>\n"));
+}
+
+TEST_CASE("the list of frames keeps its times exactly and drops those after a checkpoint", "[viz_export][vtp]") {
+  const TemporaryFolder folder;
+  PvdFile list(folder / "a.pvd");
+  for (int k = 0; k < 5; ++k)
+    list.add(0.1 * k, 0, "frames/a" + std::to_string(k) + ".vtp"), list.add(0.1 * k, 3, "frames/w.vtp");
+  list.write();
+  PvdFile again(folder / "a.pvd");
+  again.keep_until(0.1 * 3);
+  REQUIRE(again.entries().size() == 8);
+  CHECK((again.entries()[7].time == 0.1 * 3 && again.entries()[7].part == 3 &&
+         again.entries()[6].file == "frames/a3.vtp"));
+  write_whole_file(folder / "a.pvd", {"<DataSet timestep=\"x\" part=\"0\" file=\"a\"/>\n"});
+  CHECK_THROWS_AS(again.keep_until(1.0), FileError);
+}
+
+TEST_CASE("a frame that cannot be written is an error that names it", "[viz_export][vtp]") {
+  const TemporaryFolder folder;
+  CHECK_THROWS_WITH(write_vtp(folder / "no/a.vtp", triangle(), VtpEncoding::plain), Catch::Contains("no/a.vtp"));
+}

@@ -1,0 +1,58 @@
+#include "viz_export/output_observers.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/error.h"
+
+namespace epafi {
+
+void StateRecorder::observe(const StepView& view) {
+  const auto bodies = body_records(view.world, surfaces_);
+  if (run_ != nullptr)
+    run_->add_snapshot({view.step, view.world.time, state_hash(view.world), view.world.rotates()}, bodies);
+  if (frames_ != nullptr) frames_->write(view.world.time, bodies, contact_records(view.world, view.contacts));
+}
+
+MeasureRecorder::MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
+                                 std::uint64_t every)
+    : name_(std::move(name)),
+      measure_(std::move(measure)),
+      components_(measure_->components()),
+      csv_(csv),
+      run_(run),
+      due_(every) {
+  if (run_ != nullptr) number_ = run_->define_measure(name_, components_);
+  last_.assign(components_.size(), std::numeric_limits<double>::quiet_NaN());
+  min_ = max_ = last_;
+}
+
+void MeasureRecorder::observe(const StepView& view) {
+  if (view.step == sampled_) return;  // a resumed run looks again at the state it was saved in
+  sampled_ = view.step;
+  measure_->sample(view, values_);
+  EPAFI_REQUIRE(values_.size() == components_.size(), "one value per component");
+  if (run_ != nullptr) run_->add_measure(number_, view.world.time, values_);
+  for (std::size_t c = 0; c < values_.size(); ++c) {
+    if (csv_ != nullptr) csv_->add(view.world.time, name_, components_[c], values_[c]);
+    last_[c] = values_[c];
+    if (std::isnan(values_[c])) continue;
+    min_[c] = std::fmin(min_[c], values_[c]), max_[c] = std::fmax(max_[c], values_[c]);  // fmin passes over NaN
+  }
+}
+
+void MeasureRecorder::visit(StateVisitor& visitor) {
+  const std::string prefix = "measure/" + name_;
+  visitor.value(prefix + "/sampled", sampled_);
+  visitor.column(prefix + "/last", last_), visitor.column(prefix + "/min", min_), visitor.column(prefix + "/max", max_);
+  measure_->visit(visitor, prefix + "/own");
+}
+
+std::map<std::string, RunSummary::Component> MeasureRecorder::summary() const {
+  std::map<std::string, RunSummary::Component> out;
+  for (std::size_t c = 0; c < components_.size(); ++c)
+    if (!std::isnan(min_[c])) out[components_[c]] = {last_[c], min_[c], max_[c]};
+  return out;
+}
+
+}  // namespace epafi

@@ -1,0 +1,57 @@
+/// @file output_observers.h  The observers that write files: snapshots, frames, measures.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/observer.h"
+#include "viz_export/frame_writer.h"
+#include "viz_export/measures/measure.h"
+#include "viz_export/measures_csv.h"
+#include "viz_export/run_file.h"
+#include "viz_export/summary.h"
+
+namespace epafi {
+
+/// Snapshots into run.h5 and frames for ParaView, every so many steps and at the end. Either may be null.
+class StateRecorder final : public Observer {
+ public:
+  StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, std::uint64_t every)
+      : run_(run), frames_(frames), surfaces_(shapes), due_(every) {}
+  bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
+  void observe(const StepView& view) override;
+
+ private:
+  RunFile* run_;
+  FrameWriter* frames_;
+  SurfaceCache surfaces_;
+  EverySteps due_;
+};
+
+/// Samples one measure into measures.csv, run.h5 and the summary. Either file may be null.
+class MeasureRecorder final : public Observer {
+ public:
+  MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
+                  std::uint64_t every);
+  bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
+  bool wants_energy(std::uint64_t step) const override { return measure_->wants_energy() && is_due(step); }
+  void observe(const StepView& view) override;
+  void visit(StateVisitor& visitor) override;
+
+  const std::string& name() const { return name_; }
+  /// Last, smallest and largest value of each component; components never seen as a number are absent.
+  std::map<std::string, RunSummary::Component> summary() const;
+
+ private:
+  std::string name_;
+  std::unique_ptr<Measure> measure_;
+  std::vector<std::string> components_;
+  MeasuresCsv* csv_;
+  RunFile* run_;
+  std::size_t number_ = 0;  ///< in run.h5
+  EverySteps due_;
+  std::uint64_t sampled_ = ~std::uint64_t{0};      ///< step of the last sample
+  std::vector<double> values_, last_, min_, max_;  ///< by component; NaN where there was no value yet
+};
+
+}  // namespace epafi
