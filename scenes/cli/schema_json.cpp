@@ -101,7 +101,11 @@ struct Writer {
     Object properties;
     std::vector<std::string> needed;
     for (const auto& field : fields) {
-      std::string type = type_of(field, name);
+      const std::string type = type_of(field, name);
+      if (field.kind == Kind::tables) {  // described by its own declaration
+        properties.add(field.name, type);
+        continue;
+      }
       Object about;
       about.add("description", quoted(describe(field)));
       if (field.default_value) about.add("default", json_value(*field.default_value));
