@@ -1,4 +1,5 @@
-/// @file nearest.h  The word of a list that a user most likely meant (Damerau 1964, Levenshtein 1966: optimal string alignment).
+/// @file nearest.h  The word of a list that a user most likely meant (Damerau 1964, Levenshtein 1966: optimal string
+/// alignment).
 #pragma once
 #include <optional>
 #include <string>
@@ -10,8 +11,8 @@ namespace epafi {
 /// Insertions, deletions, substitutions and swaps of neighbours that turn a into b.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate equal but for case or for - and _, else the closest within a third of the longer length; empty if none.
-/// Ties go to the earlier candidate.
+/// The candidate equal but for case or for - and _, else the closest within a third of the longer length; empty if
+/// none. Ties go to the earlier candidate.
 std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 /// "; did you mean 'x'?" or "; <otherwise>: a, b, c" or nothing when there are no candidates.

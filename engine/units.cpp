@@ -21,27 +21,18 @@ struct Symbol {
 };
 
 //                                     m  kg   s  A  K mol rad
-constexpr Symbol symbols[] = {{"m",   {1, 0, 0, 0, 0, 0, 0}, 1, 1, true},
-                              {"g",   {0, 1, 0, 0, 0, 0, 0}, 1, 1000, true},
-                              {"t",   {0, 1, 0, 0, 0, 0, 0}, 1000, 1, false},
-                              {"s",   {0, 0, 1, 0, 0, 0, 0}, 1, 1, true},
-                              {"min", {0, 0, 1, 0, 0, 0, 0}, 60, 1, false},
-                              {"h",   {0, 0, 1, 0, 0, 0, 0}, 3600, 1, false},
-                              {"A",   {0, 0, 0, 1, 0, 0, 0}, 1, 1, true},
-                              {"K",   {0, 0, 0, 0, 1, 0, 0}, 1, 1, true},
-                              {"mol", {0, 0, 0, 0, 0, 1, 0}, 1, 1, true},
-                              {"rad", {0, 0, 0, 0, 0, 0, 1}, 1, 1, true},
-                              {"deg", {0, 0, 0, 0, 0, 0, 1}, pi, 180, false},
-                              {"rev", {0, 0, 0, 0, 0, 0, 1}, 2 * pi, 1, false},
-                              {"rpm", {0, 0, -1, 0, 0, 0, 1}, 2 * pi, 60, false},
-                              {"Hz",  {0, 0, -1, 0, 0, 0, 0}, 1, 1, true},
-                              {"N",   {1, 1, -2, 0, 0, 0, 0}, 1, 1, true},
-                              {"Pa",  {-1, 1, -2, 0, 0, 0, 0}, 1, 1, true},
-                              {"bar", {-1, 1, -2, 0, 0, 0, 0}, 100000, 1, true},
-                              {"J",   {2, 1, -2, 0, 0, 0, 0}, 1, 1, true},
-                              {"W",   {2, 1, -3, 0, 0, 0, 0}, 1, 1, true},
-                              {"L",   {3, 0, 0, 0, 0, 0, 0}, 1, 1000, true},
-                              {"%",   {0, 0, 0, 0, 0, 0, 0}, 1, 100, false}};
+constexpr Symbol symbols[] = {
+    {"m", {1, 0, 0, 0, 0, 0, 0}, 1, 1, true},           {"g", {0, 1, 0, 0, 0, 0, 0}, 1, 1000, true},
+    {"t", {0, 1, 0, 0, 0, 0, 0}, 1000, 1, false},       {"s", {0, 0, 1, 0, 0, 0, 0}, 1, 1, true},
+    {"min", {0, 0, 1, 0, 0, 0, 0}, 60, 1, false},       {"h", {0, 0, 1, 0, 0, 0, 0}, 3600, 1, false},
+    {"A", {0, 0, 0, 1, 0, 0, 0}, 1, 1, true},           {"K", {0, 0, 0, 0, 1, 0, 0}, 1, 1, true},
+    {"mol", {0, 0, 0, 0, 0, 1, 0}, 1, 1, true},         {"rad", {0, 0, 0, 0, 0, 0, 1}, 1, 1, true},
+    {"deg", {0, 0, 0, 0, 0, 0, 1}, pi, 180, false},     {"rev", {0, 0, 0, 0, 0, 0, 1}, 2 * pi, 1, false},
+    {"rpm", {0, 0, -1, 0, 0, 0, 1}, 2 * pi, 60, false}, {"Hz", {0, 0, -1, 0, 0, 0, 0}, 1, 1, true},
+    {"N", {1, 1, -2, 0, 0, 0, 0}, 1, 1, true},          {"Pa", {-1, 1, -2, 0, 0, 0, 0}, 1, 1, true},
+    {"bar", {-1, 1, -2, 0, 0, 0, 0}, 100000, 1, true},  {"J", {2, 1, -2, 0, 0, 0, 0}, 1, 1, true},
+    {"W", {2, 1, -3, 0, 0, 0, 0}, 1, 1, true},          {"L", {3, 0, 0, 0, 0, 0, 0}, 1, 1000, true},
+    {"%", {0, 0, 0, 0, 0, 0, 0}, 1, 100, false}};
 
 struct Prefix {
   const char* name;
@@ -55,12 +46,26 @@ struct Quantity {
   const char* name;
   const char* unit;
 };
-constexpr Quantity quantities[] = {
-    {"a number without unit", ""}, {"a length", "m"},         {"a mass", "kg"},           {"a time", "s"},
-    {"an area", "m^2"},            {"a volume", "m^3"},       {"a velocity", "m/s"},      {"an acceleration", "m/s^2"},
-    {"a force", "N"},              {"a pressure", "Pa"},      {"a density", "kg/m^3"},    {"a frequency", "Hz"},
-    {"an energy", "J"},            {"a power", "W"},          {"a stiffness", "N/m"},     {"a damping", "N s/m"},
-    {"an angle", "rad"},           {"an angular velocity", "rad/s"}, {"a mass flow", "kg/s"}, {"an inertia", "kg m^2"}};
+constexpr Quantity quantities[] = {{"a number without unit", ""},
+                                   {"a length", "m"},
+                                   {"a mass", "kg"},
+                                   {"a time", "s"},
+                                   {"an area", "m^2"},
+                                   {"a volume", "m^3"},
+                                   {"a velocity", "m/s"},
+                                   {"an acceleration", "m/s^2"},
+                                   {"a force", "N"},
+                                   {"a pressure", "Pa"},
+                                   {"a density", "kg/m^3"},
+                                   {"a frequency", "Hz"},
+                                   {"an energy", "J"},
+                                   {"a power", "W"},
+                                   {"a stiffness", "N/m"},
+                                   {"a damping", "N s/m"},
+                                   {"an angle", "rad"},
+                                   {"an angular velocity", "rad/s"},
+                                   {"a mass flow", "kg/s"},
+                                   {"an inertia", "kg m^2"}};
 
 std::optional<Unit> find_symbol(std::string_view word) {
   for (const auto& s : symbols)
@@ -136,7 +141,8 @@ UnitResult parse_unit(std::string_view text) {
       const auto symbol = find_symbol(factor);
       if (!symbol) {
         const auto near = nearest(factor, all_symbols());
-        return {std::nullopt, "unknown unit '" + std::string(factor) + "'" + (near ? "; did you mean '" + *near + "'?" : "")};
+        return {std::nullopt,
+                "unknown unit '" + std::string(factor) + "'" + (near ? "; did you mean '" + *near + "'?" : "")};
       }
       multiply(unit, *symbol, sign * *exponent);
     }
@@ -165,15 +171,19 @@ QuantityResult read_quantity(std::string_view text, std::string_view si_unit) {
   double number = 0.0;
   const char* first = whole.data() + (!whole.empty() && whole.front() == '+' ? 1 : 0);
   const auto end = std::from_chars(first, whole.data() + whole.size(), number);
-  const auto expected = [&](const std::string& found) { return "expected " + describe_unit(si_unit) + ", found " + found; };
-  if (end.ec == std::errc::result_out_of_range) return {std::nullopt, "'" + std::string(whole) + "' is out of the range of numbers"};
+  const auto expected = [&](const std::string& found) {
+    return "expected " + describe_unit(si_unit) + ", found " + found;
+  };
+  if (end.ec == std::errc::result_out_of_range)
+    return {std::nullopt, "'" + std::string(whole) + "' is out of the range of numbers"};
   if (end.ec != std::errc{}) return {std::nullopt, expected("the text '" + std::string(text) + "'")};
   const std::string_view rest = trimmed(whole.substr(static_cast<std::size_t>(end.ptr - whole.data())));
   const auto parsed = parse_unit(rest);
   if (!parsed.unit) return {std::nullopt, parsed.problem};
   const bool checked = si_unit != any_unit;
   if (checked && rest.empty() && !si_unit.empty()) {
-    return {std::nullopt, expected("'" + std::string(whole) + "' without a unit; write the number without quotes for SI")};
+    return {std::nullopt,
+            expected("'" + std::string(whole) + "' without a unit; write the number without quotes for SI")};
   }
   if (checked && parsed.unit->dimension != parse_unit(si_unit).unit->dimension) {
     const Quantity* q = find_quantity(parsed.unit->dimension);

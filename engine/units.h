@@ -1,5 +1,5 @@
-/// @file units.h  Values with units, as users write them: "2.5 mm", "70 GPa", "5 kg/m^3", "90 rpm". Inside everything is SI.
-/// Angles count as a dimension of their own (rad), so that "30 deg" is refused where a plain number is meant.
+/// @file units.h  Values with units, as users write them: "2.5 mm", "70 GPa", "5 kg/m^3", "90 rpm". Inside everything
+/// is SI. Angles count as a dimension of their own (rad), so that "30 deg" is refused where a plain number is meant.
 #pragma once
 #include <array>
 #include <optional>
@@ -11,7 +11,8 @@ namespace epafi {
 /// Exponents of m, kg, s, A, K, mol, rad.
 using Dimension = std::array<int, 7>;
 
-/// SI value = number * numerator / denominator: both are exact for metric prefixes, so that "5 mm" is 0.005 to the last bit.
+/// SI value = number * numerator / denominator: both are exact for metric prefixes, so that "5 mm" is 0.005 to the last
+/// bit.
 struct Unit {
   Dimension dimension{};
   double numerator = 1.0;

@@ -28,10 +28,10 @@ struct Placed {
 
 /// [run]
 struct RunSettings {
-  Placed<double> duration;                  ///< [s], > 0
-  Placed<std::optional<double>> time_step;  ///< [s], > 0; empty: "auto"
-  Placed<std::string> scheme;               ///< resolved from the method where not written
-  Placed<double> output_interval;           ///< [s], > 0; default duration / 100
+  Placed<double> duration;                    ///< [s], > 0
+  Placed<std::optional<double>> time_step;    ///< [s], > 0; empty: "auto"
+  Placed<std::string> scheme;                 ///< resolved from the method where not written
+  Placed<double> output_interval;             ///< [s], > 0; default duration / 100
   std::optional<double> checkpoint_interval;  ///< [s], > 0; empty: only at the end and on interruption
   std::uint64_t seed = 1;
 };
@@ -46,7 +46,7 @@ struct MaterialSpec {
 struct PairSpec {
   std::size_t a = 0, b = 0;  ///< indices of materials, a <= b
   std::optional<double> restitution, friction, rolling_friction;
-  Parameters parameters;     ///< of the smooth law, only those written here
+  Parameters parameters;  ///< of the smooth law, only those written here
   Place place;
 };
 
@@ -74,8 +74,8 @@ struct DetectionSettings {
 };
 
 /// [shape.NAME] or a shape written in place (name empty). `type` is the entry's name, `parameters` its fields.
-/// polyhedron: exactly one of text("file"), vectors("vertices"), integer("random.vertices") with integer("random.seed").
-/// mesh: text("file"). File names are already relative to the working directory.
+/// polyhedron: exactly one of text("file"), vectors("vertices"), integer("random.vertices") with
+/// integer("random.seed"). mesh: text("file"). File names are already relative to the working directory.
 struct ShapeSpec {
   std::string name;
   std::string type;
@@ -92,14 +92,14 @@ struct BodySpec {
   std::size_t shape = 0;     ///< index in Scene::shapes
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
-  std::optional<Motion> motion;          ///< motion = { ... } of a driven body
-  std::optional<double> remove_at;          ///< [s]
-  Vec3 position = Vec3::Zero();             ///< of the centre of mass [m]
-  Quat orientation = Quat(1, 0, 0, 0);      ///< of the author's axes, unit
-  Vec3 velocity = Vec3::Zero();             ///< [m/s]
-  Vec3 angular_velocity = Vec3::Zero();     ///< world axes [rad/s]
-  Vec3 force = Vec3::Zero();                ///< constant external force [N]
-  Placed<bool> spins;                       ///< an angular velocity was written
+  std::optional<Motion> motion;                     ///< motion = { ... } of a driven body
+  std::optional<double> remove_at;                  ///< [s]
+  Vec3 position = Vec3::Zero();                     ///< of the centre of mass [m]
+  Quat orientation = Quat(1, 0, 0, 0);              ///< of the author's axes, unit
+  Vec3 velocity = Vec3::Zero();                     ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();             ///< world axes [rad/s]
+  Vec3 force = Vec3::Zero();                        ///< constant external force [N]
+  Placed<bool> spins;                               ///< an angular velocity was written
   bool moves() const { return !fixed && !motion; }  ///< free: has mass, is integrated
 };
 
@@ -179,10 +179,10 @@ struct OutputSettings {
 
 struct Scene {
   std::string title;
-  std::string file;                 ///< as given to the reader
-  std::string text;                 ///< the whole text that was read, includes and overrides too: hashed, stored
+  std::string file;  ///< as given to the reader
+  std::string text;  ///< the whole text that was read, includes and overrides too: hashed, stored
   RunSettings run;
-  Vec3 gravity = Vec3::Zero();      ///< [m/s^2]
+  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
   std::optional<Placed<Domain>> domain;
   std::vector<MaterialSpec> materials;
   ContactSettings contact;

@@ -31,8 +31,10 @@ void append_fields(std::string& out, const std::vector<Field>& fields, const std
     if (!field.unit.empty()) about += (about.empty() ? "" : " ") + ("[" + field.unit + "]");
     std::string line = fmt::format("    {:<24}{:<18}{}", prefix + field.name, about, field.help);
     if (is_limited(field.range) && !list) line += ", in " + format_range(field.range);
-    if (field.default_value) line += ", default " + format_value(*field.default_value);
-    else line += field.optional ? ", optional" : ", required";
+    if (field.default_value)
+      line += ", default " + format_value(*field.default_value);
+    else
+      line += field.optional ? ", optional" : ", required";
     out += line + "\n";
   }
 }
@@ -40,7 +42,8 @@ void append_fields(std::string& out, const std::vector<Field>& fields, const std
 void append_part(std::string& out, const Part& part) {
   out += (out.empty() ? "" : "\n") + std::string(part.title) + "\n";
   for (const auto& entry : part.entries) {
-    out += fmt::format("  {:<24}{}{}\n", entry.name, entry.summary, entry.source.empty() ? "" : " (" + entry.source + ")");
+    out +=
+        fmt::format("  {:<24}{}{}\n", entry.name, entry.summary, entry.source.empty() ? "" : " (" + entry.source + ")");
     append_fields(out, std::string_view(part.kind) == "shapes" ? authoring_fields(entry) : entry.fields, "");
   }
 }
@@ -87,7 +90,9 @@ std::string format_value(const Value& value) {
     std::string operator()(const Vec3& v) const { return triple(v); }
     std::string operator()(const std::vector<double>& v) const { return list(v, format_number); }
     std::string operator()(const std::vector<Vec3>& v) const { return list(v, triple); }
-    std::string operator()(const std::vector<std::string>& v) const { return list(v, [](const std::string& s) { return s; }); }
+    std::string operator()(const std::vector<std::string>& v) const {
+      return list(v, [](const std::string& s) { return s; });
+    }
   };
   return std::visit(Format{join, vector}, value);
 }

@@ -243,7 +243,8 @@ const std::vector<std::string>& starter_kinds() {
 std::string starter_scene(std::string_view kind) {
   for (const auto& starter : starters)
     if (kind == starter.kind) return starter.text;
-  throw SceneError("there is no starter scene '" + std::string(kind) + "'" + suggestion(kind, starter_kinds(), "available"));
+  throw SceneError("there is no starter scene '" + std::string(kind) + "'" +
+                   suggestion(kind, starter_kinds(), "available"));
 }
 
 }  // namespace epafi

@@ -15,9 +15,12 @@ namespace {
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
-    if (c == '"' || c == '\\') out += {'\\', c};
-    else if (c == '\n') out += "\\n";
-    else out += c;
+    if (c == '"' || c == '\\')
+      out += {'\\', c};
+    else if (c == '\n')
+      out += "\\n";
+    else
+      out += c;
   }
   return out + "\"";
 }
@@ -56,8 +59,10 @@ std::string json_value(const Value& value) {
 std::string number_schema(const Field& field) {
   Object number;
   number.add("type", field.kind == Kind::integer || field.kind == Kind::integers ? "\"integer\"" : "\"number\"");
-  if (std::isfinite(field.range.min)) number.add(field.range.open_min ? "exclusiveMinimum" : "minimum", format_number(field.range.min));
-  if (std::isfinite(field.range.max)) number.add(field.range.open_max ? "exclusiveMaximum" : "maximum", format_number(field.range.max));
+  if (std::isfinite(field.range.min))
+    number.add(field.range.open_min ? "exclusiveMinimum" : "minimum", format_number(field.range.min));
+  if (std::isfinite(field.range.max))
+    number.add(field.range.open_max ? "exclusiveMaximum" : "maximum", format_number(field.range.max));
   return "{\"anyOf\":[" + number.str() + ",{\"type\":\"string\"}]}";
 }
 
@@ -82,18 +87,31 @@ struct Writer {
   std::string type_of(const Field& field, const std::string& parent) const {
     const std::string number = number_schema(field);
     switch (field.kind) {
-      case Kind::number: case Kind::integer: return number;
-      case Kind::boolean: return "{\"type\":\"boolean\"}";
-      case Kind::text: return word(field);
-      case Kind::vec3: return list_schema(number, 3);
-      case Kind::quaternion: return list_schema(number, 4);
-      case Kind::numbers: return list_schema(number);
-      case Kind::integers: return any_of(number, list_schema(number));
-      case Kind::vectors: return list_schema(list_schema(number, 3));
-      case Kind::texts: return any_of(word(field), list_schema(word(field)));
-      case Kind::table: return object(field.fields, "");
-      case Kind::shape: return any_of("{\"type\":\"string\"}", "{\"$ref\":\"#/definitions/shape\"}");
-      case Kind::tables: return table(schema.at(parent + "." + field.name));
+      case Kind::number:
+      case Kind::integer:
+        return number;
+      case Kind::boolean:
+        return "{\"type\":\"boolean\"}";
+      case Kind::text:
+        return word(field);
+      case Kind::vec3:
+        return list_schema(number, 3);
+      case Kind::quaternion:
+        return list_schema(number, 4);
+      case Kind::numbers:
+        return list_schema(number);
+      case Kind::integers:
+        return any_of(number, list_schema(number));
+      case Kind::vectors:
+        return list_schema(list_schema(number, 3));
+      case Kind::texts:
+        return any_of(word(field), list_schema(word(field)));
+      case Kind::table:
+        return object(field.fields, "");
+      case Kind::shape:
+        return any_of("{\"type\":\"string\"}", "{\"$ref\":\"#/definitions/shape\"}");
+      case Kind::tables:
+        return table(schema.at(parent + "." + field.name));
     }
     return "{}";
   }
@@ -101,7 +119,11 @@ struct Writer {
     Object properties;
     std::vector<std::string> needed;
     for (const auto& field : fields) {
-      std::string type = type_of(field, name);
+      const std::string type = type_of(field, name);
+      if (field.kind == Kind::tables) {  // described by its own declaration
+        properties.add(field.name, type);
+        continue;
+      }
       Object about;
       about.add("description", quoted(describe(field)));
       if (field.default_value) about.add("default", json_value(*field.default_value));
@@ -115,7 +137,8 @@ struct Writer {
   }
   std::string table(const TableSchema& declared) const {
     using Form = TableSchema::Form;
-    const std::string one = declared.form == Form::free ? "{\"type\":\"object\"}" : object(declared.fields, declared.name);
+    const std::string one =
+        declared.form == Form::free ? "{\"type\":\"object\"}" : object(declared.fields, declared.name);
     const std::string about = "{\"description\":" + quoted(declared.summary) + ",";
     if (declared.form == Form::list) return about + list_schema(one).substr(1);
     if (declared.form == Form::named) {
@@ -133,11 +156,15 @@ std::string json_schema(const Registry& registry) {
   const Writer writer{schema};
   Object properties;
   properties.add("title", "{\"type\":\"string\"}");
-  properties.add("include", "{\"description\":\"files merged below this one\",\"type\":\"array\",\"items\":{\"type\":\"string\"}}");
+  properties.add(
+      "include",
+      "{\"description\":\"files merged below this one\",\"type\":\"array\",\"items\":{\"type\":\"string\"}}");
   for (const auto& table : schema.tables)
     if (table.name.find('.') == std::string::npos) properties.add(table.name, writer.table(table));
   Object root;
-  root.add("$schema", "\"http://json-schema.org/draft-07/schema#\"").add("title", "\"Epafi scene\"").add("type", "\"object\"");
+  root.add("$schema", "\"http://json-schema.org/draft-07/schema#\"")
+      .add("title", "\"Epafi scene\"")
+      .add("type", "\"object\"");
   root.add("additionalProperties", "false").add("required", "[\"run\"]").add("properties", properties.str());
   Object definitions;
   definitions.add("shape", writer.object(schema.at("shape").fields, "shape"));

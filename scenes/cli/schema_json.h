@@ -1,4 +1,5 @@
-/// @file schema_json.h  `epafi schema`: the JSON Schema (draft-07) of scene files, for completion in editors (taplo: `#:schema`).
+/// @file schema_json.h  `epafi schema`: the JSON Schema (draft-07) of scene files, for completion in editors (taplo:
+/// `#:schema`).
 #pragma once
 #include <string>
 

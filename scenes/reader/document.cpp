@@ -35,7 +35,8 @@ struct Loader {
 
 bool read_whole(const std::string& path, std::string& text, std::string& problem) {
   std::error_code failure;
-  if (!fs::is_regular_file(path, failure)) return problem = fs::exists(path, failure) ? "is not a file" : "does not exist", false;
+  if (!fs::is_regular_file(path, failure))
+    return problem = fs::exists(path, failure) ? "is not a file" : "does not exist", false;
   if (fs::file_size(path, failure) > largest_file) return problem = "is larger than 64 MiB", false;
   std::ifstream in(path, std::ios::binary);
   std::ostringstream all;
@@ -48,7 +49,8 @@ bool read_whole(const std::string& path, std::string& text, std::string& problem
 /// The included text below, the including text on top.
 Node merged(Node below, Node above) {
   for (auto& member : above.members) {
-    const auto same = std::find_if(below.members.begin(), below.members.end(), [&](const Member& m) { return m.key == member.key; });
+    const auto same =
+        std::find_if(below.members.begin(), below.members.end(), [&](const Member& m) { return m.key == member.key; });
     if (same == below.members.end()) {
       below.members.push_back(std::move(member));
     } else if (same->value.type == Node::Type::table && member.value.type == Node::Type::table) {
@@ -75,8 +77,8 @@ Node Loader::load(const std::string& path, const Place& from) {
     return {};
   }
   if (!read_whole(path, text, problem)) {
-    error(from.file.empty() ? Place{path, 0, 0} : from, from.file.empty() ? "the scene file " + problem
-                                                                           : "the file '" + path + "' " + problem);
+    error(from.file.empty() ? Place{path, 0, 0} : from,
+          from.file.empty() ? "the scene file " + problem : "the file '" + path + "' " + problem);
     document.failed = true;
     return {};
   }
@@ -103,7 +105,8 @@ Node Loader::merge_includes(Node own) {
   const auto is_text = [](const Node& n) { return n.type == Node::Type::text; };
   Node below;
   if (include->type == Node::Type::array && std::all_of(include->items.begin(), include->items.end(), is_text)) {
-    for (const auto& item : include->items) below = merged(std::move(below), load(resolve_path(item.text, item.place, ""), item.place));
+    for (const auto& item : include->items)
+      below = merged(std::move(below), load(resolve_path(item.text, item.place, ""), item.place));
   } else {
     error(include->place, "include: expected a list of file names, found " + std::string(type_name(include->type)));
   }
@@ -186,17 +189,23 @@ const char* type_name(Node::Type type) {
 
 std::string to_toml(const Node& node) {
   switch (node.type) {
-    case Node::Type::boolean: return node.boolean ? "true" : "false";
-    case Node::Type::integer: return std::to_string(node.integer);
-    case Node::Type::real: return fmt::format("{}", node.real);
-    case Node::Type::date: return node.text;
-    case Node::Type::text: return quote_toml(node.text);
+    case Node::Type::boolean:
+      return node.boolean ? "true" : "false";
+    case Node::Type::integer:
+      return std::to_string(node.integer);
+    case Node::Type::real:
+      return fmt::format("{}", node.real);
+    case Node::Type::date:
+      return node.text;
+    case Node::Type::text:
+      return quote_toml(node.text);
     case Node::Type::array: {
       std::string all;
       for (const auto& item : node.items) all += (all.empty() ? "" : ", ") + to_toml(item);
       return "[" + all + "]";
     }
-    case Node::Type::table: break;
+    case Node::Type::table:
+      break;
   }
   std::string all;
   for (const auto& m : node.members) all += (all.empty() ? "" : ", ") + quote_toml(m.key) + " = " + to_toml(m.value);

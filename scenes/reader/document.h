@@ -1,5 +1,5 @@
-/// @file document.h  A TOML text as a tree of nodes with places: includes merged, overrides applied. The only door to toml++.
-/// Knows no key of a scene but `include`; runs nothing, reads only the files that are named.
+/// @file document.h  A TOML text as a tree of nodes with places: includes merged, overrides applied. The only door to
+/// toml++. Knows no key of a scene but `include`; runs nothing, reads only the files that are named.
 #pragma once
 #include <string>
 #include <string_view>
@@ -17,12 +17,12 @@ struct Node {
   Type type = Type::table;
   bool boolean = false;
   long long integer = 0;
-  double real = 0.0;             ///< also set for integers
+  double real = 0.0;  ///< also set for integers
   std::string text;
-  std::vector<Node> items;       ///< of an array
-  std::vector<Member> members;   ///< of a table, in the order of the file
-  Place place;                   ///< of the value; of a table its header or brace
-  bool quoted_inline = false;    ///< text on one line: a column inside it is place.column + 1 + offset
+  std::vector<Node> items;      ///< of an array
+  std::vector<Member> members;  ///< of a table, in the order of the file
+  Place place;                  ///< of the value; of a table its header or brace
+  bool quoted_inline = false;   ///< text on one line: a column inside it is place.column + 1 + offset
 
   const Node* find(std::string_view key) const;
   bool is_number() const { return type == Type::integer || type == Type::real; }
@@ -43,9 +43,9 @@ std::string to_toml(const Node& node);
 
 struct Document {
   Node root;
-  std::string text;                ///< of all files and overrides, in the order they were read
-  std::vector<Problem> problems;   ///< syntax, includes, overrides
-  bool failed = false;             ///< nothing to go on with
+  std::string text;               ///< of all files and overrides, in the order they were read
+  std::vector<Problem> problems;  ///< syntax, includes, overrides
+  bool failed = false;            ///< nothing to go on with
 };
 
 /// Reads a file, its includes and the overrides "KEY.PATH=VALUE" (VALUE is TOML, else a bare word).

@@ -18,10 +18,10 @@ struct Function {
   double (*apply)(double);
 };
 constexpr Function functions[] = {
-    {"sqrt", [](double x) { return std::sqrt(x); }},   {"abs", [](double x) { return std::abs(x); }},
-    {"sin", [](double x) { return std::sin(x); }},     {"cos", [](double x) { return std::cos(x); }},
-    {"tan", [](double x) { return std::tan(x); }},     {"exp", [](double x) { return std::exp(x); }},
-    {"log", [](double x) { return std::log(x); }},     {"floor", [](double x) { return std::floor(x); }},
+    {"sqrt", [](double x) { return std::sqrt(x); }}, {"abs", [](double x) { return std::abs(x); }},
+    {"sin", [](double x) { return std::sin(x); }},   {"cos", [](double x) { return std::cos(x); }},
+    {"tan", [](double x) { return std::tan(x); }},   {"exp", [](double x) { return std::exp(x); }},
+    {"log", [](double x) { return std::log(x); }},   {"floor", [](double x) { return std::floor(x); }},
     {"ceil", [](double x) { return std::ceil(x); }},
 };
 
@@ -38,8 +38,10 @@ class Evaluator {
       const double value = sum();
       skip_spaces();
       if (at_ < text_.size()) fail("unexpected '" + std::string(1, text_[at_]) + "'");
-      if (std::isfinite(value)) result.value = value;
-      else fail_at(0, "the result is not a finite number");
+      if (std::isfinite(value))
+        result.value = value;
+      else
+        fail_at(0, "the result is not a finite number");
     } catch (const Failed&) {
       result.problem = problem_;
       result.column = column_;
@@ -67,24 +69,32 @@ class Evaluator {
   double sum() {
     double value = product();
     for (;;) {
-      if (take('+')) value += product();
-      else if (take('-')) value -= product();
-      else return value;
+      if (take('+'))
+        value += product();
+      else if (take('-'))
+        value -= product();
+      else
+        return value;
     }
   }
   double product() {
     double value = signed_power();
     for (;;) {
-      if (take('*')) value *= signed_power();
-      else if (take('/')) value /= signed_power();
-      else return value;
+      if (take('*'))
+        value *= signed_power();
+      else if (take('/'))
+        value /= signed_power();
+      else
+        return value;
     }
   }
   double signed_power() {
     if (++depth_ > deepest_expression) fail("the expression is nested too deeply");
     double value = 0.0;
-    if (take('-')) value = -signed_power();
-    else if (take('+')) value = signed_power();
+    if (take('-'))
+      value = -signed_power();
+    else if (take('+'))
+      value = signed_power();
     else {
       value = primary();
       if (take('^')) value = std::pow(value, signed_power());

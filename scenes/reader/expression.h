@@ -1,7 +1,7 @@
-/// @file expression.h  Arithmetic over names: "(i + 0.5)*d". Numbers only; no assignment, no loops, bounded length and depth,
-/// so that reading a scene ends in a time proportional to its size.
-/// Operators + - * / ^ (right to left, binds tighter than a leading minus), parentheses;
-/// min max (any number of arguments), sqrt abs sin cos tan exp log floor ceil; pi.
+/// @file expression.h  Arithmetic over names: "(i + 0.5)*d". Numbers only; no assignment, no loops, bounded length and
+/// depth, so that reading a scene ends in a time proportional to its size. Operators + - * / ^ (right to left, binds
+/// tighter than a leading minus), parentheses; min max (any number of arguments), sqrt abs sin cos tan exp log floor
+/// ceil; pi.
 #pragma once
 #include <functional>
 #include <optional>

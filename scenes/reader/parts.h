@@ -42,17 +42,21 @@ void each_item(Reading& reading, const std::string& name, const std::function<vo
 std::string item_label(const std::string& name, const Node& item);
 
 /// Index of a material or shape by name; reports an unknown one with the nearest.
-std::optional<std::size_t> find_material(Draft& draft, const std::string& name, const Place& place, const std::string& label);
-std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, const Place& place, const std::string& label);
+std::optional<std::size_t> find_material(Draft& draft, const std::string& name, const Place& place,
+                                         const std::string& label);
+std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, const Place& place,
+                                      const std::string& label);
 /// A shape by name or written in place.
 std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label);
 /// Adds a shape table; reports if it is not exactly one form.
-std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name, const std::string& label);
+std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name,
+                                     const std::string& label);
 
 /// Reports a group name that is taken.
 void check_group_name(Draft& draft, const std::string& name, const Place& place);
 /// The bodies a name stands for: a group or one of its bodies; reports an unknown one.
-std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place, const std::string& label);
+std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place,
+                                     const std::string& label);
 /// min < max in every component, else reported.
 bool check_box(Reading& reading, const Vec3& min, const Vec3& max, const Place& place, const std::string& label);
 /// A direction of any length but 0, made a unit vector.

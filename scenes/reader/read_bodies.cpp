@@ -14,7 +14,8 @@ constexpr double most_bodies = 1e7;  // a repeat beyond is a slip of the keyboar
 /// An expression somewhere in the value that uses i, j or k.
 bool uses_index(const Node& node) {
   if (node.type == Node::Type::text)
-    return node.text.find('=') != std::string::npos && (mentions(node.text, "i") || mentions(node.text, "j") || mentions(node.text, "k"));
+    return node.text.find('=') != std::string::npos &&
+           (mentions(node.text, "i") || mentions(node.text, "j") || mentions(node.text, "k"));
   return std::any_of(node.items.begin(), node.items.end(), uses_index) ||
          std::any_of(node.members.begin(), node.members.end(), [](const Member& m) { return uses_index(m.value); });
 }
@@ -30,15 +31,19 @@ Node part_of(const Node& table, F&& keep) {
 }
 
 /// 1 to 3 counts; one empty entry stands for a body that is not repeated.
-std::vector<std::size_t> read_repeat(Draft& draft, const Node& item, const std::string& label, const std::vector<Field>& fields) {
+std::vector<std::size_t> read_repeat(Draft& draft, const Node& item, const std::string& label,
+                                     const std::vector<Field>& fields) {
   const auto field = std::find_if(fields.begin(), fields.end(), [](const Field& f) { return f.name == "repeat"; });
-  const TableValues values = read_table(part_of(item, [](const Member& m) { return m.key == "repeat"; }), label, {*field}, draft.reading);
+  const TableValues values =
+      read_table(part_of(item, [](const Member& m) { return m.key == "repeat"; }), label, {*field}, draft.reading);
   if (!values.has("repeat")) return {};
   const auto& counts = values.numbers("repeat");
   double product = 1.0;
   for (const double c : counts) product *= c;
-  if (counts.empty() || counts.size() > 3) draft.reading.error(values.place_of("repeat"), label + " repeat: expected n or [l, m, n]");
-  else if (product > most_bodies) draft.reading.error(values.place_of("repeat"), label + " repeat: more than 10 million bodies");
+  if (counts.empty() || counts.size() > 3)
+    draft.reading.error(values.place_of("repeat"), label + " repeat: expected n or [l, m, n]");
+  else if (product > most_bodies)
+    draft.reading.error(values.place_of("repeat"), label + " repeat: more than 10 million bodies");
   return std::vector<std::size_t>(counts.begin(), counts.end());
 }
 
@@ -48,7 +53,8 @@ std::optional<Motion> read_motion(Reading& reading, const TableValues& v, const 
   if (v.has("motion.velocity")) motion.velocity = v.vec3("motion.velocity");
   motion.from = v.number_or("motion.from", 0.0);
   motion.until = v.number_or("motion.until", infinity);
-  if (motion.until <= motion.from) reading.error(v.place_of("motion.until"), label + " motion: until must be later than from");
+  if (motion.until <= motion.from)
+    reading.error(v.place_of("motion.until"), label + " motion: until must be later than from");
   const auto direction = [&](const std::string& key, Vec3& out) {
     if (!v.has(key)) return;
     if (const auto unit = unit_vector(reading, v.vec3(key), v.place_of(key), label + " " + key)) out = *unit;
@@ -84,7 +90,8 @@ struct BodyTable {
   Placed<bool> spins{};
 };
 
-std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const TableValues& v, std::optional<std::size_t> shape) {
+std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const TableValues& v,
+                                  std::optional<std::size_t> shape) {
   Reading& reading = draft.reading;
   if (!v.has("material")) return std::nullopt;
   const auto material = find_material(draft, v.text("material"), v.place_of("material"), table.label);
@@ -106,14 +113,16 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
 /// What does not go together, once per table.
 void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const std::string& label) {
   Reading& reading = draft.reading;
-  if (body.fixed && body.motion) reading.error(v.place_of("motion"), label + ": a fixed body has no motion; leave out fixed");
+  if (body.fixed && body.motion)
+    reading.error(v.place_of("motion"), label + ": a fixed body has no motion; leave out fixed");
   const std::string& form = draft.scene.shapes[body.shape].type;
   if (body.moves() && (form == "half_space" || form == "mesh")) {
     reading.error(v.place, label + ": a " + form + " cannot move freely; write fixed = true or give it a motion");
   }
   for (const char* key : {"velocity", "angular_velocity", "force"}) {
     if (!body.moves() && v.written(key)) {
-      reading.warning(v.place_of(key), label + ": " + key + " is not used: the body is " + (body.fixed ? "fixed" : "driven by its motion"));
+      reading.warning(v.place_of(key), label + ": " + key + " is not used: the body is " +
+                                           (body.fixed ? "fixed" : "driven by its motion"));
     }
   }
 }
@@ -132,7 +141,8 @@ void set_indices(Reading& reading, const Index3& index, std::size_t dimensions) 
   for (std::size_t d = 0; d < dimensions; ++d) reading.indices.emplace_back(names[d], static_cast<double>(index[d]));
 }
 
-/// Reads the whole table once, then for each copy only the keys that use an index: 10^5 bodies take a fraction of a second.
+/// Reads the whole table once, then for each copy only the keys that use an index: 10^5 bodies take a fraction of a
+/// second.
 void read_body(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("body", item);
@@ -150,7 +160,8 @@ void read_body(Draft& draft, const Node& item) {
     if (field.name != "repeat") other_fields.push_back(field);
     if (varying.find(field.name)) varying_fields.push_back(field);
   }
-  TableValues values = read_table(part_of(item, [](const Member& m) { return m.key != "repeat"; }), label, other_fields, reading);
+  TableValues values =
+      read_table(part_of(item, [](const Member& m) { return m.key != "repeat"; }), label, other_fields, reading);
   const Node* shape_node = item.find("shape");
   std::optional<std::size_t> shape = shape_node ? read_shape_value(draft, *shape_node, label) : std::nullopt;
   const std::string name = values.has("name") ? values.text("name") : "";
@@ -160,21 +171,23 @@ void read_body(Draft& draft, const Node& item) {
   const BodyTable table{item, label, scene.groups.size() - 1};
   scene.bodies.reserve(scene.bodies.size() + size[0] * size[1] * size[2]);
   Index3 at{};
-  for (at[0] = 0; at[0] < size[0]; ++at[0]) for (at[1] = 0; at[1] < size[1]; ++at[1]) for (at[2] = 0; at[2] < size[2]; ++at[2]) {
-    const bool first = at == Index3{};
-    if (!first && !varying.members.empty()) {
-      set_indices(reading, at, counts.size());
-      const TableValues own = read_table(varying, label, varying_fields, reading);
-      for (const auto& [key, value] : own.all()) values.set(key, value);
-      if (shape_node && uses_index(*shape_node)) shape = read_shape_value(draft, *shape_node, label);
-    }
-    auto body = make_body(draft, table, values, shape);
-    if (body && first) check_body(draft, *body, values, label);
-    if (!body || reading.errors() != errors) return reading.indices.clear();
-    body->name = name.empty() || counts.empty() ? name : name + index_text(at, counts.size());
-    scene.bodies.push_back(std::move(*body));
-    ++scene.groups.back().count;
-  }
+  for (at[0] = 0; at[0] < size[0]; ++at[0])
+    for (at[1] = 0; at[1] < size[1]; ++at[1])
+      for (at[2] = 0; at[2] < size[2]; ++at[2]) {
+        const bool first = at == Index3{};
+        if (!first && !varying.members.empty()) {
+          set_indices(reading, at, counts.size());
+          const TableValues own = read_table(varying, label, varying_fields, reading);
+          for (const auto& [key, value] : own.all()) values.set(key, value);
+          if (shape_node && uses_index(*shape_node)) shape = read_shape_value(draft, *shape_node, label);
+        }
+        auto body = make_body(draft, table, values, shape);
+        if (body && first && reading.errors() == errors) check_body(draft, *body, values, label);
+        if (!body || reading.errors() != errors) return reading.indices.clear();
+        body->name = name.empty() || counts.empty() ? name : name + index_text(at, counts.size());
+        scene.bodies.push_back(std::move(*body));
+        ++scene.groups.back().count;
+      }
   reading.indices.clear();
 }
 
@@ -187,12 +200,16 @@ void read_bodies(Draft& draft) {
 void check_group_name(Draft& draft, const std::string& name, const Place& place) {
   if (name.empty()) return;
   Place other;
-  for (const auto& group : draft.scene.groups) if (group.name == name) other = group.place;
-  for (const auto& fill : draft.scene.fills) if (fill.name == name) other = fill.place;
-  if (!other.file.empty()) draft.reading.error(place, "the name '" + name + "' is given twice; first in line " + std::to_string(other.line));
+  for (const auto& group : draft.scene.groups)
+    if (group.name == name) other = group.place;
+  for (const auto& fill : draft.scene.fills)
+    if (fill.name == name) other = fill.place;
+  if (!other.file.empty())
+    draft.reading.error(place, "the name '" + name + "' is given twice; first in line " + std::to_string(other.line));
 }
 
-std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place, const std::string& label) {
+std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place,
+                                     const std::string& label) {
   std::vector<std::size_t> found;
   std::vector<std::string> names;
   for (const auto& group : draft.scene.groups) {
@@ -204,7 +221,8 @@ std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, cons
     if (fill.name == name) return found;  // its bodies do not exist yet: whoever fills knows them
     names.push_back(fill.name);
   }
-  if (found.empty()) draft.reading.error(place, "unknown body '" + name + "' in " + label + suggestion(name, names, "bodies"));
+  if (found.empty())
+    draft.reading.error(place, "unknown body '" + name + "' in " + label + suggestion(name, names, "bodies"));
   return found;
 }
 

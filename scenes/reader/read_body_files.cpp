@@ -13,7 +13,8 @@
 namespace epafi {
 namespace {
 
-const std::vector<std::string> number_columns{"x", "y", "z", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz", "radius"};
+const std::vector<std::string> number_columns{"x",  "y",  "z",  "vx", "vy", "vz", "qw",
+                                              "qx", "qy", "qz", "wx", "wy", "wz", "radius"};
 const std::vector<std::string> known_columns{"x",  "y",  "z",  "vx", "vy", "vz",     "qw",    "qx",
                                              "qy", "qz", "wx", "wy", "wz", "radius", "shape", "material"};
 
@@ -69,7 +70,8 @@ bool Rows::check_header(const Place& place) {
   for (std::size_t k = 0; k < header.size(); ++k) {
     const Cell& cell = header[k];
     if (std::find(known_columns.begin(), known_columns.end(), cell.text) == known_columns.end()) {
-      draft.reading.error(cell.place, "unknown column '" + cell.text + "'" + suggestion(cell.text, known_columns, "known columns"));
+      draft.reading.error(cell.place,
+                          "unknown column '" + cell.text + "'" + suggestion(cell.text, known_columns, "known columns"));
     }
     for (std::size_t j = 0; j < k; ++j)
       if (header[j].text == cell.text) draft.reading.error(cell.place, "the column '" + cell.text + "' is given twice");
@@ -88,7 +90,8 @@ bool Rows::check_header(const Place& place) {
   }
   if (!shape && !has_column("shape") && !has_column("radius")) missing("radius' or 'shape");
   if (!material && !has_column("material")) missing("material");
-  if (has_column("shape") && has_column("radius")) draft.reading.error(header[0].place, "columns radius and shape are both given; keep one");
+  if (has_column("shape") && has_column("radius"))
+    draft.reading.error(header[0].place, "columns radius and shape are both given; keep one");
   return draft.reading.errors() == errors;
 }
 
@@ -97,7 +100,8 @@ std::optional<std::size_t> Rows::shape_of_row() {
   if (!has("radius")) return shape;
   const double radius = number("radius");
   if (!(radius > 0.0)) {
-    draft.reading.error(row.at("radius").place, "column radius = " + format_number(radius) + " is outside (0, inf) (radius, in m)");
+    draft.reading.error(row.at("radius").place,
+                        "column radius = " + format_number(radius) + " is outside (0, inf) (radius, in m)");
     return std::nullopt;
   }
   const auto [known, is_new] = draft.sphere_of_radius.try_emplace(radius, draft.scene.shapes.size());
@@ -114,14 +118,17 @@ std::optional<std::size_t> Rows::shape_of_row() {
 std::optional<BodySpec> Rows::body() {
   BodySpec body;
   const auto own_shape = shape_of_row();
-  const auto own_material = has("material") ? find_material(draft, row.at("material").text, row.at("material").place, label) : material;
+  const auto own_material =
+      has("material") ? find_material(draft, row.at("material").text, row.at("material").place, label) : material;
   body.position = Vec3(number("x"), number("y"), number("z"));
   body.velocity = Vec3(number("vx"), number("vy"), number("vz"));
   body.angular_velocity = Vec3(number("wx"), number("wy"), number("wz"));
   body.spins = {has("wx"), has("wx") ? row.at("wx").place : Place{}};
   body.orientation = Quat(number("qw", 1.0), number("qx"), number("qy"), number("qz"));
-  if (!(body.orientation.norm() > 0.0)) draft.reading.error(row.at("qw").place, "a quaternion of length 0 is no orientation");
-  else body.orientation.normalize();
+  if (!(body.orientation.norm() > 0.0))
+    draft.reading.error(row.at("qw").place, "a quaternion of length 0 is no orientation");
+  else
+    body.orientation.normalize();
   body.fixed = fixed;
   if (!own_shape || !own_material) return std::nullopt;
   body.shape = *own_shape, body.material = *own_material;
@@ -153,7 +160,8 @@ void read_rows(Rows& rows, std::istream& in, const std::string& file, const std:
     scene.bodies.push_back(std::move(*body));
     ++scene.groups.back().count;
   }
-  if (reading.errors() == errors && scene.groups.back().count == 0) reading.error(place, "the file '" + file + "' has no body");
+  if (reading.errors() == errors && scene.groups.back().count == 0)
+    reading.error(place, "the file '" + file + "' has no body");
 }
 
 void read_file(Draft& draft, const Node& item) {
@@ -163,16 +171,20 @@ void read_file(Draft& draft, const Node& item) {
   const TableValues values = read_table(item, label, reading.schema.at("bodies").fields, reading);
   Rows rows{draft, label, {}, {}, {}, values.has("fixed") && values.boolean("fixed"), {}};
   if (const Node* shape = item.find("shape")) rows.shape = read_shape_value(draft, *shape, label);
-  if (values.has("material")) rows.material = find_material(draft, values.text("material"), values.place_of("material"), label);
+  if (values.has("material"))
+    rows.material = find_material(draft, values.text("material"), values.place_of("material"), label);
   const std::string name = values.has("name") ? values.text("name") : "";
   check_group_name(draft, name, values.place_of("name"));
   if (reading.errors() != errors) return;
-  if (!find_entry(reading.registry.shapes, "sphere")) return reading.error(item.place, label + ": there is no shape 'sphere'");
+  if (!find_entry(reading.registry.shapes, "sphere"))
+    return reading.error(item.place, label + ": there is no shape 'sphere'");
   const Place place = values.place_of("file");
   const std::string path = resolve_path(values.text("file"), place, reading.main_file);
-  if (std::filesystem::path(path).extension() != ".csv") return reading.error(place, label + " file: expected a .csv file, found '" + path + "'");
+  if (std::filesystem::path(path).extension() != ".csv")
+    return reading.error(place, label + " file: expected a .csv file, found '" + path + "'");
   std::error_code failure;
-  if (!std::filesystem::is_regular_file(path, failure)) return reading.error(place, label + " file: there is no file '" + path + "'");
+  if (!std::filesystem::is_regular_file(path, failure))
+    return reading.error(place, label + " file: there is no file '" + path + "'");
   draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place});
   std::ifstream in(path);
   read_rows(rows, in, path, name, place);

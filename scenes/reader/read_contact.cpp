@@ -1,4 +1,5 @@
-/// @file read_contact.cpp  [contact], [contact.smooth], [contact.nonsmooth], [[contact.pair]], and whether they are enough.
+/// @file read_contact.cpp  [contact], [contact.smooth], [contact.nonsmooth], [[contact.pair]], and whether they are
+/// enough.
 #include <algorithm>
 #include <cmath>
 
@@ -31,8 +32,8 @@ struct Laws {
 };
 
 /// Keeps the values of used fields; warns of written ones that are not used.
-void keep_used(const TableValues& values, const std::vector<Field>& used, const std::vector<std::string>& words, Parameters& out,
-               const std::string& by, Reading& reading) {
+void keep_used(const TableValues& values, const std::vector<Field>& used, const std::vector<std::string>& words,
+               Parameters& out, const std::string& by, Reading& reading) {
   for (const auto& field : used)
     if (values.has(field.name)) out.set(field.name, values.all().at(field.name));
   for (const auto& [name, place] : values.places) {
@@ -55,8 +56,10 @@ Laws read_smooth(Draft& draft, bool active) {
   contact.rolling = values.placed_text("rolling");
   Laws laws{{contact.law.value, contact.tangential.value, contact.rolling.value}, words, {}};
   laws.used = (contact.law.value.empty() ? std::vector<Field>{} : fields_of(registry.normal_laws, contact.law.value)) +
-              fields_of(registry.tangential_laws, contact.tangential.value) + fields_of(registry.rolling_laws, contact.rolling.value);
-  keep_used(values, laws.used, {"law", "tangential", "rolling"}, contact.smooth, active ? "law '" + contact.law.value + "'" : "", reading);
+              fields_of(registry.tangential_laws, contact.tangential.value) +
+              fields_of(registry.rolling_laws, contact.rolling.value);
+  keep_used(values, laws.used, {"law", "tangential", "rolling"}, contact.smooth,
+            active ? "law '" + contact.law.value + "'" : "", reading);
   return laws;
 }
 
@@ -68,14 +71,17 @@ void read_nonsmooth(Draft& draft, bool active) {
   const std::vector<Field> word{reading.schema.at("contact.nonsmooth").fields.front()};
   const std::string written = peek(table, "solver");
   const std::string likely = written.empty() ? std::get<std::string>(*word[0].default_value) : written;
-  const TableValues values = read_table(table, "[contact.nonsmooth]", word + as_optional(united_fields(solvers, likely)), reading);
+  const TableValues values =
+      read_table(table, "[contact.nonsmooth]", word + as_optional(united_fields(solvers, likely)), reading);
   contact.solver = values.placed_text("solver");
   const Entry* entry = find_entry(solvers, contact.solver.value);
   if (!entry) return;
-  keep_used(values, entry->fields, {"solver"}, contact.nonsmooth, active ? "solver '" + entry->name + "'" : "", reading);
+  keep_used(values, entry->fields, {"solver"}, contact.nonsmooth, active ? "solver '" + entry->name + "'" : "",
+            reading);
   for (const auto& field : entry->fields) {
     if (active && !field.optional && !values.has(field.name) && !values.written(field.name)) {
-      reading.error(values.place, "missing key '" + field.name + "' in [contact.nonsmooth]: solver '" + entry->name + "' needs it");
+      reading.error(values.place,
+                    "missing key '" + field.name + "' in [contact.nonsmooth]: solver '" + entry->name + "' needs it");
     }
   }
 }
@@ -84,19 +90,27 @@ std::optional<PairSpec> read_pair(Draft& draft, const Node& item, const Laws& la
   Reading& reading = draft.reading;
   const std::string label = "[[contact.pair]]";
   const std::vector<Field> between{reading.schema.at("contact.pair").fields.front()};
-  const TableValues values = read_table(item, label, between + pair_values() + smooth_fields(reading.registry, laws.chosen), reading);
+  const TableValues values =
+      read_table(item, label, between + pair_values() + smooth_fields(reading.registry, laws.chosen), reading);
   if (!values.has("between")) return std::nullopt;
   const auto& names = values.texts("between");
   const auto a = find_material(draft, names[0], values.place_of("between"), label);
   const auto b = find_material(draft, names[1], values.place_of("between"), label);
   if (!a || !b) return std::nullopt;
-  PairSpec pair{std::min(*a, *b), std::max(*a, *b), values.optional_number("restitution"), values.optional_number("friction"),
-                values.optional_number("rolling_friction"), {}, values.place};
+  PairSpec pair{std::min(*a, *b),
+                std::max(*a, *b),
+                values.optional_number("restitution"),
+                values.optional_number("friction"),
+                values.optional_number("rolling_friction"),
+                {},
+                values.place};
   const bool smooth = draft.scene.contact.method.value == Method::smooth;
   for (const auto& [name, place] : values.places) {
     if (name == "between" || contains(pair_values(), name)) continue;
-    if (smooth && !contains(laws.used, name)) reading.warning(place, name + " is not used by law '" + laws.chosen.law + "'");
-    else if (!smooth) reading.warning(place, name + " is not used by method 'nonsmooth'");
+    if (smooth && !contains(laws.used, name))
+      reading.warning(place, name + " is not used by law '" + laws.chosen.law + "'");
+    else if (!smooth)
+      reading.warning(place, name + " is not used by method 'nonsmooth'");
     if (contains(laws.used, name) && values.has(name)) pair.parameters.set(name, values.all().at(name));
   }
   return pair;
@@ -107,11 +121,12 @@ void read_pairs(Draft& draft, const Laws& laws) {
   each_item(draft.reading, "contact.pair", [&](const Node& item) {
     const auto pair = read_pair(draft, item, laws);
     if (!pair) return;
-    const auto same = std::find_if(pairs.begin(), pairs.end(), [&](const PairSpec& p) { return p.a == pair->a && p.b == pair->b; });
+    const auto same =
+        std::find_if(pairs.begin(), pairs.end(), [&](const PairSpec& p) { return p.a == pair->a && p.b == pair->b; });
     if (same == pairs.end()) return pairs.push_back(*pair);
     const auto name = [&](std::size_t k) { return draft.scene.materials[k].material.name; };
-    draft.reading.error(pair->place, "the pair " + name(pair->a) + "-" + name(pair->b) + " is given twice; first in line " +
-                                         std::to_string(same->place.line));
+    draft.reading.error(pair->place, "the pair " + name(pair->a) + "-" + name(pair->b) +
+                                         " is given twice; first in line " + std::to_string(same->place.line));
   });
 }
 
@@ -135,7 +150,8 @@ std::vector<Census> count_bodies(const Scene& scene) {
     ++count[body.material].all;
     if (body.moves()) ++count[body.material].free;
   }
-  for (const auto& fill : scene.fills) count[fill.material].all += 2, count[fill.material].free += 2;  // two stand for many
+  for (const auto& fill : scene.fills)
+    count[fill.material].all += 2, count[fill.material].free += 2;  // two stand for many
   return count;
 }
 
@@ -158,7 +174,8 @@ const PairSpec* find_pair(const Scene& scene, std::size_t a, std::size_t b) {
 
 /// Reports the first pair that neither the table nor its own [[contact.pair]] gives a key; true if every pair has it.
 template <class Has>
-void require_for_pairs(Draft& draft, const std::string& key, const std::string& table, const std::string& why, Has&& has) {
+void require_for_pairs(Draft& draft, const std::string& key, const std::string& table, const std::string& why,
+                       Has&& has) {
   bool reported = false;
   each_touching_pair(draft.scene, [&](std::size_t a, std::size_t b) {
     const PairSpec* pair = find_pair(draft.scene, a, b);
@@ -166,8 +183,9 @@ void require_for_pairs(Draft& draft, const std::string& key, const std::string& 
     const auto& m = draft.scene.materials;
     const Node* node = find_table(draft.reading, table);
     if (!node) node = find_table(draft.reading, "contact");
-    draft.reading.error(node ? node->place : Place{draft.scene.file, 1, 1}, "missing key '" + key + "' in [" + table + "]: " + why +
-                        ", and no [[contact.pair]] gives it for " + m[a].material.name + "-" + m[b].material.name);
+    draft.reading.error(node ? node->place : Place{draft.scene.file, 1, 1},
+                        "missing key '" + key + "' in [" + table + "]: " + why +
+                            ", and no [[contact.pair]] gives it for " + m[a].material.name + "-" + m[b].material.name);
     reported = true;
   });
 }
@@ -177,7 +195,8 @@ void check_densities(Draft& draft) {
   for (std::size_t k = 0; k < count.size(); ++k) {
     const auto& spec = draft.scene.materials[k];
     if (count[k].free == 0 || !std::isnan(spec.material.density)) continue;
-    draft.reading.error(spec.place, "missing key 'density' in [material." + spec.material.name + "]: bodies of it move freely");
+    draft.reading.error(spec.place,
+                        "missing key 'density' in [material." + spec.material.name + "]: bodies of it move freely");
   }
 }
 
@@ -210,12 +229,17 @@ void check_pairs(Draft& draft) {
   if (!reading.root.find("contact")) {
     bool touching = false;
     each_touching_pair(draft.scene, [&](std::size_t, std::size_t) { touching = true; });
-    if (touching) reading.error({draft.scene.file, 1, 1}, "missing table [contact] with method, restitution and friction: bodies can touch");
+    if (touching)
+      reading.error({draft.scene.file, 1, 1},
+                    "missing table [contact] with method, restitution and friction: bodies can touch");
     return;
   }
   const std::string why = "it must be written where bodies can touch (0 is fine)";
-  if (!contact.restitution.written()) require_for_pairs(draft, "restitution", "contact", why, [](const PairSpec& p) { return p.restitution.has_value(); });
-  if (!contact.friction.written()) require_for_pairs(draft, "friction", "contact", why, [](const PairSpec& p) { return p.friction.has_value(); });
+  if (!contact.restitution.written())
+    require_for_pairs(draft, "restitution", "contact", why,
+                      [](const PairSpec& p) { return p.restitution.has_value(); });
+  if (!contact.friction.written())
+    require_for_pairs(draft, "friction", "contact", why, [](const PairSpec& p) { return p.friction.has_value(); });
   if (contact.method.value != Method::smooth) return;
   const Entry* law = find_entry(reading.registry.normal_laws, contact.law.value);
   for (const auto& field : law ? law->fields : std::vector<Field>{}) {

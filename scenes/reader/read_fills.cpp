@@ -11,14 +11,16 @@ void read_shapes_of(Draft& draft, const TableValues& values, const std::string& 
     const auto shape = find_shape(draft, name, place, label);
     if (!shape) continue;
     const std::string& form = draft.scene.shapes[*shape].type;
-    if (form == "half_space" || form == "mesh") reading.error(place, label + " shape: a " + form + " cannot move freely");
+    if (form == "half_space" || form == "mesh")
+      reading.error(place, label + " shape: a " + form + " cannot move freely");
     fill.shapes.push_back(*shape);
   }
   fill.weights.assign(fill.shapes.size(), 1.0);
   if (!values.has("weights")) return;
   fill.weights = values.numbers("weights");
   if (fill.weights.size() == fill.shapes.size()) return;
-  reading.error(values.place_of("weights"), label + " weights: expected one per shape (" + std::to_string(fill.shapes.size()) + "), found " +
+  reading.error(values.place_of("weights"), label + " weights: expected one per shape (" +
+                                                std::to_string(fill.shapes.size()) + "), found " +
                                                 std::to_string(fill.weights.size()));
 }
 
@@ -42,7 +44,9 @@ void read_fill(Draft& draft, const Node& item) {
   const TableValues values = read_table(item, label, reading.schema.at("fill").fields, reading);
   FillSpec fill;
   fill.place = item.place;
-  fill.name = values.has("name") ? values.text("name") : draft.scene.fills.empty() ? "fill" : "fill" + std::to_string(draft.scene.fills.size() + 1);
+  fill.name = values.has("name")          ? values.text("name")
+              : draft.scene.fills.empty() ? "fill"
+                                          : "fill" + std::to_string(draft.scene.fills.size() + 1);
   check_group_name(draft, fill.name, values.written("name") ? values.place_of("name") : item.place);
   read_shapes_of(draft, values, label, fill);
   read_amount(reading, values, label, fill);
@@ -53,7 +57,8 @@ void read_fill(Draft& draft, const Node& item) {
     fill.region = {values.vec3("region.box.min"), values.vec3("region.box.max")};
     check_box(reading, fill.region.min, fill.region.max, values.place_of("region.box"), label + " region");
   }
-  fill.method = values.has("method") && values.text("method") == "random" ? FillSpec::Method::random : FillSpec::Method::lattice;
+  fill.method =
+      values.has("method") && values.text("method") == "random" ? FillSpec::Method::random : FillSpec::Method::lattice;
   fill.seed = static_cast<std::uint64_t>(values.number_or("seed", static_cast<double>(draft.scene.run.seed)));
   if (values.has("velocity")) fill.velocity = values.vec3("velocity");
   draft.scene.fills.push_back(std::move(fill));

@@ -8,7 +8,8 @@ namespace epafi {
 namespace {
 
 /// Keeps the fields of the kind; reports what it needs and does not get, warns of what it does not use.
-void keep_fields(Reading& reading, const TableValues& values, const Entry& entry, const std::string& label, Parameters& out) {
+void keep_fields(Reading& reading, const TableValues& values, const Entry& entry, const std::string& label,
+                 Parameters& out) {
   const auto belongs = [](const std::string& key, const std::string& name) {
     return key == name || key.compare(0, name.size() + 1, name + ".") == 0;
   };
@@ -16,12 +17,14 @@ void keep_fields(Reading& reading, const TableValues& values, const Entry& entry
     for (const auto& [key, value] : values.all())
       if (belongs(key, field.name)) out.set(key, value);
     if (!field.optional && !field.default_value && !values.written(field.name)) {
-      reading.error(values.place, "missing key '" + field.name + "' in " + label + ": kind '" + entry.name + "' needs it");
+      reading.error(values.place,
+                    "missing key '" + field.name + "' in " + label + ": kind '" + entry.name + "' needs it");
     }
   }
   for (const auto& [key, place] : values.places) {
     if (key == "name" || key == "kind" || key == "interval" || key.find('.') != std::string::npos) continue;
-    const bool used = std::any_of(entry.fields.begin(), entry.fields.end(), [&, &k = key](const Field& f) { return f.name == k; });
+    const bool used =
+        std::any_of(entry.fields.begin(), entry.fields.end(), [&, &k = key](const Field& f) { return f.name == k; });
     if (!used) reading.warning(place, label + ": " + key + " is not used by kind '" + entry.name + "'");
   }
 }
@@ -33,25 +36,35 @@ void read_measure(Draft& draft, const Node& item) {
   const auto& entries = reading.registry.measures;
   const auto all = reading.schema.at("measure").fields;
   const std::vector<Field> common(all.begin(), all.begin() + 3);  // name, kind, interval
-  const TableValues values = read_table(item, label, common + as_optional(united_fields(entries, kind ? kind->text : "")), reading);
+  const TableValues values =
+      read_table(item, label, common + as_optional(united_fields(entries, kind ? kind->text : "")), reading);
   const Entry* entry = values.has("kind") ? find_entry(entries, values.text("kind")) : nullptr;
   if (!entry) return;
-  MeasureSpec measure{values.has("name") ? values.text("name") : entry->name, entry->name, values.number_or("interval", 0.0), {}, {}, item.place};
+  MeasureSpec measure{values.has("name") ? values.text("name") : entry->name,
+                      entry->name,
+                      values.number_or("interval", 0.0),
+                      {},
+                      {},
+                      item.place};
   keep_fields(reading, values, *entry, label, measure.parameters);
   auto& p = measure.parameters;
   if (p.has("plane.normal")) {
-    const auto normal = unit_vector(reading, p.vec3("plane.normal"), values.place_of("plane.normal"), label + " plane normal");
+    const auto normal =
+        unit_vector(reading, p.vec3("plane.normal"), values.place_of("plane.normal"), label + " plane normal");
     if (normal) p.set("plane.normal", *normal);
   }
   if (p.has("region.box.min") && p.has("region.box.max"))
-    check_box(reading, p.vec3("region.box.min"), p.vec3("region.box.max"), values.place_of("region.box"), label + " region");
+    check_box(reading, p.vec3("region.box.min"), p.vec3("region.box.max"), values.place_of("region.box"),
+              label + " region");
   if (p.has("body")) measure.bodies.push_back(find_bodies(draft, p.text("body"), values.place_of("body"), label));
   if (p.has("between"))
-    for (const auto& name : p.texts("between")) measure.bodies.push_back(find_bodies(draft, name, values.place_of("between"), label));
+    for (const auto& name : p.texts("between"))
+      measure.bodies.push_back(find_bodies(draft, name, values.place_of("between"), label));
   for (const auto& other : draft.scene.measures) {
     if (other.name != measure.name) continue;
-    reading.error(values.written("name") ? values.place_of("name") : item.place,
-                  "the measure '" + measure.name + "' is given twice; first in line " + std::to_string(other.place.line));
+    reading.error(
+        values.written("name") ? values.place_of("name") : item.place,
+        "the measure '" + measure.name + "' is given twice; first in line " + std::to_string(other.place.line));
   }
   draft.scene.measures.push_back(std::move(measure));
 }
@@ -77,7 +90,8 @@ std::vector<BoundSpec> read_bound_table(Draft& draft, const std::string& name) {
       bound.bodies = find_bodies(draft, bound.body, values.place_of(field.name + ".body"), label + " " + field.name);
     }
     const bool has_solver = draft.scene.contact.method.value == Method::nonsmooth;
-    if (field.name == "residual" && !has_solver) reading.warning(bound.place, label + " residual is not used by method 'smooth'");
+    if (field.name == "residual" && !has_solver)
+      reading.warning(bound.place, label + " residual is not used by method 'smooth'");
     bounds.push_back(std::move(bound));
   }
   return bounds;
@@ -90,20 +104,24 @@ void check_path(Reading& reading, const std::string& path, const Place& place) {
   std::vector<std::string> tables;
   for (const auto& table : reading.schema.tables)
     if (table.name.find('.') == std::string::npos) tables.push_back(table.name);
-  if (dot == std::string::npos || dot + 1 == path.size()) return reading.error(place, "expected a key path like \"params.n\", found '" + path + "'");
+  if (dot == std::string::npos || dot + 1 == path.size())
+    return reading.error(place, "expected a key path like \"params.n\", found '" + path + "'");
   if (std::find(tables.begin(), tables.end(), first) == tables.end())
-    return reading.error(place, "unknown table '" + first + "' in the key path '" + path + "'" + suggestion(first, tables, "known tables"));
+    return reading.error(place, "unknown table '" + first + "' in the key path '" + path + "'" +
+                                    suggestion(first, tables, "known tables"));
   if (first != "params") return;
   const Node* params = reading.root.find("params");
   std::vector<std::string> names;
   for (const auto& member : params ? params->members : std::vector<Member>{}) names.push_back(member.key);
   const std::string name = path.substr(dot + 1);
   if (std::find(names.begin(), names.end(), name) == names.end())
-    reading.error(place, "unknown parameter '" + name + "' in the key path '" + path + "'" + suggestion(name, names, "parameters"));
+    reading.error(place, "unknown parameter '" + name + "' in the key path '" + path + "'" +
+                             suggestion(name, names, "parameters"));
 }
 
 /// Bare dotted keys are nested tables in TOML: params.n = [..] reads as params = { n = [..] }.
-void collect_variations(Reading& reading, const std::string& label, const std::string& prefix, const Node& table, std::vector<Variation>& out) {
+void collect_variations(Reading& reading, const std::string& label, const std::string& prefix, const Node& table,
+                        std::vector<Variation>& out) {
   for (const auto& [key, place, value] : table.members) {
     const std::string path = prefix.empty() ? key : prefix + "." + key;
     if (value.type == Node::Type::table) {
@@ -139,10 +157,12 @@ void read_studies(Draft& draft) {
   if (const Node* table = find_table(reading, "benchmark")) {
     const TableValues values = read_table(*table, "[benchmark]", reading.schema.at("benchmark").fields, reading);
     BenchmarkSpec benchmark{{}, values.has("error") ? values.text("error") : "", table->place};
-    if (const Node* sizes = find_table(reading, "benchmark.sizes")) collect_variations(reading, "[benchmark] sizes", "", *sizes, benchmark.sizes);
+    if (const Node* sizes = find_table(reading, "benchmark.sizes"))
+      collect_variations(reading, "[benchmark] sizes", "", *sizes, benchmark.sizes);
     draft.scene.benchmark = std::move(benchmark);
   }
-  const TableValues output = read_table(table_or_empty(reading, "output"), "[output]", reading.schema.at("output").fields, reading);
+  const TableValues output =
+      read_table(table_or_empty(reading, "output"), "[output]", reading.schema.at("output").fields, reading);
   if (!output.has("problems.every")) return;
   draft.scene.output.problems_every = output.placed_number("problems.every");
   if (draft.scene.contact.method.value == Method::smooth)

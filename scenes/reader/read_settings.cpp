@@ -19,8 +19,8 @@ void read_scheme(Draft& draft, const TableValues& run) {
   if (!scheme.written()) {
     scheme.value = fitting.empty() ? "" : fitting.front();
   } else if (!scheme.value.empty() && std::find(fitting.begin(), fitting.end(), scheme.value) == fitting.end()) {
-    reading.error(scheme.place, "[run] scheme '" + scheme.value + "' does not work with method '" + (nonsmooth ? "nonsmooth" : "smooth") +
-                                    "'" + suggestion("", fitting, "available"));
+    reading.error(scheme.place, "[run] scheme '" + scheme.value + "' does not work with method '" +
+                                    (nonsmooth ? "nonsmooth" : "smooth") + "'" + suggestion("", fitting, "available"));
   }
 }
 
@@ -30,8 +30,10 @@ void read_moduli(Reading& reading, const TableValues& values, Material& material
   material.poissons_ratio = values.number_or("poissons_ratio", material.poissons_ratio);
   if (!values.has("shear_modulus")) return;
   const Place place = values.place_of("shear_modulus");
-  if (values.has("youngs_modulus")) return reading.error(place, label + ": youngs_modulus and shear_modulus are both given; write one");
-  if (!values.has("poissons_ratio")) return reading.error(place, label + ": shear_modulus needs poissons_ratio beside it");
+  if (values.has("youngs_modulus"))
+    return reading.error(place, label + ": youngs_modulus and shear_modulus are both given; write one");
+  if (!values.has("poissons_ratio"))
+    return reading.error(place, label + ": shear_modulus needs poissons_ratio beside it");
   material.youngs_modulus = 2.0 * values.number("shear_modulus") * (1.0 + material.poissons_ratio);
 }
 
@@ -39,14 +41,16 @@ void read_moduli(Reading& reading, const TableValues& values, Material& material
 
 void read_run(Draft& draft) {
   Reading& reading = draft.reading;
-  if (!reading.root.find("run")) return reading.error({reading.main_file, 1, 1}, "missing table [run] with the duration");
+  if (!reading.root.find("run"))
+    return reading.error({reading.main_file, 1, 1}, "missing table [run] with the duration");
   const Node* table = find_table(reading, "run");
   if (!table) return;
   const TableValues values = read_table(*table, "[run]", reading.schema.at("run").fields, reading);
   RunSettings& run = draft.scene.run;
   run.duration = values.placed_number("duration");
   run.time_step.place = values.place_of("time_step");
-  if (values.has("time_step") && std::holds_alternative<double>(values.all().at("time_step"))) run.time_step.value = values.number("time_step");
+  if (values.has("time_step") && std::holds_alternative<double>(values.all().at("time_step")))
+    run.time_step.value = values.number("time_step");
   run.output_interval = values.placed_number("output_interval", run.duration.value / 100.0);
   run.checkpoint_interval = values.optional_number("checkpoint_interval");
   run.seed = static_cast<std::uint64_t>(values.number_or("seed", 1.0));
@@ -55,12 +59,15 @@ void read_run(Draft& draft) {
 
 void read_world(Draft& draft) {
   Reading& reading = draft.reading;
-  const TableValues values = read_table(table_or_empty(reading, "world"), "[world]", reading.schema.at("world").fields, reading);
+  const TableValues values =
+      read_table(table_or_empty(reading, "world"), "[world]", reading.schema.at("world").fields, reading);
   if (values.has("gravity")) draft.scene.gravity = values.vec3("gravity");
   if (!values.has("domain.min") || !values.has("domain.max") || !values.has("domain.outside")) return;
-  Placed<Domain> domain{{values.vec3("domain.min"), values.vec3("domain.max"), Domain::Outside::error}, values.place_of("domain")};
+  Placed<Domain> domain{{values.vec3("domain.min"), values.vec3("domain.max"), Domain::Outside::error},
+                        values.place_of("domain")};
   if (values.text("domain.outside") == "delete") domain.value.outside = Domain::Outside::remove;
-  if (check_box(reading, domain.value.min, domain.value.max, domain.place, "[world] domain")) draft.scene.domain = domain;
+  if (check_box(reading, domain.value.min, domain.value.max, domain.place, "[world] domain"))
+    draft.scene.domain = domain;
 }
 
 void read_materials(Draft& draft) {
@@ -81,29 +88,34 @@ void read_materials(Draft& draft) {
   }
 }
 
-std::optional<std::size_t> find_material(Draft& draft, const std::string& name, const Place& place, const std::string& label) {
+std::optional<std::size_t> find_material(Draft& draft, const std::string& name, const Place& place,
+                                         const std::string& label) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < draft.scene.materials.size(); ++k) {
     if (draft.scene.materials[k].material.name == name) return k;
     names.push_back(draft.scene.materials[k].material.name);
   }
-  draft.reading.error(place, "unknown material '" + name + "' in " + label +
-                                 (names.empty() ? "; there is no [material." + name + "]" : suggestion(name, names, "materials")));
+  draft.reading.error(
+      place, "unknown material '" + name + "' in " + label +
+                 (names.empty() ? "; there is no [material." + name + "]" : suggestion(name, names, "materials")));
   return std::nullopt;
 }
 
 void read_detection(Draft& draft) {
   Reading& reading = draft.reading;
   const auto& entries = reading.registry.broad_phases;
-  const TableValues values = read_table(table_or_empty(reading, "detection"), "[detection]", reading.schema.at("detection").fields, reading);
+  const TableValues values =
+      read_table(table_or_empty(reading, "detection"), "[detection]", reading.schema.at("detection").fields, reading);
   auto& detection = draft.scene.detection;
   detection.broad_phase = values.placed_text("broad_phase");
   const Entry* chosen = find_entry(entries, detection.broad_phase.value);
   for (const auto& field : united_fields(entries, detection.broad_phase.value)) {
-    const bool used = chosen && std::any_of(chosen->fields.begin(), chosen->fields.end(), [&](const Field& f) { return f.name == field.name; });
+    const bool used = chosen && std::any_of(chosen->fields.begin(), chosen->fields.end(),
+                                            [&](const Field& f) { return f.name == field.name; });
     if (used && values.has(field.name)) detection.parameters.set(field.name, values.all().at(field.name));
     if (!used && values.written(field.name)) {
-      reading.warning(values.place_of(field.name), "[detection] " + field.name + " is not used by broad_phase '" + detection.broad_phase.value + "'");
+      reading.warning(values.place_of(field.name), "[detection] " + field.name + " is not used by broad_phase '" +
+                                                       detection.broad_phase.value + "'");
     }
   }
 }

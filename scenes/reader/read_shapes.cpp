@@ -13,12 +13,15 @@ const Entry* find_form(Reading& reading, const Node& table, const TableValues& v
   for (const auto& entry : reading.registry.shapes) {
     if (!values.written(entry.name)) continue;
     if (form) {
-      reading.error(values.place_of(entry.name), label + " is a " + form->name + " and a " + entry.name + "; a shape has one form");
+      reading.error(values.place_of(entry.name),
+                    label + " is a " + form->name + " and a " + entry.name + "; a shape has one form");
       return nullptr;
     }
     form = &entry;
   }
-  if (!form) reading.error(table.place, label + " has no form" + suggestion("", names_of(reading.registry.shapes), "write one of"));
+  if (!form)
+    reading.error(table.place,
+                  label + " has no form" + suggestion("", names_of(reading.registry.shapes), "write one of"));
   return form;
 }
 
@@ -27,7 +30,8 @@ void resolve_file(Reading& reading, ShapeSpec& shape, const Place& place, const 
   if (!shape.parameters.has("file")) return;
   const std::string path = resolve_path(shape.parameters.text("file"), place, reading.main_file);
   std::error_code failure;
-  if (!std::filesystem::is_regular_file(path, failure)) reading.error(place, label + " file: there is no file '" + path + "'");
+  if (!std::filesystem::is_regular_file(path, failure))
+    reading.error(place, label + " file: there is no file '" + path + "'");
   shape.parameters.set("file", path);
 }
 
@@ -36,13 +40,15 @@ void check_polyhedron(Reading& reading, const ShapeSpec& shape, const std::strin
   const int ways = p.has("file") + p.has("vertices") + p.has("random.vertices");
   if (ways != 1) reading.error(shape.place, label + ": write exactly one of file, vertices, random");
   if (p.has("vertices") && p.vectors("vertices").size() < 4) {
-    reading.error(shape.place, label + " vertices: a polyhedron has at least 4, found " + std::to_string(p.vectors("vertices").size()));
+    reading.error(shape.place, label + " vertices: a polyhedron has at least 4, found " +
+                                   std::to_string(p.vectors("vertices").size()));
   }
 }
 
 void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {
   if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere") {
-    reading.error(values.place_of("scale_to_diameter"), label + ": scale_to_diameter is for a polyhedron or a sphere, not for a " + form.name);
+    reading.error(values.place_of("scale_to_diameter"),
+                  label + ": scale_to_diameter is for a polyhedron or a sphere, not for a " + form.name);
   }
   if (values.number_or("rounding", 0.0) > 0.0 && form.name != "polyhedron") {
     reading.error(values.place_of("rounding"), label + ": rounding is for a polyhedron, not for a " + form.name);
@@ -51,7 +57,8 @@ void check_size(Reading& reading, const TableValues& values, const Entry& form, 
 
 }  // namespace
 
-std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name, const std::string& label) {
+std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name,
+                                     const std::string& label) {
   Reading& reading = draft.reading;
   const std::size_t errors = reading.errors();
   const TableValues values = read_table(table, label, reading.schema.at("shape").fields, reading);
@@ -69,7 +76,8 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
     resolve_file(reading, shape, values.place_of(prefix + "file"), label + " " + form->name);
     if (form->name == "polyhedron") check_polyhedron(reading, shape, label + " polyhedron");
     if (shape.parameters.has("normal")) {
-      const auto normal = unit_vector(reading, shape.parameters.vec3("normal"), values.place_of(prefix + "normal"), label + " " + form->name + " normal");
+      const auto normal = unit_vector(reading, shape.parameters.vec3("normal"), values.place_of(prefix + "normal"),
+                                      label + " " + form->name + " normal");
       if (normal) shape.parameters.set("normal", *normal);
     }
     check_size(reading, values, *form, label);
@@ -82,19 +90,23 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
 void read_shapes(Draft& draft) {
   for (const auto& [name, place, node] : table_or_empty(draft.reading, "shape").members) {
     const std::string label = "[shape." + name + "]";
-    if (node.type == Node::Type::table) add_shape(draft, node, name, label);
-    else draft.reading.error(node.place, label + ": expected a table, found " + type_name(node.type));
+    if (node.type == Node::Type::table)
+      add_shape(draft, node, name, label);
+    else
+      draft.reading.error(node.place, label + ": expected a table, found " + type_name(node.type));
   }
 }
 
-std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, const Place& place, const std::string& label) {
+std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, const Place& place,
+                                      const std::string& label) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < draft.scene.shapes.size(); ++k) {
     if (draft.scene.shapes[k].name == name) return k;
     if (!draft.scene.shapes[k].name.empty()) names.push_back(draft.scene.shapes[k].name);
   }
-  draft.reading.error(place, "unknown shape '" + name + "' in " + label +
-                                 (names.empty() ? "; there is no [shape." + name + "]" : suggestion(name, names, "shapes")));
+  draft.reading.error(place,
+                      "unknown shape '" + name + "' in " + label +
+                          (names.empty() ? "; there is no [shape." + name + "]" : suggestion(name, names, "shapes")));
   return std::nullopt;
 }
 

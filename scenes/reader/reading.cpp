@@ -6,7 +6,7 @@
 namespace epafi {
 namespace {
 
-constexpr int deepest_params = 100;      // parameters that are expressions of each other
+constexpr int deepest_params = 100;          // parameters that are expressions of each other
 constexpr std::size_t most_problems = 1000;  // a file with more is no scene
 
 /// The expression behind "=", or an empty view.
@@ -46,8 +46,10 @@ NameValue Reading::look_up(std::string_view name) {
     indices.clear();
     const std::string label = "[params] " + std::string(name);
     std::optional<double> value;
-    if (++param_depth_ > deepest_params) error(node->place, label + ": more than 100 parameters depend on each other");
-    else value = number(*node, std::string(any_unit), label);
+    if (++param_depth_ > deepest_params)
+      error(node->place, label + ": more than 100 parameters depend on each other");
+    else
+      value = number(*node, std::string(any_unit), label);
     --param_depth_;
     indices = outer;
     param = {value ? Param::State::done : Param::State::failed, value.value_or(0.0)};
@@ -66,8 +68,10 @@ std::optional<double> Reading::expression(const Node& node, const std::string& l
   const std::size_t offset = static_cast<std::size_t>(text.data() - node.text.data()) + result.column - 1;
   Place place = node.place;
   std::string where = " in \"" + node.text + "\"";
-  if (node.quoted_inline) place.column += static_cast<int>(offset) + 1;
-  else where += " at character " + std::to_string(offset + 1);
+  if (node.quoted_inline)
+    place.column += static_cast<int>(offset) + 1;
+  else
+    where += " at character " + std::to_string(offset + 1);
   error(place, label + ": " + result.problem + where);
   return std::nullopt;
 }
@@ -85,14 +89,19 @@ std::optional<double> Reading::number(const Node& node, const std::string& unit,
     return std::nullopt;
   }
   if (std::isfinite(node.real)) return node.real;
-  error(node.place, label + " = " + (std::isnan(node.real) ? "nan" : node.real > 0 ? "inf" : "-inf") + " is not a finite number");
+  error(node.place, label + " = " +
+                        (std::isnan(node.real) ? "nan"
+                         : node.real > 0       ? "inf"
+                                               : "-inf") +
+                        " is not a finite number");
   return std::nullopt;
 }
 
 void Reading::check_params() {
   const Node* params = root.find("params");
   if (!params) return;
-  if (params->type != Node::Type::table) return error(params->place, "[params]: expected a table, found " + std::string(type_name(params->type)));
+  if (params->type != Node::Type::table)
+    return error(params->place, "[params]: expected a table, found " + std::string(type_name(params->type)));
   for (const auto& member : params->members) look_up(member.key);
 }
 

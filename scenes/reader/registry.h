@@ -1,4 +1,5 @@
-/// @file registry.h  The lists of variants that a scene may name. Passed in, so that the reader knows no list of its own.
+/// @file registry.h  The lists of variants that a scene may name. Passed in, so that the reader knows no list of its
+/// own.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,14 +10,14 @@ namespace epafi {
 
 struct Registry {
   std::vector<Entry> shapes;
-  std::vector<Entry> normal_laws;      ///< [contact.smooth] law
+  std::vector<Entry> normal_laws;  ///< [contact.smooth] law
   std::vector<Entry> tangential_laws;
   std::vector<Entry> rolling_laws;
   std::vector<Entry> solvers;
   std::vector<Entry> broad_phases;
-  std::vector<Entry> schemes;                    ///< of both methods
-  std::vector<std::string> smooth_schemes;       ///< names of those that work with forces; the first is the default
-  std::vector<std::string> nonsmooth_schemes;    ///< those that work with impulses
+  std::vector<Entry> schemes;                  ///< of both methods
+  std::vector<std::string> smooth_schemes;     ///< names of those that work with forces; the first is the default
+  std::vector<std::string> nonsmooth_schemes;  ///< those that work with impulses
   std::vector<Entry> measures;
 };
 

@@ -17,19 +17,23 @@ void check_top(Reading& reading) {
   for (const auto& [key, place, value] : reading.root.members) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const bool list = value.is_array_of_tables();
-    const std::string what = list ? "table [[" + key + "]]" : value.type == Node::Type::table ? "table [" + key + "]" : "key '" + key + "'";
+    const std::string what = list                              ? "table [[" + key + "]]"
+                             : value.type == Node::Type::table ? "table [" + key + "]"
+                                                               : "key '" + key + "'";
     reading.error(value.type == Node::Type::table || list ? value.place : place,
                   "unknown " + what + suggestion(key, known, "known tables"));
   }
   const Node* title = reading.root.find("title");
-  if (title && title->type != Node::Type::text) reading.error(title->place, std::string("title: expected a text, found ") + type_name(title->type));
+  if (title && title->type != Node::Type::text)
+    reading.error(title->place, std::string("title: expected a text, found ") + type_name(title->type));
 }
 
 /// The main file first, then others in the order they were met, then --set; inside a file by line.
 void sort_by_place(std::vector<Problem>& problems, const std::string& main_file) {
   const auto rank = [&](const Problem& p) { return p.place.file == main_file ? 0 : is_override(p.place) ? 2 : 1; };
   std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) {
-    return std::tuple(rank(a), a.place.file, a.place.line, a.place.column) < std::tuple(rank(b), b.place.file, b.place.line, b.place.column);
+    return std::tuple(rank(a), a.place.file, a.place.line, a.place.column) <
+           std::tuple(rank(b), b.place.file, b.place.line, b.place.column);
   });
 }
 
@@ -45,8 +49,9 @@ ReadResult read_document(Document document, const std::string& file, const Regis
     if (const Node* title = reading.root.find("title")) draft.scene.title = title->text;
     check_top(reading);
     reading.check_params();
-    for (const auto read : {read_run, read_world, read_materials, read_contact, read_detection, read_shapes, read_bodies, read_body_files,
-                            read_fills, read_measures, read_bounds, read_studies, check_pairs}) {
+    for (const auto read :
+         {read_run, read_world, read_materials, read_contact, read_detection, read_shapes, read_bodies, read_body_files,
+          read_fills, read_measures, read_bounds, read_studies, check_pairs}) {
       read(draft);
     }
     if (whole && reading.errors() == 0) result.scene = std::move(draft.scene);
@@ -73,8 +78,10 @@ const Node* find_table(Reading& reading, const std::string& name) {
   const Node* node = &reading.root;
   for (std::size_t begin = 0; node && begin <= name.size();) {
     const std::size_t end = std::min(name.find('.', begin), name.size());
-    if (node->type == Node::Type::table) node = node->find(name.substr(begin, end - begin));
-    else return nullptr;  // the outer one has been reported
+    if (node->type == Node::Type::table)
+      node = node->find(name.substr(begin, end - begin));
+    else
+      return nullptr;  // the outer one has been reported
     begin = end + 1;
   }
   if (!node || node->type == Node::Type::table) return node;
@@ -109,8 +116,8 @@ bool check_box(Reading& reading, const Vec3& min, const Vec3& max, const Place& 
   for (int k = 0; k < 3; ++k) {
     if (min[k] < max[k]) continue;
     const char axis[] = {"xyz"[k], '\0'};
-    reading.error(place, label + ": the box is empty along " + axis + ": min = " + format_number(min[k]) + ", max = " +
-                             format_number(max[k]) + " (in m)");
+    reading.error(place, label + ": the box is empty along " + axis + ": min = " + format_number(min[k]) +
+                             ", max = " + format_number(max[k]) + " (in m)");
     return false;
   }
   return true;

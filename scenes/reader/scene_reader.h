@@ -11,8 +11,8 @@
 namespace epafi {
 
 struct ReadResult {
-  std::optional<Scene> scene;      ///< empty when there is an error
-  std::vector<Problem> problems;   ///< errors and warnings in the order of the file
+  std::optional<Scene> scene;     ///< empty when there is an error
+  std::vector<Problem> problems;  ///< errors and warnings in the order of the file
 };
 
 /// Reads `path` with the overrides "KEY.PATH=VALUE" on top. Never throws for what a user can do wrong.

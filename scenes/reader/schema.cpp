@@ -29,7 +29,9 @@ Field table(std::string name, std::string help, std::vector<Field> fields) {
   field.fields = std::move(fields);
   return field;
 }
-Field tables(std::string name, std::string help) { return optional(std::move(name), "", "", Kind::tables, {}, std::move(help)); }
+Field tables(std::string name, std::string help) {
+  return optional(std::move(name), "", "", Kind::tables, {}, std::move(help));
+}
 Field needed(Field field) {
   field.optional = false;
   return field;
@@ -39,7 +41,9 @@ Field word(std::string name, std::string help, std::vector<std::string> choices)
   field.choices = std::move(choices);
   return field;
 }
-Field text(std::string name, std::string help) { return required(std::move(name), "", "", Kind::text, {}, std::move(help)); }
+Field text(std::string name, std::string help) {
+  return required(std::move(name), "", "", Kind::text, {}, std::move(help));
+}
 
 /// The default if it is in the list, else the first of the list.
 Field choice(const std::string& name, std::string help, std::vector<std::string> names, const std::string& preferred) {
@@ -50,33 +54,44 @@ Field choice(const std::string& name, std::string help, std::vector<std::string>
 
 std::vector<Field> region_box() {
   return {needed(table("box", "axis-aligned box",
-                       {required("min", "", "m", Kind::vec3, {}, "lower corner"), required("max", "", "m", Kind::vec3, {}, "upper corner")}))};
+                       {required("min", "", "m", Kind::vec3, {}, "lower corner"),
+                        required("max", "", "m", Kind::vec3, {}, "upper corner")}))};
 }
 
 TableSchema run_table(const Registry& registry) {
-  Field step = with_default(optional("time_step", "dt", "s", Kind::number, positive, "time step"), Value(std::string("auto")));
+  Field step =
+      with_default(optional("time_step", "dt", "s", Kind::number, positive, "time step"), Value(std::string("auto")));
   step.choices = {"auto"};
   Field scheme = word("scheme", "time scheme; follows from the method where not written", names_of(registry.schemes));
   scheme.optional = true;
-  return {"run", TableSchema::Form::single, "time: how long and in which steps",
+  return {"run",
+          TableSchema::Form::single,
+          "time: how long and in which steps",
           {required("duration", "T", "s", Kind::number, positive, "simulated time"), step, scheme,
-           optional("output_interval", "", "s", Kind::number, positive, "time between snapshots; duration / 100 where not written"),
-           optional("checkpoint_interval", "", "s", Kind::number, positive, "time between checkpoints; only at the end where not written"),
+           optional("output_interval", "", "s", Kind::number, positive,
+                    "time between snapshots; duration / 100 where not written"),
+           optional("checkpoint_interval", "", "s", Kind::number, positive,
+                    "time between checkpoints; only at the end where not written"),
            with_default(required("seed", "", "", Kind::integer, seeds, "seed of all random numbers"), Value(1.0))}};
 }
 
 TableSchema world_table() {
   std::vector<Field> domain{
-      required("min", "", "m", Kind::vec3, {}, "lower corner"), required("max", "", "m", Kind::vec3, {}, "upper corner"),
+      required("min", "", "m", Kind::vec3, {}, "lower corner"),
+      required("max", "", "m", Kind::vec3, {}, "upper corner"),
       with_default(word("outside", "what leaving it does", {"error", "delete"}), Value(std::string("error")))};
-  return {"world", TableSchema::Form::single, "what surrounds the bodies",
+  return {"world",
+          TableSchema::Form::single,
+          "what surrounds the bodies",
           {with_default(required("gravity", "g", "m/s^2", Kind::vec3, {}, "acceleration of gravity"), Value(zero)),
            table("domain", "box that bodies must not leave", std::move(domain))}};
 }
 
 TableSchema material_table_schema() {
   const Range poisson{-1.0, 0.5, true, false};
-  return {"material", TableSchema::Form::named, "density and elastic constants",
+  return {"material",
+          TableSchema::Form::named,
+          "density and elastic constants",
           {optional("density", "rho", "kg/m^3", Kind::number, positive, "density"),
            optional("youngs_modulus", "E", "Pa", Kind::number, positive, "Young's modulus"),
            optional("poissons_ratio", "nu", "", Kind::number, poisson, "Poisson's ratio"),
@@ -85,18 +100,23 @@ TableSchema material_table_schema() {
 
 void add_contact_tables(std::vector<TableSchema>& all, const Registry& registry) {
   const std::vector<Field> methods{word("method", "mechanics of contact", {"smooth", "nonsmooth"})};
-  const std::vector<Field> parts{tables("smooth", "law of smooth contact"), tables("nonsmooth", "solver of non-smooth contact"),
+  const std::vector<Field> parts{tables("smooth", "law of smooth contact"),
+                                 tables("nonsmooth", "solver of non-smooth contact"),
                                  tables("pair", "what differs for one pair of materials")};
-  all.push_back({"contact", TableSchema::Form::single, "how bodies act on each other", methods + pair_values() + parts});
-  Field tangential = word("tangential", "law of friction; the law's own where not written", names_of(registry.tangential_laws));
-  Field rolling = word("rolling", "law of rolling friction; the default one where not written", names_of(registry.rolling_laws));
+  all.push_back(
+      {"contact", TableSchema::Form::single, "how bodies act on each other", methods + pair_values() + parts});
+  Field tangential =
+      word("tangential", "law of friction; the law's own where not written", names_of(registry.tangential_laws));
+  Field rolling =
+      word("rolling", "law of rolling friction; the default one where not written", names_of(registry.rolling_laws));
   tangential.optional = rolling.optional = true;
   const Field law = choice("law", "law of the normal force", names_of(registry.normal_laws), "hertz-mindlin");
   all.push_back({"contact.smooth", TableSchema::Form::single, "law of smooth contact with its parameters",
                  std::vector<Field>{law, tangential, rolling} + smooth_fields(registry)});
-  all.push_back({"contact.nonsmooth", TableSchema::Form::single, "solver of non-smooth contact with its parameters",
-                 std::vector<Field>{choice("solver", "solver of the contact problem", names_of(registry.solvers), "pgs")} +
-                     as_optional(united_fields(registry.solvers))});
+  all.push_back(
+      {"contact.nonsmooth", TableSchema::Form::single, "solver of non-smooth contact with its parameters",
+       std::vector<Field>{choice("solver", "solver of the contact problem", names_of(registry.solvers), "pgs")} +
+           as_optional(united_fields(registry.solvers))});
   Field between = required("between", "", "", Kind::texts, {2, 2}, "the two materials");
   all.push_back({"contact.pair", TableSchema::Form::list, "what differs for one pair of materials",
                  std::vector<Field>{between} + pair_values() + smooth_fields(registry)});
@@ -113,44 +133,58 @@ TableSchema detection_table(const Registry& registry) {
 TableSchema shape_table(const Registry& registry) {
   std::vector<Field> fields;
   for (const auto& shape : registry.shapes) fields.push_back(table(shape.name, shape.summary, authoring_fields(shape)));
-  fields.push_back(optional("scale_to_diameter", "d", "m", Kind::number, positive, "scales the shape to this diameter of its bounding sphere"));
-  fields.push_back(with_default(required("rounding", "", "m", Kind::number, not_negative, "radius of a sphere swept over the shape"), Value(0.0)));
+  fields.push_back(optional("scale_to_diameter", "d", "m", Kind::number, positive,
+                            "scales the shape to this diameter of its bounding sphere"));
+  fields.push_back(
+      with_default(required("rounding", "", "m", Kind::number, not_negative, "radius of a sphere swept over the shape"),
+                   Value(0.0)));
   return {"shape", TableSchema::Form::named, "a shape that bodies share: exactly one form", std::move(fields)};
 }
 
 std::vector<Field> motion_fields() {
-  std::vector<Field> rotation{required("axis", "", "", Kind::vec3, {}, "axis, any length"),
-                              required("rate", "omega", "rad/s", Kind::number, {}, "angular velocity about the axis"),
-                              optional("about", "", "m", Kind::vec3, {}, "a point of the axis; the body's centre where not written")};
+  std::vector<Field> rotation{
+      required("axis", "", "", Kind::vec3, {}, "axis, any length"),
+      required("rate", "omega", "rad/s", Kind::number, {}, "angular velocity about the axis"),
+      optional("about", "", "m", Kind::vec3, {}, "a point of the axis; the body's centre where not written")};
   std::vector<Field> oscillation{required("direction", "", "", Kind::vec3, {}, "direction, any length"),
                                  required("amplitude", "a", "m", Kind::number, {}, "amplitude a of a sin(2 pi f t)"),
                                  required("frequency", "f", "Hz", Kind::number, not_negative, "frequency f")};
   return {with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "constant velocity"), Value(zero)),
           with_default(required("from", "", "s", Kind::number, not_negative, "begin"), Value(0.0)),
           optional("until", "", "s", Kind::number, positive, "end; the end of the run where not written"),
-          table("rotation", "turning about an axis", std::move(rotation)), table("oscillation", "swinging along a line", std::move(oscillation))};
+          table("rotation", "turning about an axis", std::move(rotation)),
+          table("oscillation", "swinging along a line", std::move(oscillation))};
 }
 
 TableSchema body_table() {
-  return {"body", TableSchema::Form::list, "a body, or several with `repeat`",
-          {optional("name", "", "", Kind::text, {}, "name; repeated bodies are NAME[0], NAME[1] ..."),
-           optional("repeat", "", "", Kind::integers, whole_positive, "number of copies n (index i) or [l, m, n] (indices i, j, k)"),
-           required("shape", "", "", Kind::shape, {}, "a name under [shape.*] or a shape written in place"),
-           text("material", "a name under [material.*]"),
-           with_default(required("fixed", "", "", Kind::boolean, {}, "never moves"), Value(false)),
-           with_default(required("position", "x", "m", Kind::vec3, {}, "centre of mass"), Value(zero)),
-           optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
-           optional("euler_deg", "", "", Kind::vec3, {}, "roll, pitch, yaw in degrees: about x, then y, then z of the world"),
-           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity"), Value(zero)),
-           with_default(required("angular_velocity", "omega", "rad/s", Kind::vec3, {}, "angular velocity in world axes"), Value(zero)),
-           with_default(required("force", "F", "N", Kind::vec3, {}, "constant external force"), Value(zero)),
-           table("motion", "prescribed motion of a driven body", motion_fields()),
-           optional("remove_at", "", "s", Kind::number, not_negative, "time at which the body is taken out")}};
+  return {
+      "body",
+      TableSchema::Form::list,
+      "a body, or several with `repeat`",
+      {optional("name", "", "", Kind::text, {}, "name; repeated bodies are NAME[0], NAME[1] ..."),
+       optional("repeat", "", "", Kind::integers, whole_positive,
+                "number of copies n (index i) or [l, m, n] (indices i, j, k)"),
+       required("shape", "", "", Kind::shape, {}, "a name under [shape.*] or a shape written in place"),
+       text("material", "a name under [material.*]"),
+       with_default(required("fixed", "", "", Kind::boolean, {}, "never moves"), Value(false)),
+       with_default(required("position", "x", "m", Kind::vec3, {}, "centre of mass"), Value(zero)),
+       optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
+       optional("euler_deg", "", "", Kind::vec3, {},
+                "roll, pitch, yaw in degrees: about x, then y, then z of the world"),
+       with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity"), Value(zero)),
+       with_default(required("angular_velocity", "omega", "rad/s", Kind::vec3, {}, "angular velocity in world axes"),
+                    Value(zero)),
+       with_default(required("force", "F", "N", Kind::vec3, {}, "constant external force"), Value(zero)),
+       table("motion", "prescribed motion of a driven body", motion_fields()),
+       optional("remove_at", "", "s", Kind::number, not_negative, "time at which the body is taken out")}};
 }
 
 TableSchema bodies_table() {
-  return {"bodies", TableSchema::Form::list, "bodies from a CSV file: columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius or shape[,material]",
-          {text("file", "CSV file beside the scene"), optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+  return {"bodies",
+          TableSchema::Form::list,
+          "bodies from a CSV file: columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius or shape[,material]",
+          {text("file", "CSV file beside the scene"),
+           optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
            optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
            optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"),
            with_default(required("fixed", "", "", Kind::boolean, {}, "never move"), Value(false))}};
@@ -162,35 +196,43 @@ TableSchema fill_table() {
                           required("max", "", "", Kind::number, positive, "largest factor")};
   Field full = word("until", "fills the region", {"full"});
   full.optional = true;
-  return {"fill", TableSchema::Form::list, "many bodies placed in a region; exactly one of count, mass, until",
-          {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
-           required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
-           optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
-           table("size", "factor of the shape's size", std::move(size)), text("material", "a name under [material.*]"),
-           optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
-           optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
-           needed(table("region", "where the bodies are placed", region_box())),
-           with_default(word("method", "how the bodies are placed", {"lattice", "random"}), Value(std::string("lattice"))),
-           optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
-           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
+  return {
+      "fill",
+      TableSchema::Form::list,
+      "many bodies placed in a region; exactly one of count, mass, until",
+      {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+       required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
+       optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
+       table("size", "factor of the shape's size", std::move(size)), text("material", "a name under [material.*]"),
+       optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
+       optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
+       needed(table("region", "where the bodies are placed", region_box())),
+       with_default(word("method", "how the bodies are placed", {"lattice", "random"}), Value(std::string("lattice"))),
+       optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
+       with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
 }
 
 TableSchema measure_table(const Registry& registry) {
   return {"measure", TableSchema::Form::list, "a quantity written to measures.csv",
           std::vector<Field>{optional("name", "", "", Kind::text, {}, "name; the kind where not written"),
                              word("kind", "what is measured", names_of(registry.measures)),
-                             with_default(required("interval", "", "s", Kind::number, not_negative, "time between values; 0 is every step"), Value(0.0))} +
+                             with_default(required("interval", "", "s", Kind::number, not_negative,
+                                                   "time between values; 0 is every step"),
+                                          Value(0.0))} +
               as_optional(united_fields(registry.measures))};
 }
 
 std::vector<Field> bound_fields() {
-  const std::vector<Field> of_body{text("body", "name of the body or bodies"), required("below", "", "m", Kind::number, not_negative, "bound"),
-                                   with_default(required("after", "", "s", Kind::number, not_negative, "time from which it is measured"), Value(0.0))};
+  const std::vector<Field> of_body{
+      text("body", "name of the body or bodies"), required("below", "", "m", Kind::number, not_negative, "bound"),
+      with_default(required("after", "", "s", Kind::number, not_negative, "time from which it is measured"),
+                   Value(0.0))};
   return {optional("energy_error", "", "", Kind::number, not_negative, "relative energy error"),
           optional("overlap_relative", "", "", Kind::number, not_negative, "overlap over bounding radius"),
           optional("momentum_error", "", "", Kind::number, not_negative, "relative momentum error"),
           optional("residual", "", "", Kind::number, not_negative, "residual of the contact problem"),
-          table("drift", "horizontal displacement of bodies", of_body), table("sag", "vertical displacement of bodies", of_body)};
+          table("drift", "horizontal displacement of bodies", of_body),
+          table("sag", "vertical displacement of bodies", of_body)};
 }
 
 }  // namespace
@@ -205,7 +247,8 @@ SceneSchema make_schema(const Registry& registry) {
   using Form = TableSchema::Form;
   SceneSchema schema;
   auto& all = schema.tables;
-  all.push_back({"params", Form::free, "names for \"= expression\": numbers, with a unit or as expressions of each other", {}});
+  all.push_back(
+      {"params", Form::free, "names for \"= expression\": numbers, with a unit or as expressions of each other", {}});
   all.push_back(run_table(registry));
   all.push_back(world_table());
   all.push_back(material_table_schema());
@@ -216,13 +259,19 @@ SceneSchema make_schema(const Registry& registry) {
   all.push_back(bodies_table());
   all.push_back(fill_table());
   all.push_back(measure_table(registry));
-  all.push_back({"bounds", Form::single, "watched during the run; a violation ends it with exit code 1", bound_fields()});
+  all.push_back(
+      {"bounds", Form::single, "watched during the run; a violation ends it with exit code 1", bound_fields()});
   all.push_back({"accuracy", Form::single, "what this scene needs", bound_fields()});
   all.push_back({"sweep", Form::free, "key paths and lists of values for `epafi sweep`", {}});
-  all.push_back({"benchmark", Form::single, "the scene is also a benchmark",
-                 {tables("sizes", "key paths and lists of values"), text("error", "the error that stands beside the time")}});
+  all.push_back(
+      {"benchmark",
+       Form::single,
+       "the scene is also a benchmark",
+       {tables("sizes", "key paths and lists of values"), text("error", "the error that stands beside the time")}});
   all.push_back({"benchmark.sizes", Form::free, "key paths and lists of values", {}});
-  all.push_back({"output", Form::single, "what else is written",
+  all.push_back({"output",
+                 Form::single,
+                 "what else is written",
                  {table("problems", "contact problems for `epafi solve`",
                         {required("every", "", "s", Kind::number, positive, "time between problems")})}});
   return schema;
@@ -246,7 +295,8 @@ std::vector<Field> pair_values() {
 }
 
 std::vector<Field> smooth_fields(const Registry& registry, const LawChoice& chosen) {
-  return as_optional(united_fields(registry.normal_laws, chosen.law) + united_fields(registry.tangential_laws, chosen.tangential) +
+  return as_optional(united_fields(registry.normal_laws, chosen.law) +
+                     united_fields(registry.tangential_laws, chosen.tangential) +
                      united_fields(registry.rolling_laws, chosen.rolling));
 }
 

@@ -1,4 +1,5 @@
-/// @file schema.h  One declaration per table of a scene file: what is read, checked, printed by `epafi schema` and documented.
+/// @file schema.h  One declaration per table of a scene file: what is read, checked, printed by `epafi schema` and
+/// documented.
 #pragma once
 #include <string>
 #include <vector>

@@ -23,7 +23,8 @@ struct Key {
 };
 
 std::string about(const Field& field) {
-  return "(" + (field.help.empty() ? field.name : field.help) + ", " + (field.unit.empty() ? "no unit" : "in " + field.unit) + ")";
+  return "(" + (field.help.empty() ? field.name : field.help) + ", " +
+         (field.unit.empty() ? "no unit" : "in " + field.unit) + ")";
 }
 
 void wrong_type(const Node& node, const Key& key, const std::string& expected) {
@@ -59,7 +60,8 @@ std::optional<std::vector<T>> read_list(const Node& node, const Key& key, const 
   return values;
 }
 
-std::optional<std::vector<double>> read_tuple(const Node& node, const Key& key, std::size_t size, const std::string& expected) {
+std::optional<std::vector<double>> read_tuple(const Node& node, const Key& key, std::size_t size,
+                                              const std::string& expected) {
   if (node.type == Node::Type::array && node.items.size() != size) {
     key.reading.error(node.place, fmt::format("{}: expected {}, found {}", key.label, expected, node.items.size()));
     return std::nullopt;
@@ -78,13 +80,15 @@ std::optional<std::vector<double>> read_quaternion(const Node& node, const Key& 
   double largest = 0.0, squares = 0.0;
   for (const double c : *q) largest = std::max(largest, std::abs(c));
   if (largest == 0.0) {
-    key.reading.error(node.place, key.label + ": a quaternion of length 0 is no orientation; [1, 0, 0, 0] turns nothing");
+    key.reading.error(node.place,
+                      key.label + ": a quaternion of length 0 is no orientation; [1, 0, 0, 0] turns nothing");
     return std::nullopt;
   }
   for (const double c : *q) squares += (c / largest) * (c / largest);
   const double length = largest * std::sqrt(squares);
   if (std::abs(length - 1.0) > unit_quaternion_tolerance) {
-    key.reading.warning(node.place, key.label + ": the quaternion of length " + fmt::format("{:.4g}", length) + " is scaled to length 1");
+    key.reading.warning(node.place, key.label + ": the quaternion of length " + fmt::format("{:.4g}", length) +
+                                        " is scaled to length 1");
   }
   for (double& c : *q) c = c / largest / std::sqrt(squares);
   return q;
@@ -97,17 +101,19 @@ std::optional<std::string> read_word(const Node& node, const Key& key) {
   if (node.text.empty()) return key.reading.error(node.place, key.label + " is empty"), std::nullopt;
   if (std::find(choices.begin(), choices.end(), node.text) != choices.end()) return node.text;
   const std::size_t space = key.label.rfind(' ');
-  key.reading.error(node.place, fmt::format("unknown {} '{}' in {}{}", key.field.name, node.text, key.label.substr(0, space),
-                                            suggestion(node.text, choices, "available")));
+  key.reading.error(node.place, fmt::format("unknown {} '{}' in {}{}", key.field.name, node.text,
+                                            key.label.substr(0, space), suggestion(node.text, choices, "available")));
   return std::nullopt;
 }
 
 std::optional<Value> read_number_or_word(const Node& node, const Key& key) {
   const auto& words = key.field.choices;
-  const bool is_word = node.type == Node::Type::text && !node.text.empty() && std::isalpha(static_cast<unsigned char>(node.text[0]));
+  const bool is_word =
+      node.type == Node::Type::text && !node.text.empty() && std::isalpha(static_cast<unsigned char>(node.text[0]));
   if (words.empty() || !is_word) return read_number(node, key);
   if (std::find(words.begin(), words.end(), node.text) != words.end()) return node.text;
-  key.reading.error(node.place, fmt::format("{}: expected a number or \"{}\", found '{}'", key.label, words.front(), node.text));
+  key.reading.error(node.place,
+                    fmt::format("{}: expected a number or \"{}\", found '{}'", key.label, words.front(), node.text));
   return std::nullopt;
 }
 
@@ -126,8 +132,9 @@ std::optional<Value> read_texts(const Node& node, const Key& key) {
   if (!words) return std::nullopt;
   const auto& size = key.field.range;  // of a list of texts the range is that of its length
   if (size.contains(static_cast<double>(words->size()))) return std::move(*words);
-  key.reading.error(node.place, fmt::format("{}: expected {} {}, found {}", key.label, size.min == size.max ? "exactly" : "at least",
-                                            format_number(size.min), words->size()));
+  key.reading.error(
+      node.place, fmt::format("{}: expected {} {}, found {}", key.label, size.min == size.max ? "exactly" : "at least",
+                              format_number(size.min), words->size()));
   return std::nullopt;
 }
 
@@ -139,20 +146,32 @@ std::optional<Value> as_value(std::optional<T> value) {
 
 std::optional<Value> read_value(const Node& node, const Key& key) {
   switch (key.field.kind) {
-    case Kind::number: return read_number_or_word(node, key);
-    case Kind::integer: return as_value(read_integer(node, key));
-    case Kind::text: return as_value(read_word(node, key));
-    case Kind::vec3: return as_value(read_vec3(node, key));
-    case Kind::quaternion: return as_value(read_quaternion(node, key));
-    case Kind::numbers: return as_value(read_list<double>(node, key, "a list of numbers", read_number));
-    case Kind::integers: return as_value(read_list<double>(as_list(node), key, "whole numbers", read_integer));
-    case Kind::vectors: return as_value(read_list<Vec3>(node, key, "a list of points [x, y, z]", read_vec3));
-    case Kind::texts: return read_texts(node, key);
+    case Kind::number:
+      return read_number_or_word(node, key);
+    case Kind::integer:
+      return as_value(read_integer(node, key));
+    case Kind::text:
+      return as_value(read_word(node, key));
+    case Kind::vec3:
+      return as_value(read_vec3(node, key));
+    case Kind::quaternion:
+      return as_value(read_quaternion(node, key));
+    case Kind::numbers:
+      return as_value(read_list<double>(node, key, "a list of numbers", read_number));
+    case Kind::integers:
+      return as_value(read_list<double>(as_list(node), key, "whole numbers", read_integer));
+    case Kind::vectors:
+      return as_value(read_list<Vec3>(node, key, "a list of points [x, y, z]", read_vec3));
+    case Kind::texts:
+      return read_texts(node, key);
     case Kind::boolean:
       if (node.type == Node::Type::boolean) return Value(node.boolean);
       wrong_type(node, key, "true or false");
       return std::nullopt;
-    case Kind::table: case Kind::shape: case Kind::tables: break;
+    case Kind::table:
+    case Kind::shape:
+    case Kind::tables:
+      break;
   }
   return std::nullopt;
 }
@@ -166,26 +185,32 @@ void read_nested(const Node& node, const Key& key, TableValues& out) {
 
 }  // namespace
 
-TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields, Reading& reading) {
+TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields,
+                       Reading& reading) {
   TableValues out;
   out.place = table.place;
   std::vector<std::string> known;
   for (const auto& field : fields) known.push_back(field.name);
   for (const auto& [name, place, value] : table.members) {
-    const auto field = std::find_if(fields.begin(), fields.end(), [&, &key = name](const Field& f) { return f.name == key; });
+    const auto field =
+        std::find_if(fields.begin(), fields.end(), [&, &key = name](const Field& f) { return f.name == key; });
     if (field == fields.end()) {
       reading.error(place, "unknown key '" + name + "' in " + label + suggestion(name, known, "known keys"));
       continue;
     }
     out.places[name] = value.place;
     const Key key{*field, label + " " + name, reading};
-    if (field->kind == Kind::table) read_nested(value, key, out);
-    else if (auto read = read_value(value, key)) out.set(name, std::move(*read));
+    if (field->kind == Kind::table)
+      read_nested(value, key, out);
+    else if (auto read = read_value(value, key))
+      out.set(name, std::move(*read));
   }
   for (const auto& field : fields) {
     if (out.written(field.name)) continue;
-    if (field.default_value) out.set(field.name, *field.default_value);
-    else if (!field.optional) reading.error(table.place, "missing key '" + field.name + "' in " + label + " " + about(field));
+    if (field.default_value)
+      out.set(field.name, *field.default_value);
+    else if (!field.optional)
+      reading.error(table.place, "missing key '" + field.name + "' in " + label + " " + about(field));
   }
   return out;
 }
@@ -193,13 +218,16 @@ TableValues read_table(const Node& table, const std::string& label, const std::v
 std::string format_number(double value) {
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   const double size = std::abs(value);
-  if (size == 0.0 || (size >= 1e-3 && size < 1e5)) return fmt::format("{}", value == std::floor(value) ? value + 0.0 : value);
+  if (size == 0.0 || (size >= 1e-3 && size < 1e5))
+    return fmt::format("{}", value == std::floor(value) ? value + 0.0 : value);
   char buffer[40];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::scientific);
   std::string text(buffer, end.ptr);
   std::size_t at = text.find('e') + 1;
-  if (text[at] == '+') text.erase(at, 1);
-  else if (text[at] == '-') ++at;
+  if (text[at] == '+')
+    text.erase(at, 1);
+  else if (text[at] == '-')
+    ++at;
   while (text[at] == '0' && at + 1 < text.size()) text.erase(at, 1);
   return text;
 }

@@ -66,7 +66,9 @@ struct TableValues : Parameters {
   std::optional<double> optional_number(const std::string& name) const {
     return has(name) ? std::optional(number(name)) : std::nullopt;
   }
-  Placed<std::string> placed_text(const std::string& name) const { return {has(name) ? text(name) : std::string{}, place_of(name)}; }
+  Placed<std::string> placed_text(const std::string& name) const {
+    return {has(name) ? text(name) : std::string{}, place_of(name)};
+  }
 };
 
 /// `label` names the table in messages: "[contact]", "[[body]] 'floor'".

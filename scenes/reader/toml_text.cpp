@@ -17,7 +17,8 @@ Node convert(const toml::node& from, const std::string& file) {
   Node node;
   node.place = place_of(from.source(), file);
   if (const auto* table = from.as_table()) {
-    for (const auto& [key, value] : *table) node.members.push_back({std::string(key.str()), place_of(key.source(), file), convert(value, file)});
+    for (const auto& [key, value] : *table)
+      node.members.push_back({std::string(key.str()), place_of(key.source(), file), convert(value, file)});
     // toml++ sorts by key; messages and repeated reading want the order of the file
     std::stable_sort(node.members.begin(), node.members.end(), [](const Member& a, const Member& b) {
       return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
@@ -44,7 +45,9 @@ Node convert(const toml::node& from, const std::string& file) {
     node.type = Node::Type::date;
     std::ostringstream out;
     from.visit([&](const auto& value) {
-      if constexpr (toml::is_date<decltype(value)> || toml::is_time<decltype(value)> || toml::is_date_time<decltype(value)>) out << value.get();
+      if constexpr (toml::is_date<decltype(value)> || toml::is_time<decltype(value)> ||
+                    toml::is_date_time<decltype(value)>)
+        out << value.get();
     });
     node.text = out.str();
   }
@@ -88,9 +91,12 @@ Node parse_toml_value(const std::string& text, const Place& place) {
 std::string quote_toml(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
-    if (c == '"' || c == '\\') out += {'\\', c};
-    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-    else out += c;
+    if (c == '"' || c == '\\')
+      out += {'\\', c};
+    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    else
+      out += c;
   }
   return out + "\"";
 }

@@ -1,4 +1,5 @@
-/// @file toml_text.h  TOML text to nodes: what toml++ does, behind one .cpp (linked, not header-only: 1.5 s instead of 7 s to compile).
+/// @file toml_text.h  TOML text to nodes: what toml++ does, behind one .cpp (linked, not header-only: 1.5 s instead of
+/// 7 s to compile).
 #pragma once
 #include <string>
 

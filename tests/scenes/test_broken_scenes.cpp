@@ -18,7 +18,8 @@ const std::string mark = "# expect: ";
 std::vector<std::string> expected_of(const fs::path& file) {
   std::vector<std::string> expected;
   std::ifstream in(file);
-  for (std::string line; std::getline(in, line) && line.compare(0, mark.size(), mark) == 0;) expected.push_back(line.substr(mark.size()));
+  for (std::string line; std::getline(in, line) && line.compare(0, mark.size(), mark) == 0;)
+    expected.push_back(line.substr(mark.size()));
   return expected;
 }
 
@@ -42,7 +43,8 @@ TEST_CASE("every broken scene is refused with exactly the stated messages", "[sc
     const auto expected = expected_of(file);
     const auto result = read_scene(file.string(), {}, registry);
     std::vector<std::string> found;
-    for (const auto& problem : result.problems) found.push_back(shortened(problem.to_string(), file.filename().string()));
+    for (const auto& problem : result.problems)
+      found.push_back(shortened(problem.to_string(), file.filename().string()));
     INFO(file.filename().string());
     CHECK(found == expected);
     REQUIRE(!expected.empty());
@@ -72,9 +74,9 @@ TEST_CASE("any text ends in problems or a scene, never in an exception", "[scene
     for (const auto& text : {whole.substr(0, at), damaged}) {
       const auto result = read_scene_text(text, file, {}, registry);
       refused += !result.scene;
-      CHECK(result.scene.has_value() == std::none_of(result.problems.begin(), result.problems.end(), [](const Problem& p) {
-              return p.level == Problem::Level::error;
-            }));
+      CHECK(result.scene.has_value() ==
+            std::none_of(result.problems.begin(), result.problems.end(),
+                         [](const Problem& p) { return p.level == Problem::Level::error; }));
       ++tried;
     }
   }

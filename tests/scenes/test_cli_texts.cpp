@@ -17,13 +17,15 @@ TEST_CASE("a listed parameter shows symbol, unit, default and range", "[scenes][
   CHECK(text.find("omega_r") != std::string::npos);
   CHECK(text.find("in (0, 2), default 1") != std::string::npos);
   CHECK(text.find("sphere") == std::string::npos);
-  CHECK(list_text(test_registry(), "shapes").find("radius                  r [m]             radius, in (0, inf), required") != std::string::npos);
+  CHECK(list_text(test_registry(), "shapes")
+            .find("radius                  r [m]             radius, in (0, inf), required") != std::string::npos);
 }
 
 TEST_CASE("every entry of every list is listed", "[scenes][list]") {
   const Registry r = test_registry();
   const std::string text = list_text(r);
-  for (const auto* list : {&r.shapes, &r.normal_laws, &r.tangential_laws, &r.rolling_laws, &r.solvers, &r.broad_phases, &r.schemes, &r.measures})
+  for (const auto* list : {&r.shapes, &r.normal_laws, &r.tangential_laws, &r.rolling_laws, &r.solvers, &r.broad_phases,
+                           &r.schemes, &r.measures})
     for (const auto& entry : *list) CHECK(text.find("\n  " + entry.name + " ") != std::string::npos);
   CHECK_THROWS_WITH(list_text(r, "shape"), "error: unknown kind 'shape'; did you mean 'shapes'?");
 }

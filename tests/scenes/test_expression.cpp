@@ -13,7 +13,9 @@ const Names names{[](std::string_view name) -> NameValue {
                     if (name == "broken") return {NameValue::Status::failed, 0.0};
                     return {};
                   },
-                  [] { return std::vector<std::string>{"d", "broken"}; }};
+                  [] {
+                    return std::vector<std::string>{"d", "broken"};
+                  }};
 
 double value(const char* text) {
   const auto result = evaluate(text, names);
@@ -64,7 +66,8 @@ TEST_CASE("what is wrong is named with its column", "[scenes][expression]") {
   CHECK(problem("sqrt(1, 2)") == "1: sqrt takes one argument");
   CHECK(problem("1/0") == "1: the result is not a finite number");
   CHECK(problem("sqrt(-1)") == "1: the result is not a finite number");
-  CHECK(problem("system(1)") == "1: unknown function 'system'; known functions: min, max, sqrt, abs, sin, cos, tan, exp, log, floor, ceil");
+  CHECK(problem("system(1)") ==
+        "1: unknown function 'system'; known functions: min, max, sqrt, abs, sin, cos, tan, exp, log, floor, ceil");
   CHECK(problem("x") == "1: unknown name 'x'; known names: d, broken, pi");
   CHECK(problem("2*broken") == "0: ");  // its own error has been reported where it stands
 }
