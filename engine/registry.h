@@ -62,6 +62,7 @@ struct Field {
   bool optional = false;                 ///< may be absent and has no default: absence is meaningful
   std::vector<std::string> choices{};    ///< for text: the admissible words, empty = any
   std::vector<Field> fields{};           ///< for a table: its keys
+  bool may_be_infinite = false;          ///< inf means something ("rigid")
 };
 
 /// Parameters of one entry after validation, by field name.

@@ -11,6 +11,7 @@
 #include "engine/state_snapshot.h"
 #include "scenes/stop.h"
 #include "viz_export/measures/all_measures.h"
+#include "viz_export/side_file.h"
 
 namespace epafi {
 
@@ -39,6 +40,12 @@ struct Session::Files {
 std::string scene_hash(const Scene& scene) {
   Hash hash;
   hash.add(scene.text);
+  for (const auto& shape : scene.shapes) {  // files that the text only names
+    if (shape.parameters.has("file")) hash.add(read_whole_file(shape.parameters.text("file")));
+    if (!shape.parameters.has("vertices")) continue;
+    for (const Vec3& v : shape.parameters.vectors("vertices")) hash.add(v.data(), 3);
+  }
+  for (const auto& body : scene.bodies) hash.add(body.position.data(), 3), hash.add(body.velocity.data(), 3);
   return hash.hex();
 }
 

@@ -38,7 +38,7 @@ class SphereOnMesh {
       const Touch& touch = touches_[i];
       if (is_covered(i)) continue;
       const double gap = touch.distance - radius_;
-      out.push_back({centre - (radius_ + 0.5 * gap) * touch.normal, touch.normal, gap, name(i, local)});
+      out.push_back({centre - radius_ * touch.normal, touch.normal, gap, name(i, local)});
     }
   }
 
@@ -132,7 +132,7 @@ class SideOnMesh {
     const Vec3 n = d / distance;
     if (!supports(t, centre, point, n, distance)) return;
     const double gap = distance - radius_;
-    const Vec3 position = centre - (radius_ + 0.5 * gap) * n;
+    const Vec3 position = centre - radius_ * n;
     const auto one = [&](const MeshPoint& p) { return (p.position - position).squaredNorm() <= tolerance_ * tolerance_; };
     if (std::any_of(out.begin(), out.end(), one)) return;  // the same edge or vertex from a lower triangle
     out.push_back({position, n, gap, mesh_feature(t, 2u << 3 | (1 + k))});

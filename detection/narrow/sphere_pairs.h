@@ -1,4 +1,6 @@
 /// @file sphere_pairs.h  Closed forms for spheres: exact gap, normal and R*.
+/// The contact point divides the line of centres like the radii; on a flat wall it is the sphere's own pole. Taken in the
+/// middle of the overlap it shortens the arm by half of it, which alone costs 0.11 % of the spin in case A08 (gate 0.1 %).
 #pragma once
 #include <cmath>
 
@@ -19,14 +21,15 @@ inline void collide_closed(const Sphere& a, const Sphere& b, const PairQuery& q,
   const double gap = distance - (a.radius + b.radius);
   if (!(gap < q.reach)) return;
   const Vec3 n = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
-  sink.add({gap, n, (a.radius + 0.5 * gap) * n, q.curvature ? effective_radius(a.radius, b.radius) : 0.0, 0});
+  const double share = a.radius / (a.radius + b.radius);  // of the line of centres
+  sink.add({gap, n, share * distance * n, q.curvature ? effective_radius(a.radius, b.radius) : 0.0, 0});
 }
 
 inline void collide_closed(const Sphere& a, const HalfSpace& b, const PairQuery& q, ContactSink& sink) {
   const Vec3 outward = q.b.orientation * b.normal;
   const double gap = outward.dot(q.a.position - q.b.position) - a.radius;
   if (!(gap < q.reach)) return;
-  sink.add({gap, -outward, -(a.radius + 0.5 * gap) * outward, a.radius, 0});
+  sink.add({gap, -outward, -a.radius * outward, a.radius, 0});
 }
 
 /// Outside: closest point by clamping. Inside: the nearest face.
@@ -52,7 +55,7 @@ inline void collide_closed(const Sphere& a, const Box& b, const PairQuery& q, Co
   const double gap = distance - a.radius;
   if (!(gap < q.reach)) return;
   const Vec3 n = -(q.b.orientation * outward);
-  sink.add({gap, n, (a.radius + 0.5 * gap) * n, q.curvature ? effective_radius(a.radius, contact_radius(b)) : 0.0, 0});
+  sink.add({gap, n, a.radius * n, q.curvature ? effective_radius(a.radius, contact_radius(b)) : 0.0, 0});
 }
 
 /// Outside: GJK of the centre, a point. Inside: the nearest face plane.

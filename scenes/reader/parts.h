@@ -25,6 +25,13 @@ void read_detection(Draft& draft);
 void read_shapes(Draft& draft);
 void read_bodies(Draft& draft);
 void read_body_files(Draft& draft);
+/// A file of bodies whose table has been read.
+struct BodyFile {
+  std::string path, name;
+  std::size_t material = 0;
+  bool fixed = false;
+};
+void read_polyset(Draft& draft, const BodyFile& file);
 void read_fills(Draft& draft);
 void read_measures(Draft& draft);
 void read_bounds(Draft& draft);

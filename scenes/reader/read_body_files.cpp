@@ -180,12 +180,17 @@ void read_file(Draft& draft, const Node& item) {
     return reading.error(item.place, label + ": there is no shape 'sphere'");
   const Place place = values.place_of("file");
   const std::string path = resolve_path(values.text("file"), place, reading.main_file);
-  if (std::filesystem::path(path).extension() != ".csv")
-    return reading.error(place, label + " file: expected a .csv file, found '" + path + "'");
+  const auto ending = std::filesystem::path(path).extension();
+  if (ending != ".csv" && ending != ".polyset")
+    return reading.error(place, label + " file: expected a .csv or .polyset file, found '" + path + "'");
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure))
     return reading.error(place, label + " file: there is no file '" + path + "'");
   draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place});
+  if (ending == ".polyset") {
+    if (!rows.material) return reading.error(item.place, label + ": a .polyset needs a material");
+    return read_polyset(draft, {path, name, *rows.material, rows.fixed});
+  }
   std::ifstream in(path);
   read_rows(rows, in, path, name, place);
 }

@@ -76,7 +76,8 @@ std::optional<double> Reading::expression(const Node& node, const std::string& l
   return std::nullopt;
 }
 
-std::optional<double> Reading::number(const Node& node, const std::string& unit, const std::string& label) {
+std::optional<double> Reading::number(const Node& node, const std::string& unit, const std::string& label,
+                                      bool may_be_infinite) {
   if (!expression_of(node).empty()) return expression(node, label);
   if (node.type == Node::Type::text) {
     const auto read = read_quantity(node.text, unit);
@@ -88,7 +89,7 @@ std::optional<double> Reading::number(const Node& node, const std::string& unit,
     error(node.place, label + ": expected a number" + in + ", found " + type_name(node.type));
     return std::nullopt;
   }
-  if (std::isfinite(node.real)) return node.real;
+  if (std::isfinite(node.real) || (may_be_infinite && node.real > 0)) return node.real;
   error(node.place, label + " = " +
                         (std::isnan(node.real) ? "nan"
                          : node.real > 0       ? "inf"

@@ -89,11 +89,13 @@ TableSchema world_table() {
 
 TableSchema material_table_schema() {
   const Range poisson{-1.0, 0.5, true, false};
+  Field youngs_modulus = optional("youngs_modulus", "E", "Pa", Kind::number, positive, "Young's modulus; inf is rigid");
+  youngs_modulus.may_be_infinite = true;
   return {"material",
           TableSchema::Form::named,
           "density and elastic constants",
           {optional("density", "rho", "kg/m^3", Kind::number, positive, "density"),
-           optional("youngs_modulus", "E", "Pa", Kind::number, positive, "Young's modulus"),
+           youngs_modulus,
            optional("poissons_ratio", "nu", "", Kind::number, poisson, "Poisson's ratio"),
            optional("shear_modulus", "G", "Pa", Kind::number, positive, "shear modulus in place of Young's modulus")}};
 }

@@ -32,7 +32,7 @@ void wrong_type(const Node& node, const Key& key, const std::string& expected) {
 }
 
 std::optional<double> read_number(const Node& node, const Key& key) {
-  const auto value = key.reading.number(node, key.field.unit, key.label);
+  const auto value = key.reading.number(node, key.field.unit, key.label, key.field.may_be_infinite);
   if (!value) return std::nullopt;
   if (key.field.range.contains(*value)) return value;
   key.reading.error(node.place, fmt::format("{} = {} is outside {} {}", key.label, format_number(*value),

@@ -34,7 +34,8 @@ class Reading {
   std::size_t errors() const { return errors_; }
 
   /// A number in SI: written plain, with a unit or as "= expression". Reports what is wrong under `label`.
-  std::optional<double> number(const Node& node, const std::string& unit, const std::string& label);
+  std::optional<double> number(const Node& node, const std::string& unit, const std::string& label,
+                               bool may_be_infinite = false);
   /// Evaluates every parameter once, so that a wrong one is reported even if nothing uses it.
   void check_params();
 

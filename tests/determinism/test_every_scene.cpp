@@ -1,0 +1,100 @@
+// Every scene of the library, shortened: one hash for every thread count, a restart in the middle gives the same bits, the
+// ledger closes, and the hash is the one written down (golden: labelled so, compared by Release and Debug builds alike).
+#include <filesystem>
+#include <fstream>
+
+#include "engine/parallel.h"
+#include "engine/state_snapshot.h"
+#include "tests/support/catch.h"
+#include "tests/support/scene_run.h"
+
+using namespace epafi;
+using namespace epafi::experiments;
+
+namespace {
+
+struct Short {
+  std::string scene;                   ///< relative to scenes/library
+  std::vector<std::string> overrides;  ///< smaller where the scene is large
+  std::uint64_t steps;
+};
+
+/// Large scenes are made smaller, all are cut after some hundred steps in which contacts form and slide.
+Short shortened(const std::string& scene) {
+  if (scene == "hopper/hopper.toml") return {scene, {"params.n=400", "params.open_at=0.04"}, 1500};
+  if (scene == "hopper/pellets.toml") return {scene, {"params.n=60", "params.open_at=0.04"}, 300};
+  if (scene == "bed/bed.toml") return {scene, {"params.n=400"}, 1200};
+  if (scene == "pile/polyhedra.toml") return {scene, {"params.n=60"}, 150};
+  return {scene, {}, 300};
+}
+
+std::vector<std::string> all_scenes() {
+  std::vector<std::string> scenes;
+  const std::filesystem::path root = library("");
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+    const auto path = std::filesystem::relative(entry.path(), root);
+    if (path.extension() == ".toml" && path.string().find("studies") == std::string::npos) scenes.push_back(path.string());
+  }
+  std::sort(scenes.begin(), scenes.end());
+  return scenes;
+}
+
+/// scene method hash, one line each.
+std::map<std::string, std::string> golden_hashes() {
+  std::ifstream in(std::string(EPAFI_SOURCE_DIR) + "/tests/golden/state_hashes.txt");
+  std::map<std::string, std::string> out;
+  std::string scene, method, hash;
+  while (in >> scene >> method >> hash) out[scene + " " + method] = hash;
+  return out;
+}
+
+std::string run_hash(const Short& s, const std::string& method, int threads) {
+  set_thread_count(threads);
+  std::vector<std::string> overrides = s.overrides;
+  if (method != "as-written") overrides.push_back("contact.method=" + method);
+  return run_scene(s.scene, overrides, s.steps).hash();
+}
+
+}  // namespace
+
+TEST_CASE("every library scene has one hash for 1, 2, 3 and 4 threads, the golden one", "[determinism]") {
+  const auto golden = golden_hashes();
+  const int before = thread_count();
+  for (const auto& scene : all_scenes()) {
+    const Short s = shortened(scene);
+    const std::string hash = run_hash(s, "as-written", 1);
+    INFO(scene << " as-written " << hash << "  (the line for tests/golden/state_hashes.txt, if the change is meant)");
+    for (int threads : {2, 3, 4}) CHECK(run_hash(s, "as-written", threads) == hash);
+    const auto found = golden.find(scene + " as-written");
+    CHECK((found != golden.end() ? found->second : std::string("missing")) == hash);
+  }
+  set_thread_count(before);
+}
+
+TEST_CASE("every library scene continues from its state in the middle with the same bits", "[determinism][restart]") {
+  for (const auto& scene : all_scenes()) {
+    const Short s = shortened(scene);
+    INFO(scene);
+    SceneRun straight = prepare_scene(library(scene), s.overrides);
+    straight.simulation().start();
+    straight.advance_to(s.steps / 2);
+    StateSnapshot middle;
+    middle.save([&](StateVisitor& v) { straight.simulation().visit(v); });
+    straight.advance_to(s.steps);
+    SceneRun resumed = prepare_scene(library(scene), s.overrides);
+    middle.restore([&](StateVisitor& v) { resumed.simulation().visit(v); });
+    resumed.advance_to(s.steps);
+    CHECK(resumed.hash() == straight.hash());
+    CHECK(resumed.energy_error() == straight.energy_error());
+  }
+}
+
+TEST_CASE("every library scene keeps its ledger closed", "[determinism][energy]") {
+  for (const auto& scene : all_scenes()) {
+    const Short s = shortened(scene);
+    SceneRun run = run_scene(s.scene, s.overrides, s.steps);
+    INFO(scene << ": " << run.failure);
+    CHECK(run.failure.empty());
+    CHECK(std::abs(run.energy_error()) < 1e-2);
+  }
+}
