@@ -9,7 +9,8 @@ namespace {
 
 Mat3 inertia_of_second_moment(const Mat3& c) { return c.trace() * Mat3::Identity() - c; }
 
-/// One Jacobi rotation that makes m(p, q) vanish (Golub and Van Loan 2013, section 8.5); the angle is at most 45 degrees.
+/// One Jacobi rotation that makes m(p, q) vanish (Golub and Van Loan 2013, section 8.5); the angle is at most 45
+/// degrees.
 void annihilate(Mat3& m, Mat3& axes, int p, int q) {
   const double tau = (m(q, q) - m(p, p)) / (2.0 * m(p, q));
   const double t = (tau >= 0.0 ? 1.0 : -1.0) / (std::abs(tau) + std::sqrt(1.0 + tau * tau));
@@ -25,7 +26,8 @@ void annihilate(Mat3& m, Mat3& axes, int p, int q) {
 
 /// The proper signed permutation of the columns with the largest trace: least turn away from the author's axes.
 Mat3 nearest_naming(const Mat3& axes, std::array<int, 3>& order) {
-  constexpr std::array<std::array<int, 3>, 6> permutations{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}};
+  constexpr std::array<std::array<int, 3>, 6> permutations{
+      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}};
   Mat3 best = axes;
   double best_trace = -4.0;
   for (std::size_t k = 0; k < permutations.size(); ++k) {
@@ -33,7 +35,8 @@ Mat3 nearest_naming(const Mat3& axes, std::array<int, 3>& order) {
       const int flips = (signs & 1) + (signs >> 1 & 1) + (signs >> 2 & 1);
       if ((flips % 2 == 1) != (k >= 3)) continue;  // the last three permutations are odd
       Mat3 named;
-      for (int j = 0; j < 3; ++j) named.col(j) = (signs >> j & 1 ? -1.0 : 1.0) * axes.col(permutations[k][static_cast<std::size_t>(j)]);
+      for (int j = 0; j < 3; ++j)
+        named.col(j) = (signs >> j & 1 ? -1.0 : 1.0) * axes.col(permutations[k][static_cast<std::size_t>(j)]);
       if (named.trace() <= best_trace + 1e-12) continue;  // ties go to the first
       best = named, best_trace = named.trace(), order = permutations[k];
     }
@@ -74,7 +77,8 @@ Mat3 inertia_about_origin(const MassProperties& body) {
 PrincipalFrame principal_frame(const MassProperties& body) {
   Mat3 m = 0.5 * (body.inertia + body.inertia.transpose());
   Mat3 axes = Mat3::Identity();
-  const double negligible = 1e-13 * std::abs(m.trace());  // rounding of the sums above; also what a cube's diagonals leave
+  const double negligible =
+      1e-13 * std::abs(m.trace());            // rounding of the sums above; also what a cube's diagonals leave
   for (int sweep = 0; sweep < 16; ++sweep) {  // quadratic convergence: 4 to 5 sweeps are enough
     if (std::abs(m(0, 1)) <= negligible && std::abs(m(0, 2)) <= negligible && std::abs(m(1, 2)) <= negligible) break;
     for (const auto& [p, q] : {std::pair{0, 1}, {0, 2}, {1, 2}})
@@ -85,7 +89,8 @@ PrincipalFrame principal_frame(const MassProperties& body) {
   PrincipalFrame frame;
   frame.centre = body.centre;
   if (named != Mat3::Identity()) frame.orientation = Quat(named).normalized();
-  for (int j = 0; j < 3; ++j) frame.moments[j] = m(order[static_cast<std::size_t>(j)], order[static_cast<std::size_t>(j)]);
+  for (int j = 0; j < 3; ++j)
+    frame.moments[j] = m(order[static_cast<std::size_t>(j)], order[static_cast<std::size_t>(j)]);
   return frame;
 }
 

@@ -10,7 +10,8 @@
 namespace epafi {
 
 /// At density 1: volume [m^3], centre [m], inertia about the centre [m^5]. Volume < 0: the orientation is inside out.
-[[nodiscard]] MassProperties surface_mass_properties(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+[[nodiscard]] MassProperties surface_mass_properties(std::span<const Vec3> vertices,
+                                                     std::span<const Triangle> triangles);
 [[nodiscard]] inline MassProperties surface_mass_properties(const TriangleSurface& s) {
   return surface_mass_properties(s.vertices, s.triangles);
 }

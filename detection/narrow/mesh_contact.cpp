@@ -10,9 +10,9 @@ namespace {
 
 constexpr double same = 1e-6;  // the manifold's snap distance, and an angle no contact law can feel
 
-/// Leaves the corners of the convex outline of the points seen along the normal (Andrew 1979), and the deepest point where
-/// it is deeper than they. Points between two corners, where a flat side crosses edges of the mesh, go: the corners stay
-/// the same whatever the triangles are.
+/// Leaves the corners of the convex outline of the points seen along the normal (Andrew 1979), and the deepest point
+/// where it is deeper than they. Points between two corners, where a flat side crosses edges of the mesh, go: the
+/// corners stay the same whatever the triangles are.
 void keep_outline(std::vector<PatchPoint>& points, const Vec3& normal, double tolerance) {
   if (points.size() <= 4) return;
   const ContactFrame frame = contact_frame(normal);
@@ -20,9 +20,8 @@ void keep_outline(std::vector<PatchPoint>& points, const Vec3& normal, double to
   const auto y = [&](const PatchPoint& p) { return frame.tangent2.dot(p.position); };
   const auto shallower = [](const PatchPoint& a, const PatchPoint& b) { return a.gap < b.gap; };
   const PatchPoint deepest = *std::min_element(points.begin(), points.end(), shallower);
-  std::sort(points.begin(), points.end(), [&](const PatchPoint& a, const PatchPoint& b) {
-    return std::pair(x(a), y(a)) < std::pair(x(b), y(b));
-  });
+  std::sort(points.begin(), points.end(),
+            [&](const PatchPoint& a, const PatchPoint& b) { return std::pair(x(a), y(a)) < std::pair(x(b), y(b)); });
   static thread_local std::vector<PatchPoint> outline;  // keeps its size
   outline.clear();
   const auto chain = [&](const auto begin, const auto end) {
@@ -54,13 +53,15 @@ void reduce(std::vector<MeshPoint>& points, double size) {
   std::size_t kept = 0;
   for (const MeshPoint& p : points) {
     const auto one = [&](const MeshPoint& o) {
-      return o.feature == p.feature || (is_parallel(o.normal, p.normal) && (o.position - p.position).squaredNorm() <= same * same * size * size);
+      return o.feature == p.feature ||
+             (is_parallel(o.normal, p.normal) && (o.position - p.position).squaredNorm() <= same * same * size * size);
     };
     if (std::none_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(kept), one)) points[kept++] = p;
   }
   points.erase(points.begin() + static_cast<std::ptrdiff_t>(kept), points.end());
   if (kept <= 4) return;
-  static thread_local std::vector<PatchPoint> group;  // keep their size: no allocation once the largest contact was seen
+  static thread_local std::vector<PatchPoint>
+      group;  // keep their size: no allocation once the largest contact was seen
   static thread_local std::vector<MeshPoint> out;
   out.clear();
   for (std::size_t first = 0; first < kept; ++first) {

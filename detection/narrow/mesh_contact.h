@@ -1,5 +1,5 @@
-/// @file mesh_contact.h  What the pairs with a mesh share: how a contact is named, and how the contacts of one body with
-/// many triangles become few. Everything is in the mesh's axes; normals point from the mesh to the body.
+/// @file mesh_contact.h  What the pairs with a mesh share: how a contact is named, and how the contacts of one body
+/// with many triangles become few. Everything is in the mesh's axes; normals point from the mesh to the body.
 #pragma once
 #include <span>
 #include <vector>
@@ -11,9 +11,9 @@
 namespace epafi {
 
 struct MeshPoint {
-  Vec3 position;    ///< midway between the surfaces [m]
-  Vec3 normal;      ///< unit, from the mesh to the body
-  double gap;       ///< [m]
+  Vec3 position;  ///< midway between the surfaces [m]
+  Vec3 normal;    ///< unit, from the mesh to the body
+  double gap;     ///< [m]
   Feature feature;
 };
 
@@ -35,8 +35,8 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
   return n.dot(x - mesh.vertices[mesh.triangles[t][0]]) < 0.0 ? Vec3(-n) : n;
 }
 
-/// Merges points that are one (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature; of points
-/// with one normal keeps at most 4 that span the largest area, the deepest among them.
+/// Merges points that are one (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature; of
+/// points with one normal keeps at most 4 that span the largest area, the deepest among them.
 void reduce(std::vector<MeshPoint>& points, double size);
 
 /// Hands the points to the sink, with the body as A. body: its pose in the mesh's axes.

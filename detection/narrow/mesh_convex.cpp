@@ -9,8 +9,9 @@ namespace epafi {
 namespace {
 
 constexpr double on_surface = 1e-6;  // of the size, as in the manifold: what counts as lying on an edge or triangle
-constexpr double along_face = 1e-5;  // [rad] a direction of EPA nearer than this to the triangle's normal is meant to be it
-constexpr double certain = 1e-6;     // of the size: a wider interval than this is reported as degenerate
+constexpr double along_face =
+    1e-5;  // [rad] a direction of EPA nearer than this to the triangle's normal is meant to be it
+constexpr double certain = 1e-6;  // of the size: a wider interval than this is reported as degenerate
 
 /// What the surface around the point of a triangle says to a normal n from the mesh to the body.
 enum class Verdict {
@@ -57,11 +58,16 @@ std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
 /// One polyhedron against many triangles, in the mesh's axes.
 class PolyhedronOnMesh {
  public:
-  PolyhedronOnMesh(const PolyhedronView& body, double sweep, const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
-                   const PairQuery& q)
-      : body_(body), sweep_(sweep), mesh_(mesh), triangles_(triangles), reach_(q.reach),
+  PolyhedronOnMesh(const PolyhedronView& body, double sweep, const TriangleMesh& mesh,
+                   std::span<const std::uint32_t> triangles, const PairQuery& q)
+      : body_(body),
+        sweep_(sweep),
+        mesh_(mesh),
+        triangles_(triangles),
+        reach_(q.reach),
         pose_{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation},
-        turn_(pose_.orientation.toRotationMatrix()), tolerance_(on_surface * body.radius) {}
+        turn_(pose_.orientation.toRotationMatrix()),
+        tolerance_(on_surface * body.radius) {}
 
   const Vec3& centre() const { return pose_.position; }
 
@@ -76,10 +82,12 @@ class PolyhedronOnMesh {
     if (d.beyond) return;
     if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
     const Vec3 n = -(turn_ * d.axis.normal);
-    // The triangle's own normal holds where it separates best, where the direction is that one within 1e-5 rad, and where
-    // the direction belongs to an inner edge or vertex; towards the side of the body's centre.
-    const bool face = d.axis.kind == SeparatingAxis::Kind::face_b || n.cross(face_normal).squaredNorm() <= along_face * along_face;
-    const Verdict verdict = face ? Verdict::flat : judge(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, tolerance_);
+    // The triangle's own normal holds where it separates best, where the direction is that one within 1e-5 rad, and
+    // where the direction belongs to an inner edge or vertex; towards the side of the body's centre.
+    const bool face =
+        d.axis.kind == SeparatingAxis::Kind::face_b || n.cross(face_normal).squaredNorm() <= along_face * along_face;
+    const Verdict verdict =
+        face ? Verdict::flat : judge(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, tolerance_);
     if (verdict == Verdict::flat) return collide_face(t, corner, face_normal, out);
     if (verdict == Verdict::bent) return;
     const Patch patch = contact_patch(pair, d, reach_, sweep_, 0.0);
@@ -92,11 +100,13 @@ class PolyhedronOnMesh {
  private:
   /// Kind (2 bits), index on the body (22 bits), index on the triangle (2 bits).
   static std::uint32_t short_name(Feature f) {
-    return static_cast<std::uint32_t>(f >> 44 & 3u) << 24 | static_cast<std::uint32_t>(f >> 22 & 0x3fffffu) << 2 | static_cast<std::uint32_t>(f & 3u);
+    return static_cast<std::uint32_t>(f >> 44 & 3u) << 24 | static_cast<std::uint32_t>(f >> 22 & 0x3fffffu) << 2 |
+           static_cast<std::uint32_t>(f & 3u);
   }
-  /// Did the body come to x, behind the triangle, through the triangle (or one in its plane) and through no other before?
-  /// Otherwise x belongs to the surface beyond an edge: a corner of a box on a table is behind the table's side as well.
-  /// cut: 1 + side of the triangle whose prism cut the body at x; where the surface bends away or ends there, x is its edge.
+  /// Did the body come to x, behind the triangle, through the triangle (or one in its plane) and through no other
+  /// before? Otherwise x belongs to the surface beyond an edge: a corner of a box on a table is behind the table's side
+  /// as well. cut: 1 + side of the triangle whose prism cut the body at x; where the surface bends away or ends there,
+  /// x is its edge.
   bool went_through(std::uint32_t t, const Vec3& n, const Vec3& x, std::uint32_t cut) const {
     const bool front = n.dot(mesh_.normals[t]) > 0.0;
     if (cut > 0 && mesh_.edge_kinds[t][cut - 1] != (front ? EdgeKind::concave : EdgeKind::convex)) return true;
@@ -108,7 +118,8 @@ class PolyhedronOnMesh {
       const auto corner = mesh_.corners(other);
       const Vec3& m = mesh_.normals[other];
       if (m.cross(n).squaredNorm() <= along_face * along_face) {
-        through = through || (std::abs(m.dot(gate - corner[0])) <= tolerance_ && projects_into(corner, m, gate, tolerance_));
+        through =
+            through || (std::abs(m.dot(gate - corner[0])) <= tolerance_ && projects_into(corner, m, gate, tolerance_));
         continue;
       }
       const double h0 = m.dot(centre() - corner[0]), h1 = m.dot(x - corner[0]);
@@ -118,7 +129,8 @@ class PolyhedronOnMesh {
     return through;
   }
   /// The face of the body that looks at the triangle, cut to the prism over the triangle (Sutherland and Hodgman 1974).
-  void collide_face(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n, std::vector<MeshPoint>& out) const {
+  void collide_face(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n,
+                    std::vector<MeshPoint>& out) const {
     struct Corner {
       Vec3 x;
       std::uint32_t name;  ///< vertex of the body, or 1 + side of the triangle in the low bits after a cut
@@ -136,7 +148,9 @@ class PolyhedronOnMesh {
         const double d0 = inward.dot(from.x - corner[side]), d1 = inward.dot(to.x - corner[side]);
         const bool in0 = d0 >= -tolerance_, in1 = d1 >= -tolerance_;
         if (in0) next.push_back(from);
-        if (in0 != in1) next.push_back({from.x + std::clamp(d0 / (d0 - d1), 0.0, 1.0) * (to.x - from.x), (from.name & ~3u) | (1 + side)});
+        if (in0 != in1)
+          next.push_back(
+              {from.x + std::clamp(d0 / (d0 - d1), 0.0, 1.0) * (to.x - from.x), (from.name & ~3u) | (1 + side)});
       }
       polygon.swap(next);
     }
@@ -145,7 +159,8 @@ class PolyhedronOnMesh {
       if (!(gap < reach_) || (height < -tolerance_ && !went_through(t, n, c.x, c.name & 3u))) continue;
       const bool vertex = (c.name & 3u) == 0;
       const auto kind = static_cast<std::uint32_t>(vertex ? FeatureKind::vertex_a : FeatureKind::edges);
-      out.push_back({c.x - (sweep_ + 0.5 * gap) * n, n, gap, mesh_feature(vertex ? mesh_.flat_group[t] : t, kind << 24 | c.name)});
+      out.push_back({c.x - (sweep_ + 0.5 * gap) * n, n, gap,
+                     mesh_feature(vertex ? mesh_.flat_group[t] : t, kind << 24 | c.name)});
     }
   }
 
@@ -171,9 +186,14 @@ class CoreOnMesh {
  public:
   CoreOnMesh(const CoreOnPlane& body, double sweep, const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
              const PairQuery& q)
-      : body_(body), sweep_(sweep), mesh_(mesh), triangles_(triangles), reach_(q.reach),
+      : body_(body),
+        sweep_(sweep),
+        mesh_(mesh),
+        triangles_(triangles),
+        reach_(q.reach),
         pose_{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation},
-        turn_(pose_.orientation.toRotationMatrix()), tolerance_(on_surface * body.core.radius) {}
+        turn_(pose_.orientation.toRotationMatrix()),
+        tolerance_(on_surface * body.core.radius) {}
 
   const Vec3& centre() const { return pose_.position; }
 
@@ -195,7 +215,8 @@ class CoreOnMesh {
     if (on_plane(t, corner, face_normal, out) || !is_face) return;
     // the triangle lies under the middle of a flat side, where the plane's own points do not reach
     const double gap = face_normal.dot(d.on_body - corner[0]) - sweep_;
-    if (gap < reach_) out.push_back({d.on_body - (sweep_ + 0.5 * gap) * face_normal, face_normal, gap, mesh_feature(t, 2u << 24)});
+    if (gap < reach_)
+      out.push_back({d.on_body - (sweep_ + 0.5 * gap) * face_normal, face_normal, gap, mesh_feature(t, 2u << 24)});
   }
 
  private:
@@ -222,7 +243,8 @@ class CoreOnMesh {
     for (std::size_t k = 0; k < set.size(); ++k) {
       const Vec3 x = centre() + set.arm[k];
       if (!projects_into(corner, mesh_.normals[t], x, tolerance_)) continue;
-      const auto name = static_cast<std::uint32_t>((set.feature[k] >> 44 & 3u) << 22 | (set.feature[k] >> 22 & 0xffu) << 8 | (set.feature[k] & 0xffu));
+      const auto name = static_cast<std::uint32_t>((set.feature[k] >> 44 & 3u) << 22 |
+                                                   (set.feature[k] >> 22 & 0xffu) << 8 | (set.feature[k] & 0xffu));
       out.push_back({x, n, set.gap[k], mesh_feature(mesh_.flat_group[t], name)});
       any = true;
     }
@@ -240,8 +262,8 @@ class CoreOnMesh {
 };
 
 template <class BodyOnMesh>
-void collide_all(const BodyOnMesh& body, std::span<const std::uint32_t> triangles, double size, double radius, const PairQuery& q,
-                 ContactSink& sink) {
+void collide_all(const BodyOnMesh& body, std::span<const std::uint32_t> triangles, double size, double radius,
+                 const PairQuery& q, ContactSink& sink) {
   static thread_local std::vector<MeshPoint> points;
   points.clear();
   for (const auto t : triangles) body.collide(t, points, sink);

@@ -14,7 +14,7 @@ struct Touch {
   double distance;  ///< of the centre; < 0: the centre has gone through the triangle [m]
   std::uint32_t triangle;
   NearestOnTriangle nearest;
-  Vec3 normal;      ///< from the mesh to the sphere
+  Vec3 normal;  ///< from the mesh to the sphere
 };
 
 /// The segment from a to b goes through the inside of the triangle.
@@ -31,7 +31,8 @@ class SphereOnMesh {
   SphereOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
       : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_surface * radius) {}
 
-  /// Appends the contacts of the sphere at `centre` of a body whose centre is `inside`; local: distinguishes the spheres.
+  /// Appends the contacts of the sphere at `centre` of a body whose centre is `inside`; local: distinguishes the
+  /// spheres.
   void collide(const Vec3& centre, const Vec3& inside, std::uint32_t local, std::vector<MeshPoint>& out) {
     find_touches(centre, inside);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
@@ -50,7 +51,8 @@ class SphereOnMesh {
       const double height = mesh_.normals[t].dot(centre - corner[0]);
       if (&centre != &inside && crosses(mesh_, t, inside, centre)) {
         const Vec3 n = normal_towards(mesh_, t, inside);
-        touches_.push_back({-std::abs(height), t, {centre - height * mesh_.normals[t], std::abs(height), TrianglePart::face}, n});
+        touches_.push_back(
+            {-std::abs(height), t, {centre - height * mesh_.normals[t], std::abs(height), TrianglePart::face}, n});
         continue;
       }
       if (!(std::abs(height) < limit_)) continue;
@@ -65,12 +67,14 @@ class SphereOnMesh {
       return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
     });
   }
-  /// Its nearest point lies on a triangle that comes as close or closer, or behind a flat part that the centre went through.
+  /// Its nearest point lies on a triangle that comes as close or closer, or behind a flat part that the centre went
+  /// through.
   bool is_covered(std::size_t i) const {
     const Touch& touch = touches_[i];
     for (std::size_t j = 0; j < i; ++j) {
       if (lies_on(mesh_, touches_[j].triangle, touch.nearest.point, tolerance_)) return true;
-      if (touches_[j].distance < 0.0 && mesh_.flat_group[touches_[j].triangle] == mesh_.flat_group[touch.triangle]) return true;
+      if (touches_[j].distance < 0.0 && mesh_.flat_group[touches_[j].triangle] == mesh_.flat_group[touch.triangle])
+        return true;
     }
     return false;
   }
@@ -89,11 +93,13 @@ class SphereOnMesh {
   const TriangleMesh& mesh_;
   std::span<const std::uint32_t> triangles_;
   double radius_, limit_, tolerance_;
-  static thread_local std::vector<Touch> touches_;  // keeps its size: no allocation once the largest neighbourhood was seen
+  static thread_local std::vector<Touch>
+      touches_;  // keeps its size: no allocation once the largest neighbourhood was seen
 };
 thread_local std::vector<Touch> SphereOnMesh::touches_;
 
-/// Parameter in [0, 1] on the segment from a along u of its point nearest to the segment from b along v (Ericson 2005, 5.1.9).
+/// Parameter in [0, 1] on the segment from a along u of its point nearest to the segment from b along v (Ericson
+/// 2005, 5.1.9).
 double nearest_of_segments(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v) {
   const Vec3 w = a - b;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
@@ -119,7 +125,8 @@ class SideOnMesh {
   }
 
  private:
-  void collide_edge(std::uint32_t t, std::uint32_t k, const Vec3& from, const Vec3& axis, std::vector<MeshPoint>& out) const {
+  void collide_edge(std::uint32_t t, std::uint32_t k, const Vec3& from, const Vec3& axis,
+                    std::vector<MeshPoint>& out) const {
     const auto corner = mesh_.corners(t);
     const Vec3 &a = corner[k], &b = corner[(k + 1) % 3];
     const double s = nearest_of_segments(from, axis, a, b - a);
@@ -133,7 +140,9 @@ class SideOnMesh {
     if (!supports(t, centre, point, n, distance)) return;
     const double gap = distance - radius_;
     const Vec3 position = centre - radius_ * n;
-    const auto one = [&](const MeshPoint& p) { return (p.position - position).squaredNorm() <= tolerance_ * tolerance_; };
+    const auto one = [&](const MeshPoint& p) {
+      return (p.position - position).squaredNorm() <= tolerance_ * tolerance_;
+    };
     if (std::any_of(out.begin(), out.end(), one)) return;  // the same edge or vertex from a lower triangle
     out.push_back({position, n, gap, mesh_feature(t, 2u << 3 | (1 + k))});
   }
@@ -156,8 +165,8 @@ class SideOnMesh {
 
 }  // namespace
 
-void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles, const PairQuery& q,
-                       ContactSink& sink) {
+void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
+                       const PairQuery& q, ContactSink& sink) {
   static thread_local std::vector<MeshPoint> points;
   points.clear();
   const Vec3 centre = q.b.to_local(q.a.position);
@@ -165,8 +174,8 @@ void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const s
   emit(points, centre, a.radius, q, sink);
 }
 
-void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles, const PairQuery& q,
-                       ContactSink& sink) {
+void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
+                       const PairQuery& q, ContactSink& sink) {
   static thread_local std::vector<MeshPoint> points;
   points.clear();
   const Vec3 centre = q.b.to_local(q.a.position);

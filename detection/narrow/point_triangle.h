@@ -26,8 +26,8 @@ inline double nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return square > 0.0 ? std::clamp((p - a).dot(along) / square, 0.0, 1.0) : 0.0;
 }
 
-/// The triangle may have no area. A foot inside by less than `tolerance` [m] beyond a side still counts as inside, so that
-/// two coplanar neighbours agree on their plane whichever side of the common edge rounding puts the foot.
+/// The triangle may have no area. A foot inside by less than `tolerance` [m] beyond a side still counts as inside, so
+/// that two coplanar neighbours agree on their plane whichever side of the common edge rounding puts the foot.
 inline NearestOnTriangle nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& corner, double tolerance = 0.0) {
   const Vec3 area = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
   const double twice = area.norm();

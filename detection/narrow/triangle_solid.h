@@ -7,7 +7,8 @@ namespace epafi {
 /// Coordinates are relative to the triangle's centroid. Face 0 looks along `normal`, face 1 against it.
 class TriangleSolid {
  public:
-  TriangleSolid(const std::array<Vec3, 3>& corner, const Vec3& normal) : centre_((corner[0] + corner[1] + corner[2]) / 3.0) {
+  TriangleSolid(const std::array<Vec3, 3>& corner, const Vec3& normal)
+      : centre_((corner[0] + corner[1] + corner[2]) / 3.0) {
     for (std::size_t k = 0; k < 3; ++k) {
       vertices_[k] = corner[k] - centre_;
       radius_ = std::max(radius_, vertices_[k].norm());
@@ -33,7 +34,8 @@ class TriangleSolid {
     static constexpr std::array<HullEdge, 3> edges{{{0, 1, 0, 1}, {1, 2, 0, 1}, {2, 0, 0, 1}}};
     static constexpr std::array<std::uint32_t, 4> pairs_begin{0, 2, 4, 6};
     static constexpr std::array<std::uint32_t, 6> neighbours{1, 2, 0, 2, 0, 1}, fans{0, 1, 0, 1, 0, 1};
-    return {vertices_, face_begin, face_vertices, normals_, offsets_, edges, pairs_begin, neighbours, pairs_begin, fans, radius_, 0.0};
+    return {vertices_,   face_begin, face_vertices, normals_, offsets_, edges,
+            pairs_begin, neighbours, pairs_begin,   fans,     radius_,  0.0};
   }
 
  private:

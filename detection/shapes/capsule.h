@@ -13,9 +13,12 @@ struct Capsule {
   Capsule(double r, double l) : radius(r), length(l), contact_radius_(equal_volume_radius(volume())) {}
 
   static Entry entry() {
-    return {name, "cylinder with two half spheres, axis z",
+    return {name,
+            "cylinder with two half spheres, axis z",
             {{"radius", "r", "m", Kind::number, {}, positive, "radius of the cylinder and of the half spheres"},
-             {"length", "L", "m", Kind::number, {}, not_negative, "length of the cylindrical part"}}, {}, ""};
+             {"length", "L", "m", Kind::number, {}, not_negative, "length of the cylindrical part"}},
+            {},
+            ""};
   }
 
   double half_length() const { return 0.5 * length; }
@@ -32,11 +35,14 @@ struct Capsule {
     const double r = radius, l = length;
     const double cylinder = circle_constant * r * r * l;
     const double spheres = 4.0 / 3.0 * circle_constant * r * r * r;
-    const double across = cylinder * (r * r / 4.0 + l * l / 12.0) + spheres * (0.4 * r * r + 0.25 * l * l + 0.375 * l * r);
+    const double across =
+        cylinder * (r * r / 4.0 + l * l / 12.0) + spheres * (0.4 * r * r + 0.25 * l * l + 0.375 * l * r);
     const double along = 0.5 * cylinder * r * r + 0.4 * spheres * r * r;
     return {cylinder + spheres, Vec3::Zero(), Vec3(across, across, along).asDiagonal()};
   }
-  Vec3 support(const Vec3& d) const { return {0.0, 0.0, d.z() < 0.0 ? -half_length() : half_length()}; }  // core: a segment
+  Vec3 support(const Vec3& d) const {
+    return {0.0, 0.0, d.z() < 0.0 ? -half_length() : half_length()};
+  }  // core: a segment
   double rounding() const { return radius; }
 
  private:

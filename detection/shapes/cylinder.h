@@ -13,9 +13,12 @@ struct Cylinder {
   Cylinder(double r, double l) : radius(r), length(l), contact_radius_(equal_volume_radius(volume())) {}
 
   static Entry entry() {
-    return {name, "right circular cylinder, axis z",
+    return {name,
+            "right circular cylinder, axis z",
             {{"radius", "r", "m", Kind::number, {}, positive, "radius"},
-             {"length", "L", "m", Kind::number, {}, positive, "length along the axis"}}, {}, ""};
+             {"length", "L", "m", Kind::number, {}, positive, "length along the axis"}},
+            {},
+            ""};
   }
 
   double half_length() const { return 0.5 * length; }

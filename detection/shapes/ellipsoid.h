@@ -12,8 +12,11 @@ struct Ellipsoid {
   explicit Ellipsoid(const Vec3& abc) : semi_axes(abc), contact_radius_(equal_volume_radius(volume())) {}
 
   static Entry entry() {
-    return {name, "ellipsoid about its centre",
-            {{"semi_axes", "a b c", "m", Kind::vec3, {}, positive, "half lengths along x, y and z"}}, {}, ""};
+    return {name,
+            "ellipsoid about its centre",
+            {{"semi_axes", "a b c", "m", Kind::vec3, {}, positive, "half lengths along x, y and z"}},
+            {},
+            ""};
   }
 
   double volume() const { return 4.0 / 3.0 * circle_constant * semi_axes.x() * semi_axes.y() * semi_axes.z(); }

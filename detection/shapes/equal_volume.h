@@ -14,7 +14,8 @@ inline double cube_root(double x) {
   double fraction = std::frexp(x, &exponent);  // exact
   while (exponent % 3 != 0) fraction *= 0.5, ++exponent;
   double y = 0.75;
-  for (int k = 0; k < 8; ++k) y -= (y * y * y - fraction) / (3.0 * y * y);  // quadratic: 8 steps from within a factor 1.6
+  for (int k = 0; k < 8; ++k)
+    y -= (y * y * y - fraction) / (3.0 * y * y);  // quadratic: 8 steps from within a factor 1.6
   return std::ldexp(y, exponent / 3);
 }
 

@@ -28,7 +28,8 @@ std::vector<Vec3> sorted_distinct(std::span<const Vec3> points, const Place& pla
   std::vector<Vec3> out;
   out.reserve(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (!points[k].allFinite()) throw SceneError("vertex " + std::to_string(k) + " of the polyhedron is not finite", place);
+    if (!points[k].allFinite())
+      throw SceneError("vertex " + std::to_string(k) + " of the polyhedron is not finite", place);
     out.push_back(points[k] + Vec3::Zero());  // -0 becomes 0
   }
   std::sort(out.begin(), out.end(), before);
@@ -39,7 +40,8 @@ std::vector<Vec3> sorted_distinct(std::span<const Vec3> points, const Place& pla
 /// Greedy largest simplex: distances of the 2nd, 3rd and 4th point from the point, line and plane of those before.
 std::array<double, 3> extents(const std::vector<Vec3>& points) {
   const auto farthest = [&](auto&& distance) {
-    return *std::max_element(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
+    return *std::max_element(points.begin(), points.end(),
+                             [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
   };
   const Vec3 a = points.front();
   const auto from_point = [&](const Vec3& p) { return (p - a).norm(); };
@@ -62,7 +64,8 @@ HullSurface exact_hull(const std::vector<Vec3>& points) {
   HullMesh mesh;
   CGAL::convex_hull_3(input.begin(), input.end(), mesh);
   HullSurface hull;
-  for (const auto v : mesh.vertices()) hull.vertices.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  for (const auto v : mesh.vertices())
+    hull.vertices.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
   const auto unsorted = hull.vertices;
   std::sort(hull.vertices.begin(), hull.vertices.end(), before);
   const auto index = [&](const auto vertex) {
@@ -83,7 +86,8 @@ HullSurface exact_hull(const std::vector<Vec3>& points) {
 double distance(const HullSurface& hull, const Vec3& p) {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& f : hull.faces)
-    least = std::min(least, nearest_on_triangle(p, {hull.vertices[f[0]], hull.vertices[f[1]], hull.vertices[f[2]]}).distance);
+    least = std::min(least,
+                     nearest_on_triangle(p, {hull.vertices[f[0]], hull.vertices[f[1]], hull.vertices[f[2]]}).distance);
   return least;
 }
 
@@ -110,11 +114,13 @@ std::vector<bool> suspects(const HullSurface& hull, double tolerance) {
 HullSurface hull_from_points(std::span<const Vec3> points, const Place& place) {
   const auto distinct = sorted_distinct(points, place);
   if (distinct.size() < 4)
-    throw SceneError("a polyhedron needs at least 4 distinct vertices, found " + std::to_string(distinct.size()), place);
+    throw SceneError("a polyhedron needs at least 4 distinct vertices, found " + std::to_string(distinct.size()),
+                     place);
   const auto [length, width, height] = extents(distinct);
   if (!(height > flat * length))
-    throw SceneError(std::string("the vertices of the polyhedron lie on one ") + (width > flat * length ? "plane" : "line") +
-                         ": they enclose no volume", place);
+    throw SceneError(std::string("the vertices of the polyhedron lie on one ") +
+                         (width > flat * length ? "plane" : "line") + ": they enclose no volume",
+                     place);
   HullSurface hull = exact_hull(distinct);
   // A point of a face that rounding has lifted by 1e-16 is a true vertex to exact predicates, and makes slivers without
   // a usable normal. It goes where the hull without it comes within 1e-12 of it.

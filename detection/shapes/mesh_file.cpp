@@ -15,8 +15,9 @@
 namespace epafi {
 namespace {
 
-constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 31;  // 2 GiB: about 40 million triangles, far beyond any use
-constexpr std::size_t stl_header = 84, stl_record = 50;           // bytes of a binary STL
+constexpr std::uintmax_t largest_file = std::uintmax_t{1}
+                                        << 31;           // 2 GiB: about 40 million triangles, far beyond any use
+constexpr std::size_t stl_header = 84, stl_record = 50;  // bytes of a binary STL
 constexpr std::size_t largest_index = 0xfffffffeu;
 
 bool has_area(const TriangleSurface& s, const Triangle& t) {
@@ -43,8 +44,7 @@ std::uint32_t corner(MeshText& text, std::string_view word, std::size_t vertices
   if (error != std::errc{} || end != number.data() + number.size() || k == 0)
     text.fail(fmt::format("expected a vertex index, found '{}'", MeshText::shown(word)));
   const auto count = static_cast<long long>(vertices);
-  if (k > count || k < -count)
-    text.fail(fmt::format("vertex index {} is out of range: {} vertices so far", k, count));
+  if (k > count || k < -count) text.fail(fmt::format("vertex index {} is out of range: {} vertices so far", k, count));
   return static_cast<std::uint32_t>(k > 0 ? k - 1 : count + k);
 }
 
@@ -52,7 +52,8 @@ void read_face(MeshText& text, TriangleSurface& surface) {
   std::vector<std::uint32_t> polygon;
   for (auto w = text.word(); !w.empty(); w = text.word()) polygon.push_back(corner(text, w, surface.vertices.size()));
   if (polygon.size() < 3) text.fail(fmt::format("a face needs at least 3 vertices, found {}", polygon.size()));
-  for (std::size_t k = 2; k < polygon.size(); ++k) surface.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+  for (std::size_t k = 2; k < polygon.size(); ++k)
+    surface.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
 }
 
 /// Vertices with equal coordinates become one, numbered in the order of their first appearance.
@@ -60,7 +61,9 @@ TriangleSurface welded(const std::vector<Vec3>& corners) {
   std::vector<std::uint32_t> order(corners.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::uint32_t k) { return std::tuple(corners[k].x(), corners[k].y(), corners[k].z()); };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b)); });
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
   std::vector<std::uint32_t> first(corners.size());
   for (std::size_t k = 0; k < order.size(); ++k)
     first[order[k]] = k > 0 && key(order[k]) == key(order[k - 1]) ? first[order[k - 1]] : order[k];
@@ -74,7 +77,8 @@ TriangleSurface welded(const std::vector<Vec3>& corners) {
       name[k] = name[first[k]];
     }
   }
-  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) surface.triangles.push_back({name[k], name[k + 1], name[k + 2]});
+  for (std::size_t k = 0; k + 2 < corners.size(); k += 3)
+    surface.triangles.push_back({name[k], name[k + 1], name[k + 2]});
   return surface;
 }
 
@@ -141,13 +145,15 @@ std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file)
 
 std::string MeshReport::to_string() const {
   const auto edge = [](const std::array<Vec3, 2>& e) {
-    return fmt::format("({:.6g}, {:.6g}, {:.6g}) - ({:.6g}, {:.6g}, {:.6g})", e[0].x(), e[0].y(), e[0].z(), e[1].x(), e[1].y(), e[1].z());
+    return fmt::format("({:.6g}, {:.6g}, {:.6g}) - ({:.6g}, {:.6g}, {:.6g})", e[0].x(), e[0].y(), e[0].z(), e[1].x(),
+                       e[1].y(), e[1].z());
   };
   std::string text;
   const auto add = [&](const std::string& sentence) { text.append(text.empty() ? "" : "; ").append(sentence); };
   if (open_edges > 0) add(fmt::format("not watertight: {} open edges, the first is {}", open_edges, edge(first_open)));
   if (clashing_edges > 0)
-    add(fmt::format("{} edges with more than two triangles or with two of opposite orientation, the first is {}", clashing_edges, edge(first_clash)));
+    add(fmt::format("{} edges with more than two triangles or with two of opposite orientation, the first is {}",
+                    clashing_edges, edge(first_clash)));
   if (is_inverted()) add("inside out: the triangles are clockwise seen from outside");
   if (dropped > 0) add(fmt::format("{} triangles without area left out", dropped));
   return text;
@@ -195,10 +201,14 @@ MeshFile read_stl(std::string_view bytes, const std::string& file) {
   if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid")
     return checked(welded(ascii_corners(bytes, file)), file);
   if (bytes.size() < stl_header)
-    throw SceneError(fmt::format("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: {} bytes", bytes.size()), {file, 0, 0});
+    throw SceneError(
+        fmt::format("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: {} bytes",
+                    bytes.size()),
+        {file, 0, 0});
   const std::size_t count = little_endian(bytes, 80);
-  throw SceneError(fmt::format("the binary STL announces {} triangles ({} bytes), the file has {} bytes", count, stl_header + stl_record * count,
-                               bytes.size()), {file, 0, 0});
+  throw SceneError(fmt::format("the binary STL announces {} triangles ({} bytes), the file has {} bytes", count,
+                               stl_header + stl_record * count, bytes.size()),
+                   {file, 0, 0});
 }
 
 MeshFile read_mesh_file(const std::string& path) {
@@ -209,10 +219,12 @@ MeshFile read_mesh_file(const std::string& path) {
   if (error || size > largest_file) throw FileError(fmt::format("cannot read mesh '{}': larger than 2 GiB", path));
   std::string ending = fs::path(path).extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (ending != ".obj" && ending != ".stl") throw SceneError(fmt::format("mesh files end in .obj or .stl, found '{}'", ending), {path, 0, 0});
+  if (ending != ".obj" && ending != ".stl")
+    throw SceneError(fmt::format("mesh files end in .obj or .stl, found '{}'", ending), {path, 0, 0});
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(path, std::ios::binary);
-  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) throw FileError(fmt::format("cannot read mesh '{}'", path));
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
+    throw FileError(fmt::format("cannot read mesh '{}'", path));
   return ending == ".obj" ? read_obj(bytes, path) : read_stl(bytes, path);
 }
 

@@ -11,12 +11,13 @@ namespace epafi {
 
 /// What a surface is worth: closed or not, which way round, what was left out.
 struct MeshReport {
-  std::size_t open_edges = 0;        ///< edges with one triangle
-  std::size_t clashing_edges = 0;    ///< edges with three or more triangles, or two that run along it in the same direction
-  std::array<Vec3, 2> first_open{};  ///< ends of the first open edge [m]
-  std::array<Vec3, 2> first_clash{}; ///< ends of the first clashing edge [m]
-  std::size_t dropped = 0;           ///< triangles without area, left out when reading
-  double volume = 0.0;               ///< signed [m^3]; meaningful where watertight
+  std::size_t open_edges = 0;  ///< edges with one triangle
+  std::size_t clashing_edges =
+      0;  ///< edges with three or more triangles, or two that run along it in the same direction
+  std::array<Vec3, 2> first_open{};   ///< ends of the first open edge [m]
+  std::array<Vec3, 2> first_clash{};  ///< ends of the first clashing edge [m]
+  std::size_t dropped = 0;            ///< triangles without area, left out when reading
+  double volume = 0.0;                ///< signed [m^3]; meaningful where watertight
 
   bool is_watertight() const { return open_edges == 0 && clashing_edges == 0; }
   bool is_inverted() const { return is_watertight() && volume < 0.0; }

@@ -40,7 +40,8 @@ class MeshText {
     double value = 0.0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error == std::errc::result_out_of_range) fail(fmt::format("'{}' is outside the range of numbers", shown(w)));
-    if (error != std::errc{} || end != digits.data() + digits.size()) fail(fmt::format("expected a number, found '{}'", shown(w)));
+    if (error != std::errc{} || end != digits.data() + digits.size())
+      fail(fmt::format("expected a number, found '{}'", shown(w)));
     if (!std::isfinite(value)) fail(fmt::format("'{}' is not a finite number", shown(w)));
     return value;
   }
@@ -57,7 +58,9 @@ class MeshText {
   [[noreturn]] void fail(const std::string& text) const {
     throw SceneError(text, {file_, number_, static_cast<int>(word_begin_) + 1});
   }
-  static std::string named(std::string_view w) { return w.empty() ? "the end of the line" : fmt::format("'{}'", shown(w)); }
+  static std::string named(std::string_view w) {
+    return w.empty() ? "the end of the line" : fmt::format("'{}'", shown(w));
+  }
   /// Printable and short: a broken file may hold anything.
   static std::string shown(std::string_view w) {
     std::string out;

@@ -56,11 +56,15 @@ void TriangleMesh::find_neighbours() {
     neighbours[p.triangle][p.side] = q.triangle;
     neighbours[q.triangle][q.side] = p.triangle;
     // the angle between the normals, signed by the direction of the edge as the first triangle runs along it
-    const Vec3 edge = (vertices[triangles[p.triangle][(p.side + 1) % 3]] - vertices[triangles[p.triangle][p.side]]).normalized();
+    const Vec3 edge =
+        (vertices[triangles[p.triangle][(p.side + 1) % 3]] - vertices[triangles[p.triangle][p.side]]).normalized();
     const Vec3 &m = normals[p.triangle], &n = normals[q.triangle];
     const double sine = edge.dot(m.cross(n));
     const bool folded_back = m.dot(n) < 0.0 && std::abs(sine) <= flat_angle;  // a sharp blade: convex from either side
-    const EdgeKind kind = folded_back ? EdgeKind::convex : sine > flat_angle ? EdgeKind::convex : sine < -flat_angle ? EdgeKind::concave : EdgeKind::flat;
+    const EdgeKind kind = folded_back          ? EdgeKind::convex
+                          : sine > flat_angle  ? EdgeKind::convex
+                          : sine < -flat_angle ? EdgeKind::concave
+                                               : EdgeKind::flat;
     edge_kinds[p.triangle][p.side] = edge_kinds[q.triangle][q.side] = kind;
   }
 }
@@ -96,10 +100,11 @@ std::uint32_t TriangleMesh::build(std::vector<std::uint32_t>& order, std::uint32
     Eigen::Index axis = 0;
     centres.extent().maxCoeff(&axis);
     const std::uint32_t middle = begin + (end - begin) / 2;
-    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](std::uint32_t a, std::uint32_t b) {
-      const double x = boxes_[a].centre()[axis], y = boxes_[b].centre()[axis];
-      return x < y || (x == y && a < b);  // no ties: the tree is the same everywhere
-    });
+    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end,
+                     [&](std::uint32_t a, std::uint32_t b) {
+                       const double x = boxes_[a].centre()[axis], y = boxes_[b].centre()[axis];
+                       return x < y || (x == y && a < b);  // no ties: the tree is the same everywhere
+                     });
     build(order, begin, middle);
     build(order, middle, end);
   }

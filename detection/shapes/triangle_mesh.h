@@ -25,18 +25,21 @@ struct TriangleMesh {
 
   std::vector<Vec3> vertices;  ///< body axes [m]
   std::vector<Triangle> triangles;
-  std::vector<Vec3> normals;                              ///< unit, towards the front
-  std::vector<std::array<std::uint32_t, 3>> neighbours;   ///< triangle behind side k, or none
-  std::vector<std::array<EdgeKind, 3>> edge_kinds;        ///< of side k
+  std::vector<Vec3> normals;                             ///< unit, towards the front
+  std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< triangle behind side k, or none
+  std::vector<std::array<EdgeKind, 3>> edge_kinds;       ///< of side k
 
-  std::vector<std::uint32_t> flat_group;                  ///< lowest triangle of the connected flat part a triangle is in
+  std::vector<std::uint32_t> flat_group;  ///< lowest triangle of the connected flat part a triangle is in
 
   /// The surface need not be closed. Triangles must have an area (the mesh reader leaves others out).
   static TriangleMesh from_surface(TriangleSurface surface);
 
   static Entry entry() {
-    return {name, "surface of triangles for fixed and driven bodies, both sides are walls",
-            {{"file", "", "", Kind::text, {}, {}, "OBJ or STL file, coordinates in m"}}, {}, ""};
+    return {name,
+            "surface of triangles for fixed and driven bodies, both sides are walls",
+            {{"file", "", "", Kind::text, {}, {}, "OBJ or STL file, coordinates in m"}},
+            {},
+            ""};
   }
 
   std::array<Vec3, 3> corners(std::uint32_t t) const {

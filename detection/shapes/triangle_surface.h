@@ -20,9 +20,9 @@ struct TriangleSurface {
 
 /// One side of one triangle.
 struct EdgeUse {
-  std::uint32_t low, high;       ///< its two vertices
+  std::uint32_t low, high;  ///< its two vertices
   std::uint32_t triangle, side;
-  bool forward;                  ///< runs from low to high
+  bool forward;  ///< runs from low to high
   auto edge() const { return std::pair(low, high); }
   auto operator<=>(const EdgeUse&) const = default;
 };

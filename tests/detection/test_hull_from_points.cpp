@@ -6,6 +6,7 @@
 #include "detection/mass_properties.h"
 #include "detection/shapes/convex_hull.h"
 #include "detection/shapes/mesh_file.h"
+#include "detection/shapes/placed_hull.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 
@@ -55,7 +56,9 @@ TEST_CASE("random hulls have the faces that trying all triples finds", "[detecti
     std::set<std::set<std::uint32_t>> found;
     for (const auto& f : hull.faces) {
       std::set<std::uint32_t> face;
-      for (const auto v : f) face.insert(static_cast<std::uint32_t>(std::find(points.begin(), points.end(), hull.vertices[v]) - points.begin()));
+      for (const auto v : f)
+        face.insert(
+            static_cast<std::uint32_t>(std::find(points.begin(), points.end(), hull.vertices[v]) - points.begin()));
       found.insert(face);
     }
     CHECK(found == faces_by_brute_force(points));
@@ -90,7 +93,8 @@ TEST_CASE("order, duplicates and points inside do not change a hull", "[detectio
   for (int k = 0; k < 40; ++k) points.push_back(random_direction(random));
   const HullSurface hull = hull_from_points(points);
   auto more = points;
-  for (int k = 0; k < 40; ++k) more.push_back(points[static_cast<std::size_t>(k)]), more.push_back(0.3 * random_direction(random));
+  for (int k = 0; k < 40; ++k)
+    more.push_back(points[static_cast<std::size_t>(k)]), more.push_back(0.3 * random_direction(random));
   std::reverse(more.begin(), more.end());
   const HullSurface again = hull_from_points(more);
   CHECK(again.vertices == hull.vertices);
@@ -136,17 +140,37 @@ TEST_CASE("sets without a volume are refused with what is wrong", "[detection][h
   using Catch::Matchers::Equals;
   const Place place{"pebble.toml", 7, 3};
   const std::vector<Vec3> three{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
-  CHECK_THROWS_WITH(hull_from_points(three, place), Equals("pebble.toml:7:3: error: a polyhedron needs at least 4 distinct vertices, found 3"));
+  CHECK_THROWS_WITH(hull_from_points(three, place),
+                    Equals("pebble.toml:7:3: error: a polyhedron needs at least 4 distinct vertices, found 3"));
   std::vector<Vec3> flat, line;
   Random random(26, 0);
   for (int k = 0; k < 20; ++k) {
     const double x = random.uniform(), y = random.uniform();
     flat.push_back({x, y, 1.0 - x + 0.5 * y}), line.push_back({x, 2 * x, -x});
   }
-  CHECK_THROWS_WITH(hull_from_points(flat), Equals("error: the vertices of the polyhedron lie on one plane: they enclose no volume"));
-  CHECK_THROWS_WITH(hull_from_points(line), Equals("error: the vertices of the polyhedron lie on one line: they enclose no volume"));
+  CHECK_THROWS_WITH(hull_from_points(flat),
+                    Equals("error: the vertices of the polyhedron lie on one plane: they enclose no volume"));
+  CHECK_THROWS_WITH(hull_from_points(line),
+                    Equals("error: the vertices of the polyhedron lie on one line: they enclose no volume"));
   std::vector<Vec3> broken{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, std::nan("")}};
   CHECK_THROWS_WITH(hull_from_points(broken), Equals("error: vertex 3 of the polyhedron is not finite"));
+}
+
+TEST_CASE("a placed hull is where its author put it, in its own principal axes", "[detection][hull]") {
+  Random random(27, 0);
+  for (int k = 0; k < 20; ++k) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 30; ++i) points.push_back(random_point(random, 1, 4));
+    const PlacedHull placed = place_hull(points, 0.01);
+    CHECK(placed.hull.bounding_radius() == placed.hull.radius + 0.01);
+    const Mat3 inertia = placed.hull.mass_properties().inertia;
+    CHECK((inertia - Mat3(inertia.diagonal().asDiagonal())).norm() < 1e-12 * inertia.norm());
+    for (const Vec3& v : placed.hull.vertices) {  // back in the author's axes it is one of the points
+      double nearest = infinity;
+      for (const Vec3& p : points) nearest = std::min(nearest, (placed.frame.to_author(v) - p).norm());
+      CHECK(nearest < 1e-14);
+    }
+  }
 }
 
 TEST_CASE("a thin plate is still a hull", "[detection][hull]") {

@@ -21,19 +21,21 @@ TEST_CASE("the surface of a box has the mass properties of a box, turned and shi
     CHECK(m.mass == Approx(volume).epsilon(1e-13));
     CHECK((m.centre - shift).norm() < 1e-14 * (shift.norm() + half.norm()) * 10);
     // 12 tetrahedra and coordinates rounded at |shift|: some tens of eps
-    CHECK((m.inertia - r * principal * r.transpose()).norm() < 1e-13 * principal.norm() * (1 + shift.norm() / half.minCoeff()));
+    CHECK((m.inertia - r * principal * r.transpose()).norm() <
+          1e-13 * principal.norm() * (1 + shift.norm() / half.minCoeff()));
   }
 }
 
 TEST_CASE("a tetrahedron has the inertia of its closed form", "[detection][mass]") {
-  // corners 0, a e_x, b e_y, c e_z: V = abc/6, centre (a, b, c)/4; about the corner 0 the integral of x^2 is V a^2/10 and
-  // that of xy is V ab/20 (Tonon 2004)
+  // corners 0, a e_x, b e_y, c e_z: V = abc/6, centre (a, b, c)/4; about the corner 0 the integral of x^2 is V a^2/10
+  // and that of xy is V ab/20 (Tonon 2004)
   const double a = 0.3, b = 1.7, c = 0.9;
   const TriangleSurface s{{{0, 0, 0}, {a, 0, 0}, {0, b, 0}, {0, 0, c}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   const MassProperties m = surface_mass_properties(s);
   const double v = a * b * c / 6;
   Mat3 about_corner;
-  about_corner << b * b + c * c, -a * b / 2, -a * c / 2, -a * b / 2, a * a + c * c, -b * c / 2, -a * c / 2, -b * c / 2, a * a + b * b;
+  about_corner << b * b + c * c, -a * b / 2, -a * c / 2, -a * b / 2, a * a + c * c, -b * c / 2, -a * c / 2, -b * c / 2,
+      a * a + b * b;
   about_corner *= v / 10;
   CHECK(m.mass == Approx(v).epsilon(1e-14));
   CHECK((m.centre - Vec3(a, b, c) / 4).norm() < 1e-15);
@@ -90,8 +92,10 @@ TEST_CASE("the principal frame diagonalises the inertia and leads back to the au
     CHECK((r * moments * r.transpose() - m.inertia).norm() < 1e-12 * m.inertia.norm());
     CHECK(r.determinant() == Approx(1.0).epsilon(1e-14));
     CHECK((frame.to_author(frame.to_principal(s.vertices[3])) - s.vertices[3]).norm() < 1e-14);
-    // least turn among the 24 namings: no axis can be renamed to lie nearer, so the trace is at least that of any of them
-    CHECK(r.trace() >= 1.0);  // worst case over all orientations of a cube's 24 symmetries is 1 + 2 cos(62.8 deg) = 1.914
+    // least turn among the 24 namings: no axis can be renamed to lie nearer, so the trace is at least that of any of
+    // them
+    CHECK(r.trace() >=
+          1.0);  // worst case over all orientations of a cube's 24 symmetries is 1 + 2 cos(62.8 deg) = 1.914
     auto in_frame = s;
     for (Vec3& v : in_frame.vertices) v = frame.to_principal(v);
     const MassProperties again = surface_mass_properties(in_frame);

@@ -1,9 +1,9 @@
 #include "detection/shapes/mesh_file.h"
 
+#include <unistd.h>
 #include <bit>
 #include <filesystem>
 #include <fstream>
-#include <unistd.h>
 
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
@@ -17,8 +17,10 @@ namespace {
 std::string obj_text(const TriangleSurface& s) {
   std::string text = "# box\nmtllib none.mtl\no box\n";
   char line[160];
-  for (const Vec3& v : s.vertices) std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", v.x(), v.y(), v.z()), text += line;
-  for (const auto& t : s.triangles) std::snprintf(line, sizeof line, "f %u/1/1 %u//2 %u\n", t[0] + 1, t[1] + 1, t[2] + 1), text += line;
+  for (const Vec3& v : s.vertices)
+    std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", v.x(), v.y(), v.z()), text += line;
+  for (const auto& t : s.triangles)
+    std::snprintf(line, sizeof line, "f %u/1/1 %u//2 %u\n", t[0] + 1, t[1] + 1, t[2] + 1), text += line;
   return text;
 }
 std::string ascii_stl(const TriangleSurface& s) {
@@ -26,7 +28,10 @@ std::string ascii_stl(const TriangleSurface& s) {
   char line[160];
   for (const auto& t : s.triangles) {
     text += " facet normal 0 0 0\n  outer loop\n";
-    for (const auto v : t) std::snprintf(line, sizeof line, "   vertex %.17g %.17g %.17g\n", s.vertices[v].x(), s.vertices[v].y(), s.vertices[v].z()), text += line;
+    for (const auto v : t)
+      std::snprintf(line, sizeof line, "   vertex %.17g %.17g %.17g\n", s.vertices[v].x(), s.vertices[v].y(),
+                    s.vertices[v].z()),
+          text += line;
     text += "  endloop\n endfacet\n";
   }
   return text + "endsolid box\n";
@@ -58,7 +63,8 @@ std::vector<Vec3> corners(const TriangleSurface& s) {
 TEST_CASE("OBJ and both kinds of STL give back the surface that was written", "[detection][mesh-file]") {
   const TriangleSurface box = box_surface({0.5, 0.25, 2.0});
   for (const auto& [name, mesh] : {std::pair{"obj", read_obj(obj_text(box), "box.obj")},
-                                   {"ascii", read_stl(ascii_stl(box), "box.stl")}, {"binary", read_stl(binary_stl(box), "box.stl")}}) {
+                                   {"ascii", read_stl(ascii_stl(box), "box.stl")},
+                                   {"binary", read_stl(binary_stl(box), "box.stl")}}) {
     INFO(name);
     CHECK(mesh.surface.vertices.size() == 8);
     CHECK(corners(mesh.surface) == corners(box));
@@ -77,7 +83,8 @@ TEST_CASE("numbers with every digit survive the text", "[detection][mesh-file]")
 }
 
 TEST_CASE("OBJ: polygons, negative indices, Windows line ends, signs and exponents", "[detection][mesh-file]") {
-  const auto mesh = read_obj("v 0 0 0\r\nv +1 0 0\r\nv 1e0 1.0E0 0\r\nv -0 1 0\r\n\r\ns off\r\nf -4 -3 -2 -1\r\n", "q.obj");
+  const auto mesh =
+      read_obj("v 0 0 0\r\nv +1 0 0\r\nv 1e0 1.0E0 0\r\nv -0 1 0\r\n\r\ns off\r\nf -4 -3 -2 -1\r\n", "q.obj");
   CHECK(mesh.surface.triangles == std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}});
   CHECK(mesh.surface.vertices[1] == Vec3(1, 0, 0));
 }
@@ -148,14 +155,19 @@ TEST_CASE("broken STL files are refused at the place of the trouble", "[detectio
 TEST_CASE("a binary STL that announces more than it holds allocates nothing", "[detection][mesh-file]") {
   std::string bytes(84, ' ');
   for (std::size_t k = 80; k < 84; ++k) bytes[k] = '\xff';
-  CHECK_THROWS_WITH(read_stl(bytes, "a.stl"), Equals("a.stl: error: the binary STL announces 4294967295 triangles (214748364834 bytes), the file has 84 bytes"));
+  CHECK_THROWS_WITH(
+      read_stl(bytes, "a.stl"),
+      Equals(
+          "a.stl: error: the binary STL announces 4294967295 triangles (214748364834 bytes), the file has 84 bytes"));
   std::string cut = binary_stl(box_surface({1, 1, 1}));
   cut.replace(0, 5, "DOSID");
   cut.pop_back();
-  CHECK_THROWS_WITH(read_stl(cut, "a.stl"), Equals("a.stl: error: the binary STL announces 12 triangles (684 bytes), the file has 683 bytes"));
+  CHECK_THROWS_WITH(read_stl(cut, "a.stl"),
+                    Equals("a.stl: error: the binary STL announces 12 triangles (684 bytes), the file has 683 bytes"));
   std::string spoiled = binary_stl(box_surface({1, 1, 1}));
   for (std::size_t k = 0; k < 4; ++k) spoiled[84 + 50 + 12 + k] = '\xff';
-  CHECK_THROWS_WITH(read_stl(spoiled, "a.stl"), Equals("a.stl: error: triangle 2 of 12 has a vertex that is not finite"));
+  CHECK_THROWS_WITH(read_stl(spoiled, "a.stl"),
+                    Equals("a.stl: error: triangle 2 of 12 has a vertex that is not finite"));
 }
 
 TEST_CASE("any cut or flipped byte gives a mesh or a message, nothing else", "[detection][mesh-file]") {
@@ -164,8 +176,11 @@ TEST_CASE("any cut or flipped byte gives a mesh or a message, nothing else", "[d
   int read = 0, refused = 0;
   for (const std::string& good : {obj_text(box), ascii_stl(box), binary_stl(box)}) {
     for (int k = 0; k < 400; ++k) {
-      std::string bad = good.substr(0, static_cast<std::size_t>(random.uniform(0, static_cast<double>(good.size() + 1))));
-      for (int j = 0; j < 3 && !bad.empty(); ++j) bad[static_cast<std::size_t>(random.uniform(0, static_cast<double>(bad.size())))] = static_cast<char>(random.bits() & 255u);
+      std::string bad =
+          good.substr(0, static_cast<std::size_t>(random.uniform(0, static_cast<double>(good.size() + 1))));
+      for (int j = 0; j < 3 && !bad.empty(); ++j)
+        bad[static_cast<std::size_t>(random.uniform(0, static_cast<double>(bad.size())))] =
+            static_cast<char>(random.bits() & 255u);
       for (const auto reader : {&read_obj, &read_stl}) {
         try {
           const auto mesh = reader(bad, "x");

@@ -17,15 +17,18 @@ TriangleSurface floor_surface(Random& random, std::uint32_t n, Joints joints = J
   TriangleSurface s;
   const double cell = 2.0 / n;
   const auto quad = [&](const std::array<std::uint32_t, 4>& q) {
-    if (random.bits() & 1u) s.triangles.push_back({q[0], q[1], q[2]}), s.triangles.push_back({q[0], q[2], q[3]});
-    else s.triangles.push_back({q[1], q[2], q[3]}), s.triangles.push_back({q[1], q[3], q[0]});
+    if (random.bits() & 1u)
+      s.triangles.push_back({q[0], q[1], q[2]}), s.triangles.push_back({q[0], q[2], q[3]});
+    else
+      s.triangles.push_back({q[1], q[2], q[3]}), s.triangles.push_back({q[1], q[3], q[0]});
   };
   if (joints == Joints::staggered) {
     for (std::uint32_t j = 0; j < n; ++j)
       for (std::uint32_t i = 0; i <= n; ++i) {
         const double x = -1 + cell * (i - (j % 2 ? 0.5 : 0.0)), y = -1 + cell * j;
         const auto k = static_cast<std::uint32_t>(s.vertices.size());
-        for (const Vec3& v : {Vec3(x, y, 0), Vec3(x + cell, y, 0), Vec3(x + cell, y + cell, 0), Vec3(x, y + cell, 0)}) s.vertices.push_back(v);
+        for (const Vec3& v : {Vec3(x, y, 0), Vec3(x + cell, y, 0), Vec3(x + cell, y + cell, 0), Vec3(x, y + cell, 0)})
+          s.vertices.push_back(v);
         quad({k, k + 1, k + 2, k + 3});
       }
     return s;
@@ -34,7 +37,8 @@ TriangleSurface floor_surface(Random& random, std::uint32_t n, Joints joints = J
     for (std::uint32_t i = 0; i <= n; ++i) {
       const bool border = i == 0 || j == 0 || i == n || j == n;
       const double shift = border ? 0.0 : 0.3 * cell;
-      s.vertices.push_back({-1 + cell * i + shift * random.uniform(-1, 1), -1 + cell * j + shift * random.uniform(-1, 1), 0.0});
+      s.vertices.push_back(
+          {-1 + cell * i + shift * random.uniform(-1, 1), -1 + cell * j + shift * random.uniform(-1, 1), 0.0});
     }
   for (std::uint32_t j = 0; j < n; ++j)
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -53,7 +57,8 @@ TriangleSurface floor_surface(Random& random, std::uint32_t n, Joints joints = J
 
 /// Contacts of a body with all triangles near it.
 template <class S>
-ContactSet contacts_with(const S& shape, const Pose& body, const TriangleMesh& mesh, const Pose& at = {}, double reach = 0.0) {
+ContactSet contacts_with(const S& shape, const Pose& body, const TriangleMesh& mesh, const Pose& at = {},
+                         double reach = 0.0) {
   ContactSet set;
   set.with_curvature = true;
   ContactSink sink(set);
@@ -81,7 +86,8 @@ void check_same_contacts(const ContactSet& found, const ContactSet& expected, do
   for (std::size_t k = 0; k < expected.size(); ++k) {
     double best = infinity;
     for (std::size_t i = 0; i < found.size(); ++i)
-      best = std::min(best, std::abs(found.gap[i] - expected.gap[k]) + (found.normal[i] - expected.normal[k]).norm() + (found.arm[i] - expected.arm[k]).norm());
+      best = std::min(best, std::abs(found.gap[i] - expected.gap[k]) + (found.normal[i] - expected.normal[k]).norm() +
+                                (found.arm[i] - expected.arm[k]).norm());
     CHECK(best < tolerance);
   }
 }
@@ -92,7 +98,8 @@ void check_distinct_features(const ContactSet& set) {
 
 }  // namespace
 
-TEST_CASE("a sphere on a triangulated floor sees exactly the plane, whatever the triangles", "[detection][mesh-pairs]") {
+TEST_CASE("a sphere on a triangulated floor sees exactly the plane, whatever the triangles",
+          "[detection][mesh-pairs]") {
   Random random(51, 0);
   for (const auto joints : {Joints::shared, Joints::loose, Joints::staggered}) {
     for (const std::uint32_t n : {2u, 8u, 40u}) {  // cells larger and smaller than the sphere
@@ -173,7 +180,9 @@ TEST_CASE("contacts on a sharp edge keep their name while the sphere rounds it",
   Feature first = 0;
   for (int k = 1; k < 100; ++k) {
     const double angle = 0.5 * pi * k / 100;
-    const ContactSet c = contacts_with(Sphere{0.1}, {Vec3(1 + 0.09 * std::cos(angle), 0.013 * k - 0.6, 1 + 0.09 * std::sin(angle)), Quat(1, 0, 0, 0)}, mesh);
+    const ContactSet c = contacts_with(
+        Sphere{0.1}, {Vec3(1 + 0.09 * std::cos(angle), 0.013 * k - 0.6, 1 + 0.09 * std::sin(angle)), Quat(1, 0, 0, 0)},
+        mesh);
     REQUIRE(c.size() == 1);
     CHECK(c.gap[0] == Approx(-0.01).epsilon(1e-12));
     if (k == 1) first = c.feature[0];
@@ -188,14 +197,17 @@ TEST_CASE("a capsule on a triangulated floor stands on its ends as on the plane"
     const Capsule capsule(0.05, 0.6);
     for (int k = 0; k < 500; ++k) {
       const double tilt = k % 2 ? 0.0 : random.uniform(-0.1, 0.1);
-      const Quat turn = Quat(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ())) * Quat(Eigen::AngleAxisd(0.5 * pi + tilt, Vec3::UnitX()));
-      const Pose body{Vec3(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0.3 * std::abs(std::sin(tilt)) + 0.049), turn};
+      const Quat turn = Quat(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ())) *
+                        Quat(Eigen::AngleAxisd(0.5 * pi + tilt, Vec3::UnitX()));
+      const Pose body{
+          Vec3(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0.3 * std::abs(std::sin(tilt)) + 0.049), turn};
       check_same_contacts(contacts_with(capsule, body, mesh), contacts_closed(capsule, body, HalfSpace{}, {}), 1e-14);
     }
   }
 }
 
-TEST_CASE("the deepest contact of a capsule with a box of triangles is the distance of its axis", "[detection][mesh-pairs]") {
+TEST_CASE("the deepest contact of a capsule with a box of triangles is the distance of its axis",
+          "[detection][mesh-pairs]") {
   Random random(55, 0);
   const Vec3 half(0.5, 0.3, 0.2);
   const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
@@ -263,13 +275,17 @@ TEST_CASE("a box on a triangulated floor stands on its four corners", "[detectio
         const double depth = std::pow(10.0, random.uniform(-6, -3));
         const double tilt = k % 2 ? 0.0 : 0.3 * depth;
         const Pose in_mesh{Vec3(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 0.2 - depth),
-                           Quat(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ())) * Quat(Eigen::AngleAxisd(tilt, Vec3::UnitX()))};
+                           Quat(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ())) *
+                               Quat(Eigen::AngleAxisd(tilt, Vec3::UnitX()))};
         const Pose body{at.to_world(in_mesh.position), at.orientation * in_mesh.orientation};
-        const ContactSet found = contacts_with(box, body, mesh, at), expected = contacts_closed(box, body, HalfSpace{}, at);
+        const ContactSet found = contacts_with(box, body, mesh, at),
+                         expected = contacts_closed(box, body, HalfSpace{}, at);
         CHECK(expected.size() == 4);
-        check_same_contacts(found, expected, 2e-7);  // points within the snap distance of 1e-6 of the size of an edge may be its
+        check_same_contacts(found, expected,
+                            2e-7);  // points within the snap distance of 1e-6 of the size of an edge may be its
         check_distinct_features(found);
-        for (std::size_t i = 0; i < found.size(); ++i) CHECK((found.normal[i] + at.orientation * Vec3::UnitZ()).norm() < 1e-9);
+        for (std::size_t i = 0; i < found.size(); ++i)
+          CHECK((found.normal[i] + at.orientation * Vec3::UnitZ()).norm() < 1e-9);
       }
     }
   }
@@ -300,7 +316,8 @@ TEST_CASE("polyhedra near a box of triangles are as far from it as from the soli
   CHECK(near > 100);
 }
 
-TEST_CASE("a box in slight contact with a box of triangles is pushed apart as the solid boxes are", "[detection][mesh-pairs]") {
+TEST_CASE("a box in slight contact with a box of triangles is pushed apart as the solid boxes are",
+          "[detection][mesh-pairs]") {
   Random random(59, 0);
   const Vec3 half(0.5, 0.3, 0.2);
   const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
@@ -329,8 +346,8 @@ TEST_CASE("a box in slight contact with a box of triangles is pushed apart as th
     certified += std::abs(pair.separation(pose.orientation.conjugate() * c.normal[deepest]) - d.axis.gap) < 1e-7;
   }
   CHECK(touching == 300);
-  // A triangle knows nothing of the solid behind it: where a contact is nearer to a corner than it is deep, the direction may
-  // be off by degrees. With 1e-5 deep and bodies of 0.3 that is 1 case of 300 here.
+  // A triangle knows nothing of the solid behind it: where a contact is nearer to a corner than it is deep, the
+  // direction may be off by degrees. With 1e-5 deep and bodies of 0.3 that is 1 case of 300 here.
   CHECK(certified >= 299);
 }
 
@@ -344,7 +361,8 @@ TEST_CASE("cylinders and ellipsoids on a triangulated floor see the plane", "[de
       const Vec3 place(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 0.0);
       const Quat yaw(Eigen::AngleAxisd(random.uniform(0, 2 * pi), Vec3::UnitZ()));
       const Pose standing{place + Vec3(0, 0, 0.1499), yaw};
-      const ContactSet stands = contacts_with(cylinder, standing, mesh), plane = contacts_closed(cylinder, standing, HalfSpace{}, {});
+      const ContactSet stands = contacts_with(cylinder, standing, mesh),
+                       plane = contacts_closed(cylinder, standing, HalfSpace{}, {});
       CHECK(stands.size() >= std::min<std::size_t>(plane.size(), 3));
       CHECK(stands.size() <= 4);
       for (std::size_t i = 0; i < stands.size(); ++i) {
@@ -354,7 +372,8 @@ TEST_CASE("cylinders and ellipsoids on a triangulated floor see the plane", "[de
       const Quat turn = random_turn(random);
       const Vec3 down = turn.conjugate() * Vec3(0, 0, -1);
       const Pose tipped{place + Vec3(0, 0, ellipsoid.support(down).dot(down) - 1e-4), turn};
-      check_same_contacts(contacts_with(ellipsoid, tipped, mesh), contacts_closed(ellipsoid, tipped, HalfSpace{}, {}), 1e-12);
+      check_same_contacts(contacts_with(ellipsoid, tipped, mesh), contacts_closed(ellipsoid, tipped, HalfSpace{}, {}),
+                          1e-12);
     }
   }
 }
@@ -377,8 +396,10 @@ TEST_CASE("through the narrow phase the mesh may be A or B, and threads change n
     const World world = build(mesh_first);
     PairList list;
     list.margin = 0.01, list.generation = 1;
-    if (mesh_first) list.pairs = {{0, 1}, {0, 2}};
-    else list.pairs = {{0, 2}, {1, 2}};
+    if (mesh_first)
+      list.pairs = {{0, 1}, {0, 2}};
+    else
+      list.pairs = {{0, 2}, {1, 2}};
     BatchNarrowPhase narrow(shapes, 0.0, true);
     ContactSet contacts;
     narrow.collide(world, list, contacts);

@@ -47,7 +47,8 @@ void check_box_is_support(const S& shape, Random& random) {
   }
 }
 
-/// No point of the surface lies farther along d than the support; `surface(u, v)` runs over the core for u, v in [0, 1).
+/// No point of the surface lies farther along d than the support; `surface(u, v)` runs over the core for u, v in [0,
+/// 1).
 template <class S, class Surface>
 void check_support_is_farthest(const S& shape, Random& random, Surface&& surface) {
   for (int k = 0; k < 200; ++k) {
@@ -81,19 +82,28 @@ TEST_CASE("the cube root is right to 2 ulp without the library", "[detection][sh
 TEST_CASE("mass properties of capsule, cylinder and ellipsoid agree with sampling", "[detection][shapes]") {
   // midpoint rule with n = 120 cells a side: the staircase surface costs about 1/n^1.5 = 8e-4
   const Capsule capsule(0.3, 0.8);
-  check_same(capsule.mass_properties(), by_sampling({0.3, 0.3, 0.7}, 120, [&](const Vec3& p) {
-               const double z = std::max(0.0, std::abs(p.z()) - 0.4);
-               return p.x() * p.x() + p.y() * p.y() + z * z <= 0.09;
-             }), 1.5e-3);
+  check_same(capsule.mass_properties(),
+             by_sampling({0.3, 0.3, 0.7}, 120,
+                         [&](const Vec3& p) {
+                           const double z = std::max(0.0, std::abs(p.z()) - 0.4);
+                           return p.x() * p.x() + p.y() * p.y() + z * z <= 0.09;
+                         }),
+             1.5e-3);
   const Cylinder cylinder(0.3, 0.8);
-  check_same(cylinder.mass_properties(), by_sampling({0.3, 0.3, 0.4}, 120, [&](const Vec3& p) { return p.head<2>().squaredNorm() <= 0.09; }), 1.5e-3);
+  check_same(cylinder.mass_properties(),
+             by_sampling({0.3, 0.3, 0.4}, 120, [&](const Vec3& p) { return p.head<2>().squaredNorm() <= 0.09; }),
+             1.5e-3);
   const Ellipsoid ellipsoid({0.3, 0.5, 0.9});
-  check_same(ellipsoid.mass_properties(), by_sampling({0.3, 0.5, 0.9}, 120, [&](const Vec3& p) { return p.cwiseQuotient(Vec3(0.3, 0.5, 0.9)).squaredNorm() <= 1; }), 1.5e-3);
+  check_same(ellipsoid.mass_properties(),
+             by_sampling({0.3, 0.5, 0.9}, 120,
+                         [&](const Vec3& p) { return p.cwiseQuotient(Vec3(0.3, 0.5, 0.9)).squaredNorm() <= 1; }),
+             1.5e-3);
 }
 
 TEST_CASE("limits: a capsule without length and a round ellipsoid are spheres", "[detection][shapes]") {
   const Sphere sphere{0.7};
-  const MassProperties s = sphere.mass_properties(), c = Capsule(0.7, 0.0).mass_properties(), e = Ellipsoid({0.7, 0.7, 0.7}).mass_properties();
+  const MassProperties s = sphere.mass_properties(), c = Capsule(0.7, 0.0).mass_properties(),
+                       e = Ellipsoid({0.7, 0.7, 0.7}).mass_properties();
   CHECK(c.mass == Approx(s.mass).epsilon(1e-15));
   CHECK(e.mass == Approx(s.mass).epsilon(1e-15));
   CHECK((c.inertia - s.inertia).norm() < 1e-15);

@@ -49,7 +49,8 @@ TEST_CASE("tessellations of boxes and meshes are exact", "[detection][tessellate
   CHECK(tessellate(TriangleMesh::from_surface(prism)).triangles == prism.triangles);
 }
 
-TEST_CASE("the square of a half-space lies in its plane, centred, of the size asked for, facing outward", "[detection][tessellate]") {
+TEST_CASE("the square of a half-space lies in its plane, centred, of the size asked for, facing outward",
+          "[detection][tessellate]") {
   Random random(61, 0);
   const HalfSpace half_space{random_direction(random)};
   const TriangleSurface s = tessellate(half_space, {24, 3.0});

@@ -37,7 +37,8 @@ inline TriangleSurface box_surface(const Vec3& half) {
 inline TriangleSurface prism_surface(std::uint32_t n, double r, double h) {
   TriangleSurface s;
   for (const double z : {-h, h})
-    for (std::uint32_t k = 0; k < n; ++k) s.vertices.push_back({r * std::cos(2 * pi * k / n), r * std::sin(2 * pi * k / n), z});
+    for (std::uint32_t k = 0; k < n; ++k)
+      s.vertices.push_back({r * std::cos(2 * pi * k / n), r * std::sin(2 * pi * k / n), z});
   for (std::uint32_t k = 0; k < n; ++k) {
     const std::uint32_t next = (k + 1) % n;
     s.triangles.push_back({k, next, next + n});
