@@ -16,6 +16,7 @@ namespace {
 /// Smallest free body of a material.
 struct Smallest {
   double mass = infinity, radius = infinity;
+  bool round = true;  ///< spheres touch at one point and do not turn under its normal force
 };
 
 struct Survey {
@@ -42,6 +43,7 @@ Survey survey(const Assembly& a) {
     auto& smallest = out.free[w.material[s]];
     const double radius = a.shapes->bounding_radius({w.shape[s]}), depth = w.position[s].dot(down);
     smallest.mass = std::min(smallest.mass, 1.0 / w.inverse_mass[s]), smallest.radius = std::min(smallest.radius, radius);
+    smallest.round = smallest.round && ShapeRef{w.shape[s]}.type() == ShapeStore::type_of<Sphere>();
     out.diameter = std::min(out.diameter, 2 * radius);
     low = std::min(low, depth - radius), high = std::max(high, depth);
   }
@@ -61,9 +63,12 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     c.effective_mass = q ? p.mass * q->mass / (p.mass + q->mass) : p.mass;
     c.mass = q ? std::min(p.mass, q->mass) : p.mass;
     c.effective_radius = q ? p.radius * q->radius / (p.radius + q->radius) : p.radius;
+    // a corner of a cube moves as a quarter of its mass does; faces meet at four points
+    const bool round = p.round && (!q || q->round);
+    if (!round) c.effective_mass *= 0.25, c.mass *= 0.25;
     // at rest and without gravity: a thousandth of the sound speed, far above what a quiet scene sees
     c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
-    c.coordination = std::clamp(n, 1, 8);
+    c.coordination = std::clamp(n, 1, 8) * (round ? 1 : 4);
     const StepLimit limit = critical_step(setup, pair, c);
     if (limit.auto_step < shortest.auto_step) shortest = limit, between = pair.a.name + "-" + pair.b.name;
   };

@@ -13,7 +13,7 @@ void add_spheres(const Vec3& p, double ra, const Vec3& q, double rb, const Vec3&
   const double distance = d.norm(), gap = distance - ra - rb;
   if (!(gap < query.reach)) return;
   const Vec3 n = distance > 0.0 ? Vec3(d / distance) : fallback;
-  sink.add({gap, n, p + (ra + ra / (ra + rb) * gap) * n, effective_radius(ra, rb), feature});
+  sink.add({gap, n, p + (ra + 0.5 * gap) * n, effective_radius(ra, rb), feature});
 }
 
 Vec3 orthogonal_to(const Vec3& u) {
@@ -65,7 +65,7 @@ void collide_closed(const Capsule& a, const HalfSpace& b, const PairQuery& q, Co
   for (const Feature end : {Feature{0}, Feature{1}}) {
     const Vec3 centre = (end == 0 ? -a.half_length() : a.half_length()) * axis;
     const double gap = height + outward.dot(centre) - a.radius;
-    if (gap < q.reach) sink.add({gap, -outward, centre - a.radius * outward, a.radius, end});
+    if (gap < q.reach) sink.add({gap, -outward, centre - (a.radius + 0.5 * gap) * outward, a.radius, end});
   }
 }
 

@@ -1,5 +1,7 @@
 #include "laws/smooth/critical_step.h"
 
+#include "laws/smooth/restitution.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -58,12 +60,17 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   const double stiffness = N::respond(p, {out.impact.largest_overlap, 0.0, c.effective_mass, c.effective_radius}).stiffness;
   out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination);
   const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
-  out.auto_step = std::min(by_time, by_mode);
+  // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per contact
+  const double ratio = damping_ratio_for(pair.restitution);
+  const double by_damping = ratio > 0.0 ? 0.25 * std::sqrt(c.effective_mass / stiffness) / ratio : by_time;
+  out.auto_step = std::min({by_time, by_mode, by_damping});
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
   out.reason = by_time <= by_mode
                    ? number(auto_step_part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who
                    : "half of the stable step " + number(out.stable_step, "s of ") + who + " with " +
                          std::to_string(c.coordination) + " contacts per body";
+  if (out.auto_step < std::min(by_time, by_mode))
+    out.reason = "half of m*/c of the damper for restitution " + number(pair.restitution, "of ") + who;
   if (N::is_hertzian) out.reason += " at " + number(c.speed, "m/s");
   return out;
 }

@@ -31,7 +31,7 @@ struct ImpactEstimate {
 struct StepLimit {
   ImpactEstimate impact;
   double stable_step = 0.0;   ///< 2/omega of the stiffest mode at the largest overlap [s]
-  double auto_step = 0.0;     ///< min of auto_step_part contact times and half the stable step [s]
+  double auto_step = 0.0;     ///< min of auto_step_part contact times, half the stable step, half of m*/c [s]
   std::string reason;         ///< one line with numbers and units
 };
 

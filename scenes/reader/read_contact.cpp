@@ -267,6 +267,10 @@ MaterialTable material_table(const Scene& scene) {
       for (const auto& [name, written] : own->parameters.all()) pair.parameters.set(name, written);
     }
   }
+  for (auto& pair : table.pairs) pair.occurs = false;
+  each_touching_pair(scene, [&](std::size_t a, std::size_t b) {
+    table.pairs[a * n + b].occurs = table.pairs[b * n + a].occurs = true;
+  });
   return table;
 }
 

@@ -173,7 +173,7 @@ TEST_CASE("fills, measures, bounds and studies are resolved", "[scenes][reader]"
   CHECK(s.benchmark->sizes[0].values == std::vector<std::string>{"1000", "10000"});
 }
 
-TEST_CASE("--set changes values by key, index and name", "[scenes][reader]") {
+TEST_CASE("overrides by --set change values by key, index and name", "[scenes][reader]") {
   const Scene s = read({"params.n=5", "contact.method=nonsmooth", "body.stack.material=steel", "body.0.name=ground",
                         "measure.touch.between=[\"stack\", \"ground\"]", "contact.nonsmooth.tolerance = 1e-9"});
   CHECK(s.groups[1].count == 5);
