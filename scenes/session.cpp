@@ -182,8 +182,9 @@ RunSummary Session::summary() const {
   if (body_steps > 0) s.ns_per_body_step = 1e9 * (wall_ - output) / body_steps;
   s.contacts_mean = monitor_->contacts_mean();
   const Energy& e = sim.ledger.last();
-  s.energy = RunSummary::Energy{e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, sim.ledger.relative_error()};
+  s.energy = RunSummary::Energy{e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, std::nullopt, sim.ledger.relative_error()};
   if (smooth) s.energy->elastic = e.elastic;
+  else s.energy->correction = e.correction;
   s.momentum_error = monitor_->momentum_error();
   const Overlap o = monitor_->overlap();
   s.overlap = RunSummary::Overlap{o.max, o.mean, o.max_relative};

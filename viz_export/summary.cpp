@@ -17,7 +17,8 @@ void put_stages(JsonWriter& json, const StageSeconds& seconds) {
 void put_energy(JsonWriter& json, const RunSummary::Energy& e) {
   json.key("energy").begin_object();
   json.member("kinetic", e.kinetic).member("potential", e.potential).member("elastic", e.elastic);
-  json.member("dissipated", e.dissipated).member("work", e.work).member("relative_error", e.relative_error);
+  json.member("dissipated", e.dissipated).member("work", e.work);
+  json.member("correction", e.correction).member("relative_error", e.relative_error);
   json.end_object();
 }
 

@@ -15,6 +15,7 @@ struct RunSummary {
     double kinetic = 0, potential = 0;  ///< at the end [J]
     std::optional<double> elastic;      ///< [J]; smooth contact only
     double dissipated = 0, work = 0;    ///< since the start [J]
+    std::optional<double> correction;   ///< put in by moving overlapping bodies apart [J]; non-smooth only
     double relative_error = 0;          ///< of the ledger
   };
   struct Overlap {
