@@ -174,11 +174,11 @@ class PolyhedronOnMesh {
   double tolerance_;
 };
 
-/// Signed distance of a core and a triangle: the normal from the mesh to the body, the nearest or deepest points.
+/// Signed distance of a core and a triangle: the normal from the mesh to the body, the nearest or deepest point.
 struct CoreDistance {
   bool wanted = false;
   double gap = 0.0;  ///< of the core [m]
-  Vec3 normal, on_body, on_mesh;
+  Vec3 normal, on_mesh;
 };
 
 /// One smooth convex body against many triangles, in the mesh's axes.
@@ -202,9 +202,11 @@ class CoreOnMesh {
     const Vec3 face_normal = normal_towards(mesh_, t, centre());
     if (face_normal.dot(centre() - corner[0]) - body_.core.radius > reach_ + sweep_) return;
     const TriangleSolid solid(corner, mesh_.normals[t]);
-    const CoreDistance d = measure(solid, sink);
+    const CoreDistance d = measure(solid, corner, sink);
     if (!d.wanted) return;
-    const bool is_face = d.normal.cross(face_normal).norm() <= along_face;
+    // Away from its sides a triangle knows no direction but its own: what else EPA says there is its own uncertainty.
+    const bool is_face = d.normal.cross(face_normal).norm() <= along_face ||
+                         projects_into(corner, mesh_.normals[t], d.on_mesh, -tolerance_);
     const Verdict verdict = is_face ? Verdict::flat : judge(mesh_, triangles_, t, d.on_mesh, d.normal, tolerance_);
     if (verdict == Verdict::bent) return;
     if (verdict == Verdict::free) {
@@ -213,25 +215,32 @@ class CoreOnMesh {
       return;
     }
     if (on_plane(t, corner, face_normal, out) || !is_face) return;
-    // the triangle lies under the middle of a flat side, where the plane's own points do not reach
-    const double gap = face_normal.dot(d.on_body - corner[0]) - sweep_;
-    if (gap < reach_)
-      out.push_back({d.on_body - (sweep_ + 0.5 * gap) * face_normal, face_normal, gap, mesh_feature(t, 2u << 24)});
+    // The triangle lies under the middle of a flat side, where the plane's own points do not reach: its point nearest
+    // to the axis is surely under the side.
+    const Vec3 deepest = centre() + turn_ * body_.core.support(turn_.transpose() * -face_normal);
+    const double gap = face_normal.dot(deepest - corner[0]) - sweep_;
+    const Vec3 on_mesh = nearest_on_triangle(centre(), corner).point;
+    if (gap < reach_) out.push_back({on_mesh + 0.5 * gap * face_normal, face_normal, gap, mesh_feature(t, 2u << 24)});
   }
 
  private:
-  CoreDistance measure(const TriangleSolid& solid, ContactSink& sink) const {
+  CoreDistance measure(const TriangleSolid& solid, const std::array<Vec3, 3>& corner, ContactSink& sink) const {
     const MinkowskiDifference difference(body_.core, ConvexRef::to(solid), pose_, solid.pose());
     const GjkResult g = gjk(difference, {reach_ + sweep_ + 1e-12 * difference.size(), 1e-14, Vec3::Zero()});
     const auto to_mesh = [&](const Vec3& x) -> Vec3 { return centre() + turn_ * x; };
     if (g.status == GjkResult::Status::beyond) return {};
     if (g.status != GjkResult::Status::overlapping) {
       if (g.upper - g.lower > certain * difference.size()) sink.mark_degenerate();
-      return {true, g.lower, -(turn_ * g.normal), to_mesh(g.witness_a), to_mesh(g.witness_b)};
+      return {true, g.lower, -(turn_ * g.normal), to_mesh(g.witness_b)};
     }
     const Penetration p = epa(difference);
     if (p.upper - p.lower > certain * difference.size()) sink.mark_degenerate();
-    return {true, -p.upper, -(turn_ * p.normal), to_mesh(p.witness_a), to_mesh(p.witness_b)};
+    const Vec3 normal = -(turn_ * p.normal), on_mesh = to_mesh(p.witness_b);
+    // The depth is certain, the points are not: on facets without area EPA's weights lose all digits, and of coplanar
+    // facets it may take one beside the origin. Then: the triangle's point nearest to the centre.
+    const bool sound = nearest_on_triangle(on_mesh, corner).distance <= tolerance_ &&
+                       (on_mesh - centre()).norm() <= body_.core.radius + tolerance_;
+    return {true, -p.upper, normal, sound ? on_mesh : nearest_on_triangle(centre(), corner).point};
   }
   /// The closed form against the triangle's plane, those of its points that lie over the triangle.
   bool on_plane(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n, std::vector<MeshPoint>& out) const {

@@ -378,7 +378,33 @@ TEST_CASE("cylinders and ellipsoids on a triangulated floor see the plane", "[de
   }
 }
 
-TEST_CASE("through the narrow phase the mesh may be A or B, and threads change nothing", "[detection][mesh-pairs]") {
+TEST_CASE("a cylinder on a regular floor, aligned with its triangles, stands on it everywhere",
+          "[detection][mesh-pairs]") {
+  Random random(63, 0);
+  TriangleSurface s;
+  for (std::uint32_t j = 0; j <= 40; ++j)
+    for (std::uint32_t i = 0; i <= 40; ++i) s.vertices.push_back({-1 + 0.05 * i, -1 + 0.05 * j, 0.0});
+  for (std::uint32_t j = 0; j < 40; ++j)
+    for (std::uint32_t i = 0; i < 40; ++i) {
+      const std::uint32_t k = j * 41 + i;
+      s.triangles.push_back({k, k + 1, k + 42});
+      s.triangles.push_back({k, k + 42, k + 41});
+    }
+  const TriangleMesh mesh = TriangleMesh::from_surface(s);
+  for (int k = 0; k < 300; ++k) {
+    const Pose body{Vec3(random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8), 0.0499), Quat(1, 0, 0, 0)};
+    const ContactSet c = contacts_with(Cylinder(0.05, 0.1), body, mesh);
+    CHECK(c.size() >= 3);
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      CHECK(c.gap[i] == Approx(-1e-4).epsilon(1e-10));
+      CHECK((c.normal[i] + Vec3::UnitZ()).norm() < 1e-14);
+      CHECK(c.arm[i].norm() < 0.0708);  // within the cylinder
+    }
+  }
+}
+
+TEST_CASE("through the narrow phase the mesh may be A or B, and remembered candidates change nothing",
+          "[detection][mesh-pairs]") {
   Random random(62, 0);
   ShapeStore shapes;
   const ShapeRef floor = shapes.add(TriangleMesh::from_surface(floor_surface(random, 20)));
