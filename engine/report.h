@@ -49,6 +49,7 @@ struct StepReport {
   double elastic = 0.0;            ///< energy stored in the contacts now [J]
   double dissipated = 0.0;         ///< energy lost in the contacts during this step [J]
   double work = 0.0;               ///< work of driven bodies on the others during this step [J]
+  double correction = 0.0;         ///< potential energy put in by moving overlapping bodies apart in this step [J]
   bool has_solver = false;
   SolverReport solver;
   StageSeconds seconds;            ///< summed over all steps so far
