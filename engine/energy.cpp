@@ -50,6 +50,7 @@ void EnergyLedger::add(const StepReport& report) {
   now_.elastic = report.elastic;
   now_.dissipated += report.dissipated;
   now_.work += report.work;
+  now_.correction += report.correction;
 }
 
 void EnergyLedger::accept_jump(const World& world, double stored_before) {
@@ -73,7 +74,7 @@ Energy EnergyLedger::measure(const World& world) {
 
 double EnergyLedger::relative_error() const {
   const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
-  const double error = now_.stored() - start_ + now_.dissipated - now_.work;
+  const double error = now_.stored() - start_ + now_.dissipated - now_.work - now_.correction;
   return reference > 0 ? error / reference : 0.0;
 }
 

@@ -1,5 +1,5 @@
 /// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
-/// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the spread of
+/// relative_error = (E(t) - E(0) + dissipated - work - correction) / E_ref, E_ref = max over time of kinetic + elastic, plus the spread of
 /// the potential energy. Potential: gravity and constant external forces. All sums in a fixed order.
 #pragma once
 #include "engine/report.h"
@@ -18,6 +18,7 @@ Vec3 linear_momentum(const World& world);
 struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;  ///< stored now [J]
   double dissipated = 0, work = 0;                 ///< since the start [J]
+  double correction = 0;                           ///< put in by moving overlapping bodies apart, since the start [J]
   double stored() const { return kinetic + potential + elastic; }
 };
 
