@@ -1,0 +1,45 @@
+/// @file coloring.h  Groups of contacts between the same two bodies, coloured so that no free body occurs twice in a colour.
+/// Greedy in canonical order (Welsh and Powell 1967 without the sort): the colours are a function of the contact list alone,
+/// so coloured Gauss-Seidel gives the same bits for every thread count. Bodies that cannot move do not conflict.
+/// Limit: 63 colours; a group that finds none (a body with more neighbours) goes to a last colour that runs in sequence.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "laws/nonsmooth/contact_problem.h"
+
+namespace epafi {
+
+/// Contacts first .. first + count - 1 of the problem, all between a and b.
+struct ContactGroup {
+  Slot a, b;
+  std::uint32_t first, count;
+};
+
+class Coloring {
+ public:
+  static constexpr std::size_t max_colors = 63;
+
+  /// Colours the contacts of the problem; keeps what it has while the pairs of bodies are the same.
+  void update(const ContactProblem& problem);
+
+  /// All groups, colour by colour.
+  const std::vector<ContactGroup>& groups() const { return groups_; }
+  /// Groups of colour c are groups()[begin(c)] .. groups()[begin(c + 1) - 1].
+  std::size_t colors() const { return begin_.size() - 1; }
+  std::size_t begin(std::size_t color) const { return begin_[color]; }
+  /// The groups of this colour may share bodies: run them in sequence.
+  bool in_sequence(std::size_t color) const { return has_overflow_ && color + 1 == colors(); }
+
+ private:
+  void paint(const ContactProblem& problem);
+
+  std::vector<ContactGroup> canonical_, found_, groups_;
+  std::vector<std::uint8_t> color_;
+  std::vector<std::uint64_t> used_;  ///< colours at each body, one bit each
+  std::vector<std::size_t> begin_{0};
+  std::vector<char> free_, free_found_;
+  bool has_overflow_ = false;
+};
+
+}  // namespace epafi

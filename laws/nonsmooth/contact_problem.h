@@ -1,0 +1,73 @@
+/// @file contact_problem.h  The friction-contact problem of one step, in body space and matrix-free.
+///   v = v_free + M^-1 H r,   u = H^T v + w,   K*_mu contains u~, orthogonal to r in K_mu          (Moreau 1988; Jean 1999)
+/// r: impulses on B, u: velocities of B against A, both in contact frames (n, t1, t2). w has a normal part only: what
+/// restitution or an open gap asks for. With q = H^T v_free + w and W = H^T M^-1 H this is u = W r + q.
+/// Memory and work are linear in contacts; assembled.h gives M, H and W as sparse matrices where a solver wants them.
+#pragma once
+#include <vector>
+
+#include "engine/contacts.h"
+#include "engine/frame.h"
+#include "engine/incidence.h"
+
+namespace epafi {
+
+/// One impulse per contact in its frame [N s].
+using Impulses = std::vector<Vec3>;
+
+/// Velocities of all bodies; `angular` is empty in worlds without rotation.
+struct BodyVelocities {
+  std::vector<Vec3> linear;   ///< [m/s]
+  std::vector<Vec3> angular;  ///< world axes [rad/s]
+};
+
+struct ContactProblem {
+  bool rotates = false;
+
+  // bodies, by slot; fixed and driven ones have inverse mass and inertia 0
+  std::vector<double> inverse_mass;   ///< [1/kg]
+  std::vector<Mat3> inverse_inertia;  ///< world axes [1/(kg m^2)]; empty without rotation
+  BodyVelocities free;                ///< v_free: with gravity and external forces, without contacts
+
+  // contacts, in canonical order
+  std::vector<Slot> a, b;
+  std::vector<ContactFrame> frame;
+  std::vector<Vec3> arm_a, arm_b;  ///< from the centres to the contact point [m]; empty without rotation
+  std::vector<double> friction;    ///< mu >= 0
+  std::vector<double> offset;      ///< w_N [m/s]: the contact demands u_N = (H^T v)_N + w_N >= 0
+  std::vector<Mat3> diagonal;      ///< W_ii [1/kg]; 0 where neither body can move
+  Incidence incidence;
+
+  std::size_t size() const { return a.size(); }
+  bool is_free(Slot s) const { return inverse_mass[s] > 0.0; }
+
+  /// Bodies with v_free = v + dt * acceleration by everything but contact.
+  void load_bodies(const World& world, double dt);
+  /// Geometry of the contacts and W_ii; sets friction and offset to 0. Needs the bodies.
+  void load_contacts(const World& world, const ContactSet& contacts);
+
+  /// (H^T v)_i: velocity of B against A at contact i, in its frame.
+  Vec3 relative_velocity(std::size_t i, const BodyVelocities& v) const;
+  /// q_i = (H^T v_free + w)_i; 0 where neither body can move, as no impulse could change it.
+  Vec3 free_relative_velocity(std::size_t i) const;
+  /// World vector of an impulse in the frame of contact i, acting on B.
+  Vec3 to_world(std::size_t i, const Vec3& r) const {
+    return frame[i].normal * r.x() + frame[i].tangent1 * r.y() + frame[i].tangent2 * r.z();
+  }
+  Vec3 to_frame(std::size_t i, const Vec3& x) const {
+    return {frame[i].normal.dot(x), frame[i].tangent1.dot(x), frame[i].tangent2.dot(x)};
+  }
+  /// (H r)_s: impulse [N s] and moment [N m s] on body s, gathered in a fixed order.
+  struct BodyImpulse {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
+  BodyImpulse impulse_on(Slot s, const Impulses& r) const;
+  /// v = v_free + M^-1 H r.
+  void velocities(const Impulses& r, BodyVelocities& out) const;
+  /// u = H^T v + w at every contact.
+  void relative_velocities(const BodyVelocities& v, std::vector<Vec3>& u) const;
+  /// 1 / mean of the normal diagonals [kg]: the scale between velocities and impulses, 1 without contacts.
+  double mean_effective_mass() const;
+};
+
+}  // namespace epafi

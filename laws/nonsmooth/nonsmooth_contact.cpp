@@ -1,0 +1,171 @@
+#include "laws/nonsmooth/nonsmooth_contact.h"
+
+#include <algorithm>
+
+#include "engine/error.h"
+#include "engine/parallel.h"
+#include "laws/nonsmooth/cone.h"
+#include "laws/nonsmooth/position_correction.h"
+#include "laws/nonsmooth/residual.h"
+#include "laws/nonsmooth/solvers/all_solvers.h"
+
+namespace epafi {
+
+namespace {
+
+constexpr double impact_threshold = 2.0;  // of |g| dt, see the header
+
+class NonsmoothContact final : public ContactModel {
+ public:
+  NonsmoothContact(const NonsmoothSetup& setup, const SolverEntry& solver)
+      : name_(solver.entry.name),
+        materials_(setup.materials),
+        solver_(solver.make(setup.parameters)),
+        tolerance_(setup.parameters.number_or("tolerance", 1e-6)),
+        warm_start_(!setup.parameters.has("warm_start") || setup.parameters.boolean("warm_start")),
+        correction_({.share = setup.parameters.number_or("correction", CorrectionSettings{}.share),
+                     .slop = setup.parameters.number_or("slop", CorrectionSettings{}.slop)}) {}
+
+  const char* name() const override { return name_.c_str(); }
+  void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
+  void reorder(const Reordering& change) override;
+  void visit(StateVisitor& visitor) override {
+    memory_.visit(visitor, "nonsmooth");
+    visitor.column("nonsmooth/impulse", remembered_);
+  }
+
+ private:
+  void load(const World& world, const ContactSet& contacts, double dt);
+  void start(const ContactSet& contacts, double rho);
+  void account(const World& world, StepReport& report) const;
+  void write_back(World& world, ContactSet& contacts, double dt);
+
+  std::string name_;
+  MaterialTable materials_;
+  std::unique_ptr<ContactSolver> solver_;
+  double tolerance_;
+  bool warm_start_;
+  PositionCorrection correction_;
+
+  ContactProblem problem_;
+  Impulses r_, cold_;
+  std::vector<Vec3> u_, u_before_;
+  BodyVelocities before_, after_;
+  std::vector<double> next_gap_;
+  ContactMemory memory_;
+  std::vector<Vec3> remembered_;  ///< impulses on B of the last step, world axes [N s]
+  std::vector<std::uint32_t> previous_;
+};
+
+/// Sets up the problem of this step and u_k, the velocities before it.
+void NonsmoothContact::load(const World& world, const ContactSet& contacts, double dt) {
+  problem_.load_bodies(world, dt);
+  problem_.load_contacts(world, contacts);
+  before_.linear = world.velocity, before_.angular = world.angular_velocity;
+  u_before_.resize(contacts.size());
+  const double threshold = impact_threshold * world.gravity.norm() * dt;
+  parallel_for(contacts.size(), [&](std::size_t i) {
+    const Slot a = contacts.a[i], b = contacts.b[i];
+    const MaterialPair& pair = materials_.of(world.material[a], world.material[b]);
+    const double gap = contacts.gap[i];
+    problem_.friction[i] = pair.friction;
+    problem_.offset[i] = std::max(0.0, gap / dt);
+    u_before_[i] = problem_.relative_velocity(i, before_);
+    const double approach = -u_before_[i].x();
+    if (pair.restitution <= 0.0 || approach <= threshold) return;
+    const double free_approach = -problem_.relative_velocity(i, problem_.free).x();
+    if (gap < dt * free_approach || gap <= 0.0) problem_.offset[i] = -pair.restitution * approach;
+  });
+}
+
+/// r = impulses of the last step, or 0 where these are further from the solution: after an impact they usually are.
+void NonsmoothContact::start(const ContactSet& contacts, double rho) {
+  r_.assign(contacts.size(), Vec3::Zero());
+  if (!warm_start_) return;
+  memory_.match(contacts, previous_);
+  parallel_for(contacts.size(), [&](std::size_t i) {
+    if (previous_[i] == ContactMemory::none || problem_.diagonal[i](0, 0) <= 0.0) return;
+    r_[i] = project_cone(problem_.to_frame(i, remembered_[previous_[i]]), problem_.friction[i]);
+  });
+  const double warm = measure_residual(problem_, r_, rho, after_, u_).value;
+  cold_.assign(contacts.size(), Vec3::Zero());
+  if (measure_residual(problem_, cold_, rho, after_, u_).value < warm) r_.swap(cold_);
+}
+
+/// Energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their work.
+void NonsmoothContact::account(const World& world, StepReport& report) const {
+  const auto driven = [&](Slot s, const Vec3& arm) -> Vec3 {
+    if (world.is_movable(s)) return Vec3::Zero();
+    return world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
+  };
+  const auto sums = block_sum<Sum3>(problem_.size(), [&](std::size_t i) {
+    const Vec3 mean = 0.5 * (u_before_[i] + problem_.relative_velocity(i, after_));
+    const Vec3 none = Vec3::Zero(), impulse = problem_.to_world(i, r_[i]);
+    const Vec3 wall = driven(problem_.b[i], problem_.rotates ? problem_.arm_b[i] : none) -
+                      driven(problem_.a[i], problem_.rotates ? problem_.arm_a[i] : none);
+    return Sum3{-r_[i].dot(mean), -impulse.dot(wall), r_[i].x() > 0.0 ? 1.0 : 0.0};
+  });
+  report.dissipated = sums.a;
+  report.work = sums.b;
+  report.touching = static_cast<std::size_t>(sums.c);
+}
+
+void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt) {
+  world.velocity = after_.linear;
+  parallel_for(world.rotates() ? world.size() : 0, [&](std::size_t k) {
+    const auto s = static_cast<Slot>(k);
+    if (world.is_movable(s) && problem_.incidence.count(s) > 0)
+      world.apply_angular_impulse(s, problem_.impulse_on(s, r_).angular);
+  });
+  contacts.force.resize(contacts.size()), remembered_.resize(contacts.size()), next_gap_.resize(contacts.size());
+  if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
+  parallel_for(contacts.size(), [&](std::size_t i) {
+    remembered_[i] = problem_.to_world(i, r_[i]);
+    contacts.force[i] = -remembered_[i] / dt;
+    next_gap_[i] = contacts.gap[i] + dt * problem_.relative_velocity(i, after_).x();
+  });
+}
+
+void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
+  EPAFI_REQUIRE(clock.dt > 0.0, "non-smooth contact acts over a time step");
+  load(world, contacts, clock.dt);
+  const double rho = problem_.mean_effective_mass();
+  start(contacts, rho);
+  report.contacts = contacts.size();
+  report.has_solver = true;
+  report.elastic = 0.0;
+  report.solver = solver_->solve(problem_, r_);
+  report.solver.residual = measure_residual(problem_, r_, rho, after_, u_).value;
+  report.solver.converged = report.solver.residual <= tolerance_;
+  account(world, report);
+  write_back(world, contacts, clock.dt);
+  report.correction = correction_.apply(problem_, contacts, next_gap_, world);
+}
+
+void NonsmoothContact::reorder(const Reordering& change) {
+  const auto order = memory_.reorder(change);
+  std::vector<Vec3> moved;
+  moved.reserve(order.size());
+  if (warm_start_)
+    for (const std::uint32_t k : order) moved.push_back(remembered_[k]);
+  remembered_.swap(moved);
+}
+
+}  // namespace
+
+Needs nonsmooth_needs(const NonsmoothSetup& setup) {
+  const bool friction = std::any_of(setup.materials.pairs.begin(), setup.materials.pairs.end(),
+                                    [](const MaterialPair& pair) { return pair.friction > 0.0; });
+  return {.rotation = friction, .slip_velocity = friction, .memory = true, .manifold = true};
+}
+
+std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup) {
+  std::string names;
+  for (const SolverEntry& solver : all_solvers()) {
+    if (solver.entry.name == setup.solver) return std::make_unique<NonsmoothContact>(setup, solver);
+    names += (names.empty() ? "" : ", ") + solver.entry.name;
+  }
+  throw SceneError("unknown non-smooth solver '" + setup.solver + "'; there are: " + names);
+}
+
+}  // namespace epafi

@@ -1,0 +1,39 @@
+/// @file nonsmooth_contact.h  Signorini-Coulomb contact with Newton restitution in the Moreau-Jean step (theta = 1/2).
+/// Positions are those of the middle of the step when the contacts are found; the impulses change v_k to v_{k+1}.
+///
+/// Gaps. The gap g is measured at the middle and is next measured at the next middle, dt * u_N later, as both half drifts
+/// use v_{k+1}. An open contact therefore demands u_N >= -g/dt: exactly what keeps the next measured gap >= 0. It carries
+/// an impulse only if it would otherwise close, it never pulls, and the gap at the end of the step, g + dt/2 u_N, is >= 0 too.
+/// An overlapping contact demands u_N >= 0; overlap is taken out by positions, not by velocities (position_correction.h).
+///
+/// Restitution. u_N >= -e u_N^- with u^- from v_k, before gravity acts in this step: a resting contact has u^- = 0 and cannot
+/// bounce whatever e is. Only approaches faster than 2 |g| dt count as impacts: below it one step of gravity is not resolved,
+/// and sweeps that stop early leave velocities of that order in a pile. An open contact bounces in the step in which
+/// it would close, at gap > 0: early by less than dt, without overlap, and without a change of energy if e = 1.
+/// Limit: Newton's law can create energy in frictional impacts with rotation (Kane's paradox, case A21).
+///
+/// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding but
+/// for the drift of rotating unsymmetric bodies.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "engine/pipeline.h"
+#include "laws/material.h"
+
+namespace epafi {
+
+struct NonsmoothSetup {
+  std::string solver = "pgs";
+  Parameters parameters;  ///< fields of the solver's entry (solvers/solver.h); absent ones take their defaults
+  MaterialTable materials;
+};
+
+/// What the engine must provide: memory for warm starts; slip velocity and rotation where some pair has friction.
+/// Bodies that are no spheres need rotation by themselves; the plan adds that.
+Needs nonsmooth_needs(const NonsmoothSetup& setup);
+
+/// Throws SceneError for an unknown solver, naming those that exist.
+std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup);
+
+}  // namespace epafi

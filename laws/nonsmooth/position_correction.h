@@ -1,0 +1,53 @@
+/// @file position_correction.h  Takes overlap out by moving bodies, without touching their velocities: no kinetic energy is
+/// made (split impulses; Guendelman, Bridson and Fedkiw 2003; Catto 2005). Displacements d = M^-1 H_N s, s >= 0, with
+///   d_N >= share * (overlap - slop)  where the overlap is beyond the slop,   d_N >= -max(gap, 0)  elsewhere.
+/// A frictionless problem solved by a few normal sweeps; leftovers are taken next step. What gravity's potential gains by
+/// it is returned, so that the ledger shows it. Limit: a tall jammed pile corrects as slowly as the sweeps converge.
+#pragma once
+#include "laws/nonsmooth/coloring.h"
+#include "laws/nonsmooth/sweep.h"
+
+namespace epafi {
+
+/// The normal row alone.
+struct NormalRule {
+  struct Data {
+    double step;  ///< 1/W_NN, 0 where nothing moves
+  };
+  static Data pack(const Mat3& w) { return {w(0, 0) > 0.0 ? 1.0 / w(0, 0) : 0.0}; }
+  Vec3 update(const Data& d, double, const Vec3& r, const Vec3& u) const {
+    return {std::max(0.0, r.x() - d.step * u.x()), 0.0, 0.0};
+  }
+};
+
+struct CorrectionSettings {
+  double share = 0.2;         ///< beta in [0, 1], of the overlap beyond the slop, per step; 0 is off
+  double slop = 1e-4;         ///< relative to the smaller lever arm of the contact (centre to contact point)
+  double largest = 0.05;      ///< displacement of one step, relative likewise: deep overlaps leave gently
+  double tolerance = 1e-3;    ///< sweeps stop when they change less than this of the demanded displacement
+  int sweeps = 20;            ///< at most
+};
+
+class PositionCorrection {
+ public:
+  explicit PositionCorrection(const CorrectionSettings& settings) : settings_(settings) {}
+
+  /// Moves the bodies of `world`; gaps: as they will be at the next detection, from the velocities just found [m].
+  /// Returns the potential energy of gravity and external forces it put in [J].
+  double apply(const ContactProblem& problem, const ContactSet& contacts, const std::vector<double>& gaps,
+               World& world);
+
+ private:
+  bool demand(const ContactSet& contacts, const std::vector<double>& gaps, const World& world);
+  template <class S>
+  double move(S& sweep, World& world);
+
+  CorrectionSettings settings_;
+  ContactProblem still_;  ///< the problem with zero free velocity and displacements for velocities
+  Coloring coloring_;
+  Impulses zero_;
+  Sweep<true, NormalRule> with_rotation_;
+  Sweep<false, NormalRule> without_rotation_;
+};
+
+}  // namespace epafi

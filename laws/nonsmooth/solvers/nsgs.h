@@ -1,0 +1,69 @@
+/// @file nsgs.h  The exact solution of one contact with Coulomb friction (Bonnefon and Daviet 2011, here by a bracketed root).
+/// With the other contacts frozen, u = W r + q. Take-off: q_N >= 0, r = 0. Stick: u = 0, r = -W^-1 q inside the cone.
+/// Slip: u_N = 0 and u_T = -lambda r_T, lambda > 0, so that with S = W_TT - W_TN W_NT / W_NN
+///   (S + lambda 1) r_T = W_TN q_N / W_NN - q_T,   r_N = -(q_N + W_NT r_T) / W_NN,
+/// and lambda is a root of |r_T| - mu r_N, positive at 0 (outside the cone) and negative for lambda to infinity.
+#pragma once
+#include "laws/nonsmooth/cone.h"
+
+namespace epafi {
+
+struct NsgsRule {
+  struct Data {
+    double nn, tn1, tn2, s11, s22, s12;  ///< W_NN, W_TN and S [1/kg]
+  };
+  static Data pack(const Mat3& w) {
+    if (w(0, 0) <= 0.0) return {0, 0, 0, 0, 0, 0};
+    const double nn = w(0, 0), x = w(1, 0), y = w(2, 0);
+    return {nn, x, y, w(1, 1) - x * x / nn, w(2, 2) - y * y / nn, w(1, 2) - x * y / nn};
+  }
+
+  /// Local solution for q [m/s].
+  static Vec3 solve(const Data& d, double mu, const Vec3& q) {
+    if (q.x() >= 0.0 || d.nn <= 0.0) return Vec3::Zero();
+    const double b1 = d.tn1 * q.x() / d.nn - q.y(), b2 = d.tn2 * q.x() / d.nn - q.z();
+    if (mu <= 0.0) return {-q.x() / d.nn, 0.0, 0.0};
+    const auto at = [&](double lambda) {
+      const double p = d.s11 + lambda, s = d.s22 + lambda, inverse = 1.0 / (p * s - d.s12 * d.s12);
+      const double t1 = (s * b1 - d.s12 * b2) * inverse, t2 = (p * b2 - d.s12 * b1) * inverse;
+      return Vec3(-(q.x() + d.tn1 * t1 + d.tn2 * t2) / d.nn, t1, t2);
+    };
+    const auto excess = [&](const Vec3& r) { return tangential_norm(r) - mu * r.x(); };
+    Vec3 r = at(0.0);
+    double low = 0.0, excess_low = excess(r);
+    if (excess_low <= 0.0) return r;
+    double high = std::max(d.s11 + d.s22, 1e-12 * d.nn);  // scale of S; grows until it brackets
+    while (excess(at(high)) > 0.0) low = high, high *= 4.0;
+    return slip(at, excess, low, high, mu);
+  }
+  Vec3 update(const Data& d, double mu, const Vec3& r, const Vec3& u) const {
+    // q = u - W r with W_TT = S + W_TN W_NT / W_NN
+    if (d.nn <= 0.0) return Vec3::Zero();
+    const double n = d.nn * r.x() + d.tn1 * r.y() + d.tn2 * r.z();
+    return solve(d, mu, u - Vec3(n, d.tn1 * n / d.nn + d.s11 * r.y() + d.s12 * r.z(),
+                                 d.tn2 * n / d.nn + d.s12 * r.y() + d.s22 * r.z()));
+  }
+
+ private:
+  /// Illinois form of regula falsi (Dowell and Jarratt 1971) to rounding; bisects where it stalls, 100 halvings at most.
+  template <class At, class Excess>
+  static Vec3 slip(const At& at, const Excess& excess, double low, double high, double mu) {
+    double f_low = excess(at(low)), f_high = excess(at(high));
+    Vec3 r = at(high);
+    for (int k = 0; k < 100 && high - low > 1e-15 * high; ++k) {
+      const bool bisect = k % 4 == 3 || !(f_low > f_high);
+      const double mid = bisect ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
+      r = at(mid);
+      const double f = excess(r);
+      if (std::abs(f) <= 1e-16 * std::abs(r.x())) break;
+      if (f > 0.0) {
+        low = mid, f_low = f, f_high *= 0.5;
+      } else {
+        high = mid, f_high = f, f_low *= 0.5;
+      }
+    }
+    return project_disk(r, mu * std::max(0.0, r.x()));
+  }
+};
+
+}  // namespace epafi
