@@ -74,7 +74,10 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
     const double approach = -u_before_[i].x();
     if (pair.restitution <= 0.0 || approach <= threshold) return;
     const double free_approach = -problem_.relative_velocity(i, problem_.free).x();
-    if (gap < dt * free_approach || gap <= 0.0) problem_.offset[i] = -pair.restitution * approach;
+    if (gap > 0.0 && gap >= dt * free_approach) return;
+    const double middle = 0.5 * (approach + free_approach);  // speed of the impact, which is placed at the middle of the step
+    const double rebound = pair.restitution * middle - 0.5 * (free_approach - approach);
+    problem_.offset[i] = -std::max(0.0, rebound);
   });
 }
 
