@@ -1,0 +1,86 @@
+#include "laws/nonsmooth/coloring.h"
+
+#include <set>
+
+#include "tests/support/catch.h"
+#include "tests/support/contact_worlds.h"
+
+using namespace epafi;
+using namespace epafi::test;
+
+namespace {
+/// Every contact once, no free body twice in a colour that runs in parallel.
+void check_valid(const ContactProblem& p, const Coloring& coloring) {
+  std::vector<int> seen(p.size(), 0);
+  for (std::size_t c = 0; c < coloring.colors(); ++c) {
+    std::set<Slot> busy;
+    for (std::size_t g = coloring.begin(c); g < coloring.begin(c + 1); ++g) {
+      const ContactGroup& group = coloring.groups()[g];
+      for (std::uint32_t k = 0; k < group.count; ++k) {
+        ++seen[group.first + k];
+        REQUIRE((p.a[group.first + k] == group.a && p.b[group.first + k] == group.b));
+      }
+      if (coloring.in_sequence(c)) continue;
+      for (const Slot s : {group.a, group.b})
+        if (p.is_free(s)) REQUIRE(busy.insert(s).second);
+    }
+  }
+  REQUIRE(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
+}
+
+/// One free body in the middle, touched by n others.
+ContactProblem star(int n) {
+  World world{Columns{.rotation = false, .force = false}};
+  for (int i = 0; i <= n; ++i) world.add({.mass = 1.0});
+  ContactSet contacts;
+  for (Slot b = 1; b <= static_cast<Slot>(n); ++b) contacts.append(0, b, {.gap = 0.0});
+  ContactProblem p;
+  p.load_bodies(world, 0.1);
+  p.load_contacts(world, contacts);
+  return p;
+}
+}  // namespace
+
+TEST_CASE("colours never share a free body and cover every contact", "[laws][coloring]") {
+  Coloring coloring;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const ContactProblem p = random_problem(200, seed, true, 0.3);
+    coloring.update(p);
+    check_valid(p, coloring);
+    CHECK(coloring.colors() <= 13);  // greedy: at most 2 * 6 neighbours - 1 taken, plus one
+  }
+}
+
+TEST_CASE("a stack needs two colours: the ground does not conflict", "[laws][coloring]") {
+  Coloring coloring;
+  coloring.update(stack_problem(20, 0.5));
+  CHECK(coloring.colors() == 2);
+  CHECK(coloring.groups().size() == 20);
+}
+
+TEST_CASE("a body with more than 63 neighbours leaves the rest to a colour in sequence", "[laws][coloring]") {
+  Coloring coloring;
+  const ContactProblem p = star(100);
+  coloring.update(p);
+  check_valid(p, coloring);
+  REQUIRE(coloring.colors() == 64);
+  CHECK(coloring.in_sequence(63));
+  CHECK_FALSE(coloring.in_sequence(62));
+  CHECK(coloring.groups().size() - coloring.begin(63) == 37);
+}
+
+TEST_CASE("the colouring is kept while pairs last and follows them when they change", "[laws][coloring]") {
+  Coloring coloring, fresh;
+  const ContactProblem four = lattice_problem(4, 0.5, 4), one = lattice_problem(4, 0.5, 1), other = lattice_problem(3, 0.5);
+  for (const ContactProblem* p : {&four, &one, &other, &four}) {  // four and one: same pairs, other points
+    coloring.update(*p);
+    check_valid(*p, coloring);
+    Coloring anew;
+    anew.update(*p);
+    REQUIRE(anew.groups().size() == coloring.groups().size());
+    for (std::size_t g = 0; g < anew.groups().size(); ++g) CHECK(anew.groups()[g].first == coloring.groups()[g].first);
+  }
+  ContactProblem none;
+  fresh.update(none);
+  CHECK(fresh.colors() == 0);
+}

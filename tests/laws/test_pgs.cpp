@@ -1,0 +1,136 @@
+#include "engine/parallel.h"
+#include "laws/nonsmooth/residual.h"
+#include "laws/nonsmooth/solvers/all_solvers.h"
+#include "laws/nonsmooth/solvers/nsgs.h"
+#include "laws/nonsmooth/solvers/pgs.h"
+#include "tests/support/catch.h"
+#include "tests/support/contact_worlds.h"
+
+using namespace epafi;
+using namespace epafi::test;
+
+namespace {
+std::unique_ptr<ContactSolver> solver(const std::string& name, double iterations, double tolerance) {
+  Parameters p;
+  p.set("iterations", iterations), p.set("tolerance", tolerance);
+  for (const SolverEntry& s : all_solvers())
+    if (s.entry.name == name) return s.make(p);
+  return nullptr;
+}
+double residual_of(const ContactProblem& p, const Impulses& r) {
+  BodyVelocities v;
+  std::vector<Vec3> u;
+  return measure_residual(p, r, p.mean_effective_mass(), v, u).value;
+}
+Impulses zeros(const ContactProblem& p) { return Impulses(p.size(), Vec3::Zero()); }
+
+/// Fixed bodies at rest and open offsets: v = 0 satisfies every contact, so that a solution exists (Cadoux 2009).
+ContactProblem solvable(ContactProblem p) {
+  for (Slot s = 0; s < p.inverse_mass.size(); ++s) {
+    if (p.is_free(s)) continue;
+    p.free.linear[s].setZero();
+    if (p.rotates) p.free.angular[s].setZero();
+  }
+  for (double& w : p.offset) w = std::abs(w);
+  return p;
+}
+
+/// Restores the number of threads.
+struct Threads {
+  int before = thread_count();
+  ~Threads() { set_thread_count(before); }
+};
+}  // namespace
+
+TEST_CASE("every solver reaches its tolerance and does not claim what the residual denies", "[laws][pgs]") {
+  for (const SolverEntry& entry : all_solvers()) {
+    for (const bool rotates : {true, false}) {
+      const ContactProblem p = solvable(random_problem(40, 11, rotates, 0.4));
+      Impulses r = zeros(p);
+      const SolverReport report = solver(entry.entry.name, 20000, 1e-9)->solve(p, r);
+      INFO(entry.entry.name << " rotates " << rotates << " iterations " << report.iterations);
+      CHECK(report.converged);
+      CHECK(residual_of(p, r) <= 1e-9);
+    }
+  }
+}
+
+TEST_CASE("a solver that is cut off says so", "[laws][pgs]") {
+  const ContactProblem p = stack_problem(20, 0.5);
+  for (const SolverEntry& entry : all_solvers()) {
+    Impulses r = zeros(p);
+    const SolverReport report = solver(entry.entry.name, 10, 1e-9)->solve(p, r);
+    CHECK_FALSE(report.converged);
+    CHECK(report.iterations == 10);
+    CHECK(residual_of(p, r) > 1e-9);
+  }
+}
+
+TEST_CASE("an exact warm start is confirmed, a good one halves the sweeps", "[laws][pgs]") {
+  const ContactProblem p = stack_problem(5, 0.5);
+  Impulses r = zeros(p);
+  const int cold = solver("pgs", 100000, 1e-6)->solve(p, r).iterations;
+  Impulses again = r;
+  CHECK(solver("pgs", 100000, 1e-6)->solve(p, again).iterations <= 2);
+  for (Vec3& x : r) x *= 1.001;  // the load of the next step differs by 0.1 %
+  const int warm = solver("pgs", 100000, 1e-6)->solve(p, r).iterations;
+  INFO("cold " << cold << " warm " << warm);
+  CHECK(2 * warm <= cold);
+}
+
+TEST_CASE("Gauss-Seidel gives the same bits for every thread count", "[laws][pgs]") {
+  const Threads restore;
+  const ContactProblem p = lattice_problem(14, 0.5, 4);  // colours of over 1024 pairs, so that they do run in parallel
+  for (const SolverEntry& entry : all_solvers()) {
+    set_thread_count(1);
+    Impulses reference = zeros(p);
+    solver(entry.entry.name, 10, 1e-12)->solve(p, reference);
+    for (const int threads : {2, 3, 4, 7, 8}) {
+      set_thread_count(threads);
+      Impulses r = zeros(p);
+      solver(entry.entry.name, 10, 1e-12)->solve(p, r);
+      CHECK(r == reference);
+    }
+  }
+}
+
+TEST_CASE("the exact local solution obeys Signorini and Coulomb, PGS agrees after many updates", "[laws][nsgs]") {
+  Random random(21, 0);
+  int take_off = 0, stick = 0, slide = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    Mat3 root;
+    for (int k = 0; k < 9; ++k) root(k / 3, k % 3) = random.uniform(-1, 1);
+    const Mat3 w = root * root.transpose() + 0.2 * Mat3::Identity();
+    const Vec3 q(random.uniform(-1, 0.3), random.uniform(-1, 1), random.uniform(-1, 1));
+    const double mu = random.uniform(0.0, 1.5);
+    const Vec3 r = NsgsRule::solve(NsgsRule::pack(w), mu, q), u = w * r + q;
+    CHECK(natural_map(r, u, mu, 1.0).norm() < 1e-12 * (1.0 + r.norm()));
+    (r.x() <= 0.0 ? take_off : u.norm() < 1e-12 ? stick : slide)++;
+    // update() finds the same from any r
+    const Vec3 other(random.uniform(0, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    CHECK((NsgsRule{}.update(NsgsRule::pack(w), mu, other, w * other + q) - r).norm() < 1e-11 * (1.0 + r.norm()));
+  }
+  CHECK((take_off > 100 && stick > 100 && slide > 100));
+}
+
+TEST_CASE("PGS rows find the exact local solution of a contact with friction", "[laws][pgs]") {
+  const Mat3 w = (Mat3() << 1.0, 0.2, -0.1, 0.2, 1.5, 0.3, -0.1, 0.3, 0.8).finished();
+  for (const Vec3& q : {Vec3(-1, 2, 1), Vec3(-1, 0.1, 0.1), Vec3(0.5, 1, 1)}) {
+    Vec3 r = Vec3::Zero();
+    for (int k = 0; k < 500; ++k) r = PgsRule{}.update(PgsRule::pack(w), 0.4, r, w * r + q);
+    CHECK((r - NsgsRule::solve(NsgsRule::pack(w), 0.4, q)).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("the sweeps of a stack grow as Gauss-Seidel must: about 0.93 n^2 per decade", "[laws][pgs][slow]") {
+  // n^2: four times the sweeps for twice the height; a factor of two either way covers the order of the rows
+  const auto sweeps = [](int n) {
+    const ContactProblem p = stack_problem(n, 0.5);
+    Impulses r = zeros(p);
+    return solver("pgs", 1e6, 1e-4)->solve(p, r).iterations;
+  };
+  const int five = sweeps(5), ten = sweeps(10);
+  INFO("5: " << five << " 10: " << ten);
+  CHECK(ten > 2 * five);
+  CHECK(ten < 10 * five);
+}
