@@ -1,5 +1,5 @@
 /// @file corner_contacts.h  Contacts of spheres, boxes and one kind of plane without the detection floor, for tests of contact
-/// models: sphere-sphere, sphere-plane, box corners against a plane, and upright boxes stacked face on face.
+/// models: sphere-sphere, sphere-plane, box corners against a plane, upright boxes stacked face on face or on spheres.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -60,6 +60,7 @@ class CornerContacts final : public NarrowPhase {
       return;
     }
     if (ka == Kind::box && kb == Kind::box) return stack(world, a, b, contacts);
+    if (ka == Kind::sphere && kb == Kind::box) return ball_under_box(world, a, b, contacts);
     const bool plane_is_a = ka == Kind::plane;
     const Slot plane = plane_is_a ? a : b, body = plane_is_a ? b : a;
     const Vec3 n = world.pose(plane).orientation * solid(world, plane).half;
@@ -72,6 +73,14 @@ class CornerContacts final : public NarrowPhase {
 
   static Vec3 corner(const Vec3& half, std::uint32_t k) {
     return {k & 1 ? half.x() : -half.x(), k & 2 ? half.y() : -half.y(), k & 4 ? half.z() : -half.z()};
+  }
+
+  /// The top of a sphere against the bottom face of a level box above it.
+  void ball_under_box(const World& world, Slot ball, Slot box, ContactSet& contacts) const {
+    const Pose pose = world.pose(box);
+    const Vec3 up = pose.orientation * Vec3::UnitZ(), top = world.position[ball] + solid(world, ball).half.x() * up;
+    const double gap = -solid(world, box).half.z() - pose.to_local(top).z();
+    add(world, ball, box, true, up, gap, top + gap * up, 0, contacts);
   }
 
   /// The bottom corners of the upper box, moved into the top face of the lower one (right while both faces are parallel).

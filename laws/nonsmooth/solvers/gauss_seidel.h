@@ -41,11 +41,19 @@ class GaussSeidel final : public ContactSolver {
       sweep.store(r);
       report.residual = measure_residual(problem, r, rho, v_, u_).value;
       report.converged = report.residual <= tolerance_;
-      if (report.converged || change <= 0.0) return report;  // no change: nothing more to gain
+      if (report.converged || change <= rounding * norm(r)) return report;  // nothing more to gain
       threshold = change * std::min(0.5, tolerance_ / report.residual);
     }
     sweep.store(r);
     return report;
+  }
+
+  static constexpr double rounding = 1e-15;  // of ||r||: a change of a few ulp of most impulses is noise
+
+  static double norm(const Impulses& r) {
+    double sum = 0.0;
+    for (const Vec3& x : r) sum += x.squaredNorm();
+    return std::sqrt(sum);
   }
 
   /// rho ||q||, or rho where q = 0.
