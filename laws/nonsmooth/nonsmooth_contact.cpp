@@ -8,6 +8,7 @@
 #include "laws/nonsmooth/position_correction.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
+#include "laws/nonsmooth/warm_start.h"
 
 namespace epafi {
 
@@ -28,15 +29,12 @@ class NonsmoothContact final : public ContactModel {
 
   const char* name() const override { return name_.c_str(); }
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
-  void reorder(const Reordering& change) override;
-  void visit(StateVisitor& visitor) override {
-    memory_.visit(visitor, "nonsmooth");
-    visitor.column("nonsmooth/impulse", remembered_);
-  }
+  void reorder(const Reordering& change) override { memory_.reorder(change); }
+  void visit(StateVisitor& visitor) override { memory_.visit(visitor); }
 
  private:
   void load(const World& world, const ContactSet& contacts, double dt);
-  void start(const ContactSet& contacts, double rho);
+  void start(const World& world, const ContactSet& contacts, double rho);
   void account(const World& world, StepReport& report) const;
   void write_back(World& world, ContactSet& contacts, double dt);
 
@@ -52,9 +50,7 @@ class NonsmoothContact final : public ContactModel {
   std::vector<Vec3> u_, u_before_;
   BodyVelocities before_, after_;
   std::vector<double> next_gap_;
-  ContactMemory memory_;
-  std::vector<Vec3> remembered_;  ///< impulses on B of the last step, world axes [N s]
-  std::vector<std::uint32_t> previous_;
+  WarmStart memory_;
 };
 
 /// Sets up the problem of this step and u_k, the velocities before it.
@@ -82,16 +78,14 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
 }
 
 /// r = impulses of the last step, or 0 where these are further from the solution: after an impact they usually are.
-void NonsmoothContact::start(const ContactSet& contacts, double rho) {
-  r_.assign(contacts.size(), Vec3::Zero());
-  if (!warm_start_) return;
-  memory_.match(contacts, previous_);
-  parallel_for(contacts.size(), [&](std::size_t i) {
-    if (previous_[i] == ContactMemory::none || problem_.diagonal[i](0, 0) <= 0.0) return;
-    r_[i] = project_cone(problem_.to_frame(i, remembered_[previous_[i]]), problem_.friction[i]);
-  });
-  const double warm = measure_residual(problem_, r_, rho, after_, u_).value;
+void NonsmoothContact::start(const World& world, const ContactSet& contacts, double rho) {
   cold_.assign(contacts.size(), Vec3::Zero());
+  if (!warm_start_) {
+    r_ = cold_;
+    return;
+  }
+  memory_.recall(world, contacts, problem_, r_);
+  const double warm = measure_residual(problem_, r_, rho, after_, u_).value;
   if (measure_residual(problem_, cold_, rho, after_, u_).value < warm) r_.swap(cold_);
 }
 
@@ -120,11 +114,10 @@ void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt)
     if (world.is_movable(s) && problem_.incidence.count(s) > 0)
       world.apply_angular_impulse(s, problem_.impulse_on(s, r_).angular);
   });
-  contacts.force.resize(contacts.size()), remembered_.resize(contacts.size()), next_gap_.resize(contacts.size());
+  contacts.force.resize(contacts.size()), next_gap_.resize(contacts.size());
   if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
   parallel_for(contacts.size(), [&](std::size_t i) {
-    remembered_[i] = problem_.to_world(i, r_[i]);
-    contacts.force[i] = -remembered_[i] / dt;
+    contacts.force[i] = -problem_.to_world(i, r_[i]) / dt;
     next_gap_[i] = contacts.gap[i] + dt * problem_.relative_velocity(i, after_).x();
   });
 }
@@ -133,7 +126,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   EPAFI_REQUIRE(clock.dt > 0.0, "non-smooth contact acts over a time step");
   load(world, contacts, clock.dt);
   const double rho = problem_.mean_effective_mass();
-  start(contacts, rho);
+  start(world, contacts, rho);
   report.contacts = contacts.size();
   report.has_solver = true;
   report.elastic = 0.0;
@@ -142,16 +135,8 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.solver.converged = report.solver.residual <= tolerance_;
   account(world, report);
   write_back(world, contacts, clock.dt);
+  if (warm_start_) memory_.remember(world, contacts, problem_, r_);
   report.correction = correction_.apply(problem_, contacts, next_gap_, world);
-}
-
-void NonsmoothContact::reorder(const Reordering& change) {
-  const auto order = memory_.reorder(change);
-  std::vector<Vec3> moved;
-  moved.reserve(order.size());
-  if (warm_start_)
-    for (const std::uint32_t k : order) moved.push_back(remembered_[k]);
-  remembered_.swap(moved);
 }
 
 }  // namespace

@@ -1,0 +1,108 @@
+#include "laws/nonsmooth/warm_start.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "engine/parallel.h"
+#include "laws/nonsmooth/cone.h"
+
+namespace epafi {
+
+namespace {
+constexpr std::uint32_t none = 0xffffffffu;
+
+Vec3 body_axes(const World& world, Slot s, const Vec3& x) {
+  return world.rotates() ? Vec3(world.orientation[s].conjugate() * x) : x;
+}
+}  // namespace
+
+/// First remembered contact of the pair, or the place where it would stand.
+std::size_t WarmStart::find_pair(Slot a, Slot b) const {
+  std::size_t low = 0, high = a_.size();
+  while (low < high) {
+    const std::size_t mid = (low + high) / 2;
+    if (std::tuple(a_[mid], b_[mid]) < std::tuple(a, b)) low = mid + 1;
+    else high = mid;
+  }
+  return low;
+}
+
+/// By key; then what is left of the pair on both sides, nearest first come.
+void WarmStart::match_run(const World& world, const ContactSet& contacts, Run run) {
+  const Slot a = contacts.a[run.begin], b = contacts.b[run.begin];
+  const std::size_t first = find_pair(a, b);
+  std::size_t last = first;
+  while (last < a_.size() && a_[last] == a && b_[last] == b) ++last;
+  std::size_t old = first;
+  std::uint32_t found = 0;
+  for (std::uint32_t i = run.begin; i < run.end; ++i) {
+    while (old < last && feature_[old] < contacts.feature[i]) ++old;
+    const bool same = old < last && feature_[old] == contacts.feature[i];
+    previous_[i] = same ? static_cast<std::uint32_t>(old) : none;
+    found += same;
+  }
+  if (found == last - first || found == run.end - run.begin) return;
+  const auto taken = [&](std::size_t k) {
+    return std::any_of(previous_.begin() + run.begin, previous_.begin() + run.end, [&](std::uint32_t p) { return p == k; });
+  };
+  for (std::uint32_t i = run.begin; i < run.end; ++i) {
+    if (previous_[i] != none) continue;
+    const Vec3 arm = body_axes(world, a, contacts.arm[i]);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = first; k < last; ++k) {
+      const double distance = (arm_[k] - arm).squaredNorm();
+      if (distance < nearest && !taken(k)) nearest = distance, previous_[i] = static_cast<std::uint32_t>(k);
+    }
+  }
+}
+
+void WarmStart::recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r) {
+  runs_.clear();
+  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+    const bool same = i > 0 && contacts.a[i] == contacts.a[i - 1] && contacts.b[i] == contacts.b[i - 1];
+    if (same) ++runs_.back().end;
+    else runs_.push_back({i, i + 1});
+  }
+  previous_.resize(contacts.size()), r.resize(contacts.size());
+  parallel_for(runs_.size(), [&](std::size_t k) {
+    match_run(world, contacts, runs_[k]);
+    for (std::uint32_t i = runs_[k].begin; i < runs_[k].end; ++i) {
+      const bool known = previous_[i] != none && problem.diagonal[i](0, 0) > 0.0;
+      r[i] = known ? project_cone(problem.to_frame(i, impulse_[previous_[i]]), problem.friction[i]) : Vec3::Zero();
+    }
+  });
+}
+
+void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r) {
+  a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
+  arm_.resize(contacts.size()), impulse_.resize(contacts.size());
+  parallel_for(contacts.size(), [&](std::size_t i) {
+    arm_[i] = body_axes(world, a_[i], contacts.arm[i]);
+    impulse_[i] = problem.to_world(i, r[i]);
+  });
+}
+
+void WarmStart::reorder(const Reordering& change) {
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t k = 0; k < a_.size(); ++k) {
+    a_[k] = change.new_slot[a_[k]], b_[k] = change.new_slot[b_[k]];
+    if (a_[k] != no_slot && b_[k] != no_slot) order.push_back(k);
+  }
+  const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+  const auto permute = [&](auto& column) {
+    std::remove_reference_t<decltype(column)> sorted;
+    sorted.reserve(order.size());
+    for (const std::uint32_t k : order) sorted.push_back(column[k]);
+    column.swap(sorted);
+  };
+  permute(a_), permute(b_), permute(feature_), permute(arm_), permute(impulse_);
+}
+
+void WarmStart::visit(StateVisitor& visitor) {
+  visitor.column("warm_start/a", a_), visitor.column("warm_start/b", b_), visitor.column("warm_start/feature", feature_);
+  visitor.column("warm_start/arm", arm_), visitor.column("warm_start/impulse", impulse_);
+}
+
+}  // namespace epafi

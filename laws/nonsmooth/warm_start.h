@@ -1,0 +1,36 @@
+/// @file warm_start.h  Impulses of the last step as the start of this one.
+/// A contact is found again by its key (bodies, feature). Where clipping named a point otherwise (coincident edges of aligned
+/// faces do that at every tremor) the nearest nameless point of the same pair of bodies takes the impulse: on an aligned stack
+/// of ten boxes up to a fifth of the impulses were lost per step without this, and the stack drifted 30 times as far.
+#pragma once
+#include "laws/nonsmooth/contact_problem.h"
+
+namespace epafi {
+
+class WarmStart {
+ public:
+  /// r[i] = remembered impulse of contact i in its frame, 0 where there is none; projected on its cone.
+  void recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r);
+  /// Remembers the impulses of these contacts.
+  void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r);
+  void reorder(const Reordering& change);
+  void visit(StateVisitor& visitor);
+
+ private:
+  /// Contacts of one pair: [begin, end) of the new list.
+  struct Run {
+    std::uint32_t begin, end;
+  };
+  void match_run(const World& world, const ContactSet& contacts, Run run);
+  std::size_t find_pair(Slot a, Slot b) const;
+
+  std::vector<Slot> a_, b_;
+  std::vector<Feature> feature_;
+  std::vector<Vec3> arm_;      ///< from A's centre, in A's axes [m]
+  std::vector<Vec3> impulse_;  ///< on B, world axes [N s]
+
+  std::vector<Run> runs_;
+  std::vector<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none
+};
+
+}  // namespace epafi
