@@ -54,8 +54,8 @@ void row(const char* name, const ContactProblem& problem, const SolverEntry& ent
 int main(int argc, char** argv) {
   const int sweeps = argc > 1 ? std::atoi(argv[1]) : 100;
   set_thread_count(1);
-  fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "problem", "solver", "contacts", "pairs",
-             "colours", "ms", "M/s", "best M/s", "residual", "pen. rate");
+  fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "problem", "solver", "contacts",
+             "pairs", "colours", "ms", "M/s", "best M/s", "residual", "pen. rate");
   const std::pair<const char*, ContactProblem> problems[] = {
       {"10 boxes", test::stack_problem(10, 0.5)},
       {"1000 bodies, 1 point", test::lattice_problem(10, 0.5)},

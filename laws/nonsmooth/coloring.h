@@ -1,7 +1,8 @@
-/// @file coloring.h  Groups of contacts between the same two bodies, coloured so that no free body occurs twice in a colour.
-/// Greedy in canonical order (Welsh and Powell 1967 without the sort): the colours are a function of the contact list alone,
-/// so coloured Gauss-Seidel gives the same bits for every thread count. Bodies that cannot move do not conflict.
-/// Limit: 63 colours; a group that finds none (a body with more neighbours) goes to a last colour that runs in sequence.
+/// @file coloring.h  Groups of contacts between the same two bodies, coloured so that no free body occurs twice in a
+/// colour. Greedy in canonical order (Welsh and Powell 1967 without the sort): the colours are a function of the
+/// contact list alone, so coloured Gauss-Seidel gives the same bits for every thread count. Bodies that cannot move do
+/// not conflict. Limit: 63 colours; a group that finds none (a body with more neighbours) goes to a last colour that
+/// runs in sequence.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
-/// @file cone.h  The sets of exact Coulomb friction, in the contact frame: component 0 is normal, 1 and 2 are tangential.
-/// K_mu = {|r_T| <= mu r_N}; its dual K*_mu = {mu |u_T| <= u_N} (De Saxce and Feng 1998; Acary and Brogliato 2008, ch. 3).
-/// A contact obeys Signorini and Coulomb exactly when r in K_mu, u~ in K*_mu and r.u~ = 0.
+/// @file cone.h  The sets of exact Coulomb friction, in the contact frame: component 0 is normal, 1 and 2 are
+/// tangential. K_mu = {|r_T| <= mu r_N}; its dual K*_mu = {mu |u_T| <= u_N} (De Saxce and Feng 1998; Acary and
+/// Brogliato 2008, ch. 3). A contact obeys Signorini and Coulomb exactly when r in K_mu, u~ in K*_mu and r.u~ = 0.
 #pragma once
 #include <algorithm>
 #include <cmath>

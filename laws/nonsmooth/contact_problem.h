@@ -1,8 +1,8 @@
 /// @file contact_problem.h  The friction-contact problem of one step, in body space and matrix-free.
-///   v = v_free + M^-1 H r,   u = H^T v + w,   K*_mu contains u~, orthogonal to r in K_mu          (Moreau 1988; Jean 1999)
+///   v = v_free + M^-1 H r,   u = H^T v + w,   K*_mu contains u~, orthogonal to r in K_mu   (Moreau 1988; Jean 1999)
 /// r: impulses on B, u: velocities of B against A, both in contact frames (n, t1, t2). w has a normal part only: what
-/// restitution or an open gap asks for. With q = H^T v_free + w and W = H^T M^-1 H this is u = W r + q.
-/// Memory and work are linear in contacts; assembled.h gives M, H and W as sparse matrices where a solver wants them.
+/// restitution or an open gap asks for. With q = H^T v_free + w and W = H^T M^-1 H this is u = W r + q. Memory and work
+/// are linear in contacts; assembled.h gives M, H and W as sparse matrices where a solver wants them.
 #pragma once
 #include <vector>
 

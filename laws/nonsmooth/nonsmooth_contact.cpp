@@ -4,7 +4,6 @@
 
 #include "engine/error.h"
 #include "engine/parallel.h"
-#include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/position_correction.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
@@ -34,7 +33,7 @@ class NonsmoothContact final : public ContactModel {
 
  private:
   void load(const World& world, const ContactSet& contacts, double dt);
-  void start(const World& world, const ContactSet& contacts, double rho);
+  void start(const World& world, const ContactSet& contacts);
   void account(const World& world, StepReport& report) const;
   void write_back(World& world, ContactSet& contacts, double dt);
 
@@ -46,7 +45,7 @@ class NonsmoothContact final : public ContactModel {
   PositionCorrection correction_;
 
   ContactProblem problem_;
-  Impulses r_, cold_;
+  Impulses r_;
   std::vector<Vec3> u_, u_before_;
   BodyVelocities before_, after_;
   std::vector<double> next_gap_;
@@ -71,22 +70,18 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
     if (pair.restitution <= 0.0 || approach <= threshold) return;
     const double free_approach = -problem_.relative_velocity(i, problem_.free).x();
     if (gap > 0.0 && gap >= dt * free_approach) return;
-    const double middle = 0.5 * (approach + free_approach);  // speed of the impact, which is placed at the middle of the step
+    const double middle = 0.5 * (approach + free_approach);  // impact speed at the middle of the step
     const double rebound = pair.restitution * middle - 0.5 * (free_approach - approach);
     problem_.offset[i] = -std::max(0.0, rebound);
   });
 }
 
-/// r = impulses of the last step, or 0 where these are further from the solution: after an impact they usually are.
-void NonsmoothContact::start(const World& world, const ContactSet& contacts, double rho) {
-  cold_.assign(contacts.size(), Vec3::Zero());
-  if (!warm_start_) {
-    r_ = cold_;
-    return;
-  }
-  memory_.recall(world, contacts, problem_, r_);
-  const double warm = measure_residual(problem_, r_, rho, after_, u_).value;
-  if (measure_residual(problem_, cold_, rho, after_, u_).value < warm) r_.swap(cold_);
+/// r = impulses of the last step. Always, even after an impact: taking r = 0 where that has the smaller residual chose
+/// 0 in five of six steps of a settling pile (the residual weighs errors against one step of gravity, not against the
+/// load) and never let 200 polyhedra come to rest with 50 sweeps.
+void NonsmoothContact::start(const World& world, const ContactSet& contacts) {
+  if (warm_start_) memory_.recall(world, contacts, problem_, r_);
+  else r_.assign(contacts.size(), Vec3::Zero());
 }
 
 /// Energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their work.
@@ -126,7 +121,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   EPAFI_REQUIRE(clock.dt > 0.0, "non-smooth contact acts over a time step");
   load(world, contacts, clock.dt);
   const double rho = problem_.mean_effective_mass();
-  start(world, contacts, rho);
+  start(world, contacts);
   report.contacts = contacts.size();
   report.has_solver = true;
   report.elastic = 0.0;

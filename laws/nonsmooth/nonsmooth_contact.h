@@ -1,21 +1,23 @@
 /// @file nonsmooth_contact.h  Signorini-Coulomb contact with Newton restitution in the Moreau-Jean step (theta = 1/2).
 /// Positions are those of the middle of the step when the contacts are found; the impulses change v_k to v_{k+1}.
 ///
-/// Gaps. The gap g is measured at the middle and is next measured at the next middle, dt * u_N later, as both half drifts
-/// use v_{k+1}. An open contact therefore demands u_N >= -g/dt: exactly what keeps the next measured gap >= 0. It carries
-/// an impulse only if it would otherwise close, it never pulls, and the gap at the end of the step, g + dt/2 u_N, is >= 0 too.
-/// An overlapping contact demands u_N >= 0; overlap is taken out by positions, not by velocities (position_correction.h).
+/// Gaps. The gap g is measured at the middle and is next measured at the next middle, dt * u_N later, as both half
+/// drifts use v_{k+1}. An open contact therefore demands u_N >= -g/dt: exactly what keeps the next measured gap >= 0.
+/// It carries an impulse only if it would otherwise close, it never pulls, and the gap at the end of the step, g + dt/2
+/// u_N, is >= 0 too. An overlapping contact demands u_N >= 0; overlap is taken out by positions, not by velocities
+/// (position_correction.h).
 ///
-/// Restitution. An approach faster than 2 |g| dt at the start of the step (v_k, before gravity acts in it) that would close
-/// the contact is an impact: u_N >= -e u_N^- with half of the step's gravity before it and half after, as if it happened at the
-/// middle: u_{k+1} = -e (u_k + a dt/2) + a dt/2. (With u^- = u_k each bounce came out dt late: Zeno's ball by 1 %, case A22.)
-/// Slower approaches do not bounce: one step of gravity is not resolved, and sweeps that stop early leave velocities of that
-/// order in a pile; a resting contact has u_k = 0 and cannot bounce whatever e is. An open contact bounces in the step in
-/// which it would close, at gap > 0: early by less than dt, without overlap, and without a change of energy if e = 1.
-/// Limit: Newton's law can create energy in frictional impacts with rotation (Kane's paradox, case A21).
+/// Restitution. An approach faster than 2 |g| dt at the start of the step (v_k, before gravity acts in it) that would
+/// close the contact is an impact: u_N >= -e u_N^- with half of the step's gravity before it and half after, as if it
+/// happened at the middle: u_{k+1} = -e (u_k + a dt/2) + a dt/2. (With u^- = u_k each bounce came out dt late: Zeno's
+/// ball by 1 %, case A22.) Slower approaches do not bounce: one step of gravity is not resolved, and sweeps that stop
+/// early leave velocities of that order in a pile; a resting contact has u_k = 0 and cannot bounce whatever e is. An
+/// open contact bounces in the step in which it would close, at gap > 0: early by less than dt, without overlap, and
+/// without a change of energy if e = 1. Limit: Newton's law can create energy in frictional impacts with rotation
+/// (Kane's paradox, case A21).
 ///
-/// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding but
-/// for the drift of rotating unsymmetric bodies.
+/// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding
+/// but for the drift of rotating unsymmetric bodies.
 #pragma once
 #include <memory>
 #include <string>

@@ -1,8 +1,9 @@
-/// @file position_correction.h  Takes overlap out by moving bodies, without touching their velocities: no kinetic energy is
-/// made (split impulses; Guendelman, Bridson and Fedkiw 2003; Catto 2005). Displacements d = M^-1 H_N s, s >= 0, with
+/// @file position_correction.h  Takes overlap out by moving bodies, without touching their velocities: no kinetic
+/// energy is made (split impulses; Guendelman, Bridson and Fedkiw 2003; Catto 2005). Displacements d = M^-1 H_N s, s >=
+/// 0, with
 ///   d_N >= share * (overlap - slop)  where the overlap is beyond the slop,   d_N >= -max(gap, 0)  elsewhere.
-/// A frictionless problem solved by a few normal sweeps; leftovers are taken next step. What gravity's potential gains by
-/// it is returned, so that the ledger shows it. Limit: a tall jammed pile corrects as slowly as the sweeps converge.
+/// A frictionless problem solved by a few normal sweeps; leftovers are taken next step. What gravity's potential gains
+/// by it is returned, so that the ledger shows it. Limit: a tall jammed pile corrects as slowly as the sweeps converge.
 #pragma once
 #include "laws/nonsmooth/coloring.h"
 #include "laws/nonsmooth/sweep.h"

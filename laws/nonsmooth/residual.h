@@ -1,7 +1,7 @@
 /// @file residual.h  The one error measure of all solvers, taken outside them.
-///   residual = ||r - P_K(r - rho u~)|| / (rho ||q||), Euclidean over all contacts (De Saxce natural map; Acary, Bremond
-/// and Huber 2018 with rho = 1, which depends on units; in a run rho = 1/mean(W_ii normal) does not).
-/// A per-contact maximum alone misleads on stacks, where the error is smooth along the stack.
+///   residual = ||r - P_K(r - rho u~)|| / (rho ||q||), Euclidean over all contacts
+/// (De Saxce natural map; Acary, Bremond and Huber 2018 with rho = 1, which depends on units; in a run rho = 1/mean(W_ii normal) does not). A per-contact
+/// maximum alone misleads on stacks, where the error is smooth along the stack.
 #pragma once
 #include "laws/nonsmooth/contact_problem.h"
 

@@ -1,7 +1,7 @@
-/// @file sweep.h  Coloured block Gauss-Seidel sweeps in body space, over data packed in the order it is read.
-/// One contact update reads u from the velocities of two bodies, asks the local rule for a new r and applies the change.
-/// Pairs are coloured, not contacts: both bodies stay in registers over the points of a manifold. Colours run in sequence,
-/// pairs of a colour in parallel; the bits do not depend on the number of threads. Rates: perf/solvers.cpp.
+/// @file sweep.h  Coloured block Gauss-Seidel sweeps in body space, over data packed in the order it is read. One
+/// contact update reads u from the velocities of two bodies, asks the local rule for a new r and applies the change.
+/// Pairs are coloured, not contacts: both bodies stay in registers over the points of a manifold. Colours run in
+/// sequence, pairs of a colour in parallel; the bits do not depend on the number of threads. Rates: perf/solvers.cpp.
 #pragma once
 #include <type_traits>
 

@@ -44,7 +44,8 @@ void WarmStart::match_run(const World& world, const ContactSet& contacts, Run ru
   }
   if (found == last - first || found == run.end - run.begin) return;
   const auto taken = [&](std::size_t k) {
-    return std::any_of(previous_.begin() + run.begin, previous_.begin() + run.end, [&](std::uint32_t p) { return p == k; });
+    const auto begin = previous_.begin() + run.begin, end = previous_.begin() + run.end;
+    return std::any_of(begin, end, [&](std::uint32_t p) { return p == k; });
   };
   for (std::uint32_t i = run.begin; i < run.end; ++i) {
     if (previous_[i] != none) continue;
@@ -74,7 +75,8 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
   });
 }
 
-void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r) {
+void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem,
+                         const Impulses& r) {
   a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
   arm_.resize(contacts.size()), impulse_.resize(contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
@@ -101,7 +103,8 @@ void WarmStart::reorder(const Reordering& change) {
 }
 
 void WarmStart::visit(StateVisitor& visitor) {
-  visitor.column("warm_start/a", a_), visitor.column("warm_start/b", b_), visitor.column("warm_start/feature", feature_);
+  visitor.column("warm_start/a", a_), visitor.column("warm_start/b", b_);
+  visitor.column("warm_start/feature", feature_);
   visitor.column("warm_start/arm", arm_), visitor.column("warm_start/impulse", impulse_);
 }
 

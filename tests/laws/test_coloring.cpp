@@ -71,7 +71,8 @@ TEST_CASE("a body with more than 63 neighbours leaves the rest to a colour in se
 
 TEST_CASE("the colouring is kept while pairs last and follows them when they change", "[laws][coloring]") {
   Coloring coloring, fresh;
-  const ContactProblem four = lattice_problem(4, 0.5, 4), one = lattice_problem(4, 0.5, 1), other = lattice_problem(3, 0.5);
+  const ContactProblem four = lattice_problem(4, 0.5, 4), one = lattice_problem(4, 0.5, 1);
+  const ContactProblem other = lattice_problem(3, 0.5);
   for (const ContactProblem* p : {&four, &one, &other, &four}) {  // four and one: same pairs, other points
     coloring.update(*p);
     check_valid(*p, coloring);

@@ -19,7 +19,8 @@ TEST_CASE("the projection on the Coulomb cone is the nearest of many sampled poi
       REQUIRE(tangential_norm(p) <= mu * p.x() * (1 + 1e-15) + 1e-300);
       double best = x.norm();  // the apex
       for (int k = 0; k < 20000; ++k) {
-        const double n = random.uniform(0.0, 2.0), t = mu * n * random.uniform(), angle = random.uniform(0.0, 6.2831853);
+        const double n = random.uniform(0.0, 2.0), t = mu * n * random.uniform();
+        const double angle = random.uniform(0.0, 6.2831853);
         best = std::min(best, (x - Vec3(n, t * std::cos(angle), t * std::sin(angle))).norm());
       }
       CHECK((x - p).norm() <= best + 1e-12);
@@ -66,5 +67,5 @@ TEST_CASE("the natural map is zero for take-off, stick and slip, and for nothing
   CHECK(natural_map(Vec3(2, 0, 0), Vec3(0, 3, 4), mu, 1.0).norm() > 0.1);       // slips without friction
   CHECK(natural_map(Vec3::Zero(), Vec3(-1, 0, 0), mu, 1.0).norm() > 0.1);       // penetrates
   CHECK(natural_map(Vec3(1, 0, 0), Vec3(1, 0, 0), mu, 1.0).norm() > 0.1);       // force at a distance
-  CHECK(natural_map(Vec3(2, -0.6, -0.8), Vec3(1.5, 3, 4), mu, 1.0).norm() > 0.1);  // convex relaxation: gap mu |u_T|... and force
+  CHECK(natural_map(Vec3(2, -0.6, -0.8), Vec3(1.5, 3, 4), mu, 1.0).norm() > 0.1);  // convex relaxation's gap
 }

@@ -38,7 +38,7 @@ TEST_CASE("matrix-free velocities equal those of the assembled forms", "[laws][p
   }
 }
 
-TEST_CASE("the diagonal blocks are those of the Delassus matrix, which is symmetric and not negative", "[laws][problem]") {
+TEST_CASE("the diagonal blocks are those of the symmetric, not negative Delassus matrix", "[laws][problem]") {
   const ContactProblem p = random_problem(20, 4, true, 0.4);
   const Eigen::MatrixXd w = assemble_local(p).W;
   for (std::size_t i = 0; i < p.size(); ++i) {

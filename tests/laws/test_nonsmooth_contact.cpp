@@ -42,7 +42,7 @@ TEST_CASE("A14: a sliding sphere rolls after 2 v0 / (7 mu g) with 5/7 of its spe
     if (slip > 1e-9) rolling_since = x.world.time, distance = x.world.position[ball].x();
   }
   CHECK(rolling_since == Approx(0.291248).margin(1e-3));                 // one step
-  CHECK(x.world.velocity[ball].x() == Approx(1.428571).epsilon(1e-6));   // exact: angular momentum about the contact line
+  CHECK(x.world.velocity[ball].x() == Approx(1.428571).epsilon(1e-6));   // angular momentum is exact
   CHECK(x.world.angular_velocity[ball].y() == Approx(28.5714).epsilon(1e-5));
   CHECK(distance == Approx(0.499282).margin(1.5e-3));                    // one step of 1.43 mm
   const double before = x.world.velocity[ball].x();
@@ -116,7 +116,7 @@ TEST_CASE("A20: bodies leave a dome where gravity alone would take them off", "[
   for (const Case c : {Case{0.0, 48.1897}, Case{10.0, 53.900}}) {
     RigidExperiment x({.friction = c.friction, .dt = 2e-4, .reach = 1e-2});
     x.fix(x.sphere(1.0, 1000.0, Vec3::Zero()));
-    const double r = 0.01, start = 1.0 * degree;  // a start at rest 1 degree off the top moves the angle by less than 0.01
+    const double r = 0.01, start = 1.0 * degree;  // 1 degree off the top moves the angle by 0.01
     const Slot ball = x.sphere(r, 1000.0, (1 + r) * Vec3(std::sin(start), 0, std::cos(start)));
     double leaves = 0.0;
     for (int k = 0; k < 20000 && x.world.position[ball].z() > 0.0; ++k) {
@@ -181,7 +181,8 @@ TEST_CASE("the energy of a stack that is dropped and struck never grows", "[laws
     before = now;
   }
   CHECK(worst < step_error);
-  CHECK(before < e0 - 900.0);  // 4 boxes fall 0.05, 0.1, 0.15, 0.2 m in all: m g h = 4905 J, the lowest order of it is lost
+  // the boxes fall 0.05, 0.1, 0.15 and 0.2 m, m g h = 4905 J in all, and one had 45 J: all of it is lost
+  CHECK(e0 - before == Approx(4950.0).epsilon(2e-3));
   // ledger: the discrete theory is exact; rounding of 3000 steps
   CHECK(std::abs(x.energy() - e0 + x.dissipated - x.work_done - x.correction) < 1e-9 * e0);
 }
@@ -194,8 +195,8 @@ TEST_CASE("a driven plane does the work that the ledger counts", "[laws][nonsmoo
   x.run_for(1.0);
   CHECK(x.world.velocity[1].isApprox(Vec3(0.5, 0, 0.2), 1e-9));
   CHECK(x.energy() - e0 == Approx(x.work_done - x.dissipated + x.correction).epsilon(1e-9));
-  // friction dissipates m v^2 / 2 in accelerating a body to the belt's speed; the lift is a blow: m w^2 / 2 more, and the
-  // weight's impulse m g dt of that step acts at the mean velocity w / 2
+  // friction dissipates m v^2 / 2 in accelerating a body to the belt's speed; the lift is a blow: m w^2 / 2 more, and
+  // the weight's impulse m g dt of that step acts at the mean velocity w / 2
   CHECK(x.dissipated == Approx(0.5 * mass * (0.25 + 0.04) + 0.5 * mass * 9.81 * 1e-3 * 0.2).epsilon(1e-6));
 }
 
@@ -211,7 +212,8 @@ TEST_CASE("momentum of colliding free bodies is conserved to rounding", "[laws][
     for (Slot s = 0; s < x.world.size(); ++s) {
       const double m = 1.0 / x.world.inverse_mass[s];
       p += m * x.world.velocity[s];
-      l += m * x.world.position[s].cross(x.world.velocity[s]) + x.world.angular_velocity[s] / x.world.inverse_inertia[s].x();
+      l += m * x.world.position[s].cross(x.world.velocity[s]);
+      l += x.world.angular_velocity[s] / x.world.inverse_inertia[s].x();
     }
     return std::pair(p, l);
   };
@@ -233,7 +235,8 @@ TEST_CASE("frictionless spheres run without rotation columns", "[laws][nonsmooth
   Pipeline pipeline;
   pipeline.scheme = std::make_unique<MoreauJean>();
   pipeline.broad_phase = std::make_unique<EveryPair>();
-  pipeline.narrow_phase = std::make_unique<CornerContacts>(std::vector<Solid>{{Solid::Kind::sphere, Vec3::Constant(0.1)}}, 0.01);
+  const std::vector<Solid> solids{{Solid::Kind::sphere, Vec3::Constant(0.1)}};
+  pipeline.narrow_phase = std::make_unique<CornerContacts>(solids, 0.01);
   pipeline.contact_model = make_nonsmooth_contact({"pgs", {}, one_material(0.0, 0.5)});
   Workspace work;
   for (int k = 0; k < 20; ++k) step(world, pipeline, work, 1e-3);
@@ -250,7 +253,7 @@ TEST_CASE("a stack of ten boxes stands for ten seconds", "[laws][nonsmooth]") {
     for (int k = 0; k < 2400; ++k) x.run(1), overlap = std::max(overlap, x.deepest());
     const Vec3 moved = x.world.position[10] - start;
     INFO("drift " << std::hypot(moved.x(), moved.y()) << " sag " << -moved.z() << " overlap " << overlap
-                  << " residual " << x.work.report.solver.residual << " iterations " << x.work.report.solver.iterations);
+                  << " residual " << x.work.report.solver.residual);
     CHECK(std::hypot(moved.x(), moved.y()) < 5e-3);
     CHECK(overlap < 1e-3);
   }

@@ -1,4 +1,5 @@
-/// @file contact_worlds.h  Contact problems for solver tests: stacks, heaps and random contacts, made without detection.
+/// @file contact_worlds.h  Contact problems for solver tests: stacks, heaps and random contacts, made without
+/// detection.
 #pragma once
 #include "engine/random.h"
 #include "laws/nonsmooth/contact_problem.h"
@@ -31,10 +32,11 @@ inline ContactProblem stack_problem(int n, double mu, double dt = 1.0 / 240, dou
 /// Every fifth body is fixed; `rotates` decides on the angular columns.
 inline ContactProblem random_problem(int n, std::uint64_t seed, bool rotates, double mu) {
   Random random(seed, 0);
-  const auto vec = [&](double size) { return Vec3(random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)); };
+  const auto vec = [&](double s) { return Vec3(random.uniform(-s, s), random.uniform(-s, s), random.uniform(-s, s)); };
   World world{Columns{.rotation = rotates, .force = false}};
   for (int i = 0; i < n; ++i) {
-    Body body{.position = vec(1.0), .velocity = vec(1.0), .angular_velocity = vec(1.0), .mass = random.uniform(0.5, 2.0)};
+    Body body{.position = vec(1.0), .velocity = vec(1.0), .angular_velocity = vec(1.0)};
+    body.mass = random.uniform(0.5, 2.0);
     if (i % 5 == 0) body.mass = 0.0;
     body.inertia = Vec3::Constant(0.1) + 0.05 * vec(1.0);
     world.add(body);
@@ -64,7 +66,8 @@ inline ContactProblem lattice_problem(int n, double mu, int points = 1) {
     for (int k = 0; k < points; ++k) {
       Vec3 arm = (a == 0 ? Vec3(world.position[static_cast<Slot>(b)] - 0.5 * normal) : Vec3(0.5 * normal));
       if (points > 1) arm += 0.25 * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, 0).cross(normal);
-      contacts.append(static_cast<Slot>(a), static_cast<Slot>(b), {.gap = 0.0, .normal = normal, .arm = arm, .feature = static_cast<Feature>(k)});
+      contacts.append(static_cast<Slot>(a), static_cast<Slot>(b),
+                      {.gap = 0.0, .normal = normal, .arm = arm, .feature = static_cast<Feature>(k)});
     }
   };
   for (int i = 1; i <= n * n; ++i) join(0, i, Vec3::UnitZ());

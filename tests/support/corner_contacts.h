@@ -1,5 +1,6 @@
-/// @file corner_contacts.h  Contacts of spheres, boxes and one kind of plane without the detection floor, for tests of contact
-/// models: sphere-sphere, sphere-plane, box corners against a plane, upright boxes stacked face on face or on spheres.
+/// @file corner_contacts.h  Contacts of spheres, boxes and one kind of plane without the detection floor, for tests of
+/// contact models: sphere-sphere, sphere-plane, box corners against a plane, upright boxes stacked face on face or on
+/// spheres.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -83,14 +84,16 @@ class CornerContacts final : public NarrowPhase {
     add(world, ball, box, true, up, gap, top + gap * up, 0, contacts);
   }
 
-  /// The bottom corners of the upper box, moved into the top face of the lower one (right while both faces are parallel).
+  /// The bottom corners of the upper box, moved into the top face of the lower one (right while both faces are
+  /// parallel).
   void stack(const World& world, Slot a, Slot b, ContactSet& contacts) const {
     const bool below_is_a = world.position[a].z() < world.position[b].z();
     const Pose low = world.pose(below_is_a ? a : b), high = world.pose(below_is_a ? b : a);
     const Vec3 half_low = solid(world, below_is_a ? a : b).half, half_high = solid(world, below_is_a ? b : a).half;
     for (std::uint32_t k = 0; k < 4; ++k) {
       const Vec3 p = low.to_local(high.to_world(corner(half_high, k)));
-      const double x = std::clamp(p.x(), -half_low.x(), half_low.x()), y = std::clamp(p.y(), -half_low.y(), half_low.y());
+      const double x = std::clamp(p.x(), -half_low.x(), half_low.x());
+      const double y = std::clamp(p.y(), -half_low.y(), half_low.y());
       const Vec3 tip = low.to_world({x, y, p.z()});
       add(world, a, b, below_is_a, low.orientation * Vec3::UnitZ(), p.z() - half_low.z(), tip, k, contacts);
     }

@@ -1,8 +1,8 @@
-/// @file gauss_seidel.h  The sweeps of a Gauss-Seidel solver and when to stop them.
-/// Cheap test after every sweep: the change of r in the sweep, scaled like the residual. When it falls below the tolerance
-/// the true residual decides; if it is not met the cheap threshold is lowered in proportion (Acary, Bremond and Huber 2018).
-/// Cost: linear in contacts per sweep. On n stacked boxes 0.93 n^2 sweeps per decade, on mass ratio q about 2.3 q:
-/// the fast end of the chart for loose systems, not for tall stacks or heavy bodies on light ones.
+/// @file gauss_seidel.h  The sweeps of a Gauss-Seidel solver and when to stop them. Cheap test after every sweep: the
+/// change of r in the sweep, scaled like the residual. When it falls below the tolerance the true residual decides; if
+/// it is not met the cheap threshold is lowered in proportion (Acary, Bremond and Huber 2018). Cost: linear in contacts
+/// per sweep. On n stacked boxes 0.93 n^2 sweeps per decade, on mass ratio q about 2.3 q: the fast end of the chart for
+/// loose systems, not for tall stacks or heavy bodies on light ones.
 #pragma once
 #include <cmath>
 

@@ -1,6 +1,6 @@
-/// @file nsgs.h  The exact solution of one contact with Coulomb friction (Bonnefon and Daviet 2011, here by a bracketed root).
-/// With the other contacts frozen, u = W r + q. Take-off: q_N >= 0, r = 0. Stick: u = 0, r = -W^-1 q inside the cone.
-/// Slip: u_N = 0 and u_T = -lambda r_T, lambda > 0, so that with S = W_TT - W_TN W_NT / W_NN
+/// @file nsgs.h  The exact solution of one contact with Coulomb friction (Bonnefon and Daviet 2011, here by a bracketed
+/// root). With the other contacts frozen, u = W r + q. Take-off: q_N >= 0, r = 0. Stick: u = 0, r = -W^-1 q inside the
+/// cone. Slip: u_N = 0 and u_T = -lambda r_T, lambda > 0, so that with S = W_TT - W_TN W_NT / W_NN
 ///   (S + lambda 1) r_T = W_TN q_N / W_NN - q_T,   r_N = -(q_N + W_NT r_T) / W_NN,
 /// and lambda is a root of |r_T| - mu r_N, positive at 0 (outside the cone) and negative for lambda to infinity.
 #pragma once
@@ -45,7 +45,8 @@ struct NsgsRule {
   }
 
  private:
-  /// Illinois form of regula falsi (Dowell and Jarratt 1971) to rounding; bisects where it stalls, 100 halvings at most.
+  /// Illinois form of regula falsi (Dowell and Jarratt 1971) to rounding; bisects where it stalls, 100 halvings at
+  /// most.
   template <class At, class Excess>
   static Vec3 slip(const At& at, const Excess& excess, double low, double high, double mu) {
     double f_low = excess(at(low)), f_high = excess(at(high));

@@ -1,6 +1,7 @@
 /// @file pgs.h  The local rule of projected Gauss-Seidel: the normal row, then both tangential rows on the exact disk.
 /// r_N = max(0, r_N - omega u_N / W_NN), then r_T = P_disk(r_T - omega u_T / w_T) with the disk of the new mu r_N
-/// (Jourdan, Alart and Jean 1998; Moreau's fixed point). w_T is the larger eigenvalue of W_TT: the step never overshoots.
+/// (Jourdan, Alart and Jean 1998; Moreau's fixed point). w_T is the larger eigenvalue of W_TT: the step never
+/// overshoots.
 #pragma once
 #include "laws/nonsmooth/cone.h"
 
@@ -22,8 +23,8 @@ struct PgsRule {
   Vec3 update(const Data& d, double mu, const Vec3& r, const Vec3& u) const {
     const double normal = std::max(0.0, r.x() - relaxation * d.step_n * u.x());
     const double change = normal - r.x(), step = relaxation * d.step_t;
-    const Vec3 trial(normal, r.y() - step * (u.y() + d.coupling1 * change), r.z() - step * (u.z() + d.coupling2 * change));
-    return project_disk(trial, mu * normal);
+    const double t1 = r.y() - step * (u.y() + d.coupling1 * change), t2 = r.z() - step * (u.z() + d.coupling2 * change);
+    return project_disk({normal, t1, t2}, mu * normal);
   }
 };
 

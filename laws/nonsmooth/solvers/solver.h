@@ -12,8 +12,8 @@ namespace epafi {
 class ContactSolver {
  public:
   virtual ~ContactSolver() = default;
-  /// r: start on entry (feasible: every r_i in its cone), solution on return. `converged` and `residual` are the solver's
-  /// own claim; callers measure again (residual.h).
+  /// r: start on entry (feasible: every r_i in its cone), solution on return. `converged` and `residual` are the
+  /// solver's own claim; callers measure again (residual.h).
   virtual SolverReport solve(const ContactProblem& problem, Impulses& r) = 0;
 };
 
@@ -29,7 +29,7 @@ inline std::vector<Field> solver_fields(std::vector<Field> own = {}) {
       {"iterations", "", "", Kind::integer, 50.0, {1, 1e9}, "sweeps or iterations per step at most"},
       {"tolerance", "", "", Kind::number, 1e-6, not_negative, "residual at which the solver stops"},
       {"warm_start", "", "", Kind::boolean, true, {}, "start from the impulses of the last step"},
-      {"correction", "beta", "", Kind::number, 0.2, unit_interval, "share of the overlap beyond slop that one step takes out"},
+      {"correction", "beta", "", Kind::number, 0.2, unit_interval, "share of the overlap beyond slop taken out per step"},
       {"slop", "", "", Kind::number, 1e-4, not_negative, "overlap that is left alone, relative to the body"},
   };
   all.insert(all.end(), own.begin(), own.end());
