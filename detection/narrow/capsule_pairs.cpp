@@ -65,7 +65,7 @@ void collide_closed(const Capsule& a, const HalfSpace& b, const PairQuery& q, Co
   for (const Feature end : {Feature{0}, Feature{1}}) {
     const Vec3 centre = (end == 0 ? -a.half_length() : a.half_length()) * axis;
     const double gap = height + outward.dot(centre) - a.radius;
-    if (gap < q.reach) sink.add({gap, -outward, centre - (a.radius + 0.5 * gap) * outward, a.radius, end});
+    if (gap < q.reach) sink.add({gap, -outward, centre - a.radius * outward, a.radius, end});
   }
 }
 

@@ -103,7 +103,7 @@ TEST_CASE("two spheres: gap, normal, point and R* as written", "[detection][narr
 
 TEST_CASE("a plane touches every body at its lowest points", "[detection][narrow]") {
   const double z = 0.45;
-  // the point lies in the middle of the overlap, on a sphere at its pole
+  // the point lies in the middle of the overlap, on a sphere or a capsule at its pole
   const auto lowest = [&](auto shape, const Quat& turn, std::size_t points, double depth, double share = 0.5) {
     Scene s;
     s.add(ground, {0, 0, 0}), s.add(shape, {3, 4, z}, turn);
@@ -121,7 +121,7 @@ TEST_CASE("a plane touches every body at its lowest points", "[detection][narrow
   lowest(Sphere{0.5}, upright, 1, 0.05, 1.0);
   lowest(Box(Vec3(1, 1, 0.5)), upright, 4, 0.05);
   lowest(support::unit_tetrahedron(), Quat::FromTwoVectors(Vec3(1, 1, 1), -Vec3::UnitZ()), 1, std::sqrt(0.375) - z);
-  lowest(Capsule(0.5, 2), lying, 2, 0.05);
+  lowest(Capsule(0.5, 2), lying, 2, 0.05, 1.0);
   lowest(Cylinder(0.5, 2), lying, 2, 0.05);
   lowest(Cylinder(2, 1), upright, 4, 0.05);
   lowest(Ellipsoid(Vec3(2, 1, 0.5)), upright, 1, 0.05);

@@ -24,7 +24,7 @@ TEST_CASE("a summary holds every key of its contract and leaves out what the sce
                           "contacts_mean", "failure"})
     CHECK_THAT(bare, !Contains(quoted(key)));
 
-  s.energy = RunSummary::Energy{1, 2, std::nullopt, 3, 4, 1e-5};
+  s.energy = RunSummary::Energy{1, 2, std::nullopt, 3, 4, std::nullopt, 1e-5};
   s.overlap = RunSummary::Overlap{1e-4, 5e-5, 0.01};
   s.residual = RunSummary::MaxMean{0.5, 0.25};
   s.measures["outflow"]["rate"] = {0.52, 0.0, 0.6};
