@@ -21,8 +21,8 @@ struct Short {
 
 /// Large scenes are made smaller, all are cut after some hundred steps in which contacts form and slide.
 Short shortened(const std::string& scene) {
-  if (scene == "hopper/hopper.toml") return {scene, {"params.n=400", "params.open_at=0.04"}, 1500};
-  if (scene == "hopper/pellets.toml") return {scene, {"params.n=60", "params.open_at=0.04"}, 300};
+  if (scene == "hopper/hopper.toml") return {scene, {"params.n=400", "params.open_at=0.09"}, 2400};
+  if (scene == "hopper/pellets.toml") return {scene, {"params.n=120", "params.open_at=0.09"}, 150};
   if (scene == "bed/bed.toml") return {scene, {"params.n=400"}, 1200};
   if (scene == "pile/polyhedra.toml") return {scene, {"params.n=60"}, 150};
   return {scene, {}, 300};
