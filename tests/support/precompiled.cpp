@@ -1,0 +1,2 @@
+/// @file precompiled.cpp  Carries the precompiled header of the tests.
+#include "tests/support/precompiled.h"
