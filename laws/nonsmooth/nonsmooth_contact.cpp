@@ -142,10 +142,14 @@ Needs nonsmooth_needs(const NonsmoothSetup& setup) {
   return {.rotation = friction, .slip_velocity = friction, .memory = true, .manifold = true};
 }
 
+std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup, const SolverEntry& solver) {
+  return std::make_unique<NonsmoothContact>(setup, solver);
+}
+
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup) {
   std::string names;
   for (const SolverEntry& solver : all_solvers()) {
-    if (solver.entry.name == setup.solver) return std::make_unique<NonsmoothContact>(setup, solver);
+    if (solver.entry.name == setup.solver) return make_nonsmooth_contact(setup, solver);
     names += (names.empty() ? "" : ", ") + solver.entry.name;
   }
   throw SceneError("unknown non-smooth solver '" + setup.solver + "'; there are: " + names);

@@ -24,6 +24,7 @@
 
 #include "engine/pipeline.h"
 #include "laws/material.h"
+#include "laws/nonsmooth/solvers/solver.h"
 
 namespace epafi {
 
@@ -39,5 +40,7 @@ Needs nonsmooth_needs(const NonsmoothSetup& setup);
 
 /// Throws SceneError for an unknown solver, naming those that exist.
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup);
+/// With a solver of the caller's own; setup.solver is not looked at.
+std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup, const SolverEntry& solver);
 
 }  // namespace epafi
