@@ -146,9 +146,10 @@ TEST_CASE("a solver from outside holds a body at rest", "[physics][seams]") {
   stages.narrow_phase = std::move(narrow);
   Workspace work;
   for (int i = 0; i < 100; ++i) step(world, stages, work, 1e-3);
-  // GJK and EPA stop at 1e-6 of the larger body, here 7e-6 m: the body rests within that and settles towards it
+  // one free step falls g dt^2 = 1e-5 m and gains g dt = 1e-2 m/s: within two of the first and a fiftieth of the second
+  // it is held; why it is not held to rounding is not yet known
   CHECK(std::abs(world.position[1].z() - 0.5) < 2e-5);
-  CHECK(world.velocity[1].norm() < 2e-5 / 0.1);
+  CHECK(world.velocity[1].norm() < 2e-4);
   REQUIRE(work.contacts.size() == 1);
   CHECK(work.contacts.force[0].z() == Approx(-20.0).epsilon(1e-3));  // the floor, body A, carries m g
 }
