@@ -4,27 +4,32 @@
 #pragma once
 #include <concepts>
 
+#include "engine/lanes.h"
 #include "engine/registry.h"
 #include "engine/types.h"
 #include "laws/material.h"
 
 namespace epafi {
 
-/// One contact at one instant, in SI. overlap > 0 where bodies interpenetrate.
-struct ContactKinematics {
-  double overlap = 0.0;            ///< delta = -gap [m]
-  double approach_velocity = 0.0;  ///< d(delta)/dt, > 0 while approaching [m/s]
-  double effective_mass = 0.0;     ///< m* [kg]; the mass of the free body against a fixed one
-  double effective_radius = 0.0;   ///< R* [m]; NaN where the law did not ask for curvature
+/// One contact at one instant, in SI, or four of them (Real = Lanes). overlap > 0 where bodies interpenetrate.
+template <class Real>
+struct KinematicsOf {
+  Real overlap{};            ///< delta = -gap [m]
+  Real approach_velocity{};  ///< d(delta)/dt, > 0 while approaching [m/s]
+  Real effective_mass{};     ///< m* [kg]; the mass of the free body against a fixed one
+  Real effective_radius{};   ///< R* [m]; NaN where the law did not ask for curvature
 };
+using ContactKinematics = KinematicsOf<double>;
 
 /// What a normal law answers.
-struct NormalResponse {
-  double force = 0.0;          ///< N [N], >= 0: a contact never pulls
-  double elastic_force = 0.0;  ///< the part of N that is stored, dU/d(delta) [N]
-  double stiffness = 0.0;      ///< k_n = d(elastic_force)/d(delta) [N/m]
-  double energy = 0.0;         ///< U(delta) [J]
+template <class Real>
+struct ResponseOf {
+  Real force{};          ///< N [N], >= 0: a contact never pulls
+  Real elastic_force{};  ///< the part of N that is stored, dU/d(delta) [N]
+  Real stiffness{};      ///< k_n = d(elastic_force)/d(delta) [N/m]
+  Real energy{};         ///< U(delta) [J]
 };
+using NormalResponse = ResponseOf<double>;
 
 /// Names of what a scene must give for a law, nearest first; empty when all is there.
 using Missing = std::vector<std::string>;
@@ -43,6 +48,12 @@ concept NormalLaw = LawPart<L> && requires(const typename L::Parameters& p, cons
   { L::is_hertzian } -> std::convertible_to<bool>;           ///< k_n = 2 E* sqrt(R* delta)
   { L::is_damped(p) } -> std::same_as<bool>;
   { L::respond(p, c) } -> std::same_as<NormalResponse>;
+};
+
+/// A normal law that also answers for four contacts at once: its formula is a template over the number.
+template <class L>
+concept LaneLaw = NormalLaw<L> && requires(const typename L::Parameters& p, const KinematicsOf<Lanes>& c) {
+  { L::respond(p, c) } -> std::same_as<ResponseOf<Lanes>>;
 };
 
 /// A tangential spring of stiffness k_t(k_n) that slides at mu N.

@@ -44,7 +44,8 @@ struct CoulombSpring {
   static Parameters parameters(const MaterialPair& pair) {
     return {pair.friction, number_or_default(pair.parameters, entry(), "tangential_ratio")};
   }
-  static double stiffness(const Parameters& p, double normal_stiffness) { return p.ratio * normal_stiffness; }
+  template <class Real>
+  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) { return p.ratio * normal_stiffness; }
   static double friction(const Parameters& p) { return p.friction; }
 };
 static_assert(TangentialLaw<CoulombSpring>);
@@ -70,7 +71,8 @@ struct Mindlin {
   static Parameters parameters(const MaterialPair& pair) {
     return {pair.friction, 4.0 * pair.effective_shear_modulus() / pair.effective_modulus()};
   }
-  static double stiffness(const Parameters& p, double normal_stiffness) { return p.ratio * normal_stiffness; }
+  template <class Real>
+  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) { return p.ratio * normal_stiffness; }
   static double friction(const Parameters& p) { return p.friction; }
 };
 static_assert(TangentialLaw<Mindlin>);
