@@ -17,6 +17,8 @@ constexpr NamedLaw named_laws[] = {
     {"linear", "linear spring and dashpot; friction by a spring in fixed ratio", "linear", "coulomb-spring"},
     {"hertz", "Hertz with Tsuji damping; friction by Mindlin's spring", "hertz", "mindlin"},
     {"hertz-mindlin", "the same as hertz, by its common name", "hertz", "mindlin"},
+    {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio", "overlap-volume",
+     "coulomb-spring"},
     {"hunt-crossley", "Hertz with Hunt-Crossley damping; friction by Mindlin's spring", "hunt-crossley", "mindlin"},
 };
 
