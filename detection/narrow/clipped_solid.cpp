@@ -19,12 +19,6 @@ void ClippedSolid::assign(const ClippedSolid& other) {
   points = other.points, begin_ = other.begin_, corners_ = other.corners_;
 }
 
-std::uint32_t ClippedSolid::kept(std::uint32_t vertex) {
-  std::uint32_t& name = new_name_[vertex];
-  if (name == unnamed) name = static_cast<std::uint32_t>(next_points_.size()), next_points_.push_back(points[vertex]);
-  return name;
-}
-
 /// Where the edge leaves; each edge is met from both of its faces and gets one point.
 std::uint32_t ClippedSolid::crossing(std::uint32_t inside, std::uint32_t outside) {
   for (const Crossing& c : crossings_)
@@ -33,62 +27,76 @@ std::uint32_t ClippedSolid::crossing(std::uint32_t inside, std::uint32_t outside
   const auto name = static_cast<std::uint32_t>(next_points_.size());
   next_points_.push_back(points[inside] + p / (p - q) * (points[outside] - points[inside]));
   crossings_.push_back({inside, outside, name});
+  cap_next_.push_back(unnamed);
   return name;
 }
 
-void ClippedSolid::cut_face(std::uint32_t begin, std::uint32_t end) {
-  const auto is_in = [&](std::uint32_t k) { return above_[corners_[k]] <= 0.0; };
-  std::uint32_t first_entry = unnamed, open_exit = unnamed;
-  for (std::uint32_t k = begin; k < end; ++k) {
-    const std::uint32_t next = k + 1 == end ? begin : k + 1;
-    if (is_in(k)) next_corners_.push_back(kept(corners_[k]));
-    if (is_in(k) == is_in(next)) continue;
-    if (is_in(k)) {
-      open_exit = crossing(corners_[k], corners_[next]);
-      next_corners_.push_back(open_exit);
-      continue;
+/// Writes what is left of the face behind `out`; the end of what was written.
+std::uint32_t* ClippedSolid::cut_face(const std::uint32_t* begin, const std::uint32_t* end, std::uint32_t* out) {
+  std::uint32_t first_entry = unnamed, open_exit = unnamed, last = *(end - 1);
+  bool last_in = new_name_[last] != unnamed;
+  for (const std::uint32_t* k = begin; k != end; ++k) {
+    const std::uint32_t corner = *k, name = new_name_[corner];
+    const bool in = name != unnamed;
+    if (in != last_in) {
+      const std::uint32_t cut = in ? crossing(corner, last) : crossing(last, corner);
+      *out++ = cut;
+      // the face runs exit -> entry along the cut, the cap the other way
+      if (!in) open_exit = cut;
+      else if (open_exit == unnamed) first_entry = cut;
+      else cap_next_[cut - kept_] = open_exit, open_exit = unnamed;
     }
-    const std::uint32_t entry = crossing(corners_[next], corners_[k]);
-    next_corners_.push_back(entry);
-    // the face runs exit -> entry along the cut, the cap the other way
-    if (open_exit == unnamed) first_entry = entry;
-    else cap_next_.resize(std::max<std::size_t>(cap_next_.size(), entry + 1u), unnamed), cap_next_[entry] = open_exit;
-    open_exit = unnamed;
+    if (in) *out++ = name;
+    last = corner, last_in = in;
   }
-  if (first_entry != unnamed && open_exit != unnamed) {
-    cap_next_.resize(std::max<std::size_t>(cap_next_.size(), first_entry + 1u), unnamed);
-    cap_next_[first_entry] = open_exit;
-  }
-  if (next_corners_.size() > next_begin_.back()) next_begin_.push_back(static_cast<std::uint32_t>(next_corners_.size()));
+  if (first_entry != unnamed) cap_next_[first_entry - kept_] = open_exit;
+  return out;
 }
 
-void ClippedSolid::close_cuts() {
+/// One face for each closed chain of cuts.
+std::uint32_t* ClippedSolid::close_cuts(std::uint32_t* out) {
   for (std::uint32_t start = 0; start < cap_next_.size(); ++start) {
-    if (cap_next_[start] == unnamed) continue;
-    for (std::uint32_t p = start; p < cap_next_.size() && cap_next_[p] != unnamed;) {
-      next_corners_.push_back(p);
-      const std::uint32_t next = cap_next_[p];
+    std::uint32_t* const face = out;
+    for (std::uint32_t p = start; cap_next_[p] != unnamed;) {
+      *out++ = p + kept_;
+      const std::uint32_t next = cap_next_[p] - kept_;
       cap_next_[p] = unnamed;
       p = next;
     }
-    next_begin_.push_back(static_cast<std::uint32_t>(next_corners_.size()));
+    // a cut of two points is no face: the two faces beside it meet there, and an edge must not be listed twice
+    if (out < face + 3) out = face;
+    else next_begin_.push_back(static_cast<std::uint32_t>(out - next_corners_.data()));
   }
+  return out;
 }
 
 bool ClippedSolid::clip(const Plane& plane) {
-  above_.resize(points.size());
+  const std::size_t count = points.size();
+  above_.resize(count);
   double low = infinity, high = -infinity;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     above_[i] = plane.above(points[i]);
     low = std::min(low, above_[i]), high = std::max(high, above_[i]);
   }
   if (!(low < 0.0)) return false;
   if (!(high > 0.0)) return true;
-  next_points_.clear(), next_corners_.clear(), crossings_.clear(), cap_next_.clear();
+  next_points_.clear(), crossings_.clear(), cap_next_.clear();
+  new_name_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    new_name_[i] = above_[i] > 0.0 ? unnamed : static_cast<std::uint32_t>(next_points_.size());
+    if (new_name_[i] != unnamed) next_points_.push_back(points[i]);
+  }
+  kept_ = static_cast<std::uint32_t>(next_points_.size());
   next_begin_.assign(1, 0u);
-  new_name_.assign(points.size(), unnamed);
-  for (std::size_t f = 0; f + 1 < begin_.size(); ++f) cut_face(begin_[f], begin_[f + 1]);
-  close_cuts();
+  next_corners_.resize(4 * corners_.size());  // each corner may add a cut to its face and one to the cap
+  std::uint32_t* out = next_corners_.data();
+  for (std::size_t f = 0; f + 1 < begin_.size(); ++f) {
+    std::uint32_t* const face = out;
+    out = cut_face(corners_.data() + begin_[f], corners_.data() + begin_[f + 1], out);
+    if (out != face) next_begin_.push_back(static_cast<std::uint32_t>(out - next_corners_.data()));
+  }
+  out = close_cuts(out);
+  next_corners_.resize(static_cast<std::size_t>(out - next_corners_.data()));
   points.swap(next_points_), begin_.swap(next_begin_), corners_.swap(next_corners_);
   return true;
 }

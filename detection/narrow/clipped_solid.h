@@ -36,18 +36,18 @@ class ClippedSolid {
   struct Crossing {
     std::uint32_t inside, outside, point;
   };
-  void cut_face(std::uint32_t begin, std::uint32_t end);
-  void close_cuts();
+  std::uint32_t* cut_face(const std::uint32_t* begin, const std::uint32_t* end, std::uint32_t* out);
+  std::uint32_t* close_cuts(std::uint32_t* out);
   std::uint32_t crossing(std::uint32_t inside, std::uint32_t outside);
-  std::uint32_t kept(std::uint32_t vertex);
 
   std::vector<std::uint32_t> begin_, corners_;  ///< CSR: faces, counter-clockwise seen from outside
   std::vector<double> above_;                   ///< of the plane now cut by, by point
   std::vector<Vec3> next_points_;
   std::vector<std::uint32_t> next_begin_, next_corners_;
-  std::vector<std::uint32_t> new_name_;   ///< of kept points
+  std::vector<std::uint32_t> new_name_;   ///< of kept points, the largest number for the others
+  std::uint32_t kept_ = 0;                ///< how many are kept: the names of cuts begin there
   std::vector<Crossing> crossings_;
-  std::vector<std::uint32_t> cap_next_;   ///< by new point: the point that follows it on the cut
+  std::vector<std::uint32_t> cap_next_;   ///< by cut: the cut that follows it around the plane
 };
 
 }  // namespace epafi

@@ -76,7 +76,7 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination);
   const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per contact
-  const double ratio = damping_ratio_for(pair.restitution);
+  const double ratio = damping_ratio_for(std::max(pair.restitution, least_restitution<N>));
   const double by_damping = ratio > 0.0 ? 0.25 * std::sqrt(c.effective_mass / stiffness) / ratio : by_time;
   out.auto_step = std::min({by_time, by_mode, by_damping});
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
