@@ -18,6 +18,7 @@ struct KinematicsOf {
   Real approach_velocity{};  ///< d(delta)/dt, > 0 while approaching [m/s]
   Real effective_mass{};     ///< m* [kg]; the mass of the free body against a fixed one
   Real effective_radius{};   ///< R* [m]; NaN where the law did not ask for curvature
+  Real area{};               ///< of a cell of overlap volume [m^2], where the law asked for it
 };
 using ContactKinematics = KinematicsOf<double>;
 

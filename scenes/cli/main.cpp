@@ -23,6 +23,17 @@ void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
   command->add_flag("--json", o.json, "print the summary on stdout, nothing else there");
 }
 
+void add_solve_flags(CLI::App* command, epafi::SolveOptions& o) {
+  command->add_option("problems", o.problems, "problem files")->required();
+  command->add_option("-m,--method", o.methods, "solvers, by name; `all` for every one (default auto)")->delimiter(',');
+  command->add_option("--tolerance", o.tolerance, "residual to reach (default 1e-6)")->check(CLI::NonNegativeNumber);
+  command->add_option("--max-iterations", o.max_iterations, "iterations at most")->check(CLI::PositiveNumber);
+  command->add_option("--time-limit", o.time_limit, "CPU time of each solve (1s, 0.5s, 2m; default 10s)");
+  command->add_option("--solution", o.solution, "write <problem>/reaction to this HDF5 file");
+  command->add_option("-o,--out", o.out, "write the rows to this file");
+  command->add_flag("--json", o.json, "rows as JSON");
+}
+
 void add_study_flags(CLI::App* command, epafi::StudyOptions& o, const char* what) {
   command->add_option(what, o.files, "file (TOML)")->required();
   command->add_option("--set", o.overrides, "override a value, KEY.PATH=VALUE (repeatable)")->allow_extra_args(false);
@@ -40,6 +51,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CommonOptions common;
   RunOptions run;
+  SolveOptions solve;
   std::string directory, kind, format = "vtk";
 
   auto* run_command = app.add_subcommand("run", "simulate headlessly");
@@ -60,6 +72,8 @@ int main(int argc, char** argv) {
   auto* schema_command = app.add_subcommand("schema", "the JSON Schema of scene files");
   auto* new_command = app.add_subcommand("new", "a commented starter scene on stdout");
   new_command->add_option("kind", kind, "hopper, stack, impact, pile")->required();
+  auto* solve_command = app.add_subcommand("solve", "solve friction-contact problems from files (FCLIB HDF5, Siconos .dat)");
+  add_solve_flags(solve_command, solve);
   auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
   export_command->add_option("dir", directory, "output folder of the run")->required();
   export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
@@ -102,6 +116,7 @@ int main(int argc, char** argv) {
     if (*list_command) return command_list(kind);
     if (*schema_command) return command_schema();
     if (*new_command) return command_new(kind);
+    if (*solve_command) return command_solve(solve);
     if (*export_command) return command_export(directory, format);
     if (*chart_command) return command_chart(study);
     if (*limits_command) return command_limits(study);

@@ -131,14 +131,19 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
   Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = lost;
   transpose(f0, f1, f2, f3), transpose(t0, t1, t2, t3);
   const Lanes force[4] = {f0, f1, f2, f3}, torque[4] = {t0, t1, t2, t3};
-  for (int k = 0; k < lane_count; ++k) sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
-  if constexpr (wall) return;
+  if constexpr (wall) {
+    for (int k = 0; k < lane_count; ++k) sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
+    return;
+  }
   Lanes u0 = arm_b * moment.x, u1 = arm_b * moment.y, u2 = arm_b * moment.z, u3{};
   transpose(u0, u1, u2, u3);
   const Lanes torque_b[4] = {u0, u1, u2, u3}, no_energy{-1.0, -1.0, -1.0, 0.0};  // the owner keeps the energy
+  // lane by lane, A and B: the order of a body's sum must not depend on which contacts share a group
   for (int k = 0; k < lane_count; ++k) {
-    if constexpr (across) records[g.record + static_cast<std::uint32_t>(k)] = SphereSum{no_energy * force[k], torque_b[k]};
-    else sums[g.b[k]].force += no_energy * force[k], sums[g.b[k]].torque += torque_b[k];
+    sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
+    SphereSum& other = across ? records[g.record + static_cast<std::uint32_t>(k)] : sums[g.b[k]];
+    if constexpr (across) other = SphereSum{no_energy * force[k], torque_b[k]};
+    else other.force += no_energy * force[k], other.torque += torque_b[k];
   }
 }
 
