@@ -32,6 +32,11 @@ struct RunOptions {
   bool quiet = false, verbose = false, json = false, force = false;
 };
 
+struct PatchOptions {
+  bool json = false;
+  std::string maps;  ///< folder for pressure, traction and slip maps; empty: none
+};
+
 int command_run(const CommonOptions& common, const RunOptions& options);
 int command_resume(const std::string& directory, const RunOptions& options);
 int command_check(const CommonOptions& common);
@@ -40,6 +45,7 @@ int command_list(const std::string& kind);
 int command_schema();
 int command_new(const std::string& kind);
 int command_export(const std::string& directory, const std::string& format);
+int command_patch(const CommonOptions& common, const PatchOptions& options);  ///< patch.cpp
 
 /// Runs a command and turns what it throws into a message and an exit code.
 int guarded(const std::function<int()>& command);

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CommonOptions common;
   RunOptions run;
+  PatchOptions patch;
   std::string directory, kind, format = "vtk";
 
   auto* run_command = app.add_subcommand("run", "simulate headlessly");
@@ -53,6 +54,10 @@ int main(int argc, char** argv) {
   auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
   export_command->add_option("dir", directory, "output folder of the run")->required();
   export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
+  auto* patch_command = app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
+  add_scene_flags(patch_command, common);
+  patch_command->add_flag("--json", patch.json, "print the results as JSON on stdout");
+  patch_command->add_option("--maps", patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
 
   try {
     app.parse(argc, argv);
@@ -68,6 +73,7 @@ int main(int argc, char** argv) {
     if (*list_command) return command_list(kind);
     if (*schema_command) return command_schema();
     if (*new_command) return command_new(kind);
+    if (*patch_command) return command_patch(common, patch);
     if (*export_command) return command_export(directory, format);
     return static_cast<int>(exit_usage);
   });
