@@ -2,6 +2,7 @@
 
 #include "detection/narrow/epa.h"
 #include "detection/narrow/gjk.h"
+#include "detection/narrow/overlap_cells.h"
 
 namespace epafi {
 namespace {
@@ -59,6 +60,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   if (spheres_apart(q, a.radius + b.radius + limit)) return;
   const PolyhedronPair pair(a, b, q.a, q.b);
   if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
+  if (q.area) return collide_volumes(pair, r, q, sink);
   const PolyhedronDistance d = polyhedron_distance(pair, limit);
   remember(q, d.axis.normal);
   if (d.beyond) return;

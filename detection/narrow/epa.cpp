@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "detection/narrow/gjk.h"
+
 namespace epafi {
 namespace {
 
@@ -67,15 +69,19 @@ class Polytope {
     return horizon_count_ >= 3 && close(apex);
   }
 
-  /// Deepest points: the origin's projection on the facet in barycentric coordinates.
-  void witnesses(const Facet& facet, Vec3& a, Vec3& b) const {
+  /// Deepest points: the origin's projection on the facet in barycentric coordinates. False where it falls beside the
+  /// facet (of several coplanar facets this is another) or the facet is too narrow to tell.
+  bool witnesses(const Facet& facet, Vec3& a, Vec3& b) const {
     const auto &p = points_[facet.vertex[0]], &q = points_[facet.vertex[1]], &r = points_[facet.vertex[2]];
     const Vec3 x = facet.distance * facet.normal;
     const Vec3 n = (q.y - p.y).cross(r.y - p.y);
     const double square = n.squaredNorm();
     const double wp = n.dot((q.y - x).cross(r.y - x)) / square, wq = n.dot((r.y - x).cross(p.y - x)) / square;
-    a = wp * p.a + wq * q.a + (1.0 - wp - wq) * r.a;
-    b = wp * p.b + wq * q.b + (1.0 - wp - wq) * r.b;
+    const double wr = 1.0 - wp - wq;
+    a = wp * p.a + wq * q.a + wr * r.a;
+    b = wp * p.b + wq * q.b + wr * r.b;
+    constexpr double beside = -1e-12;  // rounding of a weight on a facet of sound shape
+    return wp >= beside && wq >= beside && wr >= beside;
   }
 
  private:
@@ -169,6 +175,18 @@ class Polytope {
   std::uint16_t facets_count_ = 0;
 };
 
+/// Deepest points by the distance of the bodies once B is pushed out along the normal and a little further: the point of
+/// the difference nearest to (depth + a little) n is depth n, whichever of several coplanar facets holds it. (At exact
+/// touch of a tip and a face, weights on the wrong facet put the point 0.3 of the size beside the tip.)
+void push_apart(const MinkowskiDifference& difference, Penetration& p) {
+  const Vec3 push = (p.upper + 1e-3 * difference.size()) * p.normal;
+  MinkowskiDifference apart = difference;
+  apart.offset += push;
+  const GjkResult g = gjk(apart, {infinity, 1e-15, p.normal});
+  if (g.status == GjkResult::Status::overlapping) return;
+  p.witness_a = g.witness_a, p.witness_b = g.witness_b - push;
+}
+
 /// A difference without volume holds the origin in its plane: it is left across the plane at once.
 Penetration across_flat(const MinkowskiDifference& difference, const Vec3& normal) {
   Penetration out;
@@ -180,6 +198,7 @@ Penetration across_flat(const MinkowskiDifference& difference, const Vec3& norma
   out.lower = std::min(0.0, out.upper);
   out.witness_a = up <= down ? above.a : below.a;
   out.witness_b = out.witness_a - out.upper * out.normal;
+  push_apart(difference, out);
   return out;
 }
 
@@ -191,20 +210,22 @@ Penetration epa(const MinkowskiDifference& difference, double tolerance) {
   Vec3 across;
   if (!polytope.start(across)) return across_flat(difference, across);
   out.upper = infinity;
+  bool on_facet = false;
   for (out.iterations = 1; !polytope.is_full(); ++out.iterations) {
     const std::uint16_t f = polytope.nearest();
     const Facet facet = polytope.facet(f);
     out.lower = facet.distance;
     const MinkowskiVertex w = difference.support(facet.normal);
     const double height = facet.normal.dot(w.y);
-    if (height < out.upper) {
-      out.upper = height, out.normal = facet.normal;
-      polytope.witnesses(facet, out.witness_a, out.witness_b);
-    }
+    if (height < out.upper) out.upper = height, out.normal = facet.normal;
     const bool closed = out.upper - out.lower <= tolerance * difference.size();
-    if (closed) out.status = Penetration::Status::converged;
+    if (closed) {
+      out.status = Penetration::Status::converged;
+      on_facet = polytope.witnesses(facet, out.witness_a, out.witness_b);
+    }
     if (closed || !polytope.expand(f, w)) break;
   }
+  if (!on_facet) push_apart(difference, out);
   return out;
 }
 

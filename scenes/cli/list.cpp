@@ -51,7 +51,7 @@ void append_part(std::string& out, const Part& part) {
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures"};
+  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "scenes"};
   return kinds;
 }
 

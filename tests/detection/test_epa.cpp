@@ -1,6 +1,7 @@
 #include "detection/narrow/epa.h"
 
 #include "detection/narrow/polyhedra.h"
+#include "detection/shapes/box.h"
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/ellipsoid.h"
@@ -81,4 +82,27 @@ TEST_CASE("a difference without volume is named flat and left across at once", "
   CHECK(p.status == Penetration::Status::flat);
   CHECK(std::abs(p.upper) < 1e-15);
   CHECK(std::abs(std::abs(p.normal.x()) - 1.0) < 1e-12);  // segments along z and y cross: apart along x
+}
+
+TEST_CASE("the deepest points are a tip and its foot wherever the tip stands on a face", "[detection][epa]") {
+  // Tip of a double pyramid of 6 sides on a wide box: the difference has one wide face, cut into facets by rounding alone.
+  std::vector<Vec3> points{{0, 0, -0.5}, {0, 0, 0.5}};
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    points.emplace_back(0.4 * std::cos(k * std::acos(0.5)), 0.4 * std::sin(k * std::acos(0.5)), 0.0);
+    faces.push_back({2 + k, 2 + (k + 1) % 6, 1}), faces.push_back({2 + (k + 1) % 6, 2 + k, 0});
+  }
+  const ConvexHull tip = ConvexHull::from_faces(points, faces).hull;
+  REQUIRE(tip.vertices.size() == 8);
+  const Box floor(Vec3(5, 4, 1));
+  Random random(33, 0);
+  for (int k = 0; k < 300; ++k) {
+    const double depth = k % 3 == 0 ? 0.0 : std::pow(10.0, -random.uniform(3, 13));
+    const Vec3 foot(random.uniform(-4, 4), random.uniform(-3, 3), 1.0);
+    const Pose pose{foot + Vec3(0, 0, 0.5 - depth), Quat(Eigen::AngleAxisd(random.uniform(0, 3), Vec3::UnitZ()))};
+    const auto p = epa(difference(floor, {}, tip, pose));
+    CHECK(std::abs(p.upper - depth) < 2e-12 * 6.5);
+    CHECK((p.witness_a - foot).norm() < 1e-11);  // a few ulp of 6.5, over the apex of 40 degrees
+    CHECK((p.witness_b - (foot - Vec3(0, 0, depth))).norm() < 1e-11);
+  }
 }
