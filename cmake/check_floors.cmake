@@ -21,6 +21,7 @@ set(doors
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/main\\.cpp"
   "zlib\\.h|viz_export/vtp_writer\\.cpp"
+  "nlohmann/|viz_export/json_reader\\.cpp"
   "catch2/|tests/support/catch\\.h")
 
 foreach(floor engine detection laws viz_export scenes)

@@ -10,24 +10,25 @@ namespace epafi {
 
 void ContactSet::clear() {
   a.clear(), b.clear(), feature.clear(), gap.clear(), normal.clear(), arm.clear();
-  effective_radius.clear(), force.clear(), moment.clear();
+  effective_radius.clear(), area.clear(), force.clear(), moment.clear();
 }
 
 void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
   a.push_back(slot_a), b.push_back(slot_b), feature.push_back(c.feature);
   gap.push_back(c.gap), normal.push_back(c.normal), arm.push_back(c.arm);
   if (with_curvature) effective_radius.push_back(c.effective_radius);
+  if (with_area) area.push_back(c.area);
 }
 
 void ContactSet::append(const ContactSet& other) {
   const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   join(a, other.a), join(b, other.b), join(feature, other.feature), join(gap, other.gap);
-  join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius);
+  join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius), join(area, other.area);
 }
 
 std::size_t ContactSet::bytes_per_contact() const {
   return 2 * sizeof(Slot) + sizeof(Feature) + sizeof(double) + 3 * sizeof(Vec3) + (with_curvature ? sizeof(double) : 0) +
-         (with_moment ? sizeof(Vec3) : 0);
+         (with_area ? sizeof(double) : 0) + (with_moment ? sizeof(Vec3) : 0);
 }
 
 void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous) {

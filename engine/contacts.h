@@ -36,12 +36,14 @@ struct ContactPoint {
   Vec3 arm = Vec3::Zero();                               ///< from A's centre to the contact point, world axes [m]
   double effective_radius = 0.0;                         ///< R* = 1/(1/R_a + 1/R_b) [m], where curvature is needed
   Feature feature = 0;
+  double area = 0.0;                                     ///< volume over overlap of a cell of overlap volume [m^2], where needed
 };
 
 /// Columns of contacts. Columns the plan does not need stay empty.
 struct ContactSet {
   bool with_curvature = false;  ///< effective_radius is filled
   bool with_moment = false;     ///< moment is filled by the contact model
+  bool with_area = false;       ///< area is filled: contacts are cells of overlap volume
 
   std::vector<Slot> a, b;
   std::vector<Feature> feature;
@@ -49,6 +51,7 @@ struct ContactSet {
   std::vector<Vec3> normal;              ///< from A to B
   std::vector<Vec3> arm;                 ///< from A's centre to the contact point [m]
   std::vector<double> effective_radius;  ///< [m]
+  std::vector<double> area;              ///< [m^2]
   std::vector<Vec3> force;               ///< on A, written by the contact model [N] (impulse / dt for non-smooth)
   std::vector<Vec3> moment;              ///< on A beside the force [N m]
 

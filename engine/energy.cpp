@@ -7,17 +7,18 @@
 
 namespace epafi {
 
+double kinetic_energy(const World& world, Slot s) {
+  if (!world.is_movable(s)) return 0.0;
+  double twice = world.velocity[s].squaredNorm() / world.inverse_mass[s];
+  if (world.rotates()) {
+    const Vec3 w = world.orientation[s].conjugate() * world.angular_velocity[s];
+    twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia[s]).sum();
+  }
+  return 0.5 * twice;
+}
+
 double kinetic_energy(const World& world) {
-  return block_sum<double>(world.size(), [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    if (!world.is_movable(s)) return 0.0;
-    double twice = world.velocity[s].squaredNorm() / world.inverse_mass[s];
-    if (world.rotates()) {
-      const Vec3 w = world.orientation[s].conjugate() * world.angular_velocity[s];
-      twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia[s]).sum();
-    }
-    return 0.5 * twice;
-  });
+  return block_sum<double>(world.size(), [&](std::size_t i) { return kinetic_energy(world, static_cast<Slot>(i)); });
 }
 
 double potential_energy(const World& world) {

@@ -9,7 +9,9 @@
 
 namespace epafi {
 
-/// Kinetic energy of the free bodies, translation and rotation [J].
+/// Kinetic energy of one body, translation and rotation [J]; 0 for a fixed or driven one.
+double kinetic_energy(const World& world, Slot body);
+/// Of all free bodies [J].
 double kinetic_energy(const World& world);
 /// -sum (m g + F).x over the free bodies [J].
 double potential_energy(const World& world);

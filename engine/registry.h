@@ -93,10 +93,11 @@ struct Needs {
   bool curvature = false;         ///< effective radius of the contact
   bool manifold = false;          ///< several points per pair
   bool contact_moment = false;    ///< a moment beside the force (rolling friction)
+  bool area = false;              ///< contacts are cells of the overlap volume, each with its mean area
 
   constexpr Needs operator|(const Needs& o) const {
     return {rotation || o.rotation, slip_velocity || o.slip_velocity, memory || o.memory,
-            curvature || o.curvature, manifold || o.manifold, contact_moment || o.contact_moment};
+            curvature || o.curvature, manifold || o.manifold, contact_moment || o.contact_moment, area || o.area};
   }
 };
 

@@ -78,10 +78,16 @@ void Simulation::observe(bool last) {
   }
   if (!any) return;
   if (energy) ledger.measure(world);
-  const StepView view{world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last};
+  const StepView now = view(last);
   for (const auto& o : observers)
-    if (last || o->is_due(steps_)) o->observe(view);
+    if (last || o->is_due(steps_)) o->observe(now);
 }
+
+StepView Simulation::view(bool last) const {
+  return {world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last};
+}
+
+void Simulation::show(Observer& observer) { observer.observe(view(true)); }
 
 void Simulation::visit(StateVisitor& visitor) {
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);

@@ -33,6 +33,8 @@ class Simulation {
   void start();
   /// One step with everything around it. A failure leaves the run as it is: the caller saves and stops.
   std::optional<Failure> advance(bool last = false);
+  /// Shows one observer the present state, due or not.
+  void show(Observer& observer);
   /// All state that a restart needs for the same bits.
   void visit(StateVisitor& visitor);
 
@@ -42,6 +44,7 @@ class Simulation {
   void take_out();
   std::optional<Failure> watch();
   void observe(bool last);
+  StepView view(bool last) const;
   void reorder(const Reordering& change);
 
   std::uint64_t steps_ = 0;

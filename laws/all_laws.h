@@ -4,6 +4,7 @@
 #include "laws/smooth/hertz.h"
 #include "laws/smooth/hunt_crossley.h"
 #include "laws/smooth/linear.h"
+#include "laws/smooth/overlap_volume.h"
 #include "laws/smooth/rolling.h"
 
 namespace epafi {
@@ -11,7 +12,7 @@ namespace epafi {
 template <class... L>
 struct LawList {};
 
-using NormalLaws = LawList<Linear, Hertz, HuntCrossley>;
+using NormalLaws = LawList<Linear, Hertz, HuntCrossley, OverlapVolume>;
 using TangentialLaws = LawList<NoFriction, CoulombSpring, Mindlin>;
 using RollingLaws = LawList<NoRolling, RollingSpring>;
 

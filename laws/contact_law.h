@@ -16,6 +16,7 @@ struct ContactKinematics {
   double approach_velocity = 0.0;  ///< d(delta)/dt, > 0 while approaching [m/s]
   double effective_mass = 0.0;     ///< m* [kg]; the mass of the free body against a fixed one
   double effective_radius = 0.0;   ///< R* [m]; NaN where the law did not ask for curvature
+  double area = std::numeric_limits<double>::quiet_NaN();  ///< of a cell of overlap volume [m^2]; NaN elsewhere
 };
 
 /// What a normal law answers.

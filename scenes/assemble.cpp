@@ -98,7 +98,8 @@ Pipeline make_pipeline(Assembly& a) {
   const auto scheme = std::find_if(schemes.begin(), schemes.end(), [&](const auto& s) { return s.entry.name == a.scene.run.scheme.value; });
   p.scheme = scheme->make();
   p.contact_model = make_contact_model(a.scene);
-  p.narrow_phase = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
+  p.narrow_phase = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature,
+                                                        a.plan.needs.area);
   return p;
 }
 
@@ -124,6 +125,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   Simulation& sim = *a->simulation;
   sim.world.gravity = a->scene.gravity;
   sim.work.contacts.with_curvature = a->plan.needs.curvature;
+  sim.work.contacts.with_area = a->plan.needs.area;
   sim.work.contacts.with_moment = a->plan.needs.contact_moment;
   if (a->scene.domain) sim.domain = a->scene.domain->value;
   for (const auto& b : a->scene.bodies)

@@ -24,8 +24,10 @@ Overlap measure_overlap(const World& world, const ContactSet& contacts, const Sh
 
 RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies, const ShapeStore& shapes,
                        std::uint64_t steps, std::uint64_t interval)
-    : bounds_(scene.bounds), bound_bodies_(bound_bodies), bound_start_(bounds_.size()), shapes_(shapes), steps_(steps),
+    : bounds_(scene.bounds), stopping_(bounds_.size()), bound_bodies_(bound_bodies), shapes_(shapes), steps_(steps),
       interval_(std::max<std::uint64_t>(1, interval)) {
+  bounds_.insert(bounds_.end(), scene.accuracy.begin(), scene.accuracy.end());
+  bound_start_.resize(bounds_.size());
   for (const auto& b : bounds_) {
     const std::string name = b.body.empty() ? b.quantity : b.quantity + "." + b.body;
     checks_.push_back({name, 0.0, b.limit, true});
@@ -108,9 +110,16 @@ void RunMonitor::check(const StepView& view) {
 }
 
 std::optional<BoundCheck> RunMonitor::violated() const {
-  for (const auto& c : checks_)
-    if (!c.ok) return c;
+  for (std::size_t i = 0; i < stopping_; ++i)
+    if (!checks_[i].ok) return checks_[i];
   return std::nullopt;
+}
+
+std::vector<BoundCheck> RunMonitor::accuracy() const {
+  std::vector<BoundCheck> all(checks_.begin() + static_cast<std::ptrdiff_t>(stopping_), checks_.end());
+  for (BoundCheck& c : all)
+    if (c.name == "overlap_relative") c.value = totals_.overlap_relative, c.ok = c.value <= c.bound;
+  return all;
 }
 
 Overlap RunMonitor::overlap() const {

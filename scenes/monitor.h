@@ -28,6 +28,7 @@ struct BoundCheck {
 class RunMonitor final : public Observer {
  public:
   /// steps: of the whole run; overlap counts over its last tenth. interval: steps between looks at overlap and bounds.
+  /// bound_bodies: of [bounds], then of [accuracy].
   RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies, const ShapeStore& shapes,
              std::uint64_t steps, std::uint64_t interval);
   bool is_due(std::uint64_t) const override { return true; }
@@ -36,7 +37,10 @@ class RunMonitor final : public Observer {
   void visit(StateVisitor& visitor) override;
 
   std::optional<BoundCheck> violated() const;
-  const std::vector<BoundCheck>& checks() const { return checks_; }
+  /// Of [bounds]: worst value of the whole run.
+  std::vector<BoundCheck> checks() const { return {checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_)}; }
+  /// Of [accuracy]: what came out beside what the scene needs. The overlap is that of the last tenth of the run.
+  std::vector<BoundCheck> accuracy() const;
   double contacts_mean() const { return totals_.steps > 0 ? totals_.contacts / totals_.steps : 0.0; }
   double residual_max() const { return totals_.residual_max; }
   double residual_mean() const { return totals_.steps > 0 ? totals_.residual / totals_.steps : 0.0; }
@@ -61,7 +65,8 @@ class RunMonitor final : public Observer {
   struct Momentum {
     double start[3] = {0, 0, 0}, largest = 0, error = 0, started = 0;
   };
-  std::vector<BoundSpec> bounds_;
+  std::vector<BoundSpec> bounds_;  ///< of [bounds], then of [accuracy]
+  std::size_t stopping_;           ///< the first so many end the run
   std::vector<std::vector<BodyId>> bound_bodies_;
   std::vector<std::vector<Vec3>> bound_start_;
   std::vector<BoundCheck> checks_;

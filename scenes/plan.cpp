@@ -50,6 +50,24 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
   }
 }
 
+/// The law of overlap volumes knows polyhedra, boxes and half-spaces with sharp edges.
+void refuse_volumeless(const Scene& scene, const ShapesInUse& use) {
+  std::vector<Problem> problems;
+  for (const auto* list : {&use.free, &use.held}) {
+    for (std::size_t s : *list) {
+      const ShapeSpec& shape = scene.shapes[s];
+      const bool known = shape.type == "polyhedron" || shape.type == "box" || shape.type == "half_space";
+      if (known && !(shape.rounding > 0.0)) continue;
+      Problem p;
+      p.place = shape.place;
+      p.text = "law '" + scene.contact.law.value + "' needs sharp polyhedra, boxes and half-spaces, not " +
+               (known ? "a rounded " : "a ") + shape.type;
+      problems.push_back(p);
+    }
+  }
+  if (!problems.empty()) throw SceneError(std::move(problems));
+}
+
 void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> cells;
   const auto reach = [&](std::size_t p, std::size_t q) {
@@ -63,6 +81,7 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
     for (std::size_t q : use.free) reach(p, q);
     for (std::size_t q : use.held) reach(p, q);
   }
+  if (plan.needs.area) refuse_volumeless(scene, use);
   for (const auto& cell : plan.pair_cells) {
     if (cell.method == "closed-form") continue;
     const auto asked = std::find_if(scene.shapes.begin(), scene.shapes.end(), [&](const auto& s) { return s.type == cell.b; });
@@ -94,6 +113,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   const ContactSettings& c = scene.contact;
   pay(plan.needs.memory, smooth ? "tangential history" : "warm start", smooth ? "the friction spring is carried by contact" : "impulses of the last step start the solver", smooth ? c.friction.place : c.method.place);
   pay(plan.needs.curvature, "curvature", "the law needs the radius of the contact", c.law.place);
+  pay(plan.needs.area, "overlap volume", "the law takes the volume of the overlap", c.law.place);
   pay(plan.needs.contact_moment, "contact moment", "rolling friction", c.rolling_friction.place);
   const auto pushed = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.force.squaredNorm() > 0; });
   plan.columns.external_force = pushed != scene.bodies.end();
@@ -107,7 +127,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   World world(plan.columns);
   plan.bytes_per_body = world.bytes_per_body();
   ContactSet contacts;
-  contacts.with_curvature = plan.needs.curvature, contacts.with_moment = plan.needs.contact_moment;
+  contacts.with_curvature = plan.needs.curvature, contacts.with_area = plan.needs.area, contacts.with_moment = plan.needs.contact_moment;
   plan.bytes_per_contact = contacts.bytes_per_contact() + (plan.needs.memory ? sizeof(Vec3) + 2 * sizeof(Slot) + sizeof(Feature) : 0);
   return plan;
 }

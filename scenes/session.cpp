@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,13 @@ namespace {
 /// Steps between two happenings `interval` seconds apart, at least 1.
 std::uint64_t steps_of(double interval, double dt) {
   return static_cast<std::uint64_t>(std::max(1.0, std::round(interval / dt)));
+}
+
+/// Of all threads of this process [s].
+double processor_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 std::uint64_t peak_memory() {
@@ -50,8 +58,8 @@ std::string scene_hash(const Scene& scene) {
 }
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
-                 const CheckpointHeader* from)
-    : assembly_(std::move(assembly)), overrides_(std::move(overrides)), folder_(std::move(folder)) {
+                 const CheckpointHeader* from, Output output)
+    : assembly_(std::move(assembly)), overrides_(std::move(overrides)), folder_(std::move(folder)), output_(output) {
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
   const RunFileHeader header{EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
@@ -63,8 +71,8 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   add_observers();
 }
 
-Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder)
-    : Session(std::move(assembly), std::move(overrides), std::move(folder), nullptr) {
+Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, Output output)
+    : Session(std::move(assembly), std::move(overrides), std::move(folder), nullptr, output) {
   assembly_->simulation->start();
 }
 
@@ -73,7 +81,7 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
   const std::filesystem::path file = folder / "checkpoint.h5";
   const CheckpointHeader header = read_checkpoint_header(file);
   const CheckpointExpectation expected{EPAFI_VERSION, scene_hash(assembly->scene)};
-  std::unique_ptr<Session> s(new Session(std::move(assembly), std::move(overrides), std::move(folder), &header));
+  std::unique_ptr<Session> s(new Session(std::move(assembly), std::move(overrides), std::move(folder), &header, Output::all));
   load_checkpoint(file, expected, [&](StateVisitor& v) { s->walk(v); });
   s->first_step_ = s->assembly_->simulation->steps();
   s->first_body_steps_ = s->monitor_->body_steps();
@@ -88,6 +96,7 @@ void Session::add_observers() {
   const double dt = sim.time_step;
   std::vector<std::vector<BodyId>> bound_bodies;
   for (const auto& b : scene.bounds) bound_bodies.push_back(assembly_->ids(b.bodies));
+  for (const auto& b : scene.accuracy) bound_bodies.push_back(assembly_->ids(b.bodies));
   const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
   auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, assembly_->steps, std::min<std::uint64_t>(100, frame_every));
   monitor_ = monitor.get();
@@ -102,7 +111,8 @@ void Session::add_observers() {
     recorders_.push_back(recorder.get());
     sim.observers.push_back(std::move(recorder));
   }
-  sim.observers.push_back(std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
+  if (output_ == Output::all)
+    sim.observers.push_back(std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
 }
 
 void Session::save_checkpoint_now() {
@@ -148,6 +158,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   SignalWatch signals;
   Simulation& sim = *assembly_->simulation;
   start_ = std::chrono::steady_clock::now();
+  const double first_cpu = processor_seconds();
   const std::uint64_t last_step = assembly_->steps;
   const auto interval = assembly_->scene.run.checkpoint_interval;
   const std::uint64_t checkpoint_every = interval ? steps_of(*interval, sim.time_step) : 0;
@@ -159,10 +170,14 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
     progress.update(sim, *monitor_);
     if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
   }
+  wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;
   sim.ledger.measure(sim.world);
+  if (output_ == Output::least) {
+    StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
+    sim.show(last);
+  }
   progress.finish(sim, *monitor_);
   save_checkpoint_now();
-  wall_ = elapsed();
   return ending_;
 }
 
@@ -177,6 +192,7 @@ RunSummary Session::summary() const {
   s.bodies = sim.world.size(), s.bodies_lost = lost_;
   if (sim.bodies_removed() > 0) s.bodies_removed = sim.bodies_removed();
   s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_, s.threads = thread_count();
+  s.cpu_time = cpu_;
   s.stage_seconds = sim.work.report.seconds;
   const double output = s.stage_seconds[Stage::output], body_steps = monitor_->body_steps() - first_body_steps_;
   if (body_steps > 0) s.ns_per_body_step = 1e9 * (wall_ - output) / body_steps;
@@ -194,6 +210,7 @@ RunSummary Session::summary() const {
   }
   for (const auto* r : recorders_) s.measures[r->name()] = r->summary();
   for (const auto& c : monitor_->checks()) s.checks[c.name] = {c.value, c.bound, c.ok};
+  for (const auto& c : monitor_->accuracy()) s.accuracy[c.name] = {c.value, c.bound, c.ok};
   s.peak_memory_bytes = peak_memory();
   s.state_hash = state_hash(sim.world);
   return s;

@@ -25,8 +25,10 @@ enum class Ending { completed, until, bound_violated, failed, time_limit, interr
 
 class Session {
  public:
+  /// Files of a run: all, or no frames and no snapshot but the last.
+  enum class Output { all, least };
   /// A new run in an empty folder.
-  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder);
+  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, Output output = Output::all);
   /// Continues a run from folder/checkpoint.h5; `assembly` is the same scene assembled anew.
   static std::unique_ptr<Session> resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
                                          std::filesystem::path folder);
@@ -42,7 +44,7 @@ class Session {
   struct Files;
   /// from: the checkpoint to continue from, null for a new run. Files are opened, observers added.
   Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
-          const CheckpointHeader* from);
+          const CheckpointHeader* from, Output output);
   void add_observers();
   void save_checkpoint_now();
   void walk(StateVisitor& visitor) { assembly_->simulation->visit(visitor); }
@@ -53,6 +55,7 @@ class Session {
   std::unique_ptr<Assembly> assembly_;
   std::vector<std::string> overrides_;
   std::filesystem::path folder_;
+  Output output_;
   std::unique_ptr<Files> files_;
   RunMonitor* monitor_ = nullptr;
   std::vector<MeasureRecorder*> recorders_;
@@ -62,7 +65,7 @@ class Session {
   double first_body_steps_ = 0;
   std::uint64_t lost_ = 0;
   std::chrono::steady_clock::time_point start_;
-  double wall_ = 0;
+  double wall_ = 0, cpu_ = 0;
 };
 
 /// Hash of everything that decides the run: scene text with includes, overrides.

@@ -68,7 +68,8 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     if (!round) c.effective_mass *= 0.25, c.mass *= 0.25;
     // at rest and without gravity: a thousandth of the sound speed, far above what a quiet scene sees
     c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
-    c.coordination = std::clamp(n, 1, 8) * (round ? 1 : 4);
+    const int points = round || a.plan.needs.area ? 1 : 4;  // cells of overlap volume share one face
+    c.coordination = std::clamp(n, 1, 8) * points;
     const StepLimit limit = critical_step(setup, pair, c);
     if (limit.auto_step < shortest.auto_step) shortest = limit, between = pair.a.name + "-" + pair.b.name;
   };

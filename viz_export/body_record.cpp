@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/energy.h"
 #include "engine/parallel.h"
 
 namespace epafi {
@@ -25,16 +26,6 @@ const Surface* SurfaceCache::of(const World& world, Slot body) {
   return surface.get();
 }
 
-double kinetic_energy_of(const World& world, Slot s) {
-  if (!world.is_movable(s)) return 0.0;
-  double twice = world.velocity[s].squaredNorm() / world.inverse_mass[s];
-  if (world.rotates()) {
-    const Vec3 w = world.orientation[s].conjugate() * world.angular_velocity[s];
-    twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia[s]).sum();
-  }
-  return 0.5 * twice;
-}
-
 std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces) {
   std::vector<Slot> slots;
   slots.reserve(world.size());
@@ -50,7 +41,7 @@ std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces)
     r.radius = surfaces.shapes().bounding_radius({world.shape[s]});
     r.pose = world.pose(s), r.velocity = world.velocity[s];
     if (world.rotates()) r.angular_velocity = world.angular_velocity[s];
-    r.kinetic_energy = kinetic_energy_of(world, s);
+    r.kinetic_energy = kinetic_energy(world, s);
   });
   return records;
 }

@@ -56,7 +56,4 @@ std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces)
 /// Contacts that touch or carry force, in canonical order.
 std::vector<ContactRecord> contact_records(const World& world, const ContactSet& contacts);
 
-/// Of a body from what a snapshot stores [J].
-double kinetic_energy_of(const World& world, Slot body);
-
 }  // namespace epafi

@@ -37,9 +37,9 @@ void put_measures(JsonWriter& json, const RunSummary& s) {
   json.end_object();
 }
 
-void put_checks(JsonWriter& json, const RunSummary& s) {
-  json.key("checks").begin_object();
-  for (const auto& [name, c] : s.checks)
+void put_checks(JsonWriter& json, const char* key, const std::map<std::string, RunSummary::Check>& checks) {
+  json.key(key).begin_object();
+  for (const auto& [name, c] : checks)
     json.key(name).begin_object().member("value", c.value).member("bound", c.bound).member("ok", c.ok).end_object();
   json.end_object();
 }
@@ -53,7 +53,7 @@ std::string summary_json(const RunSummary& s) {
   if (!s.failure.empty()) json.member("failure", s.failure);
   json.member("bodies", s.bodies).member("bodies_lost", s.bodies_lost).member("bodies_removed", s.bodies_removed);
   json.member("steps", s.steps).member("time_step", s.time_step).member("simulated_time", s.simulated_time);
-  json.member("wall_time", s.wall_time).member("threads", s.threads).member("ns_per_body_step", s.ns_per_body_step);
+  json.member("wall_time", s.wall_time).member("cpu_time", s.cpu_time).member("threads", s.threads).member("ns_per_body_step", s.ns_per_body_step);
   put_stages(json, s.stage_seconds);
   json.member("contacts_mean", s.contacts_mean);
   if (s.energy) put_energy(json, *s.energy);
@@ -68,7 +68,8 @@ std::string summary_json(const RunSummary& s) {
   put_max_mean(json, "residual", s.residual);
   put_max_mean(json, "iterations", s.iterations);
   put_measures(json, s);
-  put_checks(json, s);
+  put_checks(json, "checks", s.checks);
+  if (!s.accuracy.empty()) put_checks(json, "accuracy", s.accuracy);
   json.member("peak_memory_bytes", s.peak_memory_bytes).member("state_hash", s.state_hash);
   json.end_object();
   return json.text() + "\n";

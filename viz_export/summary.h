@@ -44,6 +44,7 @@ struct RunSummary {
   double time_step = 0;       ///< [s]
   double simulated_time = 0;  ///< [s]
   double wall_time = 0;       ///< [s]
+  double cpu_time = 0;        ///< of the stepping, all threads, output included [s]
   int threads = 1;
   std::optional<double> ns_per_body_step;  ///< of moving bodies, everything but output
   StageSeconds stage_seconds;
@@ -54,6 +55,7 @@ struct RunSummary {
   std::optional<MaxMean> residual, iterations;                       ///< non-smooth contact only
   std::map<std::string, std::map<std::string, Component>> measures;  ///< by measure, by component
   std::map<std::string, Check> checks;                               ///< of [bounds]
+  std::map<std::string, Check> accuracy;                             ///< of [accuracy]; absent where the scene asks for none
   std::uint64_t peak_memory_bytes = 0;
   std::string state_hash;
 };

@@ -2,6 +2,7 @@
 
 #include "detection/narrow/epa.h"
 #include "detection/narrow/gjk.h"
+#include "detection/narrow/overlap_cells.h"
 
 namespace epafi {
 namespace {
@@ -72,6 +73,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   } else if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) {
     return;
   }
+  if (q.area) return collide_volumes(pair, r, q, sink);
   const PolyhedronDistance d = polyhedron_distance(pair, limit, before);
   remember(q, d);
   if (d.beyond) return;

@@ -1,5 +1,7 @@
 #include "detection/narrow/half_space_pairs.h"
 
+#include "detection/narrow/overlap_cells.h"
+
 namespace epafi {
 
 void collide_with_plane(const PolyhedronView& a, double sweep, double radius, const HalfSpace& b, const PairQuery& q,
@@ -10,6 +12,7 @@ void collide_with_plane(const PolyhedronView& a, double sweep, double radius, co
   const double centre = outward.dot(q.a.position - q.b.position);  // height of A's centre
   if (!(centre - a.radius - sweep < q.reach)) return;
   const Vec3 local = rotation.transpose() * outward;
+  if (q.area) return collide_volume_with_plane(a, local, centre, rotation, radius, sink);
   points.clear();
   for (std::uint32_t v = 0; v < a.vertices.size(); ++v) {
     const double gap = centre + local.dot(a.vertices[v]) - sweep;

@@ -23,7 +23,7 @@ struct Patch {
 };
 
 /// Kinds of features; together with two indices of 22 bits below the image code's byte.
-enum class FeatureKind : std::uint64_t { vertex_a = 0, vertex_b = 1, edges = 2, single = 3 };
+enum class FeatureKind : std::uint64_t { vertex_a = 0, vertex_b = 1, edges = 2, single = 3, cell_a = 4, cell_b = 5 };
 constexpr Feature make_feature(FeatureKind kind, std::uint32_t a, std::uint32_t b) {
   return static_cast<Feature>(kind) << 44 | Feature{a & 0x3fffffu} << 22 | (b & 0x3fffffu);
 }

@@ -31,12 +31,12 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
 
 void BatchNarrowPhase::collide_block(const World& world, const PairList& list, Block& block, std::size_t begin) {
   block.contacts.clear();
-  block.contacts.with_curvature = curvature_;
+  block.contacts.with_curvature = curvature_, block.contacts.with_area = area_;
   ContactSink sink(block.contacts);
   for (const Run& run : block.runs) {
     if (!run.cell->batch) continue;
     const std::size_t count = run.end - run.begin;
-    BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles};
+    BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles, area_};
     if (run.cell->remembers) input.caches = std::span(block.caches).subspan(run.begin - begin, count);
     if (run.cell->candidates)
       input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin - begin, count + 1);
@@ -52,10 +52,10 @@ void BatchNarrowPhase::join(ContactSet& out) {
     block.first = total, total += block.contacts.size();
     degenerate_ += block.degenerate;
   }
-  out.with_curvature = curvature_;
+  out.with_curvature = curvature_, out.with_area = area_;
   out.a.resize(total), out.b.resize(total), out.feature.resize(total);
   out.gap.resize(total), out.normal.resize(total), out.arm.resize(total);
-  out.effective_radius.resize(curvature_ ? total : 0);
+  out.effective_radius.resize(curvature_ ? total : 0), out.area.resize(area_ ? total : 0);
   out.force.clear(), out.moment.clear();
   parallel_for(
       blocks_.size(),
@@ -66,7 +66,7 @@ void BatchNarrowPhase::join(ContactSet& out) {
         };
         place(from.a, out.a), place(from.b, out.b), place(from.feature, out.feature);
         place(from.gap, out.gap), place(from.normal, out.normal), place(from.arm, out.arm);
-        place(from.effective_radius, out.effective_radius);
+        place(from.effective_radius, out.effective_radius), place(from.area, out.area);
       },
       1);
 }

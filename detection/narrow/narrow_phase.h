@@ -11,8 +11,9 @@ class BatchNarrowPhase : public NarrowPhase {
  public:
   /// reach: contacts with gap < reach are reported [m], >= 0. curvature: effective_radius is filled. `shapes` must
   /// outlive this.
-  BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature)
-      : shapes_(shapes), reach_(reach), curvature_(curvature) {}
+  /// area: pairs of polyhedra give the cells of their overlap volume.
+  BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature, bool area = false)
+      : shapes_(shapes), reach_(reach), curvature_(curvature), area_(area) {}
 
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
@@ -44,7 +45,7 @@ class BatchNarrowPhase : public NarrowPhase {
 
   const ShapeStore& shapes_;
   double reach_;
-  bool curvature_;
+  bool curvature_, area_;
   bool known_ = false;  ///< the runs belong to `generation_`
   std::uint64_t generation_ = 0;
   std::size_t pairs_ = 0;

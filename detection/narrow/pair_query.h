@@ -17,6 +17,7 @@ struct PairQuery {
   double reach = 0.0;      ///< contacts with gap < reach are wanted [m]; 0: overlapping ones only
   bool curvature = false;  ///< effective_radius is wanted
   PairCache* cache = nullptr;
+  bool area = false;       ///< polyhedra give cells of their overlap volume instead of points
 };
 
 /// Collects the contact points of one pair at a time into a block's contact set, in the order of their features.
@@ -30,7 +31,7 @@ class ContactSink {
   void flip(const Vec3& centre) { flipped_ = true, centre_ = centre; }
   void add(const ContactPoint& c) {
     if (!flipped_) return out_.append(a_, b_, c);
-    out_.append(a_, b_, {c.gap, -c.normal, c.arm + centre_, c.effective_radius, c.feature});
+    out_.append(a_, b_, {c.gap, -c.normal, c.arm + centre_, c.effective_radius, c.feature, c.area});
   }
   /// A pair whose certified interval did not close: counted, and reported by the narrow phase.
   void mark_degenerate() { ++degenerate_; }
@@ -49,6 +50,7 @@ class ContactSink {
         std::swap(out_.feature[j], out_.feature[j - 1]), std::swap(out_.gap[j], out_.gap[j - 1]);
         std::swap(out_.normal[j], out_.normal[j - 1]), std::swap(out_.arm[j], out_.arm[j - 1]);
         if (out_.with_curvature) std::swap(out_.effective_radius[j], out_.effective_radius[j - 1]);
+        if (out_.with_area) std::swap(out_.area[j], out_.area[j - 1]);
       }
     }
   }

@@ -30,6 +30,7 @@ struct BatchInput {
   std::span<PairCache> caches;                    ///< of the run's pairs, or empty
   std::span<const std::uint32_t> triangle_begin;  ///< CSR over the run's pairs, where the cell has candidates
   std::span<const std::uint32_t> triangles;
+  bool area = false;
 };
 
 struct PairCell {
@@ -54,9 +55,10 @@ concept HasTriangles = MeshShape<B> &&
 };
 
 inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
-  return {in.world.pose(p.a), in.world.pose(p.b), in.reach, in.curvature, in.caches.empty() ? nullptr : &in.caches[k]};
+  return {in.world.pose(p.a), in.world.pose(p.b), in.reach, in.curvature, in.caches.empty() ? nullptr : &in.caches[k],
+          in.area};
 }
-inline PairQuery exchanged(const PairQuery& q) { return {q.b, q.a, q.reach, q.curvature, nullptr}; }
+inline PairQuery exchanged(const PairQuery& q) { return {q.b, q.a, q.reach, q.curvature, nullptr, q.area}; }
 
 /// One loop per cell: f(a, b, query, sink, k) with the concrete shapes.
 template <class A, class B, class F>

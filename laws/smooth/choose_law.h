@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "laws/all_laws.h"
+#include "laws/smooth/restitution.h"
 
 namespace epafi {
 
@@ -19,6 +20,13 @@ auto find_law(LawList<L...>, const std::string& name) {
   ((name == L::name ? void(found = std::type_identity<L>{}) : void()), ...);
   return found;
 }
+
+/// Smallest restitution the law's damper is set for.
+template <NormalLaw N>
+inline constexpr double least_restitution = [] {
+  if constexpr (requires { N::least_restitution; }) return N::least_restitution;
+  else return minimum_restitution;
+}();
 
 /// Whether the three parts make a law.
 template <NormalLaw N, TangentialLaw T, RollingLaw R>

@@ -12,6 +12,8 @@ namespace epafi {
 
 namespace {
 
+constexpr double pi = 3.14159265358979323846;
+
 std::string number(double value, const char* unit) {
   char text[64];
   std::snprintf(text, sizeof text, "%.3g %s", value, unit);
@@ -19,11 +21,16 @@ std::string number(double value, const char* unit) {
 }
 
 /// delta'' = -N/m* from first touch until the force has ended.
+/// A flat face as wide as the effective radius is the stiffest cell of overlap volume.
+ContactKinematics kinematics(const ExpectedContact& c, double overlap, double velocity) {
+  return {overlap, velocity, c.effective_mass, c.effective_radius, pi * c.effective_radius * c.effective_radius};
+}
+
 template <NormalLaw N>
 ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedContact& c, double dt) {
   ImpactEstimate out;
   const auto force = [&](double overlap, double velocity) {
-    return N::respond(p, {std::max(overlap, 0.0), velocity, c.effective_mass, c.effective_radius}).force;
+    return N::respond(p, kinematics(c, std::max(overlap, 0.0), velocity)).force;
   };
   const auto acceleration = [&](double overlap, double velocity) { return -force(overlap, velocity) / c.effective_mass; };
   double x = 0.0, v = c.speed;
@@ -43,11 +50,19 @@ ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedC
   return out;
 }
 
-/// Contact time without damping, the scale of the integration [s].
+/// Contact time without damping, the scale of the integration [s]: pi delta_max / v, exact for a linear spring and 7 % more
+/// than Hertz's, with delta_max where the elastic energy has taken up the motion.
 template <NormalLaw N>
 double elastic_contact_time(const typename N::Parameters& p, const ExpectedContact& c) {
-  if constexpr (N::is_hertzian) return hertz_contact_time(c.effective_mass, c.effective_radius, p.modulus, c.speed);
-  else return 3.14159265358979323846 * std::sqrt(c.effective_mass / p.stiffness);
+  const double motion = 0.5 * c.effective_mass * c.speed * c.speed;
+  const auto stored = [&](double overlap) { return N::respond(p, kinematics(c, overlap, 0.0)).energy; };
+  double low = 0.0, high = 1e-12;
+  while (stored(high) < motion) high *= 2.0;
+  for (int k = 0; k < 40; ++k) {
+    const double middle = 0.5 * (low + high);
+    (stored(middle) < motion ? low : high) = middle;
+  }
+  return pi * high / c.speed;
 }
 
 template <NormalLaw N, TangentialLaw T>
@@ -57,11 +72,11 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   const auto p = N::parameters(pair);
   StepLimit out;
   out.impact = integrate_impact<N>(p, c, elastic_contact_time<N>(p, c) / 4000);
-  const double stiffness = N::respond(p, {out.impact.largest_overlap, 0.0, c.effective_mass, c.effective_radius}).stiffness;
+  const double stiffness = N::respond(p, kinematics(c, out.impact.largest_overlap, 0.0)).stiffness;
   out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination);
   const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per contact
-  const double ratio = damping_ratio_for(pair.restitution);
+  const double ratio = damping_ratio_for(std::max(pair.restitution, least_restitution<N>));
   const double by_damping = ratio > 0.0 ? 0.25 * std::sqrt(c.effective_mass / stiffness) / ratio : by_time;
   out.auto_step = std::min({by_time, by_mode, by_damping});
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;

@@ -17,6 +17,8 @@ constexpr NamedLaw named_laws[] = {
     {"linear", "linear spring and dashpot; friction by a spring in fixed ratio", "linear", "coulomb-spring"},
     {"hertz", "Hertz with Tsuji damping; friction by Mindlin's spring", "hertz", "mindlin"},
     {"hertz-mindlin", "the same as hertz, by its common name", "hertz", "mindlin"},
+    {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio", "overlap-volume",
+     "coulomb-spring"},
     {"hunt-crossley", "Hertz with Hunt-Crossley damping; friction by Mindlin's spring", "hunt-crossley", "mindlin"},
 };
 
@@ -75,9 +77,11 @@ void check_materials(const SmoothSetup& setup, std::vector<Problem>& out) {
           const bool said = std::any_of(out.begin(), out.end(), [&](const Problem& p) { return p.text == text; });
           if (!said) add(out, Problem::Level::error, text);
         }
-      if (pair.restitution < minimum_restitution)
+      constexpr double least = least_restitution<N>;
+      if (pair.restitution < least)
         add(out, Problem::Level::warning, where + ": restitution " + std::to_string(pair.restitution) +
-                                              " would need more damping than laws are set for; it acts as 0.01");
+                                              " would need more damping than law '" + setup.law + "' is set for; it acts as " +
+                                              std::to_string(least));
     }
   }
 }

@@ -157,6 +157,7 @@ class SmoothContact final : public ContactModel {
     t.at.overlap = -contacts.gap[i];
     t.at.effective_mass = 1.0 / mobility;
     t.at.effective_radius = needs.curvature ? contacts.effective_radius[i] : std::numeric_limits<double>::quiet_NaN();
+    if constexpr (needs.area) t.at.area = contacts.area[i];
     move<rotates>(world, contacts, t, predicted);
 
     const PairParameters& p = pairs_[world.material[t.a] * materials_ + world.material[t.b]];

@@ -7,6 +7,7 @@
 
 #include "engine/parallel.h"
 #include "scenes/cli/check.h"
+#include "scenes/cli/library.h"
 #include "scenes/cli/list.h"
 #include "scenes/cli/new_scene.h"
 #include "scenes/cli/schema_json.h"
@@ -29,6 +30,7 @@ void print_problems(const std::vector<Problem>& problems) {
 
 /// The scene, or a SceneError with all its problems; warnings are printed.
 Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
+  if (!std::filesystem::exists(path)) throw FileError("the scene file '" + path + "' does not exist; `epafi list scenes` names those of the library");
   ReadResult result = read_scene(path, overrides, full_registry());
   if (!result.scene) throw SceneError(result.problems);
   print_problems(result.problems);
@@ -89,7 +91,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   }
   if (options.verbose) say(explain(assembly->scene, assembly->plan));
   if (!options.quiet) say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason, assembly->steps));
-  Session session(std::move(assembly), common.overrides, folder);
+  Session session(std::move(assembly), common.overrides, folder, options.least_output ? Session::Output::least : Session::Output::all);
   return finish(session, folder, options, limits);
 }
 
@@ -119,6 +121,7 @@ int command_explain(const CommonOptions& common) {
 }
 
 int command_list(const std::string& kind) {
+  if (kind == "scenes") return print(list_scenes()), exit_done;
   print(list_text(full_registry(), kind));
   return exit_done;
 }

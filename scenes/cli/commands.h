@@ -29,7 +29,17 @@ struct RunOptions {
   std::optional<double> until;          ///< [s]
   std::optional<std::uint64_t> steps;
   std::string time_limit;               ///< "3h50m", "90s"; empty: none
-  bool quiet = false, verbose = false, json = false, force = false;
+  bool quiet = false, verbose = false, json = false, force = false, least_output = false;
+};
+
+struct SolveOptions {
+  std::vector<std::string> problems;  ///< FCLIB HDF5 or Siconos .dat files
+  std::vector<std::string> methods;   ///< names of solvers
+  double tolerance = 1e-6;
+  double max_iterations = 1e9;
+  std::string time_limit = "10s";     ///< CPU time of each solve
+  std::string solution, out;          ///< files; empty: none, and rows on stdout
+  bool json = false;
 };
 
 int command_run(const CommonOptions& common, const RunOptions& options);
@@ -39,6 +49,7 @@ int command_explain(const CommonOptions& common);
 int command_list(const std::string& kind);
 int command_schema();
 int command_new(const std::string& kind);
+int command_solve(const SolveOptions& options);
 int command_export(const std::string& directory, const std::string& format);
 
 /// Runs a command and turns what it throws into a message and an exit code.

@@ -65,7 +65,7 @@ void append_pairs(std::string& out, const std::vector<Entry>& shapes) {
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "pairs"};
+  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "scenes", "pairs"};
   return kinds;
 }
 

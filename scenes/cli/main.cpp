@@ -4,6 +4,7 @@
 
 #include "scenes/cli/commands.h"
 #include "scenes/cli/narrow.h"
+#include "scenes/cli/study_commands.h"
 
 namespace {
 
@@ -23,6 +24,25 @@ void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
   command->add_flag("--json", o.json, "print the summary on stdout, nothing else there");
 }
 
+void add_solve_flags(CLI::App* command, epafi::SolveOptions& o) {
+  command->add_option("problems", o.problems, "problem files")->required();
+  command->add_option("-m,--method", o.methods, "solvers, by name; `all` for every one (default auto)")->delimiter(',');
+  command->add_option("--tolerance", o.tolerance, "residual to reach (default 1e-6)")->check(CLI::NonNegativeNumber);
+  command->add_option("--max-iterations", o.max_iterations, "iterations at most")->check(CLI::PositiveNumber);
+  command->add_option("--time-limit", o.time_limit, "CPU time of each solve (1s, 0.5s, 2m; default 10s)");
+  command->add_option("--solution", o.solution, "write <problem>/reaction to this HDF5 file");
+  command->add_option("-o,--out", o.out, "write the rows to this file");
+  command->add_flag("--json", o.json, "rows as JSON");
+}
+
+void add_study_flags(CLI::App* command, epafi::StudyOptions& o, const char* what) {
+  command->add_option(what, o.files, "file (TOML)")->required();
+  command->add_option("--set", o.overrides, "override a value, KEY.PATH=VALUE (repeatable)")->allow_extra_args(false);
+  command->add_option("-o,--out", o.out, "output folder");
+  command->add_flag("-q,--quiet", o.quiet, "no progress");
+  command->add_flag("--force", o.force, "run finished cases again");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -32,12 +52,14 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CommonOptions common;
   RunOptions run;
+  SolveOptions solve;
   std::string directory, kind, format = "vtk";
 
   auto* run_command = app.add_subcommand("run", "simulate headlessly");
   add_scene_flags(run_command, common);
   add_run_flags(run_command, run);
   run_command->add_option("-o,--out", run.out, "output folder (default out/<scene name>)");
+  run_command->add_flag("--least-output", run.least_output, "no frames, no snapshot but the last");
   run_command->add_flag("--force", run.force, "use an output folder that is not empty");
   auto* resume_command = app.add_subcommand("resume", "continue a run from its last good checkpoint");
   resume_command->add_option("dir", directory, "output folder of the run")->required();
@@ -57,9 +79,35 @@ int main(int argc, char** argv) {
   auto* schema_command = app.add_subcommand("schema", "the JSON Schema of scene files");
   auto* new_command = app.add_subcommand("new", "a commented starter scene on stdout");
   new_command->add_option("kind", kind, "hopper, stack, impact, pile")->required();
+  auto* solve_command = app.add_subcommand("solve", "solve friction-contact problems from files (FCLIB HDF5, Siconos .dat)");
+  add_solve_flags(solve_command, solve);
   auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
   export_command->add_option("dir", directory, "output folder of the run")->required();
   export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
+  StudyOptions study;
+  SweepOptions sweep;
+  BenchOptions bench;
+  auto* chart_command = app.add_subcommand("chart", "speed against accuracy: every method of a study on one scene");
+  add_study_flags(chart_command, study, "study");
+  chart_command->add_flag("--json", study.json, "the points on stdout");
+  auto* limits_command = app.add_subcommand("limits", "where methods fail: scans or bisects the parameters of a study");
+  add_study_flags(limits_command, study, "study");
+  limits_command->add_flag("--json", study.json, "the limits on stdout");
+  limits_command->add_option("-j,--jobs", study.jobs, "cases at a time")->check(CLI::PositiveNumber);
+  auto* sweep_command = app.add_subcommand("sweep", "the cases of a scene's [sweep]; finished ones are skipped");
+  add_study_flags(sweep_command, study, "scene");
+  sweep_command->add_option("-j,--jobs", study.jobs, "cases at a time")->check(CLI::PositiveNumber);
+  sweep_command->add_option("-t,--threads", sweep.threads, "threads of each case")->check(CLI::PositiveNumber);
+  sweep_command->add_flag("--list", sweep.list, "number, state and values of every case");
+  sweep_command->add_flag("--collect", sweep.collect, "one CSV row per case on stdout");
+  sweep_command->add_option("--case", sweep.one, "this case only, counted from 0")->check(CLI::NonNegativeNumber);
+  auto* bench_command = app.add_subcommand("bench", "scaling over sizes and threads; each row has time, error and state hash");
+  bench_command->add_option("scene", study.files, "scenes; all of the library with a [benchmark] where none is given");
+  bench_command->add_option("--set", study.overrides, "override a value, KEY.PATH=VALUE (repeatable)")->allow_extra_args(false);
+  bench_command->add_option("--threads", bench.threads, "numbers of threads, as 1,2,4")->delimiter(',')->check(CLI::PositiveNumber);
+  bench_command->add_option("--repeats", bench.repeats, "runs of each row; the median is printed")->check(CLI::PositiveNumber);
+  bench_command->add_option("-o,--out", bench.out_file, "also write the rows to this file");
+
 
   try {
     app.parse(argc, argv);
@@ -76,7 +124,12 @@ int main(int argc, char** argv) {
     if (*narrow_command) return command_narrow(narrow);
     if (*schema_command) return command_schema();
     if (*new_command) return command_new(kind);
+    if (*solve_command) return command_solve(solve);
     if (*export_command) return command_export(directory, format);
+    if (*chart_command) return command_chart(study);
+    if (*limits_command) return command_limits(study);
+    if (*sweep_command) return command_sweep(study, sweep);
+    if (*bench_command) return command_bench(study, bench);
     return static_cast<int>(exit_usage);
   });
 }

@@ -260,7 +260,7 @@ TEST_CASE("every listed law can be made and names its source", "[laws][smooth]")
     }
     CHECK_FALSE(law.source.empty());
   }
-  CHECK(all_normal_laws().size() == 3);
+  CHECK(all_normal_laws().size() == 4);
   CHECK(all_tangential_laws().size() == 3);
   CHECK(all_rolling_laws().size() == 2);
 }

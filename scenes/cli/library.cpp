@@ -1,0 +1,56 @@
+#include "scenes/cli/library.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "scenes/reader/document.h"
+
+namespace epafi {
+
+namespace fs = std::filesystem;
+
+fs::path library_folder() {
+  std::error_code none;
+  const fs::path program = fs::read_symlink("/proc/self/exe", none);
+  for (const fs::path& folder : {program.parent_path().parent_path() / "share/epafi/scenes", fs::path(EPAFI_LIBRARY)})
+    if (fs::is_directory(folder, none)) return folder;
+  return {};
+}
+
+namespace {
+
+/// Every scene and study of the library, by path.
+std::vector<fs::path> library_files() {
+  std::vector<fs::path> files;
+  const fs::path folder = library_folder();
+  if (folder.empty()) return files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+std::string list_scenes() {
+  const fs::path folder = library_folder();
+  if (folder.empty()) return "scenes: the library is not installed\n";
+  std::string out = "scenes: " + folder.string() + "\n";
+  for (const auto& file : library_files()) {
+    const Document document = load_document(file.string(), {});
+    const Node* title = document.root.find("title");
+    out += fmt::format("  {:<36}{}\n", file.lexically_relative(folder).string(), title ? title->text : "");
+  }
+  return out;
+}
+
+std::vector<std::string> library_benchmarks() {
+  std::vector<std::string> scenes;
+  for (const auto& file : library_files())
+    if (load_document(file.string(), {}).root.find("benchmark")) scenes.push_back(file.string());
+  return scenes;
+}
+
+}  // namespace epafi

@@ -1,0 +1,19 @@
+/// @file library.h  The scenes that come with the program.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace epafi {
+
+/// share/epafi/scenes beside the installed program, else scenes/library of the source tree; empty where there is
+/// neither.
+std::filesystem::path library_folder();
+
+/// `epafi list scenes`: path and title of every scene and study of the library, by path.
+std::string list_scenes();
+
+/// The library's scenes that have a [benchmark].
+std::vector<std::string> library_benchmarks();
+
+}  // namespace epafi

@@ -1,0 +1,119 @@
+#include "scenes/cli/study_commands.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "engine/error.h"
+#include "scenes/cli/commands.h"
+#include "scenes/cli/library.h"
+#include "scenes/study/bench.h"
+#include "scenes/study/chart.h"
+#include "scenes/study/limits.h"
+#include "scenes/study/sweep.h"
+#include "viz_export/side_file.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+std::function<void(const std::string&)> speaker(const StudyOptions& o) {
+  return o.quiet ? std::function<void(const std::string&)>([](const std::string&) {}) : say;
+}
+
+fs::path folder_of(const StudyOptions& o, const std::string& file, const char* suffix) {
+  return o.out.empty() ? fs::path("out") / (fs::path(file).stem().string() + suffix) : fs::path(o.out);
+}
+
+void require_file(const std::string& path) {
+  if (!fs::exists(path)) throw FileError("the file '" + path + "' does not exist");
+}
+
+}  // namespace
+
+int command_chart(const StudyOptions& o) {
+  for (const auto& file : o.files) {
+    require_file(file);
+    const Study study = read_study(file, o.overrides);
+    const fs::path folder = folder_of(o, file, "-chart");
+    fs::create_directories(folder);
+    const Chart chart = run_chart(study, folder, speaker(o));
+    write_whole_file(folder / "chart.csv", {chart_csv(chart)});
+    write_whole_file(folder / "chart.json", {chart_json(chart)});
+    const std::string recommended = recommended_scene(chart, folder);
+    if (!recommended.empty()) write_whole_file(folder / "recommended.toml", {recommended});
+    draw_chart(chart, folder);
+    print(o.json ? chart_json(chart) : chart_verdict(chart));
+    if (!o.quiet)
+      say(fmt::format("chart.csv, chart.svg, chart.png in {}; each point is a run like\n  {}", folder.string(),
+                      chart.command));
+  }
+  return exit_done;
+}
+
+int command_limits(const StudyOptions& o) {
+  for (const auto& file : o.files) {
+    require_file(file);
+    const Study study = read_study(file, o.overrides);
+    const fs::path folder = folder_of(o, file, "-limits");
+    if (o.force) fs::remove_all(folder);
+    fs::create_directories(folder);
+    const LimitMap map = run_limits(study, folder, o.jobs, speaker(o));
+    write_whole_file(folder / "limits.csv", {limits_csv(map)});
+    draw_limits(map, folder);
+    print(o.json ? limits_json(map) : limits_verdict(map));
+    if (!o.quiet) say(fmt::format("limits.csv and pictures in {}", folder.string()));
+  }
+  return exit_done;
+}
+
+int command_sweep(const StudyOptions& o, const SweepOptions& s) {
+  const std::string& scene = o.files.front();
+  require_file(scene);
+  const Sweep sweep = plan_sweep(scene, o.overrides, folder_of(o, scene, "-sweep"));
+  if (s.list) return print(list_sweep(sweep)), exit_done;
+  if (s.collect) return print(collect_sweep(sweep)), exit_done;
+  std::vector<Case> todo;
+  std::vector<std::size_t> number;
+  if (s.one >= static_cast<int>(sweep.cases.size()))
+    throw SceneError(fmt::format("--case {}: the sweep has cases 0 to {}", s.one, sweep.cases.size() - 1));
+  for (std::size_t k = 0; k < sweep.cases.size(); ++k) {
+    if (s.one >= 0 && static_cast<std::size_t>(s.one) != k) continue;
+    if (!o.force && finished_case(sweep.cases[k], sweep.hashes[k])) continue;
+    todo.push_back(sweep.cases[k]), number.push_back(k);
+  }
+  int worst = exit_done;
+  const auto tell = speaker(o);
+  tell(fmt::format("{} of {} cases to run", todo.size(), sweep.cases.size()));
+  const bool whole = run_cases(
+      scene, todo, {"/proc/self/exe", s.threads, 0.0, false}, o.jobs, [&](std::size_t k, const CaseResult& r) {
+        tell(fmt::format("case {}: {}{}{}", number[k], r.status, r.trouble.empty() ? "" : ": ", r.trouble));
+        if (!r.completed()) worst = r.status == "bound_violated" && worst == exit_done ? exit_bound : exit_failed;
+      });
+  return whole ? worst : exit_interrupt;
+}
+
+int command_bench(const StudyOptions& o, const BenchOptions& b) {
+  std::string csv = bench_header();
+  print(csv);
+  for (const auto& scene : o.files.empty() ? library_benchmarks() : o.files) {
+    require_file(scene);
+    const fs::path folder = fs::temp_directory_path() / fmt::format("epafi-bench-{}", getpid());
+    run_bench({scene, o.overrides, b.threads, b.repeats, folder, "/proc/self/exe"}, [&](const std::string& row) {
+      print(row), std::fflush(stdout);
+      csv += row;
+    });
+    fs::remove_all(folder);
+  }
+  if (!b.out_file.empty()) write_whole_file(b.out_file, {csv});
+  return exit_done;
+}
+
+}  // namespace epafi

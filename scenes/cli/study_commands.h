@@ -1,0 +1,33 @@
+/// @file study_commands.h  chart, limits, sweep and bench as functions that return an exit code.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace epafi {
+
+struct StudyOptions {
+  std::vector<std::string> files;      ///< studies; of sweep and bench the scene
+  std::vector<std::string> overrides;  ///< of the study file; of sweep and bench those of the scene
+  std::string out;                     ///< empty: out/<file name>
+  int jobs = 1;
+  bool json = false, quiet = false, force = false;
+};
+
+int command_chart(const StudyOptions& options);
+int command_limits(const StudyOptions& options);
+
+struct SweepOptions {
+  bool list = false, collect = false;
+  int one = -1;  ///< --case K
+  int threads = 1;
+};
+int command_sweep(const StudyOptions& options, const SweepOptions& sweep);
+
+struct BenchOptions {
+  std::vector<int> threads{1, 2};
+  int repeats = 3;
+  std::string out_file;  ///< CSV
+};
+int command_bench(const StudyOptions& options, const BenchOptions& bench);
+
+}  // namespace epafi

@@ -1,0 +1,26 @@
+/// @file bench.h  `epafi bench`: how a scene scales with its size and with threads. Every row holds time, error and
+/// state hash.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace epafi {
+
+struct BenchSetup {
+  std::string scene;
+  std::vector<std::string> overrides;
+  std::vector<int> threads;
+  int repeats = 3;  ///< the row with the median time is printed
+  std::filesystem::path folder;
+  std::string program = "/proc/self/exe";  ///< that runs the cases
+};
+
+std::string bench_header();
+
+/// Runs every size of [benchmark] (the scene as it is where it has none) at every number of threads; repeats take
+/// turns. Throws SceneError where the state hash depends on the threads.
+void run_bench(const BenchSetup& setup, const std::function<void(const std::string& row)>& print);
+
+}  // namespace epafi

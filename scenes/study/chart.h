@@ -1,0 +1,53 @@
+/// @file chart.h  `epafi chart`: every method of a study on one scene, its cost against its error. Each timing is a
+/// process of its own; the methods take turns, so that a drift of the machine falls on all of them alike.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scenes/study/study.h"
+
+namespace epafi {
+
+struct ChartPoint {
+  StudyMethod method;
+  std::string status;        ///< of its runs; "differs" where repeats gave different states
+  std::string trouble;       ///< why it is no good point, empty where it is
+  double time = 0.0;         ///< median of the repeats: processor seconds per simulated second
+  double time_spread = 0.0;  ///< largest - smallest
+  double ns_per_body_step = 0.0;
+  double error = 0.0;         ///< of the study's measure
+  double error_spread = 0.0;  ///< uncertainty of what it is compared with
+  std::optional<double> residual, energy_error, overlap_relative;
+  std::string state_hash;
+  bool accurate = false;      ///< every entry of the scene's [accuracy] holds
+  bool is_reference = false;  ///< the reference itself: never on the front
+  bool pareto = false;        ///< nothing measured is both cheaper and more accurate
+  bool good() const { return status == "completed"; }
+};
+
+struct Chart {
+  Study study;
+  std::vector<ChartPoint> points;
+  double reference_error = 0.0;            ///< of the reference run, estimated by halving its time step
+  bool asks_accuracy = false;              ///< the scene has [accuracy]
+  std::optional<std::size_t> recommended;  ///< cheapest point inside [accuracy]
+  std::string command;                     ///< of the first case, as an example
+};
+
+/// Runs the study below `folder`. `say` is told of each case as it ends. Throws SceneError where a case is no valid
+/// scene.
+Chart run_chart(const Study& study, const std::filesystem::path& folder,
+                const std::function<void(const std::string&)>& say);
+
+std::string chart_csv(const Chart& chart);
+std::string chart_json(const Chart& chart);
+/// What the chart says: error floor, failed points, the cheapest method inside [accuracy] as lines of a scene.
+std::string chart_verdict(const Chart& chart);
+/// A scene file that includes the study's scene and sets what is recommended; empty where nothing is.
+std::string recommended_scene(const Chart& chart, const std::filesystem::path& folder);
+/// chart.svg and chart.png.
+void draw_chart(const Chart& chart, const std::filesystem::path& folder);
+
+}  // namespace epafi

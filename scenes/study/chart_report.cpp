@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/study/chart.h"
+#include "viz_export/charts.h"
+#include "viz_export/json_writer.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string quoted(std::string text) {
+  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, "\"");
+  return "\"" + text + "\"";
+}
+
+std::string number(const std::optional<double>& v) { return v ? fmt::format("{}", *v) : ""; }
+
+}  // namespace
+
+std::string chart_csv(const Chart& chart) {
+  std::string out =
+      "method,settings,time,error,error_spread,status,residual,energy_error,overlap_relative,state_hash,pareto,time_"
+      "spread,ns_per_body_step,accurate\n";
+  for (const auto& p : chart.points)
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(p.method.name),
+                       quoted(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "", p.error_spread,
+                       p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative), p.state_hash,
+                       p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
+  return out;
+}
+
+std::string chart_json(const Chart& chart) {
+  JsonWriter json;
+  json.begin_object()
+      .member("title", chart.study.title)
+      .member("scene", chart.study.scene)
+      .member("error", chart.study.error.name);
+  json.member("reference_error", chart.reference_error).key("points").begin_array();
+  for (const auto& p : chart.points) {
+    json.begin_object()
+        .member("method", p.method.name)
+        .member("settings", p.method.settings())
+        .member("time", p.time)
+        .member("time_spread", p.time_spread);
+    if (p.good()) json.member("error", p.error);
+    json.member("error_spread", p.error_spread).member("status", p.status);
+    if (!p.trouble.empty()) json.member("trouble", p.trouble);
+    json.member("residual", p.residual)
+        .member("energy_error", p.energy_error)
+        .member("overlap_relative", p.overlap_relative);
+    json.member("state_hash", p.state_hash).member("pareto", p.pareto).member("accurate", p.accurate).end_object();
+  }
+  json.end_array();
+  if (chart.recommended) {
+    json.key("recommended").begin_array();
+    for (const auto& o : chart.points[*chart.recommended].method.overrides) json.value(o);
+    json.end_array();
+  }
+  json.end_object();
+  return json.text() + "\n";
+}
+
+std::string chart_verdict(const Chart& chart) {
+  std::string out;
+  for (const auto& p : chart.points)
+    if (!p.good())
+      out += fmt::format("failed: {} [{}]: {}{}{}\n", p.method.name, p.method.settings(), p.status,
+                         p.trouble.empty() ? "" : ": ", p.trouble);
+  const auto below = std::count_if(chart.points.begin(), chart.points.end(), [&](const ChartPoint& p) {
+    return p.good() && !p.is_reference && p.error < 2 * chart.reference_error;
+  });
+  if (below > 0)
+    out += fmt::format(
+        "error floor: {} points lie below twice the reference's own error of {:.3g}; their order means nothing\n",
+        below, chart.reference_error);
+  if (!chart.asks_accuracy) return out + "the scene has no [accuracy]: no method can be recommended\n";
+  if (!chart.recommended) return out + "no method of the study meets [accuracy]\n";
+  const ChartPoint& best = chart.points[*chart.recommended];
+  out += fmt::format(
+      "cheapest method inside [accuracy]: {}: {:.3g} processor seconds per simulated second (spread {:.2g}), error "
+      "{:.3g}\n",
+      best.method.name, best.time, best.time_spread, best.error);
+  for (const auto& o : best.method.overrides)
+    out += o.substr(0, o.find('=')) + " = " + o.substr(o.find('=') + 1) + "\n";
+  return out;
+}
+
+std::string recommended_scene(const Chart& chart, const fs::path& folder) {
+  if (!chart.recommended) return {};
+  std::string out = "# The cheapest method inside [accuracy], as measured by `epafi chart " + chart.study.file + "`\n";
+  out += "include = [\"" + fs::relative(chart.study.scene, folder).generic_string() + "\"]\n";
+  auto lines = chart.study.fixed;
+  const auto& more = chart.points[*chart.recommended].method.overrides;
+  lines.insert(lines.end(), more.begin(), more.end());
+  for (const auto& o : lines) out += o.substr(0, o.find('=')) + " = " + o.substr(o.find('=') + 1) + "\n";
+  return out;
+}
+
+void draw_chart(const Chart& chart, const fs::path& folder) {
+  ScatterPlot plot;
+  plot.title = chart.study.title.empty() ? fs::path(chart.study.file).stem().string() : chart.study.title;
+  plot.x_label = chart.study.time_label(), plot.y_label = "error: " + chart.study.error.name;
+  double least = INFINITY;
+  for (const auto& p : chart.points)
+    if (p.good() && p.error > 0) least = std::min(least, p.error);
+  const double floor = std::isfinite(least) ? 0.5 * least : 1e-16;  // an error of exactly 0 has no place on a log axis
+  for (const auto& p : chart.points) {
+    auto line =
+        std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == p.method.name; });
+    if (line == plot.lines.end()) line = plot.lines.insert(plot.lines.end(), PlotLine{p.method.name, {}, {}});
+    if (p.good())
+      line->points.push_back({p.time, std::max(p.error, floor)});
+    else
+      line->failed.push_back(p.time);
+    if (p.pareto) plot.front.push_back({p.time, std::max(p.error, floor)});
+  }
+  std::sort(plot.front.begin(), plot.front.end());
+  if (chart.reference_error > 0) plot.levels.push_back({"error of the reference", chart.reference_error});
+  if (chart.recommended)
+    plot.marked = {{chart.points[*chart.recommended].time, std::max(chart.points[*chart.recommended].error, floor)}};
+  draw(plot, folder / "chart");
+}
+
+}  // namespace epafi

@@ -1,0 +1,64 @@
+/// @file study.h  A study: one scene, what to vary, and the error that judges it (`epafi chart`), or the parameter
+/// whose limit is sought (`epafi limits`). Read strictly: an unknown key is an error with its place and the nearest.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/error.h"
+
+namespace epafi {
+
+/// A method with its settings: one point of a chart, one row of a map.
+struct StudyMethod {
+  std::string name;                    ///< `name` in vary, else the solver, law or method that it sets
+  std::vector<std::string> overrides;  ///< "contact.nonsmooth.iterations=50"
+  std::string settings() const;        ///< the overrides behind each other, "; " between
+};
+
+/// What "error" of a study measures.
+struct ErrorSpec {
+  std::string name;                ///< overlap, energy, residual, momentum, distance, or a measure of the scene
+  std::string component;           ///< of a measure; empty: all of them
+  std::string statistic = "last";  ///< last, min, max
+  std::optional<double> exact;     ///< closed form or published value; else the reference run, else 0
+  bool relative = false;           ///< divided by the exact or reference value
+};
+
+/// A value of `limits` that is scanned, or bisected for its last good value.
+struct ParameterSpec {
+  std::string key;
+  std::vector<double> values;  ///< scanned; of a bisection its two ends
+  bool bisect = false, log = false, integer = false;
+  double tolerance = 0.02;  ///< of a bisection, relative to the value
+};
+
+/// quantity > limit is a failure.
+struct FailureSpec {
+  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, iterations, NAME or
+                         ///< NAME.component of a measure
+  double limit = 0.0;
+};
+
+struct Study {
+  std::string title, file, scene;  ///< scene: path as usable from here
+  std::vector<std::string> fixed;  ///< overrides of every case: `set`
+  std::vector<StudyMethod> methods;
+  ErrorSpec error;
+  std::vector<std::string> reference;  ///< overrides of the reference run; empty: none
+  bool has_reference = false;
+  std::vector<ParameterSpec> parameters;  ///< one or two; of two the first is scanned
+  std::vector<FailureSpec> fails_when;
+  std::string theory;  ///< expression of x (the first parameter) for the limit of the last one; empty: none
+  std::string theory_label;
+  int repeats = 3;           ///< timings of each point
+  double time_limit = 60.0;  ///< wall time of one case [s]
+  int threads = 1;
+  std::string program = "/proc/self/exe";  ///< that runs the cases
+  std::string time_label() const { return "processor seconds per simulated second"; }
+};
+
+/// Throws SceneError with every problem of the file.
+Study read_study(const std::string& path, const std::vector<std::string>& overrides);
+
+}  // namespace epafi

@@ -1,0 +1,170 @@
+#include "viz_export/charts.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "viz_export/side_file.h"
+
+extern char** environ;
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Text for gnuplot inside double quotes, in its plain (not enhanced) mode.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\' || c == '`') out += '\\';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+// eight colours told apart by people who do not see red and green alike (Okabe and Ito 2008)
+constexpr const char* colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00",
+                                   "#56B4E9", "#000000", "#8C6D31", "#6A51A3", "#7F7F7F"};
+
+bool run_gnuplot(const fs::path& script) {
+  const std::string name = script.filename().string(),
+                    folder = script.parent_path().empty() ? "." : script.parent_path().string();
+  const char* args[] = {"gnuplot", name.c_str(), nullptr};
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addchdir_np(&files, folder.c_str());
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "gnuplot.log", O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, "gnuplot", &files, nullptr, const_cast<char**>(args), environ);
+  posix_spawn_file_actions_destroy(&files);
+  if (error != 0) return false;
+  int status = 0;
+  waitpid(child, &status, 0);
+  const bool drawn = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (drawn) fs::remove(fs::path(folder) / "gnuplot.log");
+  return drawn;
+}
+
+/// Draws the same plot twice: as a vector picture and as pixels.
+bool render(const fs::path& path, const std::string& data, const std::string& settings, const std::string& plot) {
+  const std::string stem = path.filename().string();
+  std::string script = "set encoding utf8\n" + settings;
+  for (const auto& [terminal, ending] :
+       {std::pair{"svg size 1000,680 font 'Helvetica,14' background '#ffffff' noenhanced", "svg"},
+        std::pair{"pngcairo size 1500,1020 font 'Helvetica,15' noenhanced", "png"}})
+    script += fmt::format("set terminal {}\nset output '{}.{}'\n{}\n", terminal, stem, ending, plot);
+  write_whole_file(fs::path(path) += ".dat", {data});
+  write_whole_file(fs::path(path) += ".gp", {script});
+  return run_gnuplot(fs::path(path) += ".gp");
+}
+
+/// 1, 2 and 5 times powers of ten inside a range.
+std::string tics(double from, double to) {
+  std::string out;
+  for (double decade = std::pow(10.0, std::floor(std::log10(from))); decade <= to; decade *= 10)
+    for (const double step : {1.0, 2.0, 5.0})
+      if (const double x = step * decade; x >= from && x <= to)
+        out += (out.empty() ? "" : ", ") + fmt::format("{:.6g}", x);
+  return out;
+}
+
+std::string block(const std::vector<PlotPoint>& points) {
+  std::string out;
+  for (const auto& p : points) out += fmt::format("{} {}\n", p[0], p[1]);
+  return out + "\n\n";
+}
+
+std::string frame(const std::string& title, const std::string& x, const std::string& y) {
+  return "set title " + quoted(title) + "\nset xlabel " + quoted(x) + "\nset ylabel " + quoted(y) +
+         "\nset border 3 lc rgb '#444444'\nset tics nomirror out\nset grid back lc rgb '#dddddd' lt 1\nset key bottom "
+         "center outside horizontal samplen 2 spacing 1.3\nset format '%g'\n";
+}
+
+}  // namespace
+
+bool draw(const ScatterPlot& plot, const fs::path& path) {
+  double top = 0, low = INFINITY, left = INFINITY, right = 0;
+  for (const auto& line : plot.lines) {
+    for (const auto& p : line.points)
+      top = std::max(top, p[1]), low = std::min(low, p[1]), left = std::min(left, p[0]), right = std::max(right, p[0]);
+    for (const double x : line.failed)
+      if (x > 0) left = std::min(left, x), right = std::max(right, x);
+  }
+  for (const auto& [label, level] : plot.levels) top = std::max(top, level), low = std::min(low, level);
+  if (!(top > 0)) top = 1, low = 0.1;
+  if (!(right > 0)) left = 0.1, right = 1;
+  const std::string name = path.filename().string() + ".dat";
+  std::string data, parts;
+  std::size_t index = 0, colour = 0;
+  const auto add = [&](const std::string& text, const std::string& style) {
+    data += text;
+    parts += fmt::format("{}'{}' index {} {}", parts.empty() ? "plot " : ", \\\n  ", name, index++, style);
+  };
+  if (!plot.front.empty()) add(block(plot.front), "with lines lw 7 lc rgb '#cccccc' title 'Pareto front'");
+  for (const auto& line : plot.lines) {
+    const char* rgb = colours[colour % std::size(colours)];
+    const std::size_t mark = 4 + colour % 10;
+    ++colour;
+    if (!line.points.empty())
+      add(block(line.points),
+          fmt::format("with linespoints lw 2 pt {} ps 1.2 lc rgb '{}' title {}", mark, rgb, quoted(line.label)));
+    std::vector<PlotPoint> failed;
+    for (const double x : line.failed) failed.push_back({x > 0 ? x : left, 2 * top});
+    if (!failed.empty())
+      add(block(failed),
+          fmt::format("with points pt 2 ps 1.6 lw 2 lc rgb '{}' title {}", rgb, quoted(line.label + ", failed")));
+  }
+  if (plot.marked) add(block({*plot.marked}), "with points pt 6 ps 3 lw 2 lc rgb '#d00000' title 'recommended'");
+  std::string settings = frame(plot.title, plot.x_label, plot.y_label) + "set logscale xy\nset format '%.0e'\n";
+  settings += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", 0.7 * left, 1.5 * right, 0.5 * low, 4 * top);
+  for (const auto& [label, level] : plot.levels) {
+    settings +=
+        fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead dt 2 lc rgb '#888888'\n", level);
+    settings +=
+        fmt::format("set label {} at graph 0.01, first {} offset 0,0.5 tc rgb '#666666'\n", quoted(label), level);
+  }
+  // where a range holds less than two decades its tics are written out
+  if (right < 100 * left) settings += "set format x '%.2g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
+  return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
+}
+
+bool draw(const KindMap& map, const fs::path& path) {
+  const std::string name = path.filename().string() + ".dat";
+  std::string data, parts;
+  std::size_t index = 0;
+  for (std::size_t kind = 0; kind < map.kinds.size(); ++kind) {
+    std::string text;
+    for (const auto& c : map.cells)
+      if (c.kind == kind) text += fmt::format("{} {}\n", c.x, c.y);
+    if (text.empty()) continue;
+    data += text + "\n\n";
+    const char* rgb = kind == 0 ? "#009E73" : colours[(kind - 1) % std::size(colours)];
+    parts += fmt::format("{}'{}' index {} with points pt {} ps 2 lc rgb '{}' title {}",
+                         parts.empty() ? "plot " : ", \\\n  ", name, index++, kind == 0 ? 7 : 5,
+                         kind == 0 ? rgb : (kind == 1 ? "#D55E00" : rgb), quoted(map.kinds[kind]));
+  }
+  if (!map.curve.empty()) {
+    data += block(map.curve);
+    parts += fmt::format("{}'{}' index {} with lines lw 3 dt 2 lc rgb '#000000' title {}",
+                         parts.empty() ? "plot " : ", \\\n  ", name, index++, quoted(map.curve_label));
+  }
+  std::string settings =
+      frame(map.title, map.x_label, map.y_label) + "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n";
+  if (!map.y_names.empty()) {
+    settings += "set ytics (";
+    for (std::size_t k = 0; k < map.y_names.size(); ++k)
+      settings += (k > 0 ? ", " : "") + quoted(map.y_names[k]) + " " + std::to_string(k);
+    settings += fmt::format(")\nset yrange [-0.7:{}]\n", static_cast<double>(map.y_names.size()) - 0.3);
+  }
+  if (map.log_x) settings += "set logscale x\n";
+  if (map.log_y) settings += "set logscale y\n";
+  return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
+}
+
+}  // namespace epafi
