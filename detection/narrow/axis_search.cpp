@@ -19,6 +19,11 @@ bool arcs_cross(const ArcEdge& a, const ArcEdge& b) {
   return left_a * right_a < 0.0 && left_b * right_a > 0.0;
 }
 
+std::vector<std::uint32_t>& deepest_of(std::size_t side) {
+  static thread_local std::array<std::vector<std::uint32_t>, 2> deepest;
+  return deepest[side];
+}
+
 std::vector<double>& heights_of(std::size_t side) {
   static thread_local std::array<std::vector<double>, 2>
       heights;  // keep their size: no allocation once the largest was seen
@@ -64,9 +69,12 @@ bool AxisSide::sphere_may_exceed(const HullEdge& edge, double best) const {
 
 AxisSearch::AxisSearch(const PolyhedronPair& pair)
     : pair_(pair),
-      side_a_{pair.a, pair.offset, pair.b.inner_radius, heights_of(0)},
-      side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius, heights_of(1)},
-      margin_(rounding * (pair.a.radius + pair.b.radius + pair.offset.cwiseAbs().maxCoeff())) {}
+      side_a_{pair.a, pair.offset, pair.b.inner_radius, heights_of(0), deepest_of(0)},
+      side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius, heights_of(1), deepest_of(1)},
+      margin_(rounding * (pair.a.radius + pair.b.radius + pair.offset.cwiseAbs().maxCoeff())) {
+  side_a_.deepest.assign(pair.a.face_normals.size(), AxisSide::unknown);
+  side_b_.deepest.assign(pair.b.face_normals.size(), AxisSide::unknown);
+}
 
 ArcEdge AxisSearch::arc_of_a(std::uint32_t k) const {
   const HullEdge& edge = pair_.a.edges[k];
@@ -134,6 +142,7 @@ void AxisSearch::try_face_a(std::uint32_t f) {
   const Vec3& n = pair_.a.face_normals[f];
   const std::uint32_t v = pair_.support_b(n);
   const double gap = n.dot(pair_.vertex_b(v)) - pair_.a.face_offsets[f];
+  side_a_.deepest[f] = v;
   const bool first = face_.kind != AxisKind::face_a || f < face_.feature_a;
   if (gap > face_.gap || (gap == face_.gap && first)) face_ = {AxisKind::face_a, gap, n, f, v};
 }
@@ -144,6 +153,7 @@ void AxisSearch::try_face_b(std::uint32_t f) {
   const std::uint32_t v = pair_.support_a(n);
   const Vec3 deepest = pair_.rotation.transpose() * (pair_.a.vertices[v] - pair_.offset);
   const double gap = m.dot(deepest) - pair_.b.face_offsets[f];
+  side_b_.deepest[f] = v;
   const bool first = face_.kind == AxisKind::face_b && f < face_.feature_b;
   if (gap > face_.gap || (gap == face_.gap && first)) face_ = {AxisKind::face_b, gap, n, v, f};
 }

@@ -20,10 +20,12 @@ struct ArcEdge {
 
 /// What is known of one polyhedron's features against the other, in its own axes.
 struct AxisSide {
+  static constexpr std::uint32_t unknown = 0xffffffffu;
   const PolyhedronView& own;
   Vec3 other_centre;
-  double other_inner;           ///< radius of a sphere about other_centre that the other body surely fills [m]
-  std::vector<double>& height;  ///< by face: of one point of the other body above its plane [m]
+  double other_inner;                   ///< radius of a sphere about other_centre that the other body surely fills [m]
+  std::vector<double>& height;          ///< by face: of one point of the other body above its plane [m]
+  std::vector<std::uint32_t>& deepest;  ///< by face: the other body's deepest vertex below it, or `unknown`
 
   /// Takes the heights of x, a point of the other body; the largest of them.
   double look_at(const Vec3& x);
@@ -37,7 +39,11 @@ struct AxisSide {
   /// separation(n) <= n.x - n.vertex for any x of the other body; over the arc that is largest at an end unless
   /// positive.
   bool edge_may_exceed(const HullEdge& edge, double best) const {
-    if (best < 0.0 && !(std::max(height[edge.left], height[edge.right]) > best)) return false;
+    if (best < 0.0) {
+      if (!(std::max(height[edge.left], height[edge.right]) > best)) return false;
+      // One vertex deepest below both faces: over the arc no direction is better than these two, which are not.
+      if (deepest[edge.left] == deepest[edge.right] && deepest[edge.left] != unknown) return false;
+    }
     return sphere_may_exceed(edge, best);
   }
   bool sphere_may_exceed(const HullEdge& edge, double best) const;

@@ -69,9 +69,12 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   const PolyhedronPair pair(a, b, q.a, q.b);
   SeparatingAxis before;
   if (q.cache && q.cache->kind > 0) {
-    before = {static_cast<SeparatingAxis::Kind>(q.cache->kind), -infinity, Vec3::Zero(), q.cache->feature_a, q.cache->feature_b};
+    before = {static_cast<SeparatingAxis::Kind>(q.cache->kind), -infinity, Vec3::Zero(), q.cache->feature_a,
+              q.cache->feature_b};
   } else if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) {
     return;
+  } else if (q.cache && q.cache->axis.squaredNorm() > 0.0) {
+    before.kind = SeparatingAxis::Kind::points;
   }
   if (q.area) return collide_volumes(pair, r, q, sink);
   const PolyhedronDistance d = polyhedron_distance(pair, limit, before);

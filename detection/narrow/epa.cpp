@@ -19,8 +19,8 @@ class Polytope {
  public:
   explicit Polytope(const MinkowskiDifference& difference) : difference_(difference) {}
 
-  /// Tetrahedron from extreme points along three axes; false when the difference is flat, with the direction across it in
-  /// `normal`.
+  /// Tetrahedron from extreme points along three axes; false when the difference is flat, with the direction across it
+  /// in `normal`.
   bool start(const Mat3& axes, Vec3& normal) {
     count_ = horizon_count_ = free_count_ = 0, facets_count_ = 0;
     const double flat = 1e-13 * difference_.size();
@@ -178,9 +178,9 @@ class Polytope {
   std::uint16_t facets_count_ = 0;
 };
 
-/// Deepest points by the distance of the bodies once B is pushed out along the normal and a little further: the point of
-/// the difference nearest to (depth + a little) n is depth n, whichever of several coplanar facets holds it. (At exact
-/// touch of a tip and a face, weights on the wrong facet put the point 0.3 of the size beside the tip.)
+/// Deepest points by the distance of the bodies once B is pushed out along the normal and a little further: the point
+/// of the difference nearest to (depth + a little) n is depth n, whichever of several coplanar facets holds it. (At
+/// exact touch of a tip and a face, weights on the wrong facet put the point 0.3 of the size beside the tip.)
 void push_apart(const MinkowskiDifference& difference, Penetration& p) {
   const Vec3 push = (p.upper + 1e-3 * difference.size()) * p.normal;
   MinkowskiDifference apart = difference;
@@ -205,9 +205,9 @@ Penetration across_flat(const MinkowskiDifference& difference, const Vec3& norma
   return out;
 }
 
-
 /// One polytope grown until the interval closes, or as far as it goes. True: another start may do better.
-bool grow(const MinkowskiDifference& difference, double tolerance, const Mat3& axes, Polytope& polytope, Penetration& out) {
+bool grow(const MinkowskiDifference& difference, double tolerance, const Mat3& axes, Polytope& polytope,
+          Penetration& out) {
   Vec3 across;
   const double allowed = tolerance * difference.size();
   if (!polytope.start(axes, across)) return out = across_flat(difference, across), false;
@@ -239,8 +239,9 @@ bool grow(const MinkowskiDifference& difference, double tolerance, const Mat3& a
 Penetration epa(const MinkowskiDifference& difference, double tolerance) {
   Polytope polytope(difference);
   Penetration best;
-  // Two equal bodies in one pose have a difference full of coplanar facets and collinear edges, on which 7 of 60 polytopes
-  // get stuck. All intervals hold the depth, so they are cut with each other; a turned start gets stuck elsewhere.
+  // Two equal bodies in one pose have a difference full of coplanar facets and collinear edges, on which 7 of 60
+  // polytopes get stuck. All intervals hold the depth, so they are cut with each other; a turned start gets stuck
+  // elsewhere.
   Mat3 axes = Mat3::Identity();
   double lower = -infinity;
   constexpr int starts = 6;

@@ -88,8 +88,10 @@ PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit,
   // Overlapping by more than rounding is certain whoever finds it: the search over features then has the last word,
   // whatever it began with. Everything else is decided below, from the beginning.
   const double certain = -1e-14 * (pair.a.radius + pair.b.radius);
-  if (start.kind != AxisKind::none && start.kind != AxisKind::points) {
-    const SeparatingAxis found = separating_axis(pair, start);
+  SeparatingAxis found;
+  bool searched = start.kind != AxisKind::none && start.kind != AxisKind::points;
+  if (searched) {
+    found = separating_axis(pair, start);
     if (found.gap < certain) return at_axis(pair, found, limit);
   }
   AxisSearch search(pair);
@@ -97,14 +99,17 @@ PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit,
     search.start_from(box_axis(pair));
   else
     search.start_promising();
-  SeparatingAxis found = search.best();
-  const bool searched = found.gap < 0.0;
-  if (searched) found = search.run();
-  if (found.gap < certain || found.gap > limit + 1e-12 * pair.size() || is_distance(pair, found))
-    return at_axis(pair, found, limit);
+  const SeparatingAxis first = search.best();
+  if (first.gap > limit + 1e-12 * pair.size() || is_distance(pair, first)) return at_axis(pair, first, limit);
 
+  // A pair that was apart asks GJK first, any other the features. Both orders end alike: GJK certifies a distance
+  // exactly where no search finds an overlap.
+  if (!searched && first.gap < 0.0 && start.kind != AxisKind::points) {
+    found = search.run(), searched = true;
+    if (found.gap < certain) return at_axis(pair, found, limit);
+  }
   const GjkResult g =
-      gjk_detail::run(PolyhedraDifference{pair, pair.offset}, {limit + 1e-12 * pair.size(), 1e-15, found.normal});
+      gjk_detail::run(PolyhedraDifference{pair, pair.offset}, {limit + 1e-12 * pair.size(), 1e-15, first.normal});
   PolyhedronDistance d;
   d.axis = {AxisKind::points, g.lower, g.normal, 0, 0};
   d.uncertainty = g.upper - g.lower;
@@ -115,6 +120,7 @@ PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit,
   // Closer than GJK can tell: the features decide. Apart, they may still not exceed what GJK certified.
   const bool apart = g.status == GjkResult::Status::capped;
   if (!searched) found = search.run();
+  if (found.gap < certain) return at_axis(pair, found, limit);
   if (apart && !(found.gap > g.lower)) return d;
   d = at_axis(pair, found, limit);
   d.uncertainty = apart ? std::max(0.0, g.upper - found.gap) : 0.0;

@@ -70,11 +70,10 @@ std::vector<Solid> make_pool(Random& random) {
   std::vector<Solid> pool;
   const auto size = [&] { return Vec3(random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)); };
   for (int k = 0; k < 40; ++k) {
-    pool.push_back({Solid::Kind::polyhedron, Box(size()).hull, {}});
-    pool.push_back({Solid::Kind::polyhedron, support::random_hull(random, 4), {}});
+    pool.push_back({Solid::Kind::polyhedron, Box(size()).hull, Vec3::Ones()});
+    pool.push_back({Solid::Kind::polyhedron, support::random_hull(random, 4), Vec3::Ones()});
     pool.push_back({Solid::Kind::polyhedron,
-                    support::random_hull(random, 8 + static_cast<std::size_t>(random.uniform() * 57)),
-                    {}});
+                    support::random_hull(random, 8 + static_cast<std::size_t>(random.uniform() * 57)), Vec3::Ones()});
     pool.push_back({Solid::Kind::ellipsoid, {}, size()});
     pool.push_back({Solid::Kind::capsule, {}, size()});
     pool.push_back({Solid::Kind::cylinder, {}, size()});
