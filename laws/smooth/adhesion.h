@@ -89,24 +89,28 @@ inline double Jkr::energy(const Parameters& p, double radius, double grip, doubl
 
 inline NormalResponse Jkr::respond(const Parameters& p, const ContactKinematics& c, const State& before, State& now) {
   const double R = c.effective_radius, B = std::sqrt(6.283185307179586 * p.work / p.modulus);
-  const double u_break = 0.6299605249474366 * std::cbrt(B * R);  // u^3 = B R/4, the least delta of the branch
-  const double u_snap = std::cbrt(B * R);                        // delta = 0
+  const auto snap = [&] { return std::cbrt(B * R); };  // u at delta = 0
   NormalResponse out;
   if (!holds(before)) {
     if (!(c.overlap > 0.0)) return out;
-    out.lost = -energy(p, R, B, u_snap);  // what the surfaces gain in meeting, as heat
+    out.lost = -energy(p, R, B, snap());  // what the surfaces gain in meeting, as heat
   }
-  const double least = u_break * u_break * u_break * u_break / R - B * u_break;
-  if (c.overlap < least) {
-    now.root = 0.0;
-    out.lost += energy(p, R, B, u_break);
-    return out;
+  double floor = 0.0;
+  if (c.overlap < 0.0) {
+    const double u_break = 0.6299605249474366 * snap();  // u^3 = B R/4, the least delta of the branch
+    if (c.overlap < u_break * u_break * u_break * u_break / R - B * u_break) {
+      now.root = 0.0;
+      out.lost += energy(p, R, B, u_break);
+      return out;
+    }
+    floor = u_break * (1.0 + 1e-9);
   }
-  // u^4/R - B u = delta is convex and rising on the branch: Newton from above never overshoots
-  double u = std::max(holds(before) ? before.root : u_snap, u_snap) + std::sqrt(std::sqrt(R * std::max(c.overlap, 0.0)));
+  // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root; from the last root, which
+  // is near, in two or three steps
+  double u = before.root;
+  if (!holds(before) || c.overlap < 0.0) u = std::max(before.root, snap()) + std::sqrt(std::sqrt(R * std::max(c.overlap, 0.0)));
   for (int k = 0; k < 60; ++k) {
-    const double f = (u * u * u / R - B) * u - c.overlap, slope = 4.0 * u * u * u / R - B;
-    const double next = std::max(u - f / slope, u_break * (1.0 + 1e-9));
+    const double cube = u * u * u / R, next = std::max(u - ((cube - B) * u - c.overlap) / (4.0 * cube - B), floor);
     const bool done = std::abs(next - u) <= 1e-15 * u;
     u = next;
     if (done) break;
