@@ -106,9 +106,9 @@ inline NormalResponse Jkr::respond(const Parameters& p, const ContactKinematics&
     floor = u_break * (1.0 + 1e-9);
   }
   // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root; from the last root, which
-  // is near, in two or three steps
+  // is near, in two or three steps, unless it lies where the branch is flat
   double u = before.root;
-  if (!holds(before) || c.overlap < 0.0) u = std::max(before.root, snap()) + std::sqrt(std::sqrt(R * std::max(c.overlap, 0.0)));
+  if (u * u * u <= 0.75 * B * R || c.overlap < 0.0) u = std::max(before.root, snap()) + std::sqrt(std::sqrt(R * std::max(c.overlap, 0.0)));
   for (int k = 0; k < 60; ++k) {
     const double cube = u * u * u / R, next = std::max(u - ((cube - B) * u - c.overlap) / (4.0 * cube - B), floor);
     const bool done = std::abs(next - u) <= 1e-15 * u;
