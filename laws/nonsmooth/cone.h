@@ -22,6 +22,19 @@ inline Vec3 project_cone(const Vec3& x, double mu) {
   return {normal, scale * x.y(), scale * x.z()};
 }
 
+/// An element of the generalised derivative of project_cone at x: the identity inside K, 0 inside the polar cone,
+/// between them the generator g = (1, mu e), e = x_T / |x_T|, and the turn of the foot about the axis.
+inline Mat3 project_cone_derivative(const Vec3& x, double mu) {
+  const double t = tangential_norm(x);
+  if (x.x() >= 0.0 && t <= mu * x.x()) return Mat3::Identity();
+  if (mu * t <= -x.x()) return Mat3::Zero();
+  const double e1 = t > 0.0 ? x.y() / t : 0.0, e2 = t > 0.0 ? x.z() / t : 0.0;
+  const Vec3 g(1.0, mu * e1, mu * e2), turn(0.0, -e2, e1);
+  const double radius = mu * (x.x() + mu * t) / (1.0 + mu * mu);  // of the cone at the foot, < t
+  const Mat3 generator = g * g.transpose() / (1.0 + mu * mu);
+  return t > 0.0 ? Mat3(generator + (radius / t) * turn * turn.transpose()) : generator;
+}
+
 /// The tangential part moved to the disk of the given radius >= 0, along the ray to its centre; the normal part stays.
 inline Vec3 project_disk(const Vec3& x, double radius) {
   const double t2 = x.y() * x.y() + x.z() * x.z();

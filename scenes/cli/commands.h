@@ -32,6 +32,21 @@ struct RunOptions {
   bool quiet = false, verbose = false, json = false, force = false, least_output = false;
 };
 
+struct SolveOptions {
+  std::vector<std::string> problems;  ///< FCLIB HDF5 or Siconos .dat files
+  std::vector<std::string> methods;   ///< names of solvers
+  double tolerance = 1e-6;
+  double max_iterations = 1e9;
+  std::string time_limit = "10s";     ///< CPU time of each solve
+  std::string solution, out;          ///< files; empty: none, and rows on stdout
+  bool json = false;
+};
+
+struct PatchOptions {
+  bool json = false;
+  std::string maps;  ///< folder for pressure, traction and slip maps; empty: none
+};
+
 int command_run(const CommonOptions& common, const RunOptions& options);
 int command_resume(const std::string& directory, const RunOptions& options);
 int command_check(const CommonOptions& common);
@@ -39,7 +54,9 @@ int command_explain(const CommonOptions& common);
 int command_list(const std::string& kind);
 int command_schema();
 int command_new(const std::string& kind);
+int command_solve(const SolveOptions& options);
 int command_export(const std::string& directory, const std::string& format);
+int command_patch(const CommonOptions& common, const PatchOptions& options);  ///< patch.cpp
 
 /// Runs a command and turns what it throws into a message and an exit code.
 int guarded(const std::function<int()>& command);

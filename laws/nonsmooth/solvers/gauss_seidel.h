@@ -6,6 +6,7 @@
 #pragma once
 #include <cmath>
 
+#include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/solver.h"
 #include "laws/nonsmooth/sweep.h"
@@ -22,29 +23,49 @@ class GaussSeidel final : public ContactSolver {
 
   SolverReport solve(const ContactProblem& problem, Impulses& r) override {
     coloring_.update(problem);
-    return problem.rotates ? iterate(with_rotation_, problem, r) : iterate(without_rotation_, problem, r);
+    const double rho = problem.mean_effective_mass(), scale = cheap_scale(problem, rho);
+    const auto with = [&](auto& sweep) {
+      problem.velocities(r, v_);
+      sweep.load(problem, coloring_, r, v_);
+      const auto measure = [&] {
+        sweep.store(r);
+        return measure_residual(problem, r, rho, v_, u_).value;
+      };
+      const SolverReport report = iterate(
+          scale, r, [&](int) { return sweep.run(rule_); }, measure);
+      sweep.store(r);
+      return report;
+    };
+    return problem.rotates ? with(with_rotation_) : with(without_rotation_);
+  }
+
+  SolverReport solve(const ConeProblem& problem, Impulses& r) override {
+    blocks_.load(problem);
+    blocks_.start(r);
+    const auto measure = [&] {
+      problem.relative_velocities(r, block_v_, u_);
+      return problem.residual(r, u_);
+    };
+    return iterate(
+        problem.scale * problem.q_norm(), r, [&](int) { return blocks_.run(rule_, r); }, measure);
   }
 
  private:
-  template <class S>
-  SolverReport iterate(S& sweep, const ContactProblem& problem, Impulses& r) {
-    const double rho = problem.mean_effective_mass();
-    problem.velocities(r, v_);
-    sweep.load(problem, coloring_, r, v_);
-    const double scale = cheap_scale(problem, rho);
+  /// `sweep` returns the squared change of r, `measure` the residual.
+  template <class Run, class Measure>
+  SolverReport iterate(double scale, const Impulses& r, const Run& sweep, const Measure& measure) {
     double threshold = tolerance_ * scale;
     SolverReport report{false, 0, 0.0};
     while (report.iterations < iterations_) {
-      const double change = std::sqrt(sweep.run(rule_));
+      const double change = std::sqrt(sweep(report.iterations));
       ++report.iterations;
+      if (report.iterations % 16 == 0 && stop()) break;
       if (change > threshold) continue;
-      sweep.store(r);
-      report.residual = measure_residual(problem, r, rho, v_, u_).value;
+      report.residual = measure();
       report.converged = report.residual <= tolerance_;
-      if (report.converged || change <= rounding * norm(r)) return report;  // nothing more to gain
+      if (report.converged || change <= rounding * norm(r)) break;  // nothing more to gain
       threshold = change * std::min(0.5, tolerance_ / report.residual);
     }
-    sweep.store(r);
     return report;
   }
 
@@ -71,6 +92,8 @@ class GaussSeidel final : public ContactSolver {
   Sweep<false, Rule> without_rotation_;
   BodyVelocities v_;
   std::vector<Vec3> u_;
+  ConeSweep<Rule> blocks_;
+  std::vector<Vec6> block_v_;
 };
 
 }  // namespace epafi

@@ -5,7 +5,7 @@
 
 #include "engine/registry.h"
 #include "engine/report.h"
-#include "laws/nonsmooth/contact_problem.h"
+#include "laws/nonsmooth/cone_problem.h"
 
 namespace epafi {
 
@@ -15,6 +15,28 @@ class ContactSolver {
   /// r: start on entry (feasible: every r_i in its cone), solution on return. `converged` and `residual` are the
   /// solver's own claim; callers measure again (residual.h).
   virtual SolverReport solve(const ContactProblem& problem, Impulses& r) = 0;
+  /// The same for a problem in blocks: a file or an island. A solver that needs more than blocks returns an infinite
+  /// residual.
+  virtual SolverReport solve(const ConeProblem&, Impulses&) { return {false, 0, infinity}; }
+
+  /// Asked now and then; true ends the solve with what there is. Empty in a run: steps must not depend on clocks.
+  std::function<bool()> interrupted;
+
+ protected:
+  bool stop() const { return interrupted && interrupted(); }
+};
+
+/// A solver that works on blocks alone.
+class ConeSolver : public ContactSolver {
+ public:
+  using ContactSolver::solve;
+  SolverReport solve(const ContactProblem& problem, Impulses& r) final {
+    blocks_.load(problem);
+    return solve(blocks_, r);
+  }
+
+ private:
+  ConeProblem blocks_;
 };
 
 /// One line of the list of solvers.
@@ -24,12 +46,13 @@ struct SolverEntry {
 };
 
 /// Fields that every solver has.
-inline std::vector<Field> solver_fields(std::vector<Field> own = {}) {
+inline std::vector<Field> solver_fields(std::vector<Field> own = {}, double iterations = 50.0) {
   std::vector<Field> all{
-      {"iterations", "", "", Kind::integer, 50.0, {1, 1e9}, "sweeps or iterations per step at most"},
+      {"iterations", "", "", Kind::integer, iterations, {1, 1e9}, "sweeps or iterations per step at most"},
       {"tolerance", "", "", Kind::number, 1e-6, not_negative, "residual at which the solver stops"},
       {"warm_start", "", "", Kind::boolean, true, {}, "start from the impulses of the last step"},
-      {"correction", "beta", "", Kind::number, 0.2, unit_interval, "share of the overlap beyond slop taken out per step"},
+      {"correction", "beta", "", Kind::number, 0.2, unit_interval,
+       "share of the overlap beyond slop taken out per step"},
       {"slop", "", "", Kind::number, 1e-4, not_negative, "overlap that is left alone, relative to the body"},
   };
   all.insert(all.end(), own.begin(), own.end());

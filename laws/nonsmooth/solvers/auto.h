@@ -1,0 +1,52 @@
+/// @file auto.h  No more than the scene needs, island by island: sweeps first; their measured contraction decides
+/// whether to go on, to try the augmented Lagrangian (newton) or to go to the proximal Newton method. No clock is read:
+/// costs are counted in multiplications, so that the same problem takes the same path on every machine and thread
+/// count.
+///   1. sweeps in growing batches, while the contraction of the last batch promises the tolerance for less work than
+///      Newton steps would take, and never for more work than those;
+///   2. newton from the first guess, given up when it is behind the sweeps after a few factorisations;
+///   3. proximal from the better of both.
+/// `iterations` counts sweeps of stage 1 and factorisations of stages 2 and 3, per island.
+#pragma once
+#include <memory>
+
+#include "laws/nonsmooth/islands.h"
+#include "laws/nonsmooth/solvers/newton.h"
+#include "laws/nonsmooth/solvers/proximal.h"
+
+namespace epafi {
+
+class Auto final : public ConeSolver {
+ public:
+  Auto(int iterations, double tolerance) : iterations_(iterations), tolerance_(tolerance) {}
+  using ConeSolver::solve;
+  SolverReport solve(const ConeProblem& problem, Impulses& r) override;
+
+ private:
+  /// What one island keeps from step to step.
+  struct Part {
+    Part(int iterations, double tolerance) : newton(iterations, tolerance), proximal(iterations, tolerance) {}
+    ConeProblem problem;
+    Impulses r, swept;
+    ConeSweep<PgsRule> sweep;
+    Newton newton;
+    Proximal proximal;
+    std::vector<Vec6> v;
+    std::vector<Vec3> u;
+  };
+  SolverReport sweep(Part& part, const ConeProblem& problem, Impulses& r);
+  SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept);
+  SolverReport begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r);
+  bool unfinished(const SolverReport& swept) const { return !swept.converged && swept.iterations < iterations_; }
+
+  int iterations_;
+  double tolerance_;
+  Islands islands_;
+  std::vector<std::unique_ptr<Part>> parts_;
+  std::vector<SolverReport> reports_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Vec6> v_;
+  std::vector<Vec3> u_;
+};
+
+}  // namespace epafi

@@ -1,0 +1,152 @@
+/// `epafi solve`: friction-contact problems from files, by any solver; a row per problem and method. The residual is
+/// measured here, not by the solver.
+#include <fmt/format.h>
+#include <time.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "engine/error.h"
+#include "engine/nearest.h"
+#include "engine/parallel.h"
+#include "laws/nonsmooth/solvers/all_solvers.h"
+#include "scenes/cli/commands.h"
+#include "scenes/stop.h"
+#include "viz_export/hdf5_file.h"
+#include "viz_export/json_writer.h"
+#include "viz_export/problem_file.h"
+
+namespace epafi {
+
+namespace {
+
+struct Row {
+  std::string problem, method, status;
+  int iterations = 0;
+  double ms = 0.0, residual = 0.0, penetration_rate = 0.0;
+};
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::vector<const SolverEntry*> chosen(const std::vector<std::string>& methods) {
+  std::vector<const SolverEntry*> list;
+  std::vector<std::string> names;
+  for (const SolverEntry& s : all_solvers()) names.push_back(s.entry.name);
+  for (const std::string& method : methods.empty() ? std::vector<std::string>{"auto"} : methods) {
+    const std::size_t before = list.size();
+    for (const SolverEntry& s : all_solvers())
+      if (method == "all" || s.entry.name == method) list.push_back(&s);
+    if (list.size() > before) continue;
+    throw SceneError("--method: unknown solver '" + method + "'" + suggestion(method, names, "there are"));
+  }
+  return list;
+}
+
+ConeProblem blocks_of(const ProblemFile& file) {
+  return std::visit([](const auto& form) { return ConeProblem::from(form); }, file.form);
+}
+
+/// One cold solve from r = 0.
+Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveOptions& o, double limit, Impulses& r) {
+  Parameters parameters;
+  parameters.set("tolerance", o.tolerance);
+  parameters.set("iterations", std::min(o.max_iterations, 2e9));
+  const auto solver = entry.make(parameters);
+  r.assign(problem.size(), Vec3::Zero());
+  const double start = cpu_seconds();
+  bool late = false;
+  solver->interrupted = [&] { return late = cpu_seconds() - start > limit; };
+  const SolverReport report = solver->solve(problem, r);
+  Row row{.problem = {}, .method = entry.entry.name, .status = "solved", .iterations = report.iterations};
+  row.ms = 1e3 * (cpu_seconds() - start);
+  std::vector<Vec6> v;
+  std::vector<Vec3> u;
+  problem.relative_velocities(r, v, u);
+  row.residual = problem.residual(r, u), row.penetration_rate = problem.penetration_rate(u);
+  if (std::isfinite(row.residual) && row.residual <= o.tolerance) return row;
+  if (!std::isfinite(row.residual))
+    row.status = "not_finite";
+  else if (report.residual == infinity && report.iterations == 0)
+    row.status = "not_applicable";
+  else if (late)
+    row.status = "time_limit";
+  else
+    row.status = report.iterations >= o.max_iterations ? "iteration_limit" : "stalled";
+  return row;
+}
+
+std::string csv(const std::vector<Row>& rows) {
+  std::string text = "problem,method,status,iterations,ms,residual,penetration_rate\n";
+  for (const Row& r : rows)
+    text += fmt::format("{},{},{},{},{:.4g},{:.3e},{:.3e}\n", r.problem, r.method, r.status, r.iterations, r.ms,
+                        r.residual, r.penetration_rate);
+  return text;
+}
+
+std::string json(const std::vector<Row>& rows) {
+  JsonWriter w;
+  w.begin_array();
+  for (const Row& r : rows)
+    w.begin_object()
+        .member("problem", r.problem)
+        .member("method", r.method)
+        .member("status", r.status)
+        .member("iterations", r.iterations)
+        .member("ms", r.ms)
+        .member("residual", r.residual)
+        .member("penetration_rate", r.penetration_rate)
+        .end_object();
+  w.end_array();
+  return w.text() + "\n";
+}
+
+void write_reaction(Hdf5File& file, const std::string& name, const Impulses& r) {
+  std::vector<double> flat;
+  for (const Vec3& x : r) flat.insert(flat.end(), {x.x(), x.y(), x.z()});
+  file.write<double>(name, flat, {.columns = 3});
+}
+
+}  // namespace
+
+int command_solve(const SolveOptions& o) {
+  const auto limit = parse_duration(o.time_limit);
+  if (!limit) throw SceneError("--time-limit '" + o.time_limit + "' is no duration; write 1s, 0.5s or 2m");
+  const auto solvers = chosen(o.methods);
+  set_thread_count(1);  // the time is that of one core
+  std::unique_ptr<Hdf5File> solution;
+  if (!o.solution.empty()) solution = std::make_unique<Hdf5File>(o.solution, Hdf5File::Mode::create);
+  std::vector<Row> rows;
+  const bool to_stdout = o.out.empty() && !o.json;
+  if (to_stdout) fmt::print("{}", csv({}));
+  for (const std::string& path : o.problems) {
+    const ProblemFile file = read_problem(path);
+    const ConeProblem problem = blocks_of(file);
+    for (const SolverEntry* entry : solvers) {
+      Impulses r;
+      rows.push_back(solve_one(problem, *entry, o, *limit, r));
+      rows.back().problem = file.name;
+      if (to_stdout) {
+        const std::string line = csv({rows.back()});
+        fmt::print("{}", line.substr(line.find('\n') + 1)), std::fflush(stdout);
+      }
+      const std::string name = solvers.size() > 1 ? file.name + "/" + entry->entry.name : file.name;
+      if (solution) write_reaction(*solution, name + "/reaction", r);
+    }
+  }
+  if (solution) solution->close();
+  const std::string text = o.json ? json(rows) : csv(rows);
+  if (!o.out.empty()) {
+    std::ofstream out(o.out);
+    if (!(out << text)) throw FileError(o.out + ": cannot be written");
+  } else if (o.json) {
+    fmt::print("{}", text);
+  }
+  return exit_done;
+}
+
+}  // namespace epafi

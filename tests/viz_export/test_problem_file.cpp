@@ -1,0 +1,77 @@
+#include "viz_export/problem_file.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include "engine/error.h"
+#include "laws/nonsmooth/solvers/all_solvers.h"
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+const std::filesystem::path folder = std::filesystem::path(EPAFI_SOURCE_DIR) / "tests/data/problems";
+
+ConeProblem blocks(const ProblemFile& file) {
+  return std::visit([](const auto& form) { return ConeProblem::from(form); }, file.form);
+}
+
+/// The residual that `auto` reaches, measured here.
+double solved(const ConeProblem& p, double tolerance) {
+  Parameters parameters;
+  parameters.set("tolerance", tolerance), parameters.set("iterations", 5000.0);
+  Impulses r(p.size(), Vec3::Zero());
+  auto_entry().make(parameters)->solve(p, r);
+  std::vector<Vec6> v;
+  std::vector<Vec3> u;
+  p.relative_velocities(r, v, u);
+  return p.residual(r, u);
+}
+}  // namespace
+
+TEST_CASE("problem files of both forms are read and solved to 1e-9", "[viz_export][problems]") {
+  const std::pair<const char*, std::size_t> files[] = {{"stack_h005_mu05.hdf5", 20},
+                                                       {"stack_h010_top1e4.hdf5", 40},
+                                                       {"arch_21_mu06.hdf5", 88},
+                                                       {"OneObject-i100000-316.hdf5.dat", 25},
+                                                       {"LMGC_GlobalFrictionContactProblem00046.hdf5", 9}};
+  for (const auto& [name, contacts] : files) {
+    INFO(name);
+    const ConeProblem p = blocks(read_problem(folder / name));
+    CHECK(p.size() == contacts);
+    CHECK(solved(p, 1e-9) <= 1e-9);
+  }
+}
+
+TEST_CASE("a written problem reads back to the same matrices", "[viz_export][problems]") {
+  const GlobalForm form = std::get<GlobalForm>(read_problem(folder / "stack_h005_mu05.hdf5").form);
+  const auto path = std::filesystem::temp_directory_path() / "epafi_problem_round_trip.hdf5";
+  write_problem(path, form, "five boxes");
+  const GlobalForm again = std::get<GlobalForm>(read_problem(path).form);
+  std::filesystem::remove(path);
+  CHECK((again.M - form.M).norm() == 0.0);
+  CHECK((again.H - form.H).norm() == 0.0);
+  CHECK(again.f == form.f);
+  CHECK(again.w == form.w);
+  CHECK(again.mu == form.mu);
+}
+
+TEST_CASE("a problem file that is cut, of another dimension or without friction is refused with its reason",
+          "[viz_export][problems]") {
+  const auto path = std::filesystem::temp_directory_path() / "epafi_problem_broken.dat";
+  const auto message = [&](const std::string& text) -> std::string {
+    std::ofstream(path) << text;
+    try {
+      (void)read_problem(path);
+    } catch (const FileError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  CHECK(message("2\n1\n0\n").find("three dimensions") != std::string::npos);
+  CHECK(message("3\n1\n0\n3 3\n1 0 0 0 1 0 0 0").find("W should stand") != std::string::npos);
+  CHECK(message("3\n1\n0\n3 3\n1 0 0 0 1 0 0 0 1\n-1 0 0\n-0.5").find("friction") != std::string::npos);
+  CHECK(message("3\n1\n0\n3 3\n1 0 0 0 1 0 0 0 1\n-1 0 0\n0.5") == "accepted");
+  std::filesystem::remove(path);
+  CHECK_THROWS_AS(read_problem(folder / "README.md"), FileError);
+}
