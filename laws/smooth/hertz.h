@@ -41,6 +41,14 @@ struct Hertz {
     return {pair.effective_modulus(), 2.0 * std::sqrt(5.0 / 6.0) * damping_ratio_for(pair.restitution)};
   }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
+  static double elastic_power(const Parameters&) { return 1.5; }
+  static double viscous_power(const Parameters&) { return 0.25; }
+  static double viscous(const Parameters& p, const ContactKinematics& c) {
+    return p.damping * std::sqrt(c.effective_mass * stiffness(p, c)) * c.approach_velocity;
+  }
+  static double stiffness(const Parameters& p, const ContactKinematics& c) {  // dN/d(delta)
+    return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
+  }
   template <class Real = double>
   EPAFI_LANES static ResponseOf<Real> respond(const Parameters& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // dN/d(delta)

@@ -31,6 +31,11 @@ struct Linear {
     return {pair.parameters.number("stiffness"), damping_ratio_for(pair.restitution)};
   }
   static bool is_damped(const Parameters& p) { return p.damping_ratio > 0.0; }
+  static double elastic_power(const Parameters&) { return 1.0; }
+  static double viscous_power(const Parameters&) { return 0.0; }
+  static double viscous(const Parameters& p, const ContactKinematics& c) {
+    return 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
+  }
   template <class Real = double>
   EPAFI_LANES static ResponseOf<Real> respond(const Parameters& p, const KinematicsOf<Real>& c) {
     const Real elastic = p.stiffness * c.overlap;

@@ -118,7 +118,7 @@ class FusedModel final : public FusedSpheres {
 };
 
 template <class N, class T, class R>
-constexpr bool is_fused = LaneLaw<N> && T::is_present && !R::is_present && parts_fit<N, T, R>;
+constexpr bool is_fused = LaneLaw<N> && LaneFriction<T> && !R::is_present && parts_fit<N, T, R>;
 
 template <class F>
 decltype(auto) with_parts(const SmoothParts& parts, const F& f) {
