@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CommonOptions common;
   RunOptions run;
+  PatchOptions patch;
   SolveOptions solve;
   std::string directory, kind, format = "vtk";
 
@@ -84,6 +85,10 @@ int main(int argc, char** argv) {
   auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
   export_command->add_option("dir", directory, "output folder of the run")->required();
   export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
+  auto* patch_command = app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
+  add_scene_flags(patch_command, common);
+  patch_command->add_flag("--json", patch.json, "print the results as JSON on stdout");
+  patch_command->add_option("--maps", patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
   StudyOptions study;
   SweepOptions sweep;
   BenchOptions bench;
@@ -124,6 +129,7 @@ int main(int argc, char** argv) {
     if (*narrow_command) return command_narrow(narrow);
     if (*schema_command) return command_schema();
     if (*new_command) return command_new(kind);
+    if (*patch_command) return command_patch(common, patch);
     if (*solve_command) return command_solve(solve);
     if (*export_command) return command_export(directory, format);
     if (*chart_command) return command_chart(study);
