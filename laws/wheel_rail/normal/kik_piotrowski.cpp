@@ -1,7 +1,7 @@
 // Virtual penetration (Kik and Piotrowski 1996): the patch is where the undeformed surfaces overlap at 0.55 of the
 // approach; pressures are half ellipses along the track, scaled so that the displacement at the rigid contact point is
-// the approach. No iteration over the patch. Good to 0.5 % where the gap is a parabola; 30 % off in the peak at a jump
-// of the contact point.
+// the approach. No iteration over the patch. Where the gap is a parabola the patch is wider than Hertz' and the peak
+// 6 % low (axes 1.3 to 1; 11 % at 3, 19 % at 10); the authors' later correction of its shape is left out.
 #include <algorithm>
 #include <cmath>
 
@@ -61,7 +61,7 @@ std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in) {
   p.ellipse = {at.longest, at.area / (pi * at.longest)};
   p.is_ellipse = true;  // for creep laws: the ellipse of the same area and length
   check_hertz_range(r, p, p.reasons);
-  p.error_estimate = p.reasons.empty() ? 0.01 : 0.3;
+  p.error_estimate = p.reasons.empty() ? 0.12 : 0.3;
   return {out};
 }
 
