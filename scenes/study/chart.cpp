@@ -99,6 +99,8 @@ struct Runner {
   }
 };
 
+}  // namespace
+
 double median(std::vector<double> v) {
   std::sort(v.begin(), v.end());
   const std::size_t n = v.size();
@@ -122,8 +124,6 @@ void mark_front(Chart& chart) {
       return;
     }
 }
-
-}  // namespace
 
 Chart run_chart(const Study& study, const fs::path& folder, const std::function<void(const std::string&)>& say) {
   Chart chart;

@@ -34,12 +34,23 @@ struct Chart {
   bool asks_accuracy = false;              ///< the scene has [accuracy]
   std::optional<std::size_t> recommended;  ///< cheapest point inside [accuracy]
   std::string command;                     ///< of the first case, as an example
+  std::string time_label = "processor seconds per simulated second";
 };
 
 /// Runs the study below `folder`. `say` is told of each case as it ends. Throws SceneError where a case is no valid
 /// scene.
 Chart run_chart(const Study& study, const std::filesystem::path& folder,
                 const std::function<void(const std::string&)>& say);
+
+/// The same for a wheel-rail case (a scene with [patch]): each point is one evaluation of one pair of models, so its time
+/// is in processor seconds per evaluation. error: pressure, area (relative), force (over the normal force) or patch (the
+/// largest of them).
+Chart run_patch_chart(const Study& study, const std::function<void(const std::string&)>& say);
+bool is_patch_study(const Study& study);
+
+/// Marks the Pareto front and the cheapest point inside [accuracy].
+void mark_front(Chart& chart);
+double median(std::vector<double> values);
 
 std::string chart_csv(const Chart& chart);
 std::string chart_json(const Chart& chart);

@@ -81,9 +81,9 @@ std::string chart_verdict(const Chart& chart) {
   if (!chart.recommended) return out + "no method of the study meets [accuracy]\n";
   const ChartPoint& best = chart.points[*chart.recommended];
   out += fmt::format(
-      "cheapest method inside [accuracy]: {}: {:.3g} processor seconds per simulated second (spread {:.2g}), error "
+      "cheapest method inside [accuracy]: {}: {:.3g} {} (spread {:.2g}), error "
       "{:.3g}\n",
-      best.method.name, best.time, best.time_spread, best.error);
+      best.method.name, best.time, chart.time_label, best.time_spread, best.error);
   for (const auto& o : best.method.overrides)
     out += o.substr(0, o.find('=')) + " = " + o.substr(o.find('=') + 1) + "\n";
   return out;
@@ -103,7 +103,7 @@ std::string recommended_scene(const Chart& chart, const fs::path& folder) {
 void draw_chart(const Chart& chart, const fs::path& folder) {
   ScatterPlot plot;
   plot.title = chart.study.title.empty() ? fs::path(chart.study.file).stem().string() : chart.study.title;
-  plot.x_label = chart.study.time_label(), plot.y_label = "error: " + chart.study.error.name;
+  plot.x_label = chart.time_label, plot.y_label = "error: " + chart.study.error.name;
   double least = INFINITY;
   for (const auto& p : chart.points)
     if (p.good() && p.error > 0) least = std::min(least, p.error);

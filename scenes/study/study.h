@@ -55,7 +55,6 @@ struct Study {
   double time_limit = 60.0;  ///< wall time of one case [s]
   int threads = 1;
   std::string program = "/proc/self/exe";  ///< that runs the cases
-  std::string time_label() const { return "processor seconds per simulated second"; }
 };
 
 /// Throws SceneError with every problem of the file.
