@@ -30,6 +30,7 @@ class NonsmoothContact final : public ContactModel {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
   void reorder(const Reordering& change) override { memory_.reorder(change); }
   void visit(StateVisitor& visitor) override { memory_.visit(visitor); }
+  const ContactProblem& problem() const { return problem_; }
 
  private:
   void load(const World& world, const ContactSet& contacts, double dt);
@@ -135,6 +136,11 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
 }
 
 }  // namespace
+
+const ContactProblem* last_problem(const ContactModel& model) {
+  const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
+  return contact != nullptr ? &contact->problem() : nullptr;
+}
 
 Needs nonsmooth_needs(const NonsmoothSetup& setup) {
   const bool friction = std::any_of(setup.materials.pairs.begin(), setup.materials.pairs.end(),
