@@ -57,7 +57,11 @@ Proximal::Inner Proximal::solve_inner(SolverReport& report, int& steps) {
   return norm < 0.5 * first ? Inner::progress : Inner::failed;
 }
 
+/// Sweeps z; takes them back where they lead away from the solution (strong friction on a tilted W: A27).
 void Proximal::smooth(int sweeps) {
+  problem_->relative_velocities(z_, v_, u_);
+  const double before = problem_->residual(z_, u_);
+  r_try_ = z_, u_try_ = u_;
   sweep_.start(z_);
   for (int k = 0; k < sweeps; ++k) {
     sweep_.run(PgsRule{}, z_);
@@ -65,6 +69,8 @@ void Proximal::smooth(int sweeps) {
   }
   problem_->relative_velocities(z_, v_, u_);
   residual_ = problem_->residual(z_, u_);
+  if (residual_ <= 3.0 * before) return;  // a rise that Newton undoes: piles need it
+  z_.swap(r_try_), u_.swap(u_try_), residual_ = before;
 }
 
 void Proximal::load(const ConeProblem& problem) {
