@@ -55,15 +55,26 @@ class ContactModel : public StepStage {
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
 };
 
+/// Holds bodies back from ways that detection at the end of a drift would miss. Only where the scene asks for it.
+class MotionGuard : public StepStage {
+ public:
+  /// Before bodies drift.
+  virtual void remember(const World& world) = 0;
+  /// After they drifted for `duration` [s]. Returns the energy that the bodies gained by being held back [J].
+  virtual double hold_back(World& world, double duration) = 0;
+};
+
 struct Pipeline {
   std::unique_ptr<Scheme> scheme;
   std::unique_ptr<BroadPhase> broad_phase;
   std::unique_ptr<NarrowPhase> narrow_phase;
   std::unique_ptr<ContactModel> contact_model;
+  std::unique_ptr<MotionGuard> guard = nullptr;  ///< null: no body is watched; with Moreau-Jean only
 
   template <class F>
   void each_stage(F&& f) {
     f(*scheme), f(*broad_phase), f(*narrow_phase), f(*contact_model);
+    if (guard) f(*guard);
   }
 };
 

@@ -1,76 +1,130 @@
 /// @file narrow.cpp  Convex pairs with exact answers: time and error of the narrow phase.
 /// perf_narrow: ns per candidate pair of spheres through the whole narrow phase, one thread.
-/// perf_narrow CORPUS [--pairs]: per category ns per cold query, failures, wrong classes, worst errors in units of the
-/// size.
+/// perf_narrow CORPUS: per category ns per query, cold and warm (moved by 1e-3 of the size), refused bodies, wrong
+/// classes, worst errors in units of the size; then each method alone, then scaled, turned, shifted and swapped.
 #include <chrono>
 #include <cstdio>
 #include <map>
 
+#include "detection/convex_corpus.h"
+#include "detection/narrow/convex_answer.h"
 #include "detection/narrow/narrow_phase.h"
-#include "detection/narrow/polyhedra.h"
 #include "engine/parallel.h"
-#include "tests/support/convex_corpus.h"
 
 using namespace epafi;
 
 namespace {
 
 struct Row {
-  int pairs = 0, refused = 0, wrong = 0, iterations = 0;
-  double nanoseconds = 0.0, distance = 0.0, regret = 0.0, witness = 0.0;
+  int pairs = 0, refused = 0, wrong = 0, off = 0, intervals = 0;
+  double cold = 0.0, warm = 0.0, distance = 0.0, regret = 0.0, witness = 0.0;
   void add(const Row& o) {
-    pairs += o.pairs, refused += o.refused, wrong += o.wrong, iterations = std::max(iterations, o.iterations);
-    nanoseconds += o.nanoseconds, distance = std::max(distance, o.distance);
+    pairs += o.pairs, refused += o.refused, wrong += o.wrong, off += o.off, intervals += o.intervals;
+    cold += o.cold, warm += o.warm, distance = std::max(distance, o.distance);
     regret = std::max(regret, o.regret), witness = std::max(witness, o.witness);
   }
-  void print(const char* name) const {
-    std::printf("%-20s %5d pairs %8.0f ns  refused %d  wrong class %d  distance %.2e  regret %.2e  witness %.2e\n",
-                name, pairs, nanoseconds / pairs, refused, wrong, distance, regret, witness);
+  void print(const std::string& name) const {
+    std::printf(
+        "%-28s %5d pairs  cold %6.0f ns  warm %6.0f ns  refused %d  wrong class %d  off %d  interval %d  distance %.2e "
+        " "
+        "regret %.2e  points %.2e\n",
+        name.c_str(), pairs, cold / pairs, warm / pairs, refused, wrong, off, intervals, distance, regret, witness);
   }
 };
 
-/// Rounding that no method in doubles can avoid: eps of the coordinates.
-double allowance(const support::CorpusPair& p) {
-  const double reach = (p.b.centre - p.a.centre).norm();
-  double largest = reach;
-  for (const auto* body : {&p.a, &p.b}) {
-    for (const Vec3& v : body->vertices) largest = std::max(largest, v.norm());
-  }
-  return 1e-12 * p.size + 1e-15 * std::max(largest, std::max(p.a.centre.norm(), p.b.centre.norm()));
+/// How a pair is placed otherwise: all lengths by scale, both bodies moved and turned together, A and B exchanged.
+struct Placing {
+  const char* name = "as stored";
+  double scale = 1.0;
+  Vec3 shift = Vec3::Zero();
+  Quat turn{1, 0, 0, 0};
+  bool swapped = false;
+};
+
+ConvexHull::Built hull_of(const CorpusBody& body, double scale) {
+  std::vector<Vec3> vertices = body.vertices;
+  for (Vec3& v : vertices) v *= scale;
+  return ConvexHull::from_faces(std::move(vertices), body.faces);
 }
 
-Row measure(const support::CorpusPair& p, bool verbose) {
-  Row row;
-  row.pairs = 1;
-  const auto a = ConvexHull::from_faces(p.a.vertices, p.a.faces), b = ConvexHull::from_faces(p.b.vertices, p.b.faces);
-  if (!a.problem.empty() || !b.problem.empty()) {
-    row.refused = 1;
-    if (verbose) std::printf("refused: %s: %s %s\n", p.category.c_str(), a.problem.c_str(), b.problem.c_str());
-    return row;
-  }
-  const Pose pose_a{p.a.centre, Quat(1, 0, 0, 0)}, pose_b{p.b.centre, Quat(1, 0, 0, 0)};
-  PolyhedronDistance d;
+template <class Query>
+double nanoseconds(const Query& query) {
   using Clock = std::chrono::steady_clock;
   double best = infinity;
   for (int repeat = 0; repeat < 5; ++repeat) {
     const auto begin = Clock::now();
-    for (int k = 0; k < 8; ++k) d = polyhedron_distance({a.hull.view(), b.hull.view(), pose_a, pose_b});
+    for (int k = 0; k < 8; ++k) query(k);
     best = std::min(best, std::chrono::duration<double, std::nano>(Clock::now() - begin).count() / 8);
   }
-  row.nanoseconds = best;
-  const double allowed = allowance(p);
-  row.distance = std::abs(d.axis.gap - p.distance) / p.size;
-  row.regret = static_cast<double>(p.distance - p.separation(d.axis.normal)) / p.size;
-  row.witness = std::abs((d.witness_b - d.witness_a).dot(d.axis.normal) - p.distance) / p.size;
-  row.wrong = std::abs(p.distance) > allowed && (d.axis.gap < 0) != (p.distance < 0);
-  const bool bad =
-      row.wrong || row.distance * p.size > allowed || row.regret * p.size > allowed || !(row.distance < 1e300);
-  if (verbose && bad) {
-    std::printf("bad: %s size %.3g exact %.17g found %.17g (error/allowed %.3g, regret/allowed %.3g) kind %d\n",
-                p.category.c_str(), p.size, p.distance, d.axis.gap, row.distance * p.size / allowed,
-                row.regret * p.size / allowed, static_cast<int>(d.axis.kind));
+  return best;
+}
+
+/// Errors in units of the size; `off`: distance or normal worse than doubles allow (1e-12 size + 1e-15 of the
+/// coordinates).
+Row measure(const CorpusPair& p, ConvexMethod method, const Placing& at, bool timed) {
+  Row row;
+  row.pairs = 1;
+  const auto &first = at.swapped ? p.b : p.a, &second = at.swapped ? p.a : p.b;
+  const auto a = hull_of(first, at.scale), b = hull_of(second, at.scale);
+  row.refused = !a.problem.empty() || !b.problem.empty();
+  if (row.refused) return row;
+  const Pose pose_a{at.turn * (at.scale * first.centre) + at.shift, at.turn};
+  const Pose pose_b{at.turn * (at.scale * second.centre) + at.shift, at.turn};
+  const PolyhedronView va = a.hull.view(), vb = b.hull.view();
+  const ConvexAnswer d = ask(method, va, vb, pose_a, pose_b);
+  if (timed) {
+    ConvexAnswer last = d;
+    row.cold = nanoseconds([&](int) { last = ask(method, va, vb, pose_a, pose_b); });
+    row.warm = nanoseconds([&](int k) {
+      Pose moved = pose_b;
+      moved.position += 0.5e-3 * p.size * Vec3(k & 1 ? 0.6 : -0.6, k & 2 ? 0.48 : -0.48, k & 4 ? 0.64 : -0.64);
+      last = ask(method, va, vb, pose_a, moved, last.axis);
+    });
   }
+  const double allowed = p.resolution() + 1e-15 * at.shift.norm() / at.scale;
+  const double found = d.distance / at.scale;
+  const Vec3 normal = at.turn.conjugate() * (at.swapped ? Vec3(-d.normal) : d.normal);
+  const Vec3 between = pose_b.position - pose_a.position + d.witness_b - d.witness_a;
+  row.distance = std::abs(found - p.distance) / p.size;
+  row.regret = static_cast<double>(p.distance - p.separation(normal)) / p.size;
+  row.witness = std::abs(between.dot(d.normal) / at.scale - p.distance) / p.size;
+  row.wrong = std::abs(p.distance) > allowed && (found < 0) != (p.distance < 0);
+  row.off = !(row.distance * p.size <= allowed && row.regret * p.size <= allowed);
+  row.intervals = std::string(d.status) != "ok";
   return row;
+}
+
+int corpus(const char* path) {
+  const std::vector<CorpusPair> pairs = read_corpus(path);
+  std::map<std::string, Row> rows;
+  Row whole;
+  for (const auto& p : pairs) {
+    const Row row = measure(p, ConvexMethod::automatic, {}, true);
+    rows[p.category].add(row), whole.add(row);
+  }
+  for (const auto& [name, row] : rows) row.print(name);
+  whole.print("all");
+  const auto total = [&](const std::string& name, ConvexMethod method, const Placing& at, bool timed) {
+    Row sum;
+    for (const auto& p : pairs) sum.add(measure(p, method, at, timed));
+    sum.print(name);
+    return sum.refused + sum.wrong + (method == ConvexMethod::automatic ? sum.off : 0);
+  };
+  int bad = whole.refused + whole.wrong + whole.off;
+  bad += total("gjk-epa alone", ConvexMethod::gjk_epa, {}, true);
+  total("sat alone", ConvexMethod::sat, {}, true);
+  const Quat turn = Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()));
+  for (const Placing& at : {Placing{"scale 1e-6", 1e-6, Vec3::Zero(), Quat(1, 0, 0, 0), false},
+                            {"scale 1e-3", 1e-3, Vec3::Zero(), Quat(1, 0, 0, 0), false},
+                            {"scale 1e3", 1e3, Vec3::Zero(), Quat(1, 0, 0, 0), false},
+                            {"scale 1e6", 1e6, Vec3::Zero(), Quat(1, 0, 0, 0), false},
+                            {"turned by 1 rad", 1.0, Vec3(3, -2, 1), turn, false},
+                            {"shifted by 1e6", 1.0, Vec3::Constant(1e6), Quat(1, 0, 0, 0), false},
+                            {"swapped", 1.0, Vec3::Zero(), Quat(1, 0, 0, 0), true}}) {
+    bad += total(std::string("auto, ") + at.name, ConvexMethod::automatic, at, false);
+    bad += total(std::string("gjk-epa, ") + at.name, ConvexMethod::gjk_epa, at, false);
+  }
+  return pairs.empty() || bad > 0 ? 1 : 0;
 }
 
 /// Spheres on a cubic lattice that overlap their 6 neighbours and list the 12 edge neighbours as candidates. Error: the
@@ -120,15 +174,4 @@ int spheres() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 2) return spheres();
-  std::map<std::string, Row> rows;
-  Row total;
-  for (const auto& p : support::read_corpus(argv[1])) {
-    const Row row = measure(p, argc > 2);
-    rows[p.category].add(row), total.add(row);
-  }
-  for (const auto& [name, row] : rows) row.print(name.c_str());
-  total.print("all");
-  return total.pairs > 0 && total.refused == 0 && total.wrong == 0 ? 0 : 1;
-}
+int main(int argc, char** argv) { return argc < 2 ? spheres() : corpus(argv[1]); }

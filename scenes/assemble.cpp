@@ -7,6 +7,7 @@
 #include <map>
 
 #include "detection/broad/all_broad_phases.h"
+#include "detection/continuous/sweep_guard.h"
 #include "detection/narrow/narrow_phase.h"
 #include "engine/schemes/all_schemes.h"
 #include "scenes/contact_setup.h"
@@ -92,6 +93,15 @@ void set_broad_phase(Assembly& a) {
   a.simulation->pipeline.broad_phase = make_broad_phase(name, setup, world);
 }
 
+/// Watches the bodies that are `continuous`; null where there are none.
+std::unique_ptr<MotionGuard> make_guard(const Assembly& a) {
+  std::vector<BodyId> flagged;
+  for (std::size_t i = 0; i < a.scene.bodies.size(); ++i)
+    if (a.scene.bodies[i].continuous) flagged.push_back(a.body_ids[i]);
+  if (flagged.empty()) return nullptr;
+  return std::make_unique<SweepGuard>(*a.shapes, std::move(flagged));
+}
+
 Pipeline make_pipeline(Assembly& a) {
   Pipeline p;
   const auto& schemes = all_schemes();
@@ -129,6 +139,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   for (const auto& b : a->scene.bodies)
     a->body_ids.push_back(add_body(*a, builder.build(b.shape), b, a->scene.groups[b.group].place));
   for (const auto& f : a->scene.fills) add_fill(*a, builder, f);
+  sim.pipeline.guard = make_guard(*a);
   add_removals(*a);
   a->warnings = builder.warnings();
   set_broad_phase(*a);

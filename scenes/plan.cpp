@@ -118,6 +118,10 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   const auto pushed = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.force.squaredNorm() > 0; });
   plan.columns.external_force = pushed != scene.bodies.end();
   pay(plan.columns.external_force, "external force", "a body has a constant force", pushed != scene.bodies.end() ? scene.groups[pushed->group].place : Place{});
+  const auto swift = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.continuous; });
+  pay(swift != scene.bodies.end(), "continuous", "a body is watched along its way within a step", swift != scene.bodies.end() ? scene.groups[swift->group].place : Place{});
+  if (smooth && swift != scene.bodies.end())
+    throw SceneError("continuous = true holds bodies at impulses, a smooth law needs steps within its contact; leave it out with time_step = \"auto\", or take contact.method = \"nonsmooth\"", scene.groups[swift->group].place);
   plan_pairs(scene, shapes, use, plan);
   if (!smooth) {
     double smallest = infinity;

@@ -92,6 +92,7 @@ struct BodySpec {
   std::size_t shape = 0;     ///< index in Scene::shapes
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
+  bool continuous = false;                          ///< held back from passing through others within a step
   std::optional<Motion> motion;                     ///< motion = { ... } of a driven body
   std::optional<double> remove_at;                  ///< [s]
   Vec3 position = Vec3::Zero();                     ///< of the centre of mass [m]

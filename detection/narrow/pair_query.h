@@ -4,10 +4,11 @@
 
 namespace epafi {
 
-/// Last separating direction of a pair. A shortcut only: answers are the same bits without it, so it is not state.
+/// Last separating direction of a pair, and the features it belongs to. A shortcut only: answers are the same bits without
+/// it, so it is not state.
 struct PairCache {
   Vec3 axis = Vec3::Zero();  ///< from A to B, world axes; zero: unknown
-  std::uint32_t code = 0;
+  std::uint32_t kind = 0, feature_a = 0, feature_b = 0;  ///< of an overlapping pair; kind 0: unknown
 };
 
 /// One pair at one instant.

@@ -7,6 +7,17 @@ const PairTable& pair_table() {
   return table;
 }
 
+const char* pair_method(std::string_view a, std::string_view b) {
+  const auto entries = shape_entries(AllShapes{});
+  const auto place = [&](std::string_view name) {
+    std::size_t k = 0;
+    while (k < entries.size() && entries[k].name != name) ++k;
+    return k;
+  };
+  const std::size_t i = place(a), j = place(b);
+  return i < entries.size() && j < entries.size() ? pair_table()[i][j].method : "none";
+}
+
 std::string describe_pair_table() {
   std::string out;
   const auto entries = shape_entries(AllShapes{});

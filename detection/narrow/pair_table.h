@@ -9,6 +9,7 @@
 #include "detection/narrow/closed_forms.h"
 #include "detection/narrow/convex_pairs.h"
 #include "detection/narrow/mesh_pairs.h"
+#include "detection/narrow/pair_methods.h"
 #include "detection/shape_store.h"
 
 namespace epafi {
@@ -156,8 +157,5 @@ using PairTable = std::array<std::array<PairCell, AllShapes::size>, AllShapes::s
 
 /// pair_table()[type_a][type_b]; compiled once, in pair_table.cpp.
 const PairTable& pair_table();
-
-/// One line per ordered pair: `sphere box closed-form`.
-std::string describe_pair_table();
 
 }  // namespace epafi

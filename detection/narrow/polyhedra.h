@@ -30,12 +30,13 @@ struct SeparatingAxis {
   Kind kind = Kind::none;
   double gap = -infinity;       ///< signed distance along `normal` [m]
   Vec3 normal = Vec3::UnitZ();  ///< unit, A to B, A's axes
-  std::uint32_t feature_a = 0;  ///< face of A, edge of A (kind edges)
-  std::uint32_t feature_b = 0;  ///< face of B, edge of B
+  std::uint32_t feature_a = 0;  ///< face of A, edge of A (kind edges), deepest vertex of A (kind face_b)
+  std::uint32_t feature_b = 0;  ///< face of B, edge of B (kind edges), deepest vertex of B (kind face_a)
 };
 
-/// Largest separation over faces and edge pairs, or `start` where nothing exceeds it. Stops early once above `limit`.
-SeparatingAxis separating_axis(const PolyhedronPair& pair, double limit = infinity, const SeparatingAxis& start = {});
+/// Largest separation over faces and edge pairs. `start`: an axis found earlier; it makes the search quicker and does not
+/// change a bit of the answer.
+SeparatingAxis separating_axis(const PolyhedronPair& pair, const SeparatingAxis& start = {});
 
 /// Signed distance of two polyhedra with closest (deepest) points.
 struct PolyhedronDistance {
@@ -45,8 +46,11 @@ struct PolyhedronDistance {
   double uncertainty = 0.0;   ///< the distance lies in [gap, gap + uncertainty] [m]
 };
 
-/// limit: distances above it are not wanted [m]. guess: direction from A to B to begin with, A's axes; zero: centres.
-PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity,
-                                       const Vec3& guess = Vec3::Zero());
+/// The axis of largest separation with its points: exact while the bodies overlap, a lower bound of the distance otherwise.
+PolyhedronDistance axis_distance(const PolyhedronPair& pair);
+
+/// limit: distances above it are not wanted [m]. start: what the same call found for this pair a step ago; the answer is the
+/// same bits without it.
+PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity, const SeparatingAxis& start = {});
 
 }  // namespace epafi

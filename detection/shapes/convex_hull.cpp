@@ -175,6 +175,40 @@ void find_mass(ConvexHull& hull, const Faces& faces) {
   hull.equal_volume_radius = std::cbrt(0.75 * hull.volume / 3.14159265358979323846);
 }
 
+/// The frame of a rectangular box: three pairs of opposite faces across each other.
+std::optional<BoxFrame> find_box(const ConvexHull& hull) {
+  if (hull.vertices.size() != 8 || hull.face_normals.size() != 6 || hull.edges.size() != 12) return {};
+  constexpr double square = 1e-9;  // only the choice of a starting axis depends on it
+  BoxFrame frame;
+  std::array<std::size_t, 6> axis_of{};
+  std::array<bool, 6> taken{};
+  std::size_t axes = 0;
+  for (std::uint32_t f = 0; f < 6; ++f) {
+    if (taken[f]) continue;
+    std::uint32_t g = f + 1;
+    while (g < 6 && (hull.face_normals[f] + hull.face_normals[g]).norm() > square) ++g;
+    if (g == 6 || axes == 3) return {};
+    taken[f] = taken[g] = true;
+    axis_of[f] = axis_of[g] = axes;
+    frame.face[axes] = {g, f};
+    const double high = hull.face_offsets[f], low = hull.face_offsets[g];
+    frame.half[static_cast<int>(axes)] = 0.5 * (high + low);
+    frame.centre += 0.5 * (high - low) * hull.face_normals[f];
+    ++axes;
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    if (std::abs(hull.face_normals[frame.face[i][1]].dot(hull.face_normals[frame.face[(i + 1) % 3][1]])) > square) return {};
+  for (std::uint32_t e = 0; e < 12; ++e) {
+    const std::uint32_t l = hull.edges[e].left, r = hull.edges[e].right;
+    const std::size_t i = 3 - axis_of[l] - axis_of[r];
+    const bool left_first = axis_of[l] == (i + 1) % 3;
+    const std::uint32_t first = left_first ? l : r, second = left_first ? r : l;
+    const bool high1 = frame.face[(i + 1) % 3][1] == first, high2 = frame.face[(i + 2) % 3][1] == second;
+    frame.edge[i][2u * high1 + high2] = e;
+  }
+  return frame;
+}
+
 }  // namespace
 
 ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
@@ -204,12 +238,13 @@ ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
     return built;
   }
   find_mass(hull, faces);
+  hull.box_frame = find_box(hull);
   return built;
 }
 
 PolyhedronView ConvexHull::view() const {
   return {vertices,        face_begin, face_vertices, face_normals, face_offsets, edges,
-          neighbour_begin, neighbours, fan_begin,     fans,         radius,       inner_radius};
+          neighbour_begin, neighbours, fan_begin,     fans,         radius,       inner_radius, box_frame ? &*box_frame : nullptr};
 }
 
 std::uint32_t ConvexHull::support_vertex(const PolyhedronView& p, const Vec3& d, std::uint32_t start) {

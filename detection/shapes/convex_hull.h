@@ -2,6 +2,7 @@
 /// Everything the separating-axis test, clipping and hill climbing look up is computed once, in from_faces.
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,13 @@ namespace epafi {
 /// Edge of a convex polyhedron, listed once: `left` is the face that runs from -> to counter-clockwise.
 struct HullEdge {
   std::uint32_t from, to, left, right;
+};
+
+/// A polyhedron that is a rectangular box, wherever its axes point: what its 15-axis test looks up.
+struct BoxFrame {
+  Vec3 centre = Vec3::Zero(), half = Vec3::Zero();         ///< half: extent along each of its axes [m]
+  std::array<std::array<std::uint32_t, 2>, 3> face{};      ///< of axis i, the lower [0] and the upper [1]; the axis is the upper's normal
+  std::array<std::array<std::uint32_t, 4>, 3> edge{};      ///< along axis i at 2 (upper on axis i + 1) + (upper on axis i + 2)
 };
 
 /// What the algorithms over polyhedra need: a hull, a box or a single triangle (two faces back to back) can offer it.
@@ -27,6 +35,7 @@ struct PolyhedronView {
   std::span<const std::uint32_t> fan_begin, fans;              ///< CSR: faces around each vertex
   double radius = 0.0;                                         ///< of the sphere about the origin that contains it [m]
   double inner_radius = 0.0;                                   ///< of the sphere about the origin that it contains [m]
+  const BoxFrame* box = nullptr;                               ///< where it is a box
 };
 
 struct ConvexHull {
@@ -44,6 +53,7 @@ struct ConvexHull {
   double inner_radius = 0.0;    ///< smallest face offset [m]
   double volume = 0.0;          ///< of the core [m^3]
   Mat3 inertia = Mat3::Zero();  ///< of the core about the origin at density 1 [kg m^2]
+  std::optional<BoxFrame> box_frame;  ///< where it is a box, to 1e-9 of the radius
   double sweep = 0.0;           ///< `rounding` of the scene: radius of the sphere swept over the core [m]
 
   /// Builds topology and planes from outward counter-clockwise polygons (triangles or larger, at least 4).

@@ -42,6 +42,11 @@ struct SolveOptions {
   bool json = false;
 };
 
+struct PatchOptions {
+  bool json = false;
+  std::string maps;  ///< folder for pressure, traction and slip maps; empty: none
+};
+
 int command_run(const CommonOptions& common, const RunOptions& options);
 int command_resume(const std::string& directory, const RunOptions& options);
 int command_check(const CommonOptions& common);
@@ -51,6 +56,7 @@ int command_schema();
 int command_new(const std::string& kind);
 int command_solve(const SolveOptions& options);
 int command_export(const std::string& directory, const std::string& format);
+int command_patch(const CommonOptions& common, const PatchOptions& options);  ///< patch.cpp
 
 /// Runs a command and turns what it throws into a message and an exit code.
 int guarded(const std::function<int()>& command);

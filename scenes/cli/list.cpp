@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "detection/narrow/pair_methods.h"
 #include "engine/error.h"
 #include "engine/nearest.h"
 #include "scenes/reader/schema.h"
@@ -48,10 +49,23 @@ void append_part(std::string& out, const Part& part) {
   }
 }
 
+/// The pair table, a row and a column per shape.
+void append_pairs(std::string& out, const std::vector<Entry>& shapes) {
+  out += (out.empty() ? "" : "\n") + std::string("pairs of shapes and how they are found (none: they never touch)\n");
+  out += fmt::format("  {:<14}", "");
+  for (const auto& shape : shapes) out += fmt::format("{:<13}", shape.name);
+  out += "\n";
+  for (const auto& a : shapes) {
+    out += fmt::format("  {:<14}", a.name);
+    for (const auto& b : shapes) out += fmt::format("{:<13}", pair_method(a.name, b.name));
+    out += "\n";
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "scenes"};
+  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "scenes", "pairs"};
   return kinds;
 }
 
@@ -71,6 +85,7 @@ std::string list_text(const Registry& registry, std::string_view kind) {
   std::string out;
   for (const auto& part : parts)
     if (kind.empty() || kind == part.kind) append_part(out, part);
+  if (kind.empty() || kind == "pairs") append_pairs(out, registry.shapes);
   return out;
 }
 

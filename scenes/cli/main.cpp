@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "scenes/cli/commands.h"
+#include "scenes/cli/narrow.h"
 #include "scenes/cli/study_commands.h"
 
 namespace {
@@ -51,6 +52,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CommonOptions common;
   RunOptions run;
+  PatchOptions patch;
   SolveOptions solve;
   std::string directory, kind, format = "vtk";
 
@@ -69,6 +71,12 @@ int main(int argc, char** argv) {
   add_scene_flags(explain_command, common);
   auto* list_command = app.add_subcommand("list", "shapes, laws, solvers, broad phases, schemes, measures, scenes, pairs");
   list_command->add_option("kind", kind, "one list only");
+  NarrowOptions narrow;
+  auto* narrow_command = app.add_subcommand("narrow", "distance or depth, normal and points of listed convex pairs, ns per query");
+  narrow_command->add_option("corpus", narrow.corpus, "file of convex pairs (CXP1)")->required();
+  narrow_command->add_option("--method", narrow.method, "auto, sat, gjk-epa");
+  narrow_command->add_flag("--json", narrow.json, "JSON instead of CSV");
+  narrow_command->add_option("-o,--out", narrow.out, "write to this file");
   auto* schema_command = app.add_subcommand("schema", "the JSON Schema of scene files");
   auto* new_command = app.add_subcommand("new", "a commented starter scene on stdout");
   new_command->add_option("kind", kind, "hopper, stack, impact, pile")->required();
@@ -77,6 +85,10 @@ int main(int argc, char** argv) {
   auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
   export_command->add_option("dir", directory, "output folder of the run")->required();
   export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
+  auto* patch_command = app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
+  add_scene_flags(patch_command, common);
+  patch_command->add_flag("--json", patch.json, "print the results as JSON on stdout");
+  patch_command->add_option("--maps", patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
   StudyOptions study;
   SweepOptions sweep;
   BenchOptions bench;
@@ -114,8 +126,10 @@ int main(int argc, char** argv) {
     if (*check_command) return command_check(common);
     if (*explain_command) return command_explain(common);
     if (*list_command) return command_list(kind);
+    if (*narrow_command) return command_narrow(narrow);
     if (*schema_command) return command_schema();
     if (*new_command) return command_new(kind);
+    if (*patch_command) return command_patch(common, patch);
     if (*solve_command) return command_solve(solve);
     if (*export_command) return command_export(directory, format);
     if (*chart_command) return command_chart(study);

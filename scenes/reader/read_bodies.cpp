@@ -101,6 +101,7 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   body.shape = *shape, body.material = *material;
   const auto vec3 = [&](const char* key) { return v.has(key) ? v.vec3(key) : Vec3(Vec3::Zero()); };
   body.fixed = v.has("fixed") && v.boolean("fixed");
+  body.continuous = v.has("continuous") && v.boolean("continuous");
   body.position = vec3("position"), body.velocity = vec3("velocity");
   body.angular_velocity = vec3("angular_velocity"), body.force = vec3("force");
   body.orientation = read_orientation(reading, v, table.label);
@@ -115,6 +116,9 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
   Reading& reading = draft.reading;
   if (body.fixed && body.motion)
     reading.error(v.place_of("motion"), label + ": a fixed body has no motion; leave out fixed");
+  if (body.continuous && !body.moves())
+    reading.error(v.place_of("continuous"), label + ": continuous is for free bodies; this one is " +
+                                                (body.fixed ? "fixed" : "driven by its motion"));
   const std::string& form = draft.scene.shapes[body.shape].type;
   if (body.moves() && (form == "half_space" || form == "mesh")) {
     reading.error(v.place, label + ": a " + form + " cannot move freely; write fixed = true or give it a motion");

@@ -33,12 +33,20 @@ Short shortened(const std::string& scene) {
   return {scene, {}, 300};
 }
 
+/// Cases of `epafi patch` are statics: no steps, no hash.
+bool is_patch_file(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("[patch]", 0) == 0) return true;
+  return false;
+}
+
 std::vector<std::string> all_scenes() {
   std::vector<std::string> scenes;
   const std::filesystem::path root = library("");
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
     const auto path = std::filesystem::relative(entry.path(), root);
-    if (path.extension() == ".toml" && path.string().find("studies") == std::string::npos) scenes.push_back(path.string());
+    if (path.extension() == ".toml" && path.string().find("studies") == std::string::npos && !is_patch_file(entry.path())) scenes.push_back(path.string());
   }
   std::sort(scenes.begin(), scenes.end());
   return scenes;

@@ -1,0 +1,156 @@
+#include "detection/continuous/sweep_guard.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/narrow/triangle_solid.h"
+
+namespace epafi {
+namespace {
+
+constexpr double tenth = 0.1;  // of the inner radius: overlap that contact itself resolves
+constexpr double fine = 1e-9;  // of the inner radius: where a touch is located; a force law cannot feel it
+
+/// Radius of a sphere about the centre that the body contains [m].
+template <class S>
+double inner_radius(const S& s) {
+  if constexpr (PolyhedralShape<S>)
+    return s.view().inner_radius + s.rounding();
+  else if constexpr (requires { s.half_length(); })
+    return s.rounding() > 0.0 ? s.radius : std::min(s.radius, s.half_length());
+  else if constexpr (requires { s.semi_axes; })
+    return s.semi_axes.minCoeff();
+  else
+    return s.rounding();
+}
+
+/// The shape as a moving core; null support where it is not convex (meshes, half-spaces).
+MovingBody moving_body(const ShapeStore& shapes, ShapeRef ref, const BodyPath& path) {
+  return shapes.with(ref, [&](const auto& s) {
+    MovingBody body;
+    body.path = path;
+    if constexpr (ConvexShape<std::decay_t<decltype(s)>>) {
+      body.core = ConvexRef::to(s), body.sweep = s.rounding();
+      body.turning_radius = body.core.radius;  // the sphere swept over the core turns in place
+    }
+    return body;
+  });
+}
+
+double inner_radius(const ShapeStore& shapes, ShapeRef ref) {
+  return shapes.with(ref, [](const auto& s) -> double {
+    if constexpr (ConvexShape<std::decay_t<decltype(s)>>)
+      return inner_radius(s);
+    else
+      return 0.0;
+  });
+}
+
+Vec3 turn_between(const Quat& from, const Quat& to) {
+  const Eigen::AngleAxisd turn(Quat(to * from.conjugate()));
+  return turn.angle() > 3.14159265358979323846 ? Vec3(turn.axis() * (turn.angle() - 2 * 3.14159265358979323846))
+                                               : Vec3(turn.axis() * turn.angle());
+}
+
+/// The way of a body that was not remembered: back along its velocities.
+BodyPath way_of(const World& world, Slot s, double duration) {
+  const Pose now = world.pose(s);
+  BodyPath path{now, duration * world.velocity[s], Vec3::Zero()};
+  path.start.position -= path.drift;
+  if (!world.rotates()) return path;
+  path.turn = duration * world.angular_velocity[s];
+  const double angle = path.turn.norm();
+  if (angle > 0.0) path.start.orientation = Quat(Eigen::AngleAxisd(-angle, path.turn / angle)) * now.orientation;
+  return path;
+}
+
+/// Sphere about the middle of a way that holds the body at all times.
+struct SweptBall {
+  Vec3 centre;
+  double radius;
+  SweptBall(const BodyPath& path, double bounding)
+      : centre(path.start.position + 0.5 * path.drift), radius(bounding + 0.5 * path.drift.norm()) {}
+  bool meets(const SweptBall& o) const {
+    return (centre - o.centre).squaredNorm() <= (radius + o.radius) * (radius + o.radius);
+  }
+};
+
+}  // namespace
+
+void SweepGuard::remember(const World& world) {
+  before_.resize(flagged_.size());
+  for (std::size_t k = 0; k < flagged_.size(); ++k)
+    if (const Slot s = world.slot_of(flagged_[k]); s != no_slot) before_[k] = world.pose(s);
+}
+
+void SweepGuard::meet(const MovingBody& a, double allowed, const MovingBody& b, Hit& hit) {
+  const double tolerance = fine * allowed / tenth;
+  const Impact deep = time_of_impact(a, b, -allowed, 0.01 * allowed);
+  capped_ += !deep.converged;
+  if (!deep.hits && deep.converged) return;
+  const Impact touch = time_of_impact(a, b, 0.0, tolerance);
+  if (touch.share < hit.share || !hit.found) hit = {std::min(hit.share, touch.share), true};
+}
+
+void SweepGuard::look(const World& world, double duration, std::size_t k, Hit& hit) {
+  const Slot s = world.slot_of(flagged_[k]);
+  const ShapeRef ref{world.shape[s]};
+  const Pose now = world.pose(s);
+  const BodyPath path{before_[k], now.position - before_[k].position,
+                      turn_between(before_[k].orientation, now.orientation)};
+  const MovingBody a = moving_body(shapes_, ref, path);
+  const double inner = inner_radius(shapes_, ref), allowed = tenth * inner;
+  if (path.drift.norm() + path.turn.norm() * a.turning_radius <= allowed) return;  // too slow to pass anything
+  const SweptBall ball(path, shapes_.bounding_radius(ref));
+  for (Slot o = 0; o < world.size(); ++o) {
+    if (o == s) continue;
+    const ShapeRef other{world.shape[o]};
+    const BodyPath way = way_of(world, o, duration);
+    const double bounding = shapes_.bounding_radius(other);
+    if (std::isfinite(bounding) && !ball.meets(SweptBall(way, bounding))) continue;
+    if (other.type() == ShapeStore::type_of<HalfSpace>()) {
+      const Vec3 outward = way.start.orientation * shapes_.of<HalfSpace>()[other.index()].normal;
+      if (!time_of_impact(a, way, outward, -allowed, 0.01 * allowed).hits) continue;
+      hit = {std::min(hit.share, time_of_impact(a, way, outward, 0.0, fine * inner).share), true};
+    } else if (other.type() == ShapeStore::type_of<TriangleMesh>()) {
+      const TriangleMesh& mesh = shapes_.of<TriangleMesh>()[other.index()];
+      triangles_.clear();
+      mesh.query(box_in_body_axes({ball.centre.array() - ball.radius, ball.centre.array() + ball.radius}, world.pose(o))
+                     .fattened(way.drift.norm()),
+                 triangles_);
+      for (const std::uint32_t t : triangles_) {
+        const TriangleSolid solid(mesh.corners(t), mesh.normals[t]);
+        MovingBody b{ConvexRef::to(solid), 0.0, mesh.bounding_radius(), way};
+        b.path.start.position = way.start.to_world(solid.centre());
+        meet(a, allowed, b, hit);
+      }
+    } else {
+      meet(a, allowed, moving_body(shapes_, other, way), hit);
+    }
+  }
+}
+
+double SweepGuard::hold_back(World& world, double duration) {
+  double energy = 0.0;
+  hits_.assign(flagged_.size(), {});
+  for (std::size_t k = 0; k < flagged_.size(); ++k)
+    if (world.slot_of(flagged_[k]) != no_slot) look(world, duration, k, hits_[k]);
+  for (std::size_t k = 0; k < flagged_.size(); ++k) {  // after all have looked: the order of the flagged plays no part
+    if (!hits_[k].found) continue;
+    const Slot s = world.slot_of(flagged_[k]);
+    const Pose now = world.pose(s);
+    const BodyPath path{before_[k], now.position - before_[k].position,
+                        turn_between(before_[k].orientation, now.orientation)};
+    const Pose held = path.at(hits_[k].share);
+    if (world.is_movable(s))
+      energy -= world.free_acceleration(s).dot(held.position - now.position) / world.inverse_mass[s];
+    world.position[s] = held.position;
+    if (world.rotates()) world.orientation[s] = held.orientation;
+    if (world.columns().anisotropy && world.is_movable(s))
+      world.angular_velocity[s] = world.apply_inverse_inertia(s, world.angular_momentum[s]);
+    ++held_;
+  }
+  return energy;
+}
+
+}  // namespace epafi

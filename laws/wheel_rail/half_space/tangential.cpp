@@ -1,0 +1,254 @@
+#include "laws/wheel_rail/half_space/tangential.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/error.h"
+#include "laws/wheel_rail/half_space/gmres.h"
+
+namespace epafi {
+namespace {
+
+constexpr int most_newton = 60;
+constexpr int restart = 60, most_products = 240;
+
+/// s(q) = free + K q on the cells in contact: what must vanish in stick and oppose the traction in slip.
+struct SlipProblem {
+  TractionKernel& kernel;
+  const std::vector<double>& bound;
+  std::vector<std::size_t> cells;  ///< with bound > 0
+  std::vector<double> free;        ///< x and y by cell in contact
+  TangentialField q, u;
+
+  SlipProblem(TractionKernel& k, const TractionBound& b)
+      : kernel(k), bound(b.bound), q(b.grid.size()), u(b.grid.size()) {
+    for (std::size_t i = 0; i < bound.size(); ++i)
+      if (bound[i] > 0.0) cells.push_back(i);
+    free.assign(2 * cells.size(), 0.0);
+  }
+  /// out = K v on the cells in contact
+  void apply(const std::vector<double>& v, std::vector<double>& out) {
+    for (std::size_t c = 0; c < cells.size(); ++c) q.x[cells[c]] = v[2 * c], q.y[cells[c]] = v[2 * c + 1];
+    kernel.apply(q, u);
+    for (std::size_t c = 0; c < cells.size(); ++c) out[2 * c] = u.x[cells[c]], out[2 * c + 1] = u.y[cells[c]];
+  }
+};
+
+/// Derivative of the projection on a disk at z: identity inside, (g/|z|)(I - z z^T/|z|^2) outside.
+struct DiskDerivative {
+  double xx, xy, yy;
+};
+
+void project_on_disk(double& x, double& y, double radius) {
+  const double size = std::hypot(x, y);
+  if (size > radius) x *= radius / size, y *= radius / size;
+}
+
+/// F = q - P(q - R s): the residual of stick and slip; fills the derivative of P by cell. Returns its norm over that of
+/// the bounds.
+double natural_map(const SlipProblem& p, const std::vector<double>& q, const std::vector<double>& s, double R,
+                   std::vector<double>& F, std::vector<DiskDerivative>& D) {
+  double sum = 0.0, size = 0.0;
+  for (std::size_t c = 0; c < p.cells.size(); ++c) {
+    const double g = p.bound[p.cells[c]], zx = q[2 * c] - R * s[2 * c], zy = q[2 * c + 1] - R * s[2 * c + 1],
+                 z = std::hypot(zx, zy);
+    double px = zx, py = zy;
+    D[c] = {1.0, 0.0, 1.0};
+    if (z > g) {
+      const double ex = zx / z, ey = zy / z, m = g / z;
+      D[c] = {m * ey * ey, -m * ex * ey, m * ex * ex};
+      px = g * ex, py = g * ey;
+    }
+    F[2 * c] = q[2 * c] - px, F[2 * c + 1] = q[2 * c + 1] - py;
+    sum += F[2 * c] * F[2 * c] + F[2 * c + 1] * F[2 * c + 1], size += g * g;
+  }
+  return size > 0.0 ? std::sqrt(sum / size) : 0.0;
+}
+
+/// Newton on the natural map from q; q ends on the solution. Steps that leave the disk are projected back onto it; a
+/// step that makes the residual grow is halved, at most twice (from a start on a coarser grid it hardly ever is).
+SolverReport newton(SlipProblem& p, std::vector<double>& q, std::vector<double>& s, double tolerance) {
+  const std::size_t n = q.size();
+  const double R = 1.0 / p.kernel.self();
+  std::vector<double> F(n), dq(n), from;
+  std::vector<DiskDerivative> D(n / 2);
+  const auto residual_of = [&] {
+    p.apply(q, s);
+    for (std::size_t i = 0; i < n; ++i) s[i] += p.free[i];
+    return natural_map(p, q, s, R, F, D);
+  };
+  SolverReport report{false, 0, residual_of()};
+  while (!(report.converged = report.residual <= tolerance) && report.iterations < most_newton) {
+    ++report.iterations;
+    for (double& f : F) f = -f;
+    const auto jacobian = [&](const std::vector<double>& v, std::vector<double>& out) {
+      p.apply(v, out);
+      for (std::size_t c = 0; c < n / 2; ++c) {
+        const double zx = v[2 * c] - R * out[2 * c], zy = v[2 * c + 1] - R * out[2 * c + 1];
+        out[2 * c] = v[2 * c] - D[c].xx * zx - D[c].xy * zy;
+        out[2 * c + 1] = v[2 * c + 1] - D[c].xy * zx - D[c].yy * zy;
+      }
+    };
+    gmres(jacobian, F, dq, std::clamp(0.1 * report.residual, 1e-4, 2e-2), restart, most_products);
+    from = q;
+    double residual = 0.0;
+    for (double step = 1.0; step > 0.2; step *= 0.5) {
+      for (std::size_t c = 0; c < n / 2; ++c) {
+        q[2 * c] = from[2 * c] + step * dq[2 * c], q[2 * c + 1] = from[2 * c + 1] + step * dq[2 * c + 1];
+        project_on_disk(q[2 * c], q[2 * c + 1], p.bound[p.cells[c]]);
+      }
+      residual = residual_of();
+      if (residual < report.residual) break;
+    }
+    report.residual = residual;
+  }
+  return report;
+}
+
+/// Runs Newton and gathers the fields; per: what slip is divided by (the rolled distance).
+HalfSpaceTangential solve(SlipProblem& p, const PatchGrid& grid, const TangentialField* start, double per,
+                          double tolerance) {
+  const std::size_t n = p.cells.size();
+  std::vector<double> q(2 * n, 0.0), s(2 * n, 0.0);
+  for (std::size_t c = 0; c < n; ++c) {
+    const double g = p.bound[p.cells[c]];
+    if (start && start->size() == grid.size()) {
+      q[2 * c] = start->x[p.cells[c]], q[2 * c + 1] = start->y[p.cells[c]];
+    } else {  // all slides against the rigid slip
+      const double size = std::hypot(p.free[2 * c], p.free[2 * c + 1]);
+      if (size > 0.0) q[2 * c] = -g * p.free[2 * c] / size, q[2 * c + 1] = -g * p.free[2 * c + 1] / size;
+    }
+    project_on_disk(q[2 * c], q[2 * c + 1], g);
+  }
+  HalfSpaceTangential out;
+  out.grid = grid;
+  out.traction = out.slip = TangentialField(grid.size());
+  out.report = newton(p, q, s, tolerance);
+  std::size_t stick = 0;
+  for (std::size_t c = 0; c < n; ++c) {
+    const std::size_t i = p.cells[c];
+    const double qx = q[2 * c], qy = q[2 * c + 1], x = grid.x(i % grid.nx), y = grid.y(i / grid.nx);
+    const bool sticks = std::hypot(qx, qy) < p.bound[i] * (1.0 - 1e-6);
+    stick += sticks;
+    out.traction.x[i] = qx, out.traction.y[i] = qy;
+    if (!sticks) {
+      out.slip.x[i] = s[2 * c] / per, out.slip.y[i] = s[2 * c + 1] / per;
+      out.frictional_power += grid.cell() * (std::abs(qx * out.slip.x[i]) + std::abs(qy * out.slip.y[i]));
+    }
+    out.force.fx += grid.cell() * qx, out.force.fy += grid.cell() * qy, out.force.mz += grid.cell() * (x * qy - y * qx);
+  }
+  out.stick_share = n ? static_cast<double>(stick) / static_cast<double>(n) : 0.0;
+  return out;
+}
+
+/// Rigid slip over one cell, where the difference of displacements is taken: half a cell ahead of the centre.
+void set_rigid_slip(SlipProblem& p, const PatchGrid& grid, const Creepage& c) {
+  for (std::size_t k = 0; k < p.cells.size(); ++k) {
+    const double x = grid.x(p.cells[k] % grid.nx) + 0.5 * grid.dx, y = grid.y(p.cells[k] / grid.nx);
+    p.free[2 * k] = (c.longitudinal - c.spin * y) * grid.dx;
+    p.free[2 * k + 1] = (c.lateral + c.spin * x) * grid.dx;
+  }
+}
+
+/// Tractions if nothing slid: their singular edge is cut off later. From full slip Newton does not find a narrow ring
+/// of slip.
+TangentialField stuck_tractions(SlipProblem& p) {
+  std::vector<double> b = p.free, q;
+  for (double& v : b) v = -v;
+  gmres([&](const std::vector<double>& v, std::vector<double>& out) { p.apply(v, out); }, b, q, 1e-3, restart,
+        most_products);
+  TangentialField out(p.q.size());
+  for (std::size_t c = 0; c < p.cells.size(); ++c) out.x[p.cells[c]] = q[2 * c], out.y[p.cells[c]] = q[2 * c + 1];
+  return out;
+}
+
+/// Tractions of a grid half as fine as bilinear start values.
+TangentialField refine(const TangentialField& coarse, const PatchGrid& from, const PatchGrid& to) {
+  TangentialField fine(to.size());
+  const auto at = [&](const std::vector<double>& v, std::ptrdiff_t x, std::ptrdiff_t y) {
+    const auto nx = static_cast<std::ptrdiff_t>(from.nx), ny = static_cast<std::ptrdiff_t>(from.ny);
+    return v[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(y, 0, ny - 1) * nx +
+                                      std::clamp<std::ptrdiff_t>(x, 0, nx - 1))];
+  };
+  for (std::size_t k = 0; k < to.size(); ++k) {
+    const double fx = to.x(k % to.nx) / from.dx + 0.5 * static_cast<double>(from.nx) - 0.5;
+    const double fy = to.y(k / to.nx) / from.dy + 0.5 * static_cast<double>(from.ny) - 0.5;
+    const auto i = static_cast<std::ptrdiff_t>(std::floor(fx)), j = static_cast<std::ptrdiff_t>(std::floor(fy));
+    const double u = fx - static_cast<double>(i), v = fy - static_cast<double>(j);
+    const auto mix = [&](const std::vector<double>& c) {
+      return (1 - v) * ((1 - u) * at(c, i, j) + u * at(c, i + 1, j)) +
+             v * ((1 - u) * at(c, i, j + 1) + u * at(c, i + 1, j + 1));
+    };
+    fine.x[k] = mix(coarse.x), fine.y[k] = mix(coarse.y);
+  }
+  return fine;
+}
+
+}  // namespace
+
+HalfSpaceTangential solve_steady_rolling(const TractionBound& b, const ElasticPair& pair, const Creepage& creepage,
+                                         const TangentialField* start, double tolerance) {
+  TractionKernel kernel(b.grid, pair, KernelKind::difference);
+  SlipProblem p(kernel, b);
+  set_rigid_slip(p, b.grid, creepage);
+  return solve(p, b.grid, start, b.grid.dx, tolerance);
+}
+
+HalfSpaceTangential solve_rolling_step(const TractionBound& b, const ElasticPair& pair, const Creepage& creepage,
+                                       const TangentialField& before, double tolerance) {
+  TractionKernel kernel(b.grid, pair, KernelKind::here);
+  SlipProblem p(kernel, b);
+  set_rigid_slip(p, b.grid, creepage);
+  if (before.size() == b.grid.size()) {
+    TractionKernel ahead(b.grid, pair, KernelKind::ahead);
+    TangentialField old(b.grid.size());
+    ahead.apply(before, old);
+    for (std::size_t c = 0; c < p.cells.size(); ++c)
+      p.free[2 * c] -= old.x[p.cells[c]], p.free[2 * c + 1] -= old.y[p.cells[c]];
+  }
+  return solve(p, b.grid, before.size() == b.grid.size() ? &before : nullptr, b.grid.dx, tolerance);
+}
+
+HalfSpaceTangential solve_shift(const BoundLevels& levels, const ElasticPair& pair, double x, double y, double turn,
+                                double tolerance) {
+  HalfSpaceTangential out;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const TractionBound& b = levels[k];
+    TractionKernel kernel(b.grid, pair, KernelKind::here);
+    SlipProblem p(kernel, b);
+    for (std::size_t c = 0; c < p.cells.size(); ++c) {
+      p.free[2 * c] = x - turn * b.grid.y(p.cells[c] / b.grid.nx);
+      p.free[2 * c + 1] = y + turn * b.grid.x(p.cells[c] % b.grid.nx);
+    }
+    TangentialField start = k == 0 ? stuck_tractions(p) : refine(out.traction, levels[k - 1].grid, b.grid);
+    out = solve(p, b.grid, &start, 1.0, tolerance);
+  }
+  return out;
+}
+
+ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage) {
+  EPAFI_REQUIRE(!levels.empty(), "a grid");
+  ExtrapolatedRolling out;
+  PatchForce last;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    if (k == 0) {
+      out.fine = solve_steady_rolling(levels[0], pair, creepage);
+    } else {
+      const TangentialField start = refine(out.fine.traction, levels[k - 1].grid, levels[k].grid);
+      last = out.fine.force;
+      out.fine = solve_steady_rolling(levels[k], pair, creepage, &start);
+    }
+  }
+  const PatchForce& f = out.fine.force;
+  out.force = f;
+  if (levels.size() == 1) return out;
+  out.force = {2.0 * f.fx - last.fx, 2.0 * f.fy - last.fy, 2.0 * f.mz - last.mz};
+  double size = 0.0;
+  for (const double g : levels.back().bound) size += g * levels.back().grid.cell();
+  const double length = std::hypot(out.force.fx, out.force.fy);
+  if (length > size) out.force.fx *= size / length, out.force.fy *= size / length;  // Coulomb holds for the limit too
+  out.error_estimate = size > 0.0 ? 0.5 * std::hypot(out.force.fx - f.fx, out.force.fy - f.fy) / size : 0.0;
+  return out;
+}
+
+}  // namespace epafi

@@ -1,0 +1,14 @@
+/// @file models.h  The normal models, one file each; listed in normal_models.cpp.
+#pragma once
+#include "laws/wheel_rail/normal_models.h"
+
+namespace epafi {
+
+std::vector<RegionPatch> solve_hertz(const NormalInput& in);        ///< hertz.cpp
+std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in);  ///< multi_hertz.cpp
+std::vector<RegionPatch> solve_half_space(const NormalInput& in);   ///< half_space_patch.cpp
+
+/// Where Hertz' theory leaves its range: conformal surfaces, curvature that changes over the patch.
+void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
+
+}  // namespace epafi

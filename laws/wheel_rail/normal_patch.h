@@ -1,0 +1,32 @@
+/// @file normal_patch.h  What a normal model finds: one patch with its ellipse, and its pressures on a grid where it
+/// has them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "laws/wheel_rail/half_space/pressure_kernel.h"
+#include "laws/wheel_rail/normal/hertz_ellipse.h"
+
+namespace epafi {
+
+struct NormalPatch {
+  Ellipse ellipse;                        ///< of Hertz, or the one with the patch's second moments of pressure
+  bool is_ellipse = true;                 ///< no grid: the pressure is that of Hertz
+  bool is_line = false;                   ///< plane contact over the length 2 b, the ellipse a by b is its box
+  double normal_force = 0.0;              ///< [N]
+  double approach = 0.0;                  ///< [m]
+  double max_pressure = 0.0;              ///< [Pa]
+  double area = 0.0;                      ///< [m^2]
+  PatchGrid grid;                         ///< centred on (centre_x, centre_y)
+  std::vector<double> pressure;           ///< by cell [Pa]; empty for an ellipse
+  double centre_x = 0.0, centre_y = 0.0;  ///< centre of pressure from the grid's middle [m]
+  double error_estimate = 0.0;            ///< relative, of the peak pressure
+  std::vector<std::string> reasons;       ///< why it should not be trusted; empty: valid
+};
+
+NormalPatch patch_of_hertz(const HertzContact& contact);
+
+/// Ellipse with the second moments of the pressure (a Hertzian one has <x^2> = a^2/5), centre of pressure, force.
+void set_equivalent_ellipse(NormalPatch& patch);
+
+}  // namespace epafi

@@ -1,0 +1,275 @@
+#include "laws/wheel_rail/tangential_models.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "laws/wheel_rail/tangential/polach.h"
+#include "laws/wheel_rail/tangential/shen_hedrick_elkins.h"
+#include "laws/wheel_rail/tangential/strip_theory.h"
+#include "laws/wheel_rail/tangential/vermeulen_johnson.h"
+
+namespace epafi {
+namespace {
+
+RollingCase case_of(const TangentialInput& in) {
+  return {in.patch.ellipse, in.patch.normal_force, in.elastic, in.friction, in.creepage};
+}
+KalkerCoefficients coefficients(const RollingCase& c) {
+  return kalker_coefficients(c.ellipse.a / c.ellipse.b, c.elastic.poissons_ratio);
+}
+
+/// How far the creepages saturate the patch, and how much of the linear force is spin's: what decides where a law
+/// holds.
+struct Regime {
+  double saturation;  ///< linear force of all creepages over mu N
+  double spin_share;  ///< of that force, in [0, 1]
+};
+Regime regime_of(const RollingCase& c, const KalkerCoefficients& k) {
+  const double ab = c.ellipse.a * c.ellipse.b, Gab = c.elastic.shear_modulus * ab;
+  const double creep = std::hypot(k.c11 * c.creepage.longitudinal, k.c22 * c.creepage.lateral);
+  const double spin = std::sqrt(ab) * k.c23 * std::abs(c.creepage.spin);
+  return {c.bound() > 0.0 ? Gab * (creep + spin) / c.bound() : 0.0, creep + spin > 0.0 ? spin / (creep + spin) : 0.0};
+}
+
+/// Common to all laws that know the patch by its ellipse alone.
+void check_ellipse(const TangentialInput& in, const KalkerCoefficients& k, TangentialOutcome& out) {
+  if (in.patch.is_line)
+    out.reasons.push_back("a law for ellipses on a line contact: the ellipse of the same axes was taken");
+  if (k.extrapolated) out.reasons.push_back("axis ratio a/b outside Kalker's table [0.1, 10]");
+  const double area = 3.14159265358979323846 * in.patch.ellipse.a * in.patch.ellipse.b;
+  if (!in.patch.is_ellipse && std::abs(in.patch.area / area - 1.0) > 0.15)
+    out.reasons.push_back("the patch is not an ellipse: its area and its second moments disagree");
+  if (std::abs(in.elastic.coupling) > 0.05)
+    out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
+}
+
+double dissipation(const PatchForce& f, const Creepage& c) {
+  return std::abs(f.fx * c.longitudinal) + std::abs(f.fy * c.lateral) + std::abs(f.mz * c.spin);
+}
+
+// Error estimates below are the largest distances to the half-space solution over 56 points of creepage, a/b = 1/2 and
+// 2, as tests/laws/test_creep_curves.cpp measures them; those for spin grow with its share of the linear force.
+
+TangentialOutcome solve_kalker_linear(const TangentialInput& in) {
+  TangentialOutcome out;
+  const RollingCase c = case_of(in);
+  const KalkerCoefficients k = coefficients(c);
+  const Regime r = regime_of(c, k);
+  out.force = kalker_linear(c, k);
+  out.stick_share = 1.0;
+  out.error_estimate = r.saturation - cubic_saturation(r.saturation);
+  if (out.error_estimate > 0.05)
+    out.reasons.push_back("creepage too large for the linear theory: part of the patch slides");
+  check_ellipse(in, k, out);
+  return out;
+}
+
+TangentialOutcome solve_vermeulen_johnson(const TangentialInput& in) {
+  TangentialOutcome out;
+  const RollingCase c = case_of(in);
+  const KalkerCoefficients k = coefficients(c);
+  const Regime r = regime_of(c, k);
+  out.force = vermeulen_johnson(c);
+  out.error_estimate = 0.067 + r.spin_share * std::min(1.0, r.saturation);
+  if (r.spin_share > 0.05) out.reasons.push_back("spin, which the law does not know");
+  check_ellipse(in, k, out);
+  return out;
+}
+
+TangentialOutcome solve_she(const TangentialInput& in) {
+  TangentialOutcome out;
+  const RollingCase c = case_of(in);
+  const KalkerCoefficients k = coefficients(c);
+  const Regime r = regime_of(c, k);
+  out.force = shen_hedrick_elkins(c);
+  const double spin = 0.81 * r.spin_share * r.spin_share * std::min(1.0, r.saturation * r.saturation);
+  out.error_estimate = std::min(0.038, 0.11 * r.saturation) + spin;
+  if (spin > 0.03) out.reasons.push_back("spin: the true force falls with large spin, this one stays at mu N");
+  check_ellipse(in, k, out);
+  return out;
+}
+
+TangentialOutcome solve_polach(const TangentialInput& in) {
+  TangentialOutcome out;
+  const RollingCase c = case_of(in);
+  const KalkerCoefficients k = coefficients(c);
+  const Regime r = regime_of(c, k);
+  out.force = polach(c);
+  out.error_estimate = std::min(0.06, 0.17 * r.saturation) + 0.47 * r.spin_share * std::min(1.0, r.saturation);
+  if (r.spin_share > 0.05)
+    out.reasons.push_back(
+        "spin: published forms of the spin terms differ, and miss the half-space solution by up to 0.47 mu N");
+  check_ellipse(in, k, out);
+  return out;
+}
+
+TangentialOutcome solve_coulomb(const TangentialInput& in) {
+  TangentialOutcome out;
+  const Creepage& s = in.creepage;
+  const double size = std::hypot(s.longitudinal, s.lateral), bound = in.friction * in.patch.normal_force;
+  if (size > 0.0) out.force = {-bound * s.longitudinal / size, -bound * s.lateral / size, 0.0};
+  out.stick_share = 0.0;
+  const RollingCase c = case_of(in);
+  const KalkerCoefficients k = coefficients(c);
+  const Regime r = regime_of(c, k);
+  out.error_estimate = 1.0 - cubic_saturation(r.saturation) + r.spin_share;
+  if (r.saturation < 2.5) out.reasons.push_back("part of the patch sticks; Coulomb's law alone knows full slip only");
+  if (r.spin_share > 0.05) out.reasons.push_back("spin, which the law does not know");
+  return out;
+}
+
+TractionMap map_of_strips(const StripPatch& p, const StripSolution& s) {
+  TractionMap map;
+  for (const Strip& strip : p.strips) {
+    for (std::uint32_t k = 0; k < strip.count; ++k) map.x.push_back(strip.x(k)), map.y.push_back(strip.y);
+  }
+  map.pressure = p.pressure, map.traction_x = s.traction_x, map.traction_y = s.traction_y, map.slip_x = s.slip_x,
+  map.slip_y = s.slip_y;
+  return map;
+}
+
+StripPatch strips_of(const TangentialInput& in, Bound bound) {
+  if (in.patch.is_line)
+    return strip_of_line(in.patch.ellipse, in.patch.normal_force,
+                         static_cast<std::uint32_t>(std::max<std::size_t>(in.cells.nx, 256)));
+  if (!in.patch.is_ellipse) return strips_of_field(in.patch.grid, in.patch.pressure, bound);
+  return strips_of_ellipse(in.patch.ellipse, in.patch.normal_force, static_cast<std::uint32_t>(in.cells.nx),
+                           static_cast<std::uint32_t>(in.cells.ny), bound);
+}
+
+/// Largest distance of the law, and that of its own grid (first order: one over the cells along the axis).
+double grid_error(const TangentialInput& in) {
+  const double cells =
+      in.patch.is_ellipse ? static_cast<double>(in.cells.nx) : 2.0 * in.patch.ellipse.a / in.patch.grid.dx;
+  return 0.5 / std::max(1.0, cells);
+}
+
+TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
+  TangentialOutcome out;
+  const RollingCase c = case_of(in);
+  const KalkerCoefficients k = coefficients(c);
+  const Regime r = regime_of(c, k);
+  const StripPatch patch = strips_of(in, bound);
+  const StripSolution s =
+      fastsim(patch, kalker_flexibility(c, k, FlexibilityRule::blended), in.friction, in.creepage, in.store);
+  out.force = s.force;
+  out.stick_share = s.stick_share;
+  if (in.store) out.map = map_of_strips(patch, s);
+  const double spin = std::min(1.0, r.saturation * r.saturation) * r.spin_share;
+  const double pure = bound == Bound::parabolic ? 0.035 : 0.05, more = bound == Bound::parabolic ? 0.055 : 0.015;
+  out.error_estimate = std::min(pure, 0.15 * r.saturation) + more * spin + grid_error(in);
+  if (bound == Bound::parabolic && r.spin_share > 0.5 && r.saturation > 0.8)
+    out.reasons.push_back("large spin: on the parabolic bound the force is up to 46 % too large");
+  if (in.cells.nx < 10 && in.patch.is_ellipse)
+    out.reasons.push_back("coarse grid: fewer than 10 cells along the patch");
+  check_ellipse(in, k, out);
+  return out;
+}
+TangentialOutcome solve_fastsim(const TangentialInput& in) { return fastsim_on(in, Bound::parabolic); }
+TangentialOutcome solve_fastsim_elliptic(const TangentialInput& in) { return fastsim_on(in, Bound::elliptic); }
+
+TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
+  TangentialOutcome out;
+  const RollingCase c = case_of(in);
+  const KalkerCoefficients k = coefficients(c);
+  const Regime r = regime_of(c, k);
+  const StripPatch patch = strips_of(in, Bound::elliptic);
+  if (!mended && in.patch.is_line) {  // Carter's problem: the strip is the whole of it
+    const StripSolution line = strip_theory(patch, c, in.store);
+    out.force = line.force, out.stick_share = line.stick_share;
+    if (in.store) out.map = map_of_strips(patch, line);
+    out.error_estimate = 0.25 / static_cast<double>(patch.cells());
+    if (c.creepage.spin != 0.0) out.reasons.push_back("spin of a line contact is not plane");
+    return out;
+  }
+  const StripSolution s = mended ? fastrip(patch, c, k, in.store) : strip_theory(patch, c, in.store);
+  out.force = s.force;
+  out.stick_share = s.stick_share;
+  if (in.store) out.map = map_of_strips(patch, s);
+  const double ratio = c.ellipse.a / c.ellipse.b, spin = std::min(1.0, r.saturation * r.saturation) * r.spin_share;
+  if (mended) {
+    out.error_estimate = std::min(0.015, 0.1 * r.saturation) + 0.03 * spin + grid_error(in);
+  } else {
+    out.error_estimate = std::min(1.0, 0.2 * ratio) * std::min(1.0, r.saturation) + 0.4 * spin;
+    if (ratio > 0.2 || r.spin_share > 0.1)
+      out.reasons.push_back(
+          "strips are plane only where the patch is slender across the track and spin is small: up to 25 % off on a "
+          "circle, 40 % with spin");
+  }
+  check_ellipse(in, k, out);
+  return out;
+}
+TangentialOutcome solve_strip(const TangentialInput& in) { return strips_on(in, false); }
+TangentialOutcome solve_fastrip(const TangentialInput& in) { return strips_on(in, true); }
+
+TangentialOutcome solve_half_space(const TangentialInput& in) {
+  TangentialOutcome out;
+  const NormalPatch& p = in.patch;
+  const BoundLevels levels = p.is_ellipse
+                                 ? bound_of_ellipse(p.ellipse, p.normal_force, in.friction, in.cells.nx, in.cells.ny)
+                                 : bound_of_pressure(p.grid, p.pressure, in.friction);
+  const ExtrapolatedRolling s = solve_extrapolated(levels, in.elastic, in.creepage);
+  out.force = s.force;
+  out.stick_share = s.fine.stick_share;
+  out.error_estimate = levels.size() > 1 ? s.error_estimate : 0.1;
+  if (!s.fine.report.converged)
+    out.reasons.push_back("Newton did not converge: residual " + std::to_string(s.fine.report.residual) + " after " +
+                          std::to_string(s.fine.report.iterations) + " steps");
+  if (out.error_estimate > 0.03)
+    out.reasons.push_back("coarse grid: the forces of two grids differ by more than 0.03 mu N");
+  if (std::abs(in.elastic.coupling) > 0.05)
+    out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
+  if (in.store) {
+    const PatchGrid& g = s.fine.grid;
+    for (std::size_t k = 0; k < g.size(); ++k) {
+      const double bound = levels.back().bound[k];
+      if (!(bound > 0.0)) continue;
+      out.map.x.push_back(g.x(k % g.nx)), out.map.y.push_back(g.y(k / g.nx)),
+          out.map.pressure.push_back(bound / in.friction);
+      out.map.traction_x.push_back(s.fine.traction.x[k]), out.map.traction_y.push_back(s.fine.traction.y[k]);
+      out.map.slip_x.push_back(s.fine.slip.x[k]), out.map.slip_y.push_back(s.fine.slip.y[k]);
+    }
+  }
+  return out;
+}
+
+/// The model, and what follows from any force.
+template <TangentialOutcome (*Model)(const TangentialInput&)>
+TangentialOutcome complete(const TangentialInput& in) {
+  TangentialOutcome out = Model(in);
+  out.wear_number = dissipation(out.force, in.creepage);
+  return out;
+}
+
+}  // namespace
+
+const std::vector<TangentialModel>& all_tangential_models() {
+  static const std::vector<TangentialModel> all{
+      {{"kalker-linear", "no slip anywhere; vanishing creepage", {}, {}, "Kalker 1967"}, complete<solve_kalker_linear>},
+      {{"vermeulen-johnson", "elliptic stick zone at the leading edge; no spin", {}, {}, "Vermeulen, Johnson 1964"},
+       complete<solve_vermeulen_johnson>},
+      {{"shen-hedrick-elkins",
+        "Kalker's linear force, saturated by a cubic; small spin",
+        {},
+        {},
+        "Shen, Hedrick, Elkins 1983"},
+       complete<solve_she>},
+      {{"polach", "closed form for large creepage, kA = kS = 1", {}, {}, "Polach 1999, 2005"}, complete<solve_polach>},
+      {{"coulomb", "full slip against the rigid creepage", {}, {}, "Coulomb 1785"}, complete<solve_coulomb>},
+      {{"fastsim", "bed of springs in strips, parabolic bound", {}, {}, "Kalker 1982"}, complete<solve_fastsim>},
+      {{"fastsim-elliptic", "bed of springs in strips, elliptic bound", {}, {}, "Kalker 1982"},
+       complete<solve_fastsim_elliptic>},
+      {{"strip", "plane rolling contact strip by strip", {}, {}, "Haines, Ollerton 1963; Kalker 1967"},
+       complete<solve_strip>},
+      {{"fastrip",
+        "strip theory with Kalker's stiffness and FASTSIM's slip directions",
+        {},
+        {},
+        "Sichani, Enblom, Berg 2016"},
+       complete<solve_fastrip>},
+      {{"half-space", "boundary elements, extrapolated to the limit of fine grids", {}, {}, "Kalker 1990"},
+       complete<solve_half_space>}};
+  return all;
+}
+
+}  // namespace epafi

@@ -1,0 +1,44 @@
+/// @file tangential_models.h  The list of tangential models: name, what it is, and the function that solves one patch
+/// with it.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/registry.h"
+#include "laws/wheel_rail/half_space/tangential.h"
+#include "laws/wheel_rail/normal_patch.h"
+
+namespace epafi {
+
+struct TangentialInput {
+  const NormalPatch& patch;
+  ElasticPair elastic;
+  double friction = 0.0;
+  Creepage creepage;   ///< at the centre of pressure
+  PatchGrid cells;     ///< cells over an elliptic patch; those of the patch's own grid otherwise
+  bool store = false;  ///< keep tractions and slips by cell
+};
+
+/// Tractions and slips of one patch on points (x, y) for files and pictures.
+struct TractionMap {
+  std::vector<double> x, y, pressure, traction_x, traction_y, slip_x, slip_y;
+};
+
+struct TangentialOutcome {
+  PatchForce force;
+  double stick_share = -1.0;    ///< < 0: the model does not know
+  double wear_number = 0.0;     ///< T gamma = |F_x xi| + |F_y eta| + |M_z phi| [N]
+  double error_estimate = 0.0;  ///< of the force, over mu N [-]
+  std::vector<std::string> reasons;
+  TractionMap map;
+};
+
+struct TangentialModel {
+  Entry entry;
+  TangentialOutcome (*solve)(const TangentialInput&);
+};
+
+const std::vector<TangentialModel>& all_tangential_models();
+
+}  // namespace epafi

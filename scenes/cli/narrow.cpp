@@ -1,0 +1,123 @@
+#include "scenes/cli/narrow.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+
+#include "detection/convex_corpus.h"
+#include "detection/narrow/convex_answer.h"
+#include "engine/error.h"
+#include "engine/nearest.h"
+#include "engine/random.h"
+
+namespace epafi {
+namespace {
+
+struct Row {
+  ConvexAnswer answer;
+  bool refused = false;
+  double cold = 0.0, warm = 0.0;  ///< ns per query
+};
+
+double cpu_nanoseconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
+}
+
+constexpr int steps = 32, repeats = 3;  // the clock costs about 300 ns: one reading per 32 queries
+
+/// B's poses of a pair that moves by 1e-3 of its size per step, to and fro about where it is.
+std::vector<Pose> moving_poses(const Pose& start, double size, Random& random) {
+  std::vector<Pose> poses;
+  for (int k = 0; k < steps; ++k) {
+    const auto draw = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
+    const Vec3 shift = draw(), axis = draw();
+    Pose p = start;
+    p.position += 0.5e-3 * size * shift.normalized();  // neighbours in time are up to 1e-3 apart, 0.7e-3 on average
+    p.orientation = Quat(Eigen::AngleAxisd(0.5e-3, axis.normalized())) * start.orientation;
+    poses.push_back(p);
+  }
+  return poses;
+}
+
+template <class Query>
+double nanoseconds_per_query(const Query& query) {
+  double best = infinity;
+  for (int r = 0; r < repeats; ++r) {
+    const double begin = cpu_nanoseconds();
+    for (int k = 0; k < steps; ++k) query(k);
+    best = std::min(best, (cpu_nanoseconds() - begin) / steps);
+  }
+  return best;
+}
+
+Row ask_pair(const CorpusPair& p, ConvexMethod method, Random& random) {
+  Row row;
+  const auto a = ConvexHull::from_faces(p.a.vertices, p.a.faces), b = ConvexHull::from_faces(p.b.vertices, p.b.faces);
+  row.refused = !a.problem.empty() || !b.problem.empty();
+  if (row.refused) return row;
+  const Pose pose_a{p.a.centre, Quat(1, 0, 0, 0)}, pose_b{p.b.centre, Quat(1, 0, 0, 0)};
+  const PolyhedronView va = a.hull.view(), vb = b.hull.view();
+  row.answer = ask(method, va, vb, pose_a, pose_b);
+  ConvexAnswer last;
+  row.cold = nanoseconds_per_query([&](int) { last = ask(method, va, vb, pose_a, pose_b); });
+  const std::vector<Pose> poses = moving_poses(pose_b, p.size, random);
+  last = row.answer;
+  row.warm = nanoseconds_per_query(
+      [&](int k) { last = ask(method, va, vb, pose_a, poses[static_cast<std::size_t>(k)], last.axis); });
+  return row;
+}
+
+std::string csv_line(std::size_t pair, const Row& row) {
+  if (row.refused) return fmt::format("{},refused,,,,,,,,,,,\n", pair);
+  const ConvexAnswer& a = row.answer;
+  const auto triple = [](const Vec3& v) { return fmt::format("{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z()); };
+  return fmt::format("{},{},{:.17g},{},{},{},{:.0f}\n", pair, a.status, a.distance, triple(a.normal),
+                     triple(a.witness_a), triple(a.witness_b), row.cold);
+}
+
+std::string json_line(std::size_t pair, const Row& row) {
+  if (row.refused) return fmt::format("    {{\"pair\": {}, \"status\": \"refused\"}}", pair);
+  const ConvexAnswer& a = row.answer;
+  const auto triple = [](const Vec3& v) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z()); };
+  return fmt::format(
+      "    {{\"pair\": {}, \"status\": \"{}\", \"distance\": {:.17g}, \"normal\": {}, \"point_a\": {}, \"point_b\": "
+      "{}, \"ns\": {:.0f}}}",
+      pair, a.status, a.distance, triple(a.normal), triple(a.witness_a), triple(a.witness_b), row.cold);
+}
+
+}  // namespace
+
+int command_narrow(const NarrowOptions& options) {
+  const ConvexMethod* method = convex_method(options.method);
+  if (!method)
+    throw SceneError("unknown method '" + options.method + "'" +
+                     suggestion(options.method, {"auto", "sat", "gjk-epa"}, "methods"));
+  const std::vector<CorpusPair> pairs = read_corpus(options.corpus);
+  std::string text =
+      options.json ? "{\n  \"pairs\": [\n" : "pair,status,distance,nx,ny,nz,pax,pay,paz,pbx,pby,pbz,ns\n";
+  Random random(1, 0);
+  double cold = 0.0, warm = 0.0;
+  std::size_t asked = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Row row = ask_pair(pairs[k], *method, random);
+    asked += !row.refused, cold += row.cold, warm += row.warm;
+    text += options.json ? json_line(k, row) + (k + 1 < pairs.size() ? ",\n" : "\n") : csv_line(k, row);
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(asked, 1));
+  text += options.json
+              ? fmt::format("  ],\n  \"mean_ns\": {{\"cold\": {:.1f}, \"warm\": {:.1f}}}\n}}\n", cold / n, warm / n)
+              : fmt::format("# mean ns cold {:.1f}, warm {:.1f}\n", cold / n, warm / n);
+  if (options.out.empty()) {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return 0;
+  }
+  std::ofstream out(options.out, std::ios::binary);
+  if (!(out << text).flush()) throw FileError("cannot write '" + options.out + "'");
+  return 0;
+}
+
+}  // namespace epafi

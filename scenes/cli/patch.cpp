@@ -1,0 +1,21 @@
+/// @file patch.cpp  `epafi patch CASE.toml`: one contact in statics by each chosen model.
+#include <cstdio>
+
+#include "scenes/cli/commands.h"
+#include "scenes/patch/evaluate_patch.h"
+#include "viz_export/side_file.h"
+
+namespace epafi {
+
+int command_patch(const CommonOptions& common, const PatchOptions& options) {
+  const PatchReading reading = read_patch(common.scene, common.overrides);
+  if (!reading.patch) throw SceneError(reading.problems);
+  for (const auto& p : reading.problems) std::fprintf(stderr, "%s\n", p.to_string().c_str());
+  const std::vector<PatchResult> results = evaluate_patch(*reading.patch, !options.maps.empty());
+  const std::string text = options.json ? patch_json(results) : patch_table(results);
+  if (!options.maps.empty()) write_patch_maps(options.maps, results);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return exit_done;
+}
+
+}  // namespace epafi

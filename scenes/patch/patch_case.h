@@ -1,0 +1,45 @@
+/// @file patch_case.h  A case of `epafi patch`: one contact in statics, what loads it, and the models to be tried on
+/// it.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/error.h"
+#include "laws/wheel_rail/half_space/normal.h"
+#include "laws/wheel_rail/rolling.h"
+#include "scenes/reader/document.h"
+
+namespace epafi {
+
+struct PatchCase {
+  std::string title, file;
+  ElasticPair elastic;
+  double friction = 0.0;        ///< mu [-]
+  std::optional<double> yield;  ///< shear yield stress k [Pa]
+  NormalTarget target;          ///< load [N] or approach [m]
+  Creepage creepage;
+  std::optional<Ellipse> ellipse;  ///< semi_axes
+  struct Radii {
+    double x1, x2, y1, y2;
+  };
+  std::optional<Radii> radii;    ///< [m]; infinite: flat, negative: concave
+  std::optional<double> length;  ///< of a line contact [m]
+  std::vector<std::string> normal, tangential;
+  double dx = 0.0, dy = 0.0;  ///< cells [m]; 0: the shorter axis has 32
+};
+
+struct PatchReading {
+  std::optional<PatchCase> patch;  ///< empty when there is an error
+  std::vector<Problem> problems;
+};
+
+/// True for a file with a [patch] table.
+bool is_patch_case(const Document& document);
+
+/// Reads `path` with overrides on top. Never throws for what a user can do wrong.
+PatchReading read_patch(const std::string& path, const std::vector<std::string>& overrides);
+PatchReading read_patch_text(const std::string& text, const std::string& file,
+                             const std::vector<std::string>& overrides);
+
+}  // namespace epafi

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include "scenes/patch/evaluate_patch.h"
+#include "viz_export/json_writer.h"
+
+namespace epafi {
+namespace {
+
+using Members = std::vector<std::pair<std::string, std::string>>;
+
+std::string object(const Members& members, const char* separator = ", ") {
+  std::string out;
+  for (const auto& [key, value] : members) out += (out.empty() ? "" : separator) + json_text(key) + ": " + value;
+  return "{" + out + "}";
+}
+
+std::string contact_json(const PatchContact& c) {
+  return object({{"y_wheel", json_number(c.y_wheel)},
+                 {"y_rail", json_number(c.y_rail)},
+                 {"angle", json_number(c.angle)},
+                 {"semi_axes", "[" + json_number(c.semi_axes.a) + ", " + json_number(c.semi_axes.b) + "]"},
+                 {"area", json_number(c.area)},
+                 {"max_pressure", json_number(c.max_pressure)},
+                 {"normal_force", json_number(c.normal_force)}});
+}
+
+std::string result_json(const PatchResult& r) {
+  std::string contacts, reasons;
+  for (const auto& c : r.contacts) contacts += (contacts.empty() ? "" : ", ") + contact_json(c);
+  for (const auto& text : r.reasons) reasons += (reasons.empty() ? "" : ", ") + json_text(text);
+  Members m{{"normal", json_text(r.normal)}};
+  if (r.friction) m.push_back({"tangential", json_text(r.tangential)});
+  m.push_back({"normal_force", json_number(r.normal_force)});
+  m.push_back({"approach", json_number(r.approach)});
+  m.push_back({"contacts", "[" + contacts + "]"});
+  m.push_back({"max_pressure", json_number(r.max_pressure)});
+  m.push_back({"area", json_number(r.area)});
+  if (r.friction) {
+    m.push_back({"fx", json_number(r.force.fx)});
+    m.push_back({"fy", json_number(r.force.fy)});
+    m.push_back({"mz", json_number(r.force.mz)});
+    if (r.stick_share >= 0.0) m.push_back({"stick_share", json_number(r.stick_share)});
+    m.push_back({"wear_number", json_number(r.wear_number)});
+  }
+  if (r.fatigue_index) m.push_back({"fatigue_index", json_number(*r.fatigue_index)});
+  if (r.pressure_over_yield) m.push_back({"pressure_over_yield", json_number(*r.pressure_over_yield)});
+  m.push_back({"milliseconds", json_number(r.milliseconds)});
+  m.push_back({"error_estimate", json_number(r.error_estimate)});
+  m.push_back({"valid", r.reasons.empty() ? "true" : "false"});
+  m.push_back({"reasons", "[" + reasons + "]"});
+  return "  " + object(m);
+}
+
+}  // namespace
+
+std::string patch_json(const std::vector<PatchResult>& results) {
+  std::string all;
+  for (const auto& r : results) all += (all.empty() ? "" : ",\n") + result_json(r);
+  return "[\n" + all + "\n]\n";
+}
+
+std::string patch_table(const std::vector<PatchResult>& results) {
+  std::string out =
+      fmt::format("{:<16}{:<20}{:>10}{:>11}{:>10}{:>10}{:>11}{:>11}{:>8}{:>9}{:>9}  {}\n", "normal", "tangential",
+                  "N [N]", "delta [m]", "p0 [Pa]", "area [m2]", "Fx [N]", "Fy [N]", "stick", "ms", "error", "valid");
+  for (const auto& r : results) {
+    out += fmt::format("{:<16}{:<20}{:>10.5g}{:>11.4g}{:>10.4g}{:>10.3g}", r.normal, r.friction ? r.tangential : "-",
+                       r.normal_force, r.approach, r.max_pressure, r.area);
+    out += r.friction ? fmt::format("{:>11.5g}{:>11.5g}{:>8}", r.force.fx, r.force.fy,
+                                    r.stick_share >= 0.0 ? fmt::format("{:.3f}", r.stick_share) : "-")
+                      : fmt::format("{:>11}{:>11}{:>8}", "-", "-", "-");
+    out += fmt::format("{:>9.3g}{:>9.1e}  {}\n", r.milliseconds, r.error_estimate, r.reasons.empty() ? "yes" : "NO");
+    for (const auto& reason : r.reasons) out += "                  " + reason + "\n";
+  }
+  return out;
+}
+
+}  // namespace epafi

@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "scenes/patch/evaluate_patch.h"
+#include "viz_export/side_file.h"
+
+namespace epafi {
+namespace {
+
+/// Stick 1, slip 2, outside 0: by the slip, which is exactly 0 in stick.
+int state_of(const TractionMap& m, std::size_t k) { return m.slip_x[k] == 0.0 && m.slip_y[k] == 0.0 ? 1 : 2; }
+
+std::string csv_of(const TractionMap& m) {
+  std::string out = "x,y,pressure,traction_x,traction_y,slip_x,slip_y,state\n";
+  for (std::size_t k = 0; k < m.x.size(); ++k)
+    out += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", m.x[k], m.y[k], m.pressure[k],
+                       m.traction_x[k], m.traction_y[k], m.slip_x[k], m.slip_y[k], state_of(m, k));
+  return out;
+}
+
+/// Image of n by n cells over the box of the points; each cell shows the nearest point of its row, 0 outside the patch.
+struct Image {
+  std::size_t nx = 0, ny = 0;
+  double x0 = 0, y0 = 0, dx = 0, dy = 0;
+  std::vector<std::ptrdiff_t> source;  ///< point of each cell, < 0 outside
+};
+
+Image image_of(const TractionMap& m) {
+  Image g;
+  std::vector<double> rows = m.y;
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  g.ny = rows.size();
+  const auto [left, right] = std::minmax_element(m.x.begin(), m.x.end());
+  std::vector<std::vector<std::size_t>> by_row(g.ny);
+  for (std::size_t k = 0; k < m.x.size(); ++k)
+    by_row[static_cast<std::size_t>(std::lower_bound(rows.begin(), rows.end(), m.y[k]) - rows.begin())].push_back(k);
+  for (auto& row : by_row) {
+    std::sort(row.begin(), row.end(), [&](std::size_t a, std::size_t b) { return m.x[a] < m.x[b]; });
+    g.nx = std::max(g.nx, row.size());
+  }
+  g.dx = g.nx > 1 ? (*right - *left) / static_cast<double>(g.nx - 1) : 1e-6;
+  g.dy = g.ny > 1 ? (rows.back() - rows.front()) / static_cast<double>(g.ny - 1) : g.dx;
+  g.x0 = *left - 0.5 * g.dx, g.y0 = rows.front() - 0.5 * g.dy;
+  g.source.assign(g.nx * g.ny, -1);
+  for (std::size_t j = 0; j < g.ny; ++j) {
+    const auto& row = by_row[j];
+    const double half =
+        row.size() > 1 ? 0.5 * (m.x[row.back()] - m.x[row.front()]) / static_cast<double>(row.size() - 1) : 0.5 * g.dx;
+    for (std::size_t i = 0; i < g.nx; ++i) {
+      const double x = g.x0 + (static_cast<double>(i) + 0.5) * g.dx;
+      const auto near = std::min_element(row.begin(), row.end(), [&](std::size_t a, std::size_t b) {
+        return std::abs(m.x[a] - x) < std::abs(m.x[b] - x);
+      });
+      if (near != row.end() && std::abs(m.x[*near] - x) <= 1.001 * half)
+        g.source[j * g.nx + i] = static_cast<std::ptrdiff_t>(*near);
+    }
+  }
+  return g;
+}
+
+/// VTK XML ImageData, cell data, ASCII: a patch has some thousand cells.
+std::string vti_of(const TractionMap& m) {
+  const Image g = image_of(m);
+  std::string out = fmt::format(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+      "<ImageData WholeExtent=\"0 {0} 0 {1} 0 0\" Origin=\"{2:.9g} {3:.9g} 0\" Spacing=\"{4:.9g} {5:.9g} 1\">\n"
+      "<Piece Extent=\"0 {0} 0 {1} 0 0\">\n<CellData Scalars=\"pressure\" Vectors=\"traction\">\n",
+      g.nx, g.ny, g.x0, g.y0, g.dx, g.dy);
+  const auto array = [&](const char* type, const char* name, int components, auto&& value) {
+    out += fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", type, name,
+                       components);
+    for (const std::ptrdiff_t k : g.source) out += value(k);
+    out += "\n</DataArray>\n";
+  };
+  const auto at = [](const std::vector<double>& v, std::ptrdiff_t k) {
+    return k < 0 ? 0.0 : v[static_cast<std::size_t>(k)];
+  };
+  array("Float64", "pressure", 1, [&](std::ptrdiff_t k) { return fmt::format("{:.9g} ", at(m.pressure, k)); });
+  array("Float64", "traction", 3,
+        [&](std::ptrdiff_t k) { return fmt::format("{:.9g} {:.9g} 0 ", at(m.traction_x, k), at(m.traction_y, k)); });
+  array("Float64", "slip", 3,
+        [&](std::ptrdiff_t k) { return fmt::format("{:.9g} {:.9g} 0 ", at(m.slip_x, k), at(m.slip_y, k)); });
+  array("Int32", "state", 1, [&](std::ptrdiff_t k) {
+    return k < 0 ? std::string("0 ") : fmt::format("{} ", state_of(m, static_cast<std::size_t>(k)));
+  });
+  return out + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
+}
+
+}  // namespace
+
+void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results) {
+  std::filesystem::create_directories(folder);
+  for (const auto& r : results) {
+    for (std::size_t k = 0; k < r.contacts.size(); ++k) {
+      const TractionMap& m = r.contacts[k].map;
+      if (m.x.empty()) continue;  // a closed form has no map
+      const std::string name = r.normal + "_" + r.tangential + (r.contacts.size() > 1 ? "_" + std::to_string(k) : "");
+      write_whole_file(std::filesystem::path(folder) / (name + ".csv"), {csv_of(m)});
+      write_whole_file(std::filesystem::path(folder) / (name + ".vti"), {vti_of(m)});
+    }
+  }
+}
+
+}  // namespace epafi

@@ -1,0 +1,89 @@
+#include "scenes/patch/patch_schema.h"
+
+#include "laws/wheel_rail/normal_models.h"
+#include "laws/wheel_rail/tangential_models.h"
+
+namespace epafi {
+namespace {
+
+Field number(std::string name, std::string symbol, std::string unit, Range range, std::string help) {
+  Field f{std::move(name), std::move(symbol), std::move(unit), Kind::number, std::nullopt, range, std::move(help)};
+  f.optional = true;
+  return f;
+}
+Field needed(Field f) {
+  f.optional = false;
+  return f;
+}
+Field with_default(Field f, double value) {
+  f.default_value = Value(value);
+  return f;
+}
+Field infinite(Field f) {
+  f.may_be_infinite = true;
+  return f;
+}
+Field table(std::string name, std::string help, std::vector<Field> fields) {
+  Field f{std::move(name), "", "", Kind::table, std::nullopt, {}, std::move(help)};
+  f.optional = true;
+  f.fields = std::move(fields);
+  return f;
+}
+Field words(std::string name, std::string help, Range count, std::vector<std::string> choices) {
+  Field f{std::move(name), "", "", Kind::texts, std::nullopt, count, std::move(help)};
+  f.optional = true;
+  f.choices = std::move(choices);
+  return f;
+}
+template <class List>
+std::vector<std::string> names(const List& list) {
+  std::vector<std::string> out;
+  for (const auto& item : list) out.push_back(item.entry.name);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Field> patch_fields() {
+  const Range some{1, infinity}, any{0, infinity}, two{2, 2};
+  Field normal = words("normal", "normal models", some, names(all_normal_models()));
+  normal.default_value = Value(std::vector<std::string>{"hertz"});
+  return {
+      number("load", "N", "N", positive, "normal load; with profiles vertical, per wheel"),
+      number("approach", "delta", "m", positive, "approach of the bodies in place of a load"),
+      table("radii", "principal radii of both bodies; inf is flat, negative is concave",
+            {needed(infinite(number("x1", "R_x1", "m", any_number, "first body, along x"))),
+             needed(infinite(number("x2", "R_x2", "m", any_number, "second body, along x"))),
+             needed(infinite(number("y1", "R_y1", "m", any_number, "first body, along y"))),
+             needed(infinite(number("y2", "R_y2", "m", any_number, "second body, along y")))}),
+      number("length", "l", "m", positive, "length of a line contact"),
+      table("semi_axes", "a given ellipse of Hertzian pressure",
+            {needed(number("a", "a", "m", positive, "along x")), needed(number("b", "b", "m", positive, "along y"))}),
+      table("creepage", "of the rail against the wheel over the speed",
+            {with_default(number("longitudinal", "xi", "", any_number, "along x"), 0.0),
+             with_default(number("lateral", "eta", "", any_number, "along y"), 0.0),
+             with_default(number("spin", "phi", "1/m", any_number, "about the normal"), 0.0)}),
+      normal,
+      words("tangential", "tangential models", any, names(all_tangential_models())),
+      table(
+          "grid", "cells; the shorter axis has 32 where not written",
+          {needed(number("dx", "dx", "m", positive, "along x")), needed(number("dy", "dy", "m", positive, "along y"))}),
+      words("materials", "those of the two bodies", two, {})};
+}
+
+std::vector<Field> patch_contact_fields() {
+  return {number("friction", "mu", "", {0.0, 10.0}, "coefficient of friction, at rest if it falls with slip"),
+          number("friction_limit", "A", "", unit_interval, "friction at high slip velocity over that at rest"),
+          number("friction_decay", "B", "s/m", not_negative, "how fast friction falls with slip velocity"),
+          number("speed", "V", "m/s", not_negative, "rolling speed, for friction that falls with slip velocity")};
+}
+
+std::vector<Field> patch_material_fields() {
+  return {number("youngs_modulus", "E", "Pa", positive, "Young's modulus"),
+          number("shear_modulus", "G", "Pa", positive, "shear modulus in place of Young's modulus"),
+          needed(number("poissons_ratio", "nu", "", {0.0, 0.5}, "Poisson's ratio")),
+          number("density", "rho", "kg/m^3", positive, "not used in statics"),
+          number("shear_yield", "k", "Pa", positive, "yield stress in shear: gives shakedown point and fatigue index")};
+}
+
+}  // namespace epafi

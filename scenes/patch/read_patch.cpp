@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/nearest.h"
+#include "laws/wheel_rail/normal_models.h"
+#include "laws/wheel_rail/tangential_models.h"
+#include "scenes/full_registry.h"
+#include "scenes/patch/patch_case.h"
+#include "scenes/patch/patch_schema.h"
+#include "scenes/reader/parts.h"
+
+namespace epafi {
+namespace {
+
+const char* kind_of(const Node& node) { return type_name(node.type); }
+
+/// The tables a case may have.
+void check_tables(Reading& reading) {
+  const std::vector<std::string> known{"title", "include", "params", "material", "contact", "patch"};
+  for (const auto& [key, place, value] : reading.root.members) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    reading.error(place, "unknown table or key '" + key + "' in a patch case" + suggestion(key, known, "known"));
+  }
+}
+
+struct NamedMaterial {
+  Material material;
+  std::optional<double> yield;
+};
+
+std::vector<NamedMaterial> read_patch_materials(Reading& reading) {
+  std::vector<NamedMaterial> all;
+  for (const auto& [name, place, node] : table_or_empty(reading, "material").members) {
+    const std::string label = "[material." + name + "]";
+    if (node.type != Node::Type::table) {
+      reading.error(node.place, label + ": expected a table, found " + kind_of(node));
+      continue;
+    }
+    const TableValues v = read_table(node, label, patch_material_fields(), reading);
+    NamedMaterial m;
+    m.material.name = name;
+    m.yield = v.optional_number("shear_yield");
+    m.material.poissons_ratio = v.number_or("poissons_ratio", m.material.poissons_ratio);
+    if (v.has("youngs_modulus") == v.has("shear_modulus") && reading.errors() == 0)
+      reading.error(node.place, label + ": write one of youngs_modulus and shear_modulus");
+    m.material.youngs_modulus = v.has("youngs_modulus")
+                                    ? v.number("youngs_modulus")
+                                    : 2.0 * v.number_or("shear_modulus", NAN) * (1.0 + m.material.poissons_ratio);
+    all.push_back(m);
+  }
+  if (all.empty()) reading.error({reading.main_file, 1, 1}, "missing table [material.NAME] with the elastic constants");
+  return all;
+}
+
+const NamedMaterial* material_named(Reading& reading, const std::vector<NamedMaterial>& all, const std::string& name,
+                                    const Place& place) {
+  std::vector<std::string> names;
+  for (const auto& m : all) {
+    if (m.material.name == name) return &m;
+    names.push_back(m.material.name);
+  }
+  reading.error(place, "unknown material '" + name + "' in [patch] materials" + suggestion(name, names, "materials"));
+  return nullptr;
+}
+
+void set_materials(Reading& reading, const TableValues& patch, PatchCase& out) {
+  const auto all = read_patch_materials(reading);
+  if (all.empty()) return;
+  const NamedMaterial *a = &all.front(), *b = a;
+  if (patch.has("materials")) {
+    const auto& names = patch.texts("materials");
+    a = material_named(reading, all, names[0], patch.place_of("materials"));
+    b = material_named(reading, all, names[1], patch.place_of("materials"));
+    if (!a || !b) return;
+  } else if (all.size() > 1) {
+    reading.warning(patch.place, "several materials; both bodies are of '" + a->material.name +
+                                     "' unless [patch] materials names two");
+  }
+  out.elastic = elastic_pair(a->material, b->material);
+  if (a->yield || b->yield) out.yield = std::min(a->yield.value_or(INFINITY), b->yield.value_or(INFINITY));
+}
+
+/// Exactly one way to say what touches what.
+void set_geometry(Reading& reading, const TableValues& v, PatchCase& out) {
+  if (v.written("radii") == v.written("semi_axes"))
+    return reading.error(v.place, "[patch]: write one of radii = { x1, x2, y1, y2 } and semi_axes = { a, b }");
+  if (v.has("semi_axes.a") && v.has("semi_axes.b"))
+    out.ellipse = Ellipse{v.number("semi_axes.a"), v.number("semi_axes.b")};
+  if (!v.written("radii")) return;
+  const auto curvature = [&](const char* one, const char* two) {
+    const double r1 = v.number_or(one, NAN), r2 = v.number_or(two, NAN);
+    if (r1 == 0.0 || r2 == 0.0)
+      reading.error(v.place_of("radii"), "[patch] radii: a radius of 0 is an edge; inf is flat, negative is concave");
+    return 1.0 / r1 + 1.0 / r2;
+  };
+  out.radii = PatchCase::Radii{v.number_or("radii.x1", NAN), v.number_or("radii.x2", NAN), v.number_or("radii.y1", NAN),
+                               v.number_or("radii.y2", NAN)};
+  const double x = curvature("radii.x1", "radii.x2"), y = curvature("radii.y1", "radii.y2");
+  out.length = v.optional_number("length");
+  if (x < 0.0 || y < 0.0)
+    reading.error(v.place_of("radii"),
+                  "[patch] radii: the surfaces cross away from the point (1/x1 + 1/x2 = " + format_number(x) +
+                      ", 1/y1 + 1/y2 = " + format_number(y) + " per m); both must be positive");
+  else if (x == 0.0 && y == 0.0)
+    reading.error(v.place_of("radii"), "[patch] radii: two flat surfaces have no contact point");
+  else if ((x == 0.0 || y == 0.0) && !out.length)
+    reading.error(v.place_of("radii"), "[patch] radii: a line contact needs its length (m)");
+}
+
+void set_load(Reading& reading, const TableValues& v, PatchCase& out) {
+  if (v.written("load") == v.written("approach"))
+    return reading.error(v.place, "[patch]: write one of load (N) and approach (m)");
+  out.target = {v.written("load"), v.written("load") ? v.number_or("load", 0.0) : v.number_or("approach", 0.0)};
+  const bool line = out.radii && out.length;
+  if (line && !out.target.by_force)
+    reading.error(v.place_of("approach"),
+                  "[patch] a line contact needs a load; the approach of two long bodies is not theirs alone");
+  if (out.ellipse && !out.target.by_force)
+    reading.error(v.place_of("approach"), "[patch] semi_axes need a load; the approach follows");
+}
+
+void set_friction(Reading& reading, bool needed, const Creepage& creepage, PatchCase& out) {
+  const Node& table = table_or_empty(reading, "contact");
+  const TableValues v = read_table(table, "[contact]", patch_contact_fields(), reading);
+  if (!v.has("friction")) {
+    if (needed)
+      reading.error({reading.main_file, 1, 1}, "missing key 'friction' in [contact]: a tangential model needs it");
+    return;
+  }
+  const double slip = v.number_or("speed", 0.0) * std::hypot(creepage.longitudinal, creepage.lateral),
+               A = v.number_or("friction_limit", 1.0);
+  // Polach 2005: mu = mu0 ((1 - A) exp(-B w) + A)
+  out.friction = v.number("friction") * ((1.0 - A) * std::exp(-v.number_or("friction_decay", 0.0) * slip) + A);
+}
+
+PatchReading read_document(Document document, const std::string& file) {
+  PatchReading result;
+  Reading reading(full_registry(), document.root, file);
+  reading.problems = std::move(document.problems);
+  const bool whole = reading.problems.empty();
+  if (!document.failed) {
+    PatchCase out;
+    out.file = file;
+    if (const Node* title = reading.root.find("title")) out.title = title->text;
+    check_tables(reading);
+    reading.check_params();
+    if (const Node* table = find_table(reading, "patch")) {
+      const TableValues v = read_table(*table, "[patch]", patch_fields(), reading);
+      out.creepage = {v.number_or("creepage.longitudinal", 0.0), v.number_or("creepage.lateral", 0.0),
+                      v.number_or("creepage.spin", 0.0)};
+      if (v.has("normal")) out.normal = v.texts("normal");
+      if (v.has("tangential")) out.tangential = v.texts("tangential");
+      out.dx = v.number_or("grid.dx", 0.0), out.dy = v.number_or("grid.dy", 0.0);
+      set_materials(reading, v, out);
+      set_geometry(reading, v, out);
+      set_load(reading, v, out);
+      set_friction(reading, !out.tangential.empty(), out.creepage, out);
+    } else {
+      reading.error({file, 1, 1}, "missing table [patch]");
+    }
+    if (whole && reading.errors() == 0) result.patch = std::move(out);
+  }
+  result.problems = std::move(reading.problems);
+  return result;
+}
+
+}  // namespace
+
+bool is_patch_case(const Document& document) { return document.root.find("patch") != nullptr; }
+
+PatchReading read_patch(const std::string& path, const std::vector<std::string>& overrides) {
+  return read_document(load_document(path, overrides), path);
+}
+
+PatchReading read_patch_text(const std::string& text, const std::string& file,
+                             const std::vector<std::string>& overrides) {
+  return read_document(parse_document(text, file, overrides), file);
+}
+
+}  // namespace epafi

@@ -1,0 +1,111 @@
+// `epafi patch`: cases read, problems named with their place, results and validity.
+#include <cmath>
+#include <set>
+
+#include "scenes/patch/evaluate_patch.h"
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+
+const std::string head = "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n";
+
+std::vector<PatchResult> run(const std::string& patch) {
+  const PatchReading r = read_patch_text(head + "[patch]\n" + patch, "case.toml", {});
+  for (const auto& p : r.problems) UNSCOPED_INFO(p.to_string());
+  REQUIRE(r.patch);
+  return evaluate_patch(*r.patch);
+}
+
+std::string problems(const std::string& text) {
+  const PatchReading r = read_patch_text(text, "case.toml", {});
+  CHECK_FALSE(r.patch);
+  std::string all;
+  for (const auto& p : r.problems) all += p.to_string() + "\n";
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a given ellipse has Hertz' pressure and the chosen laws' forces", "[scenes][wheel_rail]") {
+  const auto results =
+      run("semi_axes = { a = \"8 mm\", b = \"4 mm\" }\nload = 82e3\ncreepage = { longitudinal = -0.001 }\ntangential = "
+          "[\"kalker-linear\", \"fastsim\", \"half-space\"]\n");
+  REQUIRE(results.size() == 3);
+  CHECK(results[0].max_pressure == Approx(1.5 * 82e3 / (3.14159265358979 * 8e-3 * 4e-3)).epsilon(1e-12));
+  CHECK(results[2].force.fx / (0.3 * 82e3) == Approx(0.4646).epsilon(0.01));  // limit of fine grids
+  CHECK(results[2].reasons.empty());
+  CHECK(results[2].wear_number == Approx(0.001 * results[2].force.fx).epsilon(1e-6));
+  CHECK(results[1].stick_share > 0.5);
+  const std::string json = patch_json(results);
+  for (const char* key :
+       {"\"normal\"", "\"tangential\"", "\"normal_force\"", "\"approach\"",    "\"contacts\"",     "\"y_wheel\"",
+        "\"y_rail\"", "\"angle\"",      "\"semi_axes\"",    "\"area\"",        "\"max_pressure\"", "\"fx\"",
+        "\"fy\"",     "\"mz\"",         "\"stick_share\"",  "\"wear_number\"", "\"milliseconds\"", "\"error_estimate\"",
+        "\"valid\"",  "\"reasons\""})
+    CHECK(json.find(key) != std::string::npos);
+}
+
+TEST_CASE("boundary elements on the default grid agree with Hertz for radii", "[scenes][wheel_rail]") {
+  const auto results =
+      run("radii = { x1 = 0.46, x2 = inf, y1 = inf, y2 = 0.3 }\nload = 80e3\nnormal = [\"hertz\", \"multi-hertz\", "
+          "\"half-space\"]\n");
+  REQUIRE(results.size() == 3);
+  for (int k : {1, 2}) {
+    CHECK(results[static_cast<std::size_t>(k)].max_pressure == Approx(results[0].max_pressure).epsilon(1e-3));
+    CHECK(results[static_cast<std::size_t>(k)].approach == Approx(results[0].approach).epsilon(1e-3));
+    CHECK(results[static_cast<std::size_t>(k)].reasons.empty());
+  }
+  CHECK(results[2].error_estimate < 1e-3);
+}
+
+TEST_CASE("laws outside their range say why, and are silent inside", "[scenes][wheel_rail]") {
+  const std::string laws =
+      "tangential = [\"shen-hedrick-elkins\", \"polach\", \"vermeulen-johnson\", \"fastsim\", \"strip\", \"fastrip\", "
+      "\"half-space\"]\nload = 82e3\n";
+  const auto invalid = [&](const std::string& rest) {
+    std::set<std::string> names;
+    for (const auto& r : run(laws + rest))
+      if (!r.reasons.empty()) names.insert(r.tangential);
+    return names;
+  };
+  const std::string circle = "semi_axes = { a = 6e-3, b = 6e-3 }\n";
+  CHECK(invalid(circle + "creepage = { lateral = 0.001 }\n") == std::set<std::string>{"strip"});
+  CHECK(invalid(circle + "creepage = { spin = 2.0 }\n") ==
+        std::set<std::string>{"shen-hedrick-elkins", "polach", "vermeulen-johnson", "fastsim", "strip"});
+  CHECK(invalid("semi_axes = { a = 1e-3, b = 8e-3 }\ncreepage = { longitudinal = 0.001 }\n").empty());
+  const auto coarse = run(circle +
+                          "load = 82e3\ncreepage = { longitudinal = 0.001 }\ngrid = { dx = 3e-3, dy = 3e-3 "
+                          "}\ntangential = \"half-space\"\n");
+  CHECK_FALSE(coarse[0].reasons.empty());
+}
+
+TEST_CASE("a line contact is Carter's problem", "[scenes][wheel_rail]") {
+  const auto r =
+      run("radii = { x1 = 1.0, x2 = 1.0, y1 = inf, y2 = inf }\nlength = 0.1\nload = 50e3\ncreepage = { longitudinal = "
+          "-0.0002 }\ntangential = \"strip\"\n");
+  const double E = 82e9 / 0.72, a = std::sqrt(4.0 * 5e5 * 0.5 / (3.14159265358979 * E));  // R = 1/2
+  CHECK(r[0].contacts[0].semi_axes.a == Approx(a).epsilon(1e-9));
+  const double q = 1.0 - 0.0002 * 0.5 / (0.3 * a);  // 1 - xi R / (mu a)
+  CHECK(r[0].force.fx / 15e3 == Approx(1.0 - q * q).epsilon(1e-3));
+  CHECK(r[0].reasons.empty());
+}
+
+TEST_CASE("what is wrong with a case is named with its place", "[scenes][wheel_rail]") {
+  CHECK(problems(head + "[patch]\nload = 1\nsemi_axes = { a = 1, b = 1 }\ntangential = [\"fastsin\"]\n")
+            .find("case.toml:9:15: error: unknown tangential 'fastsin'") != std::string::npos);
+  CHECK(problems(head + "[patch]\nlaod = 1\nsemi_axes = { a = 1, b = 1 }\n").find("did you mean 'load'") !=
+        std::string::npos);
+  CHECK(problems(head + "[patch]\nload = 1\n").find("write one of radii") != std::string::npos);
+  CHECK(problems(head + "[patch]\nload = 1\nradii = { x1 = 1, x2 = -0.5, y1 = 1, y2 = 1 }\n")
+            .find("both must be positive") != std::string::npos);
+  CHECK(problems(head + "[patch]\nload = 1\nradii = { x1 = 1, x2 = 1, y1 = inf, y2 = inf }\n").find("length") !=
+        std::string::npos);
+  CHECK(problems("[patch]\nload = 1\nsemi_axes = { a = 1, b = 1 }\n").find("missing table [material.NAME]") !=
+        std::string::npos);
+  CHECK(problems(head).find("missing table [patch]") != std::string::npos);
+  CHECK(problems("[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[patch]\nload = 1\nsemi_axes = { a = "
+                 "1, b = 1 }\ntangential = \"polach\"\n")
+            .find("missing key 'friction'") != std::string::npos);
+}

@@ -1,0 +1,136 @@
+/// @file pair_errors.h  Worst error of every cell of the pair table over random poses, by a method of its own.
+/// The signed distance is the largest separation over all directions. The separation along the returned normal must be
+/// the returned gap, and no direction found by climbing from there (a random search whose step shrinks from 0.3 to
+/// 1e-9) may separate by more. Only the support functions of the shapes are shared with the code under test.
+#pragma once
+#include <chrono>
+
+#include "detection/narrow/pair_table.h"
+#include "tests/support/polyhedra.h"
+
+namespace epafi::support {
+
+struct PairError {
+  std::string a, b, method;
+  double worst = 0.0;        ///< of the gap, relative to the larger bounding radius
+  double nanoseconds = 0.0;  ///< per pair, cold
+  std::size_t pairs = 0, degenerate = 0;
+};
+
+template <class S>
+S random_shape(Random& random) {
+  const auto size = [&] { return random.uniform(0.3, 1.0); };
+  if constexpr (std::is_same_v<S, Sphere>)
+    return Sphere{size()};
+  else if constexpr (std::is_same_v<S, HalfSpace>)
+    return HalfSpace{};
+  else if constexpr (std::is_same_v<S, ConvexHull>)
+    return random_hull(random, 6 + static_cast<std::size_t>(random.uniform() * 20));
+  else if constexpr (std::is_constructible_v<S, double, double>)
+    return S(size(), size());
+  else
+    return S(Vec3(size(), size(), size()));
+}
+
+/// max over the body of d.x, from its position [m]; d unit, world axes.
+template <class S>
+double reach_along(const S& s, const Pose& pose, const Vec3& d) {
+  const Vec3 local = pose.orientation.conjugate() * d;
+  return local.dot(s.support(local)) + s.rounding();
+}
+
+template <class A, class B>
+double separation_along(const A& a, const Pose& pa, const B& b, const Pose& pb, const Vec3& n) {
+  if constexpr (std::is_same_v<B, HalfSpace>)
+    return (pb.orientation * b.normal).dot(pa.position - pb.position) -
+           reach_along(a, pa, -(pb.orientation * b.normal));
+  else if constexpr (std::is_same_v<A, HalfSpace>)
+    return separation_along(b, pb, a, pa, n);
+  else
+    return n.dot(pb.position - pa.position) - reach_along(a, pa, n) - reach_along(b, pb, -n);
+}
+
+/// Largest separation that climbing from n finds.
+template <class A, class B>
+double climb(const A& a, const Pose& pa, const B& b, const Pose& pb, Vec3 n, Random& random) {
+  double best = separation_along(a, pa, b, pb, n);
+  for (double step = 0.3; step > 1e-9; step *= 0.9) {
+    const Vec3 tried = (n + step * testing::random_direction(random)).normalized();
+    if (const double s = separation_along(a, pa, b, pb, tried); s > best) best = s, n = tried;
+  }
+  return best;
+}
+
+/// `count` random pairs, from deep overlap to a radius apart. timed: also ns.
+template <class A, class B>
+PairError measure_cell(Random& random, int count, bool timed) {
+  const PairCell& cell = pair_table()[ShapeStore::type_of<A>()][ShapeStore::type_of<B>()];
+  PairError out{A::name, B::name, cell.method, 0.0, 0.0, 0, 0};
+  for (int k = 0; k < count; ++k) {
+    ShapeStore shapes;
+    World world(Columns{.rotation = true, .force = false});
+    const A a = random_shape<A>(random);
+    const B b = random_shape<B>(random);
+    const double ra = std::isfinite(a.bounding_radius()) ? a.bounding_radius() : 0.0,
+                 rb = std::isfinite(b.bounding_radius()) ? b.bounding_radius() : 0.0;
+    Body body;
+    body.shape = shapes.add(a).packed, body.position = testing::random_point(random),
+    body.orientation = testing::random_turn(random);
+    world.add(body);
+    body.shape = shapes.add(b).packed,
+    body.position += random.uniform(0.2, 1.2) * (ra + rb) * testing::random_direction(random);
+    body.orientation = testing::random_turn(random);
+    world.add(body);
+    ContactSet contacts;
+    ContactSink sink(contacts);
+    const BatchInput input{.shapes = shapes,
+                           .world = world,
+                           .reach = 100.0,
+                           .curvature = false,
+                           .caches = {},
+                           .triangle_begin = {},
+                           .triangles = {}};
+    const Pair pair{0, 1};
+    cell.batch(input, {&pair, 1}, sink);
+    out.degenerate += sink.degenerate();
+    std::size_t deepest = 0;
+    for (std::size_t c = 1; c < contacts.size(); ++c)
+      if (contacts.gap[c] < contacts.gap[deepest]) deepest = c;
+    const double gap = contacts.gap.at(deepest);
+    const Pose pa = world.pose(0), pb = world.pose(1);
+    const double found = separation_along(a, pa, b, pb, contacts.normal[deepest]);
+    const double best = climb(a, pa, b, pb, contacts.normal[deepest], random);
+    out.worst = std::max(out.worst, std::max(std::abs(gap - found), best - gap) / std::max(ra, rb));
+    ++out.pairs;
+    if (!timed) continue;
+    double least = infinity;
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      const auto begin = std::chrono::steady_clock::now();
+      for (int j = 0; j < 8; ++j) contacts.clear(), cell.batch(input, {&pair, 1}, sink);
+      least = std::min(least,
+                       std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count() / 8);
+    }
+    out.nanoseconds += least / count;
+  }
+  return out;
+}
+
+template <class A, class... S>
+void measure_row(ShapeList<S...>, Random& random, int count, bool timed, std::vector<PairError>& out) {
+  const auto one = [&]<class B>(std::type_identity<B>) {
+    constexpr bool mesh = std::is_same_v<A, TriangleMesh> || std::is_same_v<B, TriangleMesh>;
+    constexpr bool planes = std::is_same_v<A, HalfSpace> && std::is_same_v<B, HalfSpace>;
+    if constexpr (!mesh && !planes) out.push_back(measure_cell<A, B>(random, count, timed));
+  };
+  (one(std::type_identity<S>{}), ...);
+}
+
+template <class... S>
+std::vector<PairError> measure_cells(ShapeList<S...> all, int count, bool timed) {
+  Random random(301, 0);
+  std::vector<PairError> out;
+  (measure_row<S>(all, random, count, timed, out), ...);
+  return out;
+}
+
+}  // namespace epafi::support
