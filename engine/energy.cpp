@@ -51,6 +51,7 @@ void EnergyLedger::start(const World& world, const StepReport& report) {
 void EnergyLedger::add(const StepReport& report) {
   now_.elastic = report.elastic;
   now_.dissipated += report.dissipated;
+  now_.losses += report.losses;
   now_.work += report.work;
   now_.correction += report.correction;
 }

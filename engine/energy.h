@@ -22,6 +22,7 @@ struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;  ///< stored now [J]
   double dissipated = 0, work = 0;                 ///< since the start [J]
   double correction = 0;                           ///< put in by moving overlapping bodies apart, since the start [J]
+  Losses losses;                                   ///< parts of `dissipated`, of smooth contact
   double stored() const { return kinetic + potential + elastic; }
 };
 
@@ -33,6 +34,8 @@ class EnergyLedger {
   void add(const StepReport& report);
   /// Bodies were added or removed: the jump of stored energy counts as work.
   void accept_jump(const World& world, double stored_before);
+  /// The elastic energy after such a change, before the jump is accepted.
+  void take_elastic(const StepReport& report) { now_.elastic = report.elastic; }
   /// Stored energies now; extends E_ref. Costs one pass over the bodies, so call it as often as the error is wanted.
   Energy measure(const World& world);
 

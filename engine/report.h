@@ -41,6 +41,15 @@ class StageTimer {
   Clock::time_point last_;
 };
 
+/// Parts of what smooth contacts lose [J]: dashpots and rolling, slip, plastic deformation, adhesion.
+struct Losses {
+  double viscous = 0.0, frictional = 0.0, plastic = 0.0, adhesive = 0.0;
+  Losses& operator+=(const Losses& o) {
+    viscous += o.viscous, frictional += o.frictional, plastic += o.plastic, adhesive += o.adhesive;
+    return *this;
+  }
+};
+
 /// What the contact model reports of one step.
 struct StepReport {
   std::size_t pairs = 0;
@@ -50,6 +59,7 @@ struct StepReport {
   double dissipated = 0.0;         ///< energy lost in the contacts during this step [J]
   double work = 0.0;               ///< work of driven bodies on the others during this step [J]
   double correction = 0.0;         ///< potential energy put in by moving overlapping bodies apart in this step [J]
+  Losses losses;                   ///< parts of `dissipated`, of smooth contact
   bool has_solver = false;
   SolverReport solver;
   StageSeconds seconds;            ///< summed over all steps so far

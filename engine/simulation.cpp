@@ -47,7 +47,18 @@ void Simulation::take_out() {
   removed_ += leaving_.size();
   leaving_.clear();
   count_movable();
+  drop_contacts();
   ledger.accept_jump(world, before);
+}
+
+/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again, the forces of the step that
+/// was done stay.
+void Simulation::drop_contacts() {
+  if (!pipeline.scheme->needs_initial_forces()) return;
+  const auto force = world.force, torque = world.torque;
+  evaluate_forces(world, pipeline, work);
+  world.force = force, world.torque = torque;
+  ledger.take_elastic(work.report);
 }
 
 std::optional<Failure> Simulation::watch() {

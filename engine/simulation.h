@@ -42,6 +42,7 @@ class Simulation {
   void sort_bodies();
   void count_movable();
   void take_out();
+  void drop_contacts();
   std::optional<Failure> watch();
   void observe(bool last);
   StepView view(bool last) const;

@@ -1,19 +1,25 @@
-/// @file all_laws.h  The lists of smooth law parts: include the header, add the name.
+/// @file all_laws.h  The lists of smooth law parts: include the header, add the name. A normal law with an evaluation of its
+/// own also gets a file of three lines in laws/smooth/loops.
 #pragma once
+#include "laws/smooth/adhesion.h"
 #include "laws/smooth/friction.h"
 #include "laws/smooth/hertz.h"
 #include "laws/smooth/hunt_crossley.h"
+#include "laws/smooth/kuwabara_kono.h"
 #include "laws/smooth/linear.h"
 #include "laws/smooth/overlap_volume.h"
+#include "laws/smooth/power_law.h"
 #include "laws/smooth/rolling.h"
+#include "laws/smooth/walton_braun.h"
 
 namespace epafi {
 
 template <class... L>
 struct LawList {};
 
-using NormalLaws = LawList<Linear, Hertz, HuntCrossley, OverlapVolume>;
-using TangentialLaws = LawList<NoFriction, CoulombSpring, Mindlin>;
-using RollingLaws = LawList<NoRolling, RollingSpring>;
+using NormalLaws = LawList<Linear, Hertz, HuntCrossley, HuntCrossley1975, HerbertMcWhannell, LeeWang, LankaraniNikravesh, Flores, Gonthier,
+                           PowerLaw, KuwabaraKono, WaltonBraun, Dmt, Jkr, OverlapVolume>;
+using TangentialLaws = LawList<NoFriction, CoulombSpring, Mindlin, MindlinDeresiewicz>;
+using RollingLaws = LawList<NoRolling, RollingSpring, RollingConstant, RollingViscous>;
 
 }  // namespace epafi

@@ -6,7 +6,7 @@ namespace epafi {
 
 SmoothSetup smooth_setup(const Scene& scene) {
   const ContactSettings& c = scene.contact;
-  return {c.law.value, c.tangential.value, c.rolling.value, material_table(scene)};
+  return {c.law.value, c.tangential.value, c.rolling.value, material_table(scene), c.locate_edges};
 }
 
 namespace {

@@ -123,7 +123,13 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   if (smooth && swift != scene.bodies.end())
     throw SceneError("continuous = true holds bodies at impulses, a smooth law needs steps within its contact; leave it out with time_step = \"auto\", or take contact.method = \"nonsmooth\"", scene.groups[swift->group].place);
   plan_pairs(scene, shapes, use, plan);
-  if (!smooth) {
+  if (smooth) {
+    double largest = 0.0;
+    for (const auto* list : {&use.free, &use.held})
+      for (std::size_t s : *list)
+        if (std::isfinite(shapes[s].radius)) largest = std::max(largest, shapes[s].radius);
+    plan.reach = smooth_reach(smooth_setup(scene), largest);
+  } else {
     double smallest = infinity;
     for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
     plan.reach = std::isfinite(smallest) ? 0.02 * smallest : 0.0;

@@ -60,6 +60,7 @@ struct ContactSettings {
   Placed<double> rolling_friction;  ///< mu_r, >= 0
   Placed<std::string> law;          ///< [contact.smooth] law
   Placed<std::string> tangential;   ///< "" = the law's own
+  bool locate_edges = false;        ///< start and end of smooth contacts are located within the step
   Placed<std::string> rolling;      ///< "" = the law's own
   Parameters smooth;                ///< of the law and its parts: written values and defaults
   Placed<std::string> solver;       ///< [contact.nonsmooth] solver

@@ -27,7 +27,7 @@ void collide_closed(const Sphere& a, const ConvexHull& b, const PairQuery& q, Co
   const double gap = distance - a.radius - b.sweep;
   if (!(gap < q.reach)) return;
   const Vec3 n = -(to_world * outward);
-  sink.add({gap, n, a.radius * n, q.curvature ? effective_radius(a.radius, contact_radius(b)) : 0.0, 0});
+  sink.add({gap, n, a.radius * n, a.radius, 0});  // faces are flat
 }
 
 }  // namespace epafi

@@ -55,7 +55,7 @@ inline void collide_closed(const Sphere& a, const Box& b, const PairQuery& q, Co
   const double gap = distance - a.radius;
   if (!(gap < q.reach)) return;
   const Vec3 n = -(q.b.orientation * outward);
-  sink.add({gap, n, a.radius * n, q.curvature ? effective_radius(a.radius, contact_radius(b)) : 0.0, 0});
+  sink.add({gap, n, a.radius * n, a.radius, 0});  // flat, as a half-space; the same over edges, so that the force keeps a potential
 }
 
 /// Outside: GJK of the centre, a point. Inside: the nearest face plane.

@@ -32,4 +32,11 @@ inline constexpr double least_restitution = [] {
 template <NormalLaw N, TangentialLaw T, RollingLaw R>
 inline constexpr bool parts_fit = T::template fits<N> && (T::is_present || !R::is_present);
 
+/// Whether `restitution` sets the damper; where not, the law asks for a parameter of its own.
+template <NormalLaw N>
+inline constexpr bool uses_restitution = [] {
+  if constexpr (requires { N::uses_restitution; }) return N::uses_restitution;
+  else return true;
+}();
+
 }  // namespace epafi

@@ -20,49 +20,70 @@ std::string number(double value, const char* unit) {
   return text;
 }
 
-/// delta'' = -N/m* from first touch until the force has ended.
 /// A flat face as wide as the effective radius is the stiffest cell of overlap volume.
 ContactKinematics kinematics(const ExpectedContact& c, double overlap, double velocity) {
   return {overlap, velocity, c.effective_mass, c.effective_radius, pi * c.effective_radius * c.effective_radius};
 }
 
+/// delta'' = -N/m* from first touch until the force has ended.
 template <NormalLaw N>
 ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedContact& c, double dt) {
   ImpactEstimate out;
+  NormalState<N> state{};
   const auto force = [&](double overlap, double velocity) {
-    return N::respond(p, kinematics(c, std::max(overlap, 0.0), velocity)).force;
+    NormalState<N> next = state;
+    return respond<N>(p, kinematics(c, std::max(overlap, 0.0), velocity), state, next).force;
   };
   const auto acceleration = [&](double overlap, double velocity) { return -force(overlap, velocity) / c.effective_mass; };
   double x = 0.0, v = c.speed;
-  for (int k = 0; k < 100000000; ++k) {
+  for (int k = 0; k < 100000; ++k) {
     const double a1 = acceleration(x, v), v2 = v + 0.5 * dt * a1;
     const double a2 = acceleration(x + 0.5 * dt * v, v2), v3 = v + 0.5 * dt * a2;
     const double a3 = acceleration(x + 0.5 * dt * v2, v3), v4 = v + dt * a3;
     const double a4 = acceleration(x + dt * v3, v4);
     x += dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
     v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    NormalState<N> next = state;
+    const double now = respond<N>(p, kinematics(c, std::max(x, 0.0), v), state, next).force;
+    state = next;
     out.contact_time += dt;
     out.largest_overlap = std::max(out.largest_overlap, x);
-    out.largest_force = std::max(out.largest_force, force(x, v));
-    if (v < 0.0 && force(x, v) <= 0.0) break;
+    out.largest_force = std::max(out.largest_force, now);
+    if (v < 0.0 && (now <= 0.0 || x <= 0.0)) break;
   }
   out.restitution = -v / c.speed;
   return out;
 }
 
 /// Contact time without damping, the scale of the integration [s]: pi delta_max / v, exact for a linear spring and 7 % more
-/// than Hertz's, with delta_max where the elastic energy has taken up the motion.
+/// than Hertz's, with delta_max where elastic energy and plastic loss have taken up the motion.
 template <NormalLaw N>
 double elastic_contact_time(const typename N::Parameters& p, const ExpectedContact& c) {
   const double motion = 0.5 * c.effective_mass * c.speed * c.speed;
-  const auto stored = [&](double overlap) { return N::respond(p, kinematics(c, overlap, 0.0)).energy; };
+  const auto taken = [&](double overlap) {
+    NormalState<N> fresh{}, next{};
+    const NormalResponse r = respond<N>(p, kinematics(c, overlap, 0.0), fresh, next);
+    return r.energy + r.lost;
+  };
   double low = 0.0, high = 1e-12;
-  while (stored(high) < motion) high *= 2.0;
+  while (taken(high) < motion) high *= 2.0;
   for (int k = 0; k < 40; ++k) {
     const double middle = 0.5 * (low + high);
-    (stored(middle) < motion ? low : high) = middle;
+    (taken(middle) < motion ? low : high) = middle;
   }
   return pi * high / c.speed;
+}
+
+/// Elastic stiffness and dashpot at an overlap [N/m, N s/m].
+struct Slopes {
+  double stiffness, dashpot;
+};
+template <NormalLaw N>
+Slopes slopes_at(const typename N::Parameters& p, const ExpectedContact& c, double overlap) {
+  NormalState<N> fresh{}, next{};
+  const NormalResponse still = respond<N>(p, kinematics(c, overlap, 0.0), fresh, next);
+  const NormalResponse moving = respond<N>(p, kinematics(c, overlap, c.speed), fresh, next);
+  return {still.stiffness, (moving.force - still.force) / c.speed};
 }
 
 template <NormalLaw N, TangentialLaw T>
@@ -72,20 +93,19 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   const auto p = N::parameters(pair);
   StepLimit out;
   out.impact = integrate_impact<N>(p, c, elastic_contact_time<N>(p, c) / 4000);
-  const double stiffness = N::respond(p, kinematics(c, out.impact.largest_overlap, 0.0)).stiffness;
+  const Slopes slope = slopes_at<N>(p, c, out.impact.largest_overlap);
+  const double stiffness = slope.stiffness;
   out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination);
   const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per contact
-  const double ratio = damping_ratio_for(std::max(pair.restitution, least_restitution<N>));
-  const double by_damping = ratio > 0.0 ? 0.25 * std::sqrt(c.effective_mass / stiffness) / ratio : by_time;
+  const double by_damping = slope.dashpot > 0.0 ? 0.5 * c.effective_mass / slope.dashpot : by_time;
   out.auto_step = std::min({by_time, by_mode, by_damping});
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
   out.reason = by_time <= by_mode
                    ? number(auto_step_part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who
                    : "half of the stable step " + number(out.stable_step, "s of ") + who + " with " +
                          std::to_string(c.coordination) + " contacts per body";
-  if (out.auto_step < std::min(by_time, by_mode))
-    out.reason = "half of m*/c of the damper for restitution " + number(pair.restitution, "of ") + who;
+  if (out.auto_step < std::min(by_time, by_mode)) out.reason = "half of m*/c of the damper of " + who;
   if (N::is_hertzian) out.reason += " at " + number(c.speed, "m/s");
   return out;
 }

@@ -41,11 +41,18 @@ struct Hertz {
     return {pair.effective_modulus(), 2.0 * std::sqrt(5.0 / 6.0) * damping_ratio_for(pair.restitution)};
   }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
+  static double elastic_power(const Parameters&) { return 1.5; }
+  static double viscous_power(const Parameters&) { return 0.25; }
+  static double viscous(const Parameters& p, const ContactKinematics& c) {
+    return p.damping * std::sqrt(c.effective_mass * stiffness(p, c)) * c.approach_velocity;
+  }
+  static double stiffness(const Parameters& p, const ContactKinematics& c) {  // dN/d(delta)
+    return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
+  }
   static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    const double stiffness = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);  // dN/d(delta)
-    const double elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    const double viscous = p.damping * std::sqrt(c.effective_mass * stiffness) * c.approach_velocity;
-    return {std::max(0.0, elastic + viscous), elastic, stiffness, 0.4 * elastic * c.overlap};
+    const double k = stiffness(p, c), elastic = 2.0 / 3.0 * k * c.overlap;
+    const double viscous = p.damping * std::sqrt(c.effective_mass * k) * c.approach_velocity;
+    return {std::max(0.0, elastic + viscous), elastic, k, 0.4 * elastic * c.overlap};
   }
 };
 static_assert(NormalLaw<Hertz>);

@@ -31,10 +31,14 @@ struct Linear {
     return {pair.parameters.number("stiffness"), damping_ratio_for(pair.restitution)};
   }
   static bool is_damped(const Parameters& p) { return p.damping_ratio > 0.0; }
+  static double elastic_power(const Parameters&) { return 1.0; }
+  static double viscous_power(const Parameters&) { return 0.0; }
+  static double viscous(const Parameters& p, const ContactKinematics& c) {
+    return 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
+  }
   static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
     const double elastic = p.stiffness * c.overlap;
-    const double viscous = 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
-    return {std::max(0.0, elastic + viscous), elastic, p.stiffness, 0.5 * elastic * c.overlap};
+    return {std::max(0.0, elastic + viscous(p, c)), elastic, p.stiffness, 0.5 * elastic * c.overlap};
   }
 };
 static_assert(NormalLaw<Linear>);

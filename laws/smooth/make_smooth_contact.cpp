@@ -3,9 +3,12 @@
 #include <algorithm>
 
 #include "laws/smooth/choose_law.h"
-#include "laws/smooth/smooth_contact.h"
 
 namespace epafi {
+
+/// Compiled in laws/smooth/loops, one file per N.
+template <NormalLaw N>
+std::unique_ptr<ContactModel> make_loop(const MaterialTable& table, const std::vector<typename N::Parameters>& normal, const SmoothParts& parts);
 
 namespace {
 
@@ -17,9 +20,21 @@ constexpr NamedLaw named_laws[] = {
     {"linear", "linear spring and dashpot; friction by a spring in fixed ratio", "linear", "coulomb-spring"},
     {"hertz", "Hertz with Tsuji damping; friction by Mindlin's spring", "hertz", "mindlin"},
     {"hertz-mindlin", "the same as hertz, by its common name", "hertz", "mindlin"},
+    {"tsuji", "the same as hertz, by the name of its damping", "hertz", "mindlin"},
+    {"hunt-crossley", "Hertz with Hunt-Crossley damping; friction by Mindlin's spring", "hunt-crossley", "mindlin"},
+    {"hunt-crossley-1975", "Hunt-Crossley with the factor first published", "hunt-crossley-1975", "mindlin"},
+    {"herbert-mcwhannell", "Hunt-Crossley with the factor of Herbert and McWhannell", "herbert-mcwhannell", "mindlin"},
+    {"lee-wang", "Hunt-Crossley with the factor of Lee and Wang", "lee-wang", "mindlin"},
+    {"lankarani-nikravesh", "Hunt-Crossley with the factor of Lankarani and Nikravesh", "lankarani-nikravesh", "mindlin"},
+    {"flores", "Hunt-Crossley with the factor of Flores et al.", "flores", "mindlin"},
+    {"gonthier", "Hunt-Crossley with the factor of Gonthier et al.", "gonthier", "mindlin"},
+    {"power-law", "k delta^n; friction by a spring in fixed ratio", "power-law", "coulomb-spring"},
+    {"kuwabara-kono", "viscoelastic spheres; friction by Mindlin's spring", "kuwabara-kono", "mindlin"},
+    {"walton-braun", "plastic loading, stiff unloading; friction by a spring in fixed ratio", "walton-braun", "coulomb-spring"},
+    {"dmt", "Hertz with constant attraction in contact; friction by Mindlin's spring", "dmt", "mindlin"},
+    {"jkr", "adhesive spheres that hold on beyond touch; friction by Mindlin's spring", "jkr", "mindlin"},
     {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio", "overlap-volume",
      "coulomb-spring"},
-    {"hunt-crossley", "Hertz with Hunt-Crossley damping; friction by Mindlin's spring", "hunt-crossley", "mindlin"},
 };
 
 const NamedLaw* find_named(const std::string& name) {
@@ -78,7 +93,16 @@ void check_materials(const SmoothSetup& setup, std::vector<Problem>& out) {
           if (!said) add(out, Problem::Level::error, text);
         }
       constexpr double least = least_restitution<N>;
-      if (pair.restitution < least)
+      if constexpr (requires { N::restitution(0.5); }) {
+        if (pair.restitution < 1.0)
+          add(out, Problem::Level::warning, where + ": law '" + setup.law + "' returns " + std::to_string(N::restitution(pair.restitution)) +
+                                                " for a restitution of " + std::to_string(pair.restitution) +
+                                                " at its reference_speed; 'hunt-crossley' returns what is asked");
+      }
+      if (!uses_restitution<N> && pair.restitution < 1.0)
+        add(out, Problem::Level::warning, where + ": restitution " + std::to_string(pair.restitution) + " is not used by law '" +
+                                              setup.law + "', whose restitution depends on the speed");
+      else if (pair.restitution < least)
         add(out, Problem::Level::warning, where + ": restitution " + std::to_string(pair.restitution) +
                                               " would need more damping than law '" + setup.law + "' is set for; it acts as " +
                                               std::to_string(least));
@@ -114,6 +138,7 @@ SmoothParts smooth_parts(const SmoothSetup& setup) {
   const NamedLaw* law = find_named(setup.law);
   const auto chosen = [](const std::string& given, const char* otherwise) { return given.empty() ? otherwise : given; };
   SmoothParts parts;
+  parts.locate = setup.locate;
   parts.normal = law ? law->normal : setup.law;
   parts.tangential = chosen(setup.tangential, law ? law->tangential : NoFriction::name);
   parts.rolling = chosen(setup.rolling, RollingSpring::name);
@@ -154,13 +179,29 @@ std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup) {
   std::vector<Problem> problems = check_smooth(setup);
   std::erase_if(problems, [](const Problem& p) { return p.level != Problem::Level::error; });
   if (!problems.empty()) throw SceneError(std::move(problems));
-  return with_parts(smooth_parts(setup), [&](auto n, auto t, auto r) -> std::unique_ptr<ContactModel> {
-    using N = typename decltype(n)::type;
-    using T = typename decltype(t)::type;
-    using R = typename decltype(r)::type;
-    if constexpr (parts_fit<N, T, R>) return std::make_unique<SmoothContact<N, T, R>>(setup.materials);
-    return nullptr;  // refused above
-  });
+  const SmoothParts parts = smooth_parts(setup);
+  return std::visit(
+      [&](auto n) {
+        using N = typename decltype(n)::type;
+        std::vector<typename N::Parameters> normal(setup.materials.pairs.size());
+        for (std::size_t i = 0; i < normal.size(); ++i)
+          if (setup.materials.pairs[i].occurs) normal[i] = N::parameters(setup.materials.pairs[i]);
+        return make_loop<Loop<N>>(setup.materials, normal, parts);
+      },
+      *find_law(NormalLaws{}, parts.normal));
+}
+
+double smooth_reach(const SmoothSetup& setup, double largest_radius) {
+  return std::visit(
+      [&](auto n) {
+        using N = typename decltype(n)::type;
+        double reach = 0.0;
+        if constexpr (requires(const typename N::Parameters& p) { N::reach(p, 1.0); })
+          for (const MaterialPair& pair : setup.materials.pairs)
+            if (pair.occurs) reach = std::max(reach, 1.1 * N::reach(N::parameters(pair), largest_radius));
+        return reach;
+      },
+      *find_law(NormalLaws{}, smooth_parts(setup).normal));
 }
 
 }  // namespace epafi

@@ -17,11 +17,13 @@ struct SmoothSetup {
   std::string tangential;  ///< of all_tangential_laws(), or empty
   std::string rolling;     ///< of all_rolling_laws(), or empty
   MaterialTable materials;
+  bool locate = false;     ///< start and end of contacts are located within the step
 };
 
 /// Names of the parts a set-up comes to.
 struct SmoothParts {
   std::string normal, tangential, rolling;
+  bool locate = false;
 };
 
 /// The laws by the names scenes use; fields are those of the normal part and of its default companions.
@@ -35,6 +37,9 @@ SmoothParts smooth_parts(const SmoothSetup& setup);
 std::vector<Problem> check_smooth(const SmoothSetup& setup);
 /// Union of the needs of the parts. The set-up must have passed check_smooth.
 Needs smooth_needs(const SmoothSetup& setup);
+/// Contacts with a gap below this are wanted [m]: an adhesive law holds on to bodies that have parted (with a tenth to spare,
+/// so that a contact is seen to break before it is gone). largest_radius: R* of the largest bodies [m].
+double smooth_reach(const SmoothSetup& setup, double largest_radius);
 /// Throws SceneError with the errors of check_smooth.
 std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup);
 

@@ -22,4 +22,7 @@ double damping_ratio_for(double restitution);
 /// (Gonthier et al. 2004; Zhang and Sharf 2009): exact for every K, n and mass. e in [0, 1], floor as above.
 double hunt_crossley_factor(double restitution);
 
+/// The inverse: e in (0, 1] that a factor X >= 0 returns, by the same relation.
+double hunt_crossley_restitution(double factor);
+
 }  // namespace epafi

@@ -1,7 +1,9 @@
-/// @file rolling.h  Rolling parts: none, and the elastic-plastic spring with dashpot (type C of Ai et al. 2011).
-/// The spring holds a body at rest without creep. The limit holds for spring and dashpot together: with the dashpot
-/// outside it, as published, a rolling sphere that touches down gets a moment of 60 to 260 times the limit for a step.
+/// @file rolling.h  Rolling parts: none, and types A, B and C of Ai et al. 2011.
+/// A is a moment of fixed size against rolling, B a viscous one, C the elastic-plastic spring with dashpot. Only C holds a
+/// body at rest without creep. The limit of C holds for spring and dashpot together: with the dashpot outside it, as
+/// published, a rolling sphere that touches down gets a moment of 60 to 260 times the limit for a step.
 #pragma once
+#include <algorithm>
 #include <cmath>
 
 #include "laws/contact_law.h"
@@ -17,43 +19,84 @@ struct NoRolling {
   static Entry entry() { return {name, "no resistance to rolling", {}, needs, ""}; }
   static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair&) { return {}; }
-  static double stiffness(const Parameters&, double, double) { return 0.0; }
-  static double limit(const Parameters&, double, double) { return 0.0; }
-  static double damping(const Parameters&, double, double) { return 0.0; }
+  static double stiffness(const Parameters&, const RollingStep&) { return 0.0; }
+  static double limit(const Parameters&, const RollingStep&) { return 0.0; }
+  static double damping(const Parameters&, const RollingStep&) { return 0.0; }
 };
 static_assert(RollingLaw<NoRolling>);
 
-/// M = k_r theta + C_r theta_dot, |M| <= mu_r R* N, k_r = 9/4 k_n (mu_r R*)^2, C_r = 2 eta sqrt(I_r k_r)
-struct RollingSpring {
-  static constexpr const char* name = "spring";
+/// The three types in one loop; which one is a number of the pair, asked once per contact.
+struct AnyRolling {
+  static constexpr const char* name = "any";
   static constexpr Needs needs{.rotation = true, .memory = true, .curvature = true, .contact_moment = true};
   static constexpr bool is_present = true;
+  enum class Type { constant, viscous, spring };
   struct Parameters {
-    double friction;  ///< mu_r [-], >= 0
-    double damping;   ///< eta, of critical [-], >= 0
+    Type type = Type::spring;
+    double friction = 0.0;  ///< mu_r [-], >= 0
+    double damping = 0.0;   ///< C: eta, of critical [-]; B: 1/v_0 [s/m]
   };
 
+  static Entry entry() { return {name, "", {}, needs, "Ai, Chen, Rotter and Ooi 2011"}; }
+  static Missing missing(const MaterialPair&) { return {}; }
+  static Parameters parameters(const MaterialPair&) { return {}; }
+  static double stiffness(const Parameters& p, const RollingStep& s) {
+    const double arm = p.friction * s.radius;
+    return p.type == Type::spring ? 2.25 * s.normal_stiffness * arm * arm : 0.0;
+  }
+  static double limit(const Parameters& p, const RollingStep& s) {
+    return p.type == Type::viscous ? infinity : p.friction * s.radius * s.normal_force;
+  }
+  static double damping(const Parameters& p, const RollingStep& s) {
+    const double moment = p.friction * s.radius * s.normal_force;
+    switch (p.type) {
+      // a moment that would turn the spin round within the step only stops it: no chatter at rest
+      case Type::constant: return s.spin > 0.0 ? std::min(moment / s.spin, s.dt > 0.0 ? s.inertia / s.dt : infinity) : 0.0;
+      case Type::viscous: return moment * s.radius * p.damping;
+      default: return 2.0 * p.damping * std::sqrt(s.inertia * stiffness(p, s));
+    }
+  }
+};
+static_assert(RollingLaw<AnyRolling>);
+
+/// M = k_r theta + C_r theta_dot, |M| <= mu_r R* N, k_r = 9/4 k_n (mu_r R*)^2, C_r = 2 eta sqrt(I_r k_r)
+struct RollingSpring : AnyRolling {
+  static constexpr const char* name = "spring";
+  using Loop = AnyRolling;
   static Entry entry() {
     return {name, "elastic-plastic rolling spring with dashpot (type C)",
             {{"rolling_damping", "eta_r", "", Kind::number, Value{0.3}, not_negative,
               "damping of the rolling spring as a part of the critical"}},
             needs, "Ai, Chen, Rotter and Ooi 2011"};
   }
-  static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair& pair) {
-    return {pair.rolling_friction, number_or_default(pair.parameters, entry(), "rolling_damping")};
-  }
-  static double stiffness(const Parameters& p, double normal_stiffness, double radius) {
-    const double arm = p.friction * radius;
-    return 2.25 * normal_stiffness * arm * arm;
-  }
-  static double limit(const Parameters& p, double normal_force, double radius) {
-    return p.friction * radius * normal_force;
-  }
-  static double damping(const Parameters& p, double rolling_stiffness, double rolling_inertia) {
-    return 2.0 * p.damping * std::sqrt(rolling_inertia * rolling_stiffness);
+    return {Type::spring, pair.rolling_friction, number_or_default(pair.parameters, entry(), "rolling_damping")};
   }
 };
 static_assert(RollingLaw<RollingSpring>);
+
+/// M = mu_r R* N against the rolling velocity, whatever its size
+struct RollingConstant : AnyRolling {
+  static constexpr const char* name = "constant";
+  using Loop = AnyRolling;
+  static Entry entry() {
+    return {name, "moment mu_r R* N against rolling (type A)", {}, needs, "Ai, Chen, Rotter and Ooi 2011; Zhou et al. 1999"};
+  }
+  static Parameters parameters(const MaterialPair& pair) { return {Type::constant, pair.rolling_friction, 0.0}; }
+};
+
+/// M = mu_r R* N (R* theta_dot/v_0), v_0 the rolling speed at which it equals type A
+struct RollingViscous : AnyRolling {
+  static constexpr const char* name = "viscous";
+  using Loop = AnyRolling;
+  static Entry entry() {
+    return {name, "moment proportional to the rolling velocity (type B)",
+            {{"rolling_speed", "v_0", "m/s", Kind::number, Value{1.0}, positive, "rolling speed at which the moment is mu_r R* N"}},
+            needs, "Ai, Chen, Rotter and Ooi 2011; Zhou et al. 1999"};
+  }
+  static Parameters parameters(const MaterialPair& pair) {
+    return {Type::viscous, pair.rolling_friction, 1.0 / number_or_default(pair.parameters, entry(), "rolling_speed")};
+  }
+};
 
 }  // namespace epafi

@@ -10,6 +10,7 @@
 #include "engine/parallel.h"
 #include "engine/pipeline.h"
 #include "laws/contact_law.h"
+#include "laws/smooth/contact_edge.h"
 #include "laws/smooth/spring.h"
 
 namespace epafi {
@@ -22,10 +23,11 @@ struct SmoothSums {
   double spring_work = 0.0;   ///< done on the springs during the step [J]
   double viscous_power = 0.0; ///< lost in dampers now [W]
   double driven_power = 0.0;  ///< of driven bodies on the others now [W]
+  double lost = 0.0;          ///< to plastic deformation and adhesion during the step [J]
 
   SmoothSums& operator+=(const SmoothSums& o) {
     touching += o.touching, elastic += o.elastic, spring_energy += o.spring_energy, spring_work += o.spring_work;
-    viscous_power += o.viscous_power, driven_power += o.driven_power;
+    viscous_power += o.viscous_power, driven_power += o.driven_power, lost += o.lost;
     return *this;
   }
 };
@@ -37,42 +39,69 @@ struct VelocityChange {
   void predict(const World& world, double time);
 };
 
-/// Springs of all contacts, carried by contact key; the last step's beside this one's.
-class SpringMemory {
+/// What the parts remember of one contact; parts without memory take no room.
+template <class NormalMemory, class Friction, class Rolling>
+struct ContactRecord {
+  [[no_unique_address]] NormalMemory normal{};
+  [[no_unique_address]] Friction friction{};
+  [[no_unique_address]] Rolling rolling{};
+};
+template <class N, class T, class R>
+inline constexpr bool is_plain<ContactRecord<N, T, R>> = true;  // numbers and Eigen's vectors only
+
+/// Records of all contacts, carried by contact key; the last step's beside this one's.
+template <class Record>
+class RecordMemory {
  public:
-  void advance(const ContactSet& contacts, std::size_t springs_per_contact);
-  /// Spring k of contact i in the last step: an unloaded one where the contact is new.
-  Spring before(std::size_t i, std::size_t k) const {
-    return previous_[i] == ContactMemory::none ? Spring{} : old_[previous_[i] * per_contact_ + k];
+  void advance(const ContactSet& contacts) {
+    keys_.match(contacts, previous_);
+    old_.swap(now_);
+    now_.resize(contacts.size());
   }
-  Spring& now(std::size_t i, std::size_t k) { return now_[i * per_contact_ + k]; }
-  double energy() const;
-  void reorder(const Reordering& change);
-  void visit(StateVisitor& visitor);
+  /// Of contact i in the last step: an unloaded one where the contact is new.
+  const Record& before(std::size_t i) const { return previous_[i] == ContactMemory::none ? fresh_ : old_[previous_[i]]; }
+  Record& now(std::size_t i) { return now_[i]; }
+  const Record& fresh() const { return fresh_; }
+  void reorder(const Reordering& change) {
+    const auto order = keys_.reorder(change);
+    std::vector<Record> sorted;
+    sorted.reserve(order.size());
+    for (std::uint32_t k : order) sorted.push_back(now_[k]);
+    now_.swap(sorted);
+  }
+  void visit(StateVisitor& visitor) {
+    keys_.visit(visitor, "smooth/contact");
+    visitor.column("smooth/record", now_);
+  }
 
  private:
   ContactMemory keys_;
   std::vector<std::uint32_t> previous_;
-  std::vector<Spring> old_, now_;
-  std::size_t per_contact_ = 1;
+  std::vector<Record> old_, now_;
+  Record fresh_{};
 };
 
 template <NormalLaw Normal, TangentialLaw Tangential, RollingLaw Rolling>
 class SmoothContact final : public ContactModel {
-  static constexpr bool slides = Tangential::is_present, rolls = Rolling::is_present;
-  static constexpr std::size_t springs = (slides ? 1u : 0u) + (rolls ? 1u : 0u);
+  static constexpr bool slides = Tangential::is_present, rolls = Rolling::is_present, hysteretic = RemembersNormal<Normal>;
+  static constexpr bool remembers = slides || rolls || hysteretic;
+  using Record = ContactRecord<NormalState<Normal>, typename Tangential::Memory, std::conditional_t<rolls, Spring, Nothing<2>>>;
 
  public:
   static constexpr Needs needs = Normal::needs | Tangential::needs | Rolling::needs;
+  struct PairParameters {
+    typename Normal::Parameters normal{};
+    typename Tangential::Parameters tangential{};
+    typename Rolling::Parameters rolling{};
+  };
 
-  explicit SmoothContact(const MaterialTable& table) : materials_(table.materials), damped_(rolls) {
-    for (const MaterialPair& pair : table.pairs) {
-      pairs_.emplace_back();
-      if (!pair.occurs) continue;
-      pairs_.back() = {Normal::parameters(pair), Tangential::parameters(pair), Rolling::parameters(pair)};
-      damped_ = damped_ || Normal::is_damped(pairs_.back().normal);
-    }
+  /// pairs: as MaterialTable::pairs; those that do not occur are not read.
+  /// locate: start and end of a contact count for the part of the step that they take (laws/smooth/contact_edge.h).
+  SmoothContact(std::size_t materials, std::vector<PairParameters> pairs, bool locate = false)
+      : materials_(materials), pairs_(std::move(pairs)), damped_(rolls || locate), locate_(locate) {
+    for (const PairParameters& p : pairs_) damped_ = damped_ || Normal::is_damped(p.normal);
   }
+  explicit SmoothContact(const MaterialTable& table) : SmoothContact(table.materials, parameters_of(table)) {}
 
   const char* name() const override { return "smooth"; }
 
@@ -82,36 +111,34 @@ class SmoothContact final : public ContactModel {
     if (rolls) contacts.moment.resize(contacts.size());
     const double lag = damped_ ? clock.velocity_lag * clock.dt : 0.0;
     if (lag > 0.0) change_.predict(world, lag);
-    if constexpr (springs > 0) memory_.advance(contacts, springs);
-    EPAFI_REQUIRE(world.rotates() || springs == 0, "friction and rolling need a world with rotation");
+    if constexpr (remembers) memory_.advance(contacts);
+    EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
     const SmoothSums sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
-                                            : run<(springs > 0)>(world, contacts, clock.dt, lag > 0.0);
+                                            : run<(slides || rolls)>(world, contacts, clock.dt, lag > 0.0);
     incidence_.build(contacts, world.size());
     gather_forces(contacts, incidence_, world);
     record(sums, contacts, clock.dt, report);
   }
 
   void reorder(const Reordering& change) override {
-    if constexpr (springs == 0) return;
-    memory_.reorder(change);
-    before_.spring_energy = memory_.energy();  // springs of removed bodies left with them
+    if constexpr (remembers) memory_.reorder(change);
   }
 
   void visit(StateVisitor& visitor) override {
     visitor.value("smooth/viscous_power", before_.viscous_power);
     visitor.value("smooth/driven_power", before_.driven_power);
-    if constexpr (springs > 0) {
-      visitor.value("smooth/spring_energy", before_.spring_energy);
-      memory_.visit(visitor);
-    }
+    if constexpr (slides || rolls) visitor.value("smooth/spring_energy", before_.spring_energy);
+    if constexpr (remembers) memory_.visit(visitor);
   }
 
  private:
-  struct PairParameters {
-    typename Normal::Parameters normal{};
-    typename Tangential::Parameters tangential{};
-    typename Rolling::Parameters rolling{};
-  };
+  static std::vector<PairParameters> parameters_of(const MaterialTable& table) {
+    std::vector<PairParameters> out(table.pairs.size());
+    for (std::size_t i = 0; i < out.size(); ++i)
+      if (const MaterialPair& pair = table.pairs[i]; pair.occurs)
+        out[i] = {Normal::parameters(pair), Tangential::parameters(pair), Rolling::parameters(pair)};
+    return out;
+  }
   /// A contact that touches, as the parts below share it.
   struct Touch {
     std::size_t i;
@@ -146,11 +173,13 @@ class SmoothContact final : public ContactModel {
   void evaluate(const World& world, ContactSet& contacts, std::size_t i, double dt, bool predicted, SmoothSums& sums) {
     Touch t{i, contacts.a[i], contacts.b[i], Vec3::Zero(), Vec3::Zero(), {}, {}};
     const double mobility = world.inverse_mass[t.a] + world.inverse_mass[t.b];  // 1/m*
-    if (!(contacts.gap[i] < 0.0) || mobility == 0.0) {
+    bool touches = contacts.gap[i] < 0.0;
+    if constexpr (requires { Normal::holds(memory_.before(i).normal); })
+      touches = touches || Normal::holds(memory_.before(i).normal);
+    if (!touches || mobility == 0.0) {
       contacts.force[i].setZero();
       if constexpr (rolls) contacts.moment[i].setZero();
-      if constexpr (springs > 0)
-        for (std::size_t k = 0; k < springs; ++k) memory_.now(i, k) = {};
+      if constexpr (remembers) memory_.now(i) = memory_.fresh();
       return;
     }
     ++sums.touching;
@@ -161,7 +190,14 @@ class SmoothContact final : public ContactModel {
     move<rotates>(world, contacts, t, predicted);
 
     const PairParameters& p = pairs_[world.material[t.a] * materials_ + world.material[t.b]];
-    t.normal = Normal::respond(p.normal, t.at);
+    if constexpr (hysteretic) {
+      t.normal = Normal::respond(p.normal, t.at, memory_.before(i).normal, memory_.now(i).normal);
+      sums.lost += t.normal.lost;
+    } else {
+      t.normal = Normal::respond(p.normal, t.at);
+      if constexpr (PowerParts<Normal>)
+        if (locate_) t.normal = weigh_edge<Normal>(p.normal, t.at, dt, t.normal);
+    }
     sums.elastic += t.normal.energy;
     sums.viscous_power += (t.normal.force - t.normal.elastic_force) * t.at.approach_velocity;
 
@@ -194,9 +230,12 @@ class SmoothContact final : public ContactModel {
   Vec3 slide(const World& world, const ContactSet& contacts, const Touch& t, const typename Tangential::Parameters& p,
              double dt, SmoothSums& sums) {
     const Vec3& n = contacts.normal[t.i];
-    const Vec3 displacement = dt * t.slip_velocity;
-    return pull(t, 0, n, twist(world, t, n, dt), Tangential::stiffness(p, t.normal.stiffness), displacement,
-                Tangential::friction(p) * t.normal.force, sums);
+    const SlipStep step{n, twist(world, t, n, dt), dt * t.slip_velocity, t.normal.stiffness,
+                        std::max(0.0, t.normal.force + t.normal.adhesion)};
+    const FrictionResponse out = Tangential::pull(p, step, memory_.before(t.i).friction, memory_.now(t.i).friction);
+    sums.spring_energy += out.energy;
+    sums.spring_work += out.work;
+    return out.load;
   }
 
   /// Moment on A against rolling.
@@ -204,30 +243,23 @@ class SmoothContact final : public ContactModel {
             bool predicted, SmoothSums& sums) {
     const Vec3& n = contacts.normal[t.i];
     const auto in_plane = [&n](const Vec3& x) { return Vec3(x - x.dot(n) * n); };
-    Vec3 spin = world.angular_velocity[t.b] - world.angular_velocity[t.a];
-    const double stiffness = Rolling::stiffness(p, t.normal.stiffness, t.at.effective_radius);
-    const double limit = Rolling::limit(p, t.normal.force, t.at.effective_radius);
-    const Vec3 elastic = pull(t, springs - 1, n, twist(world, t, n, dt), stiffness, dt * in_plane(spin), limit, sums);
-    if (predicted) spin += change_.angular[t.b] - change_.angular[t.a];
-    spin = in_plane(spin);
+    Vec3 spin = in_plane(world.angular_velocity[t.b] - world.angular_velocity[t.a]);
+    const Vec3 angle = dt * spin;
+    if (predicted) spin += in_plane(change_.angular[t.b] - change_.angular[t.a]);
     const double mobility = rolling_mobility(world, t.a, contacts.arm[t.i]) + rolling_mobility(world, t.b, t.arm_b);
-    Vec3 moment = elastic + Rolling::damping(p, stiffness, 1.0 / mobility) * spin;
+    const RollingStep step{t.normal.stiffness, std::max(0.0, t.normal.force + t.normal.adhesion), t.at.effective_radius,
+                           1.0 / mobility, spin.norm(), dt};
+    const double limit = Rolling::limit(p, step);
+    const SlipStep turn{n, twist(world, t, n, dt), angle, 0.0, 0.0};
+    const FrictionResponse elastic =
+        pull_spring(turn, Rolling::stiffness(p, step), limit, memory_.before(t.i).rolling, memory_.now(t.i).rolling);
+    sums.spring_energy += elastic.energy;
+    sums.spring_work += elastic.work;
+    Vec3 moment = elastic.load + Rolling::damping(p, step) * spin;
     const double square = moment.squaredNorm();
     if (square > limit * limit) moment *= limit / std::sqrt(square);
-    sums.viscous_power += (moment - elastic).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
+    sums.viscous_power += (moment - elastic.load).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
     return moment;
-  }
-
-  /// Moves spring k of the contact on; its load on A. In a call without time (dt = 0) the spring stays as it is.
-  Vec3 pull(const Touch& t, std::size_t k, const Vec3& n, double twist_angle, double stiffness, const Vec3& displacement,
-            double limit, SmoothSums& sums) {
-    const Spring old = memory_.before(t.i, k);
-    const Vec3 load = turn_load(old.load, n, twist_angle);
-    const Spring now = extend(old, load, stiffness, displacement, limit);
-    memory_.now(t.i, k) = now;
-    sums.spring_energy += now.energy();
-    sums.spring_work += 0.5 * (load + now.load).dot(displacement);
-    return now.load;
   }
 
   /// Mean spin of the pair about the normal over the step [rad].
@@ -260,19 +292,23 @@ class SmoothContact final : public ContactModel {
     report.touching = now.touching;
     report.elastic = now.elastic + now.spring_energy;
     report.work = 0.5 * dt * (before_.driven_power + now.driven_power);
-    report.dissipated = 0.0;
-    if (dt > 0.0)
-      report.dissipated = 0.5 * dt * (before_.viscous_power + now.viscous_power) +
-                          (now.spring_work - (now.spring_energy - before_.spring_energy));
+    Losses& lost = report.losses = {};
+    if (dt > 0.0) {
+      lost.viscous = 0.5 * dt * (before_.viscous_power + now.viscous_power);
+      lost.frictional = now.spring_work - (now.spring_energy - before_.spring_energy);
+      (requires { &Normal::holds; } ? lost.adhesive : lost.plastic) = now.lost;
+    }
+    report.dissipated = lost.viscous + lost.frictional + lost.plastic + lost.adhesive;
     report.has_solver = false;
     before_ = now;
   }
 
   std::size_t materials_;
-  std::vector<PairParameters> pairs_;  ///< as MaterialTable::pairs
-  bool damped_;                        ///< some pair has a damper
+  std::vector<PairParameters> pairs_;
+  bool damped_;                        ///< velocities at the time of the detection are wanted
+  bool locate_;
   VelocityChange change_;
-  SpringMemory memory_;
+  RecordMemory<Record> memory_;
   Incidence incidence_;
   std::vector<SmoothSums> blocks_;
   SmoothSums before_;                  ///< of the last call

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/state_visitor.h"
+#include "laws/contact_law.h"
 
 namespace epafi {
 
@@ -38,6 +39,13 @@ inline Spring extend(const Spring& old, const Vec3& load, double stiffness, cons
   const double square = now.load.squaredNorm();
   if (square > limit * limit) now.load *= limit / std::sqrt(square);
   return now;
+}
+
+/// One step of a spring of that stiffness and largest load.
+inline FrictionResponse pull_spring(const SlipStep& step, double stiffness, double limit, const Spring& before, Spring& now) {
+  const Vec3 load = turn_load(before.load, step.normal, step.twist);
+  now = extend(before, load, stiffness, step.displacement, limit);
+  return {now.load, now.energy(), 0.5 * (load + now.load).dot(step.displacement)};
 }
 
 }  // namespace epafi

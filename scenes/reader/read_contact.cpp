@@ -49,16 +49,17 @@ Laws read_smooth(Draft& draft, bool active) {
   auto& contact = draft.scene.contact;
   auto fields = reading.schema.at("contact.smooth").fields;
   const LawChoice written{peek(table, "law"), peek(table, "tangential"), peek(table, "rolling")};
-  const std::vector<Field> words(fields.begin(), fields.begin() + 3);  // law, tangential, rolling
+  const std::vector<Field> words(fields.begin(), fields.begin() + 4);  // law, tangential, rolling, locate_edges
   const TableValues values = read_table(table, "[contact.smooth]", words + smooth_fields(registry, written), reading);
   contact.law = values.placed_text("law");
   contact.tangential = values.placed_text("tangential");
   contact.rolling = values.placed_text("rolling");
+  contact.locate_edges = values.boolean("locate_edges");
   Laws laws{{contact.law.value, contact.tangential.value, contact.rolling.value}, words, {}};
   laws.used = (contact.law.value.empty() ? std::vector<Field>{} : fields_of(registry.normal_laws, contact.law.value)) +
               fields_of(registry.tangential_laws, contact.tangential.value) +
               fields_of(registry.rolling_laws, contact.rolling.value);
-  keep_used(values, laws.used, {"law", "tangential", "rolling"}, contact.smooth,
+  keep_used(values, laws.used, {"law", "tangential", "rolling", "locate_edges"}, contact.smooth,
             active ? "law '" + contact.law.value + "'" : "", reading);
   return laws;
 }

@@ -112,9 +112,12 @@ void add_contact_tables(std::vector<TableSchema>& all, const Registry& registry)
   Field rolling =
       word("rolling", "law of rolling friction; the default one where not written", names_of(registry.rolling_laws));
   tangential.optional = rolling.optional = true;
+  Field locate = required("locate_edges", "", "", Kind::boolean, {},
+                          "start and end of a contact count for the part of the time step that they take");
+  locate.default_value = Value(false);
   const Field law = choice("law", "law of the normal force", names_of(registry.normal_laws), "hertz-mindlin");
   all.push_back({"contact.smooth", TableSchema::Form::single, "law of smooth contact with its parameters",
-                 std::vector<Field>{law, tangential, rolling} + smooth_fields(registry)});
+                 std::vector<Field>{law, tangential, rolling, locate} + smooth_fields(registry)});
   all.push_back(
       {"contact.nonsmooth", TableSchema::Form::single, "solver of non-smooth contact with its parameters",
        std::vector<Field>{choice("solver", "solver of the contact problem", names_of(registry.solvers), "pgs")} +

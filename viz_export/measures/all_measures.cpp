@@ -1,6 +1,7 @@
 #include "viz_export/measures/all_measures.h"
 
 #include "viz_export/measures/body_measures.h"
+#include "viz_export/measures/bulk_measures.h"
 #include "viz_export/measures/contact_measures.h"
 #include "viz_export/measures/flow_measures.h"
 
@@ -13,6 +14,11 @@ const Field between{"between", "", "", Kind::texts, {}, {}, "two names of bodies
 const Field plane{"plane", "", "", Kind::table, {}, {}, "plane that is crossed", false, {},
                   {{"point", "", "m", Kind::vec3, {}, {}, "a point of the plane"},
                    {"normal", "", "", Kind::vec3, {}, {}, "direction that counts positive"}}};
+const Field region{"region", "", "", Kind::table, {}, {}, "part of space", false, {},
+                   {{"box", "", "", Kind::table, {}, {}, "between two corners", false, {},
+                     {{"min", "", "m", Kind::vec3, {}, {}, "lower corner"}, {"max", "", "m", Kind::vec3, {}, {}, "upper corner"}}}}};
+const Field axis{"axis", "", "", Kind::text, Value(std::string("z")), {}, "direction across the layers", false, {"x", "y", "z"}};
+const Field bins{"bins", "", "", Kind::integer, 10.0, {1, 200}, "number of layers"};
 const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
 
 template <BodyQuantity Q>
@@ -35,6 +41,12 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<DriftMeasure>(std::move(s)); }},
       {{"coordination", "mean number of touching neighbours, with and without rattlers", {}, {}, "Agnolin and Roux 2007"},
        [](MeasureSetup) { return std::make_unique<Coordination>(); }},
+      {{"stress", "stress of the contacts in a region: pressure and six components", {region}, {}, "Love 1927; Weber 1966"},
+       [](MeasureSetup s) { return std::make_unique<StressMeasure>(std::move(s)); }},
+      {{"solid_fraction", "share of a region that bodies fill", {region}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<SolidFractionMeasure>(std::move(s)); }},
+      {{"profile", "velocity and density in layers of a region", {region, axis, bins}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<ProfileMeasure>(std::move(s)); }},
   };
   return list;
 }

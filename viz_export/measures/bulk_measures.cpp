@@ -1,0 +1,89 @@
+#include "viz_export/measures/bulk_measures.h"
+
+#include <algorithm>
+
+namespace epafi {
+
+void StressMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  const ContactSet& c = view.contacts;
+  Mat3 sum = Mat3::Zero();
+  for (std::size_t k = 0; k < c.size() && k < c.force.size(); ++k) {
+    if (c.force[k].isZero(0.0)) continue;
+    const Vec3 point = c.point(k, w);
+    if (!region_.holds(point)) continue;
+    const Vec3 from = w.is_movable(c.b[k]) ? w.position[c.b[k]] : point, to = w.is_movable(c.a[k]) ? w.position[c.a[k]] : point;
+    sum += c.force[k] * (to - from).transpose();
+  }
+  const Mat3 stress = 0.5 / region_.volume() * (sum + sum.transpose());
+  values = {stress.trace() / 3.0, stress(0, 0), stress(1, 1), stress(2, 2), stress(0, 1), stress(0, 2), stress(1, 2)};
+}
+
+namespace {
+
+/// Part of a sphere that lies in the box, by the centres of a 10 x 10 x 10 grid over it.
+double part_inside(const MeasureRegion& region, const Vec3& centre, double radius) {
+  const Vec3 r = Vec3::Constant(radius);
+  if (region.holds(centre - r) && region.holds(centre + r)) return 1.0;
+  if (((centre + r).array() < region.low.array()).any() || ((centre - r).array() >= region.high.array()).any()) return 0.0;
+  int in = 0, all = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 x = Vec3(i % 10 - 4.5, i / 10 % 10 - 4.5, i / 100 - 4.5) / 5.0;
+    if (x.squaredNorm() > 1.0) continue;
+    ++all;
+    if (region.holds(centre + radius * x)) ++in;
+  }
+  return static_cast<double>(in) / all;
+}
+
+}  // namespace
+
+void SolidFractionMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  double volume = 0.0, bodies = 0.0;
+  for (Slot s = 0; s < w.size(); ++s) {
+    if (!w.is_movable(s)) continue;
+    const double own = shapes_->with(ShapeRef{w.shape[s]}, [](const auto& shape) {
+      if constexpr (requires { shape.mass_properties(); }) return shape.mass_properties().mass;  // at density 1
+      else return 0.0;
+    });
+    const double radius = std::cbrt(own * 0.238732414637843);  // 3/(4 pi)
+    volume += own * part_inside(region_, w.position[s], radius);
+    if (region_.holds(w.position[s])) bodies += 1.0;
+  }
+  values = {volume / region_.volume(), bodies};
+}
+
+ProfileMeasure::ProfileMeasure(MeasureSetup setup) : region_(setup.parameters), bins_(static_cast<int>(setup.parameters.integer("bins"))) {
+  const std::string& axis = setup.parameters.text("axis");
+  axis_ = axis == "x" ? 0 : axis == "y" ? 1 : 2;
+}
+
+std::vector<std::string> ProfileMeasure::components() const {
+  std::vector<std::string> out;
+  for (int k = 0; k < bins_; ++k)
+    for (const char* name : {"velocity_x_", "velocity_y_", "velocity_z_", "density_"}) out.push_back(name + std::to_string(k));
+  return out;
+}
+
+void ProfileMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  const auto n = static_cast<std::size_t>(bins_);
+  std::vector<Vec3> momentum(n, Vec3::Zero());
+  std::vector<double> mass(n, 0.0);
+  const double low = region_.low[axis_], height = region_.high[axis_] - low;
+  for (Slot s = 0; s < w.size(); ++s) {
+    if (!w.is_movable(s) || !region_.holds(w.position[s])) continue;
+    const auto k = std::min(n - 1, static_cast<std::size_t>((w.position[s][axis_] - low) / height * bins_));
+    const double m = 1.0 / w.inverse_mass[s];
+    mass[k] += m, momentum[k] += m * w.velocity[s];
+  }
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  values.clear();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec3 v = mass[k] > 0.0 ? Vec3(momentum[k] / mass[k]) : Vec3(nan, nan, nan);
+    values.insert(values.end(), {v.x(), v.y(), v.z(), mass[k] * bins_ / region_.volume()});
+  }
+}
+
+}  // namespace epafi

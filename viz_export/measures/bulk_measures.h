@@ -1,0 +1,56 @@
+/// @file bulk_measures.h  What a region of a packing carries and holds: stress, solid fraction, profiles over its height.
+#pragma once
+#include <limits>
+
+#include "viz_export/measures/measure.h"
+
+namespace epafi {
+
+/// Box of a measure, `region = { box = { min, max } }`.
+struct MeasureRegion {
+  Vec3 low, high;  ///< [m]
+  explicit MeasureRegion(const Parameters& p) : low(p.vec3("region.box.min")), high(p.vec3("region.box.max")) {}
+  bool holds(const Vec3& x) const { return (x.array() >= low.array()).all() && (x.array() < high.array()).all(); }
+  double volume() const { return (high - low).prod(); }
+};
+
+/// Stress of the contacts whose points lie in the region, by Love and Weber: sigma = 1/V sum f (x) l, f the force on A, l from B's
+/// centre (a contact with a wall: from the contact point) to A's; compression positive, symmetric part [Pa]. pressure: a third of
+/// the trace. Motion of the bodies is left out: in a flow it adds rho v'v'.
+class StressMeasure final : public Measure {
+ public:
+  explicit StressMeasure(MeasureSetup setup) : region_(setup.parameters) {}
+  std::vector<std::string> components() const override { return {"pressure", "xx", "yy", "zz", "xy", "xz", "yz"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+
+ private:
+  MeasureRegion region_;
+};
+
+/// fraction: volume of the free bodies in the region over its volume; a body that its faces cut counts by the part of the sphere of
+/// equal volume that is inside (1000 points, 1e-2 of such a body). bodies: centres inside. Overlaps count twice.
+class SolidFractionMeasure final : public Measure {
+ public:
+  explicit SolidFractionMeasure(MeasureSetup setup) : region_(setup.parameters), shapes_(setup.shapes) {}
+  std::vector<std::string> components() const override { return {"fraction", "bodies"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+
+ private:
+  MeasureRegion region_;
+  const ShapeStore* shapes_;
+};
+
+/// Means by mass over `bins` layers of the region along `axis`: velocity_x_0, velocity_y_0, velocity_z_0, density_0 [kg/m^3], the next
+/// layer _1 ... Velocities are NaN in an empty layer.
+class ProfileMeasure final : public Measure {
+ public:
+  explicit ProfileMeasure(MeasureSetup setup);
+  std::vector<std::string> components() const override;
+  void sample(const StepView& view, std::vector<double>& values) override;
+
+ private:
+  MeasureRegion region_;
+  int axis_ = 2, bins_ = 10;
+};
+
+}  // namespace epafi
