@@ -7,6 +7,22 @@
 #include "engine/parallel.h"
 
 namespace epafi {
+namespace {
+
+/// Puts element order[k] of each column into place k; empty columns stay empty.
+template <class... Column>
+void permute(const std::vector<std::uint32_t>& order, Column&... columns) {
+  const auto one = [&](auto& column) {
+    if (column.empty()) return;
+    std::remove_reference_t<decltype(column)> sorted;
+    sorted.reserve(order.size());
+    for (std::uint32_t k : order) sorted.push_back(column[k]);
+    column.swap(sorted);
+  };
+  (one(columns), ...);
+}
+
+}  // namespace
 
 void ContactSet::clear() {
   a.clear(), b.clear(), feature.clear(), gap.clear(), normal.clear(), arm.clear();
@@ -24,6 +40,14 @@ void ContactSet::append(const ContactSet& other) {
   const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   join(a, other.a), join(b, other.b), join(feature, other.feature), join(gap, other.gap);
   join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius), join(area, other.area);
+}
+
+void ContactSet::sort() {
+  const auto key = [&](std::uint32_t k) { return std::tuple(a[k], b[k], feature[k]); };
+  std::vector<std::uint32_t> order(size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+  permute(order, a, b, feature, gap, normal, arm, effective_radius, area, force);
 }
 
 std::size_t ContactSet::bytes_per_contact() const {
@@ -54,12 +78,7 @@ std::vector<std::uint32_t> ContactMemory::reorder(const Reordering& change) {
   }
   const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
   std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
-  const auto permute = [&](auto& column) {
-    std::remove_reference_t<decltype(column)> sorted;
-    for (std::uint32_t k : order) sorted.push_back(column[k]);
-    column.swap(sorted);
-  };
-  permute(a_), permute(b_), permute(feature_);
+  permute(order, a_, b_, feature_);
   return order;
 }
 

@@ -53,6 +53,8 @@ class NarrowPhase : public StepStage {
 class ContactModel : public StepStage {
  public:
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
+  /// Completes the set for observers where the model has found contacts of its own.
+  virtual void publish(const World&, ContactSet&) const {}
 };
 
 /// Holds bodies back from ways that detection at the end of a drift would miss. Only where the scene asks for it.

@@ -40,9 +40,9 @@ void turn_about_axis(Quat& q, Vec3& momentum, int k, double angle) {
 
 }  // namespace
 
-Quat turned(const Quat& q, const Vec3& angle) {
-  const double a = std::sqrt(angle.squaredNorm());
-  if (a == 0.0) return q;
+Quat turned_far(const Quat& q, const Vec3& angle) {
+  const double square = angle.squaredNorm();
+  const double a = std::sqrt(square);
   const SinCos half = sin_cos(0.5 * a);
   Quat step;
   step.w() = half.cos;

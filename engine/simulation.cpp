@@ -82,13 +82,15 @@ std::optional<Failure> Simulation::watch() {
 }
 
 void Simulation::observe(bool last) {
-  bool energy = false, any = false;
+  bool energy = false, any = false, contacts = false;
   for (const auto& o : observers) {
     const bool due = last || o->is_due(steps_);
     any = any || due, energy = energy || (due && (last || o->wants_energy(steps_)));
+    contacts = contacts || (due && (last || o->wants_contacts(steps_)));
   }
   if (!any) return;
   if (energy) ledger.measure(world);
+  if (contacts) pipeline.contact_model->publish(world, work.contacts);
   const StepView now = view(last);
   for (const auto& o : observers)
     if (last || o->is_due(steps_)) o->observe(now);
@@ -98,7 +100,10 @@ StepView Simulation::view(bool last) const {
   return {world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last};
 }
 
-void Simulation::show(Observer& observer) { observer.observe(view(true)); }
+void Simulation::show(Observer& observer) {
+  pipeline.contact_model->publish(world, work.contacts);
+  observer.observe(view(true));
+}
 
 void Simulation::visit(StateVisitor& visitor) {
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);

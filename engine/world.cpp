@@ -22,20 +22,14 @@ void World::each_column(F&& f) {
   if (columns_.anisotropy) f("world/angular_momentum", angular_momentum);
 }
 
-Vec3 World::free_acceleration(Slot s) const {
-  if (inverse_mass[s] == 0.0) return Vec3::Zero();
-  if (!columns_.external_force) return gravity;
-  return gravity + inverse_mass[s] * external_force[s];
-}
-
 Vec3 World::apply_inverse_inertia(Slot s, const Vec3& x) const {
   const Vec3& i = inverse_inertia[s];
-  if (i.x() == i.y() && i.y() == i.z()) return i.x() * x;  // spheres, cubes and fixed bodies: the axes do not matter
+  if (is_isotropic(s)) return i.x() * x;  // spheres, cubes and fixed bodies: the axes do not matter
   const Mat3 r = orientation[s].toRotationMatrix();
   return r * i.cwiseProduct(r.transpose() * x);
 }
 
-void World::apply_angular_impulse(Slot s, const Vec3& impulse) {
+void World::apply_angular_impulse_at(Slot s, const Vec3& impulse) {
   if (!columns_.anisotropy) {
     angular_velocity[s] += apply_inverse_inertia(s, impulse);
     return;
@@ -51,14 +45,9 @@ void World::set_angular_velocity(Slot s, const Vec3& w) {
   angular_momentum[s] = r * (r.transpose() * w).cwiseQuotient(inverse_inertia[s]);
 }
 
-void World::rotate(Slot s, double dt) {
-  const Vec3& i = inverse_inertia[s];
-  if (i.x() == i.y() && i.y() == i.z()) {
-    orientation[s] = turned(orientation[s], dt * angular_velocity[s]);
-    return;
-  }
+void World::rotate_at(Slot s, double dt) {
   EPAFI_REQUIRE(columns_.anisotropy, "a body with unequal principal moments needs columns().anisotropy");
-  rotate_freely(orientation[s], angular_momentum[s], i, dt);
+  rotate_freely(orientation[s], angular_momentum[s], inverse_inertia[s], dt);
   angular_velocity[s] = apply_inverse_inertia(s, angular_momentum[s]);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/rotation.h"
 #include "engine/state_visitor.h"
 #include "engine/types.h"
 
@@ -66,16 +67,30 @@ class World {
 
   Pose pose(Slot s) const { return {position[s], rotates() ? orientation[s] : Quat(1, 0, 0, 0)}; }
   /// Acceleration by everything but contact: gravity and external force [m/s^2]; zero for fixed bodies.
-  Vec3 free_acceleration(Slot s) const;
+  Vec3 free_acceleration(Slot s) const {
+    if (inverse_mass[s] == 0.0) return Vec3::Zero();
+    return columns_.external_force ? Vec3(gravity + inverse_mass[s] * external_force[s]) : gravity;
+  }
   /// Whole acceleration, with the stored contact force.
   Vec3 acceleration(Slot s) const { return free_acceleration(s) + inverse_mass[s] * force[s]; }
   /// I^-1 x in world axes.
   Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const;
   /// Changes the angular momentum by an impulse [N m s] and the angular velocity with it; free bodies only.
-  void apply_angular_impulse(Slot s, const Vec3& impulse);
+  void apply_angular_impulse(Slot s, const Vec3& impulse) {
+    if (!columns_.anisotropy && is_isotropic(s)) angular_velocity[s] += inverse_inertia[s].x() * impulse;
+    else apply_angular_impulse_at(s, impulse);
+  }
   void set_angular_velocity(Slot s, const Vec3& w);
   /// Motion of the orientation over dt: torque-free for free bodies, with constant angular velocity for driven ones.
-  void rotate(Slot s, double dt);
+  void rotate(Slot s, double dt) {
+    if (is_isotropic(s)) orientation[s] = turned(orientation[s], dt * angular_velocity[s]);
+    else rotate_at(s, dt);
+  }
+  /// Equal principal moments: spheres, cubes; fixed bodies too.
+  bool is_isotropic(Slot s) const {
+    const Vec3& i = inverse_inertia[s];
+    return i.x() == i.y() && i.y() == i.z();
+  }
 
   BodyId add(const Body& body);
   /// Takes the bodies out; slots close up. The caller hands the result to every stage.
@@ -91,6 +106,8 @@ class World {
   Columns columns_;
   std::vector<Slot> slot_of_;  ///< by body id
 
+  void apply_angular_impulse_at(Slot s, const Vec3& impulse);
+  void rotate_at(Slot s, double dt);
   template <class F>
   void each_column(F&& f);
 };

@@ -4,30 +4,35 @@
 #pragma once
 #include <concepts>
 
+#include "engine/lanes.h"
 #include "engine/registry.h"
 #include "engine/types.h"
 #include "laws/material.h"
 
 namespace epafi {
 
-/// One contact at one instant, in SI. overlap > 0 where bodies interpenetrate.
-struct ContactKinematics {
-  double overlap = 0.0;            ///< delta = -gap [m]
-  double approach_velocity = 0.0;  ///< d(delta)/dt, > 0 while approaching [m/s]
-  double effective_mass = 0.0;     ///< m* [kg]; the mass of the free body against a fixed one
-  double effective_radius = 0.0;   ///< R* [m]; NaN where the law did not ask for curvature
-  double area = std::numeric_limits<double>::quiet_NaN();  ///< of a cell of overlap volume [m^2]; NaN elsewhere
+/// One contact at one instant, in SI, or four of them (Real = Lanes). overlap > 0 where bodies interpenetrate.
+template <class Real>
+struct KinematicsOf {
+  Real overlap{};            ///< delta = -gap [m]
+  Real approach_velocity{};  ///< d(delta)/dt, > 0 while approaching [m/s]
+  Real effective_mass{};     ///< m* [kg]; the mass of the free body against a fixed one
+  Real effective_radius{};   ///< R* [m]; NaN where the law did not ask for curvature
+  Real area{};               ///< of a cell of overlap volume [m^2], where the law asked for it
 };
+using ContactKinematics = KinematicsOf<double>;
 
 /// What a normal law answers.
-struct NormalResponse {
-  double force = 0.0;          ///< N [N]; >= 0 unless the law is adhesive: a contact never pulls
-  double elastic_force = 0.0;  ///< the part of N that is stored, dU/d(delta) [N]
-  double stiffness = 0.0;      ///< k_n = d(elastic_force)/d(delta) [N/m]
-  double energy = 0.0;         ///< U(delta) [J]
-  double adhesion = 0.0;       ///< the force that parts the bodies [N], >= 0: friction slides at mu (N + adhesion)
-  double lost = 0.0;           ///< to plastic deformation or adhesion since the last step [J]
+template <class Real>
+struct ResponseOf {
+  Real force{};          ///< N [N]; >= 0 unless the law is adhesive: a contact never pulls
+  Real elastic_force{};  ///< the part of N that is stored, dU/d(delta) [N]
+  Real stiffness{};      ///< k_n = d(elastic_force)/d(delta) [N/m]
+  Real energy{};         ///< U(delta) [J]
+  Real adhesion{};       ///< the force that parts the bodies [N], >= 0: friction slides at mu (N + adhesion)
+  Real lost{};           ///< to plastic deformation or adhesion since the last step [J]
 };
+using NormalResponse = ResponseOf<double>;
 
 /// Memory of a part that has none.
 template <int part>
@@ -64,11 +69,24 @@ concept NormalLaw = LawPart<L> && requires(const typename L::Parameters& p, cons
       requires { { L::respond(p, c, s, s) } -> std::same_as<NormalResponse>; };  ///< state before, state now
 };
 
+/// A normal law that also answers for four contacts at once: its formula is a template over the number.
+template <class L>
+concept LaneLaw = NormalLaw<L> && requires(const typename L::Parameters& p, const KinematicsOf<Lanes>& c) {
+  { L::respond(p, c) } -> std::same_as<ResponseOf<Lanes>>;
+};
+
 template <NormalLaw L>
 NormalResponse respond(const typename L::Parameters& p, const ContactKinematics& c, const NormalState<L>& before, NormalState<L>& now) {
   if constexpr (RemembersNormal<L>) return L::respond(p, c, before, now);
   else return L::respond(p, c);
 }
+
+/// Friction by a spring of stiffness k_t(k_n), rescaled on unloading, that slides at mu N: laws/smooth/spring.h, also for lanes.
+template <class L>
+concept LaneFriction = requires(const typename L::Parameters& p, Lanes normal_stiffness) {
+  { L::stiffness(p, normal_stiffness) } -> std::same_as<Lanes>;
+  { L::friction(p) } -> std::same_as<double>;
+};
 
 /// Some laws of a list share one way of evaluation and differ in how their parameters come about.
 template <class L>

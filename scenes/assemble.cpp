@@ -12,6 +12,7 @@
 #include "engine/schemes/all_schemes.h"
 #include "scenes/contact_setup.h"
 #include "scenes/generators.h"
+#include "scenes/sphere_split.h"
 #include "scenes/time_step.h"
 
 namespace epafi {
@@ -107,9 +108,17 @@ Pipeline make_pipeline(Assembly& a) {
   const auto& schemes = all_schemes();
   const auto scheme = std::find_if(schemes.begin(), schemes.end(), [&](const auto& s) { return s.entry.name == a.scene.run.scheme.value; });
   p.scheme = scheme->make();
-  p.contact_model = make_contact_model(a.scene);
   p.narrow_phase = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature,
                                                         a.plan.needs.area);
+  if (a.plan.fused_spheres) {
+    auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.sphere_material);
+    std::vector<bool> fixed;
+    for (const auto& b : a.scene.bodies) fixed.push_back(b.fixed);
+    p.narrow_phase = std::make_unique<SphereSplit>(*a.shapes, std::move(p.narrow_phase), *model, std::move(fixed));
+    p.contact_model = std::move(model);
+  } else {
+    p.contact_model = make_contact_model(a.scene);
+  }
   return p;
 }
 

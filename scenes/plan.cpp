@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "detection/broad/all_broad_phases.h"
 #include "detection/narrow/pair_table.h"
+#include "laws/smooth/fused/fused_spheres.h"
 #include "scenes/contact_setup.h"
 
 namespace epafi {
@@ -69,17 +71,19 @@ void refuse_volumeless(const Scene& scene, const ShapesInUse& use) {
 }
 
 void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
+  // by type, with one shape of each: a scene may have a shape per body
+  std::map<std::uint32_t, std::size_t> free, held;
+  for (std::size_t s : use.free) free.emplace(shapes[s].ref.type(), s);
+  for (std::size_t s : use.held) held.emplace(shapes[s].ref.type(), s);
   std::set<std::pair<std::uint32_t, std::uint32_t>> cells;
-  const auto reach = [&](std::size_t p, std::size_t q) {
-    const auto a = shapes[p].ref.type(), b = shapes[q].ref.type();
-    if (cells.insert(std::minmax(a, b)).second) {
-      const std::string method = pair_table()[std::min(a, b)][std::max(a, b)].method;
-      if (method != "none") plan.pair_cells.push_back({scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method});
-    }
+  const auto reach = [&](std::uint32_t a, std::size_t p, std::uint32_t b, std::size_t q) {
+    if (!cells.insert(std::minmax(a, b)).second) return;
+    const std::string method = pair_table()[std::min(a, b)][std::max(a, b)].method;
+    if (method != "none") plan.pair_cells.push_back({scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method});
   };
-  for (std::size_t p : use.free) {
-    for (std::size_t q : use.free) reach(p, q);
-    for (std::size_t q : use.held) reach(p, q);
+  for (const auto& [a, p] : free) {
+    for (const auto& [b, q] : free) reach(a, p, b, q);
+    for (const auto& [b, q] : held) reach(a, p, b, q);
   }
   if (plan.needs.area) refuse_volumeless(scene, use);
   for (const auto& cell : plan.pair_cells) {
@@ -87,6 +91,23 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
     const auto asked = std::find_if(scene.shapes.begin(), scene.shapes.end(), [&](const auto& s) { return s.type == cell.b; });
     plan.costs.push_back({cell.method, "pair " + cell.a + " - " + cell.b + " has no closed form", asked->place});
   }
+}
+
+/// Free spheres of one material under a law with a fused loop. Periodic cells are left to the generic one.
+void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shapes, StepPlan& plan) {
+  if (scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
+  std::set<std::size_t> materials;
+  std::size_t spheres = 0;
+  const auto count = [&](std::size_t shape, std::size_t material, std::size_t number) {
+    if (shapes[shape].is_sphere) materials.insert(material), spheres += number;
+  };
+  for (const auto& b : scene.bodies)
+    if (b.moves()) count(b.shape, b.material, 1);
+  for (const auto& f : scene.fills)
+    for (std::size_t s : f.shapes) count(s, f.material, 100);  // how many is known later; a fill is many
+  constexpr std::size_t fewest = 100;  // below, the layout costs more than the loop gains
+  if (spheres < fewest || materials.size() != 1) return;
+  plan.fused_spheres = true, plan.sphere_material = *materials.begin();
 }
 
 }  // namespace
@@ -134,6 +155,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
     for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
     plan.reach = std::isfinite(smallest) ? 0.02 * smallest : 0.0;
   }
+  plan_fused_spheres(scene, shapes, plan);
   World world(plan.columns);
   plan.bytes_per_body = world.bytes_per_body();
   ContactSet contacts;
@@ -153,6 +175,7 @@ std::string explain(const Scene& scene, const StepPlan& plan) {
   for (std::size_t i = 0; i < plan.not_paid.size(); ++i) out += (i > 0 ? ", " : "") + plan.not_paid[i];
   out += "\n pairs:";
   for (const auto& p : plan.pair_cells) out += fmt::format(" {}-{} ({})", p.a, p.b, p.method);
+  if (plan.fused_spheres) out += "\n spheres: fused loop, four contacts at a time";
   return out + fmt::format("\n per body {} B, per contact {} B\n", plan.bytes_per_body, plan.bytes_per_contact);
 }
 

@@ -24,6 +24,8 @@ struct StepPlan {
   Columns columns;                  ///< of the world
   Needs needs;                      ///< of laws or solver
   double reach = 0.0;               ///< contacts with gap < reach are handed to the contact model [m]
+  bool fused_spheres = false;       ///< free spheres take the fused loop
+  std::size_t sphere_material = 0;  ///< of all free spheres, where they take it
   std::vector<ReachableCell> pair_cells;
   std::vector<Cost> costs;
   std::vector<std::string> not_paid;

@@ -49,7 +49,9 @@ struct CoulombSpring {
   static Parameters parameters(const MaterialPair& pair) {
     return {pair.friction, number_or_default(pair.parameters, entry(), "tangential_ratio")};
   }
-  static double stiffness(const Parameters& p, double normal_stiffness) { return p.ratio * normal_stiffness; }
+  template <class Real>
+  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) { return p.ratio * normal_stiffness; }
+  static double friction(const Parameters& p) { return p.friction; }
   static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
     return pull_spring(step, p.ratio * step.normal_stiffness, p.friction * step.normal_force, before, now);
   }
@@ -79,10 +81,12 @@ struct Mindlin {
   }
   static Missing missing(const MaterialPair& pair) { return missing_elasticity(pair); }
   static Parameters parameters(const MaterialPair& pair) { return {pair.friction, mindlin_ratio(pair)}; }
-  static double stiffness(const Parameters& p, double normal_stiffness) { return CoulombSpring::stiffness(p, normal_stiffness); }
+  template <class Real>
+  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) { return p.ratio * normal_stiffness; }
   static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
     return CoulombSpring::pull(p, step, before, now);
   }
+  static double friction(const Parameters& p) { return p.friction; }
 };
 static_assert(TangentialLaw<Mindlin>);
 

@@ -49,12 +49,14 @@ struct Hertz {
   static double stiffness(const Parameters& p, const ContactKinematics& c) {  // dN/d(delta)
     return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
   }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    const double k = stiffness(p, c), elastic = 2.0 / 3.0 * k * c.overlap;
-    const double viscous = p.damping * std::sqrt(c.effective_mass * k) * c.approach_velocity;
-    return {std::max(0.0, elastic + viscous), elastic, k, 0.4 * elastic * c.overlap};
+  template <class Real = double>
+  EPAFI_LANES static ResponseOf<Real> respond(const Parameters& p, const KinematicsOf<Real>& c) {
+    const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // dN/d(delta)
+    const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
+    const Real viscous = p.damping * sqrt(c.effective_mass * stiffness) * c.approach_velocity;
+    return {max(Real{}, elastic + viscous), elastic, stiffness, 0.4 * elastic * c.overlap};
   }
 };
-static_assert(NormalLaw<Hertz>);
+static_assert(LaneLaw<Hertz>);
 
 }  // namespace epafi

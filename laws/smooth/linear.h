@@ -36,11 +36,13 @@ struct Linear {
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     return 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
   }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    const double elastic = p.stiffness * c.overlap;
-    return {std::max(0.0, elastic + viscous(p, c)), elastic, p.stiffness, 0.5 * elastic * c.overlap};
+  template <class Real = double>
+  EPAFI_LANES static ResponseOf<Real> respond(const Parameters& p, const KinematicsOf<Real>& c) {
+    const Real elastic = p.stiffness * c.overlap;
+    const Real viscous = 2.0 * p.damping_ratio * sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
+    return {max(Real{}, elastic + viscous), elastic, Real{} + p.stiffness, 0.5 * elastic * c.overlap};
   }
 };
-static_assert(NormalLaw<Linear>);
+static_assert(LaneLaw<Linear>);
 
 }  // namespace epafi

@@ -1,0 +1,145 @@
+#include "laws/smooth/fused/fused_spheres.h"
+
+#include "engine/parallel.h"
+#include "laws/smooth/choose_law.h"
+#include "laws/smooth/fused/sphere_kernel.h"
+
+namespace epafi {
+namespace {
+
+/// Everything a block needs, so that the loop is compiled once per target with all below it inlined.
+template <class Normal, class Tangential>
+struct BlockTask {
+  SphereBlocks::Block& block;
+  const SphereLaw<Normal, Tangential>& law;
+  const std::vector<SphereLaw<Normal, Tangential>>& wall_laws;  ///< by plane
+  const SpherePlane* planes;
+  const SphereState* states;
+  SphereSum *sums, *records;
+  double dt;
+  bool damped;
+
+  EPAFI_LANES void run() const {
+    std::size_t touching = 0;
+    SphereGroup* g = block.groups.data();
+    for (std::size_t i = 0; i < block.inside; ++i)
+      evaluate<Normal, Tangential, true, false>(g[i], wall_laws[static_cast<std::size_t>(g[i].plane)], planes, states, sums, records, dt, damped, touching);
+    for (std::size_t i = block.inside; i < block.across; ++i)
+      evaluate<Normal, Tangential, false, false>(g[i], law, planes, states, sums, records, dt, damped, touching);
+    for (std::size_t i = block.across; i < block.groups.size(); ++i)
+      evaluate<Normal, Tangential, false, true>(g[i], law, planes, states, sums, records, dt, damped, touching);
+    block.touching = touching;
+  }
+};
+
+template <class Task>
+void run_baseline(const Task& task) { task.run(); }
+#if defined(__x86_64__)
+template <class Task>
+[[gnu::target("avx2")]] void run_avx2(const Task& task) { task.run(); }
+template <class Task>
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void run_avx512(const Task& task) { task.run(); }
+#endif
+
+/// The widest loop that this processor runs; the bits are the same.
+template <class Task>
+auto best_loop() -> void (*)(const Task&) {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) return run_avx512<Task>;
+  if (__builtin_cpu_supports("avx2")) return run_avx2<Task>;
+#endif
+  return run_baseline<Task>;
+}
+
+template <class Normal, class Tangential>
+class FusedModel final : public FusedSpheres {
+  using Law = SphereLaw<Normal, Tangential>;
+  using Task = BlockTask<Normal, Tangential>;
+
+ public:
+  FusedModel(const SmoothSetup& setup, std::size_t material) : table_(setup.materials), material_(material), generic_(make_smooth_contact(setup)) {
+    law_ = law_of(material);
+    for (const MaterialPair& pair : table_.pairs) damped_ = damped_ || (pair.occurs && Normal::is_damped(Normal::parameters(pair)));
+  }
+
+  const char* name() const override { return "fused spheres"; }
+  bool waits_for_pairs() const override { return !blocks_.laid_out(); }
+
+  void set_pairs(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes, std::span<const double> radius) override {
+    wall_laws_.clear();
+    for (const SpherePlane& p : planes) wall_laws_.push_back(law_of(world.material[p.slot]));
+    blocks_.rebuild(world, pairs, std::move(planes), radius);
+  }
+
+  void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
+    published_ = false;
+    const bool others = contacts.size() > 0 || others_;
+    if (others) generic_->act(world, contacts, clock, report);
+    else report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.has_solver = false;
+    others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
+    blocks_.pack(world, damped_ ? clock.velocity_lag * clock.dt : 0.0);
+    auto& all = blocks_.blocks();
+    const auto loop = best_loop<Task>();
+    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+      loop({all[i], law_, wall_laws_, blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(), blocks_.records().data(), clock.dt, damped_});
+    });
+    blocks_.unpack(world, others);
+    report.contacts += blocks_.pairs();
+    for (const auto& block : all) report.touching += block.touching, report.elastic += block.stored, report.dissipated += clock.dt > 0.0 ? block.lost : 0.0;
+  }
+
+  void publish(const World& world, ContactSet& contacts) const override {
+    if (published_ || !blocks_.laid_out()) return;
+    blocks_.publish(world, contacts);
+    contacts.sort();
+    published_ = true;
+  }
+
+  void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
+  void visit(StateVisitor& visitor) override {
+    generic_->visit(visitor), blocks_.visit(visitor);
+    visitor.value("spheres/others", others_);
+  }
+
+ private:
+  Law law_of(std::size_t other) const {
+    const MaterialPair& pair = table_.pairs[material_ * table_.materials + other];
+    return {Normal::parameters(pair), Tangential::parameters(pair)};
+  }
+
+  MaterialTable table_;
+  std::size_t material_;
+  std::unique_ptr<ContactModel> generic_;
+  Law law_;
+  std::vector<Law> wall_laws_;
+  bool damped_ = false, others_ = true;
+  mutable bool published_ = false;  ///< the contacts of this step are in the set already
+  SphereBlocks blocks_;
+};
+
+template <class N, class T, class R>
+constexpr bool is_fused = LaneLaw<N> && LaneFriction<T> && !R::is_present && parts_fit<N, T, R>;
+
+template <class F>
+decltype(auto) with_parts(const SmoothParts& parts, const F& f) {
+  return std::visit(f, *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential), *find_law(RollingLaws{}, parts.rolling));
+}
+
+}  // namespace
+
+bool has_fused_spheres(const SmoothSetup& setup) {
+  return with_parts(smooth_parts(setup), [](auto n, auto t, auto r) {
+    return is_fused<typename decltype(n)::type, typename decltype(t)::type, typename decltype(r)::type>;
+  });
+}
+
+std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material) {
+  return with_parts(smooth_parts(setup), [&](auto n, auto t, auto r) -> std::unique_ptr<FusedSpheres> {
+    using N = typename decltype(n)::type;
+    using T = typename decltype(t)::type;
+    if constexpr (is_fused<N, T, typename decltype(r)::type>) return std::make_unique<FusedModel<N, T>>(setup, material);
+    return nullptr;
+  });
+}
+
+}  // namespace epafi

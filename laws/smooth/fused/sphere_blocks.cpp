@@ -1,0 +1,235 @@
+#include "laws/smooth/fused/sphere_blocks.h"
+
+#include <algorithm>
+
+#include "engine/parallel.h"
+
+namespace epafi {
+namespace {
+
+constexpr std::size_t lanes_size = lane_count;
+
+SphereGroup empty_group(Slot slot, std::int32_t plane) {
+  SphereGroup g{};
+  g.radius_sum = lanes(-1.0), g.radius = lanes(1.0), g.mass = lanes(1.0), g.normal_force = lanes(-1.0);
+  for (int k = 0; k < lane_count; ++k) g.a[k] = g.b[k] = slot;
+  g.plane = plane;
+  return g;
+}
+
+/// Fills groups of four from contacts that share a plane (or none).
+class GroupWriter {
+ public:
+  explicit GroupWriter(std::vector<SphereGroup>& groups) : groups_(groups) {}
+  void add(const World& world, const SpherePair& p, std::span<const double> radius) {
+    if (used_ == lane_count || groups_.empty() || plane_ != p.plane) {
+      groups_.push_back(empty_group(p.a, p.plane));
+      used_ = 0, plane_ = p.plane;
+    }
+    SphereGroup& g = groups_.back();
+    const int k = used_++;
+    const bool wall = p.plane >= 0;
+    const double ra = radius[p.a], rb = wall ? 0.0 : radius[p.b];
+    g.a[k] = p.a, g.b[k] = p.b;
+    g.share[k] = wall ? 1.0 : ra / (ra + rb), g.radius_sum[k] = ra + rb;
+    g.radius[k] = wall ? ra : 1.0 / (1.0 / ra + 1.0 / rb);
+    g.mass[k] = 1.0 / (world.inverse_mass[p.a] + world.inverse_mass[p.b]);
+  }
+  /// The next contact opens a group of its own.
+  void close() { used_ = lane_count; }
+
+ private:
+  std::vector<SphereGroup>& groups_;
+  int used_ = lane_count;
+  std::int32_t plane_ = -2;
+};
+
+}  // namespace
+
+// --- layout
+
+void SphereBlocks::rebuild(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes, std::span<const double> radius) {
+  std::vector<Kept> kept = laid_out_ ? springs() : std::move(kept_);
+  kept_.clear(), laid_out_ = true;
+  planes_ = std::move(planes);
+  place(world, pairs, radius);
+  restore(kept);
+}
+
+void SphereBlocks::place(const World& world, std::span<const SpherePair> pairs, std::span<const double> radius) {
+  const std::size_t count = (world.size() + block_size - 1) / block_size;
+  blocks_.resize(count);
+  pairs_ = pairs.size();
+  // by kind (plane k, inside, across), then by slots: sorted within each block
+  std::vector<std::vector<SpherePair>> own(count);
+  for (SpherePair p : pairs) {
+    if (p.plane < 0 && p.b < p.a) std::swap(p.a, p.b);
+    own[p.a / block_size].push_back(p);
+  }
+  parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
+    Block& block = blocks_[i];
+    const auto kind = [&](const SpherePair& p) {
+      return p.plane >= 0 ? p.plane : p.b / block_size == i ? std::int32_t{1 << 20} : std::int32_t{1 << 21};
+    };
+    std::sort(own[i].begin(), own[i].end(), [&](const SpherePair& p, const SpherePair& q) {
+      return std::tuple(kind(p), p.a, p.b) < std::tuple(kind(q), q.a, q.b);
+    });
+    block.groups.clear(), block.incoming.clear();
+    GroupWriter writer(block.groups);
+    std::int32_t last = -1;
+    block.inside = block.across = ~std::size_t{0};
+    for (const SpherePair& p : own[i]) {
+      if (const std::int32_t k = kind(p); k != last) {
+        writer.close();
+        if (k >= 1 << 20 && block.inside == ~std::size_t{0}) block.inside = block.groups.size();
+        if (k == 1 << 21) block.across = block.groups.size();
+        last = k;
+      }
+      writer.add(world, p, radius);
+    }
+    block.inside = std::min(block.inside, block.groups.size()), block.across = std::min(block.across, block.groups.size());
+  });
+  std::uint32_t record = 0;
+  for (Block& block : blocks_)
+    for (std::size_t g = block.across; g < block.groups.size(); ++g) {
+      block.groups[g].record = record;
+      for (std::size_t k = 0; k < lanes_size; ++k, ++record) {
+        if (block.groups[g].radius_sum[static_cast<int>(k)] < 0) continue;
+        blocks_[block.groups[g].b[k] / block_size].incoming.emplace_back(record, block.groups[g].b[k]);
+      }
+    }
+  records_.assign(record, SphereSum{});
+}
+
+std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
+  std::vector<Kept> kept;
+  for (const Block& block : blocks_)
+    for (const SphereGroup& g : block.groups)
+      for (int k = 0; k < lane_count; ++k) {
+        if (g.normal_force[k] < 0.0) continue;
+        const Slot b = g.plane >= 0 ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
+        kept.push_back({g.a[k], b, {g.load_x[k], g.load_y[k], g.load_z[k]}, g.stiffness[k], g.energy[k], g.viscous[k], g.normal_force[k]});
+      }
+  return kept;
+}
+
+void SphereBlocks::restore(std::vector<Kept>& kept) {
+  const auto key = [](const Kept& s) { return std::pair(s.a, s.b); };
+  std::sort(kept.begin(), kept.end(), [&](const Kept& p, const Kept& q) { return key(p) < key(q); });
+  parallel_blocks(blocks_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    for (SphereGroup& g : blocks_[i].groups)
+      for (int k = 0; k < lane_count; ++k) {
+        if (g.radius_sum[k] < 0) continue;
+        const Slot b = g.plane >= 0 ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
+        const auto at = std::lower_bound(kept.begin(), kept.end(), std::pair(g.a[k], b), [&](const Kept& s, const auto& wanted) { return key(s) < wanted; });
+        if (at == kept.end() || key(*at) != std::pair(g.a[k], b)) continue;
+        g.load_x[k] = at->load[0], g.load_y[k] = at->load[1], g.load_z[k] = at->load[2];
+        g.stiffness[k] = at->stiffness, g.energy[k] = at->energy, g.viscous[k] = at->viscous, g.normal_force[k] = at->normal_force;
+        g.loaded = true;
+      }
+  });
+}
+
+void SphereBlocks::reorder(const Reordering& change) {
+  if (laid_out_) kept_ = springs(), laid_out_ = false;
+  std::vector<bool> is_plane(change.new_slot.size(), false);
+  for (SpherePlane& p : planes_) is_plane[p.slot] = true, p.slot = change.new_slot[p.slot];
+  std::vector<Kept> moved;
+  for (Kept s : kept_) {
+    const bool plane = is_plane[s.b];
+    s.a = change.new_slot[s.a], s.b = change.new_slot[s.b];
+    if (s.a == no_slot || s.b == no_slot) continue;
+    if (!plane && s.b < s.a) {  // the load is that on the lower slot
+      std::swap(s.a, s.b);
+      for (double& x : s.load) x = -x;
+    }
+    moved.push_back(s);
+  }
+  kept_ = std::move(moved);
+  for (Block& block : blocks_) block.groups.clear(), block.incoming.clear(), block.inside = block.across = 0;
+}
+
+void SphereBlocks::visit(StateVisitor& visitor) {
+  if (laid_out_) kept_ = springs(), laid_out_ = false;
+  std::vector<Slot> a, b;
+  std::vector<double> values;
+  for (const Kept& s : kept_) {
+    a.push_back(s.a), b.push_back(s.b);
+    values.insert(values.end(), {s.load[0], s.load[1], s.load[2], s.stiffness, s.energy, s.viscous, s.normal_force});
+  }
+  visitor.column("spheres/a", a), visitor.column("spheres/b", b), visitor.column("spheres/spring", values);
+  kept_.clear();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double* v = values.data() + 7 * i;
+    kept_.push_back({a[i], b[i], {v[0], v[1], v[2]}, v[3], v[4], v[5], v[6]});
+  }
+}
+
+void SphereBlocks::pack(const World& world, double lag) {
+  states_.resize(world.size()), sums_.resize(world.size());  // unpack leaves the sums at zero
+  parallel_blocks(world.size(), block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto s = static_cast<Slot>(i);
+      const double *x = world.position[s].data(), *v = world.velocity[s].data(), *w = world.angular_velocity[s].data();
+      double* to = reinterpret_cast<double*>(&states_[i]);  // number by number: a row of lanes would go through the stack
+      for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
+      if (lag == 0.0) continue;
+      const Vec3 change = lag * world.acceleration(s);
+      for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
+    }
+  });
+}
+
+void SphereBlocks::unpack(World& world, bool add) {
+  parallel_blocks(blocks_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    Block& block = blocks_[i];
+    for (const auto& [record, slot] : block.incoming) {
+      sums_[slot].force += records_[record].force;
+      sums_[slot].torque += records_[record].torque;
+    }
+    block.stored = block.lost = 0.0;
+    const std::size_t end = std::min(world.size(), (i + 1) * block_size);
+    for (std::size_t s = i * block_size; s < end; ++s) {
+      double* from = reinterpret_cast<double*>(&sums_[s]);
+      double *force = world.force[s].data(), *torque = world.torque[s].data();
+      for (int k = 0; k < 3; ++k) force[k] = add ? force[k] + from[k] : from[k], torque[k] = add ? torque[k] + from[4 + k] : from[4 + k];
+      block.stored += from[3], block.lost += from[7];
+      for (int k = 0; k < 8; ++k) from[k] = 0.0;
+    }
+  });
+}
+
+void SphereBlocks::publish(const World& world, ContactSet& contacts) const {
+  contacts.force.resize(contacts.size());
+  for (const Block& block : blocks_)
+    for (const SphereGroup& g : block.groups)
+      for (int k = 0; k < lane_count; ++k) {
+        if (g.normal_force[k] < 0.0) continue;
+        const bool wall = g.plane >= 0;
+        const Slot a = g.a[k], b = wall ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
+        ContactPoint c;
+        double length = 0.0;
+        if (wall) {
+          const SpherePlane& plane = planes_[static_cast<std::size_t>(g.plane)];
+          c.gap = plane.normal.dot(world.position[a] - plane.point) - g.radius_sum[k], c.normal = -plane.normal, length = g.radius_sum[k];
+        } else {
+          const Vec3 d = world.position[b] - world.position[a];
+          const double distance = d.norm();
+          c.gap = distance - g.radius_sum[k], c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ()), length = g.share[k] * distance;
+        }
+        c.arm = length * c.normal;
+        c.effective_radius = g.radius[k];
+        Vec3 force = -g.normal_force[k] * c.normal + Vec3(g.load_x[k], g.load_y[k], g.load_z[k]);
+        if (world.id[a] < world.id[b]) {
+          contacts.append(a, b, c);
+        } else {
+          c.arm += world.position[a] - world.position[b];
+          c.normal = -c.normal, force = -force;
+          contacts.append(b, a, c);
+        }
+        contacts.force.resize(contacts.size());
+        contacts.force.back() = force;
+      }
+}
+
+}  // namespace epafi

@@ -1,0 +1,37 @@
+#include "scenes/sphere_split.h"
+
+namespace epafi {
+
+void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet& contacts) {
+  if (!known_ || generation_ != pairs.generation || model_.waits_for_pairs()) split(world, pairs);
+  others_->collide(world, rest_, contacts);
+}
+
+void SphereSplit::split(const World& world, const PairList& pairs) {
+  constexpr double not_a_sphere = -1.0;
+  const auto& spheres = shapes_.of<Sphere>();
+  const auto& planes = shapes_.of<HalfSpace>();
+  std::vector<double> radius(world.size(), not_a_sphere);
+  std::vector<std::int32_t> plane_of(world.size(), -1);
+  std::vector<SpherePlane> walls;
+  for (Slot s = 0; s < world.size(); ++s) {
+    const ShapeRef ref{world.shape[s]};
+    if (ref.type() == ShapeStore::type_of<Sphere>() && world.is_movable(s)) radius[s] = spheres[ref.index()].radius;
+    const auto id = static_cast<std::size_t>(world.id[s]);
+    if (ref.type() != ShapeStore::type_of<HalfSpace>() || id >= fixed_.size() || !fixed_[id]) continue;
+    plane_of[s] = static_cast<std::int32_t>(walls.size());
+    walls.push_back({s, world.pose(s).orientation * planes[ref.index()].normal, world.position[s]});
+  }
+  rest_.pairs.clear(), spheres_.clear();
+  rest_.margin = pairs.margin, ++rest_.generation;
+  for (const Pair& p : pairs.pairs) {
+    if (radius[p.a] > 0 && radius[p.b] > 0) spheres_.push_back({p.a, p.b, -1});
+    else if (radius[p.a] > 0 && plane_of[p.b] >= 0) spheres_.push_back({p.a, p.b, plane_of[p.b]});
+    else if (radius[p.b] > 0 && plane_of[p.a] >= 0) spheres_.push_back({p.b, p.a, plane_of[p.a]});
+    else rest_.pairs.push_back(p);
+  }
+  model_.set_pairs(world, spheres_, std::move(walls), radius);
+  known_ = true, generation_ = pairs.generation;
+}
+
+}  // namespace epafi

@@ -1,0 +1,35 @@
+/// @file sphere_split.h  Sorts the pair list of a scene with many spheres: pairs of free spheres, and of free spheres with fixed
+/// planes, go to the fused contact model, all others to the narrow phase.
+#pragma once
+#include <memory>
+
+#include "detection/shape_store.h"
+#include "engine/pipeline.h"
+#include "laws/smooth/fused/fused_spheres.h"
+
+namespace epafi {
+
+class SphereSplit final : public NarrowPhase {
+ public:
+  /// model must outlive this; fixed: by body id, true for bodies that never move; ids beyond it are free.
+  SphereSplit(const ShapeStore& shapes, std::unique_ptr<NarrowPhase> others, FusedSpheres& model, std::vector<bool> fixed)
+      : shapes_(shapes), others_(std::move(others)), model_(model), fixed_(std::move(fixed)) {}
+  const char* name() const override { return "spheres apart"; }
+  void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
+  void reorder(const Reordering& change) override { known_ = false, others_->reorder(change); }
+  void visit(StateVisitor& visitor) override { others_->visit(visitor); }
+
+ private:
+  void split(const World& world, const PairList& pairs);
+
+  const ShapeStore& shapes_;
+  std::unique_ptr<NarrowPhase> others_;
+  FusedSpheres& model_;
+  std::vector<bool> fixed_;
+  bool known_ = false;
+  std::uint64_t generation_ = 0;
+  PairList rest_;
+  std::vector<SpherePair> spheres_;
+};
+
+}  // namespace epafi
