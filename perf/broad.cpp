@@ -1,5 +1,6 @@
 /// @file broad.cpp  Broad phases on dense packs: every body drifts 1 % of its radius per step in a direction of its own.
-/// Packs after reference harness practice: mono; lognormal 1:10; bimodal, 0.1 % boulders of 100 times the size in their dust.
+/// Packs after reference harness practice: mono; lognormal 1:10; bimodal, 0.1 % boulders of 100 times the size in their dust;
+/// decades, sizes 1:100 of equal volume per decade (case B11 d).
 /// Rows: mean and 99th percentile of ns per body and step, pairs listed, pairs that touch (exact spheres), disagreements.
 /// Disagreement: touching pairs at the last step that the list lacks, against the brute force of this file.
 /// Times are CPU seconds of the calling thread on one thread, wall seconds on more (OMP_NUM_THREADS).
@@ -29,6 +30,8 @@ struct Pack {
 double size_of(const char* kind, int i, int boulders, Random& random) {
   if (!std::strcmp(kind, "mono")) return 0.5;
   if (!std::strcmp(kind, "bimodal")) return i < boulders ? 50.0 : 0.5;
+  // equal volume per decade: number per size falls with its fourth power
+  if (!std::strcmp(kind, "decades")) return 0.5 / std::cbrt(1.0 - random.uniform() * (1.0 - 1e-6));
   const double normal = std::sqrt(-2.0 * std::log(1.0 - random.uniform())) * std::cos(2 * M_PI * random.uniform());
   return 0.5 * std::clamp(std::exp(0.45 * normal), 0.31623, 3.1623);
 }
@@ -190,7 +193,7 @@ int main(int argc, char** argv) {
   const std::string only_method = argc > 2 ? argv[2] : "", only_kind = argc > 3 ? argv[3] : "";
   std::printf("scene,bodies,method,threads,ns_mean,ns_median,ns_p99,pairs_listed,touching,disagreements,builds\n");
   for (int n : {1000, 10000, 100000})
-    for (const char* kind : {"mono", "lognormal", "bimodal"}) {
+    for (const char* kind : {"mono", "lognormal", "bimodal", "decades"}) {
       if ((only_n && n != only_n) || (!only_kind.empty() && only_kind != kind)) continue;
       const Pack pack = make_pack(kind, n);
       for (const auto& e : all_broad_phases()) {

@@ -54,6 +54,8 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
   else if (spec.type == "capsule") out = add(Capsule(size * p.number("radius"), size * p.number("length")));
   else if (spec.type == "cylinder") out = add(Cylinder(size * p.number("radius"), size * p.number("length")));
   else if (spec.type == "ellipsoid") out = add(Ellipsoid(size * p.vec3("semi_axes")));
+  else if (spec.type == "superquadric")
+    out = add(Superquadric(size * p.vec3("semi_axes"), static_cast<int>(p.number("across")), static_cast<int>(p.number("along"))));
   else if (spec.type == "polyhedron") out = build_hull(spec, size);
   else if (spec.type == "mesh") out = build_mesh(spec, size);
   else if (spec.type == "half_space")

@@ -34,18 +34,21 @@ bool spheres_apart(const PairQuery& q, double reach) {
   return (q.b.position - q.a.position).squaredNorm() > reach * reach;
 }
 
-}  // namespace
+/// The nearest (deepest) points of a pair of cores, in A's axes.
+struct CoreContact {
+  double gap = 0.0;  ///< sweeps taken off [m]
+  Vec3 normal, middle;
+};
 
-void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q,
-                   ContactSink& sink) {
+/// False where they are farther apart than the reach.
+bool find_nearest(const MinkowskiDifference& difference, const RoundedPair& r, const PairQuery& q, ContactSink& sink,
+                  CoreContact& out) {
   const double limit = q.reach + r.sweep_a + r.sweep_b;
-  if (spheres_apart(q, a.radius + b.radius + limit)) return;
-  const MinkowskiDifference difference(a, b, q.a, q.b);
   const double size = difference.size() + std::max(r.sweep_a, r.sweep_b);
-  if (still_apart(q, limit, size, [&](const Vec3& n) { return -n.dot(difference.support(n).y); })) return;
+  if (still_apart(q, limit, size, [&](const Vec3& n) { return -n.dot(difference.support(n).y); })) return false;
   const GjkResult g = gjk(difference, {limit + 1e-12 * size, 1e-14, Vec3::Zero()});
   remember(q, g.normal);
-  if (g.status == GjkResult::Status::beyond) return;
+  if (g.status == GjkResult::Status::beyond) return false;
   double core = g.lower;
   Vec3 n = g.normal, on_a = g.witness_a, on_b = g.witness_b;
   double uncertainty = g.upper - g.lower;
@@ -55,11 +58,46 @@ void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r,
     uncertainty = p.upper - p.lower;
   }
   if (uncertainty > certain * size) sink.mark_degenerate();
-  const double gap = core - r.sweep_a - r.sweep_b;
-  if (!(gap < q.reach)) return;
-  const Vec3 middle = 0.5 * (on_a + on_b) + 0.5 * (r.sweep_a - r.sweep_b) * n;
+  out = {core - r.sweep_a - r.sweep_b, n, 0.5 * (on_a + on_b) + 0.5 * (r.sweep_a - r.sweep_b) * n};
+  return out.gap < q.reach;
+}
+
+bool bounds_apart(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q) {
+  return spheres_apart(q, a.radius + b.radius + q.reach + r.sweep_a + r.sweep_b);
+}
+
+}  // namespace
+
+void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q,
+                   ContactSink& sink) {
+  CoreContact c;
+  if (bounds_apart(a, b, r, q) || !find_nearest(MinkowskiDifference(a, b, q.a, q.b), r, q, sink, c)) return;
   const Mat3 to_world = q.a.orientation.toRotationMatrix();
-  sink.add({gap, to_world * n, to_world * middle, q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, 0});
+  sink.add({c.gap, to_world * c.normal, to_world * c.middle,
+            q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, 0});
+}
+
+void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& sides, const RoundedPair& r,
+                       const PairQuery& q, ContactSink& sink) {
+  if (bounds_apart(a, b, r, q)) return;
+  const MinkowskiDifference difference(a, b, q.a, q.b);
+  CoreContact c;
+  if (!find_nearest(difference, r, q, sink, c)) return;
+  const bool first = sides.polyhedron_first;
+  const Mat3 &turn = difference.rotation, back = turn.transpose();
+  const CoreAndPolyhedron pair{sides.polyhedron, first ? turn : back,
+                               first ? difference.offset : Vec3(-(back * difference.offset)), sides.shape,
+                               sides.facing};
+  const NearestPoint nearest = first ? NearestPoint{c.middle, c.normal, c.gap}
+                                     : NearestPoint{back * (c.middle - difference.offset), -(back * c.normal), c.gap};
+  const Patch patch = core_patch(pair, nearest, q.reach, first ? r.sweep_a : r.sweep_b, first ? r.sweep_b : r.sweep_a);
+  const Mat3 to_world = q.a.orientation.toRotationMatrix();
+  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  for (int k = 0; k < patch.count; ++k) {
+    const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+    const Vec3 x = first ? p.position : Vec3(turn * p.position + difference.offset);
+    sink.add({p.gap, to_world * c.normal, to_world * x, radius, p.feature});
+  }
 }
 
 void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q,

@@ -1,6 +1,7 @@
 /// @file convex_pairs.h  Convex pairs without a closed form: polyhedra by their features, everything else by GJK and
 /// EPA.
 #pragma once
+#include "detection/narrow/core_patch.h"
 #include "detection/narrow/manifold.h"
 #include "detection/narrow/minkowski.h"
 #include "detection/narrow/pair_query.h"
@@ -16,6 +17,22 @@ struct RoundedPair {
 void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& rounded, const PairQuery& q,
                    ContactSink& sink);
 
+/// The same where one is a polyhedron and the other has flat sides: up to 4 points. `sides`: of the core, as in
+/// CoreAndPolyhedron.
+struct FlatCore {
+  const PolyhedronView& polyhedron;
+  const void* shape;
+  FlatSide (*facing)(const void* shape, const Vec3& d);
+  bool polyhedron_first;  ///< it is A
+};
+void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& sides, const RoundedPair& rounded,
+                       const PairQuery& q, ContactSink& sink);
+
+template <HasFlatSides S>
+FlatSide facing_of(const void* shape, const Vec3& d) {
+  return static_cast<const S*>(shape)->facing(d);
+}
+
 /// Signed distance by features, up to 4 points by clipping.
 void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& rounded, const PairQuery& q,
                        ContactSink& sink);
@@ -30,6 +47,12 @@ template <ConvexShape A, ConvexShape B>
 void collide(const A& a, const B& b, const PairQuery& q, ContactSink& sink) {
   if constexpr (PolyhedralShape<A> && PolyhedralShape<B>) {
     collide_polyhedra(a.view(), b.view(), rounded_pair(a, b), q, sink);
+  } else if constexpr (PolyhedralShape<A> && HasFlatSides<B>) {
+    collide_flat_core(ConvexRef::to(a), ConvexRef::to(b), {a.view(), &b, facing_of<B>, true}, rounded_pair(a, b), q,
+                      sink);
+  } else if constexpr (HasFlatSides<A> && PolyhedralShape<B>) {
+    collide_flat_core(ConvexRef::to(a), ConvexRef::to(b), {b.view(), &a, facing_of<A>, false}, rounded_pair(a, b), q,
+                      sink);
   } else {
     collide_cores(ConvexRef::to(a), ConvexRef::to(b), rounded_pair(a, b), q, sink);
   }

@@ -37,6 +37,17 @@ Verdict judge(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles
   return verdict;
 }
 
+/// All triangles lie in one flat part and none at its rim: the body sees a plane. (Where the part ended below the body,
+/// one of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so, 14 us triangle by triangle
+/// (perf/mesh.cpp).
+bool is_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles) {
+  return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+    const auto& kinds = mesh.edge_kinds[t];
+    return mesh.flat_group[t] == mesh.flat_group[triangles.front()] &&
+           std::all_of(kinds.begin(), kinds.end(), [](EdgeKind k) { return k == EdgeKind::flat; });
+  });
+}
+
 /// The inside of the triangle, up to `tolerance` beyond its sides, seen along its normal.
 bool projects_into(const std::array<Vec3, 3>& corner, const Vec3& normal, const Vec3& x, double tolerance) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -70,6 +81,21 @@ class PolyhedronOnMesh {
         tolerance_(on_surface * body.radius) {}
 
   const Vec3& centre() const { return pose_.position; }
+  const TriangleMesh& mesh() const { return mesh_; }
+
+  /// The corners of the face that looks at the plane of t.
+  void collide_plain(std::uint32_t t, std::vector<MeshPoint>& out) const {
+    const Vec3 n = normal_towards(mesh_, t, centre());
+    const Vec3 on_plane = mesh_.corners(t)[0];
+    const std::uint32_t face = face_against(body_, turn_.transpose() * n);
+    for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k) {
+      const std::uint32_t v = body_.face_vertices[k];
+      const Vec3 x = centre() + turn_ * body_.vertices[v];
+      const double gap = n.dot(x - on_plane) - sweep_;
+      const auto name = static_cast<std::uint32_t>(FeatureKind::vertex_a) << 24 | v << 2;
+      if (gap < reach_) out.push_back({x - (sweep_ + 0.5 * gap) * n, n, gap, mesh_feature(mesh_.flat_group[t], name)});
+    }
+  }
 
   void collide(std::uint32_t t, std::vector<MeshPoint>& out, ContactSink& sink) const {
     const double limit = reach_ + sweep_;
@@ -196,6 +222,12 @@ class CoreOnMesh {
         tolerance_(on_surface * body.core.radius) {}
 
   const Vec3& centre() const { return pose_.position; }
+  const TriangleMesh& mesh() const { return mesh_; }
+
+  /// The closed form against the plane of t.
+  void collide_plain(std::uint32_t t, std::vector<MeshPoint>& out) const {
+    on_plane(t, mesh_.corners(t), normal_towards(mesh_, t, centre()), out, infinity);
+  }
 
   void collide(std::uint32_t t, std::vector<MeshPoint>& out, ContactSink& sink) const {
     const auto corner = mesh_.corners(t);
@@ -214,7 +246,7 @@ class CoreOnMesh {
       out.push_back({d.on_mesh + 0.5 * gap * d.normal, d.normal, gap, mesh_feature(t, 1u << 24)});
       return;
     }
-    if (on_plane(t, corner, face_normal, out) || !is_face) return;
+    if (on_plane(t, corner, face_normal, out, tolerance_) || !is_face) return;
     // The triangle lies under the middle of a flat side, where the plane's own points do not reach: its point nearest
     // to the axis is surely under the side.
     const Vec3 deepest = centre() + turn_ * body_.core.support(turn_.transpose() * -face_normal);
@@ -242,8 +274,10 @@ class CoreOnMesh {
                        (on_mesh - centre()).norm() <= body_.core.radius + tolerance_;
     return {true, -p.upper, normal, sound ? on_mesh : nearest_on_triangle(centre(), corner).point};
   }
-  /// The closed form against the triangle's plane, those of its points that lie over the triangle.
-  bool on_plane(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n, std::vector<MeshPoint>& out) const {
+  /// The closed form against the triangle's plane, those of its points that lie over the triangle or less than `beside`
+  /// [m] off.
+  bool on_plane(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n, std::vector<MeshPoint>& out,
+                double beside) const {
     static thread_local ContactSet set;  // keeps its size
     set.clear();
     ContactSink sink(set);
@@ -251,7 +285,7 @@ class CoreOnMesh {
     bool any = false;
     for (std::size_t k = 0; k < set.size(); ++k) {
       const Vec3 x = centre() + set.arm[k];
-      if (!projects_into(corner, mesh_.normals[t], x, tolerance_)) continue;
+      if (!projects_into(corner, mesh_.normals[t], x, beside)) continue;
       const auto name = static_cast<std::uint32_t>((set.feature[k] >> 44 & 3u) << 22 |
                                                    (set.feature[k] >> 22 & 0xffu) << 8 | (set.feature[k] & 0xffu));
       out.push_back({x, n, set.gap[k], mesh_feature(mesh_.flat_group[t], name)});
@@ -275,7 +309,10 @@ void collide_all(const BodyOnMesh& body, std::span<const std::uint32_t> triangle
                  const PairQuery& q, ContactSink& sink) {
   static thread_local std::vector<MeshPoint> points;
   points.clear();
-  for (const auto t : triangles) body.collide(t, points, sink);
+  if (is_plain(body.mesh(), triangles))
+    body.collide_plain(triangles.front(), points);
+  else
+    for (const auto t : triangles) body.collide(t, points, sink);
   reduce(points, size);
   emit(points, body.centre(), radius, q, sink);
 }

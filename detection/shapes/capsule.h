@@ -1,6 +1,7 @@
 /// @file capsule.h  Cylinder with two half spheres, axis z: all points within r of a segment.
 #pragma once
 #include "detection/shapes/equal_volume.h"
+#include "detection/shapes/flat_side.h"
 #include "detection/shapes/shape_concept.h"
 
 namespace epafi {
@@ -44,6 +45,14 @@ struct Capsule {
     return {0.0, 0.0, d.z() < 0.0 ? -half_length() : half_length()};
   }  // core: a segment
   double rounding() const { return radius; }
+  /// The axis, where d looks across it.
+  FlatSide facing(const Vec3& d) const {
+    FlatSide side;
+    if (!(d.z() * d.z() < facing_sine * facing_sine * d.squaredNorm())) return side;
+    side.corner[0] = {0.0, 0.0, -half_length()}, side.corner[1] = {0.0, 0.0, half_length()};
+    side.count = 2;
+    return side;
+  }
 
  private:
   double contact_radius_;

@@ -1,6 +1,7 @@
 /// @file cylinder.h  Right circular cylinder about its centre, axis z.
 #pragma once
 #include "detection/shapes/equal_volume.h"
+#include "detection/shapes/flat_side.h"
 #include "detection/shapes/shape_concept.h"
 
 namespace epafi {
@@ -44,6 +45,22 @@ struct Cylinder {
     return {radius * (d.x() / across), radius * (d.y() / across), z};
   }
   double rounding() const { return 0.0; }
+  /// Eight points of the rim of the end that d looks at, or the line of the side.
+  FlatSide facing(const Vec3& d) const {
+    FlatSide side;
+    const double across2 = d.x() * d.x() + d.y() * d.y(), limit = facing_sine * facing_sine * d.squaredNorm();
+    if (across2 < limit) {
+      const double z = d.z() < 0.0 ? -half_length() : half_length(), q = 0.70710678118654752440 * radius;
+      side.corner = {Vec3(radius, 0, z),  Vec3(q, q, z),   Vec3(0, radius, z),  Vec3(-q, q, z),
+                     Vec3(-radius, 0, z), Vec3(-q, -q, z), Vec3(0, -radius, z), Vec3(q, -q, z)};
+      side.count = 8;
+    } else if (d.z() * d.z() < limit) {
+      const double across = std::sqrt(across2), x = radius * (d.x() / across), y = radius * (d.y() / across);
+      side.corner[0] = {x, y, -half_length()}, side.corner[1] = {x, y, half_length()};
+      side.count = 2;
+    }
+    return side;
+  }
 
  private:
   double contact_radius_;

@@ -73,6 +73,17 @@ TriangleSurface tessellate(const Ellipsoid& ellipsoid, const Fineness& fineness)
   return s;
 }
 
+TriangleSurface tessellate(const Superquadric& superquadric, const Fineness& fineness) {
+  TriangleSurface s = tessellate(Sphere{1.0}, fineness);
+  const double n = superquadric.across, m = superquadric.along;
+  for (Vec3& v : s.vertices) {  // the left side of the surface's equation is homogeneous of degree m
+    const Vec3 u = v.cwiseAbs();
+    const double level = std::pow(std::pow(u.x(), n) + std::pow(u.y(), n), m / n) + std::pow(u.z(), m);
+    v = v.cwiseProduct(superquadric.semi_axes) * std::pow(level, -1.0 / m);
+  }
+  return s;
+}
+
 TriangleSurface tessellate(const ConvexHull& hull, const Fineness&) {
   TriangleSurface s{hull.vertices, {}};
   for (std::size_t f = 0; f + 1 < hull.face_begin.size(); ++f)

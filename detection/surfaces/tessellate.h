@@ -19,6 +19,7 @@ struct Fineness {
 [[nodiscard]] TriangleSurface tessellate(const Capsule& capsule, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const Cylinder& cylinder, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const Ellipsoid& ellipsoid, const Fineness& fineness = {});
+[[nodiscard]] TriangleSurface tessellate(const Superquadric& superquadric, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const TriangleMesh& mesh, const Fineness& fineness = {});
 
 [[nodiscard]] inline TriangleSurface tessellate(const ShapeStore& shapes, ShapeRef ref, const Fineness& fineness = {}) {

@@ -1,5 +1,7 @@
 #include "laws/wheel_rail/normal_models.h"
 
+#include <cmath>
+
 #include "laws/wheel_rail/normal/models.h"
 
 namespace epafi {
@@ -13,9 +15,45 @@ const std::vector<NormalModel>& all_normal_models() {
         {},
         "Hertz 1882; Pascal, Sauvage 1993"},
        solve_multi_hertz},
+      {{"kik-piotrowski",
+        "virtual penetration at 0.55 of the approach, no iteration over the patch",
+        {},
+        {},
+        "Kik, Piotrowski 1996"},
+       solve_kik_piotrowski},
+      {{"semi-hertz",
+        "strips: Hertz along the track, exact influence of strip on strip across it",
+        {},
+        {},
+        "Kik, Piotrowski 1996; Ayasse, Chollet 2005"},
+       solve_semi_hertz,
+       true},
       {{"half-space", "boundary elements on the whole gap", {}, {}, "Polonsky, Keer 1999; Kalker 1990"},
-       solve_half_space}};
+       solve_half_space,
+       true},
+      {{"fem", "hexahedra, Lagrange multipliers, node-to-surface", {}, {}, "Wriggers 2006"}, solve_fem, true},
+      {{"fem-penalty", "hexahedra, penalty, node-to-surface", {}, {}, "Wriggers 2006"}, solve_fem_penalty, true},
+      {{"fem-augmented", "hexahedra, augmented Lagrangian, node-to-surface", {}, {}, "Simo, Laursen 1992"},
+       solve_fem_augmented,
+       true},
+      {{"fem-surface", "hexahedra, augmented Lagrangian, surface-to-surface", {}, {}, "Simo, Laursen 1992"},
+       solve_fem_surface,
+       true}};
   return all;
+}
+
+PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, double approach) {
+  PatchPlace out{0.0, region.angle};
+  const GapProfile& g = region.profile;
+  double w = 0.0, wy = 0.0, wa = 0.0;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    const double depth = (approach - g.gap[k]) / approach;
+    if (depth <= 0.0) continue;
+    const double one = depth * depth * std::sqrt(depth / g.curvature_x[k]);  // depth^2 over the strip's length
+    w += one, wy += one * g.y(k), wa += one * source.angle_at(region, g.y(k));
+  }
+  if (w > 0.0) out.y = wy / w, out.angle = wa / w;
+  return out;
 }
 
 }  // namespace epafi

@@ -18,6 +18,7 @@ struct NormalInput {
   ElasticPair elastic;
   NormalTarget target;        ///< force along the normal, or approach
   double dx = 0.0, dy = 0.0;  ///< cells [m]; 0: the shorter axis has 32
+  double approach = 0.0;      ///< an estimate of it where one is known [m], 0: none
 };
 
 struct RegionPatch {
@@ -28,7 +29,17 @@ struct RegionPatch {
 struct NormalModel {
   Entry entry;
   std::vector<RegionPatch> (*solve)(const NormalInput&);
+  bool whole_gap = false;  ///< takes the gap over the patch, not the curvatures at the rigid contact point
 };
+
+/// Where a patch lies: mean place and angle of the undeformed overlap at this approach, weighted by the square of its
+/// depth over the area (the reference position that CONTACT prints).
+struct PatchPlace {
+  double y = 0.0, angle = 0.0;  ///< in the region's tangent plane [m]; track axes [rad]
+};
+/// Approach of a case by a few strips (semi_hertz.cpp): to start finer models from [m].
+double estimate_approach(const NormalInput& in);
+PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, double approach);
 
 const std::vector<NormalModel>& all_normal_models();
 

@@ -10,16 +10,17 @@
 namespace epafi {
 
 struct NormalPatch {
-  Ellipse ellipse;                        ///< of Hertz, or the one with the patch's second moments of pressure
-  bool is_ellipse = true;                 ///< no grid: the pressure is that of Hertz
-  bool is_line = false;                   ///< plane contact over the length 2 b, the ellipse a by b is its box
-  double normal_force = 0.0;              ///< [N]
-  double approach = 0.0;                  ///< [m]
-  double max_pressure = 0.0;              ///< [Pa]
-  double area = 0.0;                      ///< [m^2]
-  PatchGrid grid;                         ///< centred on (centre_x, centre_y)
+  Ellipse ellipse;            ///< of Hertz, or the one with the patch's second moments of pressure
+  bool is_ellipse = true;     ///< no grid: the pressure is that of Hertz
+  bool is_line = false;       ///< plane contact over the length 2 b, the ellipse a by b is its box
+  double normal_force = 0.0;  ///< [N]
+  double approach = 0.0;      ///< [m]
+  double max_pressure = 0.0;  ///< [Pa]
+  double area = 0.0;          ///< [m^2]
+  PatchGrid grid;
+  double grid_x = 0.0, grid_y = 0.0;      ///< middle of the grid in the tangent plane [m]
   std::vector<double> pressure;           ///< by cell [Pa]; empty for an ellipse
-  double centre_x = 0.0, centre_y = 0.0;  ///< centre of pressure from the grid's middle [m]
+  double centre_x = 0.0, centre_y = 0.0;  ///< centre of pressure in the tangent plane [m]
   double error_estimate = 0.0;            ///< relative, of the peak pressure
   std::vector<std::string> reasons;       ///< why it should not be trusted; empty: valid
 };

@@ -11,9 +11,20 @@
 namespace epafi {
 namespace {
 
-RollingCase case_of(const TangentialInput& in) {
-  return {in.patch.ellipse, in.patch.normal_force, in.elastic, in.friction, in.creepage};
+/// Creepage at (x, y) of the tangent plane: spin turns it over the patch.
+Creepage creepage_at(const Creepage& c, double x, double y) {
+  return {c.longitudinal - c.spin * y, c.lateral + c.spin * x, c.spin};
 }
+
+RollingCase case_of(const TangentialInput& in) {
+  const NormalPatch& p = in.patch;
+  return {p.ellipse, p.normal_force, in.elastic, in.friction, creepage_at(in.creepage, p.centre_x, p.centre_y)};
+}
+/// The same for cells whose coordinates count from the middle of the patch's grid.
+Creepage creepage_of_cells(const TangentialInput& in) {
+  return creepage_at(in.creepage, in.patch.grid_x, in.patch.grid_y);
+}
+
 KalkerCoefficients coefficients(const RollingCase& c) {
   return kalker_coefficients(c.ellipse.a / c.ellipse.b, c.elastic.poissons_ratio);
 }
@@ -105,7 +116,7 @@ TangentialOutcome solve_polach(const TangentialInput& in) {
 
 TangentialOutcome solve_coulomb(const TangentialInput& in) {
   TangentialOutcome out;
-  const Creepage& s = in.creepage;
+  const Creepage s = case_of(in).creepage;
   const double size = std::hypot(s.longitudinal, s.lateral), bound = in.friction * in.patch.normal_force;
   if (size > 0.0) out.force = {-bound * s.longitudinal / size, -bound * s.lateral / size, 0.0};
   out.stick_share = 0.0;
@@ -151,7 +162,7 @@ TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
   const Regime r = regime_of(c, k);
   const StripPatch patch = strips_of(in, bound);
   const StripSolution s =
-      fastsim(patch, kalker_flexibility(c, k, FlexibilityRule::blended), in.friction, in.creepage, in.store);
+      fastsim(patch, kalker_flexibility(c, k, FlexibilityRule::blended), in.friction, creepage_of_cells(in), in.store);
   out.force = s.force;
   out.stick_share = s.stick_share;
   if (in.store) out.map = map_of_strips(patch, s);
@@ -182,7 +193,9 @@ TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
     if (c.creepage.spin != 0.0) out.reasons.push_back("spin of a line contact is not plane");
     return out;
   }
-  const StripSolution s = mended ? fastrip(patch, c, k, in.store) : strip_theory(patch, c, in.store);
+  RollingCase cells = c;
+  cells.creepage = creepage_of_cells(in);
+  const StripSolution s = mended ? fastrip(patch, cells, k, in.store) : strip_theory(patch, cells, in.store);
   out.force = s.force;
   out.stick_share = s.stick_share;
   if (in.store) out.map = map_of_strips(patch, s);
@@ -208,7 +221,7 @@ TangentialOutcome solve_half_space(const TangentialInput& in) {
   const BoundLevels levels = p.is_ellipse
                                  ? bound_of_ellipse(p.ellipse, p.normal_force, in.friction, in.cells.nx, in.cells.ny)
                                  : bound_of_pressure(p.grid, p.pressure, in.friction);
-  const ExtrapolatedRolling s = solve_extrapolated(levels, in.elastic, in.creepage);
+  const ExtrapolatedRolling s = solve_extrapolated(levels, in.elastic, creepage_of_cells(in));
   out.force = s.force;
   out.stick_share = s.fine.stick_share;
   out.error_estimate = levels.size() > 1 ? s.error_estimate : 0.1;
@@ -237,7 +250,7 @@ TangentialOutcome solve_half_space(const TangentialInput& in) {
 template <TangentialOutcome (*Model)(const TangentialInput&)>
 TangentialOutcome complete(const TangentialInput& in) {
   TangentialOutcome out = Model(in);
-  out.wear_number = dissipation(out.force, in.creepage);
+  out.wear_number = dissipation(out.force, case_of(in).creepage);
   return out;
 }
 

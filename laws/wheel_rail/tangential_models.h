@@ -15,7 +15,7 @@ struct TangentialInput {
   const NormalPatch& patch;
   ElasticPair elastic;
   double friction = 0.0;
-  Creepage creepage;   ///< at the centre of pressure
+  Creepage creepage;   ///< at the origin of the tangent plane
   PatchGrid cells;     ///< cells over an elliptic patch; those of the patch's own grid otherwise
   bool store = false;  ///< keep tractions and slips by cell
 };

@@ -44,7 +44,8 @@ struct SolveOptions {
 
 struct PatchOptions {
   bool json = false;
-  std::string maps;  ///< folder for pressure, traction and slip maps; empty: none
+  bool geometry = false;  ///< rigid geometry of the wheelset instead of the models
+  std::string maps;       ///< folder for pressure, traction and slip maps; empty: none
 };
 
 int command_run(const CommonOptions& common, const RunOptions& options);

@@ -65,7 +65,7 @@ void append_pairs(std::string& out, const std::vector<Entry>& shapes) {
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "scenes", "pairs"};
+  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "patch_models", "scenes", "pairs"};
   return kinds;
 }
 
@@ -77,7 +77,9 @@ std::string list_text(const Registry& registry, std::string_view kind) {
                         {"solvers", "solvers: [contact.nonsmooth] solver", registry.solvers},
                         {"broad_phases", "broad phases: [detection] broad_phase", registry.broad_phases},
                         {"schemes", "schemes: [run] scheme", registry.schemes},
-                        {"measures", "measures: [[measure]] kind", registry.measures}};
+                        {"measures", "measures: [[measure]] kind", registry.measures},
+                        {"patch_models", "normal models: [patch] normal", registry.patch_normal_models},
+                        {"patch_models", "tangential models: [patch] tangential", registry.patch_tangential_models}};
   const auto& kinds = list_kinds();
   if (!kind.empty() && std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
     throw SceneError("unknown kind '" + std::string(kind) + "'" + suggestion(kind, kinds, "kinds"));

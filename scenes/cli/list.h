@@ -7,7 +7,7 @@
 
 namespace epafi {
 
-/// Words for `epafi list KIND`: shapes, laws, solvers, broad_phases, schemes, measures, pairs.
+/// Words for `epafi list KIND`: shapes, laws, solvers, broad_phases, schemes, measures, patch_models, scenes, pairs.
 const std::vector<std::string>& list_kinds();
 
 /// Name, one line, and each parameter with symbol, unit, default and range; of one kind, or of all where it is empty.

@@ -88,6 +88,7 @@ int main(int argc, char** argv) {
   auto* patch_command = app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
   add_scene_flags(patch_command, common);
   patch_command->add_flag("--json", patch.json, "print the results as JSON on stdout");
+  patch_command->add_flag("--geometry", patch.geometry, "contact places, rolling radius difference and conicity as CSV instead");
   patch_command->add_option("--maps", patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
   StudyOptions study;
   SweepOptions sweep;

@@ -11,6 +11,12 @@ int command_patch(const CommonOptions& common, const PatchOptions& options) {
   const PatchReading reading = read_patch(common.scene, common.overrides);
   if (!reading.patch) throw SceneError(reading.problems);
   for (const auto& p : reading.problems) std::fprintf(stderr, "%s\n", p.to_string().c_str());
+  if (options.geometry) {
+    if (!reading.patch->profiles) throw SceneError("--geometry needs a case with a wheel_profile and a rail_profile");
+    const std::string csv = patch_geometry_csv(*reading.patch);
+    std::fwrite(csv.data(), 1, csv.size(), stdout);
+    return exit_done;
+  }
   const std::vector<PatchResult> results = evaluate_patch(*reading.patch, !options.maps.empty());
   const std::string text = options.json ? patch_json(results) : patch_table(results);
   if (!options.maps.empty()) write_patch_maps(options.maps, results);

@@ -24,6 +24,8 @@ class QuadraticGap final : public GapSource {
     r.wheel_curvature = 1.0 / y1_, r.rail_curvature = 1.0 / y2_;
     return {r};
   }
+  ContactRegion moved(const ContactRegion& region, double, double) const override { return region; }
+  double angle_at(const ContactRegion&, double) const override { return 0.0; }
   GapField field(const ContactRegion&, double cx, double cy, double dx, double dy, std::size_t nx,
                  std::size_t ny) const override {
     GapField f;
@@ -48,44 +50,99 @@ const typename List::value_type& model_named(const List& list, const std::string
   return *std::find_if(list.begin(), list.end(), [&](const auto& m) { return m.entry.name == name; });
 }
 
-/// Normal contact of the case by one model; a line contact and a given ellipse are Hertz whatever the name.
+/// Geometry of the case, found once, and its normal contact by any model; a line contact and a given ellipse are Hertz
+/// whatever the name.
 struct NormalSolver {
   const PatchCase& c;
   std::unique_ptr<GapSource> source;
-  std::vector<ContactRegion> regions;
+  std::vector<ContactRegion> rigid;   ///< at the rigid contact points
+  std::vector<ContactRegion> seated;  ///< the deepest one at the middle of the patch
+  double approach = 0.0;              ///< estimated [m]
+  double mean_radius = 0.0;           ///< speed over angular velocity of the wheelset [m]
+  double seconds = 0.0;
 
   explicit NormalSolver(const PatchCase& patch) : c(patch) {
+    if (c.profiles) place_wheel(*c.profiles);
     if (!c.radii) return;
     const double A = 0.5 * (1.0 / c.radii->x1 + 1.0 / c.radii->x2), B = 0.5 * (1.0 / c.radii->y1 + 1.0 / c.radii->y2);
     if (A > 0.0 && B > 0.0) {
       source = std::make_unique<QuadraticGap>(A, B, c.radii->y1, c.radii->y2);
-      regions = source->regions();
+      rigid = seated = source->regions();
     }
   }
 
-  std::vector<RegionPatch> solve(const std::string& model) const {
+  void place_wheel(const ProfileCase& p) {
+    WheelsetPosition position = p.position;
+    mean_radius = p.rolling_radius.value_or(0.0);
+    if (!p.roll_given || !p.rolling_radius) {
+      const WheelsetGeometry g = stand_on_rails(p.wheel, p.rail, p.track, position);
+      if (!p.roll_given) position.roll = g.position.roll;
+      if (!p.rolling_radius) mean_radius = 0.5 * (g.left.rolling_radius + g.right.rolling_radius);
+    }
+    const double start = cpu_seconds();
+    auto pair = std::make_unique<WheelRailPair>(p.wheel, p.rail, p.track, p.right);
+    pair->place(position);
+    pair->touch();
+    rigid = pair->regions();
+    source = std::move(pair);
+    if (rigid.empty()) return;
+    NormalTarget normal = c.target;
+    if (normal.by_force) normal.value /= std::cos(rigid.front().angle);
+    approach = estimate_approach({*source, rigid, c.elastic, normal});
+    const PatchPlace at = place_of_patch(*source, rigid.front(), approach);
+    seated = rigid;
+    seated.front() = source->moved(rigid.front(), at.y, at.angle);
+    seconds = cpu_seconds() - start;
+  }
+
+  /// Regions a model works on.
+  const std::vector<ContactRegion>& regions(const std::string& model) const {
+    return model_named(all_normal_models(), model).whole_gap ? seated : rigid;
+  }
+
+  std::vector<RegionPatch> solve(const std::string& model, const NormalTarget& target) const {
     const double E = c.elastic.effective_modulus();
     if (c.ellipse) {
-      RegionPatch p{0, patch_of_hertz(hertz_of_ellipse(*c.ellipse, E, c.target.value))};
+      RegionPatch p{0, patch_of_hertz(hertz_of_ellipse(*c.ellipse, E, target.value))};
       if (model != "hertz")
         p.patch.reasons.push_back("a given ellipse has Hertz' pressure; model '" + model + "' was not run");
       return {p};
     }
-    if (!source) return {line(model)};
-    return model_named(all_normal_models(), model).solve({*source, regions, c.elastic, c.target, c.dx, c.dy});
+    if (c.profiles && rigid.empty()) {
+      RegionPatch none;
+      none.patch.reasons.push_back("wheel and rail do not meet at this place of the wheelset");
+      return {none};
+    }
+    if (!source) return {line(model, target)};
+    return model_named(all_normal_models(), model)
+        .solve({*source, regions(model), c.elastic, target, c.dx, c.dy, approach});
   }
 
-  RegionPatch line(const std::string& model) const {
+  RegionPatch line(const std::string& model, const NormalTarget& target) const {
     const double A = 0.5 * (1.0 / c.radii->x1 + 1.0 / c.radii->x2), B = 0.5 * (1.0 / c.radii->y1 + 1.0 / c.radii->y2);
-    const LineContact l = hertz_line(std::max(A, B), c.elastic.effective_modulus(), c.target.value / *c.length);
+    const LineContact l = hertz_line(std::max(A, B), c.elastic.effective_modulus(), target.value / *c.length);
     RegionPatch out;
     NormalPatch& p = out.patch;
     p.is_line = true;
     p.ellipse = A > 0.0 ? Ellipse{l.half_width, 0.5 * *c.length} : Ellipse{0.5 * *c.length, l.half_width};
-    p.normal_force = c.target.value, p.max_pressure = l.max_pressure, p.area = 2.0 * l.half_width * *c.length;
+    p.normal_force = target.value, p.max_pressure = l.max_pressure, p.area = 2.0 * l.half_width * *c.length;
     if (model != "hertz")
       p.reasons.push_back("a line contact is Hertz' plane solution; model '" + model + "' was not run");
     return out;
+  }
+
+  /// Creepage at the middle of a patch: as given, or of the rigid wheelset rolling with its speed over its angular
+  /// velocity. The point of the wheel moves with V e_x + omega x r, omega = -(V / mean_radius) along the axle; the rail
+  /// stands still.
+  Creepage creepage(const ContactRegion& r) const {
+    if (!c.profiles || c.profiles->creepage_given) return c.creepage;
+    const ProfileCase& p = *c.profiles;
+    const double yaw = p.position.yaw, w = 1.0 / mean_radius;
+    const Vec3 axle(-std::sin(yaw), std::cos(yaw), 0.0),
+        centre(0.0, p.position.lateral_shift, r.point.z() - r.rolling_radius);
+    const Vec3 velocity = Vec3::UnitX() - w * axle.cross(r.point - centre);
+    const Vec3 t(0.0, std::cos(r.angle), std::sin(r.angle)), n(0.0, -t.z(), t.y());
+    return {-velocity.x(), -velocity.dot(t), w * axle.dot(n)};
   }
 };
 
@@ -93,12 +150,12 @@ struct NormalSolver {
 /// longer).
 PatchGrid cells_of(const PatchCase& c, const Ellipse& e) {
   const double shorter = 2.0 * std::min(e.a, e.b) / 32.0;
-  const auto count = [](double length, double cell) {
-    return std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(length / cell)), 2, 4096);
+  const auto count = [](double length, double cell, std::size_t most) {  // multiples of 4: two coarser grids exist
+    return std::clamp<std::size_t>((static_cast<std::size_t>(std::lround(length / cell)) + 2) / 4 * 4, 4, most);
   };
   PatchGrid g;
-  g.nx = c.dx > 0.0 ? count(2.0 * e.a, c.dx) : std::min<std::size_t>(256, (count(2.0 * e.a, shorter) + 3) / 4 * 4);
-  g.ny = c.dy > 0.0 ? count(2.0 * e.b, c.dy) : std::min<std::size_t>(256, (count(2.0 * e.b, shorter) + 3) / 4 * 4);
+  g.nx = c.dx > 0.0 ? count(2.0 * e.a, c.dx, 4096) : count(2.0 * e.a, shorter, 256);
+  g.ny = c.dy > 0.0 ? count(2.0 * e.b, c.dy, 4096) : count(2.0 * e.b, shorter, 256);
   g.dx = 2.0 * e.a / static_cast<double>(g.nx), g.dy = 2.0 * e.b / static_cast<double>(g.ny);
   return g;
 }
@@ -113,7 +170,8 @@ void add_normal(PatchResult& out, const RegionPatch& rp, const std::vector<Conta
   const NormalPatch& p = rp.patch;
   PatchContact c;
   if (rp.region < regions.size()) {
-    c.y_wheel = regions[rp.region].y_wheel, c.y_rail = regions[rp.region].y_rail, c.angle = regions[rp.region].angle;
+    c.y_wheel = regions[rp.region].y_wheel, c.y_rail = regions[rp.region].y_rail, c.point = regions[rp.region].point,
+    c.angle = regions[rp.region].angle;
   }
   c.semi_axes = p.ellipse, c.area = p.area, c.max_pressure = p.max_pressure, c.normal_force = p.normal_force;
   out.contacts.push_back(c);
@@ -123,10 +181,20 @@ void add_normal(PatchResult& out, const RegionPatch& rp, const std::vector<Conta
   add_reasons(out.reasons, p.reasons);
 }
 
-void add_tangential(PatchResult& out, const PatchCase& c, const RegionPatch& rp, const TangentialModel& model,
-                    bool maps) {
-  const TangentialOutcome t =
-      model.solve({rp.patch, c.elastic, c.friction, c.creepage, cells_of(c, rp.patch.ellipse), maps});
+/// Patches of the left wheel are those of its mirror image: lateral quantities change their sign on the way in and out.
+TangentialOutcome mirrored(TangentialOutcome t) {
+  t.force.fy = -t.force.fy, t.force.mz = -t.force.mz;
+  for (auto* column : {&t.map.y, &t.map.traction_y, &t.map.slip_y})
+    for (double& v : *column) v = -v;
+  return t;
+}
+
+void add_tangential(PatchResult& out, const PatchCase& c, const Creepage& creepage, const RegionPatch& rp,
+                    const TangentialModel& model, bool maps) {
+  const bool left = c.profiles && !c.profiles->right;
+  const Creepage seen = left ? Creepage{creepage.longitudinal, -creepage.lateral, -creepage.spin} : creepage;
+  TangentialOutcome t = model.solve({rp.patch, c.elastic, c.friction, seen, cells_of(c, rp.patch.ellipse), maps});
+  if (left) t = mirrored(std::move(t));
   PatchContact& contact = out.contacts.back();
   contact.force = t.force;
   contact.map = t.map;
@@ -156,28 +224,66 @@ void add_damage(PatchResult& out, const PatchCase& c) {
         "plastic pressure: p0 is more than 4 times the shear yield stress, the elastic solution does not last");
 }
 
+/// One pair of models under a normal force or approach.
+PatchResult evaluate_pair(const PatchCase& c, const NormalSolver& solver, const std::string& normal,
+                          const std::string& tangential, const std::vector<RegionPatch>& patches, bool maps) {
+  PatchResult out;
+  out.normal = normal, out.tangential = tangential, out.friction = !tangential.empty();
+  const auto& regions = solver.regions(normal);
+  for (const RegionPatch& rp : patches) {
+    add_normal(out, rp, regions);
+    if (tangential.empty() || !(rp.patch.normal_force > 0.0)) continue;
+    const Creepage creepage = rp.region < regions.size() ? solver.creepage(regions[rp.region]) : c.creepage;
+    add_tangential(out, c, creepage, rp, model_named(all_tangential_models(), tangential), maps);
+  }
+  if (!out.friction) out.stick_share = -1.0;
+  return out;
+}
+
+/// Vertical force of the contacts [N].
+double vertical_force(const PatchResult& r) {
+  double sum = 0.0;
+  for (const PatchContact& k : r.contacts) sum += k.normal_force * std::cos(k.angle) + k.force.fy * std::sin(k.angle);
+  return sum;
+}
+
+/// With profiles the load is vertical: the normal force follows from the inclination of the contact and from friction.
+PatchResult meet_load(const PatchCase& c, const NormalSolver& solver, const std::string& normal,
+                      const std::string& tangential, bool maps) {
+  NormalTarget target = c.target;
+  const bool inclined = c.profiles && target.by_force && !solver.rigid.empty();
+  if (inclined) target.value /= std::cos(solver.regions(normal).front().angle);
+  PatchResult out = evaluate_pair(c, solver, normal, tangential, solver.solve(normal, target), maps);
+  if (!inclined) return out;
+  double last_force = 0.0, last_error = 0.0;
+  for (int k = 0; k < 12; ++k) {
+    const double error = vertical_force(out) - c.target.value, force = target.value;
+    if (std::abs(error) < 1e-4 * c.target.value) return out;
+    // secant; the first step as if the vertical force were proportional
+    const double slope =
+        k > 0 && force != last_force ? (error - last_error) / (force - last_force) : (error + c.target.value) / force;
+    last_force = force, last_error = error;
+    target.value = std::max(0.01 * c.target.value, force - error / slope);
+    out = evaluate_pair(c, solver, normal, tangential, solver.solve(normal, target), maps);
+  }
+  out.reasons.push_back("the vertical force misses the load by " +
+                        std::to_string(vertical_force(out) - c.target.value) + " N after 12 rounds");
+  return out;
+}
+
 }  // namespace
 
 std::vector<PatchResult> evaluate_patch(const PatchCase& c, bool maps) {
   const NormalSolver solver(c);
   std::vector<PatchResult> all;
   for (const std::string& normal : c.normal) {
-    const double start = cpu_seconds();
-    std::vector<RegionPatch> patches = solver.solve(normal);
-    const double normal_seconds = cpu_seconds() - start;
     std::vector<std::string> tangential = c.tangential;
     if (tangential.empty()) tangential.push_back("");
     for (const std::string& name : tangential) {
       const double begin = cpu_seconds();
-      PatchResult out;
-      out.normal = normal, out.tangential = name, out.friction = !name.empty();
-      for (const RegionPatch& rp : patches) {
-        add_normal(out, rp, solver.regions);
-        if (!name.empty() && rp.patch.normal_force > 0.0)
-          add_tangential(out, c, rp, model_named(all_tangential_models(), name), maps);
-      }
+      PatchResult out = meet_load(c, solver, normal, name, maps);
       add_damage(out, c);
-      out.milliseconds = 1e3 * (normal_seconds + cpu_seconds() - begin);
+      out.milliseconds = 1e3 * (solver.seconds + cpu_seconds() - begin);
       all.push_back(std::move(out));
     }
   }

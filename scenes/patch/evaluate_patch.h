@@ -11,6 +11,7 @@ namespace epafi {
 
 struct PatchContact {
   double y_wheel = 0.0, y_rail = 0.0;  ///< lateral position of the centre of pressure [m]
+  Vec3 point = Vec3::Zero();           ///< track axes: x forwards, y to the right, z down [m]
   double angle = 0.0;                  ///< [rad]
   Ellipse semi_axes;
   double area = 0.0, max_pressure = 0.0, normal_force = 0.0;
@@ -40,6 +41,9 @@ std::vector<PatchResult> evaluate_patch(const PatchCase& patch, bool maps = fals
 std::string patch_json(const std::vector<PatchResult>& results);
 /// Writes pressures, tractions, slips and stick or slip of every solved patch to FOLDER/NORMAL_TANGENTIAL.csv and .vti.
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results);
+/// Rigid geometry of the case's wheelset at shifts of 0 to 8 mm as CSV: roll, contact places, rolling radius
+/// difference, equivalent conicity (EN 15302).
+std::string patch_geometry_csv(const PatchCase& patch);
 /// One line per result for people.
 std::string patch_table(const std::vector<PatchResult>& results);
 

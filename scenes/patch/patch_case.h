@@ -5,12 +5,24 @@
 #include <string>
 #include <vector>
 
+#include "detection/profiles/wheel_rail.h"
 #include "engine/error.h"
 #include "laws/wheel_rail/half_space/normal.h"
 #include "laws/wheel_rail/rolling.h"
 #include "scenes/reader/document.h"
 
 namespace epafi {
+
+/// A wheel on a rail by their profiles.
+struct ProfileCase {
+  Profile wheel, rail;
+  TrackGeometry track;
+  WheelsetPosition position;  ///< height is found
+  bool right = true;
+  bool roll_given = false;               ///< else from the rigid geometry of both wheels
+  std::optional<double> rolling_radius;  ///< speed over angular velocity [m]; else the mean of both wheels
+  bool creepage_given = false;           ///< else from the kinematics of the rolling wheelset
+};
 
 struct PatchCase {
   std::string title, file;
@@ -23,7 +35,8 @@ struct PatchCase {
   struct Radii {
     double x1, x2, y1, y2;
   };
-  std::optional<Radii> radii;    ///< [m]; infinite: flat, negative: concave
+  std::optional<Radii> radii;  ///< [m]; infinite: flat, negative: concave
+  std::optional<ProfileCase> profiles;
   std::optional<double> length;  ///< of a line contact [m]
   std::vector<std::string> normal, tangential;
   double dx = 0.0, dy = 0.0;  ///< cells [m]; 0: the shorter axis has 32

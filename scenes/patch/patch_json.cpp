@@ -17,6 +17,8 @@ std::string object(const Members& members, const char* separator = ", ") {
 std::string contact_json(const PatchContact& c) {
   return object({{"y_wheel", json_number(c.y_wheel)},
                  {"y_rail", json_number(c.y_rail)},
+                 {"point", "[" + json_number(c.point.x()) + ", " + json_number(c.point.y()) + ", " +
+                               json_number(c.point.z()) + "]"},
                  {"angle", json_number(c.angle)},
                  {"semi_axes", "[" + json_number(c.semi_axes.a) + ", " + json_number(c.semi_axes.b) + "]"},
                  {"area", json_number(c.area)},

@@ -42,7 +42,37 @@ std::vector<std::string> names(const List& list) {
   return out;
 }
 
+Field side_field() {
+  Field f{"side", "", "", Kind::text, Value(std::string("right")), {}, "of the track"};
+  f.choices = {"left", "right"};
+  return f;
+}
+Field text(std::string name, std::string help) {
+  Field f{std::move(name), "", "", Kind::text, std::nullopt, {}, std::move(help)};
+  f.optional = true;
+  return f;
+}
+
 }  // namespace
+
+std::vector<Field> wheel_profile_fields() {
+  return {
+      text("file",
+           "CSV of y from the tape circle (flange negative) and z (increase of radius); first line `# unit: mm`"),
+      text("name", "a built-in profile in place of a file: s1002"),
+      with_default(number("radius", "r0", "m", positive, "at the tape circle"), 0.46),
+      with_default(
+          number("smoothing", "", "m", not_negative, "root mean square distance of the spline from the points"), 0.0)};
+}
+
+std::vector<Field> rail_profile_fields() {
+  return {
+      text("file", "CSV of y from the rail's axis (gauge side positive) and z below the top; first line `# unit: mm`"),
+      text("name", "a built-in profile in place of a file: 60e1, uic60"),
+      with_default(number("cant", "", "rad", {-0.5, 0.5}, "towards the gauge side"), 0.0),
+      with_default(
+          number("smoothing", "", "m", not_negative, "root mean square distance of the spline from the points"), 0.0)};
+}
 
 std::vector<Field> patch_fields() {
   const Range some{1, infinity}, any{0, infinity}, two{2, 2};
@@ -68,6 +98,16 @@ std::vector<Field> patch_fields() {
       table(
           "grid", "cells; the shorter axis has 32 where not written",
           {needed(number("dx", "dx", "m", positive, "along x")), needed(number("dy", "dy", "m", positive, "along y"))}),
+      with_default(number("lateral_shift", "y", "m", any_number, "of the wheelset to the right"), 0.0),
+      with_default(number("yaw", "psi", "rad", {-0.2, 0.2}, "of the wheelset, x towards y"), 0.0),
+      number("roll", "phi", "rad", {-0.2, 0.2},
+             "of the wheelset, y towards z; from the contact of both wheels where not written"),
+      with_default(number("gauge", "", "m", positive, "between the rails' gauge faces, 14 mm below their top"), 1.435),
+      with_default(number("flange_back", "", "m", positive, "between the wheels' inner faces"), 1.36),
+      with_default(number("tape_circle", "", "m", positive, "from the wheel's inner face to the tape circle"), 0.07),
+      number("rolling_radius", "", "m", positive,
+             "speed over angular velocity; the mean of both wheels where not written"),
+      side_field(),
       words("materials", "those of the two bodies", two, {})};
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "engine/nearest.h"
 #include "laws/wheel_rail/normal_models.h"
@@ -8,6 +9,7 @@
 #include "scenes/patch/patch_case.h"
 #include "scenes/patch/patch_schema.h"
 #include "scenes/reader/parts.h"
+#include "viz_export/side_file.h"
 
 namespace epafi {
 namespace {
@@ -16,7 +18,7 @@ const char* kind_of(const Node& node) { return type_name(node.type); }
 
 /// The tables a case may have.
 void check_tables(Reading& reading) {
-  const std::vector<std::string> known{"title", "include", "params", "material", "contact", "patch"};
+  const std::vector<std::string> known{"title", "include", "params", "material", "contact", "shape", "patch"};
   for (const auto& [key, place, value] : reading.root.members) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     reading.error(place, "unknown table or key '" + key + "' in a patch case" + suggestion(key, known, "known"));
@@ -80,10 +82,81 @@ void set_materials(Reading& reading, const TableValues& patch, PatchCase& out) {
   if (a->yield || b->yield) out.yield = std::min(a->yield.value_or(INFINITY), b->yield.value_or(INFINITY));
 }
 
+/// Points of a profile by file or by name; reports what is wrong with either.
+std::optional<ProfilePoints> profile_points(Reading& reading, const TableValues& v, const std::string& label,
+                                            const std::vector<std::string>& names) {
+  if (v.has("file") == v.has("name")) {
+    reading.error(v.place, label + ": write one of file and name");
+    return std::nullopt;
+  }
+  if (v.has("name")) {
+    const std::string& name = v.text("name");
+    if (std::find(names.begin(), names.end(), name) != names.end()) return *built_in_profile(name);
+    reading.error(v.place_of("name"),
+                  "unknown profile '" + name + "' in " + label + suggestion(name, names, "built in"));
+    return std::nullopt;
+  }
+  const std::string path = resolve_path(v.text("file"), v.place_of("file"), reading.main_file);
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(path, failure)) {
+    reading.error(v.place_of("file"), label + " file: there is no file '" + path + "'");
+    return std::nullopt;
+  }
+  ProfileFile file = read_profile(read_whole_file(path));
+  if (file.problem.empty()) return std::move(file.points);
+  reading.error({path, std::max(1, file.line), 1}, file.problem);
+  return std::nullopt;
+}
+
+/// The wheel and rail of [shape.*]; places and track come from [patch].
+void set_profiles(Reading& reading, const TableValues& patch, PatchCase& out) {
+  std::optional<Profile> wheel, rail;
+  ProfileCase c;
+  for (const auto& [name, place, node] : table_or_empty(reading, "shape").members) {
+    const std::string label = "[shape." + name + "]";
+    const Node* w = node.find("wheel_profile");
+    const Node* r = node.find("rail_profile");
+    if (node.type != Node::Type::table || (w != nullptr) == (r != nullptr) || node.members.size() != 1) {
+      reading.error(node.place,
+                    label + ": in a patch case a shape is one wheel_profile = { ... } or one rail_profile = { ... }");
+      continue;
+    }
+    const TableValues v = read_table(w ? *w : *r, label + (w ? " wheel_profile" : " rail_profile"),
+                                     w ? wheel_profile_fields() : rail_profile_fields(), reading);
+    auto points = profile_points(reading, v, label,
+                                 w ? std::vector<std::string>{"s1002"} : std::vector<std::string>{"60e1", "uic60"});
+    if (!points) continue;
+    if ((w ? wheel : rail).has_value()) reading.error(node.place, label + ": a second profile of its kind");
+    if (w)
+      wheel = Profile(*points, v.number_or("smoothing", 0.0)), c.track.radius = v.number_or("radius", c.track.radius);
+    else
+      rail = Profile(canted_rail(*points, v.number_or("cant", 0.0)), v.number_or("smoothing", 0.0));
+  }
+  if (!wheel || !rail) {
+    if (reading.errors() == 0)
+      reading.error(patch.place,
+                    "[patch] without radii and semi_axes needs a wheel_profile and a rail_profile under [shape.*]");
+    return;
+  }
+  c.wheel = std::move(*wheel), c.rail = std::move(*rail);
+  c.track.gauge = patch.number("gauge"), c.track.flange_back = patch.number("flange_back"),
+  c.track.tape_circle = patch.number("tape_circle");
+  c.position.lateral_shift = patch.number_or("lateral_shift", 0.0), c.position.yaw = patch.number_or("yaw", 0.0);
+  c.position.roll = patch.number_or("roll", 0.0), c.roll_given = patch.has("roll");
+  c.rolling_radius = patch.optional_number("rolling_radius");
+  c.right = patch.text("side") == "right";
+  c.creepage_given = patch.written("creepage");
+  out.profiles = std::move(c);
+}
+
 /// Exactly one way to say what touches what.
 void set_geometry(Reading& reading, const TableValues& v, PatchCase& out) {
-  if (v.written("radii") == v.written("semi_axes"))
+  if (v.written("radii") && v.written("semi_axes"))
     return reading.error(v.place, "[patch]: write one of radii = { x1, x2, y1, y2 } and semi_axes = { a, b }");
+  if (!v.written("radii") && !v.written("semi_axes")) return set_profiles(reading, v, out);
+  for (const char* key :
+       {"lateral_shift", "yaw", "roll", "gauge", "flange_back", "tape_circle", "rolling_radius", "side"})
+    if (v.written(key)) reading.warning(v.place_of(key), std::string(key) + " is not used without profiles");
   if (v.has("semi_axes.a") && v.has("semi_axes.b"))
     out.ellipse = Ellipse{v.number("semi_axes.a"), v.number("semi_axes.b")};
   if (!v.written("radii")) return;

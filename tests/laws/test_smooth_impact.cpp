@@ -2,6 +2,7 @@
 
 #include "engine/random.h"
 #include "laws/all_laws.h"
+#include "laws/smooth/critical_step.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
 
@@ -167,20 +168,21 @@ TEST_CASE("Hunt-Crossley returns the restitution asked for at its reference spee
   }
 }
 
-TEST_CASE("the area of the force-overlap loop is the energy lost (case A06)", "[laws][impact][A06]") {
-  for (const std::string law : {"linear", "hertz", "hunt-crossley"}) {
-    const Parameters parameters = law == "linear" ? parameters_of({{"stiffness", 1e6}})
-                                  : law == "hertz" ? Parameters{} : parameters_of({{"reference_speed", 2.0}});
+TEST_CASE("the area of the force-overlap loop is the energy lost, whatever the law (case A06)", "[laws][impact][A06]") {
+  for (const std::string law : {"linear", "hertz", "hunt-crossley", "lankarani-nikravesh", "power-law", "kuwabara-kono", "walton-braun"}) {
+    const Parameters parameters = parameters_of({{"stiffness", 1e6}, {"exponent", 1.0}, {"reference_speed", 2.0}, {"relaxation_time", 2e-5}});
     const Material material{"m", 4000, 1e9, 0.3};
-    Rig rig = two_spheres(setup_of({law, 0.6, 0, 0, parameters}, {material}), 5e-3, 1.0, 1e-10);
+    const SmoothSetup setup = setup_of({law, 0.6, 0, 0, parameters}, {material});
+    Rig rig = two_spheres(setup, 5e-3, 1.0, 1e-12);
     const double m = reduced_mass(rig);
-    const double time = law == "linear" ? pi * std::sqrt(m / 1e6)
-                                        : 2.868266 * std::pow(m * m / (2.5e-3 * std::pow(1e9 / 2 / 0.91, 2) * 2), 0.2);
-    const Impact impact = run_impact(rig, time / 4000);
+    const double time = estimate_impact(setup, setup.materials.of(0, 0), {m, 2 * m, 2.5e-3, 2.0, 1}).contact_time;
+    // the trapezoid errs by half a sample of the jump at first touch (linear): 2e-5 at 20000 steps
+    const Impact impact = run_impact(rig, time / 20000);
     const double lost = 0.5 * m * 4.0 * (1 - impact.restitution * impact.restitution);
     INFO(law);
-    CHECK(impact.loop_area == Approx(lost).epsilon(1e-3));
-    CHECK(rig.ledger.last().dissipated == Approx(lost).epsilon(1e-3));
+    CHECK(impact.restitution < 0.9);
+    CHECK(impact.loop_area == Approx(lost).epsilon(1e-4));
+    CHECK(rig.ledger.last().dissipated == Approx(lost).epsilon(1e-4));
     CHECK(impact.lowest_force >= 0.0);
   }
 }

@@ -41,3 +41,16 @@ TEST_CASE("restitution below critical damping acts as that of critical damping, 
   REQUIRE(problems.size() == 1);
   CHECK_THAT(problems[0].text, Catch::Contains("acts as 0.135335"));
 }
+
+TEST_CASE("damped polyhedra with friction come to rest and their ledger closes", "[physics][polyhedra][energy][slow]") {
+  SceneRun run = prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml",
+                               {"contact.restitution=0", "contact.friction=0.5", "run.duration=3"});
+  run.simulation().start();
+  run.advance_to(0);
+  CHECK(run.failure.empty());
+  const Energy& e = run.simulation().ledger.measure(run.simulation().world);
+  CHECK(e.kinetic < 1e-5 * e.dissipated);  // 2e-7: what springs of friction, which have no dashpot, still swing
+  CHECK(std::abs(run.energy_error()) < 1e-4);
+  CHECK(e.losses.viscous > 0.0);
+  CHECK(e.losses.frictional > 0.0);
+}

@@ -97,7 +97,7 @@ TEST_CASE("what is wrong with a case is named with its place", "[scenes][wheel_r
             .find("case.toml:9:15: error: unknown tangential 'fastsin'") != std::string::npos);
   CHECK(problems(head + "[patch]\nlaod = 1\nsemi_axes = { a = 1, b = 1 }\n").find("did you mean 'load'") !=
         std::string::npos);
-  CHECK(problems(head + "[patch]\nload = 1\n").find("write one of radii") != std::string::npos);
+  CHECK(problems(head + "[patch]\nload = 1\n").find("needs a wheel_profile and a rail_profile") != std::string::npos);
   CHECK(problems(head + "[patch]\nload = 1\nradii = { x1 = 1, x2 = -0.5, y1 = 1, y2 = 1 }\n")
             .find("both must be positive") != std::string::npos);
   CHECK(problems(head + "[patch]\nload = 1\nradii = { x1 = 1, x2 = 1, y1 = inf, y2 = inf }\n").find("length") !=

@@ -26,6 +26,9 @@ S random_shape(Random& random) {
     return HalfSpace{};
   else if constexpr (std::is_same_v<S, ConvexHull>)
     return random_hull(random, 6 + static_cast<std::size_t>(random.uniform() * 20));
+  else if constexpr (std::is_same_v<S, Superquadric>)
+    return Superquadric(Vec3(size(), size(), size()), 2 + static_cast<int>(random.uniform() * 7),
+                        2 + static_cast<int>(random.uniform() * 7));
   else if constexpr (std::is_constructible_v<S, double, double>)
     return S(size(), size());
   else

@@ -30,7 +30,7 @@ const std::vector<MeasureEntry>& all_measures() {
   static const std::vector<MeasureEntry> list{
       {{"mass_flow", "mass through a plane: rate, mass", {plane, window}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<MassFlow>(std::move(s)); }},
-      {{"energy", "kinetic, potential, elastic, dissipated, work and the ledger's relative error", {}, {}, ""},
+      {{"energy", "kinetic, potential, elastic, dissipated with its parts, work and the ledger's relative error", {}, {}, ""},
        [](MeasureSetup) { return std::make_unique<EnergyMeasure>(); }},
       {{"contact", "overlap, forces and slip between two bodies or groups", {between}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<ContactMeasure>(std::move(s)); }},

@@ -1,5 +1,7 @@
 /// @file flow_measures.h  Mass through a plane, and the energies of the ledger.
 #pragma once
+#include <limits>
+
 #include "viz_export/measures/measure.h"
 
 namespace epafi {
@@ -22,16 +24,21 @@ class MassFlow final : public Measure {
   std::vector<double> times_, masses_;      ///< samples of the last window
 };
 
-/// Components kinetic, potential, elastic, dissipated, work [J] and relative_error.
+/// Components kinetic, potential, elastic, dissipated, work [J], relative_error, and the parts of what smooth contacts dissipated:
+/// viscous, frictional, plastic, adhesive [J]; NaN under non-smooth contact, where one impulse does it all.
 class EnergyMeasure final : public Measure {
  public:
   std::vector<std::string> components() const override {
-    return {"kinetic", "potential", "elastic", "dissipated", "work", "relative_error"};
+    return {"kinetic", "potential", "elastic", "dissipated", "work", "relative_error", "viscous", "frictional", "plastic", "adhesive"};
   }
   bool wants_energy() const override { return true; }
   void sample(const StepView& view, std::vector<double>& values) override {
     const Energy& e = view.ledger.last();
     values = {e.kinetic, e.potential, e.elastic, e.dissipated, e.work, view.ledger.relative_error()};
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const Losses& l = e.losses;
+    if (view.report.has_solver) values.insert(values.end(), 4, nan);
+    else values.insert(values.end(), {l.viscous, l.frictional, l.plastic, l.adhesive});
   }
 };
 

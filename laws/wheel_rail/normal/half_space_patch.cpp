@@ -93,7 +93,8 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   p.grid = s.grid;
   p.pressure = s.pressure;
   set_equivalent_ellipse(p);
-  p.centre_x += 0.5 * (w.x0 + w.x1), p.centre_y += 0.5 * (w.y0 + w.y1);
+  p.grid_x = 0.5 * (w.x0 + w.x1), p.grid_y = 0.5 * (w.y0 + w.y1);
+  p.centre_x += p.grid_x, p.centre_y += p.grid_y;
   p.normal_force = s.normal_force, p.approach = s.approach, p.max_pressure = s.max_pressure, p.area = s.area;
   // second order: on 16 cells across the peak of a Hertzian patch is 3e-4 off
   const double across = 2.0 * std::min(p.ellipse.a / dx, p.ellipse.b / dy);

@@ -4,9 +4,16 @@
 
 namespace epafi {
 
-std::vector<RegionPatch> solve_hertz(const NormalInput& in);        ///< hertz.cpp
-std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in);  ///< multi_hertz.cpp
-std::vector<RegionPatch> solve_half_space(const NormalInput& in);   ///< half_space_patch.cpp
+std::vector<RegionPatch> solve_hertz(const NormalInput& in);           ///< hertz.cpp
+std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in);     ///< multi_hertz.cpp
+std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in);  ///< kik_piotrowski.cpp
+std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in);      ///< semi_hertz.cpp
+std::vector<RegionPatch> solve_fem(const NormalInput& in);             ///< fem.cpp: Lagrange multipliers at nodes
+std::vector<RegionPatch> solve_fem_penalty(const NormalInput& in);
+std::vector<RegionPatch> solve_fem_augmented(const NormalInput& in);
+std::vector<RegionPatch> solve_fem_surface(
+    const NormalInput& in);  ///< augmented Lagrangian, integrated over the surface
+std::vector<RegionPatch> solve_half_space(const NormalInput& in);  ///< half_space_patch.cpp
 
 /// Where Hertz' theory leaves its range: conformal surfaces, curvature that changes over the patch.
 void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);

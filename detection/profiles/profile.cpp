@@ -1,0 +1,190 @@
+#include "detection/profiles/profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "engine/units.h"
+
+namespace epafi {
+namespace {
+
+/// Symmetric band of half-width 2: solves by L D L^T without pivots (positive definite).
+struct Pentadiagonal {
+  std::vector<double> d, e, f;  ///< diagonal, first and second above it
+  explicit Pentadiagonal(std::size_t n) : d(n, 0.0), e(n, 0.0), f(n, 0.0) {}
+  std::vector<double> solve(std::vector<double> b) {
+    const std::size_t n = d.size();
+    std::vector<double> l1(n, 0.0), l2(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      // d_i holds the pivot; rows i + 1 and i + 2 are cleared
+      l1[i] = i + 1 < n ? e[i] / d[i] : 0.0;
+      l2[i] = i + 2 < n ? f[i] / d[i] : 0.0;
+      if (i + 1 < n) d[i + 1] -= l1[i] * e[i], e[i + 1] -= i + 2 < n ? l1[i] * f[i] : 0.0;
+      if (i + 2 < n) d[i + 2] -= l2[i] * f[i];
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i + 1 < n) b[i + 1] -= l1[i] * b[i];
+      if (i + 2 < n) b[i + 2] -= l2[i] * b[i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+      b[i] /= d[i];
+      if (i + 1 < n) b[i] -= l1[i] * b[i + 1];
+      if (i + 2 < n) b[i] -= l2[i] * b[i + 2];
+    }
+    return b;
+  }
+};
+
+/// Second derivatives g at the inner knots and fitted values of the smoothing spline: (R + lambda Q^T Q) g = Q^T z, f =
+/// z - lambda Q g.
+struct Fit {
+  std::vector<double> value, second;
+  double rms = 0.0;
+};
+Fit fit(const ProfilePoints& p, double lambda) {
+  const std::size_t n = p.y.size(), m = n - 2;
+  const auto h = [&](std::size_t k) { return p.y[k + 1] - p.y[k]; };
+  Pentadiagonal A(m);
+  std::vector<double> b(m);
+  const auto q = [&](std::size_t j, int k) {  // column j of Q: rows j, j + 1, j + 2
+    return k == 0 ? 1.0 / h(j) : k == 2 ? 1.0 / h(j + 1) : -1.0 / h(j) - 1.0 / h(j + 1);
+  };
+  for (std::size_t j = 0; j < m; ++j) {
+    A.d[j] = (h(j) + h(j + 1)) / 3.0 + lambda * (q(j, 0) * q(j, 0) + q(j, 1) * q(j, 1) + q(j, 2) * q(j, 2));
+    if (j + 1 < m) A.e[j] = h(j + 1) / 6.0 + lambda * (q(j, 1) * q(j + 1, 0) + q(j, 2) * q(j + 1, 1));
+    if (j + 2 < m) A.f[j] = lambda * q(j, 2) * q(j + 2, 0);
+    b[j] = q(j, 0) * p.z[j] + q(j, 1) * p.z[j + 1] + q(j, 2) * p.z[j + 2];
+  }
+  const std::vector<double> g = A.solve(b);
+  Fit out{p.z, std::vector<double>(n, 0.0), 0.0};
+  for (std::size_t j = 0; j < m; ++j) {
+    out.second[j + 1] = g[j];
+    for (int k = 0; k < 3; ++k) out.value[j + static_cast<std::size_t>(k)] -= lambda * q(j, k) * g[j];
+  }
+  for (std::size_t k = 0; k < n; ++k) out.rms += (out.value[k] - p.z[k]) * (out.value[k] - p.z[k]);
+  out.rms = std::sqrt(out.rms / static_cast<double>(n));
+  return out;
+}
+
+}  // namespace
+
+Profile::Profile(const ProfilePoints& points, double tolerance) : y_(points.y) {
+  Fit best = fit(points, 0.0);
+  if (tolerance > 0.0) {
+    // the distance grows with lambda: bisection in its logarithm; the mean spacing cubed is the natural scale
+    const double spacing = (y_.back() - y_.front()) / static_cast<double>(y_.size());
+    double low = std::log(1e-9 * spacing * spacing * spacing), high = low + 60.0;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (low + high);
+      Fit trial = fit(points, std::exp(middle));
+      if (trial.rms <= tolerance)
+        low = middle, best = std::move(trial);
+      else
+        high = middle;
+    }
+  }
+  z_ = std::move(best.value), second_ = std::move(best.second);
+  make_index();
+}
+
+void Profile::make_index() {
+  const std::size_t buckets = 2 * y_.size();
+  bucket_ = (y_.back() - y_.front()) / static_cast<double>(buckets);
+  first_.resize(buckets + 1);
+  std::uint32_t k = 0;
+  for (std::size_t b = 0; b <= buckets; ++b) {
+    const double y = y_.front() + static_cast<double>(b) * bucket_;
+    while (k + 2 < y_.size() && y_[k + 1] <= y) ++k;
+    first_[b] = k;
+  }
+}
+
+Profile::Value Profile::at(double y) const {
+  const double clamped = std::clamp(y, y_.front(), y_.back());
+  auto k = static_cast<std::size_t>(
+      first_[std::min(first_.size() - 1, static_cast<std::size_t>((clamped - y_.front()) / bucket_))]);
+  while (k + 2 < y_.size() && y_[k + 1] < clamped) ++k;
+  const double h = y_[k + 1] - y_[k], b = (clamped - y_[k]) / h, a = 1.0 - b, s0 = second_[k], s1 = second_[k + 1];
+  Value v;
+  v.z = a * z_[k] + b * z_[k + 1] + h * h / 6.0 * ((a * a * a - a) * s0 + (b * b * b - b) * s1);
+  v.slope = (z_[k + 1] - z_[k]) / h + h / 6.0 * ((3.0 * b * b - 1.0) * s1 - (3.0 * a * a - 1.0) * s0);
+  v.second = a * s0 + b * s1;
+  v.z += (y - clamped) * v.slope;
+  return v;
+}
+
+ProfileFile read_profile(const std::string& text) {
+  ProfileFile out;
+  std::istringstream in(text);
+  double unit = 0.0;
+  std::vector<std::pair<double, double>> points;
+  bool header = true;
+  for (std::string line; std::getline(in, line);) {
+    ++out.line;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    if (line[0] == '#') {
+      const std::size_t colon = line.find("unit:");
+      if (colon == std::string::npos) continue;
+      const std::size_t word = line.find_first_not_of(" \t", colon + 5);
+      const std::string name =
+          word == std::string::npos ? "" : line.substr(word, line.find_last_not_of(" \t") + 1 - word);
+      const QuantityResult q = read_quantity("1 " + name, "m");
+      if (!q.value) return out.problem = "unit '" + name + "': " + q.problem, out;
+      unit = *q.value;
+      continue;
+    }
+    if (unit == 0.0) return out.problem = "the first line must state the unit, as in '# unit: mm'", out;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::replace(line.begin(), line.end(), ';', ' ');
+    char* end = nullptr;
+    const double y = std::strtod(line.c_str(), &end);
+    char* last = nullptr;
+    const double z = std::strtod(end, &last);
+    if (end == line.c_str() || last == end || !std::isfinite(y) || !std::isfinite(z)) {
+      if (header && points.empty()) {
+        header = false;  // one line of column names
+        continue;
+      }
+      return out.problem = "expected two numbers y, z, found '" + line + "'", out;
+    }
+    points.emplace_back(y * unit, z * unit);
+  }
+  if (points.size() < 4)
+    return out.problem = "a profile has at least 4 points, found " + std::to_string(points.size()), out;
+  if (points.front().first > points.back().first) std::reverse(points.begin(), points.end());
+  // joints of zones are often written twice: points nearer than a micrometre in y are one
+  points.erase(std::unique(points.begin(), points.end(),
+                           [](const auto& a, const auto& b) {
+                             return std::abs(a.first - b.first) < 1e-6 && std::abs(a.second - b.second) < 2e-6;
+                           }),
+               points.end());
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    if (points[k].first <= points[k - 1].first + 1e-9)
+      return out.problem =
+                 "point " + std::to_string(k + 1) + ": y does not increase; an undercut profile is not a function of y",
+             out;
+  }
+  for (const auto& [y, z] : points) out.points.y.push_back(y), out.points.z.push_back(z);
+  out.line = 0;
+  return out;
+}
+
+ProfilePoints canted_rail(ProfilePoints p, double cant) {
+  const double c = std::cos(cant), s = std::sin(cant);
+  for (std::size_t k = 0; k < p.y.size(); ++k) {
+    const double y = p.y[k], z = p.z[k];
+    p.y[k] = c * y - s * z, p.z[k] = s * y + c * z;
+  }
+  // the highest point of the spline, not of the points: a fine scan and a parabola
+  const Profile spline(p);
+  double top = *std::min_element(p.z.begin(), p.z.end());
+  const double step = (p.y.back() - p.y.front()) / 20000.0;
+  for (double y = p.y.front(); y <= p.y.back(); y += step) top = std::min(top, spline.at(y).z);
+  for (double& z : p.z) z -= top;
+  return p;
+}
+
+}  // namespace epafi

@@ -1,0 +1,92 @@
+/// @file wheel_rail.h  A wheel of revolution on an extruded rail, in three dimensions with yaw: all places where they
+/// touch, and the gap around them. Track axes: x forwards, y to the right, z down; the origin is the middle of the
+/// track at the rails' top.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "detection/profiles/profile.h"
+#include "engine/contact_region.h"
+
+namespace epafi {
+
+/// Where the wheelset stands.
+struct WheelsetPosition {
+  double lateral_shift = 0.0;  ///< to the right [m]
+  double height = 0.0;  ///< of the axle's middle below that of a wheelset of the nominal radius on the rails' top [m]
+  double yaw = 0.0;     ///< x towards y [rad]
+  double roll = 0.0;    ///< y towards z [rad]
+};
+
+/// Fixed dimensions.
+struct TrackGeometry {
+  double radius = 0.46;         ///< of the wheel at the tape circle [m]
+  double gauge = 1.435;         ///< between the rails' gauge faces [m]
+  double gauge_height = 0.014;  ///< below the rail's top, where the gauge is measured [m]
+  double flange_back = 1.36;    ///< between the wheels' inner faces [m]
+  double tape_circle = 0.07;    ///< from the wheel's inner face [m]
+};
+
+class WheelRailPair final : public GapSource {
+ public:
+  /// `right`: which side of the track; the left one is its mirror image and answers in track axes all the same.
+  WheelRailPair(const Profile& wheel, const Profile& rail, const TrackGeometry& track, bool right);
+  void place(const WheelsetPosition& position);
+
+  /// Lowers or lifts the wheel until it just touches: gaps are meant from there, for on a steep flank sinking also
+  /// closes them sideways.
+  void touch();
+  /// Regions nearer than `reach` to touching when the deepest touches, the deepest first.
+  std::vector<ContactRegion> regions() const override { return find_regions(2e-4); }
+  std::vector<ContactRegion> find_regions(double reach) const;
+  /// Smallest vertical gap over the track: how far the wheel may sink before it touches [m].
+  double clearance() const;
+  GapField field(const ContactRegion& region, double x, double y, double dx, double dy, std::size_t nx,
+                 std::size_t ny) const override;
+  ContactRegion moved(const ContactRegion& region, double y, double angle) const override;
+  double angle_at(const ContactRegion& region, double y) const override;
+
+  double rail_axis() const { return axis_; }  ///< distance of the rail's axis from the middle of the track [m]
+
+ private:
+  /// A point of the wheel where it is lowest along x for its lateral place, in the frame of the right side.
+  struct Locus {
+    Vec3 point;
+    double gap;  ///< vertical, to the rail below [m]
+  };
+  Locus locus(double y_wheel) const;
+  double refine(double y_wheel, double step) const;
+  ContactRegion region_at(double y_wheel, double deepest) const;
+  void add_profile(ContactRegion& region) const;
+  /// Tangent plane of a region in the frame of the right side.
+  struct Plane {
+    Vec3 origin, t, n;
+  };
+  Plane plane_of(const ContactRegion& region) const;
+  double rail_height(const Plane& plane, double s, double guess) const;
+  double wheel_height(const Plane& plane, double x, double s, double guess) const;
+
+  const Profile& wheel_;
+  const Profile& rail_;
+  TrackGeometry track_;
+  double mirror_ = 1.0;  ///< 1 right, -1 left
+  double axis_ = 0.0, tape_ = 0.0;
+  Vec3 centre_ = Vec3::Zero();
+  Mat3 turn_ = Mat3::Identity();  ///< axle axes to track axes of this side
+  double scan_from_ = 0.0, scan_to_ = 0.0;
+};
+
+/// Rigid geometry of a whole wheelset without yaw, standing on both rails.
+struct WheelsetGeometry {
+  WheelsetPosition position;  ///< roll and height found
+  ContactRegion left, right;  ///< deepest regions
+  double rolling_radius_difference() const { return right.rolling_radius - left.rolling_radius; }
+};
+WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const TrackGeometry& track,
+                                WheelsetPosition start);
+
+/// Equivalent conicity at this amplitude [m]: wavelength of the wheelset's free kinematic motion y'' = -delta_r(y) /
+/// (r0 s), integrated over a whole period (EN 15302), put into Klingel's formula.
+double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude);
+
+}  // namespace epafi

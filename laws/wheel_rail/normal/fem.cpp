@@ -1,0 +1,86 @@
+// Finite elements: a graded block of trilinear hexahedra, contact at its nodes (node-to-surface) or integrated over
+// them (surface-to-surface). The reference that needs no half-space kernel; a thousand times dearer than boundary
+// elements at the same error.
+#include <algorithm>
+#include <cmath>
+
+#include "laws/wheel_rail/fem/elastic_block.h"
+#include "laws/wheel_rail/fem/surface_contact.h"
+#include "laws/wheel_rail/normal/models.h"
+
+namespace epafi {
+namespace {
+
+constexpr int default_across = 8;  // elements over the shorter axis: 1 s; 12 take 6 s and gain little
+constexpr double margin = 1.25;    // of the estimated patch
+constexpr double growth = 1.5, reach = 6.0;
+
+std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool over_surface) {
+  RegionPatch out = solve_semi_hertz(in).front();  // where the patch is and how large
+  NormalPatch& p = out.patch;
+  const Ellipse e = p.ellipse;
+  const double E = in.elastic.effective_modulus(), nu = in.elastic.poissons_ratio, cx = p.centre_x, cy = p.centre_y;
+  const double cell = std::min(in.dx, in.dy);
+  const int across = cell > 0.0 ? std::max(2, static_cast<int>(std::lround(2.0 * margin * std::min(e.a, e.b) / cell)))
+                                : default_across;
+  p = NormalPatch{};
+  if (across > 24) {
+    p.reasons.push_back("a grid of " + std::to_string(across) +
+                        " elements across the patch is beyond 24, which take minutes; write a coarser grid");
+    return {out};
+  }
+  const BlockMesh mesh = make_block_mesh(cx, cy, margin * e.a, margin * e.b, across, growth, reach);
+  const Eigen::MatrixXd W = surface_flexibility(mesh, E * (1.0 - nu * nu), nu), M = surface_mass(mesh);
+  const auto n = static_cast<Eigen::Index>(mesh.candidates());
+  Eigen::VectorXd gap(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto c = static_cast<std::size_t>(k);
+    gap[k] = in.source.field(in.regions.front(), mesh.candidate_x(c), mesh.candidate_y(c), 1e-6, 1e-6, 1, 1).gap[0];
+  }
+  const Eigen::VectorXd tributary = M.rowwise().sum();
+  SurfaceProblem problem;
+  if (over_surface)
+    problem = {M * W * M, M * gap, tributary, tributary};
+  else
+    problem = {W, gap, Eigen::VectorXd::Ones(n), Eigen::VectorXd::Ones(n)};
+  // a thousandth of the elastic compliance, either way
+  const double penalty = over_surface ? 1e3 * E / e.a : 1e2 * E * e.a;
+  const SurfaceContact s = solve_surface_contact(problem, in.target, method, penalty);
+  const double hx = mesh.x[mesh.ix0 + 1] - mesh.x[mesh.ix0], hy = mesh.y[mesh.iy0 + 1] - mesh.y[mesh.iy0];
+  const PatchGrid grid{mesh.ix1 - mesh.ix0, mesh.iy1 - mesh.iy0, hx, hy};
+  std::vector<double> pressure(grid.size());
+  double sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto c = static_cast<std::size_t>(k);
+    const double f = problem.weight[k] * s.p[k], x = mesh.candidate_x(c), y = mesh.candidate_y(c);
+    pressure[c] = f / tributary[k];
+    sx += f * x, sy += f * y, sxx += f * x * x, syy += f * y * y;
+    if (s.p[k] > 0.0) p.area += tributary[k];
+  }
+  p.centre_x = sx / s.force, p.centre_y = sy / s.force;
+  p.ellipse = {std::sqrt(5.0 * (sxx / s.force - p.centre_x * p.centre_x)),
+               std::sqrt(5.0 * (syy / s.force - p.centre_y * p.centre_y))};
+  p.normal_force = s.force, p.approach = s.approach, p.max_pressure = peak_pressure(grid, pressure);
+  // measured against Hertz: 1 % in peak and approach from 8 elements on, 7 % in the peak over the surface on 8
+  p.error_estimate = (over_surface ? 0.07 : 0.01) * std::max(1.0, 64.0 / (across * across));
+  if (!s.report.converged)
+    p.reasons.push_back("contact did not settle: penetration " + std::to_string(1e9 * s.penetration) + " nm after " +
+                        std::to_string(s.report.iterations) + " rounds");
+  if (s.penetration > 1e-2 * s.approach)
+    p.reasons.push_back("the penalty leaves a penetration of more than 1 % of the approach");
+  if (across < 6) p.reasons.push_back("coarse grid: fewer than 6 elements across the patch");
+  return {out};
+}
+
+}  // namespace
+
+std::vector<RegionPatch> solve_fem(const NormalInput& in) { return solve(in, Enforcement::lagrange, false); }
+std::vector<RegionPatch> solve_fem_penalty(const NormalInput& in) { return solve(in, Enforcement::penalty, false); }
+std::vector<RegionPatch> solve_fem_augmented(const NormalInput& in) {
+  return solve(in, Enforcement::augmented_lagrangian, false);
+}
+std::vector<RegionPatch> solve_fem_surface(const NormalInput& in) {
+  return solve(in, Enforcement::augmented_lagrangian, true);
+}
+
+}  // namespace epafi

@@ -1,0 +1,251 @@
+// Semi-Hertzian contact: along the track every strip carries Hertz' half ellipse, across it the strips press on each
+// other through their exact influence. What virtual penetration guesses (the shape of the patch) is solved for; the
+// patch need not be an ellipse. Error: below 0.3 % of the peak on S1002/UIC60 except at the jump (y = 0), 1 % there; 25
+// to 50 strips.
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "laws/wheel_rail/elliptic_integrals.h"
+#include "laws/wheel_rail/normal/models.h"
+#include "laws/wheel_rail/normal/strip_influence.h"
+
+namespace epafi {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr int most_rounds = 40;
+
+/// Strips across the patch and what is found on them.
+struct Strips {
+  double width = 0.0;
+  std::vector<double> y, gap, curvature, centre;  ///< given
+  std::vector<double> p, a;                       ///< peak pressure [Pa] and half-length [m]
+  double approach = 0.0;
+};
+
+/// Gap and curvature of the region at y, from its profile or its parabola.
+struct GapAt {
+  double gap, curvature, centre;
+};
+GapAt gap_at(const ContactRegion& r, double y) {
+  const GapProfile& g = r.profile;
+  if (g.size() == 0) return {0.5 * r.curvature_y * y * y, r.curvature_x, 0.0};
+  const double x = std::clamp((y - g.start) / g.step, 0.0, static_cast<double>(g.size()) - 1.000001);
+  const auto k = static_cast<std::size_t>(x);
+  const double f = x - static_cast<double>(k);
+  const auto mix = [&](const std::vector<double>& v) { return (1.0 - f) * v[k] + f * v[k + 1]; };
+  // the gap bends sharply (100 /m on a flange): a cubic through four samples, for a chord would cost 1e-6 m
+  double h = mix(g.gap);
+  if (k > 0 && k + 2 < g.size())
+    h = 0.5 * (2.0 * g.gap[k] + f * (g.gap[k + 1] - g.gap[k - 1] +
+                                     f * (2.0 * g.gap[k - 1] - 5.0 * g.gap[k] + 4.0 * g.gap[k + 1] - g.gap[k + 2] +
+                                          f * (3.0 * (g.gap[k] - g.gap[k + 1]) + g.gap[k + 2] - g.gap[k - 1]))));
+  return {h, mix(g.curvature_x), mix(g.centre_x)};
+}
+
+/// Range of y where the undeformed surfaces overlap at this approach.
+std::pair<double, double> overlap_range(const ContactRegion& r, double approach) {
+  if (r.profile.size() == 0)
+    return {-std::sqrt(2.0 * approach / r.curvature_y), std::sqrt(2.0 * approach / r.curvature_y)};
+  double low = 1e9, high = -1e9;
+  for (std::size_t k = 0; k < r.profile.size(); ++k)
+    if (r.profile.gap[k] < approach) low = std::min(low, r.profile.y(k)), high = std::max(high, r.profile.y(k));
+  return {low - r.profile.step, high + r.profile.step};
+}
+
+Strips cut(const ContactRegion& r, double low, double high, int count) {
+  Strips s;
+  s.width = (high - low) / count;
+  for (int k = 0; k < count; ++k) {
+    const double y = low + (k + 0.5) * s.width;
+    const GapAt g = gap_at(r, y);
+    s.y.push_back(y), s.gap.push_back(g.gap), s.curvature.push_back(g.curvature), s.centre.push_back(g.centre);
+  }
+  s.p.assign(s.y.size(), 0.0), s.a.assign(s.y.size(), 0.0);
+  return s;
+}
+
+/// Peak pressure over half-length of a strip whose curvature is k, in an ellipse of these axes: p/a = E* (k/2) / (ratio
+/// D) where x is the longer axis, E* (k/2) / B where it is the shorter (Johnson 1985, eq. 4.26).
+double pressure_per_length(double k, Ellipse e, double modulus) {
+  const double ratio = std::clamp(e.a > e.b ? e.b / e.a : e.a / e.b, 1e-3, 1.0);
+  const EllipticIntegrals I = elliptic_integrals(ratio);
+  return modulus * 0.5 * k / (e.a > e.b ? ratio * I.D : I.B);
+}
+
+/// Axes of the ellipse with the second moments of the pressure.
+Ellipse moments(const Strips& s) {
+  double n = 0.0, ny = 0.0, nyy = 0.0, nxx = 0.0;
+  for (std::size_t j = 0; j < s.y.size(); ++j) {
+    const double w = s.p[j] * s.a[j];
+    n += w, ny += w * s.y[j], nyy += w * (s.y[j] * s.y[j] + s.width * s.width / 12.0),
+        nxx += 0.25 * w * s.a[j] * s.a[j];
+  }
+  ny /= n;
+  return {std::sqrt(5.0 * nxx / n), std::sqrt(5.0 * (nyy / n - ny * ny))};
+}
+
+/// Pressures on the active strips for their present lengths; approach so that the force is met, or as given.
+void solve_pressures(Strips& s, const std::vector<std::size_t>& active, double modulus, const NormalTarget& target) {
+  const auto n = static_cast<Eigen::Index>(active.size());
+  Eigen::MatrixXd K(n, n), rhs(n, 2);
+  std::vector<double> edge(s.y.size() +
+                           1);  // G at the edges of strips 0, 1, 2 ... from the loaded one: they are all alike
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const std::size_t J = active[static_cast<std::size_t>(j)];
+    const double a = s.a[J], scale = a / (pi * modulus), w = s.width / a;
+    const std::size_t farthest = std::max(J - active.front(), active.back() - J);
+    for (std::size_t m = 0; m <= farthest; ++m) edge[m] = strip_integral((static_cast<double>(m) + 0.5) * w);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const std::size_t I = active[static_cast<std::size_t>(i)], m = I > J ? I - J : J - I;
+      K(i, j) = scale * (m == 0 ? 2.0 * edge[0] : edge[m] - edge[m - 1]);
+    }
+    rhs(j, 0) = 1.0, rhs(j, 1) = s.gap[J];
+  }
+  const Eigen::MatrixXd x = K.partialPivLu().solve(rhs);
+  double n1 = 0.0, ng = 0.0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double length = 0.5 * pi * s.a[active[static_cast<std::size_t>(j)]] * s.width;
+    n1 += length * x(j, 0), ng += length * x(j, 1);
+  }
+  s.approach = target.by_force ? (target.value + ng) / n1 : target.value;
+  for (Eigen::Index j = 0; j < n; ++j) s.p[active[static_cast<std::size_t>(j)]] = s.approach * x(j, 0) - x(j, 1);
+}
+
+/// Whether the surface outside the active strips still overlaps there.
+bool overlaps(const Strips& s, const std::vector<std::size_t>& active, std::size_t i, double modulus) {
+  double u = 0.0;
+  for (const std::size_t j : active) {
+    const double d = s.y[i] - s.y[j], a = s.a[j];
+    u += s.p[j] * a / (pi * modulus) *
+         (strip_integral((d + 0.5 * s.width) / a) - strip_integral((d - 0.5 * s.width) / a));
+  }
+  return u + s.gap[i] < s.approach;
+}
+
+/// Rounds of pressures for given lengths, lengths for given pressures, and strips that join or leave. True when they
+/// settle.
+bool settle(Strips& s, double modulus, const NormalTarget& target) {
+  std::vector<bool> in(s.y.size(), false);
+  for (std::size_t j = 0; j < s.y.size(); ++j) in[j] = s.a[j] > 0.0;
+  const double k0 = s.curvature[s.y.size() / 2];
+  double last = 0.0;
+  for (int round = 0; round < most_rounds; ++round) {
+    std::vector<std::size_t> active;
+    for (std::size_t j = 0; j < s.y.size(); ++j)
+      if (in[j]) active.push_back(j);
+    if (active.empty()) return false;
+    std::fill(s.p.begin(), s.p.end(), 0.0);
+    solve_pressures(s, active, modulus, target);
+    bool same = true;
+    for (const std::size_t j : active)
+      if (s.p[j] <= 0.0) in[j] = false, s.p[j] = 0.0, s.a[j] = 0.0, same = false;
+    const double c = pressure_per_length(k0, moments(s), modulus);
+    double change = 0.0, longest = 0.0;
+    for (const std::size_t j : active) {
+      if (!in[j]) continue;
+      const double length = s.p[j] / (c * s.curvature[j] / k0);
+      change = std::max(change, std::abs(length - s.a[j])), longest = std::max(longest, length);
+      s.a[j] = 0.5 * (s.a[j] + length);
+    }
+    // only neighbours of strips in contact can join, once a round
+    std::vector<std::size_t> join;
+    for (std::size_t j = 0; j < s.y.size(); ++j) {
+      if (in[j] || !((j > 0 && in[j - 1]) || (j + 1 < s.y.size() && in[j + 1]) || s.gap[j] < 0.6 * s.approach))
+        continue;
+      if (same && overlaps(s, active, j, modulus)) join.push_back(j);
+    }
+    for (const std::size_t j : join) in[j] = true, s.a[j] = 0.2 * longest, same = false;
+    if (same && change < 1e-3 * longest && std::abs(s.approach - last) < 1e-5 * s.approach) return true;
+    last = s.approach;
+  }
+  return false;
+}
+
+NormalPatch patch_of(const Strips& s) {
+  NormalPatch p;
+  double longest = 0.0, left = 1e9, right = -1e9;
+  for (std::size_t j = 0; j < s.y.size(); ++j) {
+    if (!(s.p[j] > 0.0)) continue;
+    longest = std::max(longest, s.a[j]);
+    left = std::min(left, s.centre[j] - s.a[j]), right = std::max(right, s.centre[j] + s.a[j]);
+    p.area += 2.0 * s.a[j] * s.width;
+    double peak = s.p[j] * s.p[j];  // p^2 is a parabola near the peak
+    if (j > 0 && j + 1 < s.p.size()) {
+      const double b = s.p[j - 1] * s.p[j - 1], f = s.p[j + 1] * s.p[j + 1], bend = 2.0 * peak - b - f;
+      if (peak >= b && peak >= f && bend > 0.0) peak += std::min(0.04 * peak, (f - b) * (f - b) / (8.0 * bend));
+    }
+    p.max_pressure = std::max(p.max_pressure, std::sqrt(peak));
+  }
+  constexpr std::size_t along = 44;
+  p.grid = {along, s.y.size(), (right - left) / along, s.width};
+  p.pressure.assign(p.grid.size(), 0.0);
+  const double cx = 0.5 * (left + right), cy = 0.5 * (s.y.front() + s.y.back());
+  for (std::size_t j = 0; j < s.y.size(); ++j) {
+    for (std::size_t i = 0; i < along; ++i) {
+      const double x = cx + p.grid.x(i) - s.centre[j], t = s.a[j] > 0.0 ? x / s.a[j] : 2.0;
+      if (std::abs(t) < 1.0) p.pressure[j * along + i] = s.p[j] * std::sqrt(1.0 - t * t);
+    }
+  }
+  set_equivalent_ellipse(p);
+  p.grid_x = cx, p.grid_y = cy;
+  p.centre_x += cx, p.centre_y += cy;
+  double force = 0.0;
+  for (std::size_t j = 0; j < s.y.size(); ++j) force += 0.5 * pi * s.a[j] * s.p[j] * s.width;
+  p.normal_force = force;
+  p.ellipse = moments(s);
+  p.approach = s.approach;
+  return p;
+}
+
+}  // namespace
+
+namespace {
+
+/// Strips over the overlap at this approach, which holds the patch with a margin; as many as it is wide in units of the
+/// ellipse that the curvature at the rigid point would give.
+bool solve_strips(const NormalInput& in, double approach, bool fine, Strips& s) {
+  const ContactRegion& r = in.regions.front();
+  const auto [low, high] = overlap_range(r, approach);
+  const double b = std::sqrt(approach / (0.5 * std::max(r.curvature_y, 0.05 * r.curvature_x)));
+const int wished = static_cast<int>((fine ? 16.0 : 6.0) * (high - low) / b);
+  s = cut(r, low, high, (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 * 4);  // multiples of 4: coarser grids exist
+  for (std::size_t j = 0; j < s.y.size(); ++j) {
+    const double depth =
+        0.55 * approach - s.gap[j];  // virtual penetration: the shape to start from (Kik, Piotrowski 1996)
+    if (depth > 0.0) s.a[j] = std::sqrt(2.0 * depth / s.curvature[j]);
+  }
+  return settle(s, in.elastic.effective_modulus(), in.target);
+}
+
+}  // namespace
+
+double estimate_approach(const NormalInput& in) {
+  if (!in.target.by_force) return in.target.value;
+  const ContactRegion& r = in.regions.front();
+  const double B = std::max(0.5 * r.curvature_y, 0.05 * r.curvature_x);
+  const double guess = hertz_of_force(0.5 * r.curvature_x, B, in.elastic.effective_modulus(), in.target.value).approach;
+  Strips s;
+  solve_strips(in, guess, false, s);
+  return s.approach > 0.0 ? s.approach : guess;
+}
+
+std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in) {
+  const ContactRegion& r = in.regions.front();
+  RegionPatch out;
+  Strips s;
+  const bool settled = solve_strips(in, in.approach > 0.0 ? in.approach : estimate_approach(in), true, s);
+  out.patch = patch_of(s);
+  out.patch.error_estimate = settled ? 0.01 : 0.1;
+  if (!settled)
+    out.patch.reasons.push_back("the strips did not settle within " + std::to_string(most_rounds) + " rounds");
+  const double steepest = std::max(std::abs(r.wheel_curvature), std::abs(r.rail_curvature));
+  if (r.wheel_curvature * r.rail_curvature < 0.0 && out.patch.ellipse.b * steepest > 0.1)
+    out.patch.reasons.push_back(
+        "conformal contact: the surface turns by more than 0.1 rad over half the patch, the bodies are no half-spaces");
+  return {out};
+}
+
+}  // namespace epafi

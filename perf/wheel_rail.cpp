@@ -1,0 +1,130 @@
+/// @file wheel_rail.cpp  Price and error of the patch models, one thread, processor time, best of many calls. Errors:
+/// laws against the half-space solution of the 8 by 4 mm ellipse on 176 x 176 cells, extrapolated; normal contact
+/// against Hertz.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "engine/parallel.h"
+#include "laws/wheel_rail/half_space/normal.h"
+#include "laws/wheel_rail/half_space/tangential.h"
+#include "laws/wheel_rail/tangential/polach.h"
+#include "laws/wheel_rail/tangential/shen_hedrick_elkins.h"
+#include "laws/wheel_rail/tangential/strip_theory.h"
+#include "laws/wheel_rail/tangential/vermeulen_johnson.h"
+
+using namespace epafi;
+
+namespace {
+
+template <class F>
+double best_seconds(int rounds, int calls, const F& f) {
+  double best = 1e9;
+  for (int r = 0; r < rounds; ++r) {
+    const std::clock_t start = std::clock();
+    for (int c = 0; c < calls; ++c) f();
+    best = std::min(best, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / calls);
+  }
+  return best;
+}
+
+volatile double sink;
+
+void laws() {
+  const ElasticPair steel{82e9, 0.28, 0.0};
+  const Ellipse e{8e-3, 4e-3};
+  struct Case {
+    const char* name;
+    Creepage creepage;
+  };
+  for (const Case& c : {Case{"longitudinal 0.001", {-0.001, 0, 0}}, Case{"lateral, spin", {0, -0.000625, 0.625}},
+                        Case{"spin 1 /m", {0, 0, 1.0}}}) {
+    RollingCase r{e, 82e3, steel, 0.3, c.creepage};
+    const KalkerCoefficients k = kalker_coefficients(2.0, 0.28);
+    const PatchForce truth = solve_extrapolated(bound_of_ellipse(e, 82e3, 0.3, 176, 176), steel, c.creepage).force;
+    const auto row = [&](const char* law, double seconds, const PatchForce& f) {
+      std::printf("%-20s %-28s %12.3e %10.4f\n", c.name, law, seconds,
+                  std::hypot(f.fx - truth.fx, f.fy - truth.fy) / r.bound());
+    };
+    PatchForce f;
+    row("shen-hedrick-elkins",
+        best_seconds(20, 20000,
+                     [&] {
+                       r.creepage.lateral += 1e-15;
+                       f = shen_hedrick_elkins(r);
+                       sink = f.fx;
+                     }),
+        f);
+    row("polach",
+        best_seconds(20, 20000,
+                     [&] {
+                       r.creepage.lateral += 1e-15;
+                       f = polach(r);
+                       sink = f.fx;
+                     }),
+        f);
+    row("vermeulen-johnson",
+        best_seconds(20, 20000,
+                     [&] {
+                       r.creepage.lateral += 1e-15;
+                       f = vermeulen_johnson(r);
+                       sink = f.fx;
+                     }),
+        f);
+    for (const std::uint32_t n : {11u, 22u, 44u, 88u}) {
+      const auto text = [n](const char* name) {
+        static char buffer[64];
+        std::snprintf(buffer, sizeof buffer, "%s %ux%u", name, n, n);
+        return buffer;
+      };
+      row(text("fastsim"),
+          best_seconds(20, 20,
+                       [&] {
+                         f = fastsim(strips_of_ellipse(e, 82e3, n, n, Bound::parabolic),
+                                     kalker_flexibility(r, k, FlexibilityRule::blended), 0.3, r.creepage, false)
+                                 .force;
+                       }),
+          f);
+      row(text("fastrip"),
+          best_seconds(20, 20,
+                       [&] { f = fastrip(strips_of_ellipse(e, 82e3, n, n, Bound::elliptic), r, k, false).force; }),
+          f);
+      row(text("half-space, extrapolated"),
+          best_seconds(2, 1,
+                       [&] { f = solve_extrapolated(bound_of_ellipse(e, 82e3, 0.3, n, n), steel, c.creepage).force; }),
+          f);
+    }
+    row("half-space 64x32",
+        best_seconds(2, 1,
+                     [&] { f = solve_extrapolated(bound_of_ellipse(e, 82e3, 0.3, 64, 32), steel, c.creepage).force; }),
+        f);
+  }
+}
+
+void normal() {
+  const ElasticPair steel{210e9 / 2.6, 0.3, 0.0};
+  const double A = 0.5 / 0.46, B = 0.5 / 0.3;
+  const HertzContact h = hertz_of_force(A, B, steel.effective_modulus(), 80e3);
+  for (const std::size_t n : {16u, 32u, 64u, 128u, 256u, 560u}) {
+    const PatchGrid g{n, n, 2.2 * h.ellipse.a / static_cast<double>(n), 2.2 * h.ellipse.b / static_cast<double>(n)};
+    std::vector<double> gap(g.size());
+    for (std::size_t k = 0; k < gap.size(); ++k) gap[k] = A * g.x(k % n) * g.x(k % n) + B * g.y(k / n) * g.y(k / n);
+    HalfSpaceNormal s;
+    const double seconds = best_seconds(n > 200 ? 1 : 3, 1, [&] {
+      s = solve_half_space_normal(g, gap, steel, {true, 80e3}, 1e-6);
+    });
+    std::printf("normal %4zux%-4zu %8.0f in contact, %3d rounds %12.3e s   p0 %9.2e   approach %9.2e\n", n, n,
+                s.area / g.cell(), s.report.iterations, seconds, std::abs(s.max_pressure / h.max_pressure - 1.0),
+                std::abs(s.approach / h.approach - 1.0));
+  }
+}
+
+}  // namespace
+
+int main() {
+  set_thread_count(1);
+  normal();
+  std::printf("%-20s %-28s %12s %10s\n", "creepage", "law", "seconds", "error/muN");
+  laws();
+}

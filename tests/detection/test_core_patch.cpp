@@ -1,0 +1,100 @@
+#include "detection/narrow/core_patch.h"
+
+#include "detection/narrow/convex_pairs.h"
+#include "detection/shapes/all_shapes.h"
+#include "tests/support/catch.h"
+#include "tests/support/polyhedra.h"
+
+using namespace epafi;
+
+namespace {
+
+const Quat upright(1, 0, 0, 0);
+Quat about(const Vec3& axis, double angle) { return Quat(Eigen::AngleAxisd(angle, axis.normalized())); }
+const Box table(Vec3(1, 1, 0.25));  // its top at z = 0.25
+
+template <class A, class B>
+ContactSet contacts(const A& a, const Pose& pa, const B& b, const Pose& pb, double reach = 0.0) {
+  ContactSet set;
+  ContactSink sink(set);
+  sink.begin(0, 1);
+  collide(a, b, PairQuery{pa, pb, reach, false, nullptr}, sink);
+  sink.end();
+  return set;
+}
+
+double deepest(const ContactSet& c) { return *std::min_element(c.gap.begin(), c.gap.end()); }
+
+}  // namespace
+
+TEST_CASE("a cylinder that stands on a box stands on four points of its rim", "[detection][core-patch]") {
+  const Cylinder can(0.2, 0.6);
+  Random random(111, 0);
+  for (int k = 0; k < 100; ++k) {
+    const double depth = std::pow(10.0, -random.uniform(3, 10));
+    const Pose pose{{random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), 0.55 - depth},
+                    about(Vec3::UnitZ(), random.uniform(0, 6))};
+    const ContactSet c = contacts(table, {}, can, pose);
+    REQUIRE(c.size() == 4);
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < 4; ++i) {
+      CHECK(std::abs(c.gap[i] + depth) < 1e-15);
+      CHECK((c.normal[i] - Vec3(0, 0, 1)).norm() < 1e-12);
+      const Vec3 from_axis = c.arm[i] - pose.position;
+      CHECK(std::sqrt(from_axis.x() * from_axis.x() + from_axis.y() * from_axis.y()) == Approx(0.2).epsilon(1e-12));
+      sum += from_axis;
+    }
+    CHECK(sum.head<2>().norm() < 0.4);  // around the axis, not to one side of it
+    const ContactSet swapped = contacts(can, pose, table, {});
+    REQUIRE(swapped.size() == 4);
+    for (std::size_t i = 0; i < 4; ++i) CHECK((swapped.normal[i] + Vec3(0, 0, 1)).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("a tilted cylinder keeps its deepest point exactly, whatever the rim's corners are",
+          "[detection][core-patch]") {
+  const double r = 0.2, half = 0.3;
+  const Cylinder can(r, 2 * half);
+  Random random(112, 0);
+  for (int k = 0; k < 200; ++k) {
+    const double tilt = std::pow(10.0, -random.uniform(0.5, 6)), height = 0.25 + half;
+    const Quat turn = about({std::cos(0.1 * k), std::sin(0.1 * k), 0}, tilt) * about(Vec3::UnitZ(), 0.37 * k);
+    const ContactSet c = contacts(table, {}, can, {{0.1, -0.2, height}, turn}, 0.05);
+    REQUIRE(c.size() >= 1);
+    const double exact = height - 0.25 - half * std::cos(tilt) - r * std::sin(tilt);
+    CHECK(std::abs(deepest(c) - exact) < 2e-9);  // corners stand for the rim within 1e-9 of the box, 1.4 large
+  }
+}
+
+TEST_CASE("a capsule and a cylinder that lie on a box rest on two points, cut where they hang over",
+          "[detection][core-patch]") {
+  const Quat along_x = about(Vec3::UnitY(), std::acos(0.0));
+  const auto check = [&](const auto& body) {
+    const ContactSet c = contacts(table, {}, body, {{0.1, 0.3, 0.25 + 0.1 - 1e-4}, along_x});
+    REQUIRE(c.size() == 2);
+    CHECK(std::abs(c.arm[0].x() - c.arm[1].x()) == Approx(0.6).epsilon(1e-9));
+    const ContactSet over =
+        contacts(table, {}, body, {{0.9, 0.3, 0.25 + 0.1 - 1e-4}, along_x});  // from 0.6 to 1.2: the edge is at 1
+    REQUIRE(over.size() == 2);
+    CHECK(std::max(over.arm[0].x(), over.arm[1].x()) == Approx(1.0).epsilon(1e-9));
+    CHECK(std::min(over.arm[0].x(), over.arm[1].x()) == Approx(0.6).epsilon(1e-9));
+    for (const double gap : over.gap) CHECK(std::abs(gap + 1e-4) < 1e-12);
+  };
+  check(Capsule(0.1, 0.6));
+  check(Cylinder(0.1, 0.6));
+}
+
+TEST_CASE("names stay while the contact does, and steep bodies touch in one point", "[detection][core-patch]") {
+  const Capsule rod(0.1, 0.6);
+  const Quat lying = about(Vec3::UnitY(), std::acos(0.0));
+  const ContactSet first = contacts(table, {}, rod, {{0, 0, 0.3499}, lying});
+  for (int k = 1; k < 50; ++k) {
+    const ContactSet c =
+        contacts(table, {}, rod, {{0.005 * k, 0.003 * k, 0.3499}, about(Vec3::UnitZ(), 0.01 * k) * lying});
+    CHECK(c.feature == first.feature);
+  }
+  CHECK(contacts(table, {}, rod,
+                 {{0, 0, 0.25 + 0.1 + 0.3 * std::sin(0.5) - 1e-3}, about(Vec3::UnitY(), std::acos(0.0) - 0.5)})
+            .size() == 1);
+  CHECK(contacts(table, {}, rod, {{0, 0, 0.25 + 0.4 - 1e-3}, upright}).size() == 1);
+}
