@@ -131,8 +131,6 @@ std::vector<BodyId> Assembly::ids(const std::vector<std::size_t>& bodies) const 
 }
 
 std::unique_ptr<Assembly> assemble(Scene scene) {
-  if (scene.output.problems_every)
-    throw SceneError("[output] problems: writing contact problems is not available yet; leave the key out", scene.output.problems_every->place);
   auto a = std::make_unique<Assembly>();
   a->scene = std::move(scene);
   a->shapes = std::make_shared<ShapeStore>();

@@ -10,8 +10,11 @@
 #include "engine/hash.h"
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
+#include "laws/nonsmooth/assembled.h"
+#include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/stop.h"
 #include "viz_export/measures/all_measures.h"
+#include "viz_export/problem_file.h"
 #include "viz_export/side_file.h"
 
 namespace epafi {
@@ -115,6 +118,17 @@ void Session::add_observers() {
     sim.observers.push_back(std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
 }
 
+/// The contact problem of the step just made, for `epafi solve`: problems/<scene>-i<step>-<contacts>.hdf5.
+void Session::write_contact_problem() const {
+  const Simulation& sim = *assembly_->simulation;
+  const ContactProblem* problem = last_problem(*sim.pipeline.contact_model);
+  if (problem == nullptr || problem->size() == 0) return;
+  const std::string scene = std::filesystem::path(assembly_->scene.file).stem().string();
+  std::filesystem::create_directories(folder_ / "problems");
+  write_problem(folder_ / "problems" / fmt::format("{}-i{:06}-{}.hdf5", scene, sim.steps(), problem->size()),
+                assemble_global(*problem), fmt::format("{}, step {}, t = {:.9g} s", scene, sim.steps(), sim.world.time));
+}
+
 void Session::save_checkpoint_now() {
   const Simulation& sim = *assembly_->simulation;
   files_->csv.flush();
@@ -162,12 +176,15 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   const std::uint64_t last_step = assembly_->steps;
   const auto interval = assembly_->scene.run.checkpoint_interval;
   const std::uint64_t checkpoint_every = interval ? steps_of(*interval, sim.time_step) : 0;
+  const auto& problems = assembly_->scene.output.problems_every;
+  const std::uint64_t problems_every = problems ? steps_of(problems->value, sim.time_step) : 0;
   Progress progress(last_step, first_step_, quiet);
   ending_ = Ending::completed;
   while (sim.steps() < last_step) {
     if (const auto stop = reason_to_stop(limits)) { ending_ = *stop; break; }
     if (const auto stop = step_once(last_step)) { ending_ = *stop; break; }
     progress.update(sim, *monitor_);
+    if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
     if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
   }
   wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;

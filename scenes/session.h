@@ -46,6 +46,7 @@ class Session {
   Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
           const CheckpointHeader* from, Output output);
   void add_observers();
+  void write_contact_problem() const;
   void save_checkpoint_now();
   void walk(StateVisitor& visitor) { assembly_->simulation->visit(visitor); }
   std::optional<Ending> step_once(std::uint64_t last_step);

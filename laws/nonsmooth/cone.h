@@ -22,6 +22,9 @@ inline Vec3 project_cone(const Vec3& x, double mu) {
   return {normal, scale * x.y(), scale * x.z()};
 }
 
+/// Nearest point of K*_mu, by Moreau's decomposition x = P_K*(x) - P_K(-x).
+inline Vec3 project_dual_cone(const Vec3& x, double mu) { return x + project_cone(-x, mu); }
+
 /// An element of the generalised derivative of project_cone at x: the identity inside K, 0 inside the polar cone,
 /// between them the generator g = (1, mu e), e = x_T / |x_T|, and the turn of the foot about the axis.
 inline Mat3 project_cone_derivative(const Vec3& x, double mu) {

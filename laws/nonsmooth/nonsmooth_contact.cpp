@@ -30,10 +30,12 @@ class NonsmoothContact final : public ContactModel {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
   void reorder(const Reordering& change) override { memory_.reorder(change); }
   void visit(StateVisitor& visitor) override { memory_.visit(visitor); }
+  const ContactProblem& problem() const { return problem_; }
 
  private:
   void load(const World& world, const ContactSet& contacts, double dt);
   void start(const World& world, const ContactSet& contacts);
+  bool release_induced(const World& world, const ContactSet& contacts, double dt);
   void account(const World& world, StepReport& report) const;
   void write_back(World& world, ContactSet& contacts, double dt);
 
@@ -80,8 +82,26 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
 /// 0 in five of six steps of a settling pile (the residual weighs errors against one step of gravity, not against the
 /// load) and never let 200 polyhedra come to rest with 50 sweeps.
 void NonsmoothContact::start(const World& world, const ContactSet& contacts) {
-  if (warm_start_) memory_.recall(world, contacts, problem_, r_);
-  else r_.assign(contacts.size(), Vec3::Zero());
+  if (warm_start_)
+    memory_.recall(world, contacts, problem_, r_);
+  else
+    r_.assign(contacts.size(), Vec3::Zero());
+}
+
+/// Open contacts that were no impact by the free motion but were stopped by one elsewhere: they close and bounce in the
+/// next step. Held at u_N = -g/dt they would take the restitution out of every chain of impacts (an elastic heap of 216
+/// balls lost 2 % of its energy in 2 s). False when there are none.
+bool NonsmoothContact::release_induced(const World& world, const ContactSet& contacts, double dt) {
+  const double threshold = impact_threshold * world.gravity.norm() * dt;
+  bool any = false;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts.gap[i] <= 0.0 || problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) continue;
+    if (r_[i].x() * problem_.diagonal[i](0, 0) <= threshold) continue;
+    if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) continue;
+    problem_.diagonal[i].setZero(), r_[i].setZero();  // out of this step's problem
+    any = true;
+  }
+  return any;
 }
 
 /// Energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their work.
@@ -126,6 +146,11 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.has_solver = true;
   report.elastic = 0.0;
   report.solver = solver_->solve(problem_, r_);
+  for (int pass = 0; pass < 3 && release_induced(world, contacts, clock.dt); ++pass) {
+    const int before = report.solver.iterations;
+    report.solver = solver_->solve(problem_, r_);
+    report.solver.iterations += before;
+  }
   report.solver.residual = measure_residual(problem_, r_, rho, after_, u_).value;
   report.solver.converged = report.solver.residual <= tolerance_;
   account(world, report);
@@ -135,6 +160,11 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
 }
 
 }  // namespace
+
+const ContactProblem* last_problem(const ContactModel& model) {
+  const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
+  return contact != nullptr ? &contact->problem() : nullptr;
+}
 
 Needs nonsmooth_needs(const NonsmoothSetup& setup) {
   const bool friction = std::any_of(setup.materials.pairs.begin(), setup.materials.pairs.end(),

@@ -43,4 +43,7 @@ std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup
 /// With a solver of the caller's own; setup.solver is not looked at.
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup, const SolverEntry& solver);
 
+/// The problem that a non-smooth contact model solved in the last step; null for other models.
+const ContactProblem* last_problem(const ContactModel& model);
+
 }  // namespace epafi

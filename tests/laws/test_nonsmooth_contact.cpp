@@ -201,7 +201,10 @@ TEST_CASE("a driven plane does the work that the ledger counts", "[laws][nonsmoo
 }
 
 TEST_CASE("momentum of colliding free bodies is conserved to rounding", "[laws][nonsmooth]") {
-  RigidExperiment x({.friction = 0.4, .restitution = 0.6, .gravity = Vec3::Zero(), .reach = 0.02});
+  // Position correction moves bodies at speed and so changes L by overlap times momentum (below 1e-4 here): off.
+  RigidSettings settings{.friction = 0.4, .restitution = 0.6, .gravity = Vec3::Zero(), .reach = 0.02};
+  settings.parameters.set("correction", 0.0);
+  RigidExperiment x(settings);
   for (int i = 0; i < 27; ++i) {
     const Vec3 p(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     x.sphere(0.45 + 0.01 * (i % 5), 1000.0 * (1 + i % 4), p, Vec3(-0.9 * p + Vec3(0.1 * (i % 2), 0, -0.05 * (i % 7))),
@@ -224,8 +227,7 @@ TEST_CASE("momentum of colliding free bodies is conserved to rounding", "[laws][
   CHECK(x.dissipated > 0.0);  // they did collide
   const auto [p1, l1] = momentum();
   CHECK((p1 - p0).norm() < 1e-12 * scale);
-  // angular momentum: positions are moved by the correction in pairs of equal moment too; spheres of radius about 1
-  CHECK((l1 - l0).norm() < 1e-4 * scale);
+  CHECK((l1 - l0).norm() < 1e-12 * scale);  // spheres at distances about 1
 }
 
 TEST_CASE("frictionless spheres run without rotation columns", "[laws][nonsmooth]") {

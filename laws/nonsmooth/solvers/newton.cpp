@@ -89,7 +89,7 @@ SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
   factor_.attach(problem);
   contact_weights(problem, weight_);
   shift_.resize(n), g_.resize(n), d_.resize(n), z_ = r, lambda_ = r, best_ = r;
-  rho_ = first_rho, scale_ = problem.scale * problem.q_norm();
+  rho_ = augmentation_ > 0.0 ? augmentation_ : first_rho, scale_ = problem.scale * problem.q_norm();
   double share = 1.0;  // of the new shift: halved where the outer steps overshoot
   for (std::size_t i = 0; i < n; ++i) shift_[i] = problem.friction[i] * tangential_norm(u_[i]);
   while (report.residual > tolerance_ && !gives_up(report) && !stop()) {
@@ -118,6 +118,19 @@ SolverEntry newton_entry() {
   return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<Newton>(static_cast<int>(parameters.number_or("iterations", 50)),
                                             parameters.number_or("tolerance", 1e-6));
+          }};
+}
+
+SolverEntry augmented_lagrangian_entry() {
+  Entry entry{"augmented-lagrangian",
+              "Uzawa's iteration on the augmented Lagrangian of a fixed augmentation, semismooth Newton inside",
+              solver_fields({{"augmentation", "r", "", Kind::number, 1e3, positive, "relative to 1 / W_ii"}}),
+              {.slip_velocity = true, .memory = true},
+              "Alart and Curnier 1991; Simo and Laursen 1992"};
+  return {std::move(entry), [](const Parameters& parameters) -> std::unique_ptr<ContactSolver> {
+            return std::make_unique<Newton>(static_cast<int>(parameters.number_or("iterations", 50)),
+                                            parameters.number_or("tolerance", 1e-6),
+                                            parameters.number_or("augmentation", 1e3));
           }};
 }
 

@@ -14,7 +14,9 @@ namespace epafi {
 
 class Newton final : public ConeSolver {
  public:
-  Newton(int iterations, double tolerance) : iterations_(iterations), tolerance_(tolerance) {}
+  /// augmentation: a fixed rho relative to 3 / trace W_ii, 0 to let it follow the contraction.
+  Newton(int iterations, double tolerance, double augmentation = 0.0)
+      : iterations_(iterations), tolerance_(tolerance), augmentation_(augmentation) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -45,6 +47,7 @@ class Newton final : public ConeSolver {
 
   int iterations_;
   double tolerance_;
+  double augmentation_;
   int patience_ = std::numeric_limits<int>::max();
   double behind_ = infinity;
   const ConeProblem* problem_ = nullptr;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "laws/nonsmooth/alart_curnier.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/newton.h"
 
@@ -12,34 +13,12 @@ namespace {
 constexpr double first_rho = 1e3, least_rho = 1e-2, largest_rho = 1e9;
 constexpr int inner_limit = 12, halvings = 6;
 
-/// The Alart-Curnier map of one contact. (With the projection on the cone and the De Saxce shift instead, piles take
-/// 1.4 times the factorisations: its argument moves by mu rho |du_T| along the normal.)
-Vec3 image(const Vec3& z, const Vec3& u, double mu, double rho) {
-  const Vec3 x = z - rho * u;
-  const double normal = std::max(0.0, x.x());
-  return project_disk({normal, x.y(), x.z()}, mu * normal);
-}
-
-/// - d image / d u.
-Mat3 image_slope(const Vec3& z, const Vec3& u, double mu, double rho) {
-  const Vec3 x = z - rho * u;
-  if (x.x() <= 0.0) return Mat3::Zero();
-  const double t = tangential_norm(x), radius = mu * x.x();
-  if (t <= radius) return rho * Mat3::Identity();
-  const double e1 = x.y() / t, e2 = x.z() / t, turn = radius / t;
-  Mat3 slope;
-  slope << 1.0, 0.0, 0.0,                                //
-      mu * e1, turn * (1.0 - e1 * e1), -turn * e1 * e2,  //
-      mu * e2, -turn * e1 * e2, turn * (1.0 - e2 * e2);
-  return rho * slope;
-}
-
 }  // namespace
 
 double Proximal::defect(const std::vector<Vec3>& r, const std::vector<Vec3>& u, std::vector<Vec3>& f) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < r.size(); ++i) {
-    f[i] = image(z_[i], u[i], problem_->friction[i], rho_ * weight_[i]) - r[i];
+    f[i] = alart_curnier(z_[i], u[i], problem_->friction[i], rho_ * weight_[i]) - r[i];
     sum += f[i].squaredNorm();
   }
   return std::sqrt(sum);
@@ -65,7 +44,8 @@ Proximal::Inner Proximal::solve_inner(SolverReport& report, int& steps) {
   double norm = defect(r_, u_, f_);
   const double first = norm, rounding = 1e-13 * problem_->scale * problem_->q_norm();
   for (steps = 1; steps <= inner_limit && report.iterations < iterations_ && !stop(); ++steps) {
-    for (std::size_t i = 0; i < n; ++i) d_[i] = image_slope(z_[i], u_[i], problem_->friction[i], rho_ * weight_[i]);
+    for (std::size_t i = 0; i < n; ++i)
+      d_[i] = alart_curnier_slope(z_[i], u_[i], problem_->friction[i], rho_ * weight_[i]);
     ++report.iterations;
     if (!factor_.factor(d_, false)) return Inner::failed;
     factor_.solve(f_, step_, du_);
@@ -77,7 +57,11 @@ Proximal::Inner Proximal::solve_inner(SolverReport& report, int& steps) {
   return norm < 0.5 * first ? Inner::progress : Inner::failed;
 }
 
+/// Sweeps z; takes them back where they lead away from the solution (strong friction on a tilted W: A27).
 void Proximal::smooth(int sweeps) {
+  problem_->relative_velocities(z_, v_, u_);
+  const double before = problem_->residual(z_, u_);
+  r_try_ = z_, u_try_ = u_;
   sweep_.start(z_);
   for (int k = 0; k < sweeps; ++k) {
     sweep_.run(PgsRule{}, z_);
@@ -85,6 +69,8 @@ void Proximal::smooth(int sweeps) {
   }
   problem_->relative_velocities(z_, v_, u_);
   residual_ = problem_->residual(z_, u_);
+  if (residual_ <= 3.0 * before) return;  // a rise that Newton undoes: piles need it
+  z_.swap(r_try_), u_.swap(u_try_), residual_ = before;
 }
 
 void Proximal::load(const ConeProblem& problem) {
