@@ -35,8 +35,8 @@ class GapSource {
  public:
   virtual ~GapSource() = default;
   virtual std::vector<ContactRegion> regions() const = 0;
-  /// The same region seen from another place y of its tangent plane, the new plane at this angle; curvatures stay those of the rigid
-  /// contact point.
+  /// The same region seen from another place y of its tangent plane, the new plane at this angle; curvatures stay those
+  /// of the rigid contact point.
   virtual ContactRegion moved(const ContactRegion& region, double y, double angle) const = 0;
   /// Angle of the rail's surface at y of the tangent plane, in track axes [rad].
   virtual double angle_at(const ContactRegion& region, double y) const = 0;

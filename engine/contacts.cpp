@@ -39,7 +39,8 @@ void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
 void ContactSet::append(const ContactSet& other) {
   const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   join(a, other.a), join(b, other.b), join(feature, other.feature), join(gap, other.gap);
-  join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius), join(area, other.area);
+  join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius),
+      join(area, other.area);
 }
 
 void ContactSet::sort() {
@@ -51,8 +52,8 @@ void ContactSet::sort() {
 }
 
 std::size_t ContactSet::bytes_per_contact() const {
-  return 2 * sizeof(Slot) + sizeof(Feature) + sizeof(double) + 3 * sizeof(Vec3) + (with_curvature ? sizeof(double) : 0) +
-         (with_area ? sizeof(double) : 0) + (with_moment ? sizeof(Vec3) : 0);
+  return 2 * sizeof(Slot) + sizeof(Feature) + sizeof(double) + 3 * sizeof(Vec3) +
+         (with_curvature ? sizeof(double) : 0) + (with_area ? sizeof(double) : 0) + (with_moment ? sizeof(Vec3) : 0);
 }
 
 void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous) {

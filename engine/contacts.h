@@ -1,6 +1,6 @@
 /// @file contacts.h  Candidate pairs and contacts: what detection produces and contact models consume.
-/// Canonical order: by (a, b, feature) with a, b the slots. A is always the body of lower id, the normal points from A to B.
-/// The order is a function of the state alone, so sums taken along it are the same bits for every thread count.
+/// Canonical order: by (a, b, feature) with a, b the slots. A is always the body of lower id, the normal points from A
+/// to B. The order is a function of the state alone, so sums taken along it are the same bits for every thread count.
 #pragma once
 #include <compare>
 #include <limits>
@@ -21,7 +21,8 @@ struct Pair {
 /// Sorted candidate pairs, kept while no body has moved beyond the margin.
 struct PairList {
   std::vector<Pair> pairs;
-  double margin = 0.0;           ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
+  double margin =
+      0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
   std::uint64_t generation = 0;  ///< grows when the list changes: whoever derives data from it derives it again
 };
 
@@ -36,7 +37,7 @@ struct ContactPoint {
   Vec3 arm = Vec3::Zero();                               ///< from A's centre to the contact point, world axes [m]
   double effective_radius = 0.0;                         ///< R* = 1/(1/R_a + 1/R_b) [m], where curvature is needed
   Feature feature = 0;
-  double area = 0.0;                                     ///< volume over overlap of a cell of overlap volume [m^2], where needed
+  double area = 0.0;  ///< volume over overlap of a cell of overlap volume [m^2], where needed
 };
 
 /// Columns of contacts. Columns the plan does not need stay empty.

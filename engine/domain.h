@@ -10,10 +10,10 @@ namespace epafi {
 
 /// A run that cannot go on. The state before the step is the last good one.
 struct Failure {
-  std::string kind;             ///< "non-finite state", "lost body"
+  std::string kind;  ///< "non-finite state", "lost body"
   std::uint64_t step = 0;
   std::optional<BodyId> body{};
-  std::string text;             ///< cause with value and unit, next action
+  std::string text;  ///< cause with value and unit, next action
 };
 
 struct Domain {
@@ -24,8 +24,8 @@ struct Domain {
   bool contains(const Vec3& x) const { return (x.array() >= min.array()).all() && (x.array() <= max.array()).all(); }
 };
 
-/// Free bodies whose position or velocity is no number, or outside the domain, in the order of ids. Almost always empty:
-/// one pass over positions and velocities.
+/// Free bodies whose position or velocity is no number, or outside the domain, in the order of ids. Almost always
+/// empty: one pass over positions and velocities.
 std::vector<Slot> find_strays(const World& world, const std::optional<Domain>& domain);
 bool is_finite(const World& world, Slot s);
 

@@ -79,7 +79,8 @@ double EnergyLedger::relative_error() const {
   const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
   const double error = now_.stored() - start_ + now_.dissipated - now_.work;
   // what is left of sums of large terms is rounding: a body at rest high up has no energy error
-  const double rounding = 1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + now_.elastic + now_.dissipated);
+  const double rounding =
+      1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + now_.elastic + now_.dissipated);
   return std::abs(error) > rounding && reference > 0 ? error / reference : 0.0;
 }
 

@@ -1,7 +1,7 @@
 /// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
-/// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the spread of the
-/// potential energy. Potential: gravity and constant external forces. What position correction puts in is part of the error; it is
-/// also shown by itself. All sums in a fixed order.
+/// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the
+/// spread of the potential energy. Potential: gravity and constant external forces. What position correction puts in is
+/// part of the error; it is also shown by itself. All sums in a fixed order.
 #pragma once
 #include "engine/report.h"
 #include "engine/state_visitor.h"
@@ -46,8 +46,8 @@ class EnergyLedger {
 
  private:
   Energy now_;
-  double start_ = 0;             ///< E(0) [J]
-  double largest_inner_ = 0;     ///< max of kinetic + elastic [J]
+  double start_ = 0;          ///< E(0) [J]
+  double largest_inner_ = 0;  ///< max of kinetic + elastic [J]
   double lowest_potential_ = 0, highest_potential_ = 0;
 };
 

@@ -1,5 +1,5 @@
-/// @file error.h  The two kinds of error that are thrown or aborted on: a user's (SceneError) and a programmer's (EPAFI_REQUIRE).
-/// Numerical trouble is neither: it is a result, see report.h.
+/// @file error.h  The two kinds of error that are thrown or aborted on: a user's (SceneError) and a programmer's
+/// (EPAFI_REQUIRE). Numerical trouble is neither: it is a result, see report.h.
 #pragma once
 #include <cstdio>
 #include <cstdlib>
@@ -26,7 +26,8 @@ struct Problem {
 
   std::string to_string() const {
     std::string out = place.file;
-    if (place.line > 0) out.append(":").append(std::to_string(place.line)).append(":").append(std::to_string(place.column));
+    if (place.line > 0)
+      out.append(":").append(std::to_string(place.line)).append(":").append(std::to_string(place.column));
     if (!out.empty()) out.append(": ");
     return out.append(level == Level::error ? "error: " : "warning: ").append(text);
   }
@@ -60,12 +61,12 @@ class FileError : public std::runtime_error {
 
 /// States a contract between functions; active in Debug builds and in all tests, never used for a user's input.
 #ifdef EPAFI_CHECK_CONTRACTS
-#define EPAFI_REQUIRE(condition, message)                                                             \
-  do {                                                                                                \
-    if (!(condition)) {                                                                               \
+#define EPAFI_REQUIRE(condition, message)                                                                   \
+  do {                                                                                                      \
+    if (!(condition)) {                                                                                     \
       std::fprintf(stderr, "%s:%d: contract violated: %s (%s)\n", __FILE__, __LINE__, message, #condition); \
-      std::abort();                                                                                   \
-    }                                                                                                 \
+      std::abort();                                                                                         \
+    }                                                                                                       \
   } while (false)
 #else
 #define EPAFI_REQUIRE(condition, message) ((void)0)

@@ -6,7 +6,9 @@
 
 namespace epafi {
 
-double DriveBody::active_time(double time) const { return std::clamp(time, motion_.from, motion_.until) - motion_.from; }
+double DriveBody::active_time(double time) const {
+  return std::clamp(time, motion_.from, motion_.until) - motion_.from;
+}
 
 Vec3 DriveBody::position_at(double time) const {
   const double t = active_time(time);

@@ -1,4 +1,5 @@
-/// @file events.h  What changes the world between steps: driven motion, removal. An ordered list run before the step, never hooks in it.
+/// @file events.h  What changes the world between steps: driven motion, removal. An ordered list run before the step,
+/// never hooks in it.
 #pragma once
 #include <optional>
 #include <vector>
@@ -16,16 +17,17 @@ class Event {
   virtual void visit(StateVisitor&) {}
 };
 
-/// Prescribed motion of a driven body: the sum of a constant velocity, a rotation and an oscillation, within [from, until].
+/// Prescribed motion of a driven body: the sum of a constant velocity, a rotation and an oscillation, within [from,
+/// until].
 struct Motion {
-  Vec3 velocity = Vec3::Zero();            ///< [m/s]
-  Vec3 rotation_axis = Vec3::UnitZ();      ///< unit
-  double rotation_rate = 0.0;              ///< [rad/s]
-  std::optional<Vec3> rotation_about{};    ///< a point of the axis; the body's own centre where absent [m]
+  Vec3 velocity = Vec3::Zero();          ///< [m/s]
+  Vec3 rotation_axis = Vec3::UnitZ();    ///< unit
+  double rotation_rate = 0.0;            ///< [rad/s]
+  std::optional<Vec3> rotation_about{};  ///< a point of the axis; the body's own centre where absent [m]
   Vec3 oscillation_direction = Vec3::UnitX();
-  double oscillation_amplitude = 0.0;      ///< a in a sin(2 pi f t) [m]
-  double oscillation_frequency = 0.0;      ///< f [Hz]
-  double from = 0.0;                       ///< [s]
+  double oscillation_amplitude = 0.0;  ///< a in a sin(2 pi f t) [m]
+  double oscillation_frequency = 0.0;  ///< f [Hz]
+  double from = 0.0;                   ///< [s]
   double until = std::numeric_limits<double>::infinity();
 };
 

@@ -1,5 +1,6 @@
-/// @file gap_operator.h  Gaps between deformable surfaces as a function of nodal positions, with derivatives: the seam between
-/// surface search (node-to-surface, surface-to-surface) and the methods that enforce contact on finite elements.
+/// @file gap_operator.h  Gaps between deformable surfaces as a function of nodal positions, with derivatives: the seam
+/// between surface search (node-to-surface, surface-to-surface) and the methods that enforce contact on finite
+/// elements.
 #pragma once
 #include <span>
 #include <vector>
@@ -8,7 +9,8 @@
 
 namespace epafi {
 
-/// g_c(X) of every contact candidate c, its normal, and dg_c/dX as rows of (node, weight): dg_c = sum weight * normal . dx_node.
+/// g_c(X) of every contact candidate c, its normal, and dg_c/dX as rows of (node, weight): dg_c = sum weight * normal .
+/// dx_node.
 struct GapRows {
   std::vector<double> gap;                 ///< [m]
   std::vector<Vec3> normal;                ///< unit, from the first surface to the second

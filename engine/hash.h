@@ -1,4 +1,5 @@
-/// @file hash.h  A 64-bit hash of bits: for comparing states, not for security. Mixing step of SplitMix64 (Steele et al. 2014).
+/// @file hash.h  A 64-bit hash of bits: for comparing states, not for security. Mixing step of SplitMix64 (Steele et
+/// al. 2014).
 #pragma once
 #include <bit>
 #include <cstdint>

@@ -1,6 +1,6 @@
-/// @file lanes.h  Four numbers at a time, in GCC's and Clang's vector types: the compiler lays them on SSE2, AVX2 or AVX-512
-/// registers as the function's target allows. Each lane sees + - * / and sqrt in the order written (no contraction), so
-/// every target gives the same bits.
+/// @file lanes.h  Four numbers at a time, in GCC's and Clang's vector types: the compiler lays them on SSE2, AVX2 or
+/// AVX-512 registers as the function's target allows. Each lane sees + - * / and sqrt in the order written (no
+/// contraction), so every target gives the same bits.
 #pragma once
 #include <cmath>
 #include <cstdint>

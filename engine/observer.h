@@ -1,5 +1,5 @@
-/// @file observer.h  Whoever looks at finished steps: measures, files, ledgers of overlap. Const access only, so output cannot
-/// change a trajectory.
+/// @file observer.h  Whoever looks at finished steps: measures, files, ledgers of overlap. Const access only, so output
+/// cannot change a trajectory.
 #pragma once
 #include "engine/energy.h"
 #include "engine/pipeline.h"
@@ -13,10 +13,10 @@ struct StepView {
   const PairList& pairs;
   const StepReport& report;
   const EnergyLedger& ledger;
-  std::uint64_t step = 0;  ///< steps done so far
-  double dt = 0.0;         ///< [s]
-  std::size_t movable = 0; ///< free bodies now
-  bool last = false;       ///< the run ends with this step
+  std::uint64_t step = 0;   ///< steps done so far
+  double dt = 0.0;          ///< [s]
+  std::size_t movable = 0;  ///< free bodies now
+  bool last = false;        ///< the run ends with this step
 };
 
 /// Called when `is_due`; the simulation measures the energies before if `wants_energy`.

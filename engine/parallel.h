@@ -38,7 +38,8 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
   for (std::size_t b = 0; b < blocks; ++b) one(b);
 }
 
-/// One value per block, kept by the calling thread from call to call: no allocation inside a step. Not to be nested for one T.
+/// One value per block, kept by the calling thread from call to call: no allocation inside a step. Not to be nested for
+/// one T.
 template <class T>
 std::vector<T>& block_results(std::size_t blocks, T start) {
   thread_local std::vector<T> kept;
@@ -79,7 +80,12 @@ T block_max(std::size_t n, T least, const F& f) {
 /// Sum of six-vectors and the like: an aggregate of doubles with a zero and +=.
 struct Sum3 {
   double a = 0, b = 0, c = 0;
-  Sum3& operator+=(const Sum3& o) { a += o.a; b += o.b; c += o.c; return *this; }
+  Sum3& operator+=(const Sum3& o) {
+    a += o.a;
+    b += o.b;
+    c += o.c;
+    return *this;
+  }
 };
 
 }  // namespace epafi

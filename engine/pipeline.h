@@ -11,8 +11,9 @@ namespace epafi {
 
 /// What a stage that acts needs to know about the step.
 struct StepClock {
-  double dt = 0.0;            ///< [s]
-  double velocity_lag = 0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
+  double dt = 0.0;  ///< [s]
+  double velocity_lag =
+      0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
 };
 
 /// What all stages share.
@@ -48,8 +49,8 @@ class NarrowPhase : public StepStage {
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
 };
 
-/// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular velocity)
-/// and includes gravity and external forces of the step. Writes contacts.force.
+/// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular
+/// velocity) and includes gravity and external forces of the step. Writes contacts.force.
 class ContactModel : public StepStage {
  public:
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;

@@ -1,4 +1,5 @@
-/// @file random.h  Counter-based random numbers: a pure function of (seed, stream, draw), the same on every machine and thread count.
+/// @file random.h  Counter-based random numbers: a pure function of (seed, stream, draw), the same on every machine and
+/// thread count.
 #pragma once
 #include "engine/hash.h"
 

@@ -1,4 +1,5 @@
-/// @file report.h  What a step did: counts, times, energies, residual. Numerical trouble is a value here, not an exception.
+/// @file report.h  What a step did: counts, times, energies, residual. Numerical trouble is a value here, not an
+/// exception.
 #pragma once
 #include <array>
 #include <chrono>
@@ -16,7 +17,8 @@ struct SolverReport {
 };
 
 enum class Stage { integrate, broad_phase, narrow_phase, contact, output };
-inline constexpr std::array<const char*, 5> stage_names{"integrate", "broad_phase", "narrow_phase", "contact", "output"};
+inline constexpr std::array<const char*, 5> stage_names{"integrate", "broad_phase", "narrow_phase", "contact",
+                                                        "output"};
 
 /// Wall seconds by stage.
 struct StageSeconds {
@@ -53,16 +55,16 @@ struct Losses {
 /// What the contact model reports of one step.
 struct StepReport {
   std::size_t pairs = 0;
-  std::size_t contacts = 0;        ///< reported by the narrow phase
-  std::size_t touching = 0;        ///< with gap < 0 (smooth) or impulse > 0 (non-smooth)
-  double elastic = 0.0;            ///< energy stored in the contacts now [J]
-  double dissipated = 0.0;         ///< energy lost in the contacts during this step [J]
-  double work = 0.0;               ///< work of driven bodies on the others during this step [J]
-  double correction = 0.0;         ///< potential energy put in by moving overlapping bodies apart in this step [J]
-  Losses losses;                   ///< parts of `dissipated`, of smooth contact
+  std::size_t contacts = 0;  ///< reported by the narrow phase
+  std::size_t touching = 0;  ///< with gap < 0 (smooth) or impulse > 0 (non-smooth)
+  double elastic = 0.0;      ///< energy stored in the contacts now [J]
+  double dissipated = 0.0;   ///< energy lost in the contacts during this step [J]
+  double work = 0.0;         ///< work of driven bodies on the others during this step [J]
+  double correction = 0.0;   ///< potential energy put in by moving overlapping bodies apart in this step [J]
+  Losses losses;             ///< parts of `dissipated`, of smooth contact
   bool has_solver = false;
   SolverReport solver;
-  StageSeconds seconds;            ///< summed over all steps so far
+  StageSeconds seconds;  ///< summed over all steps so far
 };
 
 }  // namespace epafi

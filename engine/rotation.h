@@ -8,7 +8,8 @@
 
 namespace epafi {
 
-/// sin and cos with + - * / only, so that no libm can change a bit. Reduction in two parts: |x| up to 1e5, error below 2 ulp.
+/// sin and cos with + - * / only, so that no libm can change a bit. Reduction in two parts: |x| up to 1e5, error below
+/// 2 ulp.
 struct SinCos {
   double sin, cos;
 };
@@ -21,8 +22,8 @@ void rotate_freely(Quat& q, const Vec3& angular_momentum, const Vec3& inverse_in
 /// q turned by the rotation vector `angle` (world axes) [rad], of any length.
 Quat turned_far(const Quat& q, const Vec3& angle);
 
-/// The same. Below 0.02 rad, where a step of a stable simulation lies, the series of sin(h)/h and cos(h) end below 1e-21 after
-/// three terms: a sixth of the time of sin_cos.
+/// The same. Below 0.02 rad, where a step of a stable simulation lies, the series of sin(h)/h and cos(h) end below
+/// 1e-21 after three terms: a sixth of the time of sin_cos.
 inline Quat turned(const Quat& q, const Vec3& angle) {
   const double square = angle.squaredNorm();
   if (!(square < 4e-4)) return turned_far(q, angle);
@@ -32,7 +33,8 @@ inline Quat turned(const Quat& q, const Vec3& angle) {
   const double x = half_sinc * angle.x(), y = half_sinc * angle.y(), z = half_sinc * angle.z();
   const double w = c * q.w() - x * q.x() - y * q.y() - z * q.z(), i = c * q.x() + x * q.w() + y * q.z() - z * q.y();
   const double j = c * q.y() + y * q.w() + z * q.x() - x * q.z(), k = c * q.z() + z * q.w() + x * q.y() - y * q.x();
-  const double unit = 1.5 - 0.5 * (w * w + i * i + j * j + k * k);  // the length differs from 1 by rounding: one Newton step
+  const double unit =
+      1.5 - 0.5 * (w * w + i * i + j * j + k * k);  // the length differs from 1 by rounding: one Newton step
   return Quat(unit * w, unit * i, unit * j, unit * k);
 }
 

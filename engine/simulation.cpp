@@ -28,7 +28,8 @@ std::optional<Failure> Simulation::advance(bool last) {
 }
 
 void Simulation::count_movable() {
-  movable_ = static_cast<std::size_t>(std::count_if(world.inverse_mass.begin(), world.inverse_mass.end(), [](double m) { return m > 0; }));
+  movable_ = static_cast<std::size_t>(
+      std::count_if(world.inverse_mass.begin(), world.inverse_mass.end(), [](double m) { return m > 0; }));
 }
 
 void Simulation::sort_bodies() { reorder(world.reorder(morton_order(world))); }
@@ -51,8 +52,8 @@ void Simulation::take_out() {
   ledger.accept_jump(world, before);
 }
 
-/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again, the forces of the step that
-/// was done stay.
+/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again, the forces of the step
+/// that was done stay.
 void Simulation::drop_contacts() {
   if (!pipeline.scheme->needs_initial_forces()) return;
   const auto force = world.force, torque = world.torque;
@@ -67,13 +68,17 @@ std::optional<Failure> Simulation::watch() {
     const Vec3 &x = world.position[s], &v = world.velocity[s];
     char text[256];
     if (!is_finite(world, s)) {
-      std::snprintf(text, sizeof text, "body %u became non-finite in step %llu: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s",
-                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(), v.x(), v.y(), v.z());
+      std::snprintf(text, sizeof text,
+                    "body %u became non-finite in step %llu: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s",
+                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(),
+                    v.x(), v.y(), v.z());
       return Failure{"non-finite state", steps_, world.id[s], text};
     }
     if (domain->outside == Domain::Outside::error) {
-      std::snprintf(text, sizeof text, "body %u left the domain in step %llu at (%g, %g, %g) m with velocity (%g, %g, %g) m/s",
-                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(), v.x(), v.y(), v.z());
+      std::snprintf(text, sizeof text,
+                    "body %u left the domain in step %llu at (%g, %g, %g) m with velocity (%g, %g, %g) m/s",
+                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(),
+                    v.x(), v.y(), v.z());
       return Failure{"lost body", steps_, world.id[s], text};
     }
     leaving_.push_back(world.id[s]);

@@ -23,8 +23,9 @@ class Simulation {
   std::optional<Domain> domain;
   std::vector<std::unique_ptr<Event>> events;
   std::vector<std::unique_ptr<Observer>> observers;
-  double time_step;                ///< dt [s]
-  std::uint64_t sort_interval = 1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
+  double time_step;  ///< dt [s]
+  std::uint64_t sort_interval =
+      1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
 
   std::uint64_t steps() const { return steps_; }
   std::uint64_t bodies_removed() const { return removed_; }  ///< by remove_at and by `outside = "delete"`
@@ -51,7 +52,8 @@ class Simulation {
   std::uint64_t steps_ = 0;
   std::uint64_t removed_ = 0;
   std::size_t movable_ = 0;  ///< free bodies
-  std::vector<BodyId> leaving_;  ///< left the domain in the last step; taken out before the next, after observers saw it
+  std::vector<BodyId>
+      leaving_;  ///< left the domain in the last step; taken out before the next, after observers saw it
 };
 
 }  // namespace epafi

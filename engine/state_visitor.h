@@ -1,5 +1,5 @@
-/// @file state_visitor.h  One walk over all state: the same walk saves a checkpoint, loads it, hashes it and counts its bytes.
-/// Whoever owns state offers `void visit(StateVisitor&)`; nobody above the engine knows what the columns mean.
+/// @file state_visitor.h  One walk over all state: the same walk saves a checkpoint, loads it, hashes it and counts its
+/// bytes. Whoever owns state offers `void visit(StateVisitor&)`; nobody above the engine knows what the columns mean.
 #pragma once
 #include <cstddef>
 #include <cstring>
@@ -26,14 +26,14 @@ class StateVisitor {
 
   /// A column of plain values; a loading visitor resizes it. `name` is unique in the walk ("world/position").
   template <class T>
-    requires is_plain<T>
+  requires is_plain<T>
   void column(std::string_view name, std::vector<T>& values) {
     const std::size_t wanted = bytes_of(name, sizeof(T), values.size() * sizeof(T));
     if (wanted != values.size() * sizeof(T)) values.resize(wanted / sizeof(T));
     exchange(name, sizeof(T), reinterpret_cast<std::byte*>(values.data()), wanted);
   }
   template <class T>
-    requires is_plain<T>
+  requires is_plain<T>
   void value(std::string_view name, T& v) {
     bytes_of(name, sizeof(T), sizeof(T));
     exchange(name, sizeof(T), reinterpret_cast<std::byte*>(&v), sizeof(T));

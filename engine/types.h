@@ -8,7 +8,8 @@ namespace epafi {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
-/// Unit quaternion w x y z, body axes to world axes. Unaligned, so that its layout is the same for every instruction set.
+/// Unit quaternion w x y z, body axes to world axes. Unaligned, so that its layout is the same for every instruction
+/// set.
 using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// A body's name for life: never reused, written to files, the same on every machine.

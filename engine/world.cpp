@@ -134,9 +134,8 @@ std::vector<Slot> morton_order(const World& world) {
     code[s] = spread(static_cast<std::uint64_t>(u.x())) | spread(static_cast<std::uint64_t>(u.y())) << 1 |
               spread(static_cast<std::uint64_t>(u.z())) << 2;
   }
-  std::sort(order.begin(), order.end(), [&](Slot p, Slot q) {
-    return code[p] != code[q] ? code[p] < code[q] : world.id[p] < world.id[q];
-  });
+  std::sort(order.begin(), order.end(),
+            [&](Slot p, Slot q) { return code[p] != code[q] ? code[p] < code[q] : world.id[p] < world.id[q]; });
   return order;
 }
 

@@ -13,22 +13,23 @@ namespace epafi {
 
 /// Which optional columns exist; the plan of the scene decides.
 struct Columns {
-  bool rotation = false;        ///< orientation, angular velocity, inverse inertia
-  bool anisotropy = false;      ///< some free body has unequal principal moments: angular momentum is kept beside the velocity
-  bool force = true;            ///< force (and torque, with rotation): smooth contact only
+  bool rotation = false;  ///< orientation, angular velocity, inverse inertia
+  bool anisotropy =
+      false;          ///< some free body has unequal principal moments: angular momentum is kept beside the velocity
+  bool force = true;  ///< force (and torque, with rotation): smooth contact only
   bool external_force = false;  ///< constant forces on some bodies
 };
 
 /// One body as it enters the world.
 struct Body {
-  Vec3 position = Vec3::Zero();             ///< centre of mass [m]
-  Quat orientation = Quat(1, 0, 0, 0);     ///< principal axes to world
-  Vec3 velocity = Vec3::Zero();             ///< [m/s]
-  Vec3 angular_velocity = Vec3::Zero();     ///< world axes [rad/s]
-  double mass = 0.0;                        ///< [kg]; 0: fixed or driven
-  Vec3 inertia = Vec3::Zero();              ///< principal moments [kg m^2]; unused where mass is 0
-  Vec3 external_force = Vec3::Zero();       ///< [N]
-  std::uint32_t shape = 0;                  ///< opaque to the engine: packed type and index of detection/shape_store.h
+  Vec3 position = Vec3::Zero();          ///< centre of mass [m]
+  Quat orientation = Quat(1, 0, 0, 0);   ///< principal axes to world
+  Vec3 velocity = Vec3::Zero();          ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();  ///< world axes [rad/s]
+  double mass = 0.0;                     ///< [kg]; 0: fixed or driven
+  Vec3 inertia = Vec3::Zero();           ///< principal moments [kg m^2]; unused where mass is 0
+  Vec3 external_force = Vec3::Zero();    ///< [N]
+  std::uint32_t shape = 0;               ///< opaque to the engine: packed type and index of detection/shape_store.h
   std::uint16_t material = 0;
 };
 
@@ -41,10 +42,10 @@ class World {
  public:
   explicit World(Columns columns = {}) : columns_(columns) {}
 
-  double time = 0.0;                   ///< [s]
-  Vec3 gravity = Vec3::Zero();         ///< [m/s^2]
+  double time = 0.0;            ///< [s]
+  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
 
-  std::vector<BodyId> id;              ///< of each slot
+  std::vector<BodyId> id;  ///< of each slot
   std::vector<std::uint32_t> shape;
   std::vector<std::uint16_t> material;
   std::vector<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
@@ -56,7 +57,8 @@ class World {
   std::vector<Vec3> angular_velocity;  ///< world axes [rad/s]
   std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]
   std::vector<Vec3> torque;            ///< [N m]; with columns().force
-  std::vector<Vec3> angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
+  std::vector<Vec3>
+      angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
 
   std::size_t size() const { return id.size(); }
   bool rotates() const { return columns_.rotation; }
@@ -77,14 +79,18 @@ class World {
   Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const;
   /// Changes the angular momentum by an impulse [N m s] and the angular velocity with it; free bodies only.
   void apply_angular_impulse(Slot s, const Vec3& impulse) {
-    if (!columns_.anisotropy && is_isotropic(s)) angular_velocity[s] += inverse_inertia[s].x() * impulse;
-    else apply_angular_impulse_at(s, impulse);
+    if (!columns_.anisotropy && is_isotropic(s))
+      angular_velocity[s] += inverse_inertia[s].x() * impulse;
+    else
+      apply_angular_impulse_at(s, impulse);
   }
   void set_angular_velocity(Slot s, const Vec3& w);
   /// Motion of the orientation over dt: torque-free for free bodies, with constant angular velocity for driven ones.
   void rotate(Slot s, double dt) {
-    if (is_isotropic(s)) orientation[s] = turned(orientation[s], dt * angular_velocity[s]);
-    else rotate_at(s, dt);
+    if (is_isotropic(s))
+      orientation[s] = turned(orientation[s], dt * angular_velocity[s]);
+    else
+      rotate_at(s, dt);
   }
   /// Equal principal moments: spheres, cubes; fixed bodies too.
   bool is_isotropic(Slot s) const {

@@ -1,5 +1,5 @@
-/// @file all_laws.h  The lists of smooth law parts: include the header, add the name. A normal law with an evaluation of its
-/// own also gets a file of three lines in laws/smooth/loops.
+/// @file all_laws.h  The lists of smooth law parts: include the header, add the name. A normal law with an evaluation
+/// of its own also gets a file of three lines in laws/smooth/loops.
 #pragma once
 #include "laws/smooth/adhesion.h"
 #include "laws/smooth/friction.h"
@@ -17,8 +17,9 @@ namespace epafi {
 template <class... L>
 struct LawList {};
 
-using NormalLaws = LawList<Linear, Hertz, HuntCrossley, HuntCrossley1975, HerbertMcWhannell, LeeWang, LankaraniNikravesh, Flores, Gonthier,
-                           PowerLaw, KuwabaraKono, WaltonBraun, Dmt, Jkr, OverlapVolume>;
+using NormalLaws =
+    LawList<Linear, Hertz, HuntCrossley, HuntCrossley1975, HerbertMcWhannell, LeeWang, LankaraniNikravesh, Flores,
+            Gonthier, PowerLaw, KuwabaraKono, WaltonBraun, Dmt, Jkr, OverlapVolume>;
 using TangentialLaws = LawList<NoFriction, CoulombSpring, Mindlin, MindlinDeresiewicz>;
 using RollingLaws = LawList<NoRolling, RollingSpring, RollingConstant, RollingViscous>;
 

@@ -1,6 +1,6 @@
 /// @file contact_law.h  What a smooth law sees of a contact, and what its normal, tangential and rolling parts offer.
-/// A part is a set of static functions over plain parameters of a material pair; the loop of laws/smooth/smooth_contact.h
-/// takes it as a template parameter, so a part that is absent costs nothing.
+/// A part is a set of static functions over plain parameters of a material pair; the loop of
+/// laws/smooth/smooth_contact.h takes it as a template parameter, so a part that is absent costs nothing.
 #pragma once
 #include <concepts>
 
@@ -52,21 +52,31 @@ concept LawPart = requires(const MaterialPair& pair) {
 
 /// A law with memory has `State`, which begins unloaded with every contact.
 template <class L>
-concept RemembersNormal = requires { typename L::State; };
+concept RemembersNormal = requires {
+  typename L::State;
+};
 
 template <class L>
-struct NormalStateOf { using type = Nothing<0>; };
+struct NormalStateOf {
+  using type = Nothing<0>;
+};
 template <RemembersNormal L>
-struct NormalStateOf<L> { using type = typename L::State; };
+struct NormalStateOf<L> {
+  using type = typename L::State;
+};
 template <class L>
 using NormalState = typename NormalStateOf<L>::type;
 
 template <class L>
-concept NormalLaw = LawPart<L> && requires(const typename L::Parameters& p, const ContactKinematics& c, NormalState<L>& s) {
+concept NormalLaw = LawPart<L> &&
+    requires(const typename L::Parameters& p, const ContactKinematics& c, NormalState<L>& s) {
   { L::is_hertzian } -> std::convertible_to<bool>;  ///< k_n = 2 E* a, a the contact radius: sqrt(R* delta) for Hertz
   { L::is_damped(p) } -> std::same_as<bool>;
-  requires requires { { L::respond(p, c) } -> std::same_as<NormalResponse>; } ||
-      requires { { L::respond(p, c, s, s) } -> std::same_as<NormalResponse>; };  ///< state before, state now
+  requires requires {
+    { L::respond(p, c) } -> std::same_as<NormalResponse>;
+  } || requires {
+    { L::respond(p, c, s, s) } -> std::same_as<NormalResponse>;
+  };  ///< state before, state now
 };
 
 /// A normal law that also answers for four contacts at once: its formula is a template over the number.
@@ -76,12 +86,16 @@ concept LaneLaw = NormalLaw<L> && requires(const typename L::Parameters& p, cons
 };
 
 template <NormalLaw L>
-NormalResponse respond(const typename L::Parameters& p, const ContactKinematics& c, const NormalState<L>& before, NormalState<L>& now) {
-  if constexpr (RemembersNormal<L>) return L::respond(p, c, before, now);
-  else return L::respond(p, c);
+NormalResponse respond(const typename L::Parameters& p, const ContactKinematics& c, const NormalState<L>& before,
+                       NormalState<L>& now) {
+  if constexpr (RemembersNormal<L>)
+    return L::respond(p, c, before, now);
+  else
+    return L::respond(p, c);
 }
 
-/// Friction by a spring of stiffness k_t(k_n), rescaled on unloading, that slides at mu N: laws/smooth/spring.h, also for lanes.
+/// Friction by a spring of stiffness k_t(k_n), rescaled on unloading, that slides at mu N: laws/smooth/spring.h, also
+/// for lanes.
 template <class L>
 concept LaneFriction = requires(const typename L::Parameters& p, Lanes normal_stiffness) {
   { L::stiffness(p, normal_stiffness) } -> std::same_as<Lanes>;
@@ -90,10 +104,14 @@ concept LaneFriction = requires(const typename L::Parameters& p, Lanes normal_st
 
 /// Some laws of a list share one way of evaluation and differ in how their parameters come about.
 template <class L>
-struct LoopOfLaw { using type = L; };
+struct LoopOfLaw {
+  using type = L;
+};
 template <class L>
 requires requires { typename L::Loop; }
-struct LoopOfLaw<L> { using type = typename L::Loop; };
+struct LoopOfLaw<L> {
+  using type = typename L::Loop;
+};
 template <class L>
 using Loop = typename LoopOfLaw<L>::type;
 
@@ -115,7 +133,8 @@ struct FrictionResponse {
 
 /// Friction that remembers: pull(parameters, step, memory before, memory now).
 template <class L>
-concept TangentialLaw = LawPart<L> && requires(const typename L::Parameters& p, const SlipStep& step, typename L::Memory& m) {
+concept TangentialLaw = LawPart<L> &&
+    requires(const typename L::Parameters& p, const SlipStep& step, typename L::Memory& m) {
   { L::is_present } -> std::convertible_to<bool>;
   { L::stiffness(p, 1.0) } -> std::same_as<double>;  ///< of k_n, without slip [N/m]: for the time step
   { L::pull(p, step, m, m) } -> std::same_as<FrictionResponse>;
@@ -138,7 +157,8 @@ concept RollingLaw = LawPart<L> && requires(const typename L::Parameters& p, con
   { L::damping(p, step) } -> std::same_as<double>;    ///< [N m s]
 };
 
-inline Field optional_field(const char* name, const char* symbol, const char* unit, Kind kind, const Range& range, const char* help) {
+inline Field optional_field(const char* name, const char* symbol, const char* unit, Kind kind, const Range& range,
+                            const char* help) {
   Field f{name, symbol, unit, kind, {}, range, help};
   f.optional = true;
   return f;

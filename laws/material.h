@@ -9,7 +9,8 @@
 
 namespace epafi {
 
-/// Elastic constants and density of one material, SI. NaN where the scene does not give one: whoever needs it refuses by name.
+/// Elastic constants and density of one material, SI. NaN where the scene does not give one: whoever needs it refuses
+/// by name.
 struct Material {
   std::string name;
   double density = std::numeric_limits<double>::quiet_NaN();         ///< rho [kg/m^3], > 0

@@ -1,10 +1,9 @@
-/// @file broad.cpp  Broad phases on dense packs: every body drifts 1 % of its radius per step in a direction of its own.
-/// Packs after reference harness practice: mono; lognormal 1:10; bimodal, 0.1 % boulders of 100 times the size in their dust;
-/// decades, sizes 1:100 of equal volume per decade (case B11 d).
-/// Rows: mean and 99th percentile of ns per body and step, pairs listed, pairs that touch (exact spheres), disagreements.
-/// Disagreement: touching pairs at the last step that the list lacks, against the brute force of this file.
-/// Times are CPU seconds of the calling thread on one thread, wall seconds on more (OMP_NUM_THREADS).
-/// Usage: perf_broad [bodies] [method] [scene]
+/// @file broad.cpp  Broad phases on dense packs: every body drifts 1 % of its radius per step in a direction of its
+/// own. Packs after reference harness practice: mono; lognormal 1:10; bimodal, 0.1 % boulders of 100 times the size in
+/// their dust; decades, sizes 1:100 of equal volume per decade (case B11 d). Rows: mean and 99th percentile of ns per
+/// body and step, pairs listed, pairs that touch (exact spheres), disagreements. Disagreement: touching pairs at the
+/// last step that the list lacks, against the brute force of this file. Times are CPU seconds of the calling thread on
+/// one thread, wall seconds on more (OMP_NUM_THREADS). Usage: perf_broad [bodies] [method] [scene]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -59,7 +58,8 @@ class Packer {
 
   static Cell cell(int level, const Vec3& x) {
     const double h = std::ldexp(1.0, level);
-    return {level, std::lround(std::floor(x.x() / h)), std::lround(std::floor(x.y() / h)), std::lround(std::floor(x.z() / h))};
+    return {level, std::lround(std::floor(x.x() / h)), std::lround(std::floor(x.y() / h)),
+            std::lround(std::floor(x.z() / h))};
   }
   Vec3 direction() {
     for (;;) {
@@ -181,8 +181,8 @@ void run(const Pack& start, const char* kind, const std::string& method) {
   for (double t : nanoseconds) sum += t;
   std::sort(nanoseconds.begin(), nanoseconds.end());
   std::printf("%s,%zu,%s,%d,%.1f,%.1f,%.1f,%zu,%zu,%zu,%llu\n", kind, n, method.c_str(), thread_count(), sum / steps,
-              nanoseconds[nanoseconds.size() / 2], nanoseconds[nanoseconds.size() * 99 / 100], list.pairs.size(), found.size(),
-              wrong.size(), static_cast<unsigned long long>(list.generation));
+              nanoseconds[nanoseconds.size() / 2], nanoseconds[nanoseconds.size() * 99 / 100], list.pairs.size(),
+              found.size(), wrong.size(), static_cast<unsigned long long>(list.generation));
   std::fflush(stdout);
 }
 

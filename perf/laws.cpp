@@ -40,8 +40,8 @@ void lattice(Rig& rig, ContactSet& contacts, int n, double radius, bool curvatur
     }
 }
 
-/// Oblique impact of two spheres with relative speed 2 at 50 steps per contact: error of the ledger, and of what comes out
-/// against the same at 4000 steps (change of the relative velocity over 2).
+/// Oblique impact of two spheres with relative speed 2 at 50 steps per contact: error of the ledger, and of what comes
+/// out against the same at 4000 steps (change of the relative velocity over 2).
 struct ImpactError {
   double ledger, outcome;
 };
@@ -71,15 +71,16 @@ PlotLine measure(const char* label, const ContactChoice& choice, bool locate = f
   for (int round = 0; round < 400; ++round) {
     const std::clock_t start = std::clock();
     for (int k = 0; k < 4; ++k) rig.stage.contact_model->act(rig.world, contacts, {1e-6, 0.5}, report);
-    ns.push_back(1e9 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / 4 / static_cast<double>(report.touching));
+    ns.push_back(1e9 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / 4 /
+                 static_cast<double>(report.touching));
   }
   std::sort(ns.begin(), ns.end());
   Hash hash;
   for (const auto* column : {&rig.world.force, &rig.world.torque})
     for (const Vec3& f : *column) hash.add(f.data(), 3);
   const ImpactError error = impact_error(setup);
-  std::printf("%-38s %8zu %8.1f %8.1f %12.2e %12.2e  %s\n", label, report.touching, ns[0], ns[200], error.ledger, error.outcome,
-              hash.hex().c_str());
+  std::printf("%-38s %8zu %8.1f %8.1f %12.2e %12.2e  %s\n", label, report.touching, ns[0], ns[200], error.ledger,
+              error.outcome, hash.hex().c_str());
   return {label, {{ns[0], std::max(error.outcome, 1e-12)}}, {}};
 }
 
@@ -88,16 +89,21 @@ PlotLine measure(const char* label, const ContactChoice& choice, bool locate = f
 /// perf_laws FOLDER also draws FOLDER/laws.svg: cost against error of the impact.
 int main(int argc, char** argv) {
   set_thread_count(1);
-  std::printf("%-38s %8s %8s %8s %12s %12s  %s\n", "law", "contacts", "ns best", "median", "ledger err", "outcome err", "force hash");
+  std::printf("%-38s %8s %8s %8s %12s %12s  %s\n", "law", "contacts", "ns best", "median", "ledger err", "outcome err",
+              "force hash");
   const Parameters k = parameters_of({{"stiffness", 1e4}}), v = parameters_of({{"reference_speed", 2.0}});
-  const Parameters n = parameters_of({{"stiffness", 1e6}, {"exponent", 1.5}}), w = parameters_of({{"work_of_adhesion", 0.01}});
-  const auto with_tangential = [](const char* law, const char* tangential, double e, double mu, double mu_r = 0.0, const char* rolling = "") {
+  const Parameters n = parameters_of({{"stiffness", 1e6}, {"exponent", 1.5}}),
+                   w = parameters_of({{"work_of_adhesion", 0.01}});
+  const auto with_tangential = [](const char* law, const char* tangential, double e, double mu, double mu_r = 0.0,
+                                  const char* rolling = "") {
     ContactChoice c{law, e, mu, mu_r};
     c.tangential = tangential, c.rolling = rolling;
     return c;
   };
   std::vector<PlotLine> lines;
-  const auto add = [&](const char* label, const ContactChoice& choice, bool locate = false) { lines.push_back(measure(label, choice, locate)); };
+  const auto add = [&](const char* label, const ContactChoice& choice, bool locate = false) {
+    lines.push_back(measure(label, choice, locate));
+  };
   add("linear, elastic", {"linear", 1.0, 0, 0, k});
   add("linear, damped", {"linear", 0.8, 0, 0, k});
   add("linear, damped, friction", {"linear", 0.8, 0.3, 0, k});
@@ -118,6 +124,12 @@ int main(int argc, char** argv) {
   add("hertz-mindlin, rolling spring", {"hertz-mindlin", 0.8, 0.3, 0.05});
   add("hertz-mindlin, rolling constant", with_tangential("hertz", "mindlin", 0.8, 0.3, 0.05, "constant"));
   if (argc > 1)
-    draw(ScatterPlot{"Smooth laws: cost and error of the same oblique impact at 50 steps", "processor time per contact [ns]",
-                     "error of the outgoing velocity [-]", lines, {}, {}, {}}, std::string(argv[1]) + "/laws");
+    draw(ScatterPlot{"Smooth laws: cost and error of the same oblique impact at 50 steps",
+                     "processor time per contact [ns]",
+                     "error of the outgoing velocity [-]",
+                     lines,
+                     {},
+                     {},
+                     {}},
+         std::string(argv[1]) + "/laws");
 }

@@ -34,7 +34,9 @@ BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, cons
   body.external_force = spec.force;
   if (spec.moves()) {
     if (!shape.is_solid)
-      throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion", spec.name, a.scene.shapes[spec.shape].type), place);
+      throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion",
+                                   spec.name, a.scene.shapes[spec.shape].type),
+                       place);
     const double rho = density(a.scene, spec.material, place);
     body.mass = rho * shape.volume, body.inertia = rho * shape.frame.moments;
   }
@@ -61,7 +63,8 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
     shapes.push_back({b.radius, rho * b.volume, b.is_sphere});
   }
   const FillResult result = generate(fill, shapes);
-  if (!result.shortfall.empty()) throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
+  if (!result.shortfall.empty())
+    throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
   for (std::size_t k = 0; k < result.bodies.size(); ++k) {
     const FillBody& f = result.bodies[k];
     BodySpec spec;
@@ -106,10 +109,11 @@ std::unique_ptr<MotionGuard> make_guard(const Assembly& a) {
 Pipeline make_pipeline(Assembly& a) {
   Pipeline p;
   const auto& schemes = all_schemes();
-  const auto scheme = std::find_if(schemes.begin(), schemes.end(), [&](const auto& s) { return s.entry.name == a.scene.run.scheme.value; });
+  const auto scheme = std::find_if(schemes.begin(), schemes.end(),
+                                   [&](const auto& s) { return s.entry.name == a.scene.run.scheme.value; });
   p.scheme = scheme->make();
-  p.narrow_phase = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature,
-                                                        a.plan.needs.area);
+  p.narrow_phase =
+      std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature, a.plan.needs.area);
   if (a.plan.fused_spheres) {
     auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.sphere_material);
     std::vector<bool> fixed;
@@ -154,7 +158,8 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   set_broad_phase(*a);
   a->time_step = choose_time_step(*a);
   sim.time_step = a->time_step.value;
-  a->steps = static_cast<std::uint64_t>(std::max(1.0, std::ceil(a->scene.run.duration.value / sim.time_step * (1 - 1e-9))));
+  a->steps =
+      static_cast<std::uint64_t>(std::max(1.0, std::ceil(a->scene.run.duration.value / sim.time_step * (1 - 1e-9))));
   return a;
 }
 

@@ -22,18 +22,18 @@ struct Assembly {
   Scene scene;
   StepPlan plan;
   TimeStep time_step;
-  std::uint64_t steps = 0;                  ///< of the whole duration
+  std::uint64_t steps = 0;  ///< of the whole duration
   std::shared_ptr<ShapeStore> shapes;
   std::unique_ptr<Simulation> simulation;
-  std::vector<BodyId> body_ids;             ///< of Scene::bodies, in order; bodies of fills follow
-  std::vector<std::string> body_names;      ///< by body id
+  std::vector<BodyId> body_ids;         ///< of Scene::bodies, in order; bodies of fills follow
+  std::vector<std::string> body_names;  ///< by body id
   std::vector<Problem> warnings;
 
   std::vector<BodyId> ids(const std::vector<std::size_t>& bodies) const;
 };
 
-/// Builds shapes, plan, world and stages. Throws SceneError for what only shows now (geometry, missing constants, time step
-/// above its limit, overlapping parts of laws). Observers are not part of it: see observe.h.
+/// Builds shapes, plan, world and stages. Throws SceneError for what only shows now (geometry, missing constants, time
+/// step above its limit, overlapping parts of laws). Observers are not part of it: see observe.h.
 std::unique_ptr<Assembly> assemble(Scene scene);
 
 /// Body's name for messages: "stack[3]" or "body 17".

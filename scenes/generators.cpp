@@ -83,7 +83,8 @@ FillResult lattice(const FillSpec& fill, const std::vector<FillShape>& shapes) {
                      static_cast<double>(n / (cells[0] * cells[1])));
     const double radius = shapes[body.shape].radius * body.size;
     for (int k = 0; k < 3; ++k)
-      body.position[k] = fill.region.min[k] + (index[k] + 0.5) * cell[k] + (0.5 * cell[k] - radius) * random.uniform(-1, 1);
+      body.position[k] =
+          fill.region.min[k] + (index[k] + 0.5) * cell[k] + (0.5 * cell[k] - radius) * random.uniform(-1, 1);
     result.bodies.push_back(body);
     quota.place(mass);
   }
@@ -112,7 +113,8 @@ class Occupancy {
  private:
   std::array<long, 3> cell_of(const Vec3& x) const {
     const Vec3 u = (x - origin_) / cell_;
-    return {static_cast<long>(std::floor(u.x())), static_cast<long>(std::floor(u.y())), static_cast<long>(std::floor(u.z()))};
+    return {static_cast<long>(std::floor(u.x())), static_cast<long>(std::floor(u.y())),
+            static_cast<long>(std::floor(u.z()))};
   }
   static std::uint64_t key(const std::array<long, 3>& c) {
     const auto part = [](long v) { return static_cast<std::uint64_t>(v + 1) & 0x1fffff; };

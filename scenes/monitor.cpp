@@ -12,7 +12,8 @@ Overlap measure_overlap(const World& world, const ContactSet& contacts, const Sh
   for (std::size_t k = 0; k < contacts.size();) {
     const Slot a = contacts.a[k], b = contacts.b[k];
     double deepest = 0;
-    for (; k < contacts.size() && contacts.a[k] == a && contacts.b[k] == b; ++k) deepest = std::max(deepest, -contacts.gap[k]);
+    for (; k < contacts.size() && contacts.a[k] == a && contacts.b[k] == b; ++k)
+      deepest = std::max(deepest, -contacts.gap[k]);
     if (deepest <= 0) continue;
     const double radius = std::min(shapes.bounding_radius({world.shape[a]}), shapes.bounding_radius({world.shape[b]}));
     o.max = std::max(o.max, deepest), o.max_relative = std::max(o.max_relative, deepest / radius);
@@ -22,9 +23,13 @@ Overlap measure_overlap(const World& world, const ContactSet& contacts, const Sh
   return o;
 }
 
-RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies, const ShapeStore& shapes,
-                       std::uint64_t steps, std::uint64_t interval)
-    : bounds_(scene.bounds), stopping_(bounds_.size()), bound_bodies_(bound_bodies), shapes_(shapes), steps_(steps),
+RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies,
+                       const ShapeStore& shapes, std::uint64_t steps, std::uint64_t interval)
+    : bounds_(scene.bounds),
+      stopping_(bounds_.size()),
+      bound_bodies_(bound_bodies),
+      shapes_(shapes),
+      steps_(steps),
       interval_(std::max<std::uint64_t>(1, interval)) {
   bounds_.insert(bounds_.end(), scene.accuracy.begin(), scene.accuracy.end());
   bound_start_.resize(bounds_.size());
@@ -41,7 +46,8 @@ void RunMonitor::observe(const StepView& view) {
     if (view.report.has_solver) {
       const SolverReport& s = view.report.solver;
       totals_.residual += s.residual, totals_.residual_max = std::max(totals_.residual_max, s.residual);
-      totals_.iterations += s.iterations, totals_.iterations_max = std::max(totals_.iterations_max, double(s.iterations));
+      totals_.iterations += s.iterations,
+          totals_.iterations_max = std::max(totals_.iterations_max, double(s.iterations));
       totals_.not_converged += s.converged ? 0 : 1;
     }
   }
@@ -89,7 +95,8 @@ double RunMonitor::value_of(std::size_t i, const StepView& view) {
   if (w.time < b.after * (1 - 1e-12)) return 0.0;
   auto& start = bound_start_[i];
   if (start.empty())
-    for (BodyId id : bound_bodies_[i]) start.push_back(w.slot_of(id) == no_slot ? Vec3::Zero() : w.position[w.slot_of(id)]);
+    for (BodyId id : bound_bodies_[i])
+      start.push_back(w.slot_of(id) == no_slot ? Vec3::Zero() : w.position[w.slot_of(id)]);
   double worst = 0;
   for (std::size_t k = 0; k < start.size(); ++k) {
     const Slot s = w.slot_of(bound_bodies_[i][k]);
@@ -131,7 +138,8 @@ void RunMonitor::visit(StateVisitor& v) {
   v.value("monitor/totals", totals_), v.value("monitor/momentum", momentum_);
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
     const std::string name = "monitor/bound" + std::to_string(i);
-    v.value(name + "/value", checks_[i].value), v.value(name + "/ok", checks_[i].ok), v.column(name + "/start", bound_start_[i]);
+    v.value(name + "/value", checks_[i].value), v.value(name + "/ok", checks_[i].ok),
+        v.column(name + "/start", bound_start_[i]);
   }
 }
 

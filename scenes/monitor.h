@@ -39,7 +39,9 @@ class RunMonitor final : public Observer {
 
   std::optional<BoundCheck> violated() const;
   /// Of [bounds]: worst value of the whole run.
-  std::vector<BoundCheck> checks() const { return {checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_)}; }
+  std::vector<BoundCheck> checks() const {
+    return {checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_)};
+  }
   /// Of [accuracy]: what came out beside what the scene needs. The overlap is that of the last tenth of the run.
   std::vector<BoundCheck> accuracy() const;
   double contacts_mean() const { return totals_.steps > 0 ? totals_.contacts / totals_.steps : 0.0; }
@@ -60,7 +62,8 @@ class RunMonitor final : public Observer {
   double value_of(std::size_t bound, const StepView& view);
 
   struct Totals {  // plain, so that it is checkpointed as one value
-    double steps = 0, contacts = 0, residual = 0, residual_max = 0, iterations = 0, iterations_max = 0, not_converged = 0;
+    double steps = 0, contacts = 0, residual = 0, residual_max = 0, iterations = 0, iterations_max = 0,
+           not_converged = 0;
     double body_steps = 0, overlap_max = 0, overlap_mean = 0, overlap_relative = 0, overlap_looks = 0;
   };
   struct Momentum {

@@ -42,7 +42,8 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
     if (!shapes[s].is_sphere) pay("free bodies of shape '" + scene.shapes[s].type + "' turn", scene.shapes[s].place);
     if (is_isotropic(shapes[s].frame.moments) || plan.columns.anisotropy) continue;
     plan.columns.anisotropy = true;
-    plan.costs.push_back({"angular momentum", "unequal principal moments of shape '" + scene.shapes[s].type + "'", scene.shapes[s].place});
+    plan.costs.push_back({"angular momentum", "unequal principal moments of shape '" + scene.shapes[s].type + "'",
+                          scene.shapes[s].place});
   }
   for (const auto& b : scene.bodies) {
     const Place& where = b.spins.written() ? b.spins.place : scene.groups[b.group].place;
@@ -79,7 +80,8 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   const auto reach = [&](std::uint32_t a, std::size_t p, std::uint32_t b, std::size_t q) {
     if (!cells.insert(std::minmax(a, b)).second) return;
     const std::string method = pair_table()[std::min(a, b)][std::max(a, b)].method;
-    if (method != "none") plan.pair_cells.push_back({scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method});
+    if (method != "none")
+      plan.pair_cells.push_back({scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method});
   };
   for (const auto& [a, p] : free) {
     for (const auto& [b, q] : free) reach(a, p, b, q);
@@ -88,7 +90,8 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   if (plan.needs.area) refuse_volumeless(scene, use);
   for (const auto& cell : plan.pair_cells) {
     if (cell.method == "closed-form") continue;
-    const auto asked = std::find_if(scene.shapes.begin(), scene.shapes.end(), [&](const auto& s) { return s.type == cell.b; });
+    const auto asked =
+        std::find_if(scene.shapes.begin(), scene.shapes.end(), [&](const auto& s) { return s.type == cell.b; });
     plan.costs.push_back({cell.method, "pair " + cell.a + " - " + cell.b + " has no closed form", asked->place});
   }
 }
@@ -105,7 +108,7 @@ void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shape
     if (b.moves()) count(b.shape, b.material, 1);
   for (const auto& f : scene.fills)
     for (std::size_t s : f.shapes) count(s, f.material, 100);  // how many is known later; a fill is many
-  constexpr std::size_t fewest = 100;  // below, the layout costs more than the loop gains
+  constexpr std::size_t fewest = 100;                          // below, the layout costs more than the loop gains
   if (spheres < fewest || materials.size() != 1) return;
   plan.fused_spheres = true, plan.sphere_material = *materials.begin();
 }
@@ -126,23 +129,33 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   plan.columns.force = smooth;
   plan_rotation(scene, shapes, use, plan);
   const auto pay = [&](bool needed, const char* name, const char* why, const Place& where) {
-    if (needed) plan.costs.push_back({name, why, where});
-    else plan.not_paid.push_back(name);
+    if (needed)
+      plan.costs.push_back({name, why, where});
+    else
+      plan.not_paid.push_back(name);
   };
   if (!plan.columns.rotation) plan.not_paid.push_back("rotation");
   if (!plan.columns.anisotropy) plan.not_paid.push_back("angular momentum");
   const ContactSettings& c = scene.contact;
-  pay(plan.needs.memory, smooth ? "tangential history" : "warm start", smooth ? "the friction spring is carried by contact" : "impulses of the last step start the solver", smooth ? c.friction.place : c.method.place);
+  pay(plan.needs.memory, smooth ? "tangential history" : "warm start",
+      smooth ? "the friction spring is carried by contact" : "impulses of the last step start the solver",
+      smooth ? c.friction.place : c.method.place);
   pay(plan.needs.curvature, "curvature", "the law needs the radius of the contact", c.law.place);
   pay(plan.needs.area, "overlap volume", "the law takes the volume of the overlap", c.law.place);
   pay(plan.needs.contact_moment, "contact moment", "rolling friction", c.rolling_friction.place);
-  const auto pushed = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.force.squaredNorm() > 0; });
+  const auto pushed =
+      std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.force.squaredNorm() > 0; });
   plan.columns.external_force = pushed != scene.bodies.end();
-  pay(plan.columns.external_force, "external force", "a body has a constant force", pushed != scene.bodies.end() ? scene.groups[pushed->group].place : Place{});
+  pay(plan.columns.external_force, "external force", "a body has a constant force",
+      pushed != scene.bodies.end() ? scene.groups[pushed->group].place : Place{});
   const auto swift = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.continuous; });
-  pay(swift != scene.bodies.end(), "continuous", "a body is watched along its way within a step", swift != scene.bodies.end() ? scene.groups[swift->group].place : Place{});
+  pay(swift != scene.bodies.end(), "continuous", "a body is watched along its way within a step",
+      swift != scene.bodies.end() ? scene.groups[swift->group].place : Place{});
   if (smooth && swift != scene.bodies.end())
-    throw SceneError("continuous = true holds bodies at impulses, a smooth law needs steps within its contact; leave it out with time_step = \"auto\", or take contact.method = \"nonsmooth\"", scene.groups[swift->group].place);
+    throw SceneError(
+        "continuous = true holds bodies at impulses, a smooth law needs steps within its contact; leave it out with "
+        "time_step = \"auto\", or take contact.method = \"nonsmooth\"",
+        scene.groups[swift->group].place);
   plan_pairs(scene, shapes, use, plan);
   if (smooth) {
     double largest = 0.0;
@@ -159,18 +172,24 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   World world(plan.columns);
   plan.bytes_per_body = world.bytes_per_body();
   ContactSet contacts;
-  contacts.with_curvature = plan.needs.curvature, contacts.with_area = plan.needs.area, contacts.with_moment = plan.needs.contact_moment;
-  plan.bytes_per_contact = contacts.bytes_per_contact() + (plan.needs.memory ? sizeof(Vec3) + 2 * sizeof(Slot) + sizeof(Feature) : 0);
+  contacts.with_curvature = plan.needs.curvature, contacts.with_area = plan.needs.area,
+  contacts.with_moment = plan.needs.contact_moment;
+  plan.bytes_per_contact =
+      contacts.bytes_per_contact() + (plan.needs.memory ? sizeof(Vec3) + 2 * sizeof(Slot) + sizeof(Feature) : 0);
   return plan;
 }
 
 std::string explain(const Scene& scene, const StepPlan& plan) {
-  std::string out = fmt::format("{}: {} contact, {} bodies\n", scene.file,
-                                scene.contact.method.value == Method::smooth ? "smooth" : "non-smooth", scene.bodies.size());
-  const auto where = [](const Place& p) { return p.line > 0 ? fmt::format("{}:{}", p.file, p.line) : std::string("default"); };
+  std::string out =
+      fmt::format("{}: {} contact, {} bodies\n", scene.file,
+                  scene.contact.method.value == Method::smooth ? "smooth" : "non-smooth", scene.bodies.size());
+  const auto where = [](const Place& p) {
+    return p.line > 0 ? fmt::format("{}:{}", p.file, p.line) : std::string("default");
+  };
   out += fmt::format(" {:<20} {:<60} {}\n", "cost", "why", "where");
   for (const auto& c : plan.costs) out += fmt::format(" {:<20} {:<60} {}\n", c.name, c.why, where(c.where));
-  out += fmt::format(" {:<20} {:<60} {}\n", plan.broad_phase, "broad phase: " + plan.broad_phase_reason, where(scene.detection.broad_phase.place));
+  out += fmt::format(" {:<20} {:<60} {}\n", plan.broad_phase, "broad phase: " + plan.broad_phase_reason,
+                     where(scene.detection.broad_phase.place));
   out += " NOT paid: ";
   for (std::size_t i = 0; i < plan.not_paid.size(); ++i) out += (i > 0 ? ", " : "") + plan.not_paid[i];
   out += "\n pairs:";

@@ -1,4 +1,5 @@
-/// @file plan.h  What a scene makes the engine do, and nothing more: derived from what it declares, printed by `epafi explain`.
+/// @file plan.h  What a scene makes the engine do, and nothing more: derived from what it declares, printed by `epafi
+/// explain`.
 #pragma once
 #include <string>
 #include <vector>

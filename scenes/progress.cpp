@@ -10,7 +10,12 @@
 namespace epafi {
 
 Progress::Progress(std::uint64_t steps, std::uint64_t first, bool quiet)
-    : steps_(steps), first_(first), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), start_(Clock::now()), last_(start_) {}
+    : steps_(steps),
+      first_(first),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      last_(start_) {}
 
 std::string clock_text(double seconds) {
   if (!std::isfinite(seconds)) return "-";
@@ -21,12 +26,14 @@ std::string clock_text(double seconds) {
 
 std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) const {
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-  const double done = static_cast<double>(sim.steps()), rate = (done - static_cast<double>(first_)) / std::max(elapsed, 1e-9);
+  const double done = static_cast<double>(sim.steps()),
+               rate = (done - static_cast<double>(first_)) / std::max(elapsed, 1e-9);
   const double eta = (static_cast<double>(steps_) - done) / rate;
   const StepReport& r = sim.work.report;
-  std::string text = fmt::format("{:5.1f} %  t {:.4g} s  ETA {}  {:.3g} steps/s  {} bodies  {} contacts  kinetic {:.3g} J  overlap {:.2g}",
-                                 100.0 * done / static_cast<double>(steps_), sim.world.time, clock_text(eta), rate, sim.world.size(), r.touching,
-                                 sim.ledger.last().kinetic, monitor.last_overlap().max_relative);
+  std::string text = fmt::format(
+      "{:5.1f} %  t {:.4g} s  ETA {}  {:.3g} steps/s  {} bodies  {} contacts  kinetic {:.3g} J  overlap {:.2g}",
+      100.0 * done / static_cast<double>(steps_), sim.world.time, clock_text(eta), rate, sim.world.size(), r.touching,
+      sim.ledger.last().kinetic, monitor.last_overlap().max_relative);
   if (r.has_solver) text += fmt::format("  residual {:.2g} in {} it", r.solver.residual, r.solver.iterations);
   return text + fmt::format("  energy error {:.2g}", sim.ledger.relative_error());
 }
@@ -39,7 +46,8 @@ void Progress::print(const Simulation& sim, const RunMonitor& monitor) {
   }
   constexpr std::uint64_t width = 20;
   const std::uint64_t filled = std::min(width, width * sim.steps() / std::max<std::uint64_t>(1, steps_));
-  std::fprintf(stderr, "\r\033[K[%s%s] %s", std::string(filled, '#').c_str(), std::string(width - filled, '.').c_str(), text.c_str());
+  std::fprintf(stderr, "\r\033[K[%s%s] %s", std::string(filled, '#').c_str(), std::string(width - filled, '.').c_str(),
+               text.c_str());
   std::fflush(stderr);
 }
 

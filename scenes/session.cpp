@@ -67,14 +67,17 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   const Scene& scene = assembly_->scene;
   const RunFileHeader header{EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
   if (from)
-    files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time), RunFile(folder_ / "run.h5", header, from->step, from->time),
+    files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
+                           RunFile(folder_ / "run.h5", header, from->step, from->time),
                            FrameWriter(folder_, from->time)});
   else
-    files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_)});
+    files_.reset(
+        new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_)});
   add_observers();
 }
 
-Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, Output output)
+Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
+                 Output output)
     : Session(std::move(assembly), std::move(overrides), std::move(folder), nullptr, output) {
   assembly_->simulation->start();
 }
@@ -84,7 +87,8 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
   const std::filesystem::path file = folder / "checkpoint.h5";
   const CheckpointHeader header = read_checkpoint_header(file);
   const CheckpointExpectation expected{EPAFI_VERSION, scene_hash(assembly->scene)};
-  std::unique_ptr<Session> s(new Session(std::move(assembly), std::move(overrides), std::move(folder), &header, Output::all));
+  std::unique_ptr<Session> s(
+      new Session(std::move(assembly), std::move(overrides), std::move(folder), &header, Output::all));
   load_checkpoint(file, expected, [&](StateVisitor& v) { s->walk(v); });
   s->first_step_ = s->assembly_->simulation->steps();
   s->first_body_steps_ = s->monitor_->body_steps();
@@ -101,7 +105,8 @@ void Session::add_observers() {
   for (const auto& b : scene.bounds) bound_bodies.push_back(assembly_->ids(b.bodies));
   for (const auto& b : scene.accuracy) bound_bodies.push_back(assembly_->ids(b.bodies));
   const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
-  auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, assembly_->steps, std::min<std::uint64_t>(100, frame_every));
+  auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, assembly_->steps,
+                                              std::min<std::uint64_t>(100, frame_every));
   monitor_ = monitor.get();
   sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
@@ -115,7 +120,8 @@ void Session::add_observers() {
     sim.observers.push_back(std::move(recorder));
   }
   if (output_ == Output::all)
-    sim.observers.push_back(std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
+    sim.observers.push_back(
+        std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
 }
 
 /// The contact problem of the step just made, for `epafi solve`: problems/<scene>-i<step>-<contacts>.hdf5.
@@ -126,7 +132,8 @@ void Session::write_contact_problem() const {
   const std::string scene = std::filesystem::path(assembly_->scene.file).stem().string();
   std::filesystem::create_directories(folder_ / "problems");
   write_problem(folder_ / "problems" / fmt::format("{}-i{:06}-{}.hdf5", scene, sim.steps(), problem->size()),
-                assemble_global(*problem), fmt::format("{}, step {}, t = {:.9g} s", scene, sim.steps(), sim.world.time));
+                assemble_global(*problem),
+                fmt::format("{}, step {}, t = {:.9g} s", scene, sim.steps(), sim.world.time));
 }
 
 void Session::save_checkpoint_now() {
@@ -135,11 +142,14 @@ void Session::save_checkpoint_now() {
   files_->run.flush();
   const Scene& scene = assembly_->scene;
   save_checkpoint(folder_ / "checkpoint.h5",
-                  {EPAFI_VERSION, scene_hash(scene), std::filesystem::absolute(scene.file).string(), scene.text, overrides_, sim.steps(), sim.world.time},
+                  {EPAFI_VERSION, scene_hash(scene), std::filesystem::absolute(scene.file).string(), scene.text,
+                   overrides_, sim.steps(), sim.world.time},
                   [this](StateVisitor& v) { walk(v); });
 }
 
-double Session::elapsed() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+double Session::elapsed() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
 
 std::optional<Ending> Session::reason_to_stop(const SessionLimits& limits) const {
   const Simulation& sim = *assembly_->simulation;
@@ -155,14 +165,16 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step) {
   constexpr std::uint64_t keep_every = 1000;  // a copy of 20 000 spheres takes 2 ms: 0.1 % of 1000 steps
   if (sim.steps() % keep_every == 0) files_->last_good.save([this](StateVisitor& v) { walk(v); });
   if (const auto failure = sim.advance(sim.steps() + 1 == last_step)) {
-    trouble_ = fmt::format("{}: {}{}", failure->kind, failure->text, failure->body ? " ('" + body_name(*assembly_, *failure->body) + "')" : "");
+    trouble_ = fmt::format("{}: {}{}", failure->kind, failure->text,
+                           failure->body ? " ('" + body_name(*assembly_, *failure->body) + "')" : "");
     lost_ = failure->kind == "lost body" ? 1 : 0;
     if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
     trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", sim.steps());
     return Ending::failed;
   }
   if (const auto bound = monitor_->violated()) {
-    trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value, bound->bound, sim.world.time, sim.steps());
+    trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value,
+                           bound->bound, sim.world.time, sim.steps());
     return Ending::bound_violated;
   }
   return std::nullopt;
@@ -181,8 +193,14 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   Progress progress(last_step, first_step_, quiet);
   ending_ = Ending::completed;
   while (sim.steps() < last_step) {
-    if (const auto stop = reason_to_stop(limits)) { ending_ = *stop; break; }
-    if (const auto stop = step_once(last_step)) { ending_ = *stop; break; }
+    if (const auto stop = reason_to_stop(limits)) {
+      ending_ = *stop;
+      break;
+    }
+    if (const auto stop = step_once(last_step)) {
+      ending_ = *stop;
+      break;
+    }
     progress.update(sim, *monitor_);
     if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
     if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
@@ -204,20 +222,26 @@ RunSummary Session::summary() const {
   const bool smooth = scene.contact.method.value == Method::smooth;
   RunSummary s;
   s.epafi = EPAFI_VERSION, s.scene = scene.file, s.scene_hash = scene_hash(scene), s.failure = trouble_;
-  s.status = ending_ == Ending::completed || ending_ == Ending::until ? "completed" : ending_ == Ending::bound_violated ? "bound_violated"
-           : ending_ == Ending::failed ? "failed" : "interrupted";
+  s.status = ending_ == Ending::completed || ending_ == Ending::until ? "completed"
+             : ending_ == Ending::bound_violated                      ? "bound_violated"
+             : ending_ == Ending::failed                              ? "failed"
+                                                                      : "interrupted";
   s.bodies = sim.world.size(), s.bodies_lost = lost_;
   if (sim.bodies_removed() > 0) s.bodies_removed = sim.bodies_removed();
-  s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_, s.threads = thread_count();
+  s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_,
+  s.threads = thread_count();
   s.cpu_time = cpu_;
   s.stage_seconds = sim.work.report.seconds;
   const double output = s.stage_seconds[Stage::output], body_steps = monitor_->body_steps() - first_body_steps_;
   if (body_steps > 0) s.ns_per_body_step = 1e9 * (wall_ - output) / body_steps;
   s.contacts_mean = monitor_->contacts_mean();
   const Energy& e = sim.ledger.last();
-  s.energy = RunSummary::Energy{e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, std::nullopt, sim.ledger.relative_error()};
-  if (smooth) s.energy->elastic = e.elastic;
-  else s.energy->correction = e.correction;
+  s.energy = RunSummary::Energy{
+      e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, std::nullopt, sim.ledger.relative_error()};
+  if (smooth)
+    s.energy->elastic = e.elastic;
+  else
+    s.energy->correction = e.correction;
   s.momentum_error = monitor_->momentum_error();
   const Overlap o = monitor_->overlap();
   s.overlap = RunSummary::Overlap{o.max, o.mean, o.max_relative};

@@ -1,4 +1,5 @@
-/// @file session.h  One run on disk: a simulation with its observers and files, from start or from a checkpoint, to its end.
+/// @file session.h  One run on disk: a simulation with its observers and files, from start or from a checkpoint, to its
+/// end.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -15,9 +16,9 @@
 namespace epafi {
 
 struct SessionLimits {
-  std::optional<double> until;           ///< simulated time [s]
-  std::optional<std::uint64_t> steps;    ///< steps of the whole run
-  std::optional<double> wall;            ///< wall time of this session [s]
+  std::optional<double> until;         ///< simulated time [s]
+  std::optional<std::uint64_t> steps;  ///< steps of the whole run
+  std::optional<double> wall;          ///< wall time of this session [s]
 };
 
 /// Why a session ended.
@@ -28,7 +29,8 @@ class Session {
   /// Files of a run: all, or no frames and no snapshot but the last.
   enum class Output { all, least };
   /// A new run in an empty folder.
-  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder, Output output = Output::all);
+  Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
+          Output output = Output::all);
   /// Continues a run from folder/checkpoint.h5; `assembly` is the same scene assembled anew.
   static std::unique_ptr<Session> resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
                                          std::filesystem::path folder);
@@ -62,7 +64,7 @@ class Session {
   std::vector<MeasureRecorder*> recorders_;
   Ending ending_ = Ending::completed;
   std::string trouble_;
-  std::uint64_t first_step_ = 0;      ///< done before this session
+  std::uint64_t first_step_ = 0;  ///< done before this session
   double first_body_steps_ = 0;
   std::uint64_t lost_ = 0;
   std::chrono::steady_clock::time_point start_;

@@ -49,18 +49,27 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
     return solid(store_.add(std::move(s)), mass, radius, spec.type == "sphere");
   };
   BuiltShape out;
-  if (spec.type == "sphere") out = add(Sphere{size * p.number("radius")});
-  else if (spec.type == "box") out = add(Box(0.5 * size * p.vec3("size")));
-  else if (spec.type == "capsule") out = add(Capsule(size * p.number("radius"), size * p.number("length")));
-  else if (spec.type == "cylinder") out = add(Cylinder(size * p.number("radius"), size * p.number("length")));
-  else if (spec.type == "ellipsoid") out = add(Ellipsoid(size * p.vec3("semi_axes")));
+  if (spec.type == "sphere")
+    out = add(Sphere{size * p.number("radius")});
+  else if (spec.type == "box")
+    out = add(Box(0.5 * size * p.vec3("size")));
+  else if (spec.type == "capsule")
+    out = add(Capsule(size * p.number("radius"), size * p.number("length")));
+  else if (spec.type == "cylinder")
+    out = add(Cylinder(size * p.number("radius"), size * p.number("length")));
+  else if (spec.type == "ellipsoid")
+    out = add(Ellipsoid(size * p.vec3("semi_axes")));
   else if (spec.type == "superquadric")
-    out = add(Superquadric(size * p.vec3("semi_axes"), static_cast<int>(p.number("across")), static_cast<int>(p.number("along"))));
-  else if (spec.type == "polyhedron") out = build_hull(spec, size);
-  else if (spec.type == "mesh") out = build_mesh(spec, size);
+    out = add(Superquadric(size * p.vec3("semi_axes"), static_cast<int>(p.number("across")),
+                           static_cast<int>(p.number("along"))));
+  else if (spec.type == "polyhedron")
+    out = build_hull(spec, size);
+  else if (spec.type == "mesh")
+    out = build_mesh(spec, size);
   else if (spec.type == "half_space")
     out = {store_.add(HalfSpace{p.vec3("normal").normalized()}), 0.0, {}, infinity, false, false};
-  else throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
+  else
+    throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
   return built_.emplace(key, out).first->second;
 }
 
@@ -71,7 +80,8 @@ BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {
     for (std::size_t k = 2; k < f.size(); ++k) triangles.push_back({f[0], f[k - 1], f[k]});
   const MassProperties author = surface_mass_properties(surface.vertices, triangles);
   double factor = size;
-  if (spec.scale_to_diameter) factor *= *spec.scale_to_diameter / (2 * largest_distance(surface.vertices, author.centre));
+  if (spec.scale_to_diameter)
+    factor *= *spec.scale_to_diameter / (2 * largest_distance(surface.vertices, author.centre));
   PrincipalFrame frame = principal_frame(author);
   for (Vec3& v : surface.vertices) v = factor * frame.to_principal(v);
   auto built = ConvexHull::from_faces(std::move(surface.vertices), surface.faces);

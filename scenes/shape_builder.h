@@ -13,15 +13,15 @@ namespace epafi {
 /// A shape in the store and what a body of it weighs.
 struct BuiltShape {
   ShapeRef ref{};
-  double volume = 0.0;        ///< [m^3]; 0 for shapes that only fixed and driven bodies may have
-  PrincipalFrame frame;       ///< of the body: moments at density 1, principal to author's axes
-  double radius = 0.0;        ///< of the bounding sphere about the body's centre [m], infinite for a half-space
+  double volume = 0.0;   ///< [m^3]; 0 for shapes that only fixed and driven bodies may have
+  PrincipalFrame frame;  ///< of the body: moments at density 1, principal to author's axes
+  double radius = 0.0;   ///< of the bounding sphere about the body's centre [m], infinite for a half-space
   bool is_sphere = false;
-  bool is_solid = true;       ///< may move freely
+  bool is_solid = true;  ///< may move freely
 };
 
-/// Builds each (shape, size factor) once. Geometry that cannot be built (not convex, no volume, not closed) is a SceneError
-/// at the place of the shape.
+/// Builds each (shape, size factor) once. Geometry that cannot be built (not convex, no volume, not closed) is a
+/// SceneError at the place of the shape.
 class ShapeBuilder {
  public:
   ShapeBuilder(const Scene& scene, ShapeStore& store) : scene_(scene), store_(store) {}

@@ -25,10 +25,14 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   rest_.pairs.clear(), spheres_.clear();
   rest_.margin = pairs.margin, ++rest_.generation;
   for (const Pair& p : pairs.pairs) {
-    if (radius[p.a] > 0 && radius[p.b] > 0) spheres_.push_back({p.a, p.b, -1});
-    else if (radius[p.a] > 0 && plane_of[p.b] >= 0) spheres_.push_back({p.a, p.b, plane_of[p.b]});
-    else if (radius[p.b] > 0 && plane_of[p.a] >= 0) spheres_.push_back({p.b, p.a, plane_of[p.a]});
-    else rest_.pairs.push_back(p);
+    if (radius[p.a] > 0 && radius[p.b] > 0)
+      spheres_.push_back({p.a, p.b, -1});
+    else if (radius[p.a] > 0 && plane_of[p.b] >= 0)
+      spheres_.push_back({p.a, p.b, plane_of[p.b]});
+    else if (radius[p.b] > 0 && plane_of[p.a] >= 0)
+      spheres_.push_back({p.b, p.a, plane_of[p.a]});
+    else
+      rest_.pairs.push_back(p);
   }
   model_.set_pairs(world, spheres_, std::move(walls), radius);
   known_ = true, generation_ = pairs.generation;

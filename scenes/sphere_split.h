@@ -1,5 +1,5 @@
-/// @file sphere_split.h  Sorts the pair list of a scene with many spheres: pairs of free spheres, and of free spheres with fixed
-/// planes, go to the fused contact model, all others to the narrow phase.
+/// @file sphere_split.h  Sorts the pair list of a scene with many spheres: pairs of free spheres, and of free spheres
+/// with fixed planes, go to the fused contact model, all others to the narrow phase.
 #pragma once
 #include <memory>
 
@@ -12,7 +12,8 @@ namespace epafi {
 class SphereSplit final : public NarrowPhase {
  public:
   /// model must outlive this; fixed: by body id, true for bodies that never move; ids beyond it are free.
-  SphereSplit(const ShapeStore& shapes, std::unique_ptr<NarrowPhase> others, FusedSpheres& model, std::vector<bool> fixed)
+  SphereSplit(const ShapeStore& shapes, std::unique_ptr<NarrowPhase> others, FusedSpheres& model,
+              std::vector<bool> fixed)
       : shapes_(shapes), others_(std::move(others)), model_(model), fixed_(std::move(fixed)) {}
   const char* name() const override { return "spheres apart"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;

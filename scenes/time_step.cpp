@@ -23,8 +23,8 @@ struct Survey {
   std::map<std::uint16_t, Smallest> free;  ///< by material
   std::map<std::uint16_t, bool> held;      ///< materials of fixed and driven bodies
   std::size_t free_bodies = 0, held_bodies = 0;
-  double speed = 0.0;                      ///< largest of the start and of the fall through the bodies' height [m/s]
-  double diameter = infinity;              ///< of the smallest free body [m]
+  double speed = 0.0;          ///< largest of the start and of the fall through the bodies' height [m/s]
+  double diameter = infinity;  ///< of the smallest free body [m]
 };
 
 Survey survey(const Assembly& a) {
@@ -42,7 +42,8 @@ Survey survey(const Assembly& a) {
     ++out.free_bodies;
     auto& smallest = out.free[w.material[s]];
     const double radius = a.shapes->bounding_radius({w.shape[s]}), depth = w.position[s].dot(down);
-    smallest.mass = std::min(smallest.mass, 1.0 / w.inverse_mass[s]), smallest.radius = std::min(smallest.radius, radius);
+    smallest.mass = std::min(smallest.mass, 1.0 / w.inverse_mass[s]),
+    smallest.radius = std::min(smallest.radius, radius);
     smallest.round = smallest.round && ShapeRef{w.shape[s]}.type() == ShapeStore::type_of<Sphere>();
     out.diameter = std::min(out.diameter, 2 * radius);
     low = std::min(low, depth - radius), high = std::max(high, depth);
@@ -98,9 +99,12 @@ TimeStep choose_time_step(const Assembly& a) {
   if (s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) step = smooth ? smooth_step(a, s) : nonsmooth_step(a, s);
   if (!written.value) return step;
   if (*written.value > step.limit)
-    throw SceneError(fmt::format("[run] time_step = {:g} s exceeds the limit {:.4g} s ({}); use time_step = \"auto\" ({:.4g} s)", *written.value,
-                                 step.limit, step.reason, step.value), written.place);
-  return {*written.value, step.limit, "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason)};
+    throw SceneError(
+        fmt::format("[run] time_step = {:g} s exceeds the limit {:.4g} s ({}); use time_step = \"auto\" ({:.4g} s)",
+                    *written.value, step.limit, step.reason, step.value),
+        written.place);
+  return {*written.value, step.limit,
+          "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason)};
 }
 
 }  // namespace epafi

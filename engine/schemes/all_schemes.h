@@ -19,9 +19,15 @@ struct SchemeEntry {
 
 inline const std::vector<SchemeEntry>& all_schemes() {
   static const std::vector<SchemeEntry> list{
-      {{"velocity-verlet", "kick, drift, kick: second order", {}, {}, "Swope et al. 1982"}, true, [] { return std::make_unique<VelocityVerlet>(); }},
-      {{"symplectic-euler", "kick, drift: first order, cheapest", {}, {}, "Vesely 1994"}, true, [] { return std::make_unique<SymplecticEuler>(); }},
-      {{"moreau-jean", "impulses at the middle configuration, theta = 1/2", {}, {}, "Moreau 1988, Jean 1999"}, false, [] { return std::make_unique<MoreauJean>(); }},
+      {{"velocity-verlet", "kick, drift, kick: second order", {}, {}, "Swope et al. 1982"},
+       true,
+       [] { return std::make_unique<VelocityVerlet>(); }},
+      {{"symplectic-euler", "kick, drift: first order, cheapest", {}, {}, "Vesely 1994"},
+       true,
+       [] { return std::make_unique<SymplecticEuler>(); }},
+      {{"moreau-jean", "impulses at the middle configuration, theta = 1/2", {}, {}, "Moreau 1988, Jean 1999"},
+       false,
+       [] { return std::make_unique<MoreauJean>(); }},
   };
   return list;
 }

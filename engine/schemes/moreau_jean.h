@@ -1,5 +1,6 @@
-/// @file moreau_jean.h  Moreau-Jean time stepping with theta = 1/2 (Moreau 1988; Jean 1999): drift half, velocities jump by
-/// impulses at the middle configuration, drift half. Events are not located: order one where contacts open and close.
+/// @file moreau_jean.h  Moreau-Jean time stepping with theta = 1/2 (Moreau 1988; Jean 1999): drift half, velocities
+/// jump by impulses at the middle configuration, drift half. Events are not located: order one where contacts open and
+/// close.
 #pragma once
 #include "engine/parallel.h"
 #include "engine/pipeline.h"

@@ -1,4 +1,5 @@
-/// @file symplectic_euler.h  Kick, then drift: first order, the cheapest for smooth contact; bounded below dt = 2/omega.
+/// @file symplectic_euler.h  Kick, then drift: first order, the cheapest for smooth contact; bounded below dt =
+/// 2/omega.
 #pragma once
 #include "engine/parallel.h"
 #include "engine/pipeline.h"

@@ -16,7 +16,7 @@ inline double tangential_norm(const Vec3& x) { return std::sqrt(x.y() * x.y() + 
 inline Vec3 project_cone(const Vec3& x, double mu) {
   const double t = tangential_norm(x);
   if (x.x() >= 0.0 && t <= mu * x.x()) return x;
-  if (mu * t <= -x.x()) return Vec3::Zero();        // x lies in the polar cone
+  if (mu * t <= -x.x()) return Vec3::Zero();                 // x lies in the polar cone
   const double normal = (x.x() + mu * t) / (1.0 + mu * mu);  // foot on the generator nearest to x
   const double scale = mu * normal / std::max(t, 1e-300);    // t = 0 comes here with mu = 0 only
   return {normal, scale * x.y(), scale * x.z()};

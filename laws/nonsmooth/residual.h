@@ -1,7 +1,8 @@
 /// @file residual.h  The one error measure of all solvers, taken outside them.
 ///   residual = ||r - P_K(r - rho u~)|| / (rho ||q||), Euclidean over all contacts
-/// (De Saxce natural map; Acary, Bremond and Huber 2018 with rho = 1, which depends on units; in a run rho = 1/mean(W_ii normal) does not). A per-contact
-/// maximum alone misleads on stacks, where the error is smooth along the stack.
+/// (De Saxce natural map; Acary, Bremond and Huber 2018 with rho = 1, which depends on units; in a run rho =
+/// 1/mean(W_ii normal) does not). A per-contact maximum alone misleads on stacks, where the error is smooth along the
+/// stack.
 #pragma once
 #include "laws/nonsmooth/contact_problem.h"
 
@@ -17,7 +18,7 @@ struct Residual {
                                         double rho);
 
 /// The same; computes the velocities of the bodies and of the contacts on the way and leaves them in v and u.
-[[nodiscard]] Residual measure_residual(const ContactProblem& problem, const Impulses& r, double rho,
-                                        BodyVelocities& v, std::vector<Vec3>& u);
+[[nodiscard]] Residual measure_residual(const ContactProblem& problem, const Impulses& r, double rho, BodyVelocities& v,
+                                        std::vector<Vec3>& u);
 
 }  // namespace epafi

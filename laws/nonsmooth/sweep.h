@@ -119,9 +119,9 @@ class Sweep {
     if constexpr (Rotates) {
       const Vec3 m = arm->cross(impulse);
       const double* j = body.inertia;
-      body.angular_velocity += sign * Vec3(j[0] * m.x() + j[3] * m.y() + j[4] * m.z(),
-                                           j[3] * m.x() + j[1] * m.y() + j[5] * m.z(),
-                                           j[4] * m.x() + j[5] * m.y() + j[2] * m.z());
+      body.angular_velocity +=
+          sign * Vec3(j[0] * m.x() + j[3] * m.y() + j[4] * m.z(), j[3] * m.x() + j[1] * m.y() + j[5] * m.z(),
+                      j[4] * m.x() + j[5] * m.y() + j[2] * m.z());
     }
   }
 

@@ -27,7 +27,8 @@ inline AdhesionParameters adhesion_parameters(const MaterialPair& pair) {
   return {hertz.modulus, hertz.damping, pair.parameters.number("work_of_adhesion")};
 }
 
-/// N = Hertz with its damping - 2 pi w R*, while the bodies overlap. Conservative without damping: the way out is the way in.
+/// N = Hertz with its damping - 2 pi w R*, while the bodies overlap. Conservative without damping: the way out is the
+/// way in.
 struct Dmt {
   static constexpr const char* name = "dmt";
   static constexpr Needs needs{.curvature = true};
@@ -35,7 +36,11 @@ struct Dmt {
   using Parameters = AdhesionParameters;
 
   static Entry entry() {
-    return {name, "Hertz with constant attraction in contact", {adhesion_field()}, needs, "Derjaguin, Muller and Toporov 1975"};
+    return {name,
+            "Hertz with constant attraction in contact",
+            {adhesion_field()},
+            needs,
+            "Derjaguin, Muller and Toporov 1975"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }
   static Parameters parameters(const MaterialPair& pair) { return adhesion_parameters(pair); }
@@ -51,8 +56,8 @@ struct Dmt {
 static_assert(NormalLaw<Dmt>);
 
 /// With a the contact radius: delta = a^2/R* - sqrt(2 pi w a/E*), N = 4/3 E* a^3/R* - sqrt(8 pi w E* a^3). The contact
-/// snaps in at delta = 0 and holds on to delta = -3/4 (pi^2 w^2 R*/E*^2)^(1/3), where it breaks; what the bodies do not get
-/// back is lost to adhesion.
+/// snaps in at delta = 0 and holds on to delta = -3/4 (pi^2 w^2 R*/E*^2)^(1/3), where it breaks; what the bodies do not
+/// get back is lost to adhesion.
 struct Jkr {
   static constexpr const char* name = "jkr";
   static constexpr Needs needs{.memory = true, .curvature = true};
@@ -63,7 +68,11 @@ struct Jkr {
   };
 
   static Entry entry() {
-    return {name, "adhesive spheres that hold on beyond touch", {adhesion_field()}, needs, "Johnson, Kendall and Roberts 1971"};
+    return {name,
+            "adhesive spheres that hold on beyond touch",
+            {adhesion_field()},
+            needs,
+            "Johnson, Kendall and Roberts 1971"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }
   static Parameters parameters(const MaterialPair& pair) { return adhesion_parameters(pair); }
@@ -84,7 +93,8 @@ struct Jkr {
 /// E* (8/15 u^10/R*^2 - 4/3 B u^7/R* + B^2 u^4/2)
 inline double Jkr::energy(const Parameters& p, double radius, double grip, double root) {
   const double u3 = root * root * root, u4 = u3 * root;
-  return p.modulus * (8.0 / 15.0 * u3 * u3 * u4 / (radius * radius) - 4.0 / 3.0 * grip * u4 * u3 / radius + 0.5 * grip * grip * u4);
+  return p.modulus *
+         (8.0 / 15.0 * u3 * u3 * u4 / (radius * radius) - 4.0 / 3.0 * grip * u4 * u3 / radius + 0.5 * grip * grip * u4);
 }
 
 inline NormalResponse Jkr::respond(const Parameters& p, const ContactKinematics& c, const State& before, State& now) {
@@ -105,10 +115,11 @@ inline NormalResponse Jkr::respond(const Parameters& p, const ContactKinematics&
     }
     floor = u_break * (1.0 + 1e-9);
   }
-  // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root; from the last root, which
-  // is near, in two or three steps, unless it lies where the branch is flat
+  // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root; from the last root,
+  // which is near, in two or three steps, unless it lies where the branch is flat
   double u = before.root;
-  if (u * u * u <= 0.75 * B * R || c.overlap < 0.0) u = std::max(before.root, snap()) + std::sqrt(std::sqrt(R * std::max(c.overlap, 0.0)));
+  if (u * u * u <= 0.75 * B * R || c.overlap < 0.0)
+    u = std::max(before.root, snap()) + std::sqrt(std::sqrt(R * std::max(c.overlap, 0.0)));
   for (int k = 0; k < 60; ++k) {
     const double cube = u * u * u / R, next = std::max(u - ((cube - B) * u - c.overlap) / (4.0 * cube - B), floor);
     const bool done = std::abs(next - u) <= 1e-15 * u;
@@ -117,7 +128,8 @@ inline NormalResponse Jkr::respond(const Parameters& p, const ContactKinematics&
   }
   now.root = u;
   const double a = u * u, stiffness = 2.0 * p.modulus * a;
-  const double elastic = 4.0 / 3.0 * p.modulus * a * a * a / R - 2.0 * p.modulus * B * a * u;  // sqrt(8 pi w E* a^3) = 2 E* B a^(3/2)
+  const double elastic =
+      4.0 / 3.0 * p.modulus * a * a * a / R - 2.0 * p.modulus * B * a * u;  // sqrt(8 pi w E* a^3) = 2 E* B a^(3/2)
   const double viscous = p.damping * std::sqrt(c.effective_mass * stiffness) * c.approach_velocity;
   out.adhesion = 4.71238898038469 * p.work * R;
   out.elastic_force = elastic, out.energy = energy(p, R, B, u), out.stiffness = stiffness;

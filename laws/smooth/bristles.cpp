@@ -6,7 +6,8 @@ namespace epafi {
 
 namespace {
 
-/// Half as many bristles, twice as wide. The sum of two loads on twice the stiffness never holds more energy than they did.
+/// Half as many bristles, twice as wide. The sum of two loads on twice the stiffness never holds more energy than they
+/// did.
 void merge(Bristles& b) {
   for (int i = 0; i < Bristles::count; ++i) {
     const std::size_t k = 2 * static_cast<std::size_t>(i);
@@ -17,7 +18,8 @@ void merge(Bristles& b) {
 
 /// Twice as many, half as wide: the same energy. Only where the outer half is idle.
 void split(Bristles& b) {
-  for (int i = Bristles::count - 1; i >= 0; --i) b.load[static_cast<std::size_t>(i)] = 0.5 * b.load[static_cast<std::size_t>(i / 2)];
+  for (int i = Bristles::count - 1; i >= 0; --i)
+    b.load[static_cast<std::size_t>(i)] = 0.5 * b.load[static_cast<std::size_t>(i / 2)];
   b.width *= 0.5, b.share *= 2.0;
 }
 
@@ -32,7 +34,8 @@ double load_part(double s, int i, double w) {
 
 }  // namespace
 
-FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double limit, const Bristles& before, Bristles& now) {
+FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double limit, const Bristles& before,
+                               Bristles& now) {
   now = before;
   FrictionResponse out;
   if (!(stiffness > 0.0)) {
@@ -55,7 +58,8 @@ FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double li
       load.setZero();
       continue;
     }
-    const Spring spring = extend({load, now.width * was}, load, now.width * is, step.displacement, limit * load_part(share, i, is));
+    const Spring spring =
+        extend({load, now.width * was}, load, now.width * is, step.displacement, limit * load_part(share, i, is));
     load = spring.load;
     out.load += load, out.energy += spring.energy();
   }

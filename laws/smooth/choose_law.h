@@ -11,7 +11,9 @@
 namespace epafi {
 
 template <class... L>
-std::vector<Entry> law_entries(LawList<L...>) { return {L::entry()...}; }
+std::vector<Entry> law_entries(LawList<L...>) {
+  return {L::entry()...};
+}
 
 /// The type of the list with that name, none where there is no such law.
 template <class... L>
@@ -24,8 +26,10 @@ auto find_law(LawList<L...>, const std::string& name) {
 /// Smallest restitution the law's damper is set for.
 template <NormalLaw N>
 inline constexpr double least_restitution = [] {
-  if constexpr (requires { N::least_restitution; }) return N::least_restitution;
-  else return minimum_restitution;
+  if constexpr (requires { N::least_restitution; })
+    return N::least_restitution;
+  else
+    return minimum_restitution;
 }();
 
 /// Whether the three parts make a law.
@@ -35,8 +39,10 @@ inline constexpr bool parts_fit = T::template fits<N> && (T::is_present || !R::i
 /// Whether `restitution` sets the damper; where not, the law asks for a parameter of its own.
 template <NormalLaw N>
 inline constexpr bool uses_restitution = [] {
-  if constexpr (requires { N::uses_restitution; }) return N::uses_restitution;
-  else return true;
+  if constexpr (requires { N::uses_restitution; })
+    return N::uses_restitution;
+  else
+    return true;
 }();
 
 }  // namespace epafi

@@ -1,11 +1,12 @@
 /// @file contact_edge.h  Locates the start and the end of a contact within the time step, for forces that are powers.
-/// A contact that begins between two steps is first seen at an overlap delta = theta h, h = |v| dt, 0 < theta < 1. Sampling
-/// N = c delta^p from there misses or adds to the true impulse by -c h^p dt zeta(-p, theta) (Navot 1961: the sum of a
-/// power from an end point inside the first interval), an error of random sign that velocity Verlet never makes good.
-/// Weighing that one sample by g_p(theta) = -zeta(-p, 1 + theta) instead of theta^p removes it; p = 0, the jump of a
-/// dashpot, gets the share 1/2 + theta of the step that lies in the contact. The end of an elastic contact is the mirror
-/// image; a damped one ends where its force has fallen to 0, nearly linearly in time. One evaluation per step as before.
-/// RMS energy error of an elastic Hertz impact over all phases: 8x below Verlet's at 10 steps, 16x at 20, 600x at 50.
+/// A contact that begins between two steps is first seen at an overlap delta = theta h, h = |v| dt, 0 < theta < 1.
+/// Sampling N = c delta^p from there misses or adds to the true impulse by -c h^p dt zeta(-p, theta) (Navot 1961: the
+/// sum of a power from an end point inside the first interval), an error of random sign that velocity Verlet never
+/// makes good. Weighing that one sample by g_p(theta) = -zeta(-p, 1 + theta) instead of theta^p removes it; p = 0, the
+/// jump of a dashpot, gets the share 1/2 + theta of the step that lies in the contact. The end of an elastic contact is
+/// the mirror image; a damped one ends where its force has fallen to 0, nearly linearly in time. One evaluation per
+/// step as before. RMS energy error of an elastic Hertz impact over all phases: 8x below Verlet's at 10 steps, 16x at
+/// 20, 600x at 50.
 #pragma once
 #include <cmath>
 
@@ -29,11 +30,13 @@ inline double edge_weight(double p, double theta) {
   for (int k = 0; k < 4; ++k, x += 1.0) sum += quarter_power(x, p);
   const double power = quarter_power(x, p), below = power / x, third = below / (x * x), fifth = third / (x * x);
   const double s = -p, s3 = s * (s + 1.0) * (s + 2.0), s5 = s3 * (s + 3.0) * (s + 4.0);
-  const double zeta = sum - power * x / (p + 1.0) + 0.5 * power + s / 12.0 * below - s3 / 720.0 * third + s5 / 30240.0 * fifth;
+  const double zeta =
+      sum - power * x / (p + 1.0) + 0.5 * power + s / 12.0 * below - s3 / 720.0 * third + s5 / 30240.0 * fifth;
   return -zeta;
 }
 
-/// A law whose elastic and viscous parts are powers of the overlap: N = max(0, E + V), E ~ delta^n, V ~ delta^q delta_dot.
+/// A law whose elastic and viscous parts are powers of the overlap: N = max(0, E + V), E ~ delta^n, V ~ delta^q
+/// delta_dot.
 template <class L>
 concept PowerParts = requires(const typename L::Parameters& p, const ContactKinematics& c) {
   { L::elastic_power(p) } -> std::same_as<double>;
@@ -43,7 +46,8 @@ concept PowerParts = requires(const typename L::Parameters& p, const ContactKine
 
 /// The response at a step, weighed where it is the first or last of the contact. `plain`: what the law says at c.
 template <PowerParts L>
-NormalResponse weigh_edge(const typename L::Parameters& p, const ContactKinematics& c, double dt, const NormalResponse& plain) {
+NormalResponse weigh_edge(const typename L::Parameters& p, const ContactKinematics& c, double dt,
+                          const NormalResponse& plain) {
   const double speed = std::abs(c.approach_velocity), h = speed * dt;
   if (!(h > 0.0) || c.overlap > 8.0 * h) return plain;
   const double n = L::elastic_power(p), q = L::viscous_power(p), V = L::viscous(p, c);

@@ -34,7 +34,9 @@ ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedC
     NormalState<N> next = state;
     return respond<N>(p, kinematics(c, std::max(overlap, 0.0), velocity), state, next).force;
   };
-  const auto acceleration = [&](double overlap, double velocity) { return -force(overlap, velocity) / c.effective_mass; };
+  const auto acceleration = [&](double overlap, double velocity) {
+    return -force(overlap, velocity) / c.effective_mass;
+  };
   double x = 0.0, v = c.speed;
   for (int k = 0; k < 100000; ++k) {
     const double a1 = acceleration(x, v), v2 = v + 0.5 * dt * a1;
@@ -55,8 +57,8 @@ ImpactEstimate integrate_impact(const typename N::Parameters& p, const ExpectedC
   return out;
 }
 
-/// Contact time without damping, the scale of the integration [s]: pi delta_max / v, exact for a linear spring and 7 % more
-/// than Hertz's, with delta_max where elastic energy and plastic loss have taken up the motion.
+/// Contact time without damping, the scale of the integration [s]: pi delta_max / v, exact for a linear spring and 7 %
+/// more than Hertz's, with delta_max where elastic energy and plastic loss have taken up the motion.
 template <NormalLaw N>
 double elastic_contact_time(const typename N::Parameters& p, const ExpectedContact& c) {
   const double motion = 0.5 * c.effective_mass * c.speed * c.speed;
@@ -97,7 +99,8 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   const double stiffness = slope.stiffness;
   out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination);
   const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
-  // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per contact
+  // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
+  // contact
   const double by_damping = slope.dashpot > 0.0 ? 0.5 * c.effective_mass / slope.dashpot : by_time;
   out.auto_step = std::min({by_time, by_mode, by_damping});
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
@@ -133,8 +136,9 @@ ImpactEstimate estimate_impact(const SmoothSetup& setup, const MaterialPair& pai
 
 StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact) {
   const SmoothParts parts = smooth_parts(setup);
-  return std::visit([&](auto n, auto t) { return limit_of<typename decltype(n)::type, typename decltype(t)::type>(pair, contact); },
-                    *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential));
+  return std::visit(
+      [&](auto n, auto t) { return limit_of<typename decltype(n)::type, typename decltype(t)::type>(pair, contact); },
+      *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential));
 }
 
 }  // namespace epafi

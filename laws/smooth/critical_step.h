@@ -1,6 +1,6 @@
 /// @file critical_step.h  How large a time step smooth contact allows, and why.
-/// Two limits: the shortest impact must be resolved (case B02: velocity Verlet errs by 2.6e-3 in the restitution at 10 steps
-/// per Hertz contact, 4.3e-4 at 20), and a packing's stiffest mode must stay stable, dt < 2/omega.
+/// Two limits: the shortest impact must be resolved (case B02: velocity Verlet errs by 2.6e-3 in the restitution at 10
+/// steps per Hertz contact, 4.3e-4 at 20), and a packing's stiffest mode must stay stable, dt < 2/omega.
 #pragma once
 #include <string>
 
@@ -30,9 +30,9 @@ struct ImpactEstimate {
 
 struct StepLimit {
   ImpactEstimate impact;
-  double stable_step = 0.0;   ///< 2/omega of the stiffest mode at the largest overlap [s]
-  double auto_step = 0.0;     ///< min of auto_step_part contact times, half the stable step, half of m*/c [s]
-  std::string reason;         ///< one line with numbers and units
+  double stable_step = 0.0;  ///< 2/omega of the stiffest mode at the largest overlap [s]
+  double auto_step = 0.0;    ///< min of auto_step_part contact times, half the stable step, half of m*/c [s]
+  std::string reason;        ///< one line with numbers and units
 };
 
 /// t_c = 2.868 (m*^2 / (R* E*^2 v))^(1/5) of an elastic Hertz impact [s] (Johnson 1985, eq. 11.24)
@@ -43,14 +43,16 @@ double fall_speed(double gravity, double height);
 
 /// 2/omega_max [s] of bodies of mass m with Z contacts of stiffness k_n and k_t each: omega^2 = 2 K / m.
 /// Z <= 2: K = Z max(k_n, 7/2 k_t), exact for the chain (case B02: sqrt(m/k_n)) and for a solid sphere sliding at one
-/// contact against a fixed body to a factor sqrt(2) on the safe side. Beyond: contacts spread evenly over all directions,
-/// K = Z/3 max(k_n + 2 k_t, 5 k_t), translation and spin of solid spheres, neighbours in antiphase; an estimate, not a bound.
+/// contact against a fixed body to a factor sqrt(2) on the safe side. Beyond: contacts spread evenly over all
+/// directions, K = Z/3 max(k_n + 2 k_t, 5 k_t), translation and spin of solid spheres, neighbours in antiphase; an
+/// estimate, not a bound.
 double stable_step(double normal_stiffness, double tangential_stiffness, double mass, int coordination);
 
 /// Integrates one impact of the pair by the law of the set-up (Runge-Kutta 4, 4000 steps of the elastic contact time).
 ImpactEstimate estimate_impact(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact);
 
-/// Both limits for one pair of materials; the caller takes the smallest over its pairs. The set-up must pass check_smooth.
+/// Both limits for one pair of materials; the caller takes the smallest over its pairs. The set-up must pass
+/// check_smooth.
 StepLimit critical_step(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact);
 
 }  // namespace epafi

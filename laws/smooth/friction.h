@@ -1,6 +1,6 @@
-/// @file friction.h  Tangential parts: none, a spring of given ratio to the normal stiffness, Mindlin's stiffness, and the
-/// full history of partial slip (laws/smooth/bristles.h). All are incremental and slide at mu N. No dashpot: a sticking
-/// contact keeps its shear energy.
+/// @file friction.h  Tangential parts: none, a spring of given ratio to the normal stiffness, Mindlin's stiffness, and
+/// the full history of partial slip (laws/smooth/bristles.h). All are incremental and slide at mu N. No dashpot: a
+/// sticking contact keeps its shear energy.
 #pragma once
 #include "laws/smooth/bristles.h"
 #include "laws/smooth/hertz.h"
@@ -40,17 +40,26 @@ struct CoulombSpring {
   using Memory = Spring;
 
   static Entry entry() {
-    return {name, "tangential spring of fixed ratio to the normal stiffness, sliding at mu N",
-            {{"tangential_ratio", "k_t/k_n", "", Kind::number, Value{2.0 / 7.0}, {0, 2, true, false},
+    return {name,
+            "tangential spring of fixed ratio to the normal stiffness, sliding at mu N",
+            {{"tangential_ratio",
+              "k_t/k_n",
+              "",
+              Kind::number,
+              Value{2.0 / 7.0},
+              {0, 2, true, false},
               "tangential over normal stiffness"}},
-            needs, "Cundall and Strack 1979"};
+            needs,
+            "Cundall and Strack 1979"};
   }
   static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair& pair) {
     return {pair.friction, number_or_default(pair.parameters, entry(), "tangential_ratio")};
   }
   template <class Real>
-  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) { return p.ratio * normal_stiffness; }
+  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) {
+    return p.ratio * normal_stiffness;
+  }
   static double friction(const Parameters& p) { return p.friction; }
   static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
     return pull_spring(step, p.ratio * step.normal_stiffness, p.friction * step.normal_force, before, now);
@@ -76,13 +85,18 @@ struct Mindlin {
   using Memory = Spring;
 
   static Entry entry() {
-    return {name, "incremental no-slip stiffness of Mindlin, rescaled on unloading, sliding at mu N", {}, needs,
+    return {name,
+            "incremental no-slip stiffness of Mindlin, rescaled on unloading, sliding at mu N",
+            {},
+            needs,
             "Mindlin 1949; rescaling: Walton and Braun 1986"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_elasticity(pair); }
   static Parameters parameters(const MaterialPair& pair) { return {pair.friction, mindlin_ratio(pair)}; }
   template <class Real>
-  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) { return p.ratio * normal_stiffness; }
+  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) {
+    return p.ratio * normal_stiffness;
+  }
   static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
     return CoulombSpring::pull(p, step, before, now);
   }
@@ -104,7 +118,10 @@ struct MindlinDeresiewicz {
   using Memory = Bristles;
 
   static Entry entry() {
-    return {name, "partial slip with its whole history, by a row of bristles", {}, needs,
+    return {name,
+            "partial slip with its whole history, by a row of bristles",
+            {},
+            needs,
             "Mindlin and Deresiewicz 1953; by the method of dimensionality reduction, Popov and Hess 2015"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_elasticity(pair); }

@@ -33,7 +33,10 @@ struct Hertz {
   };
 
   static Entry entry() {
-    return {name, "Hertz with Tsuji damping, never pulls", {}, needs,
+    return {name,
+            "Hertz with Tsuji damping, never pulls",
+            {},
+            needs,
             "Hertz 1882; Tsuji, Tanaka and Ishida 1992; damping by Schwager and Poeschel 2007"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_elasticity(pair); }

@@ -1,8 +1,8 @@
-/// @file hunt_crossley.h  Hertz with damping proportional to the elastic force (Hunt and Crossley 1975), and its family:
-/// published factors that answer the same force differently.
-/// The force starts and ends at zero without a jump. Restitution falls with the impact speed: what is asked for comes out
-/// at `reference_speed`, more below, less above. Only "hunt-crossley" inverts the exact relation; the others are
-/// approximations kept for comparison: they return their own restitution (hunt_crossley_restitution), said by `check`.
+/// @file hunt_crossley.h  Hertz with damping proportional to the elastic force (Hunt and Crossley 1975), and its
+/// family: published factors that answer the same force differently. The force starts and ends at zero without a jump.
+/// Restitution falls with the impact speed: what is asked for comes out at `reference_speed`, more below, less above.
+/// Only "hunt-crossley" inverts the exact relation; the others are approximations kept for comparison: they return
+/// their own restitution (hunt_crossley_restitution), said by `check`.
 #pragma once
 #include "laws/smooth/hertz.h"
 
@@ -19,10 +19,17 @@ struct HuntCrossley {
   };
 
   static Entry entry_of(const char* name, const char* summary, const char* source) {
-    return {name, summary,
-            {{"reference_speed", "v_0", "m/s", Kind::number, {}, positive,
+    return {name,
+            summary,
+            {{"reference_speed",
+              "v_0",
+              "m/s",
+              Kind::number,
+              {},
+              positive,
               "impact speed at which the law's restitution comes out; it is larger below and smaller above"}},
-            needs, source};
+            needs,
+            source};
   }
   static Entry entry() {
     return entry_of(name, "Hertz with damping proportional to the elastic force, exact restitution",
@@ -48,7 +55,8 @@ struct HuntCrossley {
   static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
     const double stiffness = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
     const double elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    return {std::max(0.0, elastic + elastic * p.chi * c.approach_velocity), elastic, stiffness, 0.4 * elastic * c.overlap};
+    return {std::max(0.0, elastic + elastic * p.chi * c.approach_velocity), elastic, stiffness,
+            0.4 * elastic * c.overlap};
   }
 };
 static_assert(NormalLaw<HuntCrossley>);
@@ -58,7 +66,9 @@ template <class Member>
 struct HuntCrossleyFamily : HuntCrossley {
   using Loop = HuntCrossley;  ///< evaluated by the same loop
   static Entry entry() { return entry_of(Member::name, Member::summary, Member::source); }
-  static Parameters parameters(const MaterialPair& pair) { return parameters_of(pair, Member::factor(pair.restitution)); }
+  static Parameters parameters(const MaterialPair& pair) {
+    return parameters_of(pair, Member::factor(pair.restitution));
+  }
   /// What comes out where the scene asks for e.
   static double restitution(double e) { return hunt_crossley_restitution(Member::factor(e)); }
 };

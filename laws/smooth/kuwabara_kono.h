@@ -1,6 +1,6 @@
-/// @file kuwabara_kono.h  Viscoelastic spheres (Kuwabara and Kono 1987; Brilliantov, Spahn, Hertzsch and Poeschel 1996).
-/// Damping follows from the material: restitution is 1 for slow impacts and falls with v^(1/5) (case A07). The scene's
-/// `restitution` is not used; the relaxation time is asked for instead.
+/// @file kuwabara_kono.h  Viscoelastic spheres (Kuwabara and Kono 1987; Brilliantov, Spahn, Hertzsch and Poeschel
+/// 1996). Damping follows from the material: restitution is 1 for slow impacts and falls with v^(1/5) (case A07). The
+/// scene's `restitution` is not used; the relaxation time is asked for instead.
 #pragma once
 #include "laws/smooth/hertz.h"
 
@@ -18,9 +18,11 @@ struct KuwabaraKono {
   };
 
   static Entry entry() {
-    return {name, "viscoelastic spheres: restitution falls with the impact speed",
+    return {name,
+            "viscoelastic spheres: restitution falls with the impact speed",
             {{"relaxation_time", "A", "s", Kind::number, {}, not_negative, "dissipative constant of the material"}},
-            needs, "Kuwabara and Kono 1987; Brilliantov et al. 1996"};
+            needs,
+            "Kuwabara and Kono 1987; Brilliantov et al. 1996"};
   }
   static Missing missing(const MaterialPair& pair) {
     Missing out = missing_elasticity(pair);

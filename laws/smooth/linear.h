@@ -20,9 +20,11 @@ struct Linear {
   };
 
   static Entry entry() {
-    return {name, "linear spring and dashpot, never pulls",
+    return {name,
+            "linear spring and dashpot, never pulls",
             {{"stiffness", "k_n", "N/m", Kind::number, {}, positive, "normal stiffness of the contact"}},
-            needs, "Cundall and Strack 1979; damping by Schwager and Poeschel 2007"};
+            needs,
+            "Cundall and Strack 1979; damping by Schwager and Poeschel 2007"};
   }
   static Missing missing(const MaterialPair& pair) {
     return pair.parameters.has("stiffness") ? Missing{} : Missing{"stiffness [N/m] of the contact"};

@@ -8,7 +8,8 @@ namespace epafi {
 
 /// Compiled in laws/smooth/loops, one file per N.
 template <NormalLaw N>
-std::unique_ptr<ContactModel> make_loop(const MaterialTable& table, const std::vector<typename N::Parameters>& normal, const SmoothParts& parts);
+std::unique_ptr<ContactModel> make_loop(const MaterialTable& table, const std::vector<typename N::Parameters>& normal,
+                                        const SmoothParts& parts);
 
 namespace {
 
@@ -25,16 +26,18 @@ constexpr NamedLaw named_laws[] = {
     {"hunt-crossley-1975", "Hunt-Crossley with the factor first published", "hunt-crossley-1975", "mindlin"},
     {"herbert-mcwhannell", "Hunt-Crossley with the factor of Herbert and McWhannell", "herbert-mcwhannell", "mindlin"},
     {"lee-wang", "Hunt-Crossley with the factor of Lee and Wang", "lee-wang", "mindlin"},
-    {"lankarani-nikravesh", "Hunt-Crossley with the factor of Lankarani and Nikravesh", "lankarani-nikravesh", "mindlin"},
+    {"lankarani-nikravesh", "Hunt-Crossley with the factor of Lankarani and Nikravesh", "lankarani-nikravesh",
+     "mindlin"},
     {"flores", "Hunt-Crossley with the factor of Flores et al.", "flores", "mindlin"},
     {"gonthier", "Hunt-Crossley with the factor of Gonthier et al.", "gonthier", "mindlin"},
     {"power-law", "k delta^n; friction by a spring in fixed ratio", "power-law", "coulomb-spring"},
     {"kuwabara-kono", "viscoelastic spheres; friction by Mindlin's spring", "kuwabara-kono", "mindlin"},
-    {"walton-braun", "plastic loading, stiff unloading; friction by a spring in fixed ratio", "walton-braun", "coulomb-spring"},
+    {"walton-braun", "plastic loading, stiff unloading; friction by a spring in fixed ratio", "walton-braun",
+     "coulomb-spring"},
     {"dmt", "Hertz with constant attraction in contact; friction by Mindlin's spring", "dmt", "mindlin"},
     {"jkr", "adhesive spheres that hold on beyond touch; friction by Mindlin's spring", "jkr", "mindlin"},
-    {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio", "overlap-volume",
-     "coulomb-spring"},
+    {"overlap-volume", "elastic layer of the overlap volume of polyhedra; friction by a spring in fixed ratio",
+     "overlap-volume", "coulomb-spring"},
 };
 
 const NamedLaw* find_named(const std::string& name) {
@@ -67,16 +70,19 @@ void check_name(const List& list, const char* key, const std::string& name, std:
   if (find_law(list, name)) return;
   std::string known;
   for (const Entry& e : law_entries(list)) known += (known.empty() ? "" : ", ") + e.name;
-  add(out, Problem::Level::error, std::string("[contact.smooth] ") + key + " '" + name + "' is unknown; known: " + known);
+  add(out, Problem::Level::error,
+      std::string("[contact.smooth] ") + key + " '" + name + "' is unknown; known: " + known);
 }
 
 template <class N, class T, class R>
 void check_combination(const SmoothParts& parts, std::vector<Problem>& out) {
   if (!T::template fits<N>)
-    add(out, Problem::Level::error, "tangential law '" + parts.tangential + "' needs a Hertzian normal law, not '" +
-                                        parts.normal + "'; use tangential = \"coulomb-spring\"");
+    add(out, Problem::Level::error,
+        "tangential law '" + parts.tangential + "' needs a Hertzian normal law, not '" + parts.normal +
+            "'; use tangential = \"coulomb-spring\"");
   if (R::is_present && !T::is_present)
-    add(out, Problem::Level::error, "rolling law '" + parts.rolling + "' needs friction: with friction 0 nothing makes a body roll");
+    add(out, Problem::Level::error,
+        "rolling law '" + parts.rolling + "' needs friction: with friction 0 nothing makes a body roll");
 }
 
 template <class N, class T, class R>
@@ -95,17 +101,19 @@ void check_materials(const SmoothSetup& setup, std::vector<Problem>& out) {
       constexpr double least = least_restitution<N>;
       if constexpr (requires { N::restitution(0.5); }) {
         if (pair.restitution < 1.0)
-          add(out, Problem::Level::warning, where + ": law '" + setup.law + "' returns " + std::to_string(N::restitution(pair.restitution)) +
-                                                " for a restitution of " + std::to_string(pair.restitution) +
-                                                " at its reference_speed; 'hunt-crossley' returns what is asked");
+          add(out, Problem::Level::warning,
+              where + ": law '" + setup.law + "' returns " + std::to_string(N::restitution(pair.restitution)) +
+                  " for a restitution of " + std::to_string(pair.restitution) +
+                  " at its reference_speed; 'hunt-crossley' returns what is asked");
       }
       if (!uses_restitution<N> && pair.restitution < 1.0)
-        add(out, Problem::Level::warning, where + ": restitution " + std::to_string(pair.restitution) + " is not used by law '" +
-                                              setup.law + "', whose restitution depends on the speed");
+        add(out, Problem::Level::warning,
+            where + ": restitution " + std::to_string(pair.restitution) + " is not used by law '" + setup.law +
+                "', whose restitution depends on the speed");
       else if (pair.restitution < least)
-        add(out, Problem::Level::warning, where + ": restitution " + std::to_string(pair.restitution) +
-                                              " would need more damping than law '" + setup.law + "' is set for; it acts as " +
-                                              std::to_string(least));
+        add(out, Problem::Level::warning,
+            where + ": restitution " + std::to_string(pair.restitution) + " would need more damping than law '" +
+                setup.law + "' is set for; it acts as " + std::to_string(least));
     }
   }
 }
@@ -142,8 +150,10 @@ SmoothParts smooth_parts(const SmoothSetup& setup) {
   parts.normal = law ? law->normal : setup.law;
   parts.tangential = chosen(setup.tangential, law ? law->tangential : NoFriction::name);
   parts.rolling = chosen(setup.rolling, RollingSpring::name);
-  if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.friction > 0.0; })) parts.tangential = NoFriction::name;
-  if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.rolling_friction > 0.0; })) parts.rolling = NoRolling::name;
+  if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.friction > 0.0; }))
+    parts.tangential = NoFriction::name;
+  if (!any_pair(setup.materials, [](const MaterialPair& p) { return p.rolling_friction > 0.0; }))
+    parts.rolling = NoRolling::name;
   return parts;
 }
 

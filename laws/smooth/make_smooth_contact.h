@@ -10,14 +10,14 @@
 
 namespace epafi {
 
-/// What a scene says of smooth contact. Empty names take the default of the law; friction 0 everywhere takes no tangential
-/// part and rolling friction 0 everywhere no rolling part, whatever the names.
+/// What a scene says of smooth contact. Empty names take the default of the law; friction 0 everywhere takes no
+/// tangential part and rolling friction 0 everywhere no rolling part, whatever the names.
 struct SmoothSetup {
   std::string law;         ///< of all_smooth_laws()
   std::string tangential;  ///< of all_tangential_laws(), or empty
   std::string rolling;     ///< of all_rolling_laws(), or empty
   MaterialTable materials;
-  bool locate = false;     ///< start and end of contacts are located within the step
+  bool locate = false;  ///< start and end of contacts are located within the step
 };
 
 /// Names of the parts a set-up comes to.
@@ -37,8 +37,8 @@ SmoothParts smooth_parts(const SmoothSetup& setup);
 std::vector<Problem> check_smooth(const SmoothSetup& setup);
 /// Union of the needs of the parts. The set-up must have passed check_smooth.
 Needs smooth_needs(const SmoothSetup& setup);
-/// Contacts with a gap below this are wanted [m]: an adhesive law holds on to bodies that have parted (with a tenth to spare,
-/// so that a contact is seen to break before it is gone). largest_radius: R* of the largest bodies [m].
+/// Contacts with a gap below this are wanted [m]: an adhesive law holds on to bodies that have parted (with a tenth to
+/// spare, so that a contact is seen to break before it is gone). largest_radius: R* of the largest bodies [m].
 double smooth_reach(const SmoothSetup& setup, double largest_radius);
 /// Throws SceneError with the errors of check_smooth.
 std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup);

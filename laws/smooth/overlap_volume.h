@@ -15,8 +15,8 @@ struct OverlapVolume {
   static constexpr const char* name = "overlap-volume";
   static constexpr Needs needs{.curvature = true, .area = true};
   static constexpr bool is_hertzian = false;
-  /// exp(-2), of critical damping: polyhedra that fall flat, on a corner or turning return different speeds anyway, and the
-  /// overdamped spring of e = 0.01 would cost five times the steps.
+  /// exp(-2), of critical damping: polyhedra that fall flat, on a corner or turning return different speeds anyway, and
+  /// the overdamped spring of e = 0.01 would cost five times the steps.
   static constexpr double least_restitution = 0.1353352832366127;
   struct Parameters {
     double modulus;        ///< E*/layer [Pa], > 0
@@ -24,10 +24,12 @@ struct OverlapVolume {
   };
 
   static Entry entry() {
-    return {name, "elastic layer of the overlap volume of polyhedra, never pulls",
+    return {name,
+            "elastic layer of the overlap volume of polyhedra, never pulls",
             {{"layer", "l/R*", "", Kind::number, Value{0.5}, positive,
               "thickness of the elastic layer over the effective radius: flat faces are springs E* A/l"}},
-            needs, "Munjiza 2004; damping by Schwager and Poeschel 2007"};
+            needs,
+            "Munjiza 2004; damping by Schwager and Poeschel 2007"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_elasticity(pair); }
   static Parameters parameters(const MaterialPair& pair) {

@@ -26,14 +26,19 @@ struct PowerLaw {
 
   static Entry entry() {
     const Range exponents{1, 3, false, false};
-    return {name, "k delta^n with exact restitution, or with a plain dashpot",
-            {{"exponent", "n", "", Kind::number, {}, exponents, "power of the overlap"},
-             optional_field("stiffness", "k", "N/m^n", Kind::number, positive, "normal stiffness; or fitted to the data below"),
-             optional_field("calibration_overlap", "", "m", Kind::numbers, positive, "measured overlaps to fit the stiffness to"),
-             optional_field("calibration_force", "", "N", Kind::numbers, positive, "forces measured at these overlaps"),
-             optional_field("damping", "c", "N s/m", Kind::number, not_negative,
-                            "plain dashpot instead of the one set by restitution; restitution then depends on the speed")},
-            needs, "Flores and Lankarani 2016; damping by Schwager and Poeschel 2007"};
+    return {
+        name,
+        "k delta^n with exact restitution, or with a plain dashpot",
+        {{"exponent", "n", "", Kind::number, {}, exponents, "power of the overlap"},
+         optional_field("stiffness", "k", "N/m^n", Kind::number, positive,
+                        "normal stiffness; or fitted to the data below"),
+         optional_field("calibration_overlap", "", "m", Kind::numbers, positive,
+                        "measured overlaps to fit the stiffness to"),
+         optional_field("calibration_force", "", "N", Kind::numbers, positive, "forces measured at these overlaps"),
+         optional_field("damping", "c", "N s/m", Kind::number, not_negative,
+                        "plain dashpot instead of the one set by restitution; restitution then depends on the speed")},
+        needs,
+        "Flores and Lankarani 2016; damping by Schwager and Poeschel 2007"};
   }
   /// k of the least squares of N - k delta^n [N/m^n].
   static double fit(const std::vector<double>& overlap, const std::vector<double>& force, double exponent) {
@@ -49,16 +54,19 @@ struct PowerLaw {
     const auto& p = pair.parameters;
     if (!p.has("exponent")) out.push_back("exponent of the contact");
     const bool data = p.has("calibration_overlap") && p.has("calibration_force");
-    if (!p.has("stiffness") && !data) out.push_back("stiffness [N/m^n], or calibration_overlap [m] and calibration_force [N], of the contact");
-    if (data && (p.numbers("calibration_overlap").size() != p.numbers("calibration_force").size() || p.numbers("calibration_overlap").empty()))
+    if (!p.has("stiffness") && !data)
+      out.push_back("stiffness [N/m^n], or calibration_overlap [m] and calibration_force [N], of the contact");
+    if (data && (p.numbers("calibration_overlap").size() != p.numbers("calibration_force").size() ||
+                 p.numbers("calibration_overlap").empty()))
       out.push_back("as many values in calibration_force as in calibration_overlap, at least one");
     return out;
   }
   static Parameters parameters(const MaterialPair& pair) {
     const auto& given = pair.parameters;
     const double n = given.number("exponent");
-    const double k = given.has("stiffness") ? given.number("stiffness")
-                                            : fit(given.numbers("calibration_overlap"), given.numbers("calibration_force"), n);
+    const double k = given.has("stiffness")
+                         ? given.number("stiffness")
+                         : fit(given.numbers("calibration_overlap"), given.numbers("calibration_force"), n);
     if (given.has("damping")) return {k, n, 0.0, given.number("damping")};
     return {k, n, 2.0 * std::sqrt(0.5 * (n + 1.0)) * damping_ratio_for(pair.restitution), 0.0};
   }
@@ -78,7 +86,8 @@ struct PowerLaw {
   }
   static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
     const double below = p.stiffness * power_below(c.overlap, p.exponent);  // k delta^(n-1)
-    const double elastic = below * c.overlap, dashpot = p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below);
+    const double elastic = below * c.overlap,
+                 dashpot = p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below);
     return {std::max(0.0, elastic + dashpot * c.approach_velocity), elastic, p.exponent * below,
             elastic * c.overlap / (p.exponent + 1.0)};
   }

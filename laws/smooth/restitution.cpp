@@ -47,7 +47,8 @@ double hunt_crossley_restitution(double factor) {
   if (factor < 1e-6) return 1.0 - 2.0 / 3.0 * std::max(factor, 0.0);  // first term of the series
   const double x = factor;
   // log((1 + X)/(1 - e X)) - X (1 + e): negative at e = 0, rising to infinity at 1/X
-  return bisect(0.0, std::min(1.0, 1.0 / x), [x](double e) { return std::log1p(x) - std::log1p(-e * x) - x * (1.0 + e); });
+  return bisect(0.0, std::min(1.0, 1.0 / x),
+                [x](double e) { return std::log1p(x) - std::log1p(-e * x) - x * (1.0 + e); });
 }
 
 }  // namespace epafi

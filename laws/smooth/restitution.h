@@ -1,6 +1,7 @@
-/// @file restitution.h  From the restitution a scene asks for to the damping that gives exactly it, set up once per material pair.
-/// The contact never pulls: it ends where the force has fallen to zero, while the bodies still overlap. The textbook
-/// zeta = -ln e / sqrt(pi^2 + ln^2 e) ends at zero overlap instead and returns 0.55 for 0.5 (Schwager and Poeschel 2007).
+/// @file restitution.h  From the restitution a scene asks for to the damping that gives exactly it, set up once per
+/// material pair. The contact never pulls: it ends where the force has fallen to zero, while the bodies still overlap.
+/// The textbook zeta = -ln e / sqrt(pi^2 + ln^2 e) ends at zero overlap instead and returns 0.55 for 0.5 (Schwager and
+/// Poeschel 2007).
 #pragma once
 
 namespace epafi {
@@ -15,7 +16,8 @@ double restitution_of(double damping_ratio);
 
 /// The inverse: zeta = c / (2 sqrt(m* k)) for e in [0, 1]; values below minimum_restitution act as that.
 /// Hertz with Tsuji damping obeys the same relation with alpha = sqrt(5) zeta, whatever the speed, mass and modulus:
-/// with y = delta^(5/4) as the variable of energy, its first integral is that of the linear law (Antypov and Elliott 2011).
+/// with y = delta^(5/4) as the variable of energy, its first integral is that of the linear law (Antypov and Elliott
+/// 2011).
 double damping_ratio_for(double restitution);
 
 /// X = chi v0 of the Hunt and Crossley force K delta^n (1 + chi delta_dot), from (1 + X)/(1 - e X) = exp(X (1 + e))

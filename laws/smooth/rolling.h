@@ -1,7 +1,7 @@
 /// @file rolling.h  Rolling parts: none, and types A, B and C of Ai et al. 2011.
-/// A is a moment of fixed size against rolling, B a viscous one, C the elastic-plastic spring with dashpot. Only C holds a
-/// body at rest without creep. The limit of C holds for spring and dashpot together: with the dashpot outside it, as
-/// published, a rolling sphere that touches down gets a moment of 60 to 260 times the limit for a step.
+/// A is a moment of fixed size against rolling, B a viscous one, C the elastic-plastic spring with dashpot. Only C
+/// holds a body at rest without creep. The limit of C holds for spring and dashpot together: with the dashpot outside
+/// it, as published, a rolling sphere that touches down gets a moment of 60 to 260 times the limit for a step.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -51,9 +51,12 @@ struct AnyRolling {
     const double moment = p.friction * s.radius * s.normal_force;
     switch (p.type) {
       // a moment that would turn the spin round within the step only stops it: no chatter at rest
-      case Type::constant: return s.spin > 0.0 ? std::min(moment / s.spin, s.dt > 0.0 ? s.inertia / s.dt : infinity) : 0.0;
-      case Type::viscous: return moment * s.radius * p.damping;
-      default: return 2.0 * p.damping * std::sqrt(s.inertia * stiffness(p, s));
+      case Type::constant:
+        return s.spin > 0.0 ? std::min(moment / s.spin, s.dt > 0.0 ? s.inertia / s.dt : infinity) : 0.0;
+      case Type::viscous:
+        return moment * s.radius * p.damping;
+      default:
+        return 2.0 * p.damping * std::sqrt(s.inertia * stiffness(p, s));
     }
   }
 };
@@ -64,10 +67,12 @@ struct RollingSpring : AnyRolling {
   static constexpr const char* name = "spring";
   using Loop = AnyRolling;
   static Entry entry() {
-    return {name, "elastic-plastic rolling spring with dashpot (type C)",
+    return {name,
+            "elastic-plastic rolling spring with dashpot (type C)",
             {{"rolling_damping", "eta_r", "", Kind::number, Value{0.3}, not_negative,
               "damping of the rolling spring as a part of the critical"}},
-            needs, "Ai, Chen, Rotter and Ooi 2011"};
+            needs,
+            "Ai, Chen, Rotter and Ooi 2011"};
   }
   static Parameters parameters(const MaterialPair& pair) {
     return {Type::spring, pair.rolling_friction, number_or_default(pair.parameters, entry(), "rolling_damping")};
@@ -80,7 +85,11 @@ struct RollingConstant : AnyRolling {
   static constexpr const char* name = "constant";
   using Loop = AnyRolling;
   static Entry entry() {
-    return {name, "moment mu_r R* N against rolling (type A)", {}, needs, "Ai, Chen, Rotter and Ooi 2011; Zhou et al. 1999"};
+    return {name,
+            "moment mu_r R* N against rolling (type A)",
+            {},
+            needs,
+            "Ai, Chen, Rotter and Ooi 2011; Zhou et al. 1999"};
   }
   static Parameters parameters(const MaterialPair& pair) { return {Type::constant, pair.rolling_friction, 0.0}; }
 };
@@ -90,9 +99,12 @@ struct RollingViscous : AnyRolling {
   static constexpr const char* name = "viscous";
   using Loop = AnyRolling;
   static Entry entry() {
-    return {name, "moment proportional to the rolling velocity (type B)",
-            {{"rolling_speed", "v_0", "m/s", Kind::number, Value{1.0}, positive, "rolling speed at which the moment is mu_r R* N"}},
-            needs, "Ai, Chen, Rotter and Ooi 2011; Zhou et al. 1999"};
+    return {name,
+            "moment proportional to the rolling velocity (type B)",
+            {{"rolling_speed", "v_0", "m/s", Kind::number, Value{1.0}, positive,
+              "rolling speed at which the moment is mu_r R* N"}},
+            needs,
+            "Ai, Chen, Rotter and Ooi 2011; Zhou et al. 1999"};
   }
   static Parameters parameters(const MaterialPair& pair) {
     return {Type::viscous, pair.rolling_friction, 1.0 / number_or_default(pair.parameters, entry(), "rolling_speed")};

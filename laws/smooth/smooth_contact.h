@@ -1,6 +1,7 @@
-/// @file smooth_contact.h  The loop of smooth contact: forces of all contacts by the parts of one law, then sums by body.
-/// Dampers see velocities at the time of the detection (StepClock::velocity_lag), predicted with the stored acceleration;
-/// springs see the displacement over the step, velocity of its middle times dt. Both are second order with velocity Verlet.
+/// @file smooth_contact.h  The loop of smooth contact: forces of all contacts by the parts of one law, then sums by
+/// body. Dampers see velocities at the time of the detection (StepClock::velocity_lag), predicted with the stored
+/// acceleration; springs see the displacement over the step, velocity of its middle times dt. Both are second order
+/// with velocity Verlet.
 ///
 /// Energies (StepReport): viscous losses and work of driven bodies by the trapezoid of their power; losses of springs
 /// (slip, rescaling, opening of the contact) as work done on them minus growth of their energy.
@@ -18,12 +19,12 @@ namespace epafi {
 /// Sums over contacts, of one block and of all.
 struct SmoothSums {
   std::size_t touching = 0;
-  double elastic = 0.0;       ///< of the normal parts [J]
-  double spring_energy = 0.0; ///< of the friction and rolling springs [J]
-  double spring_work = 0.0;   ///< done on the springs during the step [J]
-  double viscous_power = 0.0; ///< lost in dampers now [W]
-  double driven_power = 0.0;  ///< of driven bodies on the others now [W]
-  double lost = 0.0;          ///< to plastic deformation and adhesion during the step [J]
+  double elastic = 0.0;        ///< of the normal parts [J]
+  double spring_energy = 0.0;  ///< of the friction and rolling springs [J]
+  double spring_work = 0.0;    ///< done on the springs during the step [J]
+  double viscous_power = 0.0;  ///< lost in dampers now [W]
+  double driven_power = 0.0;   ///< of driven bodies on the others now [W]
+  double lost = 0.0;           ///< to plastic deformation and adhesion during the step [J]
 
   SmoothSums& operator+=(const SmoothSums& o) {
     touching += o.touching, elastic += o.elastic, spring_energy += o.spring_energy, spring_work += o.spring_work;
@@ -59,7 +60,9 @@ class RecordMemory {
     now_.resize(contacts.size());
   }
   /// Of contact i in the last step: an unloaded one where the contact is new.
-  const Record& before(std::size_t i) const { return previous_[i] == ContactMemory::none ? fresh_ : old_[previous_[i]]; }
+  const Record& before(std::size_t i) const {
+    return previous_[i] == ContactMemory::none ? fresh_ : old_[previous_[i]];
+  }
   Record& now(std::size_t i) { return now_[i]; }
   const Record& fresh() const { return fresh_; }
   void reorder(const Reordering& change) {
@@ -83,9 +86,11 @@ class RecordMemory {
 
 template <NormalLaw Normal, TangentialLaw Tangential, RollingLaw Rolling>
 class SmoothContact final : public ContactModel {
-  static constexpr bool slides = Tangential::is_present, rolls = Rolling::is_present, hysteretic = RemembersNormal<Normal>;
+  static constexpr bool slides = Tangential::is_present, rolls = Rolling::is_present,
+                        hysteretic = RemembersNormal<Normal>;
   static constexpr bool remembers = slides || rolls || hysteretic;
-  using Record = ContactRecord<NormalState<Normal>, typename Tangential::Memory, std::conditional_t<rolls, Spring, Nothing<2>>>;
+  using Record =
+      ContactRecord<NormalState<Normal>, typename Tangential::Memory, std::conditional_t<rolls, Spring, Nothing<2>>>;
 
  public:
   static constexpr Needs needs = Normal::needs | Tangential::needs | Rolling::needs;
@@ -162,8 +167,8 @@ class SmoothContact final : public ContactModel {
 
   /// Flattened: GCC leaves vector helpers uninlined in a body of this size, which costs twice the time (perf/laws.cpp).
   template <bool rotates>
-  [[gnu::flatten]] SmoothSums evaluate_block(const World& world, ContactSet& contacts, std::size_t begin, std::size_t end,
-                                             double dt, bool predicted) {
+  [[gnu::flatten]] SmoothSums evaluate_block(const World& world, ContactSet& contacts, std::size_t begin,
+                                             std::size_t end, double dt, bool predicted) {
     SmoothSums sums;
     for (std::size_t i = begin; i < end; ++i) evaluate<rotates>(world, contacts, i, dt, predicted, sums);
     return sums;
@@ -239,16 +244,17 @@ class SmoothContact final : public ContactModel {
   }
 
   /// Moment on A against rolling.
-  Vec3 roll(const World& world, const ContactSet& contacts, const Touch& t, const typename Rolling::Parameters& p, double dt,
-            bool predicted, SmoothSums& sums) {
+  Vec3 roll(const World& world, const ContactSet& contacts, const Touch& t, const typename Rolling::Parameters& p,
+            double dt, bool predicted, SmoothSums& sums) {
     const Vec3& n = contacts.normal[t.i];
     const auto in_plane = [&n](const Vec3& x) { return Vec3(x - x.dot(n) * n); };
     Vec3 spin = in_plane(world.angular_velocity[t.b] - world.angular_velocity[t.a]);
     const Vec3 angle = dt * spin;
     if (predicted) spin += in_plane(change_.angular[t.b] - change_.angular[t.a]);
     const double mobility = rolling_mobility(world, t.a, contacts.arm[t.i]) + rolling_mobility(world, t.b, t.arm_b);
-    const RollingStep step{t.normal.stiffness, std::max(0.0, t.normal.force + t.normal.adhesion), t.at.effective_radius,
-                           1.0 / mobility, spin.norm(), dt};
+    const RollingStep step{t.normal.stiffness,    std::max(0.0, t.normal.force + t.normal.adhesion),
+                           t.at.effective_radius, 1.0 / mobility,
+                           spin.norm(),           dt};
     const double limit = Rolling::limit(p, step);
     const SlipStep turn{n, twist(world, t, n, dt), angle, 0.0, 0.0};
     const FrictionResponse elastic =
@@ -258,7 +264,8 @@ class SmoothContact final : public ContactModel {
     Vec3 moment = elastic.load + Rolling::damping(p, step) * spin;
     const double square = moment.squaredNorm();
     if (square > limit * limit) moment *= limit / std::sqrt(square);
-    sums.viscous_power += (moment - elastic.load).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
+    sums.viscous_power +=
+        (moment - elastic.load).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
     return moment;
   }
 
@@ -305,13 +312,13 @@ class SmoothContact final : public ContactModel {
 
   std::size_t materials_;
   std::vector<PairParameters> pairs_;
-  bool damped_;                        ///< velocities at the time of the detection are wanted
+  bool damped_;  ///< velocities at the time of the detection are wanted
   bool locate_;
   VelocityChange change_;
   RecordMemory<Record> memory_;
   Incidence incidence_;
   std::vector<SmoothSums> blocks_;
-  SmoothSums before_;                  ///< of the last call
+  SmoothSums before_;  ///< of the last call
 };
 
 }  // namespace epafi

@@ -1,6 +1,6 @@
-/// @file spring.h  An incremental spring in the contact plane with a largest load: friction (force) and rolling (moment).
-/// Stiffness follows the overlap. When it falls, the load falls with it: otherwise a closed cycle of shear and
-/// unloading would create T^2/2 (1/k_t(d2) - 1/k_t(d1)) (Walton and Braun 1986; case A13).
+/// @file spring.h  An incremental spring in the contact plane with a largest load: friction (force) and rolling
+/// (moment). Stiffness follows the overlap. When it falls, the load falls with it: otherwise a closed cycle of shear
+/// and unloading would create T^2/2 (1/k_t(d2) - 1/k_t(d1)) (Walton and Braun 1986; case A13).
 #pragma once
 #include <cmath>
 
@@ -42,7 +42,8 @@ inline Spring extend(const Spring& old, const Vec3& load, double stiffness, cons
 }
 
 /// One step of a spring of that stiffness and largest load.
-inline FrictionResponse pull_spring(const SlipStep& step, double stiffness, double limit, const Spring& before, Spring& now) {
+inline FrictionResponse pull_spring(const SlipStep& step, double stiffness, double limit, const Spring& before,
+                                    Spring& now) {
   const Vec3 load = turn_load(before.load, step.normal, step.twist);
   now = extend(before, load, stiffness, step.displacement, limit);
   return {now.load, now.energy(), 0.5 * (load + now.load).dot(step.displacement)};

@@ -1,6 +1,7 @@
-/// @file walton_braun.h  Hysteretic springs: soft while the overlap grows beyond all before, stiff when it falls (Walton
-/// and Braun 1986). Energy is lost to plastic deformation, not to a rate: restitution sqrt(k_1/k_2) is exact at every
-/// speed, for every mass, and there is no dashpot to resolve. Remembers the largest overlap while the contact lasts.
+/// @file walton_braun.h  Hysteretic springs: soft while the overlap grows beyond all before, stiff when it falls
+/// (Walton and Braun 1986). Energy is lost to plastic deformation, not to a rate: restitution sqrt(k_1/k_2) is exact at
+/// every speed, for every mass, and there is no dashpot to resolve. Remembers the largest overlap while the contact
+/// lasts.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -25,9 +26,11 @@ struct WaltonBraun {
   };
 
   static Entry entry() {
-    return {name, "two springs, plastic loss, no dashpot",
+    return {name,
+            "two springs, plastic loss, no dashpot",
             {{"stiffness", "k_1", "N/m", Kind::number, {}, positive, "stiffness of first loading"}},
-            needs, "Walton and Braun 1986"};
+            needs,
+            "Walton and Braun 1986"};
   }
   static Missing missing(const MaterialPair& pair) {
     return pair.parameters.has("stiffness") ? Missing{} : Missing{"stiffness [N/m] of the contact"};
@@ -43,8 +46,9 @@ struct WaltonBraun {
     const double force = std::max(0.0, p.unloading * (c.overlap - (1.0 - part) * now.largest_overlap));
     // first loading from delta_m to delta_m' stores k_1^2 delta_m'^2 / (2 k_2) and loses the rest of k_1 delta_m'^2 / 2
     const auto plastic = [&](double overlap) { return 0.5 * p.loading * (1.0 - part) * overlap * overlap; };
-    return {force, force, p.unloading, 0.5 * force * force / p.unloading, 0.0,
-            plastic(now.largest_overlap) - plastic(before.largest_overlap)};
+    return {force,       force,
+            p.unloading, 0.5 * force * force / p.unloading,
+            0.0,         plastic(now.largest_overlap) - plastic(before.largest_overlap)};
   }
 };
 static_assert(NormalLaw<WaltonBraun>);

@@ -11,8 +11,8 @@
 #include "scenes/cli/list.h"
 #include "scenes/cli/new_scene.h"
 #include "scenes/cli/schema_json.h"
-#include "scenes/reader/scene_reader.h"
 #include "scenes/full_registry.h"
+#include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
 #include "scenes/stop.h"
 #include "viz_export/export.h"
@@ -30,7 +30,8 @@ void print_problems(const std::vector<Problem>& problems) {
 
 /// The scene, or a SceneError with all its problems; warnings are printed.
 Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
-  if (!std::filesystem::exists(path)) throw FileError("the scene file '" + path + "' does not exist; `epafi list scenes` names those of the library");
+  if (!std::filesystem::exists(path))
+    throw FileError("the scene file '" + path + "' does not exist; `epafi list scenes` names those of the library");
   ReadResult result = read_scene(path, overrides, full_registry());
   if (!result.scene) throw SceneError(result.problems);
   print_problems(result.problems);
@@ -40,12 +41,18 @@ Scene read_or_throw(const std::string& path, const std::vector<std::string>& ove
 int exit_code(Ending ending) {
   switch (ending) {
     case Ending::completed:
-    case Ending::until: return exit_done;
-    case Ending::bound_violated: return exit_bound;
-    case Ending::failed: return exit_failed;
-    case Ending::time_limit: return exit_time_limit;
-    case Ending::interrupted: return exit_interrupt;
-    case Ending::terminated: return exit_terminate;
+    case Ending::until:
+      return exit_done;
+    case Ending::bound_violated:
+      return exit_bound;
+    case Ending::failed:
+      return exit_failed;
+    case Ending::time_limit:
+      return exit_time_limit;
+    case Ending::interrupted:
+      return exit_interrupt;
+    case Ending::terminated:
+      return exit_terminate;
   }
   return exit_failed;
 }
@@ -59,15 +66,18 @@ SessionLimits limits_of(const RunOptions& o) {
   return limits;
 }
 
-int finish(Session& session, const std::filesystem::path& folder, const RunOptions& options, const SessionLimits& limits) {
+int finish(Session& session, const std::filesystem::path& folder, const RunOptions& options,
+           const SessionLimits& limits) {
   const Ending ending = session.run(limits, options.quiet);
   const RunSummary summary = session.summary();
   write_summary(folder / "summary.json", summary);
   if (!session.trouble().empty()) say("epafi: " + session.trouble());
-  if (options.json) print(summary_json(summary) + "\n");
+  if (options.json)
+    print(summary_json(summary) + "\n");
   else if (!options.quiet)
-    say(fmt::format("{}: {} steps, t = {:.6g} s, {:.3g} s of wall time, energy error {:.2g}, state {}; results in {}", summary.status, summary.steps,
-                    summary.simulated_time, summary.wall_time, summary.energy->relative_error, summary.state_hash, folder.string()));
+    say(fmt::format("{}: {} steps, t = {:.6g} s, {:.3g} s of wall time, energy error {:.2g}, state {}; results in {}",
+                    summary.status, summary.steps, summary.simulated_time, summary.wall_time,
+                    summary.energy->relative_error, summary.state_hash, folder.string()));
   return exit_code(ending);
 }
 
@@ -82,16 +92,22 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   const SessionLimits limits = limits_of(options);
   auto assembly = assemble(read_or_throw(common.scene, common.overrides));
   print_problems(assembly->warnings);
-  const std::filesystem::path folder =
-      options.out.empty() ? std::filesystem::path("out") / std::filesystem::path(common.scene).stem() : std::filesystem::path(options.out);
+  const std::filesystem::path folder = options.out.empty()
+                                           ? std::filesystem::path("out") / std::filesystem::path(common.scene).stem()
+                                           : std::filesystem::path(options.out);
   if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
-    if (!options.force) throw SceneError("output folder '" + folder.string() + "' is not empty; name another with -o or allow it with --force");
+    if (!options.force)
+      throw SceneError("output folder '" + folder.string() +
+                       "' is not empty; name another with -o or allow it with --force");
     for (const char* name : {"run.h5", "checkpoint.h5", "measures.csv", "summary.json", "frames.pvd", "frames"})
       std::filesystem::remove_all(folder / name);
   }
   if (options.verbose) say(explain(assembly->scene, assembly->plan));
-  if (!options.quiet) say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason, assembly->steps));
-  Session session(std::move(assembly), common.overrides, folder, options.least_output ? Session::Output::least : Session::Output::all);
+  if (!options.quiet)
+    say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason,
+                    assembly->steps));
+  Session session(std::move(assembly), common.overrides, folder,
+                  options.least_output ? Session::Output::least : Session::Output::all);
   return finish(session, folder, options, limits);
 }
 
@@ -102,7 +118,8 @@ int command_resume(const std::string& directory, const RunOptions& options) {
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
   Scene scene = read_or_throw(header.scene_path, header.overrides);
   if (scene_hash(scene) != header.scene_hash)
-    throw SceneError("the scene '" + header.scene_path + "' has changed since the run was started; restore it, or start anew with `epafi run`");
+    throw SceneError("the scene '" + header.scene_path +
+                     "' has changed since the run was started; restore it, or start anew with `epafi run`");
   auto session = Session::resume(assemble(std::move(scene)), header.overrides, folder);
   return finish(*session, folder, options, limits);
 }
@@ -138,7 +155,8 @@ int command_new(const std::string& kind) {
 
 int command_export(const std::string& directory, const std::string& format) {
   const ExportReport report = export_run(directory, format == "csv" ? ExportFormat::csv : ExportFormat::vtk);
-  say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures, directory));
+  say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures,
+                  directory));
   return exit_done;
 }
 

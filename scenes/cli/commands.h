@@ -1,4 +1,5 @@
-/// @file commands.h  The commands of the program as functions that return an exit code. Results go to stdout, messages to stderr.
+/// @file commands.h  The commands of the program as functions that return an exit code. Results go to stdout, messages
+/// to stderr.
 #pragma once
 #include <functional>
 #include <optional>
@@ -9,10 +10,10 @@ namespace epafi {
 
 enum ExitCode {
   exit_done = 0,
-  exit_bound = 1,       ///< a [bounds] entry was violated
-  exit_usage = 2,       ///< wrong scene or usage
-  exit_file = 3,        ///< input/output
-  exit_failed = 4,      ///< the simulation failed; last good state saved
+  exit_bound = 1,   ///< a [bounds] entry was violated
+  exit_usage = 2,   ///< wrong scene or usage
+  exit_file = 3,    ///< input/output
+  exit_failed = 4,  ///< the simulation failed; last good state saved
   exit_time_limit = 75,
   exit_interrupt = 130,
   exit_terminate = 143,
@@ -24,11 +25,11 @@ struct CommonOptions {
 };
 
 struct RunOptions {
-  std::string out;  ///< empty: out/<scene name>
-  int threads = 0;  ///< 0: all cores
-  std::optional<double> until;          ///< [s]
+  std::string out;              ///< empty: out/<scene name>
+  int threads = 0;              ///< 0: all cores
+  std::optional<double> until;  ///< [s]
   std::optional<std::uint64_t> steps;
-  std::string time_limit;               ///< "3h50m", "90s"; empty: none
+  std::string time_limit;  ///< "3h50m", "90s"; empty: none
   bool quiet = false, verbose = false, json = false, force = false, least_output = false;
 };
 
@@ -37,8 +38,8 @@ struct SolveOptions {
   std::vector<std::string> methods;   ///< names of solvers
   double tolerance = 1e-6;
   double max_iterations = 1e9;
-  std::string time_limit = "10s";     ///< CPU time of each solve
-  std::string solution, out;          ///< files; empty: none, and rows on stdout
+  std::string time_limit = "10s";  ///< CPU time of each solve
+  std::string solution, out;       ///< files; empty: none, and rows on stdout
   bool json = false;
 };
 

@@ -65,7 +65,8 @@ void append_pairs(std::string& out, const std::vector<Entry>& shapes) {
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"shapes", "laws", "solvers", "broad_phases", "schemes", "measures", "patch_models", "scenes", "pairs"};
+  static const std::vector<std::string> kinds{"shapes",   "laws",         "solvers", "broad_phases", "schemes",
+                                              "measures", "patch_models", "scenes",  "pairs"};
   return kinds;
 }
 

@@ -18,7 +18,8 @@ void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
   command->add_option("-t,--threads", o.threads, "threads (default: all cores)")->check(CLI::PositiveNumber);
   command->add_option("--until", o.until, "stop at this simulated time [s], with a checkpoint");
   command->add_option("--steps", o.steps, "stop after this many steps, with a checkpoint");
-  command->add_option("--time-limit", o.time_limit, "stop after this wall time (90s, 3h50m) with a checkpoint, exit code 75");
+  command->add_option("--time-limit", o.time_limit,
+                      "stop after this wall time (90s, 3h50m) with a checkpoint, exit code 75");
   command->add_flag("-q,--quiet", o.quiet, "no progress");
   command->add_flag("-v,--verbose", o.verbose, "more about the set-up");
   command->add_flag("--json", o.json, "print the summary on stdout, nothing else there");
@@ -65,14 +66,17 @@ int main(int argc, char** argv) {
   auto* resume_command = app.add_subcommand("resume", "continue a run from its last good checkpoint");
   resume_command->add_option("dir", directory, "output folder of the run")->required();
   add_run_flags(resume_command, run);
-  auto* check_command = app.add_subcommand("check", "everything wrong with a scene, its time step, memory and time; writes nothing");
+  auto* check_command =
+      app.add_subcommand("check", "everything wrong with a scene, its time step, memory and time; writes nothing");
   add_scene_flags(check_command, common);
   auto* explain_command = app.add_subcommand("explain", "what the scene makes the engine do, and which line asked");
   add_scene_flags(explain_command, common);
-  auto* list_command = app.add_subcommand("list", "shapes, laws, solvers, broad phases, schemes, measures, scenes, pairs");
+  auto* list_command =
+      app.add_subcommand("list", "shapes, laws, solvers, broad phases, schemes, measures, scenes, pairs");
   list_command->add_option("kind", kind, "one list only");
   NarrowOptions narrow;
-  auto* narrow_command = app.add_subcommand("narrow", "distance or depth, normal and points of listed convex pairs, ns per query");
+  auto* narrow_command =
+      app.add_subcommand("narrow", "distance or depth, normal and points of listed convex pairs, ns per query");
   narrow_command->add_option("corpus", narrow.corpus, "file of convex pairs (CXP1)")->required();
   narrow_command->add_option("--method", narrow.method, "auto, sat, gjk-epa");
   narrow_command->add_flag("--json", narrow.json, "JSON instead of CSV");
@@ -80,15 +84,18 @@ int main(int argc, char** argv) {
   auto* schema_command = app.add_subcommand("schema", "the JSON Schema of scene files");
   auto* new_command = app.add_subcommand("new", "a commented starter scene on stdout");
   new_command->add_option("kind", kind, "hopper, stack, impact, pile")->required();
-  auto* solve_command = app.add_subcommand("solve", "solve friction-contact problems from files (FCLIB HDF5, Siconos .dat)");
+  auto* solve_command =
+      app.add_subcommand("solve", "solve friction-contact problems from files (FCLIB HDF5, Siconos .dat)");
   add_solve_flags(solve_command, solve);
   auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
   export_command->add_option("dir", directory, "output folder of the run")->required();
   export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
-  auto* patch_command = app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
+  auto* patch_command =
+      app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
   add_scene_flags(patch_command, common);
   patch_command->add_flag("--json", patch.json, "print the results as JSON on stdout");
-  patch_command->add_flag("--geometry", patch.geometry, "contact places, rolling radius difference and conicity as CSV instead");
+  patch_command->add_flag("--geometry", patch.geometry,
+                          "contact places, rolling radius difference and conicity as CSV instead");
   patch_command->add_option("--maps", patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
   StudyOptions study;
   SweepOptions sweep;
@@ -107,13 +114,17 @@ int main(int argc, char** argv) {
   sweep_command->add_flag("--list", sweep.list, "number, state and values of every case");
   sweep_command->add_flag("--collect", sweep.collect, "one CSV row per case on stdout");
   sweep_command->add_option("--case", sweep.one, "this case only, counted from 0")->check(CLI::NonNegativeNumber);
-  auto* bench_command = app.add_subcommand("bench", "scaling over sizes and threads; each row has time, error and state hash");
+  auto* bench_command =
+      app.add_subcommand("bench", "scaling over sizes and threads; each row has time, error and state hash");
   bench_command->add_option("scene", study.files, "scenes; all of the library with a [benchmark] where none is given");
-  bench_command->add_option("--set", study.overrides, "override a value, KEY.PATH=VALUE (repeatable)")->allow_extra_args(false);
-  bench_command->add_option("--threads", bench.threads, "numbers of threads, as 1,2,4")->delimiter(',')->check(CLI::PositiveNumber);
-  bench_command->add_option("--repeats", bench.repeats, "runs of each row; the median is printed")->check(CLI::PositiveNumber);
+  bench_command->add_option("--set", study.overrides, "override a value, KEY.PATH=VALUE (repeatable)")
+      ->allow_extra_args(false);
+  bench_command->add_option("--threads", bench.threads, "numbers of threads, as 1,2,4")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  bench_command->add_option("--repeats", bench.repeats, "runs of each row; the median is printed")
+      ->check(CLI::PositiveNumber);
   bench_command->add_option("-o,--out", bench.out_file, "also write the rows to this file");
-
 
   try {
     app.parse(argc, argv);

@@ -44,7 +44,8 @@ int command_chart(const StudyOptions& o) {
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-chart");
     fs::create_directories(folder);
-    const Chart chart = is_patch_study(study) ? run_patch_chart(study, speaker(o)) : run_chart(study, folder, speaker(o));
+    const Chart chart =
+        is_patch_study(study) ? run_patch_chart(study, speaker(o)) : run_chart(study, folder, speaker(o));
     write_whole_file(folder / "chart.csv", {chart_csv(chart)});
     write_whole_file(folder / "chart.json", {chart_json(chart)});
     const std::string recommended = recommended_scene(chart, folder);

@@ -94,8 +94,7 @@ TableSchema material_table_schema() {
   return {"material",
           TableSchema::Form::named,
           "density and elastic constants",
-          {optional("density", "rho", "kg/m^3", Kind::number, positive, "density"),
-           youngs_modulus,
+          {optional("density", "rho", "kg/m^3", Kind::number, positive, "density"), youngs_modulus,
            optional("poissons_ratio", "nu", "", Kind::number, poisson, "Poisson's ratio"),
            optional("shear_modulus", "G", "Pa", Kind::number, positive, "shear modulus in place of Young's modulus")}};
 }

@@ -42,9 +42,9 @@ struct Chart {
 Chart run_chart(const Study& study, const std::filesystem::path& folder,
                 const std::function<void(const std::string&)>& say);
 
-/// The same for a wheel-rail case (a scene with [patch]): each point is one evaluation of one pair of models, so its time
-/// is in processor seconds per evaluation. error: pressure, area (relative), force (over the normal force) or patch (the
-/// largest of them).
+/// The same for a wheel-rail case (a scene with [patch]): each point is one evaluation of one pair of models, so its
+/// time is in processor seconds per evaluation. error: pressure, area (relative), force (over the normal force) or
+/// patch (the largest of them).
 Chart run_patch_chart(const Study& study, const std::function<void(const std::string&)>& say);
 bool is_patch_study(const Study& study);
 

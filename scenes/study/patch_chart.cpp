@@ -22,14 +22,17 @@ std::vector<PatchResult> evaluate(const Study& study, const std::vector<std::str
 PatchResult single(const Study& study, const std::vector<std::string>& overrides) {
   const auto results = evaluate(study, overrides);
   if (results.size() != 1)
-    throw SceneError(fmt::format("{}: [{}] evaluates {} pairs of models; set patch.normal and patch.tangential to one each", study.file,
-                                 StudyMethod{"", overrides}.settings(), results.size()));
+    throw SceneError(
+        fmt::format("{}: [{}] evaluates {} pairs of models; set patch.normal and patch.tangential to one each",
+                    study.file, StudyMethod{"", overrides}.settings(), results.size()));
   return results.front();
 }
 
 double error_of(const std::string& name, const PatchResult& r, const PatchResult& reference) {
-  const double pressure = std::abs(r.max_pressure / reference.max_pressure - 1.0), area = std::abs(r.area / reference.area - 1.0);
-  const double force = std::hypot(r.force.fx - reference.force.fx, r.force.fy - reference.force.fy) / reference.normal_force;
+  const double pressure = std::abs(r.max_pressure / reference.max_pressure - 1.0),
+               area = std::abs(r.area / reference.area - 1.0);
+  const double force =
+      std::hypot(r.force.fx - reference.force.fx, r.force.fy - reference.force.fy) / reference.normal_force;
   if (name == "pressure") return pressure;
   if (name == "area") return area;
   if (name == "force") return force;
@@ -44,13 +47,17 @@ std::string join(const std::vector<std::string>& parts) {
 
 }  // namespace
 
-bool is_patch_study(const Study& study) { return load_document(study.scene, study.fixed).root.find("patch") != nullptr; }
+bool is_patch_study(const Study& study) {
+  return load_document(study.scene, study.fixed).root.find("patch") != nullptr;
+}
 
 Chart run_patch_chart(const Study& study, const std::function<void(const std::string&)>& say) {
   static const std::vector<std::string> known{"pressure", "area", "force", "patch"};
   if (std::find(known.begin(), known.end(), study.error.name) == known.end())
     throw SceneError(study.file + ": error = '" + study.error.name + "' is none of pressure, area, force, patch");
-  if (!study.has_reference) throw SceneError(study.file + ": a study of a patch needs a reference, for example the half-space method on a fine grid");
+  if (!study.has_reference)
+    throw SceneError(study.file +
+                     ": a study of a patch needs a reference, for example the half-space method on a fine grid");
   Chart chart;
   chart.study = study, chart.time_label = "processor seconds per evaluation";
   const PatchResult reference = single(study, study.reference);
@@ -68,12 +75,14 @@ Chart run_patch_chart(const Study& study, const std::function<void(const std::st
       p.trouble = join(r.reasons);
       p.error = error_of(study.error.name, r, reference), p.error_spread = chart.reference_error;
       p.is_reference = p.method.overrides == study.reference;
-      say(fmt::format("{}/{} {} [{}]: {}, {:.3g} ms, error {:.3g}", k + 1, study.methods.size(), p.method.name, p.method.settings(), p.status, r.milliseconds, p.error));
+      say(fmt::format("{}/{} {} [{}]: {}, {:.3g} ms, error {:.3g}", k + 1, study.methods.size(), p.method.name,
+                      p.method.settings(), p.status, r.milliseconds, p.error));
       chart.points.push_back(std::move(p));
     }
   for (std::size_t k = 0; k < times.size(); ++k) {
     chart.points[k].time = median(times[k]);
-    chart.points[k].time_spread = *std::max_element(times[k].begin(), times[k].end()) - *std::min_element(times[k].begin(), times[k].end());
+    chart.points[k].time_spread =
+        *std::max_element(times[k].begin(), times[k].end()) - *std::min_element(times[k].begin(), times[k].end());
   }
   mark_front(chart);
   chart.command = "epafi patch " + study.scene + " --json";

@@ -57,15 +57,17 @@ TEST_CASE("the disk keeps direction and normal part", "[laws][cone]") {
 
 TEST_CASE("the natural map is zero for take-off, stick and slip, and for nothing near them", "[laws][cone]") {
   const double mu = 0.5;
-  struct State { Vec3 r, u; };
-  const State exact[] = {{Vec3::Zero(), Vec3(1, 2, 3)},             // take-off
-                         {Vec3(2, 0.6, 0.3), Vec3::Zero()},         // stick
-                         {Vec3(2, -0.6, -0.8), Vec3(0, 3, 4)}};     // slip against the motion
+  struct State {
+    Vec3 r, u;
+  };
+  const State exact[] = {{Vec3::Zero(), Vec3(1, 2, 3)},          // take-off
+                         {Vec3(2, 0.6, 0.3), Vec3::Zero()},      // stick
+                         {Vec3(2, -0.6, -0.8), Vec3(0, 3, 4)}};  // slip against the motion
   for (const State& s : exact)
     for (const double rho : {1e-3, 1.0, 1e3}) CHECK(natural_map(s.r, s.u, mu, rho).norm() < 1e-13 * (1 + rho));
-  CHECK(natural_map(Vec3(2, 0.6, 0.8), Vec3(0, 3, 4), mu, 1.0).norm() > 0.1);   // slips the wrong way
-  CHECK(natural_map(Vec3(2, 0, 0), Vec3(0, 3, 4), mu, 1.0).norm() > 0.1);       // slips without friction
-  CHECK(natural_map(Vec3::Zero(), Vec3(-1, 0, 0), mu, 1.0).norm() > 0.1);       // penetrates
-  CHECK(natural_map(Vec3(1, 0, 0), Vec3(1, 0, 0), mu, 1.0).norm() > 0.1);       // force at a distance
+  CHECK(natural_map(Vec3(2, 0.6, 0.8), Vec3(0, 3, 4), mu, 1.0).norm() > 0.1);      // slips the wrong way
+  CHECK(natural_map(Vec3(2, 0, 0), Vec3(0, 3, 4), mu, 1.0).norm() > 0.1);          // slips without friction
+  CHECK(natural_map(Vec3::Zero(), Vec3(-1, 0, 0), mu, 1.0).norm() > 0.1);          // penetrates
+  CHECK(natural_map(Vec3(1, 0, 0), Vec3(1, 0, 0), mu, 1.0).norm() > 0.1);          // force at a distance
   CHECK(natural_map(Vec3(2, -0.6, -0.8), Vec3(1.5, 3, 4), mu, 1.0).norm() > 0.1);  // convex relaxation's gap
 }

@@ -38,7 +38,8 @@ struct Driven {
       work += r.energy - last.energy + r.lost;  // the law's own account; its force is checked against it below
       last = r;
       typename T::Memory after{};
-      friction = T::pull(tangential, {Vec3::UnitZ(), 0.0, ds, r.stiffness, std::max(0.0, r.force + r.adhesion)}, memory, after);
+      friction = T::pull(tangential, {Vec3::UnitZ(), 0.0, ds, r.stiffness, std::max(0.0, r.force + r.adhesion)}, memory,
+                         after);
       memory = after;
       work += friction.work;
       largest_energy = std::max(largest_energy, friction.energy);
@@ -46,7 +47,9 @@ struct Driven {
   }
 };
 
-MaterialPair steel_pair(double friction, Parameters parameters = {}) { return {steel, steel, 1.0, friction, 0.0, std::move(parameters)}; }
+MaterialPair steel_pair(double friction, Parameters parameters = {}) {
+  return {steel, steel, 1.0, friction, 0.0, std::move(parameters)};
+}
 
 template <NormalLaw N, TangentialLaw T>
 double worst_cycle(const MaterialPair& pair, int cycles, int steps, double depth) {
@@ -60,7 +63,8 @@ double worst_cycle(const MaterialPair& pair, int cycles, int steps, double depth
     contact.work = 0.0;
     Vec3 place = Vec3::Zero();
     for (int leg = 0; leg < 6; ++leg) {
-      const Vec3 to = leg < 5 ? Vec3(0.1 * depth * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), 0)) : Vec3(0, 0, 0);
+      const Vec3 to =
+          leg < 5 ? Vec3(0.1 * depth * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), 0)) : Vec3(0, 0, 0);
       contact.move(leg < 5 ? random.uniform(0.1, 1) * depth : start, to - place, steps);
       place = to;
     }
@@ -79,8 +83,10 @@ double worst_force_error(const MaterialPair& pair, double depth) {
     const NormalResponse before = contact.last;
     const double from = contact.overlap;
     contact.move(k <= steps ? depth * k / steps : depth * (2 * steps - k) / steps, {0, 0, 0}, 1);
-    if (k == 1) integral = contact.work;  // a law may begin with a jump
-    else integral += 0.5 * (before.force + contact.last.force) * (contact.overlap - from);
+    if (k == 1)
+      integral = contact.work;  // a law may begin with a jump
+    else
+      integral += 0.5 * (before.force + contact.last.force) * (contact.overlap - from);
     scale = std::max(scale, std::abs(contact.work));
     worst = std::max(worst, std::abs(integral - contact.work));
   }
@@ -128,7 +134,8 @@ TEST_CASE("bristles keep their load where the contact grows or shrinks a hundred
   CHECK(contact.friction.load.x() > 0.0);
 }
 
-TEST_CASE("no random closed cycle takes energy out of a contact, whatever the law (case A13)", "[laws][friction][A13]") {
+TEST_CASE("no random closed cycle takes energy out of a contact, whatever the law (case A13)",
+          "[laws][friction][A13]") {
   const Parameters k = parameters_of({{"stiffness", 1e7}}), w = parameters_of({{"work_of_adhesion", 0.5}});
   CHECK(worst_cycle<Linear, CoulombSpring>(steel_pair(0.3, k), 1000, 200, 1e-6) >= -1e-9);
   CHECK(worst_cycle<Hertz, Mindlin>(steel_pair(0.3), 1000, 200, 1e-6) >= -1e-9);
@@ -142,11 +149,13 @@ TEST_CASE("no random closed cycle takes energy out of a contact, whatever the la
 
 TEST_CASE("1000 random closed cycles of partial slip take no energy out (case A13)", "[laws][friction][A13][slow]") {
   CHECK(worst_cycle<Hertz, MindlinDeresiewicz>(steel_pair(0.3), 1000, 500, 1e-6) >= -1e-9);
-  CHECK(worst_cycle<Jkr, Mindlin>(steel_pair(0.3, parameters_of({{"work_of_adhesion", 0.5}})), 1000, 500, 1e-6) >= -1e-9);
+  CHECK(worst_cycle<Jkr, Mindlin>(steel_pair(0.3, parameters_of({{"work_of_adhesion", 0.5}})), 1000, 500, 1e-6) >=
+        -1e-9);
 }
 
 TEST_CASE("forces are the derivative of the energy that a law accounts for", "[laws][energy]") {
-  const Parameters k = parameters_of({{"stiffness", 1e7}, {"exponent", 2.0}}), w = parameters_of({{"work_of_adhesion", 0.5}});
+  const Parameters k = parameters_of({{"stiffness", 1e7}, {"exponent", 2.0}}),
+                   w = parameters_of({{"work_of_adhesion", 0.5}});
   CHECK(worst_force_error<Linear>(steel_pair(0, k), 1e-6) < 1e-7);
   CHECK(worst_force_error<Hertz>(steel_pair(0), 1e-6) < 1e-7);
   CHECK(worst_force_error<PowerLaw>(steel_pair(0, k), 1e-6) < 1e-7);
@@ -180,13 +189,15 @@ TEST_CASE("JKR: pull-off force and range of the closed form, DMT: constant attra
   CHECK(Dmt::respond(d, {1e-15, 0, 1, R}).force == Approx(-2 * pi * w * R).epsilon(1e-4));
 }
 
-TEST_CASE("a JKR sphere loses 7.09 (w^5 R^4/E^2)^(1/3) in an impact and sticks below that (Thornton and Ning 1998)", "[laws][adhesion][impact]") {
+TEST_CASE("a JKR sphere loses 7.09 (w^5 R^4/E^2)^(1/3) in an impact and sticks below that (Thornton and Ning 1998)",
+          "[laws][adhesion][impact]") {
   const double R = 5e-4, w = 0.2, E = 1e7 / (1 - 0.16), m = 4.0 / 3.0 * pi * R * R * R * 1000;
   const double lost = 7.09 * std::cbrt(std::pow(w, 5) * std::pow(R, 4) / (E * E)), stick = std::sqrt(2 * lost / m);
   const SmoothSetup setup = setup_of({"jkr", 1.0, 0, 0, parameters_of({{"work_of_adhesion", w}})}, {rubber, rigid});
   const double reach = smooth_reach(setup, R);
   for (double factor : {0.9, 1.2, 3.0}) {
-    const double v = factor * stick, dt = 2e-4 * hertz_contact_time(m, R, E, v);  // first order: snap and break fall between steps
+    const double v = factor * stick,
+                 dt = 2e-4 * hertz_contact_time(m, R, E, v);  // first order: snap and break fall between steps
     Rig rig = sphere_on_plane(setup, R, 2 * v * dt, {0, 0, -v});
     rig.detection->reach = reach;
     rig.start();
@@ -210,7 +221,8 @@ TEST_CASE("a JKR sphere loses 7.09 (w^5 R^4/E^2)^(1/3) in an impact and sticks b
   }
 }
 
-TEST_CASE("plastic contact returns its restitution at every speed and books the loss as plastic", "[laws][plastic][impact]") {
+TEST_CASE("plastic contact returns its restitution at every speed and books the loss as plastic",
+          "[laws][plastic][impact]") {
   const SmoothSetup setup = setup_of({"walton-braun", 0.6, 0, 0, parameters_of({{"stiffness", 1e6}})}, {steel, rigid});
   for (double v : {1e-3, 1.0, 100.0}) {
     Rig rig = sphere_on_plane(setup, 5e-3, 0.0, {0, 0, -v});
@@ -226,7 +238,8 @@ TEST_CASE("rolling types A and B slow a rolling sphere as their formulas say", "
   const double R = 0.05, g = 9.81, mu_r = 0.02, v0 = 1.0;
   const Material ball{"ball", 2500, 1e8, 0.3};
   for (const std::string type : {"constant", "viscous"}) {
-    ContactChoice choice{"hertz-mindlin", 0.3, 0.8, mu_r, type == "viscous" ? parameters_of({{"rolling_speed", 0.5}}) : Parameters{}};
+    ContactChoice choice{"hertz-mindlin", 0.3, 0.8, mu_r,
+                         type == "viscous" ? parameters_of({{"rolling_speed", 0.5}}) : Parameters{}};
     choice.rolling = type;
     Rig rig = sphere_on_plane(setup_of(choice, {ball, rigid}), R, 0, {v0, 0, 0}, {0, v0 / R, 0});
     rig.world.gravity = {0, 0, -g};

@@ -41,10 +41,10 @@ TEST_CASE("A14: a sliding sphere rolls after 2 v0 / (7 mu g) with 5/7 of its spe
     const double slip = x.world.velocity[ball].x() - 0.05 * x.world.angular_velocity[ball].y();
     if (slip > 1e-9) rolling_since = x.world.time, distance = x.world.position[ball].x();
   }
-  CHECK(rolling_since == Approx(0.291248).margin(1e-3));                 // one step
-  CHECK(x.world.velocity[ball].x() == Approx(1.428571).epsilon(1e-6));   // angular momentum is exact
+  CHECK(rolling_since == Approx(0.291248).margin(1e-3));                // one step
+  CHECK(x.world.velocity[ball].x() == Approx(1.428571).epsilon(1e-6));  // angular momentum is exact
   CHECK(x.world.angular_velocity[ball].y() == Approx(28.5714).epsilon(1e-5));
-  CHECK(distance == Approx(0.499282).margin(1.5e-3));                    // one step of 1.43 mm
+  CHECK(distance == Approx(0.499282).margin(1.5e-3));  // one step of 1.43 mm
   const double before = x.world.velocity[ball].x();
   x.run(100000);
   CHECK(std::abs(x.world.velocity[ball].x() - before) < 1e-6);  // nothing slows a rolling sphere
@@ -112,7 +112,9 @@ TEST_CASE("A16: friction has no preferred direction", "[laws][nonsmooth]") {
 }
 
 TEST_CASE("A20: bodies leave a dome where gravity alone would take them off", "[laws][nonsmooth]") {
-  struct Case { double friction, angle; };
+  struct Case {
+    double friction, angle;
+  };
   for (const Case c : {Case{0.0, 48.1897}, Case{10.0, 53.900}}) {
     RigidExperiment x({.friction = c.friction, .dt = 2e-4, .reach = 1e-2});
     x.fix(x.sphere(1.0, 1000.0, Vec3::Zero()));
@@ -129,7 +131,9 @@ TEST_CASE("A20: bodies leave a dome where gravity alone would take them off", "[
 }
 
 TEST_CASE("A22: a bouncing ball comes to rest at the end of the geometric series", "[laws][nonsmooth]") {
-  struct Case { double restitution, rest; };
+  struct Case {
+    double restitution, rest;
+  };
   for (const Case c : {Case{0.5, 1.354571}, Case{0.8, 4.063713}, Case{0.9, 8.578949}}) {
     RigidExperiment x({.restitution = c.restitution, .reach = 1e-2});
     x.plane(Vec3::Zero(), Vec3::UnitZ());
@@ -254,8 +258,8 @@ TEST_CASE("a stack of ten boxes stands for ten seconds", "[laws][nonsmooth]") {
     double overlap = 0.0;
     for (int k = 0; k < 2400; ++k) x.run(1), overlap = std::max(overlap, x.deepest());
     const Vec3 moved = x.world.position[10] - start;
-    INFO("drift " << std::hypot(moved.x(), moved.y()) << " sag " << -moved.z() << " overlap " << overlap
-                  << " residual " << x.work.report.solver.residual);
+    INFO("drift " << std::hypot(moved.x(), moved.y()) << " sag " << -moved.z() << " overlap " << overlap << " residual "
+                  << x.work.report.solver.residual);
     CHECK(std::hypot(moved.x(), moved.y()) < 5e-3);
     CHECK(overlap < 1e-3);
   }
@@ -298,8 +302,9 @@ TEST_CASE("steps are the same bits for every thread count", "[laws][nonsmooth]")
     x.plane(Vec3::Zero(), Vec3::UnitZ());
     Random random(9, 0);
     for (int i = 0; i < 729; ++i)  // over 1024 contacts: loops over contacts do run in parallel
-      x.sphere(0.05, 2500.0, Vec3(0.1 * (i % 9), 0.1 * (i / 9 % 9), 0.05 + 0.1 * (i / 81)) +
-                                 Vec3(random.uniform(-1e-3, 1e-3), random.uniform(-1e-3, 1e-3), 0));
+      x.sphere(0.05, 2500.0,
+               Vec3(0.1 * (i % 9), 0.1 * (i / 9 % 9), 0.05 + 0.1 * (i / 81)) +
+                   Vec3(random.uniform(-1e-3, 1e-3), random.uniform(-1e-3, 1e-3), 0));
     x.run(6);
     REQUIRE(x.work.contacts.size() > 1024);
     return state_hash(x.world);
@@ -329,8 +334,8 @@ TEST_CASE("an overlap is taken out without kinetic energy, and the ledger shows 
   const double e0 = x.potential();
   double fastest = 0.0;
   for (int k = 0; k < 100; ++k) x.run(1), fastest = std::max(fastest, x.world.velocity[1].norm());
-  CHECK(fastest < 1e-6);                                           // tolerance of the solver, no push
-  CHECK(x.deepest() < 1.1e-4 * Vec3(0.1, 0.1, 0.05).norm());       // slop, relative to the arm
+  CHECK(fastest < 1e-6);                                            // tolerance of the solver, no push
+  CHECK(x.deepest() < 1.1e-4 * Vec3(0.1, 0.1, 0.05).norm());        // slop, relative to the arm
   CHECK(x.correction == Approx(x.potential() - e0).epsilon(1e-6));  // all of the lift is in the ledger
   CHECK(x.correction > 0.9 * 4.0 * 9.81 * 5e-3);
 }

@@ -45,8 +45,9 @@ struct Threads {
 }  // namespace
 
 TEST_CASE("every solver says truly whether it reached its tolerance, and the exact ones reach it", "[laws][pgs]") {
-  // newton, augmented-lagrangian and admm keep the slip of the last outer step, lagrange the last set: on random sliding
-  // contacts they may circle; penalty is soft; staggered solvers circle where friction wedges; avbd stops at its bound
+  // newton, augmented-lagrangian and admm keep the slip of the last outer step, lagrange the last set: on random
+  // sliding contacts they may circle; penalty is soft; staggered solvers circle where friction wedges; avbd stops at
+  // its bound
   const std::vector<std::string> exact{"pgs", "nsgs", "proximal", "auto", "apgd", "projected-gradient"};
   for (const SolverEntry& entry : all_solvers()) {
     for (const bool rotates : {true, false}) {

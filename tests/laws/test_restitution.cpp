@@ -58,21 +58,24 @@ struct LawRow {
   const char* law;
   double exponent;
 };
-const LawRow exact_laws[] = {{"linear", 1}, {"hertz", 1.5}, {"hunt-crossley", 1.5}, {"power-law", 1}, {"power-law", 1.25},
-                             {"power-law", 2}, {"power-law", 3}, {"walton-braun", 1}};
+const LawRow exact_laws[] = {{"linear", 1},       {"hertz", 1.5},   {"hunt-crossley", 1.5}, {"power-law", 1},
+                             {"power-law", 1.25}, {"power-law", 2}, {"power-law", 3},       {"walton-braun", 1}};
 constexpr double asked[] = {0.05, 0.2, 0.4, 0.6, 0.8, 1.0};
 
 }  // namespace
 
-TEST_CASE("every damped law returns the restitution asked for: speed, mass, modulus over 10^3, any phase", "[laws][restitution]") {
+TEST_CASE("every damped law returns the restitution asked for: speed, mass, modulus over 10^3, any phase",
+          "[laws][restitution]") {
   struct Variation {
     double speed, density, modulus;
   };
-  const Variation variations[] = {{1, 4000, 1e9}, {0.03, 4000, 1e9}, {30, 4000, 1e9}, {1, 120, 1e9}, {1, 1.2e5, 1e9}, {1, 4000, 3e7}, {1, 4000, 3e10}};
+  const Variation variations[] = {{1, 4000, 1e9},  {0.03, 4000, 1e9}, {30, 4000, 1e9}, {1, 120, 1e9},
+                                  {1, 1.2e5, 1e9}, {1, 4000, 3e7},    {1, 4000, 3e10}};
   for (const LawRow& row : exact_laws)
     for (double e : asked)
       for (const Variation& v : variations) {
-        INFO(row.law << " n " << row.exponent << " e " << e << " v " << v.speed << " rho " << v.density << " E " << v.modulus);
+        INFO(row.law << " n " << row.exponent << " e " << e << " v " << v.speed << " rho " << v.density << " E "
+                     << v.modulus);
         CHECK(worst_error(make_case(row.law, row.exponent, v.speed, v.density, v.modulus), e, 1000, 3, false) < 1e-3);
       }
 }
@@ -90,7 +93,9 @@ TEST_CASE("locating the edges of a contact within the step makes coarse impacts 
 }
 
 TEST_CASE("table: error of the restitution at 20, 50, 100, 1000 steps per contact", "[laws][restitution][.table]") {
-  std::printf("| law | e | 20 | 50 | 100 | 1000 | located: 20 | 50 | 100 | 1000 |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| law | e | 20 | 50 | 100 | 1000 | located: 20 | 50 | 100 | 1000 "
+      "|\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const LawRow& row : exact_laws)
     for (double e : {0.2, 0.5, 0.8, 1.0}) {
       const Case c = make_case(row.law, row.exponent, 1.0, 4000, 1e9);
@@ -103,14 +108,17 @@ TEST_CASE("table: error of the restitution at 20, 50, 100, 1000 steps per contac
     }
 }
 
-TEST_CASE("the Hunt-Crossley family returns the restitution of its published factors (case A05)", "[laws][restitution][A05]") {
+TEST_CASE("the Hunt-Crossley family returns the restitution of its published factors (case A05)",
+          "[laws][restitution][A05]") {
   struct Published {
     const char* law;
     double at_half, at_ninety;
   };
   // what comes out where 0.5 and 0.9 are asked for; tabulated to 8 digits
-  const Published table[] = {{"hunt-crossley-1975", 0.6629622, 0.90901574}, {"lankarani-nikravesh", 0.72524111, 0.91317668},
-                             {"herbert-mcwhannell", 0.59362426, 0.90089299}, {"lee-wang", 0.79919878, 0.95237015},
+  const Published table[] = {{"hunt-crossley-1975", 0.6629622, 0.90901574},
+                             {"lankarani-nikravesh", 0.72524111, 0.91317668},
+                             {"herbert-mcwhannell", 0.59362426, 0.90089299},
+                             {"lee-wang", 0.79919878, 0.95237015},
                              {"flores", 0.47044478, 0.89392069}};
   CHECK(LankaraniNikravesh::restitution(0.5) == Approx(0.72524111).margin(1e-8));
   CHECK(HuntCrossley1975::restitution(0.5) == Approx(0.6629622).margin(1e-7));
@@ -122,7 +130,8 @@ TEST_CASE("the Hunt-Crossley family returns the restitution of its published fac
       const Case c{p.law, 2.0, 4000, 1e9, parameters_of({{"reference_speed", 2.0}})};
       const SmoothSetup setup = setup_for(c, e, false);
       const double mass = 4.0 / 3.0 * pi * radius * radius * radius * c.density;
-      const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, mass, radius, c.speed, 1}).contact_time;
+      const double time =
+          estimate_impact(setup, setup.materials.of(0, 1), {mass, mass, radius, c.speed, 1}).contact_time;
       Rig rig = sphere_on_plane(setup, radius, 1e-9, {0, 0, -c.speed});
       INFO(p.law << " " << e);
       CHECK(run_impact(rig, time / 200).restitution == Approx(e == 0.5 ? p.at_half : p.at_ninety).margin(1e-4));
@@ -130,12 +139,14 @@ TEST_CASE("the Hunt-Crossley family returns the restitution of its published fac
   // Gonthier's factor is no table of the case: the exact relation (1 + X)/(1 - e X) = exp(X (1 + e)) itself
   const double x = Gonthier::factor(0.5), out = Gonthier::restitution(0.5);
   CHECK((1 + x) / (1 - out * x) == Approx(std::exp(x * (1 + out))).epsilon(1e-9));
-  const auto problems = check_smooth(setup_for({"lankarani-nikravesh", 2.0, 4000, 1e9, parameters_of({{"reference_speed", 2.0}})}, 0.5, false));
+  const auto problems = check_smooth(
+      setup_for({"lankarani-nikravesh", 2.0, 4000, 1e9, parameters_of({{"reference_speed", 2.0}})}, 0.5, false));
   REQUIRE_FALSE(problems.empty());
   CHECK_THAT(problems[0].text, Catch::Contains("returns 0.725241 for a restitution of 0.5"));
 }
 
-TEST_CASE("viscoelastic spheres return a restitution that falls with the speed (case A07)", "[laws][restitution][A07]") {
+TEST_CASE("viscoelastic spheres return a restitution that falls with the speed (case A07)",
+          "[laws][restitution][A07]") {
   // q = A (k/m)^(2/5) v^(1/5)
   const double table[][2] = {{0.01, 0.982883}, {0.05, 0.918133}, {0.1, 0.845144}, {0.2, 0.722085}, {0.4, 0.544013}};
   const double mass = 4.0 / 3.0 * pi * radius * radius * radius * 4000, k = 4.0 / 3.0 * 1e9 / 0.91 * std::sqrt(radius);
@@ -163,7 +174,8 @@ TEST_CASE("a power law fitted to a Hertzian force-overlap curve is that law", "[
   const MaterialPair pair{m, rigid, 0.7, 0, 0, given}, hertz{m, rigid, 0.7};
   for (double v : {-1.0, 0.0, 1.0}) {
     const ContactKinematics c{3e-6, v, 1e-3, radius};
-    const NormalResponse a = PowerLaw::respond(PowerLaw::parameters(pair), c), b = Hertz::respond(Hertz::parameters(hertz), c);
+    const NormalResponse a = PowerLaw::respond(PowerLaw::parameters(pair), c),
+                         b = Hertz::respond(Hertz::parameters(hertz), c);
     CHECK(a.force == Approx(b.force).epsilon(1e-12));
     CHECK(a.energy == Approx(b.energy).epsilon(1e-12));
     CHECK(a.stiffness == Approx(b.stiffness).epsilon(1e-12));

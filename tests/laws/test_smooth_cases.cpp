@@ -31,10 +31,11 @@ struct Wave {
   double force, speed, particle_speed, fading;
 };
 
-/// Beads of mass 1, F = delta^(3/2), struck by one more bead at v. Diameter 1000: overlaps of order 1 must stay small beside
-/// it; the wave is counted in beads.
+/// Beads of mass 1, F = delta^(3/2), struck by one more bead at v. Diameter 1000: overlaps of order 1 must stay small
+/// beside it; the wave is counted in beads.
 Wave solitary_wave(double v, int beads) {
-  const SmoothSetup setup = setup_of({"power-law", 1, 0, 0, parameters_of({{"stiffness", 1}, {"exponent", 1.5}})}, {Material{"bead", 6e-9 / pi}});
+  const SmoothSetup setup = setup_of({"power-law", 1, 0, 0, parameters_of({{"stiffness", 1}, {"exponent", 1.5}})},
+                                     {Material{"bead", 6e-9 / pi}});
   Rig rig(setup);
   for (int i = 0; i < beads; ++i) rig.add_sphere(500, 6e-9 / pi, {1000.0 * i, 0, 0}, {i == 0 ? v : 0.0, 0, 0});
   const auto n = static_cast<std::size_t>(beads);
@@ -49,7 +50,8 @@ Wave solitary_wave(double v, int beads) {
     for (std::size_t i = 0; i < c.size(); ++i) now[c.a[i]] = c.force[i].norm();
     for (std::size_t i = 0; i < n; ++i) {
       peak[i] = std::max(peak[i], rig.world.velocity[i].x());
-      if (last[i] > before[i] && last[i] >= now[i] && last[i] > largest[i]) {  // vertex of the parabola through three samples
+      if (last[i] > before[i] && last[i] >= now[i] &&
+          last[i] > largest[i]) {  // vertex of the parabola through three samples
         const double a = 0.5 * (now[i] + before[i]) - last[i], b = 0.5 * (now[i] - before[i]);
         largest[i] = last[i] - b * b / (4 * a), time[i] = (k - 1 - b / (2 * a)) * dt;
       }
@@ -57,7 +59,8 @@ Wave solitary_wave(double v, int beads) {
     before.swap(last), last.swap(now);
   }
   const std::size_t from = 30, to = n - 15;
-  return {largest[to], static_cast<double>(to - from) / (time[to] - time[from]), peak[to] / v, largest[to] / largest[from] - 1};
+  return {largest[to], static_cast<double>(to - from) / (time[to] - time[from]), peak[to] / v,
+          largest[to] / largest[from] - 1};
 }
 
 }  // namespace
@@ -116,8 +119,8 @@ TEST_CASE("a sphere leaves a dome at 48.19 degrees sliding, at 53.97 rolling (ca
     const double v = std::sqrt((rolls ? 10.0 / 7 : 2.0) * g * reach * (1 - std::cos(start)));
     const double mass = 4.0 / 3.0 * pi * r * r * r * 2500, load = mass * (g * std::cos(start) - v * v / reach);
     const double overlap = std::pow(load / (4.0 / 3.0 * 1e9 / 0.9375 * std::sqrt(R * r / (R + r))), 2.0 / 3.0);
-    rig.add_sphere(r, 2500, (reach - overlap) * Vec3(std::sin(start), 0, std::cos(start)), v * Vec3(std::cos(start), 0, -std::sin(start)),
-                   {0, rolls ? v / r : 0.0, 0});
+    rig.add_sphere(r, 2500, (reach - overlap) * Vec3(std::sin(start), 0, std::cos(start)),
+                   v * Vec3(std::cos(start), 0, -std::sin(start)), {0, rolls ? v / r : 0.0, 0});
     rig.add_sphere(R, 2500, {0, 0, 0}, {0, 0, 0});
     rig.world.inverse_mass[1] = 0.0, rig.world.inverse_inertia[1].setZero(), rig.world.material[1] = 1;
     rig.world.gravity = {0, 0, -g};
@@ -175,11 +178,16 @@ TEST_CASE("error of e of velocity Verlet against steps per contact (case B02)", 
     int steps;
     double hertz, linear;
   };
-  for (const Row& row : {Row{5, 1.7e-2, 1.6e-2}, {10, 2.6e-3, 1.9e-3}, {20, 4.3e-4, 2.4e-4}, {40, 7.2e-5, 3.1e-5}, {80, 1.25e-5, 3.8e-6}})
+  for (const Row& row : {Row{5, 1.7e-2, 1.6e-2},
+                         {10, 2.6e-3, 1.9e-3},
+                         {20, 4.3e-4, 2.4e-4},
+                         {40, 7.2e-5, 3.1e-5},
+                         {80, 1.25e-5, 3.8e-6}})
     for (bool linear : {false, true})
       for (bool locate : {false, true}) {
         if (locate && row.steps < 10) continue;  // the force must be a power over a whole step
-        SmoothSetup setup = linear ? setup_of({"linear", 1, 0, 0, parameters_of({{"stiffness", 1e6}})}, {ball, rigid}) : setup_of({"hertz"}, {ball, rigid});
+        SmoothSetup setup = linear ? setup_of({"linear", 1, 0, 0, parameters_of({{"stiffness", 1e6}})}, {ball, rigid})
+                                   : setup_of({"hertz"}, {ball, rigid});
         setup.locate = locate;
         const double R = 0.01, m = 4.0 / 3.0 * pi * R * R * R * 2500;
         const double time = linear ? pi * std::sqrt(m / 1e6) : hertz_contact_time(m, R, 1e9 / 0.9375, 1.0);
@@ -193,7 +201,8 @@ TEST_CASE("error of e of velocity Verlet against steps per contact (case B02)", 
       }
 }
 
-TEST_CASE("located edges err ten times less than velocity Verlet at equal force evaluations (case B03)", "[laws][B03][edge]") {
+TEST_CASE("located edges err ten times less than velocity Verlet at equal force evaluations (case B03)",
+          "[laws][B03][edge]") {
   const double R = 0.01, m = 4.0 / 3.0 * pi * R * R * R * 2500, time = hertz_contact_time(m, R, 1e9 / 0.9375, 1.0);
   const auto rms = [&](int steps, bool locate) {
     SmoothSetup setup = setup_of({"hertz"}, {ball, rigid});
@@ -212,7 +221,8 @@ TEST_CASE("located edges err ten times less than velocity Verlet at equal force 
 }
 
 TEST_CASE("1e5 bounces drift no more than a walk of their single errors (case B03)", "[laws][B03][edge][slow]") {
-  const double R = 0.01, m = 4.0 / 3.0 * pi * R * R * R * 2500, time = hertz_contact_time(m, R, 1e9 / 0.9375, 1.0), dt = time / 20;
+  const double R = 0.01, m = 4.0 / 3.0 * pi * R * R * R * 2500, time = hertz_contact_time(m, R, 1e9 / 0.9375, 1.0),
+               dt = time / 20;
   for (bool locate : {false, true}) {
     SmoothSetup setup = setup_of({"hertz"}, {ball, rigid});
     setup.locate = locate;

@@ -24,7 +24,8 @@ Rig heap(const ContactChoice& choice, int n, double spacing = 0.0125, std::uint6
   for (int k = 0; k < n; ++k) {
     const Vec3 cell(k % side, k / side % side, k / side / side);
     const Vec3 jitter(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-    rig.add_sphere(random.uniform(0.004, 0.006), 2500, spacing * cell + 1e-3 * jitter + Vec3(0, 0, 0.007), 0.3 * jitter, 20 * jitter);
+    rig.add_sphere(random.uniform(0.004, 0.006), 2500, spacing * cell + 1e-3 * jitter + Vec3(0, 0, 0.007), 0.3 * jitter,
+                   20 * jitter);
   }
   rig.wall_material = 1;
   const double low = -0.007, high = spacing * side;
@@ -87,7 +88,10 @@ TEST_CASE("contact forces are equal and opposite and open contacts carry none", 
   CHECK(torque.norm() < 1e-13 * scale * 0.02);  // the heap is 2 cm wide
   std::size_t touching = 0, open = 0;
   for (std::size_t i = 0; i < rig.work.contacts.size(); ++i) {
-    if (rig.work.contacts.gap[i] < 0.0) { ++touching; continue; }
+    if (rig.work.contacts.gap[i] < 0.0) {
+      ++touching;
+      continue;
+    }
     ++open;
     CHECK(rig.work.contacts.force[i] == Vec3(0, 0, 0));
     CHECK(rig.work.contacts.moment[i] == Vec3(0, 0, 0));
@@ -160,7 +164,8 @@ TEST_CASE("springs follow their bodies when slots are sorted or removed", "[laws
   run_hash(plain, 20000, 2e-5), run_hash(sorted, 20000, 2e-5);
   REQUIRE(plain.work.report.touching > 40);
   std::vector<Slot> order(sorted.world.size());
-  for (Slot s = 0; s < order.size(); ++s) order[s] = static_cast<Slot>((s * 17 + 4) % order.size());  // 17 and 45 have no common divisor
+  for (Slot s = 0; s < order.size(); ++s)
+    order[s] = static_cast<Slot>((s * 17 + 4) % order.size());  // 17 and 45 have no common divisor
   const Reordering change = sorted.world.reorder(order);
   sorted.stage.each_stage([&](StepStage& stage) { stage.reorder(change); });
   const double scale = plain.work.report.elastic;
@@ -172,11 +177,13 @@ TEST_CASE("springs follow their bodies when slots are sorted or removed", "[laws
   }
   for (std::uint32_t b = 0; b < plain.world.ids_given(); ++b) {
     const auto id = static_cast<BodyId>(b);
-    CHECK((plain.world.position[plain.world.slot_of(id)] - sorted.world.position[sorted.world.slot_of(id)]).norm() < 1e-12);
+    CHECK((plain.world.position[plain.world.slot_of(id)] - sorted.world.position[sorted.world.slot_of(id)]).norm() <
+          1e-12);
   }
 }
 
-TEST_CASE("the energy ledger of a heap with damping, slip and rolling closes to second order", "[laws][smooth][energy]") {
+TEST_CASE("the energy ledger of a heap with damping, slip and rolling closes to second order",
+          "[laws][smooth][energy]") {
   double error[2];
   for (int fine = 0; fine < 2; ++fine) {
     const double dt = fine ? 5e-6 : 1e-5;  // 36 and 18 steps per contact
@@ -231,7 +238,9 @@ TEST_CASE("impossible set-ups are refused by name", "[laws][smooth][errors]") {
   const auto message = [](const SmoothSetup& setup) {
     try {
       make_smooth_contact(setup);
-    } catch (const SceneError& error) { return std::string(error.what()); }
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
     return std::string("accepted");
   };
   using Catch::Contains;
@@ -243,7 +252,8 @@ TEST_CASE("impossible set-ups are refused by name", "[laws][smooth][errors]") {
   mixed.tangential = "glue";
   CHECK_THAT(message(setup_of(mixed, {glass})), Contains("tangential 'glue' is unknown"));
   CHECK_THAT(message(setup_of({"hertz", 1, 0, 0.1}, {glass})), Contains("rolling law 'spring' needs friction"));
-  CHECK_THAT(message(setup_of({"hertz"}, {Material{"jelly", 1000}})), Contains("youngs_modulus [Pa] of material 'jelly'"));
+  CHECK_THAT(message(setup_of({"hertz"}, {Material{"jelly", 1000}})),
+             Contains("youngs_modulus [Pa] of material 'jelly'"));
   CHECK_THAT(message(setup_of({"hertz"}, {wall})), Contains("both are rigid"));
   CHECK_THAT(message(setup_of({"hunt-crossley"}, {glass})), Contains("reference_speed"));
   CHECK(message(setup_of({"hertz"}, {glass, wall})) == "accepted");  // wall against wall does not occur
@@ -255,7 +265,13 @@ TEST_CASE("impossible set-ups are refused by name", "[laws][smooth][errors]") {
 TEST_CASE("every listed law can be made and names its source", "[laws][smooth]") {
   for (const Entry& law : all_smooth_laws()) {
     for (double mu_r : {0.0, 0.1}) {
-      const auto setup = setup_of({law.name, 0.5, 0.3, mu_r, parameters_of({{"stiffness", 1e5}, {"reference_speed", 1}, {"exponent", 1.5}, {"relaxation_time", 1e-6}, {"work_of_adhesion", 0.05}})}, {glass});
+      const auto setup = setup_of({law.name, 0.5, 0.3, mu_r,
+                                   parameters_of({{"stiffness", 1e5},
+                                                  {"reference_speed", 1},
+                                                  {"exponent", 1.5},
+                                                  {"relaxation_time", 1e-6},
+                                                  {"work_of_adhesion", 0.05}})},
+                                  {glass});
       CHECK(make_smooth_contact(setup) != nullptr);
     }
     CHECK_FALSE(law.source.empty());
@@ -286,7 +302,8 @@ TEST_CASE("contact time and stable step meet their closed forms (cases A01, A03,
   CHECK(fall_speed(-9.81, 1.0) == Approx(4.4294469).epsilon(1e-7));
 }
 
-TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above (case B02)", "[laws][critical_step][B02]") {
+TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above (case B02)",
+          "[laws][critical_step][B02]") {
   const double k = 1e6, m = 1e-3;
   for (double part : {0.99, 1.01}) {
     const SmoothSetup setup = setup_of({"linear", 1, 0, 0, parameters_of({{"stiffness", k}})}, {glass, wall});
@@ -301,8 +318,11 @@ TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above 
       rig.step(dt);
       largest = std::max(largest, std::abs(rig.world.position[0].z() - (radius - 1e-3)));
     }
-    const double bound = 1e-8 * std::sqrt(m / k) / std::sqrt(1 - 0.99 * 0.99);  // discrete oscillator: amplitude v0/omega/sqrt(1-(omega dt/2)^2)
-    if (part < 1) CHECK(largest < 1.01 * bound);
-    else CHECK(largest > 100 * bound);
+    const double bound = 1e-8 * std::sqrt(m / k) /
+                         std::sqrt(1 - 0.99 * 0.99);  // discrete oscillator: amplitude v0/omega/sqrt(1-(omega dt/2)^2)
+    if (part < 1)
+      CHECK(largest < 1.01 * bound);
+    else
+      CHECK(largest > 100 * bound);
   }
 }

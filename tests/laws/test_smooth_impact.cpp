@@ -42,7 +42,8 @@ TEST_CASE("two elastic Hertz spheres meet Chung and Ooi's test 1 (case A01)", "[
   }
 }
 
-TEST_CASE("contact time and loop area of a Hertz impact converge to the closed form (case A01)", "[laws][impact][A01]") {
+TEST_CASE("contact time and loop area of a Hertz impact converge to the closed form (case A01)",
+          "[laws][impact][A01]") {
   const double time = 4.0339456e-5, dt = time / 4000;
   Rig rig = two_spheres(setup_of({"hertz"}, {glass}), 0.01, 10, 0.3 * 20 * dt);
   const double energy = 0.5 * reduced_mass(rig) * 400;
@@ -55,7 +56,8 @@ TEST_CASE("an elastic Hertz sphere on a rigid plane meets Chung and Ooi's test 2
   for (const Row& row : {Row{aluminium, 0.1, 0.2, 4.97172e-5, 11369.9, 7.31657e-4},
                          Row{magnesium, 0.1, 0.2, 5.21233e-5, 7232.68, 7.67066e-4}}) {
     const double dt = row.time / 100;
-    Rig rig = sphere_on_plane(setup_of({"hertz-mindlin"}, {row.material, rigid}), row.radius, 0.4 * 0.2 * dt, {0, 0, -row.speed});
+    Rig rig = sphere_on_plane(setup_of({"hertz-mindlin"}, {row.material, rigid}), row.radius, 0.4 * 0.2 * dt,
+                              {0, 0, -row.speed});
     const Impact impact = run_impact(rig, dt);
     CHECK(impact.largest_overlap == Approx(row.overlap).epsilon(1e-3));
     CHECK(impact.largest_force == Approx(row.force).epsilon(1e-3));
@@ -80,7 +82,8 @@ namespace {
 
 /// Worst |e_out - e| over random phases of the start within the step.
 template <class Make>
-double worst_restitution_error(double e, double approach_speed, double dt, int phases, const Make& make, double* ledger = nullptr) {
+double worst_restitution_error(double e, double approach_speed, double dt, int phases, const Make& make,
+                               double* ledger = nullptr) {
   double worst = 0.0;
   for (int k = 0; k < phases; ++k) {
     Rig rig = make(approach_speed * dt * (0.01 + 0.99 * (k + 0.5) / phases));
@@ -100,9 +103,12 @@ TEST_CASE("a linear spring and dashpot returns the restitution asked for (case A
   double ledger = 0.0;
   for (double e : {0.1, 0.3, 0.5, 0.7, 0.9, 0.99}) {
     const double dt = pi * std::sqrt(m / k) / 1000;
-    const double worst = worst_restitution_error(e, 2 * v, dt, 7, [&](double gap) {
-      return two_spheres(setup_of({"linear", e, 0, 0, parameters_of({{"stiffness", k}})}, {glass}), radius, v, gap);
-    }, &ledger);
+    const double worst = worst_restitution_error(
+        e, 2 * v, dt, 7,
+        [&](double gap) {
+          return two_spheres(setup_of({"linear", e, 0, 0, parameters_of({{"stiffness", k}})}, {glass}), radius, v, gap);
+        },
+        &ledger);
     INFO("e = " << e);
     CHECK(worst < 1e-3);
   }
@@ -112,11 +118,17 @@ TEST_CASE("a linear spring and dashpot returns the restitution asked for (case A
 
 TEST_CASE("Hertz with Tsuji damping returns the restitution asked for, any speed, mass and modulus (case A04)",
           "[laws][impact][A04]") {
-  struct Variant { double radius, speed, modulus, density; };
-  for (const Variant& x : {Variant{2.5e-3, 3.9, 380e9, 4000}, {2.5e-3, 3.9e-3, 380e9, 4000}, {2.5e-3, 3.9, 380e6, 4000},
-                           {2.5e-2, 3.9, 380e9, 4000}, {2.5e-3, 3.9, 100e9, 7000}}) {
+  struct Variant {
+    double radius, speed, modulus, density;
+  };
+  for (const Variant& x : {Variant{2.5e-3, 3.9, 380e9, 4000},
+                           {2.5e-3, 3.9e-3, 380e9, 4000},
+                           {2.5e-3, 3.9, 380e6, 4000},
+                           {2.5e-2, 3.9, 380e9, 4000},
+                           {2.5e-3, 3.9, 100e9, 7000}}) {
     const Material material{"m", x.density, x.modulus, 0.23};
-    const double m = 4.0 / 3.0 * pi * x.radius * x.radius * x.radius * x.density, modulus = x.modulus / (1 - 0.23 * 0.23);
+    const double m = 4.0 / 3.0 * pi * x.radius * x.radius * x.radius * x.density,
+                 modulus = x.modulus / (1 - 0.23 * 0.23);
     const double time = 2.868266 * std::pow(m * m / (x.radius * modulus * modulus * x.speed), 0.2);
     for (double e : {0.1, 0.2, 0.5, 0.8, 0.95}) {
       const double worst = worst_restitution_error(e, x.speed, time / 1000, 3, [&](double gap) {
@@ -130,22 +142,26 @@ TEST_CASE("Hertz with Tsuji damping returns the restitution asked for, any speed
 
 TEST_CASE("damping parameters meet the tables of cases A03, A04 and A05", "[laws][restitution][A03][A04][A05]") {
   // A03: what the textbook damping ratio gives without tension; tabulated to 8 digits
-  const double nominal[][2] = {{0.9, 0.90202607}, {0.7, 0.71820136}, {0.5, 0.55028317}, {0.3, 0.39714050}, {0.1, 0.25272938}};
+  const double nominal[][2] = {
+      {0.9, 0.90202607}, {0.7, 0.71820136}, {0.5, 0.55028317}, {0.3, 0.39714050}, {0.1, 0.25272938}};
   for (const auto& [e, out] : nominal) {
     const double zeta = -std::log(e) / std::sqrt(pi * pi + std::log(e) * std::log(e));
     CHECK(restitution_of(zeta) == Approx(out).epsilon(1e-7));
   }
   // A04: alpha = sqrt(5) zeta for separation at zero force
-  const double alpha[][2] = {{0.9, 0.076619303}, {0.8, 0.16626305}, {0.7, 0.27328048}, {0.6, 0.40441147}, {0.5, 0.57081369},
-                             {0.4, 0.79270335}, {0.3, 1.1118611}, {0.2, 1.6351178}, {0.1, 2.7798525}};
+  const double alpha[][2] = {{0.9, 0.076619303}, {0.8, 0.16626305}, {0.7, 0.27328048},
+                             {0.6, 0.40441147},  {0.5, 0.57081369}, {0.4, 0.79270335},
+                             {0.3, 1.1118611},   {0.2, 1.6351178},  {0.1, 2.7798525}};
   for (const auto& [e, value] : alpha) CHECK(std::sqrt(5.0) * damping_ratio_for(e) == Approx(value).epsilon(1e-6));
   // A05: X(e)
-  const double x[][2] = {{0.9, 0.16648195}, {0.8, 0.3731462}, {0.7, 0.63482828}, {0.5, 1.4327505}, {0.3, 3.087082}, {0.1, 9.9981594}};
+  const double x[][2] = {{0.9, 0.16648195}, {0.8, 0.3731462}, {0.7, 0.63482828},
+                         {0.5, 1.4327505},  {0.3, 3.087082},  {0.1, 9.9981594}};
   for (const auto& [e, value] : x) CHECK(hunt_crossley_factor(e) == Approx(value).epsilon(1e-7));
   CHECK(damping_ratio_for(1.0) == 0.0);
   CHECK(hunt_crossley_factor(1.0) == 0.0);
   CHECK(restitution_of(damping_ratio_for(0.0)) == Approx(minimum_restitution).epsilon(1e-9));
-  CHECK(restitution_of(1.0 - 1e-12) == Approx(std::exp(-2.0)).epsilon(1e-9));  // through critical damping without a step
+  CHECK(restitution_of(1.0 - 1e-12) ==
+        Approx(std::exp(-2.0)).epsilon(1e-9));  // through critical damping without a step
   CHECK(restitution_of(1.0 + 1e-12) == Approx(std::exp(-2.0)).epsilon(1e-9));
 }
 
@@ -157,8 +173,9 @@ TEST_CASE("Hunt-Crossley returns the restitution asked for at its reference spee
   for (double e : {0.1, 0.3, 0.5, 0.7, 0.9}) {
     const auto make = [&](double v) {
       return [&, v](double gap) {
-        return sphere_on_plane(setup_of({"hunt-crossley", e, 0, 0, parameters_of({{"reference_speed", speed}})}, {material, rigid}),
-                               radius, gap, {0, 0, -v});
+        return sphere_on_plane(
+            setup_of({"hunt-crossley", e, 0, 0, parameters_of({{"reference_speed", speed}})}, {material, rigid}),
+            radius, gap, {0, 0, -v});
       };
     };
     CHECK(worst_restitution_error(e, speed, time / 200, 3, make(speed)) < 1e-4);
@@ -169,8 +186,10 @@ TEST_CASE("Hunt-Crossley returns the restitution asked for at its reference spee
 }
 
 TEST_CASE("the area of the force-overlap loop is the energy lost, whatever the law (case A06)", "[laws][impact][A06]") {
-  for (const std::string law : {"linear", "hertz", "hunt-crossley", "lankarani-nikravesh", "power-law", "kuwabara-kono", "walton-braun"}) {
-    const Parameters parameters = parameters_of({{"stiffness", 1e6}, {"exponent", 1.0}, {"reference_speed", 2.0}, {"relaxation_time", 2e-5}});
+  for (const std::string law :
+       {"linear", "hertz", "hunt-crossley", "lankarani-nikravesh", "power-law", "kuwabara-kono", "walton-braun"}) {
+    const Parameters parameters =
+        parameters_of({{"stiffness", 1e6}, {"exponent", 1.0}, {"reference_speed", 2.0}, {"relaxation_time", 2e-5}});
     const Material material{"m", 4000, 1e9, 0.3};
     const SmoothSetup setup = setup_of({law, 0.6, 0, 0, parameters}, {material});
     Rig rig = two_spheres(setup, 5e-3, 1.0, 1e-12);

@@ -14,10 +14,11 @@ namespace {
 SceneRun run_text(const std::string& text, double duration) {
   const TemporaryFolder folder;
   const std::string path = (folder / "scene.toml").string();
-  std::ofstream(path) << "title = \"m\"\nrun = { duration = " << duration << ", output_interval = " << duration << " }\n"
-                      << "material.m = { density = 2500.0, youngs_modulus = \"10 MPa\", poissons_ratio = 0.25 }\n"
-                      << "contact = { method = \"smooth\", restitution = 0.2, friction = 0.0, smooth = { law = \"hertz\" } }\n"
-                      << text;
+  std::ofstream(path)
+      << "title = \"m\"\nrun = { duration = " << duration << ", output_interval = " << duration << " }\n"
+      << "material.m = { density = 2500.0, youngs_modulus = \"10 MPa\", poissons_ratio = 0.25 }\n"
+      << "contact = { method = \"smooth\", restitution = 0.2, friction = 0.0, smooth = { law = \"hertz\" } }\n"
+      << text;
   SceneRun run = prepare_scene(path, {});
   run.simulation().start();
   run.advance_to(0);
@@ -28,7 +29,8 @@ SceneRun run_text(const std::string& text, double duration) {
 }  // namespace
 
 TEST_CASE("a resting column carries its weight: stress of Love and Weber", "[physics][measures]") {
-  // three spheres of radius R on a floor, at rest: contacts carry 3, 2, 1 weights over the columns R and 2 R between centres
+  // three spheres of radius R on a floor, at rest: contacts carry 3, 2, 1 weights over the columns R and 2 R between
+  // centres
   auto run = run_text(R"(world = { gravity = [0, 0, -9.81] }
 [[body]]
 shape = { half_space = { normal = [0, 0, 1] } }
@@ -49,7 +51,8 @@ region = { box = { min = [-0.2, -0.2, -0.1], max = [0.2, 0.2, 0.7] } }
 name = "lowest"
 kind = "stress"
 region = { box = { min = [-0.2, -0.2, -0.1], max = [0.2, 0.2, 0.1] } }
-)", 2.0);
+)",
+                      2.0);
   const double weight = 2500 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-3 * 9.81;
   // arms are shorter by the overlaps, below 1e-2 of R at 10 MPa
   CHECK(run.last("lowest", "zz") == Approx(3 * weight * 0.1 / (0.16 * 0.2)).epsilon(1e-2));
@@ -81,7 +84,8 @@ name = "layers"
 kind = "profile"
 region = { box = { min = [-1, -1, 0], max = [2, 2, 1] } }
 bins = 2
-)", 1e-6);
+)",
+                      1e-6);
   const double sphere = 4.0 / 3.0 * 3.14159265358979323846 * 1e-3;
   CHECK(run.last("fill", "fraction") == Approx(sphere + 0.5e-3).epsilon(1e-6));
   CHECK(run.last("fill", "bodies") == 2.0);

@@ -1,5 +1,5 @@
-// The fast path of spheres against the generic loop, which is its reference: the same forces to rounding, the same ledger, the
-// same contacts for observers; and the same bits for every thread count.
+// The fast path of spheres against the generic loop, which is its reference: the same forces to rounding, the same
+// ledger, the same contacts for observers; and the same bits for every thread count.
 #include "detection/narrow/narrow_phase.h"
 #include "engine/parallel.h"
 #include "scenes/contact_setup.h"
@@ -11,13 +11,15 @@ using namespace epafi::experiments;
 
 namespace {
 
-/// Spheres that fall into a box of planes, in contact and rolling after 1600 steps; side chosen so that three blocks hold them.
+/// Spheres that fall into a box of planes, in contact and rolling after 1600 steps; side chosen so that three blocks
+/// hold them.
 const std::vector<std::string> small_bed{"params.n=2200"};
 
 SceneRun generic_bed() {
   SceneRun run = prepare_scene(library("bed/bed.toml"), small_bed);
   Assembly& a = *run.assembly;
-  a.simulation->pipeline.narrow_phase = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
+  a.simulation->pipeline.narrow_phase =
+      std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
   a.simulation->pipeline.contact_model = make_contact_model(a.scene);
   return run;
 }
@@ -27,7 +29,8 @@ void copy_state(SceneRun& from, SceneRun& to) {
   World &a = from.simulation().world, &b = to.simulation().world;
   for (std::uint32_t id = 0; id < a.ids_given(); ++id) {
     const Slot s = a.slot_of(static_cast<BodyId>(id)), t = b.slot_of(static_cast<BodyId>(id));
-    b.position[t] = a.position[s], b.velocity[t] = a.velocity[s], b.angular_velocity[t] = a.angular_velocity[s], b.orientation[t] = a.orientation[s];
+    b.position[t] = a.position[s], b.velocity[t] = a.velocity[s], b.angular_velocity[t] = a.angular_velocity[s],
+    b.orientation[t] = a.orientation[s];
   }
 }
 
@@ -41,16 +44,20 @@ Difference compare(SceneRun& x, SceneRun& y) {
   for (std::uint32_t id = 0; id < a.ids_given(); ++id) {
     const Slot s = a.slot_of(static_cast<BodyId>(id)), t = b.slot_of(static_cast<BodyId>(id));
     if (!a.is_movable(s)) continue;
-    worst.force = std::max(worst.force, (a.force[s] - b.force[t]).norm()), scale.force = std::max(scale.force, a.force[s].norm());
-    worst.torque = std::max(worst.torque, (a.torque[s] - b.torque[t]).norm()), scale.torque = std::max(scale.torque, a.torque[s].norm());
-    worst.velocity = std::max(worst.velocity, (a.velocity[s] - b.velocity[t]).norm()), scale.velocity = std::max(scale.velocity, a.velocity[s].norm());
+    worst.force = std::max(worst.force, (a.force[s] - b.force[t]).norm()),
+    scale.force = std::max(scale.force, a.force[s].norm());
+    worst.torque = std::max(worst.torque, (a.torque[s] - b.torque[t]).norm()),
+    scale.torque = std::max(scale.torque, a.torque[s].norm());
+    worst.velocity = std::max(worst.velocity, (a.velocity[s] - b.velocity[t]).norm()),
+    scale.velocity = std::max(scale.velocity, a.velocity[s].norm());
   }
   return {worst.force / scale.force, worst.torque / scale.torque, worst.velocity / scale.velocity};
 }
 
 }  // namespace
 
-TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contacts of the generic loop", "[physics][fused]") {
+TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contacts of the generic loop",
+          "[physics][fused]") {
   set_thread_count(2);
   SceneRun settled = run_scene("bed/bed.toml", small_bed, 1600);
   REQUIRE(settled.assembly->plan.fused_spheres);
@@ -71,7 +78,8 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
   const StepReport &r = fused.simulation().work.report, &q = generic.simulation().work.report;
   CHECK(r.touching == q.touching);
   CHECK(r.elastic == Approx(q.elastic).epsilon(1e-9));
-  CHECK(fused.simulation().ledger.last().dissipated == Approx(generic.simulation().ledger.last().dissipated).epsilon(1e-7));
+  CHECK(fused.simulation().ledger.last().dissipated ==
+        Approx(generic.simulation().ledger.last().dissipated).epsilon(1e-7));
 
   const ContactSet &c = fused.simulation().work.contacts, &d = generic.simulation().work.contacts;
   std::size_t k = 0;
@@ -88,7 +96,8 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
   CHECK(k == c.size());
 }
 
-TEST_CASE("the fused loop of spheres gives the same bits for every thread count and after a Morton sort", "[physics][fused]") {
+TEST_CASE("the fused loop of spheres gives the same bits for every thread count and after a Morton sort",
+          "[physics][fused]") {
   std::vector<std::string> hashes;
   for (const int threads : {1, 2, 3, 8}) {
     set_thread_count(threads);

@@ -30,17 +30,21 @@ TEST_CASE("a box on 25 degrees sticks with mu = 0.5 (A15)", "[physics][A15]") {
 
 TEST_CASE("a box on 25 degrees slides with g (sin - mu cos) (A15)", "[physics][A15]") {
   auto rigid = run_scene("incline/box.toml", {friction(0.3)});
-  CHECK(rigid.last("box_velocity", "x") == Approx(2 * 1.478621).epsilon(1e-3));  // after 2 s from rest, a = 1.478621 m/s2
-  // the elastic box is set down without overlap and sinks for some 10 ms first: the acceleration is that of the second second
+  CHECK(rigid.last("box_velocity", "x") ==
+        Approx(2 * 1.478621).epsilon(1e-3));  // after 2 s from rest, a = 1.478621 m/s2
+  // the elastic box is set down without overlap and sinks for some 10 ms first: the acceleration is that of the second
+  // second
   const auto speed_after = [](const std::string& duration) {
-    return run_scene("incline/box.toml", {friction(0.3), "contact.method=smooth", "run.duration=" + duration}).last("box_velocity", "x");
+    return run_scene("incline/box.toml", {friction(0.3), "contact.method=smooth", "run.duration=" + duration})
+        .last("box_velocity", "x");
   };
   CHECK(speed_after("2.0") - speed_after("1.0") == Approx(1.478621).epsilon(2e-3));
 }
 
 TEST_CASE("the friction threshold of a box is tan(angle) to a part in a thousand (A15)", "[physics][A15]") {
   auto sticks = run_scene("incline/box.toml", {friction(std::tan(slope) * 1.001)});
-  CHECK(std::abs(sticks.last("creep", "x")) < 1e-6);  // 2.1e-8 m in the first steps, then none in 20 s; a wrong decision slides 8e-3 m
+  CHECK(std::abs(sticks.last("creep", "x")) <
+        1e-6);  // 2.1e-8 m in the first steps, then none in 20 s; a wrong decision slides 8e-3 m
   auto slides = run_scene("incline/box.toml", {friction(std::tan(slope) * 0.999)});
   const double a = 9.81 * std::cos(slope) * std::tan(slope) * 0.001;
   CHECK(slides.last("box_velocity", "x") == Approx(2 * a).epsilon(0.02));

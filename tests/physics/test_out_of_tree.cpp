@@ -1,5 +1,5 @@
-// A shape, a law and a solver that are not in the tree go through the same stages as those that are: nothing but the documented
-// seams (CONTRIBUTING.md) is used.
+// A shape, a law and a solver that are not in the tree go through the same stages as those that are: nothing but the
+// documented seams (CONTRIBUTING.md) is used.
 #include <cmath>
 
 #include "detection/narrow/convex_pairs.h"
@@ -20,7 +20,9 @@ namespace {
 struct Octahedron {
   static constexpr const char* name = "octahedron";
   double radius = 1.0;
-  static Entry entry() { return {name, "octahedron", {{"radius", "r", "m", Kind::number, {}, positive, "to a corner"}}, {}, ""}; }
+  static Entry entry() {
+    return {name, "octahedron", {{"radius", "r", "m", Kind::number, {}, positive, "to a corner"}}, {}, ""};
+  }
   double bounding_radius() const { return radius; }
   double contact_radius() const { return radius; }
   double rounding() const { return 0.0; }
@@ -47,7 +49,9 @@ struct Cubic {
   struct Parameters {
     double stiffness;
   };
-  static Entry entry() { return {name, "cubic spring", {{"stiffness", "k", "N/m^3", Kind::number, {}, positive, ""}}, needs, ""}; }
+  static Entry entry() {
+    return {name, "cubic spring", {{"stiffness", "k", "N/m^3", Kind::number, {}, positive, ""}}, needs, ""};
+  }
   static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair& pair) { return {pair.parameters.number("stiffness")}; }
   static bool is_damped(const Parameters&) { return false; }
@@ -65,7 +69,8 @@ class JacobiSolver final : public ContactSolver {
     for (int k = 0; k < 200; ++k) {
       problem.velocities(r, v_);
       problem.relative_velocities(v_, u_);
-      for (std::size_t i = 0; i < r.size(); ++i) r[i] = Vec3(std::max(0.0, r[i].x() - 0.5 * u_[i].x() / problem.diagonal[i](0, 0)), 0, 0);
+      for (std::size_t i = 0; i < r.size(); ++i)
+        r[i] = Vec3(std::max(0.0, r[i].x() - 0.5 * u_[i].x() / problem.diagonal[i](0, 0)), 0, 0);
     }
     return {true, 200, 0.0};
   }
@@ -140,7 +145,8 @@ TEST_CASE("a solver from outside holds a body at rest", "[physics][seams]") {
   World world = corner_on_floor(false, 0.0);
   auto narrow = std::make_unique<OctahedronOnBox>();
   narrow->reach = 0.01;
-  const SolverEntry jacobi{{"jacobi", "damped Jacobi", {}, {}, ""}, [](const Parameters&) { return std::make_unique<JacobiSolver>(); }};
+  const SolverEntry jacobi{{"jacobi", "damped Jacobi", {}, {}, ""},
+                           [](const Parameters&) { return std::make_unique<JacobiSolver>(); }};
   Pipeline stages{std::make_unique<MoreauJean>(), std::make_unique<OnePair>(), nullptr,
                   make_nonsmooth_contact(NonsmoothSetup{"", {}, one_material(1)}, jacobi)};
   stages.narrow_phase = std::move(narrow);

@@ -1,4 +1,5 @@
-// Polyhedra under smooth contact: what the law of overlap volumes keeps of the energy, and what springs at points do not.
+// Polyhedra under smooth contact: what the law of overlap volumes keeps of the energy, and what springs at points do
+// not.
 #include "scenes/contact_setup.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
@@ -28,14 +29,19 @@ TEST_CASE("the overlap-volume law refuses shapes without sharp faces by name", "
   const auto message = [](const std::string& shape) {
     try {
       prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml", {shape});
-    } catch (const SceneError& error) { return std::string(error.what()); }
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
     return std::string("accepted");
   };
-  CHECK_THAT(message("shape.stone.rounding=1e-3"), Catch::Contains("needs sharp polyhedra") && Catch::Contains("not a rounded polyhedron"));
+  CHECK_THAT(message("shape.stone.rounding=1e-3"),
+             Catch::Contains("needs sharp polyhedra") && Catch::Contains("not a rounded polyhedron"));
 }
 
-TEST_CASE("restitution below critical damping acts as that of critical damping, said so", "[physics][polyhedra][errors]") {
-  ReadResult read = read_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml", {"contact.restitution=0"}, full_registry());
+TEST_CASE("restitution below critical damping acts as that of critical damping, said so",
+          "[physics][polyhedra][errors]") {
+  ReadResult read = read_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml",
+                               {"contact.restitution=0"}, full_registry());
   REQUIRE(read.scene);
   const auto problems = check_smooth({"overlap-volume", "", "", material_table(*read.scene)});
   REQUIRE(problems.size() == 1);

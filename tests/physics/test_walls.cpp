@@ -29,8 +29,10 @@ void write_mesh_box(const std::string& path) {
       for (int i = 0; i < 10; ++i)
         for (int j = 0; j < 10; ++j) {
           const std::size_t a = vertices + 1 + static_cast<std::size_t>(11 * i + j), b = a + 11, c = b + 1, d = a + 1;
-          if (side > 0) out << "f " << a << " " << b << " " << c << "\nf " << a << " " << c << " " << d << "\n";
-          else out << "f " << a << " " << c << " " << b << "\nf " << a << " " << d << " " << c << "\n";
+          if (side > 0)
+            out << "f " << a << " " << b << " " << c << "\nf " << a << " " << c << " " << d << "\n";
+          else
+            out << "f " << a << " " << c << " " << b << "\nf " << a << " " << d << " " << c << "\n";
         }
       vertices += 121;
     }
@@ -40,13 +42,17 @@ struct Flight {
   Vec3 position, velocity, spin;
 };
 
-Flight fly(const std::string& folder, const std::string& wall, const std::string& body, double duration, double restitution) {
-  std::ofstream(folder + "/scene.toml") << "title = \"wall\"\nrun = { duration = " << duration << ", time_step = 2e-6, output_interval = 0.01 }\n"
+Flight fly(const std::string& folder, const std::string& wall, const std::string& body, double duration,
+           double restitution) {
+  std::ofstream(folder + "/scene.toml")
+      << "title = \"wall\"\nrun = { duration = " << duration << ", time_step = 2e-6, output_interval = 0.01 }\n"
       << "material.m = { density = 2500.0, youngs_modulus = \"1 GPa\", poissons_ratio = 0.25 }\n"
       << "world = { gravity = [0, 0, -9.81] }\n"
-      << "[contact]\nmethod = \"smooth\"\nrestitution = " << restitution << "\nfriction = 0.4\nsmooth = { law = \"hertz-mindlin\" }\n"
+      << "[contact]\nmethod = \"smooth\"\nrestitution = " << restitution
+      << "\nfriction = 0.4\nsmooth = { law = \"hertz-mindlin\" }\n"
       << "[[body]]\nname = \"wall\"\nshape = " << wall << "\nmaterial = \"m\"\nfixed = true\n"
-      << "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n" << body;
+      << "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n"
+      << body;
   SceneRun run = prepare_scene(folder + "/scene.toml", {});
   run.simulation().start();
   run.advance_to(0);
@@ -62,13 +68,16 @@ const std::string mesh = "{ mesh = { file = \"box.obj\" } }";
 
 }  // namespace
 
-TEST_CASE("mesh, box and half-space walls turn a sphere back alike, on faces, edges and corners of triangles", "[physics][walls]") {
+TEST_CASE("mesh, box and half-space walls turn a sphere back alike, on faces, edges and corners of triangles",
+          "[physics][walls]") {
   const TemporaryFolder folder;
   const std::string path = folder.path().string();
   write_mesh_box(path + "/box.obj");
-  // on a face, on an edge shared by two triangles of one square, on an edge between squares, on a corner of eight triangles
+  // on a face, on an edge shared by two triangles of one square, on an edge between squares, on a corner of eight
+  // triangles
   for (const std::string place : {"0.033, 0.021", "0.03, 0.03", "0.1, 0.037", "0.1, 0.1"}) {
-    const std::string body = "position = [" + place + ", 0.1101]\nvelocity = [0.7, 0.2, -1]\nangular_velocity = [3, -5, 2]\n";
+    const std::string body =
+        "position = [" + place + ", 0.1101]\nvelocity = [0.7, 0.2, -1]\nangular_velocity = [3, -5, 2]\n";
     const Flight plain = fly(path, half_space, body, 2e-3, 0.8);
     CHECK(plain.velocity.z() > 0.7);
     for (const std::string& wall : {box, mesh}) {
@@ -85,11 +94,13 @@ TEST_CASE("a sphere rolls and slides across the edges of triangles without a kic
   const std::string path = folder.path().string();
   write_mesh_box(path + "/box.obj");
   // at its static overlap: N = m g, delta = (N / (4/3 E* sqrt(R)))^(2/3), E* = 1e9/2/(1 - 1/16)
-  const double weight = 4.0 / 3.0 * 3.14159265358979323846 * 1e-6 * 2500 * 9.81, delta = std::pow(weight / (4.0 / 3.0 * 0.5e9 / 0.9375 * 0.1), 2.0 / 3.0);
+  const double weight = 4.0 / 3.0 * 3.14159265358979323846 * 1e-6 * 2500 * 9.81,
+               delta = std::pow(weight / (4.0 / 3.0 * 0.5e9 / 0.9375 * 0.1), 2.0 / 3.0);
   char height[40];
   std::snprintf(height, sizeof height, "%.17g", 0.11 - delta);
   for (const std::string spin : {"[0, 100, 0]", "[0, 0, 0]"}) {  // rolling at 1 m/s, and sliding
-    const std::string body = std::string("position = [-0.11, 0.0123, ") + height + "]\nvelocity = [1, 0.3, 0]\nangular_velocity = " + spin + "\n";
+    const std::string body = std::string("position = [-0.11, 0.0123, ") + height +
+                             "]\nvelocity = [1, 0.3, 0]\nangular_velocity = " + spin + "\n";
     const Flight plain = fly(path, half_space, body, 0.25, 0.5);
     for (const std::string& wall : {box, mesh}) {
       const Flight other = fly(path, wall, body, 0.25, 0.5);

@@ -26,8 +26,9 @@ struct HandShape {
   Vec3 normal = Vec3::UnitZ();
 };
 
-/// All pairs; reports contacts of gap below `reach` as well, which must carry no force. The contact point divides the line of
-/// centres in proportion to the radii: inside the overlap, and at the sphere's own radius where the other is a plane.
+/// All pairs; reports contacts of gap below `reach` as well, which must carry no force. The contact point divides the
+/// line of centres in proportion to the radii: inside the overlap, and at the sphere's own radius where the other is a
+/// plane.
 class HandNarrowPhase final : public NarrowPhase {
  public:
   std::vector<HandShape> shapes;
@@ -80,11 +81,13 @@ struct Rig {
   Rig(const SmoothSetup& setup, Columns columns) : world(columns) {
     auto hand = std::make_unique<HandNarrowPhase>();
     detection = hand.get();
-    stage = {std::make_unique<VelocityVerlet>(), std::make_unique<NoBroadPhase>(), std::move(hand), make_smooth_contact(setup)};
+    stage = {std::make_unique<VelocityVerlet>(), std::make_unique<NoBroadPhase>(), std::move(hand),
+             make_smooth_contact(setup)};
   }
   explicit Rig(const SmoothSetup& setup) : Rig(setup, Columns{.rotation = smooth_needs(setup).rotation}) {}
 
-  BodyId add_sphere(double radius, double density, const Vec3& position, const Vec3& velocity, const Vec3& spin = Vec3::Zero()) {
+  BodyId add_sphere(double radius, double density, const Vec3& position, const Vec3& velocity,
+                    const Vec3& spin = Vec3::Zero()) {
     Body body;
     body.mass = 4.0 / 3.0 * pi * radius * radius * radius * density;
     body.inertia = Vec3::Constant(0.4 * body.mass * radius * radius);
@@ -127,7 +130,8 @@ inline SmoothSetup setup_of(const ContactChoice& choice, const std::vector<Mater
   SmoothSetup setup{choice.law, choice.tangential, choice.rolling, {materials.size(), {}}};
   for (const Material& a : materials)
     for (const Material& b : materials)
-      setup.materials.pairs.push_back({a, b, choice.restitution, choice.friction, choice.rolling_friction, choice.parameters});
+      setup.materials.pairs.push_back(
+          {a, b, choice.restitution, choice.friction, choice.rolling_friction, choice.parameters});
   if (materials.size() > 1) setup.materials.pairs.back().occurs = false;  // wall and wall
   return setup;
 }
@@ -148,7 +152,8 @@ inline Rig two_spheres(const SmoothSetup& setup, double radius, double v, double
 }
 
 /// A sphere above the plane z = 0 of the set-up's second material (or its only one).
-inline Rig sphere_on_plane(const SmoothSetup& setup, double radius, double gap, const Vec3& velocity, const Vec3& spin = Vec3::Zero()) {
+inline Rig sphere_on_plane(const SmoothSetup& setup, double radius, double gap, const Vec3& velocity,
+                           const Vec3& spin = Vec3::Zero()) {
   Rig rig(setup);
   rig.wall_material = setup.materials.materials > 1 ? 1 : 0;
   rig.add_sphere(radius, setup.materials.pairs[0].a.density, {0, 0, radius + gap}, velocity, spin);
@@ -159,9 +164,9 @@ inline Rig sphere_on_plane(const SmoothSetup& setup, double radius, double gap, 
 /// What is seen of one impact.
 struct Impact {
   double largest_overlap = 0.0, largest_force = 0.0, contact_time = 0.0, restitution = 0.0;
-  double loop_area = 0.0;      ///< closed integral of N d(delta) by trapezoids [J]
-  double lowest_force = 0.0;   ///< most attractive force seen [N]
-  double energy_error = 0.0;   ///< of the ledger, after the impact
+  double loop_area = 0.0;     ///< closed integral of N d(delta) by trapezoids [J]
+  double lowest_force = 0.0;  ///< most attractive force seen [N]
+  double energy_error = 0.0;  ///< of the ledger, after the impact
 };
 
 /// Runs until the bodies have parted. Separation is timed at the end of force by linear interpolation between steps.
@@ -184,8 +189,10 @@ inline Impact run_impact(Rig& rig, double dt) {
     gap = rig.work.contacts.gap[0];
     force = -rig.work.contacts.force[0].dot(rig.work.contacts.normal[0]);
     if (!in_contact) continue;
-    if (touched) out.loop_area += 0.5 * (force + old_force) * (old_gap - gap);
-    else out.loop_area += 0.5 * force * -gap;
+    if (touched)
+      out.loop_area += 0.5 * (force + old_force) * (old_gap - gap);
+    else
+      out.loop_area += 0.5 * force * -gap;
     touched = true;
     if (force > 0.0) out.contact_time += dt;
     out.largest_overlap = std::max(out.largest_overlap, -gap);

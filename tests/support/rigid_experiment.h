@@ -12,9 +12,9 @@ namespace epafi::test {
 
 struct RigidSettings {
   double friction = 0.0, restitution = 0.0;
-  double dt = 1e-3;                       ///< [s]
-  Vec3 gravity = Vec3(0, 0, -9.81);       ///< [m/s^2]
-  double reach = 1e-3;                    ///< [m]
+  double dt = 1e-3;                  ///< [s]
+  Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s^2]
+  double reach = 1e-3;               ///< [m]
   std::string solver = "pgs";
   Parameters parameters{};
 };
@@ -44,17 +44,21 @@ class RigidExperiment {
   Slot sphere(double radius, double density, const Vec3& position, const Vec3& velocity = Vec3::Zero(),
               const Vec3& angular_velocity = Vec3::Zero()) {
     const double m = density * 4.0 / 3.0 * 3.14159265358979323846 * radius * radius * radius;
-    return add({Solid::Kind::sphere, Vec3::Constant(radius)},
-               {.position = position, .velocity = velocity, .angular_velocity = angular_velocity, .mass = m,
-                .inertia = Vec3::Constant(0.4 * m * radius * radius)});
+    return add({Solid::Kind::sphere, Vec3::Constant(radius)}, {.position = position,
+                                                               .velocity = velocity,
+                                                               .angular_velocity = angular_velocity,
+                                                               .mass = m,
+                                                               .inertia = Vec3::Constant(0.4 * m * radius * radius)});
   }
   Slot box(const Vec3& half, double density, const Vec3& position, const Vec3& velocity = Vec3::Zero(),
            const Quat& orientation = Quat(1, 0, 0, 0)) {
     const double m = 8.0 * density * half.prod();
     const Vec3 s = half.cwiseProduct(half);
-    return add({Solid::Kind::box, half},
-               {.position = position, .orientation = orientation, .velocity = velocity, .mass = m,
-                .inertia = m / 3.0 * Vec3(s.y() + s.z(), s.x() + s.z(), s.x() + s.y())});
+    return add({Solid::Kind::box, half}, {.position = position,
+                                          .orientation = orientation,
+                                          .velocity = velocity,
+                                          .mass = m,
+                                          .inertia = m / 3.0 * Vec3(s.y() + s.z(), s.x() + s.z(), s.x() + s.y())});
   }
   void fix(Slot s) { world.inverse_mass[s] = 0.0, world.inverse_inertia[s].setZero(); }
 

@@ -42,7 +42,9 @@ struct SceneRun {
   }
 };
 
-inline std::string library(const std::string& scene) { return std::string(EPAFI_SOURCE_DIR) + "/scenes/library/" + scene; }
+inline std::string library(const std::string& scene) {
+  return std::string(EPAFI_SOURCE_DIR) + "/scenes/library/" + scene;
+}
 
 /// Ready, not started: start(run) or load a state.
 inline SceneRun prepare_scene(const std::string& path, const std::vector<std::string>& overrides) {
@@ -56,7 +58,8 @@ inline SceneRun prepare_scene(const std::string& path, const std::vector<std::st
     for (const auto& bodies : spec.bodies) setup.bodies.push_back(run.assembly->ids(bodies));
     for (const auto& e : all_measures()) {
       if (e.entry.name != spec.kind) continue;
-      const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / run.simulation().time_step)));
+      const auto every =
+          static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / run.simulation().time_step)));
       auto recorder = std::make_unique<MeasureRecorder>(spec.name, e.make(setup), nullptr, nullptr, every);
       run.recorders.push_back(recorder.get());
       run.simulation().observers.push_back(std::move(recorder));
@@ -66,7 +69,8 @@ inline SceneRun prepare_scene(const std::string& path, const std::vector<std::st
 }
 
 /// A library scene, started and run for `steps` steps (0: to its end).
-inline SceneRun run_scene(const std::string& scene, const std::vector<std::string>& overrides = {}, std::uint64_t steps = 0) {
+inline SceneRun run_scene(const std::string& scene, const std::vector<std::string>& overrides = {},
+                          std::uint64_t steps = 0) {
   SceneRun run = prepare_scene(library(scene), overrides);
   run.simulation().start();
   run.advance_to(steps);

@@ -40,8 +40,9 @@ struct NsgsRule {
     // q = u - W r with W_TT = S + W_TN W_NT / W_NN
     if (d.nn <= 0.0) return Vec3::Zero();
     const double n = d.nn * r.x() + d.tn1 * r.y() + d.tn2 * r.z();
-    return solve(d, mu, u - Vec3(n, d.tn1 * n / d.nn + d.s11 * r.y() + d.s12 * r.z(),
-                                 d.tn2 * n / d.nn + d.s12 * r.y() + d.s22 * r.z()));
+    return solve(d, mu,
+                 u - Vec3(n, d.tn1 * n / d.nn + d.s11 * r.y() + d.s12 * r.z(),
+                          d.tn2 * n / d.nn + d.s12 * r.y() + d.s22 * r.z()));
   }
 
  private:

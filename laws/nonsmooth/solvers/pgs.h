@@ -11,7 +11,7 @@ struct PgsRule {
   double relaxation = 1.0;  ///< omega in (0, 2)
 
   struct Data {
-    double step_n, step_t;      ///< 1/W_NN and 1/w_T [kg], 0 where nothing moves
+    double step_n, step_t;        ///< 1/W_NN and 1/w_T [kg], 0 where nothing moves
     double coupling1, coupling2;  ///< W_TN: what a normal impulse does to u_T [1/kg]
   };
   static Data pack(const Mat3& w) {

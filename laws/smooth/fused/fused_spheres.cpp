@@ -23,7 +23,8 @@ struct BlockTask {
     std::size_t touching = 0;
     SphereGroup* g = block.groups.data();
     for (std::size_t i = 0; i < block.inside; ++i)
-      evaluate<Normal, Tangential, true, false>(g[i], wall_laws[static_cast<std::size_t>(g[i].plane)], planes, states, sums, records, dt, damped, touching);
+      evaluate<Normal, Tangential, true, false>(g[i], wall_laws[static_cast<std::size_t>(g[i].plane)], planes, states,
+                                                sums, records, dt, damped, touching);
     for (std::size_t i = block.inside; i < block.across; ++i)
       evaluate<Normal, Tangential, false, false>(g[i], law, planes, states, sums, records, dt, damped, touching);
     for (std::size_t i = block.across; i < block.groups.size(); ++i)
@@ -33,19 +34,26 @@ struct BlockTask {
 };
 
 template <class Task>
-void run_baseline(const Task& task) { task.run(); }
+void run_baseline(const Task& task) {
+  task.run();
+}
 #if defined(__x86_64__)
 template <class Task>
-[[gnu::target("avx2")]] void run_avx2(const Task& task) { task.run(); }
+[[gnu::target("avx2")]] void run_avx2(const Task& task) {
+  task.run();
+}
 template <class Task>
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void run_avx512(const Task& task) { task.run(); }
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void run_avx512(const Task& task) {
+  task.run();
+}
 #endif
 
 /// The widest loop that this processor runs; the bits are the same.
 template <class Task>
 auto best_loop() -> void (*)(const Task&) {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) return run_avx512<Task>;
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+    return run_avx512<Task>;
   if (__builtin_cpu_supports("avx2")) return run_avx2<Task>;
 #endif
   return run_baseline<Task>;
@@ -57,15 +65,18 @@ class FusedModel final : public FusedSpheres {
   using Task = BlockTask<Normal, Tangential>;
 
  public:
-  FusedModel(const SmoothSetup& setup, std::size_t material) : table_(setup.materials), material_(material), generic_(make_smooth_contact(setup)) {
+  FusedModel(const SmoothSetup& setup, std::size_t material)
+      : table_(setup.materials), material_(material), generic_(make_smooth_contact(setup)) {
     law_ = law_of(material);
-    for (const MaterialPair& pair : table_.pairs) damped_ = damped_ || (pair.occurs && Normal::is_damped(Normal::parameters(pair)));
+    for (const MaterialPair& pair : table_.pairs)
+      damped_ = damped_ || (pair.occurs && Normal::is_damped(Normal::parameters(pair)));
   }
 
   const char* name() const override { return "fused spheres"; }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
 
-  void set_pairs(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes, std::span<const double> radius) override {
+  void set_pairs(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes,
+                 std::span<const double> radius) override {
     wall_laws_.clear();
     for (const SpherePlane& p : planes) wall_laws_.push_back(law_of(world.material[p.slot]));
     blocks_.rebuild(world, pairs, std::move(planes), radius);
@@ -74,18 +85,24 @@ class FusedModel final : public FusedSpheres {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     published_ = false;
     const bool others = contacts.size() > 0 || others_;
-    if (others) generic_->act(world, contacts, clock, report);
-    else report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.has_solver = false;
+    if (others)
+      generic_->act(world, contacts, clock, report);
+    else
+      report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0,
+      report.has_solver = false;
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
     blocks_.pack(world, damped_ ? clock.velocity_lag * clock.dt : 0.0);
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
     parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      loop({all[i], law_, wall_laws_, blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(), blocks_.records().data(), clock.dt, damped_});
+      loop({all[i], law_, wall_laws_, blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(),
+            blocks_.records().data(), clock.dt, damped_});
     });
     blocks_.unpack(world, others);
     report.contacts += blocks_.pairs();
-    for (const auto& block : all) report.touching += block.touching, report.elastic += block.stored, report.dissipated += clock.dt > 0.0 ? block.lost : 0.0;
+    for (const auto& block : all)
+      report.touching += block.touching, report.elastic += block.stored,
+          report.dissipated += clock.dt > 0.0 ? block.lost : 0.0;
   }
 
   void publish(const World& world, ContactSet& contacts) const override {
@@ -118,11 +135,12 @@ class FusedModel final : public FusedSpheres {
 };
 
 template <class N, class T, class R>
-constexpr bool is_fused = LaneLaw<N> && LaneFriction<T> && !R::is_present && parts_fit<N, T, R>;
+constexpr bool is_fused = LaneLaw<N>&& LaneFriction<T> && !R::is_present && parts_fit<N, T, R>;
 
 template <class F>
 decltype(auto) with_parts(const SmoothParts& parts, const F& f) {
-  return std::visit(f, *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential), *find_law(RollingLaws{}, parts.rolling));
+  return std::visit(f, *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential),
+                    *find_law(RollingLaws{}, parts.rolling));
 }
 
 }  // namespace
@@ -137,7 +155,8 @@ std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::
   return with_parts(smooth_parts(setup), [&](auto n, auto t, auto r) -> std::unique_ptr<FusedSpheres> {
     using N = typename decltype(n)::type;
     using T = typename decltype(t)::type;
-    if constexpr (is_fused<N, T, typename decltype(r)::type>) return std::make_unique<FusedModel<N, T>>(setup, material);
+    if constexpr (is_fused<N, T, typename decltype(r)::type>)
+      return std::make_unique<FusedModel<N, T>>(setup, material);
     return nullptr;
   });
 }

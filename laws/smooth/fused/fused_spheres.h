@@ -1,5 +1,6 @@
-/// @file fused_spheres.h  The fast path of smooth contact between spheres: pairs of free spheres, and of spheres with fixed planes, go
-/// through laws/smooth/fused/sphere_kernel.h, all other contacts through the generic loop; forces of both add up.
+/// @file fused_spheres.h  The fast path of smooth contact between spheres: pairs of free spheres, and of spheres with
+/// fixed planes, go through laws/smooth/fused/sphere_kernel.h, all other contacts through the generic loop; forces of
+/// both add up.
 #pragma once
 #include <memory>
 #include <span>
@@ -13,13 +14,14 @@ namespace epafi {
 class FusedSpheres : public ContactModel {
  public:
   /// The pairs that this model detects itself, whenever the list changes. radius: by slot.
-  virtual void set_pairs(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes, std::span<const double> radius) = 0;
+  virtual void set_pairs(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes,
+                         std::span<const double> radius) = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;
 };
 
-/// Whether the parts of this set-up have a fused loop: a normal law for lanes, a friction spring, no rolling part, one law for all
-/// pairs of free spheres.
+/// Whether the parts of this set-up have a fused loop: a normal law for lanes, a friction spring, no rolling part, one
+/// law for all pairs of free spheres.
 bool has_fused_spheres(const SmoothSetup& setup);
 
 /// spheres: the material of the free spheres. Null where has_fused_spheres is false.

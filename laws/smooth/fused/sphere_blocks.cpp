@@ -48,7 +48,8 @@ class GroupWriter {
 
 // --- layout
 
-void SphereBlocks::rebuild(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes, std::span<const double> radius) {
+void SphereBlocks::rebuild(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes,
+                           std::span<const double> radius) {
   std::vector<Kept> kept = laid_out_ ? springs() : std::move(kept_);
   kept_.clear(), laid_out_ = true;
   planes_ = std::move(planes);
@@ -87,7 +88,8 @@ void SphereBlocks::place(const World& world, std::span<const SpherePair> pairs, 
       }
       writer.add(world, p, radius);
     }
-    block.inside = std::min(block.inside, block.groups.size()), block.across = std::min(block.across, block.groups.size());
+    block.inside = std::min(block.inside, block.groups.size()),
+    block.across = std::min(block.across, block.groups.size());
   });
   std::uint32_t record = 0;
   for (Block& block : blocks_)
@@ -108,7 +110,13 @@ std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
       for (int k = 0; k < lane_count; ++k) {
         if (g.normal_force[k] < 0.0) continue;
         const Slot b = g.plane >= 0 ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
-        kept.push_back({g.a[k], b, {g.load_x[k], g.load_y[k], g.load_z[k]}, g.stiffness[k], g.energy[k], g.viscous[k], g.normal_force[k]});
+        kept.push_back({g.a[k],
+                        b,
+                        {g.load_x[k], g.load_y[k], g.load_z[k]},
+                        g.stiffness[k],
+                        g.energy[k],
+                        g.viscous[k],
+                        g.normal_force[k]});
       }
   return kept;
 }
@@ -121,10 +129,12 @@ void SphereBlocks::restore(std::vector<Kept>& kept) {
       for (int k = 0; k < lane_count; ++k) {
         if (g.radius_sum[k] < 0) continue;
         const Slot b = g.plane >= 0 ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
-        const auto at = std::lower_bound(kept.begin(), kept.end(), std::pair(g.a[k], b), [&](const Kept& s, const auto& wanted) { return key(s) < wanted; });
+        const auto at = std::lower_bound(kept.begin(), kept.end(), std::pair(g.a[k], b),
+                                         [&](const Kept& s, const auto& wanted) { return key(s) < wanted; });
         if (at == kept.end() || key(*at) != std::pair(g.a[k], b)) continue;
         g.load_x[k] = at->load[0], g.load_y[k] = at->load[1], g.load_z[k] = at->load[2];
-        g.stiffness[k] = at->stiffness, g.energy[k] = at->energy, g.viscous[k] = at->viscous, g.normal_force[k] = at->normal_force;
+        g.stiffness[k] = at->stiffness, g.energy[k] = at->energy, g.viscous[k] = at->viscous,
+        g.normal_force[k] = at->normal_force;
         g.loaded = true;
       }
   });
@@ -171,7 +181,8 @@ void SphereBlocks::pack(const World& world, double lag) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto s = static_cast<Slot>(i);
       const double *x = world.position[s].data(), *v = world.velocity[s].data(), *w = world.angular_velocity[s].data();
-      double* to = reinterpret_cast<double*>(&states_[i]);  // number by number: a row of lanes would go through the stack
+      double* to =
+          reinterpret_cast<double*>(&states_[i]);  // number by number: a row of lanes would go through the stack
       for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
       if (lag == 0.0) continue;
       const Vec3 change = lag * world.acceleration(s);
@@ -192,7 +203,8 @@ void SphereBlocks::unpack(World& world, bool add) {
     for (std::size_t s = i * block_size; s < end; ++s) {
       double* from = reinterpret_cast<double*>(&sums_[s]);
       double *force = world.force[s].data(), *torque = world.torque[s].data();
-      for (int k = 0; k < 3; ++k) force[k] = add ? force[k] + from[k] : from[k], torque[k] = add ? torque[k] + from[4 + k] : from[4 + k];
+      for (int k = 0; k < 3; ++k)
+        force[k] = add ? force[k] + from[k] : from[k], torque[k] = add ? torque[k] + from[4 + k] : from[4 + k];
       block.stored += from[3], block.lost += from[7];
       for (int k = 0; k < 8; ++k) from[k] = 0.0;
     }
@@ -211,11 +223,13 @@ void SphereBlocks::publish(const World& world, ContactSet& contacts) const {
         double length = 0.0;
         if (wall) {
           const SpherePlane& plane = planes_[static_cast<std::size_t>(g.plane)];
-          c.gap = plane.normal.dot(world.position[a] - plane.point) - g.radius_sum[k], c.normal = -plane.normal, length = g.radius_sum[k];
+          c.gap = plane.normal.dot(world.position[a] - plane.point) - g.radius_sum[k], c.normal = -plane.normal,
+          length = g.radius_sum[k];
         } else {
           const Vec3 d = world.position[b] - world.position[a];
           const double distance = d.norm();
-          c.gap = distance - g.radius_sum[k], c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ()), length = g.share[k] * distance;
+          c.gap = distance - g.radius_sum[k], c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ()),
+          length = g.share[k] * distance;
         }
         c.arm = length * c.normal;
         c.effective_radius = g.radius[k];

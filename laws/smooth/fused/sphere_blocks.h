@@ -1,7 +1,8 @@
-/// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over four at
-/// a time. Slots are cut into blocks of 1024; a block owns the contacts whose lower slot it holds and adds their forces to its own
-/// bodies; what it finds for bodies of later blocks it writes down, and those blocks add it in a second pass. The order of
-/// every sum is that of the slots, so the bits depend neither on threads nor on which pairs that do not touch are listed.
+/// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over
+/// four at a time. Slots are cut into blocks of 1024; a block owns the contacts whose lower slot it holds and adds
+/// their forces to its own bodies; what it finds for bodies of later blocks it writes down, and those blocks add it in
+/// a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on which pairs
+/// that do not touch are listed.
 #pragma once
 #include <span>
 
@@ -13,9 +14,11 @@ namespace epafi {
 
 /// What the loop reads of a body: 128 bytes, two cache lines.
 struct alignas(32) SphereState {
-  Lanes position, velocity, spin, predicted;  ///< x y z, fourth unused; predicted: velocity at the time of the detection
+  Lanes position, velocity, spin,
+      predicted;  ///< x y z, fourth unused; predicted: velocity at the time of the detection
 };
-/// What it writes: force and, in its fourth, the energy stored in the contacts the body owns; torque and what they lost.
+/// What it writes: force and, in its fourth, the energy stored in the contacts the body owns; torque and what they
+/// lost.
 struct alignas(32) SphereSum {
   Lanes force, torque;
 };
@@ -35,18 +38,18 @@ struct SpherePair {
 
 /// Four contacts. Of a padding lane radius_sum is -1, so that it never touches.
 struct alignas(32) SphereGroup {
-  Lanes share;         ///< of the line of centres that belongs to A; 1 for planes
-  Lanes radius_sum;    ///< [m]
-  Lanes radius, mass;  ///< effective [m], [kg]
+  Lanes share;                   ///< of the line of centres that belongs to A; 1 for planes
+  Lanes radius_sum;              ///< [m]
+  Lanes radius, mass;            ///< effective [m], [kg]
   Lanes load_x, load_y, load_z;  ///< friction on A [N]
-  Lanes stiffness;     ///< of the friction spring [N/m], 0: not loaded
-  Lanes energy;        ///< of the friction spring [J]
-  Lanes viscous;       ///< power lost in the damper [W]
-  Lanes normal_force;  ///< [N]; < 0: does not touch
+  Lanes stiffness;               ///< of the friction spring [N/m], 0: not loaded
+  Lanes energy;                  ///< of the friction spring [J]
+  Lanes viscous;                 ///< power lost in the damper [W]
+  Lanes normal_force;            ///< [N]; < 0: does not touch
   Slot a[lane_count], b[lane_count];
-  std::int32_t plane = -1;    ///< all four against this plane
-  std::uint32_t record = 0;   ///< first of four places in `records`, for groups between blocks
-  bool loaded = false;        ///< some lane touched in the last step
+  std::int32_t plane = -1;   ///< all four against this plane
+  std::uint32_t record = 0;  ///< first of four places in `records`, for groups between blocks
+  bool loaded = false;       ///< some lane touched in the last step
 };
 
 class SphereBlocks {
@@ -54,15 +57,17 @@ class SphereBlocks {
   static constexpr std::size_t block_size = 1024;
 
   struct Block {
-    std::vector<SphereGroup> groups;  ///< planes, then inside the block, then across blocks
+    std::vector<SphereGroup> groups;     ///< planes, then inside the block, then across blocks
     std::size_t inside = 0, across = 0;  ///< where the second and third kind begin
-    std::vector<std::pair<std::uint32_t, Slot>> incoming;  ///< records for bodies of this block, in the order of their owners
+    std::vector<std::pair<std::uint32_t, Slot>>
+        incoming;  ///< records for bodies of this block, in the order of their owners
     double stored = 0.0, lost = 0.0;
     std::size_t touching = 0;
   };
 
   /// Lays out the pairs anew; springs of contacts that go on are kept. radius: by slot.
-  void rebuild(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes, std::span<const double> radius);
+  void rebuild(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes,
+               std::span<const double> radius);
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);

@@ -1,6 +1,6 @@
-/// @file sphere_kernel.h  Hertz-like contact of spheres with a friction spring, four contacts at a time: gap, law, spring and sums in
-/// one pass. The formulas are those of the law parts (respond, stiffness, limit) and of laws/smooth/spring.h; the result
-/// equals the generic loop to rounding (tests/physics/test_fused_spheres.cpp).
+/// @file sphere_kernel.h  Hertz-like contact of spheres with a friction spring, four contacts at a time: gap, law,
+/// spring and sums in one pass. The formulas are those of the law parts (respond, stiffness, limit) and of
+/// laws/smooth/spring.h; the result equals the generic loop to rounding (tests/physics/test_fused_spheres.cpp).
 #pragma once
 #include "laws/contact_law.h"
 #include "laws/smooth/fused/sphere_blocks.h"
@@ -15,8 +15,8 @@ struct SphereLaw {
 
 /// Relative motion of four pairs, B against A.
 struct PairMotion {
-  Lanes3 normal;           ///< from A to B
-  Lanes distance, gap;     ///< of centres; [m]
+  Lanes3 normal;        ///< from A to B
+  Lanes distance, gap;  ///< of centres; [m]
   Lanes3 velocity, spin_a, spin_b;
   Lanes approach;
 };
@@ -27,7 +27,8 @@ EPAFI_LANES Lanes3 columns(Lanes a, Lanes b, Lanes c, Lanes d) {
   return {a, b, c};
 }
 
-EPAFI_LANES PairMotion motion_of_spheres(const SphereGroup& g, const SphereState* s, const Lanes3& d, Lanes distance, bool damped) {
+EPAFI_LANES PairMotion motion_of_spheres(const SphereGroup& g, const SphereState* s, const Lanes3& d, Lanes distance,
+                                         bool damped) {
   const SphereState &a0 = s[g.a[0]], &a1 = s[g.a[1]], &a2 = s[g.a[2]], &a3 = s[g.a[3]];
   const SphereState &b0 = s[g.b[0]], &b1 = s[g.b[1]], &b2 = s[g.b[2]], &b3 = s[g.b[3]];
   PairMotion m;
@@ -35,14 +36,18 @@ EPAFI_LANES PairMotion motion_of_spheres(const SphereGroup& g, const SphereState
   const LaneMask apart = distance > Lanes{};
   const Lanes inverse = 1.0 / select(apart, distance, lanes(1.0));
   m.normal = Lanes3{inverse * d.x, inverse * d.y, select(apart, inverse * d.z, lanes(1.0))};
-  m.velocity = columns(b0.velocity - a0.velocity, b1.velocity - a1.velocity, b2.velocity - a2.velocity, b3.velocity - a3.velocity);
-  const Lanes3 later = damped ? columns(b0.predicted - a0.predicted, b1.predicted - a1.predicted, b2.predicted - a2.predicted, b3.predicted - a3.predicted) : m.velocity;
+  m.velocity = columns(b0.velocity - a0.velocity, b1.velocity - a1.velocity, b2.velocity - a2.velocity,
+                       b3.velocity - a3.velocity);
+  const Lanes3 later = damped ? columns(b0.predicted - a0.predicted, b1.predicted - a1.predicted,
+                                        b2.predicted - a2.predicted, b3.predicted - a3.predicted)
+                              : m.velocity;
   m.approach = -later.dot(m.normal);
   m.spin_a = columns(a0.spin, a1.spin, a2.spin, a3.spin), m.spin_b = columns(b0.spin, b1.spin, b2.spin, b3.spin);
   return m;
 }
 
-EPAFI_LANES PairMotion motion_at_plane(const SphereGroup& g, const SphereState* s, const SpherePlane& plane, const Lanes3& x) {
+EPAFI_LANES PairMotion motion_at_plane(const SphereGroup& g, const SphereState* s, const SpherePlane& plane,
+                                       const Lanes3& x) {
   const SphereState &a0 = s[g.a[0]], &a1 = s[g.a[1]], &a2 = s[g.a[2]], &a3 = s[g.a[3]];
   PairMotion m;
   const Lanes3 out{lanes(plane.normal.x()), lanes(plane.normal.y()), lanes(plane.normal.z())};
@@ -50,7 +55,8 @@ EPAFI_LANES PairMotion motion_at_plane(const SphereGroup& g, const SphereState* 
   m.gap = out.dot(from) - g.radius_sum;
   m.distance = g.radius_sum;
   m.normal = -out;
-  const Lanes3 v = columns(a0.velocity, a1.velocity, a2.velocity, a3.velocity), later = columns(a0.predicted, a1.predicted, a2.predicted, a3.predicted);
+  const Lanes3 v = columns(a0.velocity, a1.velocity, a2.velocity, a3.velocity),
+               later = columns(a0.predicted, a1.predicted, a2.predicted, a3.predicted);
   m.velocity = -v;
   m.approach = later.dot(m.normal);
   m.spin_a = columns(a0.spin, a1.spin, a2.spin, a3.spin), m.spin_b = Lanes3{};
@@ -63,9 +69,10 @@ struct SpringStep {
   Lanes stored, lost;
 };
 
-/// laws/smooth/spring.h: the old load turns with the plane, shrinks with the stiffness, follows the slip and stays below `limit`.
-/// Divisions and roots that no lane needs are left out.
-EPAFI_LANES SpringStep pull(const SphereGroup& g, const PairMotion& m, LaneMask touching, Lanes stiffness, Lanes limit, double dt) {
+/// laws/smooth/spring.h: the old load turns with the plane, shrinks with the stiffness, follows the slip and stays
+/// below `limit`. Divisions and roots that no lane needs are left out.
+EPAFI_LANES SpringStep pull(const SphereGroup& g, const PairMotion& m, LaneMask touching, Lanes stiffness, Lanes limit,
+                            double dt) {
   const Lanes3& n = m.normal;
   const Lanes3 old{g.load_x, g.load_y, g.load_z};
   const Lanes before = old.dot(old);
@@ -93,8 +100,9 @@ EPAFI_LANES SpringStep pull(const SphereGroup& g, const PairMotion& m, LaneMask 
 
 /// One group: reads the bodies, moves the springs on, adds to sums (of B: to records where it lies in another block).
 template <class Normal, class Tangential, bool wall, bool across>
-EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& law, const SpherePlane* planes, const SphereState* s, SphereSum* sums,
-                          SphereSum* records, double dt, bool damped, std::size_t& touching_count) {
+EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& law, const SpherePlane* planes,
+                          const SphereState* s, SphereSum* sums, SphereSum* records, double dt, bool damped,
+                          std::size_t& touching_count) {
   Lanes3 d;
   PairMotion m;
   LaneMask touching;
@@ -104,8 +112,8 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
     touching = (m.gap < Lanes{}) & (g.radius_sum > Lanes{});
     if (!g.loaded && !any(touching)) return;
   } else {
-    d = columns(s[g.b[0]].position - s[g.a[0]].position, s[g.b[1]].position - s[g.a[1]].position, s[g.b[2]].position - s[g.a[2]].position,
-                s[g.b[3]].position - s[g.a[3]].position);
+    d = columns(s[g.b[0]].position - s[g.a[0]].position, s[g.b[1]].position - s[g.a[1]].position,
+                s[g.b[2]].position - s[g.a[2]].position, s[g.b[3]].position - s[g.a[3]].position);
     const Lanes distance = sqrt(d.dot(d));
     touching = distance < g.radius_sum;
     if (!g.loaded && !any(touching)) return;
@@ -115,7 +123,8 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
   at.overlap = keep(touching, -m.gap), at.approach_velocity = keep(touching, m.approach);
   at.effective_mass = g.mass, at.effective_radius = g.radius;
   const ResponseOf<Lanes> r = Normal::respond(law.normal, at);
-  const SpringStep spring = pull(g, m, touching, Tangential::stiffness(law.tangential, r.stiffness), Tangential::friction(law.tangential) * r.force, dt);
+  const SpringStep spring = pull(g, m, touching, Tangential::stiffness(law.tangential, r.stiffness),
+                                 Tangential::friction(law.tangential) * r.force, dt);
   const Lanes viscous = keep(touching, (r.force - r.elastic_force) * at.approach_velocity);
   const Lanes stored = keep(touching, r.energy) + spring.stored, lost = spring.lost + 0.5 * dt * (g.viscous + viscous);
   g.load_x = spring.load.x, g.load_y = spring.load.y, g.load_z = spring.load.z;
@@ -125,7 +134,8 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
   touching_count -= static_cast<std::size_t>(touching[0] + touching[1] + touching[2] + touching[3]);
 
   const Lanes push = keep(touching, r.force);
-  Lanes f0 = spring.load.x - push * m.normal.x, f1 = spring.load.y - push * m.normal.y, f2 = spring.load.z - push * m.normal.z, f3 = stored;
+  Lanes f0 = spring.load.x - push * m.normal.x, f1 = spring.load.y - push * m.normal.y,
+        f2 = spring.load.z - push * m.normal.z, f3 = stored;
   const Lanes3 moment = m.normal.cross(spring.load);
   const Lanes arm_a = m.distance * g.share, arm_b = m.distance * (1.0 - g.share);
   Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = lost;
@@ -142,8 +152,10 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
   for (int k = 0; k < lane_count; ++k) {
     sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
     SphereSum& other = across ? records[g.record + static_cast<std::uint32_t>(k)] : sums[g.b[k]];
-    if constexpr (across) other = SphereSum{no_energy * force[k], torque_b[k]};
-    else other.force += no_energy * force[k], other.torque += torque_b[k];
+    if constexpr (across)
+      other = SphereSum{no_energy * force[k], torque_b[k]};
+    else
+      other.force += no_energy * force[k], other.torque += torque_b[k];
   }
 }
 

@@ -33,9 +33,10 @@ std::unique_ptr<ContactModel> make_loop(const MaterialTable& table, const std::v
         using T = typename decltype(t)::type;
         using R = typename decltype(r)::type;
         if constexpr (parts_fit<N, T, R>)
-          return join_parts<N, Loop<T>, Loop<R>>(table, normal, parameters_of_pairs<T>(table), parameters_of_pairs<R>(table),
-                                              parts.locate);
-        else return nullptr;  // refused by check_smooth
+          return join_parts<N, Loop<T>, Loop<R>>(table, normal, parameters_of_pairs<T>(table),
+                                                 parameters_of_pairs<R>(table), parts.locate);
+        else
+          return nullptr;  // refused by check_smooth
       },
       *find_law(TangentialLaws{}, parts.tangential), *find_law(RollingLaws{}, parts.rolling));
 }

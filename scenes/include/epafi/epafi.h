@@ -12,7 +12,8 @@
 
 namespace epafi {
 
-/// A scene file made ready and started: forces, ledger and observers at time 0. Throws SceneError with every problem of the file.
+/// A scene file made ready and started: forces, ledger and observers at time 0. Throws SceneError with every problem of
+/// the file.
 inline std::unique_ptr<Assembly> load(const std::string& path, const std::vector<std::string>& overrides = {}) {
   ReadResult read = read_scene(path, overrides, full_registry());
   if (!read.scene) throw SceneError(read.problems);
