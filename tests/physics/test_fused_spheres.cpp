@@ -15,8 +15,12 @@ namespace {
 /// hold them.
 const std::vector<std::string> small_bed{"params.n=2200"};
 
-SceneRun generic_bed() {
-  SceneRun run = prepare_scene(library("bed/bed.toml"), small_bed);
+/// The floor as a box: its contacts take the generic loop beside the fused one.
+const std::vector<std::string> bed_on_a_box{"params.n=2200", "body.floor.shape={ box = { size = [1, 1, 1] } }",
+                                            "body.floor.position=[0, 0, -0.5]"};
+
+SceneRun generic_bed(const std::vector<std::string>& overrides) {
+  SceneRun run = prepare_scene(library("bed/bed.toml"), overrides);
   Assembly& a = *run.assembly;
   a.simulation->pipeline.narrow_phase =
       std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
@@ -59,9 +63,10 @@ Difference compare(SceneRun& x, SceneRun& y) {
 TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contacts of the generic loop",
           "[physics][fused]") {
   set_thread_count(2);
-  SceneRun settled = run_scene("bed/bed.toml", small_bed, 1600);
+  const auto& overrides = GENERATE(small_bed, bed_on_a_box);
+  SceneRun settled = run_scene("bed/bed.toml", overrides, 1600);
   REQUIRE(settled.assembly->plan.fused_spheres);
-  SceneRun fused = prepare_scene(library("bed/bed.toml"), small_bed), generic = generic_bed();
+  SceneRun fused = prepare_scene(library("bed/bed.toml"), overrides), generic = generic_bed(overrides);
   copy_state(settled, fused), copy_state(settled, generic);
   fused.simulation().start(), generic.simulation().start();
   REQUIRE(generic.simulation().work.report.touching > 3000);

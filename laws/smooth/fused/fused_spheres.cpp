@@ -85,13 +85,13 @@ class FusedModel final : public FusedSpheres {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     published_ = false;
     const bool others = contacts.size() > 0 || others_;
+    blocks_.pack(world, damped_ ? clock.velocity_lag * clock.dt : 0.0);  // reads the force of the last step: before the generic loop writes
     if (others)
       generic_->act(world, contacts, clock, report);
     else
       report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0,
       report.has_solver = false;
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
-    blocks_.pack(world, damped_ ? clock.velocity_lag * clock.dt : 0.0);
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
     parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
