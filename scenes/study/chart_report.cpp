@@ -12,11 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string quoted(std::string text) {
-  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, "\"");
-  return "\"" + text + "\"";
-}
-
 std::string number(const std::optional<double>& v) { return v ? fmt::format("{}", *v) : ""; }
 
 }  // namespace
@@ -26,8 +21,8 @@ std::string chart_csv(const Chart& chart) {
       "method,settings,time,error,error_spread,status,residual,energy_error,overlap_relative,state_hash,pareto,time_"
       "spread,ns_per_body_step,accurate\n";
   for (const auto& p : chart.points)
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(p.method.name),
-                       quoted(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "", p.error_spread,
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(p.method.name),
+                       csv_text(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "", p.error_spread,
                        p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative), p.state_hash,
                        p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
   return out;

@@ -9,11 +9,6 @@
 namespace epafi {
 namespace {
 
-std::string quoted(std::string text) {
-  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, "\"");
-  return "\"" + text + "\"";
-}
-
 std::string file_name(std::string name) {
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-') c = '_';
@@ -29,9 +24,9 @@ std::string limits_csv(const LimitMap& map) {
     const auto& m = map.study.methods[c.method];
     const bool two = c.at.size() == 2;
     out +=
-        fmt::format("{},{},{:.9g},{},{},{},{},{},{},{}\n", quoted(m.name), parameters.back().key, c.at.back(), c.status,
+        fmt::format("{},{},{:.9g},{},{},{},{},{},{},{}\n", csv_text(m.name), parameters.back().key, c.at.back(), c.status,
                     c.kind, two ? parameters.front().key : "", two ? fmt::format("{:.9g}", c.at.front()) : "",
-                    quoted(m.settings()), quoted(c.detail), c.state_hash);
+                    csv_text(m.settings()), csv_text(c.detail), c.state_hash);
   }
   return out;
 }

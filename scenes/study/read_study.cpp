@@ -207,6 +207,11 @@ struct StudyReader {
 
 }  // namespace
 
+std::string csv_text(std::string text) {
+  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, "\"");
+  return "\"" + text + "\"";
+}
+
 std::string StudyMethod::settings() const {
   std::string all;
   for (const auto& o : overrides) all += (all.empty() ? "" : "; ") + o;

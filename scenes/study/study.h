@@ -57,6 +57,9 @@ struct Study {
   std::string program = "/proc/self/exe";  ///< that runs the cases
 };
 
+/// Text as a cell of a CSV row, in double quotes.
+std::string csv_text(std::string text);
+
 /// Throws SceneError with every problem of the file.
 Study read_study(const std::string& path, const std::vector<std::string>& overrides);
 

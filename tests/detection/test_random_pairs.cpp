@@ -224,7 +224,6 @@ void check(const Tally& t) {
   CHECK(t.wrong_points == 0);
   CHECK(t.shallow == 0);
   CHECK(t.named < t.pairs / 100);
-  SUCCEED("no disagreement");  // ctest or -s show the figures
 }
 
 }  // namespace
