@@ -14,8 +14,9 @@ void Simulation::start() {
 }
 
 std::optional<Failure> Simulation::advance(bool last) {
+  const std::size_t strays = leaving_.size();
   for (auto& event : events) event->before_step(world, time_step, leaving_);
-  if (!leaving_.empty()) take_out();
+  if (leaving_.size() > strays || (strays > 0 && steps_ % outlet_interval == 0)) take_out();
   if (steps_ > 0 && steps_ % sort_interval == 0) sort_bodies();
   step(world, pipeline, work, time_step);
   ++steps_;
@@ -52,8 +53,8 @@ void Simulation::take_out() {
   ledger.accept_jump(world, before);
 }
 
-/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again, the forces of the step
-/// that was done stay.
+/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again over no time, which
+/// leaves their history as it is; the forces of the step that was done stay.
 void Simulation::drop_contacts() {
   if (!pipeline.scheme->needs_initial_forces()) return;
   const auto force = world.force, torque = world.torque;

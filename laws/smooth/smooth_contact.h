@@ -65,6 +65,11 @@ class RecordMemory {
   }
   Record& now(std::size_t i) { return now_[i]; }
   const Record& fresh() const { return fresh_; }
+  /// No time has passed: contacts that are not new go on with what they remembered.
+  void keep() {
+    for (std::size_t i = 0; i < now_.size(); ++i)
+      if (previous_[i] != ContactMemory::none) now_[i] = old_[previous_[i]];
+  }
   void reorder(const Reordering& change) {
     const auto order = keys_.reorder(change);
     std::vector<Record> sorted;
@@ -120,6 +125,8 @@ class SmoothContact final : public ContactModel {
     EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
     const SmoothSums sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
                                             : run<(slides || rolls)>(world, contacts, clock.dt, lag > 0.0);
+    if constexpr (remembers)
+      if (clock.dt == 0.0) memory_.keep();
     incidence_.build(contacts, world.size());
     gather_forces(contacts, incidence_, world);
     record(sums, contacts, clock.dt, report);
