@@ -42,13 +42,13 @@ struct VelocityChange {
 
 /// What the parts remember of one contact; parts without memory take no room.
 template <class NormalMemory, class Friction, class Rolling>
-struct ContactRecord {
+struct ContactHistory {
   [[no_unique_address]] NormalMemory normal{};
   [[no_unique_address]] Friction friction{};
   [[no_unique_address]] Rolling rolling{};
 };
 template <class N, class T, class R>
-inline constexpr bool is_plain<ContactRecord<N, T, R>> = true;  // numbers and Eigen's vectors only
+inline constexpr bool is_plain<ContactHistory<N, T, R>> = true;  // numbers and Eigen's vectors only
 
 /// Records of all contacts, carried by contact key; the last step's beside this one's.
 template <class Record>
@@ -95,7 +95,7 @@ class SmoothContact final : public ContactModel {
                         hysteretic = RemembersNormal<Normal>;
   static constexpr bool remembers = slides || rolls || hysteretic;
   using Record =
-      ContactRecord<NormalState<Normal>, typename Tangential::Memory, std::conditional_t<rolls, Spring, Nothing<2>>>;
+      ContactHistory<NormalState<Normal>, typename Tangential::Memory, std::conditional_t<rolls, Spring, Nothing<2>>>;
 
  public:
   static constexpr Needs needs = Normal::needs | Tangential::needs | Rolling::needs;
