@@ -33,11 +33,28 @@ void WrapBodies::before_step(World& world, double, std::vector<BodyId>&) {
   });
 }
 
+namespace {
+
+/// The next strain rate of an axis. A packing near jamming is so stiff that a rate fit for the gas before it overshoots
+/// within a step and shakes the packing for ever; hence a rate begins at the limit, halves where its direction changes, down
+/// to a hundredth, and grows again slowly where it keeps it.
+double followed(double before, double excess, double limit) {
+  constexpr double growth = 2e-5, least = 1e-2;  // per step; of the limit
+  const double wanted = limit * std::clamp(excess, -1.0, 1.0);
+  if (before == 0.0) return wanted;
+  const double most = std::max(least * limit, std::abs(before) * (before * wanted > 0.0 ? 1.0 + growth : 0.5));
+  return std::clamp(wanted, -most, most);
+}
+
+}  // namespace
+
 void DeformCell::before_step(World& world, double dt, std::vector<BodyId>&) {
   PeriodicCell& cell = *world.cell;
   if (control_.pressure) {
     const Vec3 excess = cell.stress() / *control_.pressure - Vec3::Ones();
-    cell.strain_rate = control_.rate_limit * excess.cwiseMax(-1.0).cwiseMin(1.0);
+    for (int k = 0; k < 3; ++k)
+      if (cell.repeats[static_cast<std::size_t>(k)])
+        cell.strain_rate[k] = followed(cell.strain_rate[k], excess[k], control_.rate_limit);
   } else {
     cell.strain_rate = control_.strain_rate;
   }

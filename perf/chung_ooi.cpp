@@ -78,8 +78,8 @@ struct Errors {
   }
 };
 
-void row(Errors& errors, const char* test, const std::string& what, double exact, const Shot& shot, double Outcome::*quantity,
-         double sign, double scale) {
+void row(Errors& errors, const char* test, const std::string& what, double exact, const Shot& shot,
+         double Outcome::*quantity, double sign, double scale) {
   const double coarse = sign * (shoot(shot, 100).*quantity), fine = sign * (shoot(shot, 4000).*quantity);
   std::printf("| %s | %s | %.5g | %.5g | %.1e | %.5g | %.1e |", test, what.c_str(), exact, coarse,
               std::abs(coarse - exact) / scale, fine, std::abs(fine - exact) / scale);
@@ -171,8 +171,8 @@ void oblique_tests(const std::string& figures, Errors& errors) {
                           {14, -5}}) {
     const double scale = 0.3 * 5;
     Shot shot{steel, 1e-5, 5, r.psi * scale, 0, 1.0, 0.3};
-    row(errors, "5", "psi = " + std::to_string(static_cast<int>(r.psi)) + ", R spin/(mu v_n)", r.spin, shot, &Outcome::spin,
-        -1e-5 / scale, 1.0);
+    row(errors, "5", "psi = " + std::to_string(static_cast<int>(r.psi)) + ", R spin/(mu v_n)", r.spin, shot,
+        &Outcome::spin, -1e-5 / scale, 1.0);
   }
 }
 
@@ -213,7 +213,9 @@ int main(int argc, char** argv) {
                    "error over the scale of the impact [-]",
                    {errors.coarse, errors.fine},
                    {},
-                   {{"micro-slip at 100 steps: 2 %", 0.02}, {"micro-slip at 4000 steps: 0.3 %", 3e-3}, {"full slip, normal: 0.1 %", 1e-3}},
+                   {{"micro-slip at 100 steps: 2 %", 0.02},
+                    {"micro-slip at 4000 steps: 0.3 %", 3e-3},
+                    {"full slip, normal: 0.1 %", 1e-3}},
                    {}},
        figures + "/chung_ooi");
 }

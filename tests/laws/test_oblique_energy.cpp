@@ -27,7 +27,8 @@ std::vector<LawCase> cases() {
           {"hertz-mindlin", "mindlin-deresiewicz"},
           {"hunt-crossley", "mindlin", parameters_of({{"reference_speed", speed}})},
           {"kuwabara-kono", "mindlin", parameters_of({{"relaxation_time", 1e-7}})},
-          {"power-law", "coulomb-spring", parameters_of({{"stiffness", k * std::pow(1e-2 * radius, -1.0)}, {"exponent", 2}})},
+          {"power-law", "coulomb-spring",
+           parameters_of({{"stiffness", k * std::pow(1e-2 * radius, -1.0)}, {"exponent", 2}})},
           {"walton-braun", "coulomb-spring", parameters_of({{"stiffness", k}})},
           {"dmt", "mindlin", parameters_of({{"work_of_adhesion", 0.05}})},
           {"jkr", "mindlin", parameters_of({{"work_of_adhesion", 0.05}})}};

@@ -143,7 +143,8 @@ TEST_CASE("a sphere leaves a dome at 48.19 degrees sliding, at 53.90 rolling (ca
   CHECK(leaves_dome(false, 1e9) == Approx(48.1897).margin(0.1));
   // mu = 10: rigid, it slips from 53.3 degrees on and leaves at 53.900. An elastic contact lets go a part of its own
   // period late, which goes like E^(-1/3): 0.114 at 1 GPa, 0.056 at 10, 0.025 at 100, 0.012 at 1000.
-  const double rigid_angle = 53.8998, soft = leaves_dome(true, 1e9) - rigid_angle, stiff = leaves_dome(true, 1e10) - rigid_angle;
+  const double rigid_angle = 53.8998, soft = leaves_dome(true, 1e9) - rigid_angle,
+               stiff = leaves_dome(true, 1e10) - rigid_angle;
   CHECK(std::abs(stiff) < 0.1);
   CHECK(stiff / soft == Approx(std::cbrt(0.1)).margin(0.06));
 }

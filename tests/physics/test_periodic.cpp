@@ -123,7 +123,7 @@ TEST_CASE("a cubic lattice in a straining cell has the stress of its springs and
 }
 
 TEST_CASE("a cell strains towards its pressure", "[physics][periodic]") {
-  auto run = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 1.2));
+  auto run = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 2.0));
   run.advance_to(0);
   const PeriodicCell& cell = *run.simulation().world.cell;
   for (int k = 0; k < 3; ++k) CHECK(cell.stress()[k] == Approx(500.0).epsilon(1e-6));
