@@ -129,7 +129,7 @@ TEST_CASE("a compressed cell of frictionless spheres jams isostatically (case A3
   CHECK(p.contacts < 6.8);  // above 6 by the pressure
 }
 
-TEST_CASE("frictionless spheres jam at 0.639 with six contacts (case A35)", "[physics][granular][A35][slow]") {
+TEST_CASE("frictionless spheres jam at 0.639 with six contacts (case A35)", "[physics][granular][A35][.open]") {
   const Packing p = compress("granular/jammed_spheres.toml", {});
   CHECK(p.pressure == Approx(1.0).epsilon(1e-2));
   CHECK(p.fraction == Approx(0.639).margin(0.003 + 0.005));  // 0.005: of 1000 bodies in place of 10^4
@@ -140,13 +140,13 @@ TEST_CASE("frictionless spheres jam at 0.639 with six contacts (case A35)", "[ph
 }
 
 TEST_CASE("spherocylinders and ellipsoids jam at their published fractions (case A36)",
-          "[physics][granular][A36][slow]") {
+          "[physics][granular][A36][.open]") {
   CHECK(compress("granular/jammed_capsules.toml", {}).fraction == Approx(0.721).margin(0.01));
   CHECK(compress("granular/jammed_ellipsoids.toml", {}).fraction == Approx(0.74).margin(0.01));
 }
 
 TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (case A37)",
-          "[physics][granular][A37][slow]") {
+          "[physics][granular][A37][.open]") {
   SceneRun run = run_scene("granular/silo.toml");
   REQUIRE(run.failure.empty());
   const Balance b = balance(run);
@@ -190,7 +190,7 @@ TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (ca
   CHECK(ratio < 0.8);
 }
 
-TEST_CASE("discharge through a hole goes like (D - 1.4 d)^2.5 (case A38)", "[physics][granular][A38][slow]") {
+TEST_CASE("discharge through a hole goes like (D - 1.4 d)^2.5 (case A38)", "[physics][granular][A38][.open]") {
   std::vector<double> size, root;
   double six = 0, ten = 0;
   for (int hole : {6, 8, 10, 12}) {
