@@ -14,7 +14,7 @@ namespace epafi {
 /// Two bodies whose fattened bounding boxes overlap; id(a) < id(b).
 struct Pair {
   Slot a, b;
-  std::uint32_t image = 0;  ///< periodic image code of B, 0 where the cell is not periodic
+  std::uint32_t image = 0;  ///< image_code of B's place, and in the next byte that of the contact's key; 0: B itself
   auto operator<=>(const Pair&) const = default;
 };
 
@@ -64,7 +64,7 @@ struct ContactSet {
   /// Appends all of `other` behind this.
   void append(const ContactSet& other);
   /// From B's centre to the contact point [m].
-  Vec3 arm_b(std::size_t i, const World& world) const { return arm[i] + (world.position[a[i]] - world.position[b[i]]); }
+  Vec3 arm_b(std::size_t i, const World& world) const { return arm[i] - world.branch(a[i], b[i], feature[i]); }
   Vec3 point(std::size_t i, const World& world) const { return world.position[a[i]] + arm[i]; }
   /// Bytes of one contact, as `epafi explain` prints them.
   std::size_t bytes_per_contact() const;

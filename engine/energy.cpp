@@ -21,11 +21,15 @@ double kinetic_energy(const World& world) {
   return block_sum<double>(world.size(), [&](std::size_t i) { return kinetic_energy(world, static_cast<Slot>(i)); });
 }
 
+double potential_energy(const World& world, Slot s) {
+  if (!world.is_movable(s)) return 0.0;
+  return -world.free_acceleration(s).dot(world.unwrapped(s)) / world.inverse_mass[s];
+}
+
 double potential_energy(const World& world) {
   return block_sum<double>(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
-    if (!world.is_movable(s)) return 0.0;
-    return -world.free_acceleration(s).dot(world.position[s]) / world.inverse_mass[s];
+    return potential_energy(world, s);
   });
 }
 
@@ -64,6 +68,12 @@ void EnergyLedger::accept_jump(const World& world, double stored_before) {
   const double change = potential - now_.potential;
   lowest_potential_ += change, highest_potential_ += change;
   now_.potential = potential;
+}
+
+void EnergyLedger::accept_bodies(double kinetic, double potential) {
+  now_.work += kinetic + potential;
+  lowest_potential_ += potential, highest_potential_ += potential;
+  now_.kinetic += kinetic, now_.potential += potential;
 }
 
 Energy EnergyLedger::measure(const World& world) {

@@ -13,7 +13,9 @@ namespace epafi {
 double kinetic_energy(const World& world, Slot body);
 /// Of all free bodies [J].
 double kinetic_energy(const World& world);
-/// -sum (m g + F).x over the free bodies [J].
+/// -(m g + F).x of one body along its path [J]; 0 for a fixed or driven one.
+double potential_energy(const World& world, Slot body);
+/// Of all free bodies [J].
 double potential_energy(const World& world);
 /// sum m v of the free bodies [N s].
 Vec3 linear_momentum(const World& world);
@@ -34,6 +36,8 @@ class EnergyLedger {
   void add(const StepReport& report);
   /// Bodies were added or removed: the jump of stored energy counts as work.
   void accept_jump(const World& world, double stored_before);
+  /// Bodies with these energies [J] came in.
+  void accept_bodies(double kinetic, double potential);
   /// The elastic energy after such a change, before the jump is accepted.
   void take_elastic(const StepReport& report) { now_.elastic = report.elastic; }
   /// Stored energies now; extends E_ref. Costs one pass over the bodies, so call it as often as the error is wanted.

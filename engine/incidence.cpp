@@ -19,7 +19,7 @@ void gather_forces(const ContactSet& contacts, const Incidence& incidence, World
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    if (world.is_movable(s)) {
+    if (world.is_movable(s) || world.columns().held_force) {
       incidence.for_each(s, [&](std::uint32_t k, double sign) {
         force += sign * contacts.force[k];
         if (!rotates) return;

@@ -40,6 +40,7 @@ enum class Kind {
   numbers,
   integers,  ///< one integer or a list of them
   vectors,
+  quadruples,  ///< a list of four numbers each, stored one behind the other
   texts,   ///< one word or a list of them
   table,   ///< a nested table; its values are stored flat as `name.key`
   shape,   ///< a name under [shape.*] or a shape written in place; read by whoever knows the shapes

@@ -14,18 +14,36 @@ void Simulation::start() {
 }
 
 std::optional<Failure> Simulation::advance(bool last) {
-  const std::size_t strays = leaving_.size();
-  for (auto& event : events) event->before_step(world, time_step, leaving_);
-  if (leaving_.size() > strays || (strays > 0 && steps_ % outlet_interval == 0)) take_out();
-  if (steps_ > 0 && steps_ % sort_interval == 0) sort_bodies();
-  step(world, pipeline, work, time_step);
+  const int parts = parts_of_step ? parts_of_step(world) : 1;
+  const bool sort = steps_ > 0 && steps_ % sort_interval == 0;
   ++steps_;
-  ledger.add(work.report);
-  if (auto failure = watch()) return failure;
+  for (int part = 0; part < parts; ++part)
+    if (auto failure = make_step(time_step / parts, sort && part == 0)) return failure;
+  parts_made_ += static_cast<std::uint64_t>(parts);
   StageTimer timer(work.report.seconds);
   observe(last);
   timer.lap(Stage::output);
   return std::nullopt;
+}
+
+std::optional<Failure> Simulation::make_step(double dt, bool sort) {
+  const std::size_t before = world.size(), strays = leaving_.size();
+  for (auto& event : events) event->before_step(world, dt, leaving_);
+  if (world.size() > before) welcome(before);
+  if (leaving_.size() > strays || (strays > 0 && steps_ % outlet_interval == 0)) take_out();
+  if (sort) sort_bodies();
+  step(world, pipeline, work, dt);
+  ledger.add(work.report);
+  return watch();
+}
+
+/// Bodies from slot `before` on came in: their energy is work done on the scene.
+void Simulation::welcome(std::size_t before) {
+  double kinetic = 0.0, potential = 0.0;
+  for (std::size_t s = before; s < world.size(); ++s)
+    kinetic += kinetic_energy(world, static_cast<Slot>(s)), potential += potential_energy(world, static_cast<Slot>(s));
+  ledger.accept_bodies(kinetic, potential);
+  count_movable();
 }
 
 void Simulation::count_movable() {
@@ -113,6 +131,7 @@ void Simulation::show(Observer& observer) {
 
 void Simulation::visit(StateVisitor& visitor) {
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
+  if (parts_of_step) visitor.value("simulation/parts", parts_made_);
   visitor.column("simulation/leaving", leaving_);
   world.visit(visitor);
   ledger.visit(visitor);

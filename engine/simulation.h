@@ -1,5 +1,6 @@
 /// @file simulation.h  A running scene: world, stages, events, ledger, observers, and the walk over all their state.
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,6 +25,8 @@ class Simulation {
   std::vector<std::unique_ptr<Event>> events;
   std::vector<std::unique_ptr<Observer>> observers;
   double time_step;  ///< dt [s]
+  /// Parts of the time step at this moment, >= 1; empty: one.
+  std::function<int(const World&)> parts_of_step;
   std::uint64_t sort_interval =
       1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
   /// Steps between removals of the bodies that left a domain with `outside = "delete"`: each one lays all columns,
@@ -31,6 +34,8 @@ class Simulation {
   std::uint64_t outlet_interval = 20;
 
   std::uint64_t steps() const { return steps_; }
+  /// Evaluations of the forces: more than steps where a time step is divided.
+  std::uint64_t parts_made() const { return parts_made_; }
   std::uint64_t bodies_removed() const { return removed_; }  ///< by remove_at and by `outside = "delete"`
 
   /// Initial forces, the ledger's zero, observers at step 0.
@@ -46,6 +51,8 @@ class Simulation {
   void sort_bodies();
   void count_movable();
   void take_out();
+  void welcome(std::size_t before);
+  std::optional<Failure> make_step(double dt, bool sort);
   void drop_contacts();
   std::optional<Failure> watch();
   void observe(bool last);
@@ -54,8 +61,9 @@ class Simulation {
 
   std::uint64_t steps_ = 0;
   std::uint64_t removed_ = 0;
-  std::size_t movable_ = 0;      ///< free bodies
-  std::vector<BodyId> leaving_;  ///< left the domain since the last removal; observers see them until then
+  std::size_t movable_ = 0;       ///< free bodies
+  std::uint64_t parts_made_ = 0;  ///< of all time steps
+  std::vector<BodyId> leaving_;   ///< left the domain since the last removal; observers see them until then
 };
 
 }  // namespace epafi

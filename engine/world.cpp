@@ -15,6 +15,7 @@ void World::each_column(F&& f) {
   f("world/position", position), f("world/velocity", velocity);
   if (columns_.force) f("world/force", force);
   if (columns_.external_force) f("world/external_force", external_force);
+  if (columns_.periodic) f("world/wraps", wraps);
   if (!columns_.rotation) return;
   f("world/orientation", orientation), f("world/angular_velocity", angular_velocity);
   f("world/inverse_inertia", inverse_inertia);
@@ -51,9 +52,14 @@ void World::rotate_at(Slot s, double dt) {
   angular_velocity[s] = apply_inverse_inertia(s, angular_momentum[s]);
 }
 
-BodyId World::add(const Body& body) {
-  const auto new_id = static_cast<BodyId>(slot_of_.size());
-  slot_of_.push_back(static_cast<Slot>(size()));
+BodyId World::reserve() {
+  slot_of_.push_back(no_slot);
+  return static_cast<BodyId>(slot_of_.size() - 1);
+}
+
+void World::add(const Body& body, BodyId new_id) {
+  EPAFI_REQUIRE(slot_of(new_id) == no_slot, "a body comes once");
+  slot_of_[static_cast<std::uint32_t>(new_id)] = static_cast<Slot>(size());
   const bool free = body.mass > 0.0;
   each_column([](const char*, auto& column) { column.emplace_back(); });
   id.back() = new_id, shape.back() = body.shape, material.back() = body.material;
@@ -61,6 +67,7 @@ BodyId World::add(const Body& body) {
   position.back() = body.position, velocity.back() = body.velocity;
   if (columns_.force) force.back().setZero();
   if (columns_.external_force) external_force.back() = body.external_force;
+  if (columns_.periodic) wraps.back().setZero();
   if (columns_.rotation) {
     orientation.back() = body.orientation.normalized();
     inverse_inertia.back() = free ? Vec3(body.inertia.cwiseInverse()) : Vec3(0, 0, 0);
@@ -68,7 +75,6 @@ BodyId World::add(const Body& body) {
     if (columns_.anisotropy) angular_momentum.back().setZero();
     set_angular_velocity(static_cast<Slot>(size() - 1), body.angular_velocity);
   }
-  return new_id;
 }
 
 Reordering World::reorder(std::span<const Slot> order) {
@@ -100,6 +106,7 @@ Reordering World::remove(std::span<const BodyId> bodies) {
 void World::visit(StateVisitor& visitor) {
   visitor.value("world/time", time);
   visitor.column("world/slot_of", slot_of_);
+  if (cell) visitor.value("world/cell", *cell);
   each_column([&](const char* name, auto& column) { visitor.column(name, column); });
 }
 

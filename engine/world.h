@@ -1,10 +1,12 @@
 /// @file world.h  The state of all bodies: one column per quantity, structure of arrays, indexed by slot.
 /// A column that the scene does not need is empty (see Columns). Fixed and driven bodies have inverse mass 0.
 #pragma once
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "engine/periodic_cell.h"
 #include "engine/rotation.h"
 #include "engine/state_visitor.h"
 #include "engine/types.h"
@@ -18,6 +20,8 @@ struct Columns {
       false;          ///< some free body has unequal principal moments: angular momentum is kept beside the velocity
   bool force = true;  ///< force (and torque, with rotation): smooth contact only
   bool external_force = false;  ///< constant forces on some bodies
+  bool periodic = false;        ///< cells passed by each body
+  bool held_force = false;      ///< contact forces on fixed and driven bodies are summed too
 };
 
 /// One body as it enters the world.
@@ -44,6 +48,7 @@ class World {
 
   double time = 0.0;            ///< [s]
   Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
+  std::optional<PeriodicCell> cell{};  ///< where space repeats; with columns().periodic
 
   std::vector<BodyId> id;  ///< of each slot
   std::vector<std::uint32_t> shape;
@@ -51,6 +56,7 @@ class World {
   std::vector<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
   std::vector<Vec3> position;          ///< [m]
   std::vector<Vec3> velocity;          ///< [m/s]
+  std::vector<Wraps> wraps;            ///< cells passed; with columns().periodic
   std::vector<Vec3> force;             ///< contact force at the last detection [N]; with columns().force
   std::vector<Vec3> external_force;    ///< [N]; with columns().external_force
   std::vector<Quat> orientation;       ///< with columns().rotation, as are the next three
@@ -66,6 +72,23 @@ class World {
   bool is_movable(Slot s) const { return inverse_mass[s] > 0.0; }
   Slot slot_of(BodyId body) const { return slot_of_[static_cast<std::uint32_t>(body)]; }  ///< no_slot when removed
   std::size_t ids_given() const { return slot_of_.size(); }
+
+  /// Along the path, cells passed counted in [m].
+  Vec3 unwrapped(Slot s) const {
+    return cell ? Vec3(position[s] + wraps[s].cast<double>().cwiseProduct(cell->size)) : position[s];
+  }
+  /// From B to the image of B that a contact is with [m]; image: the top byte of its feature.
+  Vec3 image_shift(Slot a, Slot b, std::uint64_t feature) const {
+    const auto key = static_cast<std::uint32_t>(feature >> 56);
+    const Wraps passed = wraps[b] - wraps[a];
+    return cell->shift(image_code(passed.x() + static_cast<int>(key & 3u), passed.y() + static_cast<int>(key >> 2 & 3u),
+                                  passed.z() + static_cast<int>(key >> 4 & 3u)));
+  }
+  /// From the centre of A to that of B, or to its image that a contact is with [m].
+  Vec3 branch(Slot a, Slot b, std::uint64_t feature) const {
+    const Vec3 straight = position[b] - position[a];
+    return cell ? Vec3(straight + image_shift(a, b, feature)) : straight;
+  }
 
   Pose pose(Slot s) const { return {position[s], rotates() ? orientation[s] : Quat(1, 0, 0, 0)}; }
   /// Acceleration by everything but contact: gravity and external force [m/s^2]; zero for fixed bodies.
@@ -98,7 +121,14 @@ class World {
     return i.x() == i.y() && i.y() == i.z();
   }
 
-  BodyId add(const Body& body);
+  BodyId add(const Body& body) {
+    const BodyId id_of_body = reserve();
+    add(body, id_of_body);
+    return id_of_body;
+  }
+  /// A name for a body that comes later; it has no slot until then.
+  BodyId reserve();
+  void add(const Body& body, BodyId reserved);
   /// Takes the bodies out; slots close up. The caller hands the result to every stage.
   Reordering remove(std::span<const BodyId> bodies);
   /// Puts the body of slot order[k] into slot k.

@@ -7,11 +7,13 @@
 #include <map>
 
 #include "detection/broad/all_broad_phases.h"
+#include "detection/broad/periodic_pairs.h"
 #include "detection/continuous/sweep_guard.h"
 #include "detection/narrow/narrow_phase.h"
 #include "engine/schemes/all_schemes.h"
 #include "scenes/contact_setup.h"
 #include "scenes/generators.h"
+#include "scenes/periodic_scene.h"
 #include "scenes/sphere_split.h"
 #include "scenes/time_step.h"
 
@@ -25,25 +27,29 @@ double density(const Scene& scene, std::size_t material, const Place& place) {
   return m.density;
 }
 
-/// Adds the body and gives it its name; checks that its shape may do what it is asked to.
-BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
+/// The body of a shape that may do what it is asked to.
+Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
   Body body;
   body.position = spec.position, body.velocity = spec.velocity, body.angular_velocity = spec.angular_velocity;
   body.shape = shape.ref.packed, body.material = static_cast<std::uint16_t>(spec.material);
   body.orientation = spec.orientation * shape.frame.orientation;
   body.external_force = spec.force;
-  if (spec.moves()) {
-    if (!shape.is_solid)
-      throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion",
-                                   spec.name, a.scene.shapes[spec.shape].type),
-                       place);
-    const double rho = density(a.scene, spec.material, place);
-    body.mass = rho * shape.volume, body.inertia = rho * shape.frame.moments;
-  }
-  World& world = a.simulation->world;
-  const BodyId id = world.add(body);
+  if (!spec.moves()) return body;
+  if (!shape.is_solid)
+    throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion",
+                                 spec.name, a.scene.shapes[spec.shape].type),
+                     place);
+  const double rho = shape.mass > 0 ? 1.0 : density(a.scene, spec.material, place);
+  body.mass = shape.mass > 0 ? shape.mass : rho * shape.volume, body.inertia = rho * shape.frame.moments;
+  return body;
+}
+
+BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
+  const BodyId id = a.simulation->world.add(make_body(a, shape, spec, place));
   a.body_names.push_back(spec.name);
-  if (spec.motion) a.simulation->events.push_back(std::make_unique<DriveBody>(id, *spec.motion, spec.position));
+  auto& events = a.simulation->events;
+  if (spec.motion) events.push_back(std::make_unique<DriveBody>(id, *spec.motion, spec.position));
+  if (spec.servo) events.push_back(std::make_unique<ServoWall>(id, *spec.servo));
   return id;
 }
 
@@ -54,25 +60,53 @@ void add_removals(Assembly& a) {
   for (auto& [time, bodies] : by_time) a.simulation->events.push_back(std::make_unique<RemoveBodies>(bodies, time));
 }
 
+/// What a source pours: each body at its time.
+struct Stream {
+  PourBodies::Setup setup;
+  double time = 0.0;
+};
+
 void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
   std::vector<FillShape> shapes;
-  const double rho = density(a.scene, fill.material, fill.place);
   for (std::size_t s : fill.shapes) {
     const BuiltShape& b = builder.build(s);
     if (!b.is_solid) throw SceneError("shape '" + a.scene.shapes[s].type + "' cannot fill a region", fill.place);
-    shapes.push_back({b.radius, rho * b.volume, b.is_sphere});
+    shapes.push_back({b.radius, b.mass > 0 ? b.mass : density(a.scene, fill.material, fill.place) * b.volume, b.is_sphere});
   }
   const FillResult result = generate(fill, shapes);
   if (!result.shortfall.empty())
     throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
+  Stream stream{{fill.name, {}, fill.region.min, fill.region.max, fill.seed, {}}, fill.from};
+  auto& ids = a.fill_ids.emplace_back();
   for (std::size_t k = 0; k < result.bodies.size(); ++k) {
     const FillBody& f = result.bodies[k];
     BodySpec spec;
     spec.name = fmt::format("{}[{}]", fill.name, k);
     spec.shape = fill.shapes[f.shape], spec.material = fill.material;
     spec.position = f.position, spec.orientation = f.orientation, spec.velocity = fill.velocity;
-    add_body(a, builder.build(spec.shape, f.size), spec, fill.place);
+    const BuiltShape& shape = builder.build(spec.shape, f.size);
+    if (fill.method != FillSpec::Method::pour) {
+      ids.push_back(add_body(a, shape, spec, fill.place));
+      continue;
+    }
+    if (((fill.region.max - fill.region.min).array() < 2 * shape.radius).any())
+      throw SceneError("[[fill]]: a body is larger than the region it is poured into", fill.place);
+    ids.push_back(a.simulation->world.reserve());
+    a.body_names.push_back(spec.name);
+    const Body body = make_body(a, shape, spec, fill.place);
+    stream.setup.bodies.push_back({body, ids.back(), stream.time, shape.radius});
+    stream.time += fill.rate > 0 ? 1.0 / fill.rate : body.mass / fill.mass_rate;
   }
+  if (stream.setup.bodies.empty()) return;
+  stream.setup.radius = [store = a.shapes](std::uint32_t shape) { return store->bounding_radius({shape}); };
+  auto source = std::make_unique<PourBodies>(std::move(stream.setup));
+  a.sources.push_back(source.get());
+  a.simulation->events.push_back(std::move(source));
+}
+
+void add_outlets(Assembly& a) {
+  for (const auto& o : a.scene.outlets)
+    a.simulation->events.push_back(std::make_unique<Outlet>(o.name, o.region.min, o.region.max));
 }
 
 BroadSetup broad_setup(const Assembly& a) {
@@ -89,12 +123,16 @@ void set_broad_phase(Assembly& a) {
   const World& world = a.simulation->world;
   std::string name = a.scene.detection.broad_phase.value;
   a.plan.broad_phase_reason = "named in the scene";
-  if (name == "auto") {
+  if (name == "auto" && !a.sources.empty()) {
+    name = "spatial-hash", a.plan.broad_phase_reason = "bodies are poured in";
+  } else if (name == "auto") {
     const BroadChoice choice = choose_broad_phase(world, setup);
     name = choice.name, a.plan.broad_phase_reason = choice.reason;
   }
   a.plan.broad_phase = name;
-  a.simulation->pipeline.broad_phase = make_broad_phase(name, setup, world);
+  auto broad_phase = make_broad_phase(name, setup, world);
+  if (world.cell) broad_phase = std::make_unique<PeriodicPairs>(setup, std::move(broad_phase));
+  a.simulation->pipeline.broad_phase = std::move(broad_phase);
 }
 
 /// Watches the bodies that are `continuous`; null where there are none.
@@ -128,10 +166,31 @@ Pipeline make_pipeline(Assembly& a) {
 
 }  // namespace
 
-std::vector<BodyId> Assembly::ids(const std::vector<std::size_t>& bodies) const {
+std::vector<BodyId> Assembly::ids(const NamedBodies& named) const {
   std::vector<BodyId> out;
-  for (std::size_t b : bodies) out.push_back(body_ids[b]);
+  for (std::size_t b : named.bodies) out.push_back(body_ids[b]);
+  for (const auto& [fill, one] : named.fills) {
+    const auto& all = fill_ids[fill];
+    if (!one)
+      out.insert(out.end(), all.begin(), all.end());
+    else if (*one < all.size())
+      out.push_back(all[*one]);
+    else
+      throw SceneError(fmt::format("'{}[{}]' is not there: the fill has {} bodies", scene.fills[fill].name, *one,
+                                   all.size()),
+                       scene.fills[fill].place);
+  }
   return out;
+}
+
+MeasureSetup Assembly::measure_setup(const MeasureSpec& spec) const {
+  MeasureSetup setup{spec.name, spec.parameters, {}, shapes.get(), spec.interval, nullptr};
+  for (const auto& bodies : spec.bodies) setup.bodies.push_back(ids(bodies));
+  if (!spec.parameters.has("outlet")) return setup;
+  for (const auto& event : simulation->events)
+    if (const auto* outlet = dynamic_cast<const Outlet*>(event.get()))
+      if (outlet->name() == spec.parameters.text("outlet")) setup.tally = &outlet->tally();
+  return setup;
 }
 
 std::unique_ptr<Assembly> assemble(Scene scene) {
@@ -149,15 +208,19 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   sim.work.contacts.with_area = a->plan.needs.area;
   sim.work.contacts.with_moment = a->plan.needs.contact_moment;
   if (a->scene.domain) sim.domain = a->scene.domain->value;
+  if (a->scene.cell) sim.world.cell = a->scene.cell->cell;
   for (const auto& b : a->scene.bodies)
     a->body_ids.push_back(add_body(*a, builder.build(b.shape), b, a->scene.groups[b.group].place));
   for (const auto& f : a->scene.fills) add_fill(*a, builder, f);
+  add_outlets(*a);
+  if (a->scene.cell) add_cell(*a);
   sim.pipeline.guard = make_guard(*a);
   add_removals(*a);
   a->warnings = builder.warnings();
   set_broad_phase(*a);
   a->time_step = choose_time_step(*a);
   sim.time_step = a->time_step.value;
+  sim.parts_of_step = a->time_step.parts;
   a->steps =
       static_cast<std::uint64_t>(std::max(1.0, std::ceil(a->scene.run.duration.value / sim.time_step * (1 - 1e-9))));
   return a;

@@ -1,12 +1,15 @@
 /// @file assemble.h  From a validated scene to a simulation that can step.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "engine/simulation.h"
+#include "engine/sources.h"
 #include "scenes/monitor.h"
 #include "scenes/plan.h"
+#include "viz_export/measures/measure.h"
 
 namespace epafi {
 
@@ -15,6 +18,7 @@ struct TimeStep {
   double value = 0.0;  ///< [s]
   double limit = 0.0;  ///< stability or accuracy limit [s]; infinite where there is none
   std::string reason;
+  std::function<int(const World&)> parts{};  ///< of "adaptive": into how many parts a step is divided
 };
 
 /// A scene made ready. The scene, the shapes and the simulation live together: observers refer to them.
@@ -26,10 +30,14 @@ struct Assembly {
   std::shared_ptr<ShapeStore> shapes;
   std::unique_ptr<Simulation> simulation;
   std::vector<BodyId> body_ids;         ///< of Scene::bodies, in order; bodies of fills follow
+  std::vector<std::vector<BodyId>> fill_ids;  ///< of Scene::fills; those that are poured have no slot before they come
+  std::vector<const PourBodies*> sources;
   std::vector<std::string> body_names;  ///< by body id
   std::vector<Problem> warnings;
 
-  std::vector<BodyId> ids(const std::vector<std::size_t>& bodies) const;
+  std::vector<BodyId> ids(const NamedBodies& named) const;
+  /// What a measure of the scene looks at.
+  MeasureSetup measure_setup(const MeasureSpec& spec) const;
 };
 
 /// Builds shapes, plan, world and stages. Throws SceneError for what only shows now (geometry, missing constants, time

@@ -12,6 +12,38 @@ namespace epafi {
 
 namespace {
 
+/// Mean and deviation of the logarithm.
+std::pair<double, double> of_logarithm(const FillSpec::Size& s) {
+  const double ratio = s.deviation / s.mean, variance = std::log1p(ratio * ratio);
+  return {std::log(s.mean) - 0.5 * variance, std::sqrt(variance)};
+}
+
+/// One draw of a standard normal number (Box and Muller 1958).
+double draw_normal(Random& random) {
+  const double u = 1.0 - random.uniform(), v = random.uniform();
+  return std::sqrt(-2.0 * std::log(u)) * std::cos(2 * M_PI * v);
+}
+
+double draw_size(const FillSpec::Size& s, Random& random) {
+  if (s.distribution == "uniform") return s.min + (s.max - s.min) * random.uniform();
+  if (s.distribution == "table") {
+    double total = 0;
+    for (double share : s.shares) total += share;
+    double pick = random.uniform() * total;
+    std::size_t k = 0;
+    while (k + 1 < s.shares.size() && pick >= s.shares[k]) pick -= s.shares[k++];
+    return s.values[k];
+  }
+  const auto [mean, deviation] = of_logarithm(s);
+  double f = s.mean;
+  for (int trial = 0; trial < 1000; ++trial) {  // what the bounds cut off is drawn again
+    const double g = draw_normal(random);
+    f = s.distribution == "normal" ? s.mean + s.deviation * g : std::exp(mean + deviation * g);
+    if (f >= s.min && f <= s.max) return f;
+  }
+  return std::clamp(f, s.min, s.max);  // bounds so narrow hold nothing but themselves
+}
+
 /// What body number k is, whatever else was placed.
 FillBody draw(const FillSpec& fill, const std::vector<FillShape>& shapes, Random& random) {
   FillBody body;
@@ -19,8 +51,10 @@ FillBody draw(const FillSpec& fill, const std::vector<FillShape>& shapes, Random
   for (double w : fill.weights) total += w;
   double pick = random.uniform() * total;
   while (body.shape + 1 < fill.weights.size() && pick >= fill.weights[body.shape]) pick -= fill.weights[body.shape++];
-  const double u = random.uniform();
-  if (fill.size) body.size = fill.size->min + (fill.size->max - fill.size->min) * u;
+  if (fill.size)
+    body.size = draw_size(*fill.size, random);
+  else
+    random.bits();
   if (!shapes[body.shape].is_sphere) {  // uniform on the rotations (Shoemake 1992)
     const double a = random.uniform(), b = 2 * M_PI * random.uniform(), c = 2 * M_PI * random.uniform();
     body.orientation = Quat(std::sqrt(a) * std::cos(c), std::sqrt(1 - a) * std::sin(b), std::sqrt(1 - a) * std::cos(b),
@@ -125,6 +159,20 @@ class Occupancy {
   std::unordered_map<std::uint64_t, std::vector<std::pair<Vec3, double>>> spheres_;
 };
 
+/// Bodies without places: those that a source pours.
+FillResult stream(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  FillResult result;
+  Quota quota(fill);
+  for (std::uint64_t n = 0;; ++n) {
+    Random random(fill.seed, n);
+    const FillBody body = draw(fill, shapes, random);
+    const double mass = mass_of(body, shapes);
+    if (!quota.wants_more(mass)) return result;
+    result.bodies.push_back(body);
+    quota.place(mass);
+  }
+}
+
 FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& shapes) {
   constexpr int trials = 200;
   const double largest = largest_radius(fill, shapes);
@@ -161,7 +209,14 @@ FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& 
 
 }  // namespace
 
+SizeBounds natural_bounds(const FillSpec::Size& s) {
+  if (s.distribution == "normal") return {s.mean - 3 * s.deviation, s.mean + 3 * s.deviation};
+  const auto [mean, deviation] = of_logarithm(s);
+  return {std::exp(mean - 3 * deviation), std::exp(mean + 3 * deviation)};
+}
+
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  if (fill.method == FillSpec::Method::pour) return stream(fill, shapes);
   return fill.method == FillSpec::Method::lattice ? lattice(fill, shapes) : random_insertion(fill, shapes);
 }
 

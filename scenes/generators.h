@@ -26,9 +26,15 @@ struct FillResult {
   std::string shortfall;  ///< why there are fewer bodies than asked for; empty when all are placed
 };
 
+struct SizeBounds {
+  double min, max;
+};
+/// Three deviations on both sides of the mean, of the logarithm for lognormal sizes.
+SizeBounds natural_bounds(const FillSpec::Size& size);
+
 /// Bounding spheres of the placed bodies neither overlap each other nor leave the region.
 /// lattice: cubic cells of 1.02 of the largest diameter, filled from below, each body anywhere inside its cell.
-/// random: sequential insertion, from below in slices; stops after 200 rejected trials in a row per body.
+/// pour: what comes, without places. random: sequential insertion, from below in slices; stops after 200 rejected trials in a row per body.
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes);
 
 }  // namespace epafi

@@ -94,14 +94,13 @@ double RunMonitor::value_of(std::size_t i, const StepView& view) {
   const Vec3 up = w.gravity.squaredNorm() > 0 ? Vec3(-w.gravity.normalized()) : Vec3::UnitZ();
   if (w.time < b.after * (1 - 1e-12)) return 0.0;
   auto& start = bound_start_[i];
-  if (start.empty())
-    for (BodyId id : bound_bodies_[i])
-      start.push_back(w.slot_of(id) == no_slot ? Vec3::Zero() : w.position[w.slot_of(id)]);
+  if (start.empty()) start.assign(bound_bodies_[i].size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   double worst = 0;
   for (std::size_t k = 0; k < start.size(); ++k) {
     const Slot s = w.slot_of(bound_bodies_[i][k]);
     if (s == no_slot) continue;
-    const Vec3 moved = w.position[s] - start[k];
+    if (!start[k].allFinite()) start[k] = w.unwrapped(s);  // when it is seen first
+    const Vec3 moved = w.unwrapped(s) - start[k];
     const double rise = moved.dot(up);
     worst = std::max(worst, b.quantity == "sag" ? -rise : (moved - rise * up).norm());
   }

@@ -98,7 +98,7 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
 
 /// Free spheres of one material under a law with a fused loop. Periodic cells are left to the generic one.
 void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shapes, StepPlan& plan) {
-  if (scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
+  if (scene.cell || scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
   std::set<std::size_t> materials;
   std::size_t spheres = 0;
   const auto count = [&](std::size_t shape, std::size_t material, std::size_t number) {
@@ -149,6 +149,14 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   pay(plan.columns.external_force, "external force", "a body has a constant force",
       pushed != scene.bodies.end() ? scene.groups[pushed->group].place : Place{});
   const auto swift = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.continuous; });
+  plan.columns.periodic = scene.cell.has_value();
+  pay(plan.columns.periodic, "images", "the domain repeats: images of bodies at its faces, cells passed by each body",
+      scene.cell ? scene.cell->place : Place{});
+  const auto servo = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.servo.has_value(); });
+  plan.columns.held_force = servo != scene.bodies.end();
+  pay(plan.columns.held_force, "force on walls", "a servo feels what it presses on",
+      servo != scene.bodies.end() ? scene.groups[servo->group].place : Place{});
+  pay(scene.run.adaptive, "speed of all bodies", "time_step = \"adaptive\" looks at it before every step", scene.run.time_step.place);
   pay(swift != scene.bodies.end(), "continuous", "a body is watched along its way within a step",
       swift != scene.bodies.end() ? scene.groups[swift->group].place : Place{});
   if (smooth && swift != scene.bodies.end())

@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "engine/cell_events.h"
 #include "engine/domain.h"
 #include "engine/error.h"
 #include "engine/events.h"
 #include "engine/registry.h"
+#include "engine/servo.h"
 #include "engine/types.h"
 #include "laws/material.h"
 
@@ -29,7 +31,8 @@ struct Placed {
 /// [run]
 struct RunSettings {
   Placed<double> duration;                    ///< [s], > 0
-  Placed<std::optional<double>> time_step;    ///< [s], > 0; empty: "auto"
+  Placed<std::optional<double>> time_step;    ///< [s], > 0; empty: "auto" or "adaptive"
+  bool adaptive = false;                      ///< time_step = "adaptive": divided as the motion asks
   Placed<std::string> scheme;                 ///< resolved from the method where not written
   Placed<double> output_interval;             ///< [s], > 0; default duration / 100
   std::optional<double> checkpoint_interval;  ///< [s], > 0; empty: only at the end and on interruption
@@ -95,6 +98,7 @@ struct BodySpec {
   bool fixed = false;
   bool continuous = false;                          ///< held back from passing through others within a step
   std::optional<Motion> motion;                     ///< motion = { ... } of a driven body
+  std::optional<Servo> servo;                       ///< motion = { servo = { ... } } of one that presses
   std::optional<double> remove_at;                  ///< [s]
   Vec3 position = Vec3::Zero();                     ///< of the centre of mass [m]
   Quat orientation = Quat(1, 0, 0, 0);              ///< of the author's axes, unit
@@ -102,7 +106,7 @@ struct BodySpec {
   Vec3 angular_velocity = Vec3::Zero();             ///< world axes [rad/s]
   Vec3 force = Vec3::Zero();                        ///< constant external force [N]
   Placed<bool> spins;                               ///< an angular velocity was written
-  bool moves() const { return !fixed && !motion; }  ///< free: has mass, is integrated
+  bool moves() const { return !fixed && !motion && !servo; }  ///< free: has mass, is integrated
 };
 
 /// A [[body]] or [[bodies]] table: its bodies are Scene::bodies[first .. first + count).
@@ -119,10 +123,13 @@ struct Region {
 
 /// [[fill]]
 struct FillSpec {
-  enum class Method { lattice, random };
+  enum class Method { lattice, random, pour };
+  /// Factor of the shape's size.
   struct Size {
-    std::string distribution = "uniform";
-    double min = 1.0, max = 1.0;  ///< factor of the shape's size, > 0
+    std::string distribution = "uniform";     ///< uniform, normal, lognormal, table
+    double min = 1.0, max = 1.0;              ///< all sizes lie between, > 0
+    double mean = 1.0, deviation = 0.0;       ///< normal and lognormal: of the factor itself, before it is cut off
+    std::vector<double> values, shares;       ///< table: sizes and how many bodies have them, same length
   };
   std::string name;                 ///< of the group; "fill" where not written
   std::vector<std::size_t> shapes;  ///< indices in Scene::shapes
@@ -136,17 +143,41 @@ struct FillSpec {
   Method method = Method::lattice;
   std::uint64_t seed = 1;
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
+  double rate = 0.0;             ///< pour: bodies per second [1/s], or 0
+  double mass_rate = 0.0;        ///< pour: [kg/s], or 0
+  double from = 0.0;             ///< pour: begin [s]
   Place place;
 };
 
+/// [[outlet]]: free bodies whose centres come into the box are taken out and counted.
+struct OutletSpec {
+  std::string name;
+  Region region;
+  Place place;
+};
+
+/// [world] domain: periodic, strain_rate, pressure.
+struct CellSpec {
+  PeriodicCell cell;
+  CellControl control;  ///< a rate_limit of 0: chosen from pressure and sizes
+  bool deforms = false;
+  Place place;
+};
+
+/// What a name stands for: bodies of the scene and of its fills.
+struct NamedBodies {
+  std::vector<std::size_t> bodies;                                          ///< indices of Scene::bodies
+  std::vector<std::pair<std::size_t, std::optional<std::size_t>>> fills;  ///< index of the fill, of its body or all
+};
+
 /// [[measure]]: kind is the entry's name, parameters its fields (plane.point, plane.normal (unit), body, between,
-/// region.box.min, ...). Bodies are resolved: `bodies` holds the indices of all bodies that the name stands for.
+/// region.box.min, ...). Names of bodies are resolved in `bodies`.
 struct MeasureSpec {
   std::string name;
   std::string kind;
   double interval = 0.0;  ///< [s]; 0: every step
   Parameters parameters;
-  std::vector<std::vector<std::size_t>> bodies;  ///< of body = NAME (one list) or between = [NAME, NAME] (two lists)
+  std::vector<NamedBodies> bodies;  ///< of body = NAME (one) or between = [NAME, NAME] (two)
   Place place;
 };
 
@@ -155,7 +186,7 @@ struct BoundSpec {
   std::string quantity;             ///< energy_error, overlap_relative, momentum_error, residual, drift, sag
   double limit = 0.0;               ///< value <= limit
   std::string body;                 ///< of drift and sag
-  std::vector<std::size_t> bodies;  ///< resolved
+  NamedBodies bodies;               ///< resolved
   double after = 0.0;               ///< [s]
   Place place;
 };
@@ -186,6 +217,7 @@ struct Scene {
   RunSettings run;
   Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
   std::optional<Placed<Domain>> domain;
+  std::optional<CellSpec> cell;
   std::vector<MaterialSpec> materials;
   ContactSettings contact;
   DetectionSettings detection;
@@ -193,6 +225,7 @@ struct Scene {
   std::vector<BodySpec> bodies;
   std::vector<GroupSpec> groups;
   std::vector<FillSpec> fills;
+  std::vector<OutletSpec> outlets;
   std::vector<MeasureSpec> measures;
   std::vector<BoundSpec> bounds;
   std::vector<BoundSpec> accuracy;

@@ -64,6 +64,8 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
                            static_cast<int>(p.number("along"))));
   else if (spec.type == "polyhedron")
     out = build_hull(spec, size);
+  else if (spec.type == "clump")
+    out = build_clump(spec, size);
   else if (spec.type == "mesh")
     out = build_mesh(spec, size);
   else if (spec.type == "half_space")
@@ -71,6 +73,26 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
   else
     throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
   return built_.emplace(key, out).first->second;
+}
+
+BuiltShape ShapeBuilder::build_clump(const ShapeSpec& spec, double size) {
+  const Parameters& p = spec.parameters;
+  const auto& numbers = p.numbers("spheres");
+  Clump clump;
+  for (std::size_t k = 0; k + 3 < numbers.size(); k += 4)
+    clump.parts.push_back({size * Vec3(numbers[k], numbers[k + 1], numbers[k + 2]), size * numbers[k + 3]});
+  const MassProperties whole = clump.mass_properties();
+  BuiltShape out = solid({}, whole, 0.0);
+  if (p.has("mass")) {
+    const double volume = size * size * size;
+    out.mass = volume * p.number("mass");
+    out.frame = {size * (p.has("centre") ? p.vec3("centre") : Vec3(whole.centre / size)), Quat(1, 0, 0, 0),
+                 volume * size * size * p.vec3("inertia")};
+  }
+  for (PlacedBall& ball : clump.parts) ball.centre = out.frame.to_principal(ball.centre);
+  out.radius = clump.bounding_radius();
+  out.ref = store_.add(std::move(clump));
+  return out;
 }
 
 BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {

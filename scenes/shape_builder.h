@@ -18,6 +18,7 @@ struct BuiltShape {
   double radius = 0.0;   ///< of the bounding sphere about the body's centre [m], infinite for a half-space
   bool is_sphere = false;
   bool is_solid = true;  ///< may move freely
+  double mass = 0.0;     ///< given by the scene [kg]; frame.moments are then whole ones, no density is needed
 };
 
 /// Builds each (shape, size factor) once. Geometry that cannot be built (not convex, no volume, not closed) is a
@@ -31,6 +32,7 @@ class ShapeBuilder {
   const std::vector<Problem>& warnings() const { return warnings_; }
 
  private:
+  BuiltShape build_clump(const ShapeSpec& spec, double size);
   BuiltShape build_hull(const ShapeSpec& spec, double size);
   BuiltShape build_mesh(const ShapeSpec& spec, double size);
 

@@ -56,7 +56,7 @@ std::vector<ContactRecord> contact_records(const World& world, const ContactSet&
     ContactRecord r;
     r.id_a = static_cast<std::uint32_t>(world.id[a]), r.id_b = static_cast<std::uint32_t>(world.id[b]);
     r.from = world.is_movable(a) ? world.position[a] : contacts.point(i, world);
-    r.to = world.is_movable(b) ? world.position[b] : contacts.point(i, world);
+    r.to = world.is_movable(b) ? Vec3(world.position[a] + world.branch(a, b, contacts.feature[i])) : contacts.point(i, world);
     r.force = force;
     r.normal_force = -force.dot(contacts.normal[i]);
     r.overlap = std::max(0.0, -contacts.gap[i]);

@@ -25,13 +25,31 @@ class ContactSink {
  public:
   explicit ContactSink(ContactSet& out) : out_(out) {}
   /// Opens the pair that the next points belong to.
-  void begin(Slot a, Slot b) { a_ = a, b_ = b, first_ = out_.size(), flipped_ = false; }
+  /// image: of the contact's key, in a periodic cell.
+  void begin(Slot a, Slot b, std::uint32_t image = 0) {
+    a_ = a, b_ = b, first_ = out_.size(), flipped_ = false, image_ = Feature{image} << 56;
+    part_ = 0, depth_ = 0, offset_.setZero();
+  }
+  /// The next points are those of part k of a body; offset: of the part from A's centre where it is A's, else 0 [m]. The
+  /// number stands in bits 48 to 55 of the feature, that of a part within a part in the eight below.
+  void enter_part(std::size_t k, const Vec3& offset) {
+    depth_ += 1, part_ |= Feature{k} << (56 - 8 * depth_);
+    offset_ += offset;
+  }
+  void leave_part(const Vec3& offset) {
+    part_ &= ~(Feature{0xff} << (56 - 8 * depth_)), depth_ -= 1;
+    offset_ -= offset;
+  }
   /// The next points come from a function that has the bodies the other way round: normals turn, arms are taken from A.
   /// centre: of the function's A relative to the pair's A [m].
   void flip(const Vec3& centre) { flipped_ = true, centre_ = centre; }
   void add(const ContactPoint& c) {
-    if (!flipped_) return out_.append(a_, b_, c);
-    out_.append(a_, b_, {c.gap, -c.normal, c.arm + centre_, c.effective_radius, c.feature, c.area});
+    if (!flipped_)
+      out_.append(a_, b_, c);
+    else
+      out_.append(a_, b_, {c.gap, -c.normal, c.arm + centre_, c.effective_radius, c.feature, c.area});
+    if (depth_ > 0) out_.arm.back() += offset_;
+    out_.feature.back() |= image_ | part_;
   }
   /// A pair whose certified interval did not close: counted, and reported by the narrow phase.
   void mark_degenerate() { ++degenerate_; }
@@ -58,7 +76,9 @@ class ContactSink {
   Slot a_ = 0, b_ = 0;
   std::size_t first_ = 0, degenerate_ = 0;
   bool flipped_ = false;
-  Vec3 centre_ = Vec3::Zero();
+  Feature image_ = 0, part_ = 0;
+  int depth_ = 0;
+  Vec3 centre_ = Vec3::Zero(), offset_ = Vec3::Zero();
 };
 
 /// Radius that stands for a shape's curvature in R* [m]: exact for spheres, infinite for planes, otherwise the shape's

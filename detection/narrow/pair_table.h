@@ -1,5 +1,5 @@
 /// @file pair_table.h  The generated matrix of batch functions, one cell per ordered pair of shape types.
-/// A cell is, in this order: a closed form, the same with the bodies exchanged, a mesh pair, polyhedra, GJK and EPA, or
+/// A cell is, in this order: part by part, a closed form, the same with the bodies exchanged, a mesh pair, polyhedra, GJK and EPA, or
 /// empty where the pair never touches. tests/golden/pair_table.txt holds the method of every cell.
 #pragma once
 #include <array>
@@ -19,6 +19,15 @@ namespace epafi {
 template <class M>
 concept MeshShape = requires(const M& m, const Aabb& box, std::vector<std::uint32_t>& out) {
   m.query(box, out);
+};
+
+/// Rigid cluster: every part touches on its own.
+template <class S>
+concept Compound = requires(const S& s, const Pose& pose) {
+  typename S::Part;
+  { s.part_count() } -> std::same_as<std::size_t>;
+  { s.part(0) } -> std::same_as<typename S::Part>;
+  { s.part_pose(0, pose) } -> std::same_as<Pose>;
 };
 
 /// What a batch reads.
@@ -55,90 +64,125 @@ concept HasTriangles = MeshShape<B> &&
 };
 
 inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
-  return {in.world.pose(p.a), in.world.pose(p.b), in.reach, in.curvature, in.caches.empty() ? nullptr : &in.caches[k],
-          in.area};
+  PairQuery q{in.world.pose(p.a), in.world.pose(p.b), in.reach, in.curvature,
+              in.caches.empty() ? nullptr : &in.caches[k], in.area};
+  if (in.world.cell) q.b.position += in.world.cell->shift(p.image);
+  return q;
 }
 inline PairQuery exchanged(const PairQuery& q) { return {q.b, q.a, q.reach, q.curvature, nullptr, q.area}; }
 
-/// One loop per cell: f(a, b, query, sink, k) with the concrete shapes.
-template <class A, class B, class F>
-void each_pair(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink, const F& f) {
-  const auto &as = in.shapes.of<A>(), &bs = in.shapes.of<B>();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Pair& p = pairs[k];
-    sink.begin(p.a, p.b);
-    f(as[ShapeRef{in.world.shape[p.a]}.index()], bs[ShapeRef{in.world.shape[p.b]}.index()], query_of(in, p, k), sink,
-      k);
-    sink.end();
+/// How a pair is decided; `exchanged`: by the function of (B, A).
+enum class Way { closed, closed_exchanged, triangles, triangles_exchanged, convex, parts_of_a, parts_of_b, none };
+
+template <class A, class B>
+constexpr Way way() {
+  if constexpr (Compound<A>) {
+    return way<typename A::Part, B>() == Way::none ? Way::none : Way::parts_of_a;
+  } else if constexpr (Compound<B>) {
+    return way<A, typename B::Part>() == Way::none ? Way::none : Way::parts_of_b;
+  } else if constexpr (HasClosedForm<A, B>) {
+    return Way::closed;
+  } else if constexpr (HasClosedForm<B, A>) {
+    return Way::closed_exchanged;
+  } else if constexpr (HasTriangles<A, B>) {
+    return Way::triangles;
+  } else if constexpr (HasTriangles<B, A>) {
+    return Way::triangles_exchanged;
+  } else {
+    return ConvexShape<A> && ConvexShape<B> ? Way::convex : Way::none;
+  }
+}
+
+/// f(part, pose, number) for the parts that may come near the other body.
+template <class C, class B, class F>
+void each_part(const C& whole, const Pose& pose, const B& other, const Pose& far, double reach, const F& f) {
+  for (std::size_t k = 0; k < whole.part_count(); ++k) {
+    const auto part = whole.part(k);
+    const Pose at = whole.part_pose(k, pose);
+    const double near = part.bounding_radius() + other.bounding_radius() + reach;
+    if ((at.position - far.position).squaredNorm() <= near * near) f(part, at, k);
+  }
+}
+
+/// Appends the contacts of one pair with the concrete shapes. triangles: candidates, where one of them is a mesh.
+template <class A, class B>
+void meet(const A& a, const B& b, const PairQuery& q, ContactSink& s, std::span<const std::uint32_t> triangles) {
+  constexpr Way by = way<A, B>();
+  if constexpr (by == Way::closed_exchanged || by == Way::triangles_exchanged) s.flip(q.b.position - q.a.position);
+  if constexpr (by == Way::closed) collide_closed(a, b, q, s);
+  if constexpr (by == Way::closed_exchanged) collide_closed(b, a, exchanged(q), s);
+  if constexpr (by == Way::triangles) collide_triangles(a, b, triangles, q, s);
+  if constexpr (by == Way::triangles_exchanged) collide_triangles(b, a, triangles, exchanged(q), s);
+  if constexpr (by == Way::convex) collide(a, b, q, s);
+  if constexpr (by == Way::parts_of_a) {
+    each_part(a, q.a, b, q.b, q.reach, [&](const auto& part, const Pose& pose, std::size_t k) {
+      const Vec3 offset = pose.position - q.a.position;
+      s.enter_part(k, offset);
+      meet(part, b, PairQuery{pose, q.b, q.reach, q.curvature, nullptr, q.area}, s, triangles);
+      s.leave_part(offset);
+    });
+  }
+  if constexpr (by == Way::parts_of_b) {
+    each_part(b, q.b, a, q.a, q.reach, [&](const auto& part, const Pose& pose, std::size_t k) {
+      s.enter_part(k, Vec3::Zero());
+      meet(a, part, PairQuery{q.a, pose, q.reach, q.curvature, nullptr, q.area}, s, triangles);
+      s.leave_part(Vec3::Zero());
+    });
   }
 }
 
 template <class Mesh, class Body>
-void find_candidates(const BatchInput& in, Slot mesh, Slot body, double margin, std::vector<std::uint32_t>& out) {
-  const Pose pose_mesh = in.world.pose(mesh), pose_body = in.world.pose(body);
+void find_candidates(const BatchInput& in, const Pair& p, bool mesh_first, double margin,
+                     std::vector<std::uint32_t>& out) {
+  const Slot mesh = mesh_first ? p.a : p.b, body = mesh_first ? p.b : p.a;
+  Pose pose_mesh = in.world.pose(mesh), pose_body = in.world.pose(body);
+  if (in.world.cell) (mesh_first ? pose_body : pose_mesh).position += in.world.cell->shift(p.image);
   const Pose relative{pose_mesh.to_local(pose_body.position),
                       pose_mesh.orientation.conjugate() * pose_body.orientation};
   const Aabb box = in.shapes.of<Body>()[ShapeRef{in.world.shape[body]}.index()].bounding_box(relative);
   in.shapes.of<Mesh>()[ShapeRef{in.world.shape[mesh]}.index()].query(box.fattened(margin + in.reach), out);
 }
 
+/// The pairs of a run, one after the other.
+template <class A, class B>
+void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
+  const auto &as = in.shapes.of<A>(), &bs = in.shapes.of<B>();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Pair& p = pairs[k];
+    sink.begin(p.a, p.b, p.image >> 8);
+    std::span<const std::uint32_t> triangles;
+    if constexpr (MeshShape<A> || MeshShape<B>)
+      triangles = in.triangles.subspan(in.triangle_begin[k], in.triangle_begin[k + 1] - in.triangle_begin[k]);
+    meet(as[ShapeRef{in.world.shape[p.a]}.index()], bs[ShapeRef{in.world.shape[p.b]}.index()], query_of(in, p, k), sink,
+         triangles);
+    sink.end();
+  }
+}
+
+template <class A, class B>
+constexpr const char* method_name() {
+  if constexpr (way<A, B>() == Way::parts_of_a || way<A, B>() == Way::parts_of_b) return "parts";
+  if constexpr (way<A, B>() == Way::triangles || way<A, B>() == Way::triangles_exchanged) return "mesh";
+  if constexpr (way<A, B>() == Way::convex) return PolyhedralShape<A> && PolyhedralShape<B> ? "sat" : "gjk-epa";
+  return "closed-form";
+}
+
 template <class A, class B>
 constexpr PairCell make_cell() {
-  if constexpr (HasClosedForm<A, B>) {
-    return {[](const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
-              each_pair<A, B>(in, pairs, sink,
-                              [](const A& a, const B& b, const PairQuery& q, ContactSink& s, std::size_t) {
-                                collide_closed(a, b, q, s);
-                              });
-            },
-            nullptr, "closed-form"};
-  } else if constexpr (HasClosedForm<B, A>) {
-    return {[](const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
-              each_pair<A, B>(in, pairs, sink,
-                              [](const A& a, const B& b, const PairQuery& q, ContactSink& s, std::size_t) {
-                                s.flip(q.b.position - q.a.position);
-                                collide_closed(b, a, exchanged(q), s);
-                              });
-            },
-            nullptr, "closed-form"};
-  } else if constexpr (HasTriangles<A, B>) {
-    return {[](const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
-              each_pair<A, B>(
-                  in, pairs, sink, [&in](const A& a, const B& b, const PairQuery& q, ContactSink& s, std::size_t k) {
-                    collide_triangles(
-                        a, b,
-                        in.triangles.subspan(in.triangle_begin[k], in.triangle_begin[k + 1] - in.triangle_begin[k]), q,
-                        s);
-                  });
-            },
-            [](const BatchInput& in, const Pair& p, double margin, std::vector<std::uint32_t>& out) {
-              find_candidates<B, A>(in, p.b, p.a, margin, out);
-            },
-            "mesh"};
-  } else if constexpr (HasTriangles<B, A>) {
-    return {[](const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
-              each_pair<A, B>(
-                  in, pairs, sink, [&in](const A& a, const B& b, const PairQuery& q, ContactSink& s, std::size_t k) {
-                    s.flip(q.b.position - q.a.position);
-                    collide_triangles(
-                        b, a,
-                        in.triangles.subspan(in.triangle_begin[k], in.triangle_begin[k + 1] - in.triangle_begin[k]),
-                        exchanged(q), s);
-                  });
-            },
-            [](const BatchInput& in, const Pair& p, double margin, std::vector<std::uint32_t>& out) {
-              find_candidates<A, B>(in, p.a, p.b, margin, out);
-            },
-            "mesh"};
-  } else if constexpr (ConvexShape<A> && ConvexShape<B>) {
-    return {[](const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
-              each_pair<A, B>(
-                  in, pairs, sink,
-                  [](const A& a, const B& b, const PairQuery& q, ContactSink& s, std::size_t) { collide(a, b, q, s); });
-            },
-            nullptr, PolyhedralShape<A> && PolyhedralShape<B> ? "sat" : "gjk-epa", true};
-  } else {
+  if constexpr (way<A, B>() == Way::none) {
     return {};
+  } else {
+    PairCell cell{&run_of<A, B>, nullptr, method_name<A, B>(), way<A, B>() == Way::convex};
+    if constexpr (MeshShape<B>) {
+      cell.candidates = [](const BatchInput& in, const Pair& p, double margin, std::vector<std::uint32_t>& out) {
+        find_candidates<B, A>(in, p, false, margin, out);
+      };
+    } else if constexpr (MeshShape<A>) {
+      cell.candidates = [](const BatchInput& in, const Pair& p, double margin, std::vector<std::uint32_t>& out) {
+        find_candidates<A, B>(in, p, true, margin, out);
+      };
+    }
+    return cell;
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "detection/shapes/box.h"
 #include "detection/shapes/capsule.h"
+#include "detection/shapes/clump.h"
 #include "detection/shapes/convex_hull.h"
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/ellipsoid.h"
@@ -17,6 +18,6 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump>;
 
 }  // namespace epafi

@@ -95,6 +95,17 @@ TriangleSurface tessellate(const ConvexHull& hull, const Fineness&) {
 
 TriangleSurface tessellate(const Box& box, const Fineness& fineness) { return tessellate(box.hull, fineness); }
 
+TriangleSurface tessellate(const Clump& clump, const Fineness& fineness) {
+  TriangleSurface all;
+  for (const PlacedBall& ball : clump.parts) {
+    const auto first = static_cast<std::uint32_t>(all.vertices.size());
+    const TriangleSurface one = tessellate(Sphere{ball.radius}, fineness);
+    for (const Vec3& v : one.vertices) all.vertices.push_back(ball.centre + v);
+    for (const Triangle& t : one.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return all;
+}
+
 TriangleSurface tessellate(const TriangleMesh& mesh, const Fineness&) { return {mesh.vertices, mesh.triangles}; }
 
 TriangleSurface tessellate(const HalfSpace& half_space, const Fineness& fineness) {

@@ -21,6 +21,8 @@ struct Fineness {
 [[nodiscard]] TriangleSurface tessellate(const Ellipsoid& ellipsoid, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const Superquadric& superquadric, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const TriangleMesh& mesh, const Fineness& fineness = {});
+/// Its balls, each whole.
+[[nodiscard]] TriangleSurface tessellate(const Clump& clump, const Fineness& fineness = {});
 
 [[nodiscard]] inline TriangleSurface tessellate(const ShapeStore& shapes, ShapeRef ref, const Fineness& fineness = {}) {
   return shapes.with(ref, [&](const auto& shape) { return tessellate(shape, fineness); });

@@ -25,10 +25,12 @@ struct SmoothSums {
   double viscous_power = 0.0;  ///< lost in dampers now [W]
   double driven_power = 0.0;   ///< of driven bodies on the others now [W]
   double lost = 0.0;           ///< to plastic deformation and adhesion during the step [J]
+  Vec3 virial = Vec3::Zero();  ///< of a periodic cell: force on A times branch, by axis [N m]
 
   SmoothSums& operator+=(const SmoothSums& o) {
     touching += o.touching, elastic += o.elastic, spring_energy += o.spring_energy, spring_work += o.spring_work;
     viscous_power += o.viscous_power, driven_power += o.driven_power, lost += o.lost;
+    virial += o.virial;
     return *this;
   }
 };
@@ -129,6 +131,7 @@ class SmoothContact final : public ContactModel {
       if (clock.dt == 0.0) memory_.keep();
     incidence_.build(contacts, world.size());
     gather_forces(contacts, incidence_, world);
+    if (world.cell) world.cell->virial = sums.virial;
     record(sums, contacts, clock.dt, report);
   }
 
@@ -155,6 +158,7 @@ class SmoothContact final : public ContactModel {
   struct Touch {
     std::size_t i;
     Slot a, b;
+    Vec3 branch;         ///< from the centre of A to that of B [m]
     Vec3 arm_b;          ///< where the world rotates [m]
     Vec3 slip_velocity;  ///< of B against A at the contact, middle of the step, normal part taken out [m/s]
     ContactKinematics at;
@@ -169,6 +173,7 @@ class SmoothContact final : public ContactModel {
     });
     SmoothSums total;
     for (const SmoothSums& s : blocks_) total += s;
+    if (world.cell) total.driven_power += total.virial.dot(world.cell->strain_rate);
     return total;
   }
 
@@ -183,7 +188,7 @@ class SmoothContact final : public ContactModel {
 
   template <bool rotates>
   void evaluate(const World& world, ContactSet& contacts, std::size_t i, double dt, bool predicted, SmoothSums& sums) {
-    Touch t{i, contacts.a[i], contacts.b[i], Vec3::Zero(), Vec3::Zero(), {}, {}};
+    Touch t{i, contacts.a[i], contacts.b[i], Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), {}, {}};
     const double mobility = world.inverse_mass[t.a] + world.inverse_mass[t.b];  // 1/m*
     bool touches = contacts.gap[i] < 0.0;
     if constexpr (requires { Normal::holds(memory_.before(i).normal); })
@@ -218,6 +223,7 @@ class SmoothContact final : public ContactModel {
     contacts.force[i] = force;
     if constexpr (rolls) contacts.moment[i] = roll(world, contacts, t, p.rolling, dt, predicted, sums);
     if (world.inverse_mass[t.a] * world.inverse_mass[t.b] == 0.0) drive<rotates>(world, contacts, t, sums);
+    if (world.cell) sums.virial += force.cwiseProduct(t.branch);
   }
 
   /// Relative velocity at the contact: its slip in the middle of the step, its approach at the end.
@@ -225,8 +231,10 @@ class SmoothContact final : public ContactModel {
   void move(const World& world, const ContactSet& contacts, Touch& t, bool predicted) const {
     const Vec3 &n = contacts.normal[t.i], &arm = contacts.arm[t.i];
     Vec3 velocity = world.velocity[t.b] - world.velocity[t.a];
+    t.branch = world.branch(t.a, t.b, contacts.feature[t.i]);
+    if (world.cell) velocity += world.cell->strain_rate.cwiseProduct(t.branch);
     if constexpr (rotates) {
-      t.arm_b = arm + (world.position[t.a] - world.position[t.b]);
+      t.arm_b = arm - t.branch;
       velocity += world.angular_velocity[t.b].cross(t.arm_b) - world.angular_velocity[t.a].cross(arm);
     }
     const double opening = velocity.dot(n);

@@ -104,6 +104,8 @@ struct Writer {
         return any_of(number, list_schema(number));
       case Kind::vectors:
         return list_schema(list_schema(number, 3));
+      case Kind::quadruples:
+        return list_schema(list_schema(number, 4));
       case Kind::texts:
         return any_of(word(field), list_schema(word(field)));
       case Kind::table:

@@ -33,6 +33,7 @@ struct BodyFile {
 };
 void read_polyset(Draft& draft, const BodyFile& file);
 void read_fills(Draft& draft);
+void read_outlets(Draft& draft);
 void read_measures(Draft& draft);
 void read_bounds(Draft& draft);
 void read_studies(Draft& draft);  ///< [sweep], [benchmark], [output]
@@ -61,9 +62,8 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
 
 /// Reports a group name that is taken.
 void check_group_name(Draft& draft, const std::string& name, const Place& place);
-/// The bodies a name stands for: a group or one of its bodies; reports an unknown one.
-std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place,
-                                     const std::string& label);
+/// The bodies a name stands for: a group or a fill, or one of its bodies; reports an unknown one.
+NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& place, const std::string& label);
 /// min < max in every component, else reported.
 bool check_box(Reading& reading, const Vec3& min, const Vec3& max, const Place& place, const std::string& label);
 /// A direction of any length but 0, made a unit vector.

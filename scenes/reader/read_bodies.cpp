@@ -49,7 +49,7 @@ std::vector<std::size_t> read_repeat(Draft& draft, const Node& item, const std::
 }
 
 std::optional<Motion> read_motion(Reading& reading, const TableValues& v, const std::string& label) {
-  if (!v.written("motion")) return std::nullopt;
+  if (!v.written("motion") || v.written("motion.servo")) return std::nullopt;
   Motion motion;
   if (v.has("motion.velocity")) motion.velocity = v.vec3("motion.velocity");
   motion.from = v.number_or("motion.from", 0.0);
@@ -67,6 +67,27 @@ std::optional<Motion> read_motion(Reading& reading, const TableValues& v, const 
   motion.oscillation_amplitude = v.number_or("motion.oscillation.amplitude", 0.0);
   motion.oscillation_frequency = v.number_or("motion.oscillation.frequency", 0.0);
   return motion;
+}
+
+std::optional<Servo> read_servo(Reading& reading, const TableValues& v, const std::string& label) {
+  if (!v.written("motion.servo")) return std::nullopt;
+  const Place place = v.place_of("motion.servo");
+  for (const char* key : {"motion.velocity", "motion.rotation", "motion.oscillation"})
+    if (v.written(key)) reading.error(v.place_of(key), label + " motion: a servo takes no other motion beside it");
+  const bool force = v.has("motion.servo.force"), stress = v.has("motion.servo.stress");
+  if (force == stress || stress != v.has("motion.servo.area"))
+    reading.error(place, label + " motion servo: write force, or stress with area");
+  if (!v.has("motion.servo.mass") || !v.has("motion.servo.max_speed") || !v.has("motion.servo.direction"))
+    return std::nullopt;
+  Servo servo;
+  servo.force = force ? v.number("motion.servo.force")
+                      : v.number_or("motion.servo.stress", 0.0) * v.number_or("motion.servo.area", 0.0);
+  servo.mass = v.number("motion.servo.mass"), servo.max_speed = v.number("motion.servo.max_speed");
+  servo.from = v.number_or("motion.from", 0.0), servo.until = v.number_or("motion.until", infinity);
+  if (const auto unit = unit_vector(reading, v.vec3("motion.servo.direction"), v.place_of("motion.servo.direction"),
+                                    label + " motion servo direction"))
+    servo.direction = *unit;
+  return servo;
 }
 
 Quat read_orientation(Reading& reading, const TableValues& v, const std::string& label) {
@@ -108,6 +129,7 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   body.orientation = read_orientation(reading, v, table.label);
   body.spins = {v.written("angular_velocity"), v.place_of("angular_velocity")};
   body.motion = read_motion(reading, v, table.label);
+  body.servo = read_servo(reading, v, table.label);
   body.remove_at = v.optional_number("remove_at");
   return body;
 }
@@ -115,7 +137,9 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
 /// What does not go together, once per table.
 void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const std::string& label) {
   Reading& reading = draft.reading;
-  if (body.fixed && body.motion)
+  if (body.servo && draft.scene.contact.method.value == Method::nonsmooth)
+    reading.error(v.place_of("motion"), label + ": a servo feels smooth contact only; write contact.method = \"smooth\"");
+  if (body.fixed && (body.motion || body.servo))
     reading.error(v.place_of("motion"), label + ": a fixed body has no motion; leave out fixed");
   if (body.continuous && !body.moves())
     reading.error(v.place_of("continuous"), label + ": continuous is for free bodies; this one is " +
@@ -213,20 +237,34 @@ void check_group_name(Draft& draft, const std::string& name, const Place& place)
     draft.reading.error(place, "the name '" + name + "' is given twice; first in line " + std::to_string(other.line));
 }
 
-std::vector<std::size_t> find_bodies(Draft& draft, const std::string& name, const Place& place,
-                                     const std::string& label) {
-  std::vector<std::size_t> found;
+namespace {
+
+/// k of "NAME[k]".
+std::optional<std::size_t> index_in(const std::string& name, const std::string& group) {
+  if (name.size() < group.size() + 3 || name.compare(0, group.size() + 1, group + "[") != 0 || name.back() != ']')
+    return std::nullopt;
+  const std::string digits = name.substr(group.size() + 1, name.size() - group.size() - 2);
+  if (digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
+  return std::stoul(digits);
+}
+
+}  // namespace
+
+NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& place, const std::string& label) {
+  NamedBodies found;
   std::vector<std::string> names;
   for (const auto& group : draft.scene.groups) {
     for (std::size_t k = group.first; k < group.first + group.count; ++k)
-      if (group.name == name || draft.scene.bodies[k].name == name) found.push_back(k);
+      if (group.name == name || draft.scene.bodies[k].name == name) found.bodies.push_back(k);
     if (!group.name.empty()) names.push_back(group.name);
   }
-  for (const auto& fill : draft.scene.fills) {
-    if (fill.name == name) return found;  // its bodies do not exist yet: whoever fills knows them
+  for (std::size_t f = 0; f < draft.scene.fills.size(); ++f) {
+    const auto& fill = draft.scene.fills[f];
+    const auto one = index_in(name, fill.name);
+    if (fill.name == name || one) found.fills.push_back({f, one});
     names.push_back(fill.name);
   }
-  if (found.empty())
+  if (found.bodies.empty() && found.fills.empty())
     draft.reading.error(place, "unknown body '" + name + "' in " + label + suggestion(name, names, "bodies"));
   return found;
 }

@@ -1,4 +1,7 @@
 /// @file read_fills.cpp  [[fill]]: many bodies placed in a region.
+#include <algorithm>
+
+#include "scenes/generators.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {
@@ -32,10 +35,60 @@ void read_amount(Reading& reading, const TableValues& values, const std::string&
   if (written != 1) reading.error(values.place, label + ": write exactly one of count, mass, until");
 }
 
-void read_size(Reading& reading, const TableValues& values, const std::string& label, FillSpec& fill) {
-  if (!values.has("size.distribution") || !values.has("size.min") || !values.has("size.max")) return;
-  fill.size = FillSpec::Size{values.text("size.distribution"), values.number("size.min"), values.number("size.max")};
-  if (fill.size->min > fill.size->max) reading.error(values.place_of("size"), label + " size: min is larger than max");
+/// Shares of mass as shares of number: a body of factor f weighs f^3.
+void shares_of_number(const TableValues& v, FillSpec::Size& size) {
+  if (v.text("size.by") != "mass") return;
+  for (std::size_t k = 0; k < size.shares.size(); ++k) size.shares[k] /= size.values[k] * size.values[k] * size.values[k];
+}
+
+void read_size(Reading& reading, const TableValues& v, const std::string& label, FillSpec& fill) {
+  if (!v.has("size.distribution")) return;
+  FillSpec::Size size;
+  size.distribution = v.text("size.distribution");
+  const auto wants = [&](std::initializer_list<const char*> keys) {
+    bool all = true;
+    for (const std::string key : keys) {
+      if (v.has("size." + key)) continue;
+      reading.error(v.place_of("size"), label + " size: distribution '" + size.distribution + "' needs " + key);
+      all = false;
+    }
+    return all;
+  };
+  const Place place = v.place_of("size");
+  if (size.distribution == "table") {
+    if (!wants({"values", "shares"})) return;
+    size.values = v.numbers("size.values"), size.shares = v.numbers("size.shares");
+    if (size.values.empty() || size.values.size() != size.shares.size())
+      return reading.error(place, label + " size: values and shares have the same length, at least 1");
+    size.min = *std::min_element(size.values.begin(), size.values.end());
+    size.max = *std::max_element(size.values.begin(), size.values.end());
+    shares_of_number(v, size);
+  } else if (size.distribution == "uniform") {
+    if (!wants({"min", "max"})) return;
+    size.min = v.number("size.min"), size.max = v.number("size.max");
+  } else {
+    if (!wants({"deviation"})) return;
+    size.mean = v.number_or("size.mean", 1.0), size.deviation = v.number("size.deviation");
+    const SizeBounds bounds = natural_bounds(size);
+    size.min = v.number_or("size.min", bounds.min), size.max = v.number_or("size.max", bounds.max);
+    if (!(size.min > 0.0))
+      return reading.error(place, label + " size: three deviations below the mean is no size; write min");
+    if (size.min > size.mean || size.max < size.mean)
+      return reading.error(place, label + " size: the mean lies between min and max");
+  }
+  if (size.min > size.max) reading.error(place, label + " size: min is larger than max");
+  fill.size = std::move(size);
+}
+
+void read_pouring(Reading& reading, const TableValues& v, const std::string& label, FillSpec& fill) {
+  const bool pours = fill.method == FillSpec::Method::pour;
+  for (const char* key : {"rate", "mass_rate", "from"})
+    if (!pours && v.written(key)) reading.warning(v.place_of(key), label + ": " + key + " is not used by this method");
+  if (!pours) return;
+  fill.rate = v.number_or("rate", 0.0), fill.mass_rate = v.number_or("mass_rate", 0.0), fill.from = v.number_or("from", 0.0);
+  if (v.written("rate") + v.written("mass_rate") != 1)
+    reading.error(v.place, label + ": method 'pour' needs rate (1/s) or mass_rate (kg/s)");
+  if (fill.full) reading.error(v.place, label + ": method 'pour' needs count or mass, a region never gets full");
 }
 
 void read_fill(Draft& draft, const Node& item) {
@@ -57,8 +110,11 @@ void read_fill(Draft& draft, const Node& item) {
     fill.region = {values.vec3("region.box.min"), values.vec3("region.box.max")};
     check_box(reading, fill.region.min, fill.region.max, values.place_of("region.box"), label + " region");
   }
-  fill.method =
-      values.has("method") && values.text("method") == "random" ? FillSpec::Method::random : FillSpec::Method::lattice;
+  const std::string method = values.has("method") ? values.text("method") : "";
+  fill.method = method == "random" ? FillSpec::Method::random
+                : method == "pour" ? FillSpec::Method::pour
+                                   : FillSpec::Method::lattice;
+  read_pouring(reading, values, label, fill);
   fill.seed = static_cast<std::uint64_t>(values.number_or("seed", static_cast<double>(draft.scene.run.seed)));
   if (values.has("velocity")) fill.velocity = values.vec3("velocity");
   draft.scene.fills.push_back(std::move(fill));

@@ -57,6 +57,19 @@ void read_measure(Draft& draft, const Node& item) {
     check_box(reading, p.vec3("region.box.min"), p.vec3("region.box.max"), values.place_of("region.box"),
               label + " region");
   if (p.has("body")) measure.bodies.push_back(find_bodies(draft, p.text("body"), values.place_of("body"), label));
+  const bool takes_region =
+      std::any_of(entry->fields.begin(), entry->fields.end(), [](const Field& f) { return f.name == "region"; });
+  const auto& cell = draft.scene.cell;
+  const bool endless = cell && cell->cell.repeats == std::array{true, true, true};
+  if (takes_region && !p.has("region.box.min") && !endless)
+    reading.error(values.place, "missing key 'region' in " + label + ": kind '" + entry->name + "' needs it");
+  if (p.has("outlet")) {
+    std::vector<std::string> names;
+    for (const auto& o : draft.scene.outlets) names.push_back(o.name);
+    if (std::find(names.begin(), names.end(), p.text("outlet")) == names.end())
+      reading.error(values.place_of("outlet"), "unknown outlet '" + p.text("outlet") + "' in " + label +
+                                                   suggestion(p.text("outlet"), names, "outlets"));
+  }
   if (p.has("between"))
     for (const auto& name : p.texts("between"))
       measure.bodies.push_back(find_bodies(draft, name, values.place_of("between"), label));
@@ -141,6 +154,24 @@ void collect_variations(Reading& reading, const std::string& label, const std::s
 }
 
 }  // namespace
+
+void read_outlets(Draft& draft) {
+  Reading& reading = draft.reading;
+  each_item(reading, "outlet", [&](const Node& item) {
+    const std::string label = item_label("outlet", item);
+    const TableValues values = read_table(item, label, reading.schema.at("outlet").fields, reading);
+    if (!values.has("region.box.min") || !values.has("region.box.max")) return;
+    OutletSpec outlet{values.has("name") ? values.text("name") : "outlet",
+                      {values.vec3("region.box.min"), values.vec3("region.box.max")},
+                      item.place};
+    check_box(reading, outlet.region.min, outlet.region.max, values.place_of("region.box"), label + " region");
+    for (const auto& other : draft.scene.outlets)
+      if (other.name == outlet.name)
+        reading.error(item.place, "the outlet '" + outlet.name + "' is given twice; first in line " +
+                                      std::to_string(other.place.line));
+    draft.scene.outlets.push_back(std::move(outlet));
+  });
+}
 
 void read_measures(Draft& draft) {
   each_item(draft.reading, "measure", [&](const Node& item) { read_measure(draft, item); });

@@ -51,11 +51,53 @@ void read_run(Draft& draft) {
   run.time_step.place = values.place_of("time_step");
   if (values.has("time_step") && std::holds_alternative<double>(values.all().at("time_step")))
     run.time_step.value = values.number("time_step");
+  run.adaptive = values.has("time_step") && !run.time_step.value && values.text("time_step") == "adaptive";
   run.output_interval = values.placed_number("output_interval", run.duration.value / 100.0);
   run.checkpoint_interval = values.optional_number("checkpoint_interval");
   run.seed = static_cast<std::uint64_t>(values.number_or("seed", 1.0));
   read_scheme(draft, values);
 }
+
+namespace {
+
+/// What makes a cell of the domain; along its axes the domain has no faces.
+void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
+  Reading& reading = draft.reading;
+  const std::string label = "[world] domain";
+  const bool rate = v.has("domain.strain_rate"), pressure = v.has("domain.pressure");
+  if (!v.has("domain.periodic")) {
+    for (const char* key : {"domain.strain_rate", "domain.pressure", "domain.rate_limit"})
+      if (v.written(key)) reading.error(v.place_of(key), label + ": only a periodic domain deforms; write periodic = [...]");
+    return;
+  }
+  CellSpec spec;
+  spec.place = v.place_of("domain.periodic");
+  spec.cell.low = domain.min, spec.cell.size = domain.max - domain.min;
+  for (const std::string& axis : v.texts("domain.periodic"))
+    spec.cell.repeats[static_cast<std::size_t>(axis[0] - 'x')] = true;
+  if (rate && pressure) reading.error(v.place_of("domain.pressure"), label + ": write strain_rate or pressure, not both");
+  if (v.written("domain.rate_limit") && !pressure)
+    reading.error(v.place_of("domain.rate_limit"), label + " rate_limit goes with pressure");
+  if (rate) spec.control.strain_rate = v.vec3("domain.strain_rate");
+  if (pressure) spec.control.pressure = v.number("domain.pressure");
+  spec.control.rate_limit = v.number_or("domain.rate_limit", 0.0);
+  spec.deforms = rate || pressure;
+  bool all = true;
+  for (int k = 0; k < 3; ++k) {
+    const bool repeats = spec.cell.repeats[static_cast<std::size_t>(k)];
+    all = all && repeats;
+    if (repeats) domain.min[k] = -infinity, domain.max[k] = infinity;
+    if (!repeats && spec.control.strain_rate[k] != 0.0)
+      reading.error(v.place_of("domain.strain_rate"), label + " strain_rate: the domain is not periodic along " + "xyz"[k]);
+    if (repeats && spec.deforms && draft.scene.gravity[k] != 0.0)
+      reading.error(spec.place, label + ": a cell that deforms along " + "xyz"[k] + " takes no gravity along it");
+  }
+  if (pressure && !all)
+    reading.error(v.place_of("domain.pressure"), label + " pressure needs periodic = [\"x\", \"y\", \"z\"]");
+  draft.scene.cell = spec;
+}
+
+}  // namespace
 
 void read_world(Draft& draft) {
   Reading& reading = draft.reading;
@@ -66,8 +108,9 @@ void read_world(Draft& draft) {
   Placed<Domain> domain{{values.vec3("domain.min"), values.vec3("domain.max"), Domain::Outside::error},
                         values.place_of("domain")};
   if (values.text("domain.outside") == "delete") domain.value.outside = Domain::Outside::remove;
-  if (check_box(reading, domain.value.min, domain.value.max, domain.place, "[world] domain"))
-    draft.scene.domain = domain;
+  if (!check_box(reading, domain.value.min, domain.value.max, domain.place, "[world] domain")) return;
+  read_cell(draft, values, domain.value);
+  draft.scene.domain = domain;
 }
 
 void read_materials(Draft& draft) {

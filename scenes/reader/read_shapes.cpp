@@ -1,6 +1,7 @@
 /// @file read_shapes.cpp  [shape.*] and shapes written in place.
 #include <filesystem>
 
+#include "detection/shapes/clump.h"
 #include "engine/nearest.h"
 #include "scenes/reader/parts.h"
 
@@ -45,6 +46,18 @@ void check_polyhedron(Reading& reading, const ShapeSpec& shape, const std::strin
   }
 }
 
+void check_clump(Reading& reading, const ShapeSpec& shape, const std::string& label) {
+  const auto& p = shape.parameters;
+  const auto& balls = p.numbers("spheres");
+  if (balls.empty() || balls.size() > 4 * Clump::most_parts)
+    reading.error(shape.place, label + " spheres: 1 to " + std::to_string(Clump::most_parts) + " balls, found " +
+                                   std::to_string(balls.size() / 4));
+  for (std::size_t k = 3; k < balls.size(); k += 4)
+    if (!(balls[k] > 0)) reading.error(shape.place, label + " spheres: every radius is positive");
+  if (p.has("mass") != p.has("inertia") || (p.has("centre") && !p.has("mass")))
+    reading.error(shape.place, label + ": mass and inertia are given together, centre with them, or none of them");
+}
+
 void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {
   if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere") {
     reading.error(values.place_of("scale_to_diameter"),
@@ -75,6 +88,7 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
     shape.rounding = values.number_or("rounding", 0.0);
     resolve_file(reading, shape, values.place_of(prefix + "file"), label + " " + form->name);
     if (form->name == "polyhedron") check_polyhedron(reading, shape, label + " polyhedron");
+    if (form->name == "clump" && shape.parameters.has("spheres")) check_clump(reading, shape, label + " clump");
     if (shape.parameters.has("normal")) {
       const auto normal = unit_vector(reading, shape.parameters.vec3("normal"), values.place_of(prefix + "normal"),
                                       label + " " + form->name + " normal");

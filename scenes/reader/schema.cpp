@@ -60,7 +60,7 @@ std::vector<Field> region_box() {
 TableSchema run_table(const Registry& registry) {
   Field step =
       with_default(optional("time_step", "dt", "s", Kind::number, positive, "time step"), Value(std::string("auto")));
-  step.choices = {"auto"};
+  step.choices = {"auto", "adaptive"};
   Field scheme = word("scheme", "time scheme; follows from the method where not written", names_of(registry.schemes));
   scheme.optional = true;
   return {"run",
@@ -75,10 +75,17 @@ TableSchema run_table(const Registry& registry) {
 }
 
 TableSchema world_table() {
+  Field axes = optional("periodic", "", "", Kind::texts, {1, 3}, "axes along which the domain repeats");
+  axes.choices = {"x", "y", "z"};
   std::vector<Field> domain{
       required("min", "", "m", Kind::vec3, {}, "lower corner"),
       required("max", "", "m", Kind::vec3, {}, "upper corner"),
-      with_default(word("outside", "what leaving it does", {"error", "delete"}), Value(std::string("error")))};
+      with_default(word("outside", "what leaving it does", {"error", "delete"}), Value(std::string("error"))),
+      axes,
+      optional("strain_rate", "", "1/s", Kind::vec3, {}, "of the periodic axes, extension positive"),
+      optional("pressure", "p", "Pa", Kind::number, positive, "the periodic axes strain towards this contact stress"),
+      optional("rate_limit", "", "1/s", Kind::number, positive,
+               "largest strain rate with pressure; 1e-3 of sqrt(p/rho)/d of the largest body where not written")};
   return {"world",
           TableSchema::Form::single,
           "what surrounds the bodies",
@@ -144,6 +151,15 @@ TableSchema shape_table(const Registry& registry) {
   return {"shape", TableSchema::Form::named, "a shape that bodies share: exactly one form", std::move(fields)};
 }
 
+std::vector<Field> servo_fields() {
+  return {optional("force", "F", "N", Kind::number, positive, "force to press with, or stress and area"),
+          optional("stress", "", "Pa", Kind::number, positive, "stress to press with"),
+          optional("area", "", "m^2", Kind::number, positive, "area that the stress acts on"),
+          required("direction", "", "", Kind::vec3, {}, "it presses along this, any length"),
+          required("mass", "m", "kg", Kind::number, positive, "inertia of the wall"),
+          required("max_speed", "", "m/s", Kind::number, positive, "speed without resistance")};
+}
+
 std::vector<Field> motion_fields() {
   std::vector<Field> rotation{
       required("axis", "", "", Kind::vec3, {}, "axis, any length"),
@@ -156,7 +172,8 @@ std::vector<Field> motion_fields() {
           with_default(required("from", "", "s", Kind::number, not_negative, "begin"), Value(0.0)),
           optional("until", "", "s", Kind::number, positive, "end; the end of the run where not written"),
           table("rotation", "turning about an axis", std::move(rotation)),
-          table("oscillation", "swinging along a line", std::move(oscillation))};
+          table("oscillation", "swinging along a line", std::move(oscillation)),
+          table("servo", "pressing with a given force", servo_fields())};
 }
 
 TableSchema body_table() {
@@ -197,9 +214,16 @@ TableSchema bodies_table() {
 }
 
 TableSchema fill_table() {
-  std::vector<Field> size{word("distribution", "how sizes are distributed", {"uniform"}),
-                          required("min", "", "", Kind::number, positive, "smallest factor"),
-                          required("max", "", "", Kind::number, positive, "largest factor")};
+  const std::vector<Field> size{
+      word("distribution", "how sizes are distributed", {"uniform", "normal", "lognormal", "table"}),
+      optional("min", "", "", Kind::number, positive, "smallest factor; 3 deviations below where not written"),
+      optional("max", "", "", Kind::number, positive, "largest factor; 3 deviations above where not written"),
+      optional("mean", "", "", Kind::number, positive, "mean of normal and lognormal; 1 where not written"),
+      optional("deviation", "", "", Kind::number, positive, "standard deviation of normal and lognormal"),
+      optional("values", "", "", Kind::numbers, positive, "table: factors"),
+      optional("shares", "", "", Kind::numbers, positive, "table: how often each of the factors occurs"),
+      with_default(word("by", "shares of the number of bodies or of their mass", {"number", "mass"}),
+                   Value(std::string("number")))};
   Field full = word("until", "fills the region", {"full"});
   full.optional = true;
   return {
@@ -209,13 +233,24 @@ TableSchema fill_table() {
       {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
        required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
        optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
-       table("size", "factor of the shape's size", std::move(size)), text("material", "a name under [material.*]"),
+       table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
        optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
        optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
        needed(table("region", "where the bodies are placed", region_box())),
-       with_default(word("method", "how the bodies are placed", {"lattice", "random"}), Value(std::string("lattice"))),
+       with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}), Value(std::string("lattice"))),
+       optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
+       optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
+       with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
        optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
        with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
+}
+
+TableSchema outlet_table() {
+  return {"outlet",
+          TableSchema::Form::list,
+          "takes out and counts the bodies whose centres come into a region",
+          {optional("name", "", "", Kind::text, {}, "name; outlet where not written"),
+           needed(table("region", "where bodies are taken out", region_box()))}};
 }
 
 TableSchema measure_table(const Registry& registry) {
@@ -264,6 +299,7 @@ SceneSchema make_schema(const Registry& registry) {
   all.push_back(body_table());
   all.push_back(bodies_table());
   all.push_back(fill_table());
+  all.push_back(outlet_table());
   all.push_back(measure_table(registry));
   all.push_back(
       {"bounds", Form::single, "watched during the run; a violation ends it with exit code 1", bound_fields()});

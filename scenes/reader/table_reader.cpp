@@ -93,6 +93,15 @@ std::optional<std::vector<double>> read_quaternion(const Node& node, const Key& 
   return q;
 }
 
+std::optional<std::vector<double>> read_quadruples(const Node& node, const Key& key) {
+  const auto one = [](const Node& n, const Key& k) { return read_tuple(n, k, 4, "a list of 4 numbers"); };
+  const auto rows = read_list<std::vector<double>>(node, key, "a list of [x, y, z, radius]", one);
+  if (!rows) return std::nullopt;
+  std::vector<double> flat;
+  for (const auto& row : *rows) flat.insert(flat.end(), row.begin(), row.end());
+  return flat;
+}
+
 std::optional<std::string> read_word(const Node& node, const Key& key) {
   if (node.type != Node::Type::text) return wrong_type(node, key, "a text"), std::nullopt;
   const auto& choices = key.field.choices;
@@ -161,6 +170,8 @@ std::optional<Value> read_value(const Node& node, const Key& key) {
       return as_value(read_list<double>(as_list(node), key, "whole numbers", read_integer));
     case Kind::vectors:
       return as_value(read_list<Vec3>(node, key, "a list of points [x, y, z]", read_vec3));
+    case Kind::quadruples:
+      return as_value(read_quadruples(node, key));
     case Kind::texts:
       return read_texts(node, key);
     case Kind::boolean:

@@ -46,25 +46,33 @@ inline std::string library(const std::string& scene) {
   return std::string(EPAFI_SOURCE_DIR) + "/scenes/library/" + scene;
 }
 
-/// Ready, not started: start(run) or load a state.
-inline SceneRun prepare_scene(const std::string& path, const std::vector<std::string>& overrides) {
-  ReadResult read = read_scene(path, overrides, full_registry());
+inline SceneRun prepare(ReadResult read) {
   if (!read.scene) throw SceneError(read.problems);
   SceneRun run;
   run.assembly = assemble(std::move(*read.scene));
   const Scene& scene = run.assembly->scene;
   for (const auto& spec : scene.measures) {
-    MeasureSetup setup{spec.name, spec.parameters, {}, run.assembly->shapes.get(), spec.interval};
-    for (const auto& bodies : spec.bodies) setup.bodies.push_back(run.assembly->ids(bodies));
     for (const auto& e : all_measures()) {
       if (e.entry.name != spec.kind) continue;
       const auto every =
           static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / run.simulation().time_step)));
-      auto recorder = std::make_unique<MeasureRecorder>(spec.name, e.make(setup), nullptr, nullptr, every);
+      auto recorder = std::make_unique<MeasureRecorder>(spec.name, e.make(run.assembly->measure_setup(spec)), nullptr, nullptr, every);
       run.recorders.push_back(recorder.get());
       run.simulation().observers.push_back(std::move(recorder));
     }
   }
+  return run;
+}
+
+/// Ready, not started: start(run) or load a state.
+inline SceneRun prepare_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  return prepare(read_scene(path, overrides, full_registry()));
+}
+
+/// A scene written in a test, started; steps: none done yet.
+inline SceneRun start_text(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  SceneRun run = prepare(read_scene_text(text, "scene.toml", overrides, full_registry()));
+  run.simulation().start();
   return run;
 }
 

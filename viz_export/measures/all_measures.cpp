@@ -4,6 +4,7 @@
 #include "viz_export/measures/bulk_measures.h"
 #include "viz_export/measures/contact_measures.h"
 #include "viz_export/measures/flow_measures.h"
+#include "viz_export/measures/granular_measures.h"
 
 namespace epafi {
 
@@ -14,10 +15,13 @@ const Field between{"between", "", "", Kind::texts, {}, {}, "two names of bodies
 const Field plane{"plane", "", "", Kind::table, {}, {}, "plane that is crossed", false, {},
                   {{"point", "", "m", Kind::vec3, {}, {}, "a point of the plane"},
                    {"normal", "", "", Kind::vec3, {}, {}, "direction that counts positive"}}};
-const Field region{"region", "", "", Kind::table, {}, {}, "part of space", false, {},
+const Field region{"region", "", "", Kind::table, {}, {}, "part of space; the whole periodic cell where not written", true, {},
                    {{"box", "", "", Kind::table, {}, {}, "between two corners", false, {},
                      {{"min", "", "m", Kind::vec3, {}, {}, "lower corner"}, {"max", "", "m", Kind::vec3, {}, {}, "upper corner"}}}}};
 const Field axis{"axis", "", "", Kind::text, Value(std::string("z")), {}, "direction across the layers", false, {"x", "y", "z"}};
+const Field centre{"centre", "", "m", Kind::vec3, Value(Vec3(0, 0, 0)), {}, "top of the axis of the heap, on its base"};
+const Field cell{"cell", "", "m", Kind::number, {}, positive, "edge of the cubes that are compared"};
+const Field outlet{"outlet", "", "", Kind::text, {}, {}, "name of an outlet"};
 const Field bins{"bins", "", "", Kind::integer, 10.0, {1, 200}, "number of layers"};
 const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
 
@@ -37,6 +41,8 @@ const std::vector<MeasureEntry>& all_measures() {
       {{"position", "centre of mass of a body or group", {body}, {}, ""}, make_body<BodyQuantity::position>},
       {{"velocity", "velocity of the centre of mass", {body}, {}, ""}, make_body<BodyQuantity::velocity>},
       {{"angular_velocity", "angular velocity (mean by mass)", {body}, {}, ""}, make_body<BodyQuantity::angular_velocity>},
+      {{"force", "sum of the contact forces on a body or group", {body}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<ForceMeasure>(std::move(s)); }},
       {{"drift", "largest horizontal displacement (distance) and sag since the start", {body}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<DriftMeasure>(std::move(s)); }},
       {{"coordination", "mean number of touching neighbours, with and without rattlers", {}, {}, "Agnolin and Roux 2007"},
@@ -47,6 +53,16 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<SolidFractionMeasure>(std::move(s)); }},
       {{"profile", "velocity and density in layers of a region", {region, axis, bins}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<ProfileMeasure>(std::move(s)); }},
+      {{"hysteresis", "force over overlap of one contact and the area of its loop", {between}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<HysteresisMeasure>(std::move(s)); }},
+      {{"force_chains", "chains of bodies of high stress, share of strong contacts", {}, {}, "Peters et al. 2005; Radjai et al. 1996"},
+       [](MeasureSetup s) { return std::make_unique<ForceChains>(std::move(s)); }},
+      {{"angle_of_repose", "slope of a heap (degrees), its height and reach", {centre, axis, bins}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<ReposeMeasure>(std::move(s)); }},
+      {{"mixing", "Lacey's index of two groups", {between, cell}, {}, "Lacey 1954"},
+       [](MeasureSetup s) { return std::make_unique<MixingMeasure>(std::move(s)); }},
+      {{"outlet", "bodies and mass that an outlet has taken out", {outlet}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<OutletMeasure>(std::move(s)); }},
   };
   return list;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace epafi {
 
@@ -17,26 +18,49 @@ Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std:
   return sum / weight;  // NaN when all are gone
 }
 
+namespace {
+
+/// Positions along unwrapped paths.
+std::vector<Vec3> paths(const World& w) {
+  std::vector<Vec3> x(w.size());
+  for (Slot s = 0; s < w.size(); ++s) x[s] = w.unwrapped(s);
+  return x;
+}
+
+}  // namespace
+
 void BodyMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   Vec3 v = Vec3::Zero();
-  if (quantity_ == BodyQuantity::position) v = mean_over(w, setup_.bodies[0], w.position);
+  if (quantity_ == BodyQuantity::position) v = mean_over(w, setup_.bodies[0], w.cell ? paths(w) : w.position);
   if (quantity_ == BodyQuantity::velocity) v = mean_over(w, setup_.bodies[0], w.velocity);
   if (quantity_ == BodyQuantity::angular_velocity && w.rotates()) v = mean_over(w, setup_.bodies[0], w.angular_velocity);
   values = {v.x(), v.y(), v.z()};
+}
+
+void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
+  const World& w = view.world;
+  const ContactSet& c = view.contacts;
+  std::vector<char> mine(w.size(), 0);
+  for (BodyId b : setup_.bodies[0])
+    if (w.slot_of(b) != no_slot) mine[w.slot_of(b)] = 1;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < c.size() && k < c.force.size(); ++k) sum += (mine[c.a[k]] - mine[c.b[k]]) * c.force[k];
+  values = {sum.x(), sum.y(), sum.z()};
 }
 
 void DriftMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const auto& bodies = setup_.bodies[0];
   if (start_.empty())
-    for (BodyId b : bodies) start_.push_back(w.slot_of(b) == no_slot ? Vec3::Zero() : w.position[w.slot_of(b)]);
+    start_.assign(bodies.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   const Vec3 up = w.gravity.squaredNorm() > 0 ? Vec3(-w.gravity.normalized()) : Vec3::UnitZ();
   double distance = 0, sag = 0;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Slot s = w.slot_of(bodies[k]);
     if (s == no_slot) continue;
-    const Vec3 moved = w.position[s] - start_[k];
+    if (!start_[k].allFinite()) start_[k] = w.unwrapped(s);  // when it is seen first
+    const Vec3 moved = w.unwrapped(s) - start_[k];
     const double rise = moved.dot(up);
     distance = std::max(distance, (moved - rise * up).norm()), sag = std::max(sag, -rise);
   }

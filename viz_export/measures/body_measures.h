@@ -18,6 +18,17 @@ class BodyMeasure final : public Measure {
   BodyQuantity quantity_;
 };
 
+/// Sum of the contact forces on a body or group, contacts within the group cancel: x, y, z [N].
+class ForceMeasure final : public Measure {
+ public:
+  explicit ForceMeasure(MeasureSetup setup) : setup_(std::move(setup)) {}
+  std::vector<std::string> components() const override { return {"x", "y", "z"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+
+ private:
+  MeasureSetup setup_;
+};
+
 /// distance: largest horizontal displacement of the bodies' centres since the start; sag: largest downward one [m].
 /// Horizontal is across gravity; z is up where there is none.
 class DriftMeasure final : public Measure {

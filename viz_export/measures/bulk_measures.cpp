@@ -7,15 +7,17 @@ namespace epafi {
 void StressMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const ContactSet& c = view.contacts;
+  const MeasureRegion region = region_.now(w);
   Mat3 sum = Mat3::Zero();
   for (std::size_t k = 0; k < c.size() && k < c.force.size(); ++k) {
     if (c.force[k].isZero(0.0)) continue;
     const Vec3 point = c.point(k, w);
-    if (!region_.holds(point)) continue;
-    const Vec3 from = w.is_movable(c.b[k]) ? w.position[c.b[k]] : point, to = w.is_movable(c.a[k]) ? w.position[c.a[k]] : point;
+    if (!region.holds(MeasureRegion::in_cell(w, point))) continue;
+    const Vec3 b = w.position[c.a[k]] + w.branch(c.a[k], c.b[k], c.feature[k]);  // the image that is touched
+    const Vec3 from = w.is_movable(c.b[k]) ? b : point, to = w.is_movable(c.a[k]) ? w.position[c.a[k]] : point;
     sum += c.force[k] * (to - from).transpose();
   }
-  const Mat3 stress = 0.5 / region_.volume() * (sum + sum.transpose());
+  const Mat3 stress = 0.5 / region.volume() * (sum + sum.transpose());
   values = {stress.trace() / 3.0, stress(0, 0), stress(1, 1), stress(2, 2), stress(0, 1), stress(0, 2), stress(1, 2)};
 }
 
@@ -36,10 +38,21 @@ double part_inside(const MeasureRegion& region, const Vec3& centre, double radiu
   return static_cast<double>(in) / all;
 }
 
+/// f(x) for a point and its next images.
+template <class F>
+void each_image(const World& w, const Vec3& x, const F& f) {
+  if (!w.cell) return f(x);
+  const auto span = [&](std::size_t k) { return w.cell->repeats[k] ? 1 : 0; };
+  for (int i = -span(0); i <= span(0); ++i)
+    for (int j = -span(1); j <= span(1); ++j)
+      for (int k = -span(2); k <= span(2); ++k) f(Vec3(x + w.cell->shift(image_code(i, j, k))));
+}
+
 }  // namespace
 
 void SolidFractionMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
+  const MeasureRegion region = region_.now(w);
   double volume = 0.0, bodies = 0.0;
   for (Slot s = 0; s < w.size(); ++s) {
     if (!w.is_movable(s)) continue;
@@ -48,10 +61,12 @@ void SolidFractionMeasure::sample(const StepView& view, std::vector<double>& val
       else return 0.0;
     });
     const double radius = std::cbrt(own * 0.238732414637843);  // 3/(4 pi)
-    volume += own * part_inside(region_, w.position[s], radius);
-    if (region_.holds(w.position[s])) bodies += 1.0;
+    const Vec3 x = MeasureRegion::in_cell(w, w.position[s]);
+    if (region.whole_cell) volume += own;  // every body is in it once
+    else each_image(w, x, [&](const Vec3& y) { volume += own * part_inside(region, y, radius); });
+    if (region.holds(x)) bodies += 1.0;
   }
-  values = {volume / region_.volume(), bodies};
+  values = {volume / region.volume(), bodies};
 }
 
 ProfileMeasure::ProfileMeasure(MeasureSetup setup) : region_(setup.parameters), bins_(static_cast<int>(setup.parameters.integer("bins"))) {
@@ -71,10 +86,12 @@ void ProfileMeasure::sample(const StepView& view, std::vector<double>& values) {
   const auto n = static_cast<std::size_t>(bins_);
   std::vector<Vec3> momentum(n, Vec3::Zero());
   std::vector<double> mass(n, 0.0);
-  const double low = region_.low[axis_], height = region_.high[axis_] - low;
+  const MeasureRegion region = region_.now(w);
+  const double low = region.low[axis_], height = region.high[axis_] - low;
   for (Slot s = 0; s < w.size(); ++s) {
-    if (!w.is_movable(s) || !region_.holds(w.position[s])) continue;
-    const auto k = std::min(n - 1, static_cast<std::size_t>((w.position[s][axis_] - low) / height * bins_));
+    const Vec3 x = MeasureRegion::in_cell(w, w.position[s]);
+    if (!w.is_movable(s) || !region.holds(x)) continue;
+    const auto k = std::min(n - 1, static_cast<std::size_t>((x[axis_] - low) / height * bins_));
     const double m = 1.0 / w.inverse_mass[s];
     mass[k] += m, momentum[k] += m * w.velocity[s];
   }
@@ -82,7 +99,7 @@ void ProfileMeasure::sample(const StepView& view, std::vector<double>& values) {
   values.clear();
   for (std::size_t k = 0; k < n; ++k) {
     const Vec3 v = mass[k] > 0.0 ? Vec3(momentum[k] / mass[k]) : Vec3(nan, nan, nan);
-    values.insert(values.end(), {v.x(), v.y(), v.z(), mass[k] * bins_ / region_.volume()});
+    values.insert(values.end(), {v.x(), v.y(), v.z(), mass[k] * bins_ / region.volume()});
   }
 }
 

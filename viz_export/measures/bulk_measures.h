@@ -1,15 +1,33 @@
 /// @file bulk_measures.h  What a region of a packing carries and holds: stress, solid fraction, profiles over its height.
 #pragma once
+#include <cmath>
 #include <limits>
 
 #include "viz_export/measures/measure.h"
 
 namespace epafi {
 
-/// Box of a measure, `region = { box = { min, max } }`.
+/// Box of a measure, `region = { box = { min, max } }`; not written: the periodic cell as it is now, nothing where
+/// space does not repeat along all axes.
 struct MeasureRegion {
-  Vec3 low, high;  ///< [m]
-  explicit MeasureRegion(const Parameters& p) : low(p.vec3("region.box.min")), high(p.vec3("region.box.max")) {}
+  bool whole_cell;
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< [m]
+  explicit MeasureRegion(const Parameters& p) : whole_cell(!p.has("region.box.min")) {
+    if (!whole_cell) low = p.vec3("region.box.min"), high = p.vec3("region.box.max");
+  }
+  /// The region of this moment.
+  MeasureRegion now(const World& world) const {
+    MeasureRegion r = *this;
+    if (whole_cell && world.cell) r.low = world.cell->low, r.high = world.cell->low + world.cell->size;
+    return r;
+  }
+  /// x, or where it stands in the periodic cell.
+  static Vec3 in_cell(const World& world, Vec3 x) {
+    for (int k = 0; world.cell && k < 3; ++k)
+      if (world.cell->repeats[static_cast<std::size_t>(k)])
+        x[k] -= std::floor((x[k] - world.cell->low[k]) / world.cell->size[k]) * world.cell->size[k];
+    return x;
+  }
   bool holds(const Vec3& x) const { return (x.array() >= low.array()).all() && (x.array() < high.array()).all(); }
   double volume() const { return (high - low).prod(); }
 };

@@ -7,6 +7,7 @@
 #include "detection/shape_store.h"
 #include "engine/observer.h"
 #include "engine/registry.h"
+#include "engine/sources.h"
 
 namespace epafi {
 
@@ -17,6 +18,7 @@ struct MeasureSetup {
   std::vector<std::vector<BodyId>> bodies;  ///< of `body` (one list) or `between` (two lists)
   const ShapeStore* shapes = nullptr;
   double interval = 0.0;                    ///< [s]
+  const Tally* tally = nullptr;             ///< of `outlet`
 };
 
 class Measure {

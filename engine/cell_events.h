@@ -1,0 +1,39 @@
+/// @file cell_events.h  What happens to a periodic cell between steps: bodies put back into it, its deformation.
+#pragma once
+#include <optional>
+
+#include "engine/events.h"
+
+namespace epafi {
+
+/// Puts all bodies back into the cell as soon as one is `slack` outside: the pair list is built anew each time, so not
+/// at every crossing.
+class WrapBodies final : public Event {
+ public:
+  /// slack [m], > 0
+  explicit WrapBodies(double slack) : slack_(slack) {}
+  void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+
+ private:
+  double slack_;
+};
+
+/// Deforms the cell and carries the free bodies along: at a given rate, or towards a pressure.
+/// Pressure: each periodic axis strains at rate_limit (sigma - P)/P, at most rate_limit, sigma the stress of the
+/// contacts along it. The approach is monotonic while rate_limit K/P dt < 1, K the bulk modulus.
+struct CellControl {
+  Vec3 strain_rate = Vec3::Zero();  ///< [1/s]; where no pressure is given
+  std::optional<double> pressure;   ///< P [Pa], > 0
+  double rate_limit = 0.0;          ///< [1/s], > 0
+};
+
+class DeformCell final : public Event {
+ public:
+  explicit DeformCell(CellControl control) : control_(control) {}
+  void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+
+ private:
+  CellControl control_;
+};
+
+}  // namespace epafi

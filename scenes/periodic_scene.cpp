@@ -1,0 +1,78 @@
+#include "scenes/periodic_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace epafi {
+
+namespace {
+
+struct Largest {
+  double radius = 0.0, density = 0.0;  ///< of the largest free body [m], [kg/m^3]
+};
+
+Largest largest_body(const Assembly& a) {
+  Largest out;
+  const auto look = [&](std::uint32_t shape, double mass) {
+    const double r = a.shapes->bounding_radius({shape});
+    if (r > out.radius) out = {r, mass / (4.0 / 3.0 * 3.14159265358979323846 * r * r * r)};
+  };
+  const World& w = a.simulation->world;
+  for (Slot s = 0; s < w.size(); ++s)
+    if (w.is_movable(s)) look(w.shape[s], 1.0 / w.inverse_mass[s]);
+  for (const auto* source : a.sources)
+    for (const auto& b : source->setup().bodies) look(b.body.shape, b.body.mass);
+  return out;
+}
+
+void check_walls(const Assembly& a) {
+  const World& w = a.simulation->world;
+  const PeriodicCell& cell = *w.cell;
+  const CellSpec& spec = *a.scene.cell;
+  for (Slot s = 0; s < w.size(); ++s) {
+    if (w.is_movable(s)) continue;
+    const ShapeRef ref{w.shape[s]};
+    if (ref.type() != ShapeStore::type_of<HalfSpace>()) {
+      if (spec.deforms)
+        throw SceneError("[world] domain: a cell that deforms holds free bodies and half-spaces, not '" +
+                             body_name(a, w.id[s]) + "'",
+                         spec.place);
+      continue;
+    }
+    const Vec3 n = w.pose(s).orientation * a.shapes->of<HalfSpace>()[ref.index()].normal;
+    for (int k = 0; k < 3; ++k)
+      if (cell.repeats[static_cast<std::size_t>(k)] && std::abs(n[k]) > 1e-9)
+        throw SceneError(fmt::format("[world] domain: the half-space '{}' faces along {}, where the domain repeats",
+                                     body_name(a, w.id[s]), "xyz"[k]),
+                         spec.place);
+  }
+}
+
+}  // namespace
+
+void add_cell(Assembly& a) {
+  const CellSpec& spec = *a.scene.cell;
+  const Largest largest = largest_body(a);
+  for (int k = 0; k < 3; ++k)
+    if (spec.cell.repeats[static_cast<std::size_t>(k)] && spec.cell.size[k] < 4 * largest.radius)
+      throw SceneError(fmt::format("[world] domain: {:g} m along {} is less than two diameters of the largest body "
+                                   "({:g} m): it would meet its own image",
+                                   spec.cell.size[k], "xyz"[k], 2 * largest.radius),
+                       spec.place);
+  if (spec.deforms && a.scene.contact.method.value == Method::nonsmooth)
+    throw SceneError("[world] domain: strain_rate and pressure work with contact.method = \"smooth\"", spec.place);
+  check_walls(a);
+  auto& events = a.simulation->events;
+  if (spec.deforms) {
+    CellControl control = spec.control;
+    // an inertial number of 1e-3: quasi-static (GDR MiDi 2004)
+    if (control.pressure && control.rate_limit == 0.0)
+      control.rate_limit = 1e-3 * std::sqrt(*control.pressure / largest.density) / (2 * largest.radius);
+    events.push_back(std::make_unique<DeformCell>(control));
+  }
+  events.push_back(std::make_unique<WrapBodies>(largest.radius));
+}
+
+}  // namespace epafi

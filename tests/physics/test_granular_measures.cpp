@@ -1,0 +1,140 @@
+// Hysteresis loop, force chains, angle of repose, mixing and wall forces of arrangements whose answers are known.
+#include <cmath>
+
+#include "tests/support/catch.h"
+#include "tests/support/scene_run.h"
+
+using namespace epafi;
+using namespace epafi::experiments;
+
+namespace {
+
+std::string head(double duration, double restitution, const std::string& step = "\"auto\"") {
+  return "title = \"m\"\nrun = { duration = " + std::to_string(duration) + ", time_step = " + step +
+         ", output_interval = 0.01 }\n" +
+         "material.m = { density = 2500.0, youngs_modulus = \"10 MPa\", poissons_ratio = 0.25 }\n" +
+         "contact = { method = \"smooth\", restitution = " + std::to_string(restitution) +
+         ", friction = 0.0, smooth = { law = \"hertz\" } }\nshape.ball = { sphere = { radius = 0.01 } }\n";
+}
+
+}  // namespace
+
+TEST_CASE("the loop of one contact encloses the energy that it loses", "[physics][measures]") {
+  for (double e : {0.3, 0.8, 1.0}) {
+    auto run = start_text(head(0.004, e, "1e-6") + R"(
+[[body]]
+name = "a"
+shape = "ball"
+material = "m"
+velocity = [2, 0, 0]
+[[body]]
+name = "b"
+shape = "ball"
+material = "m"
+position = [0.0201, 0, 0]
+[[measure]]
+name = "loop"
+kind = "hysteresis"
+between = ["a", "b"]
+)");
+    run.advance_to(0);
+    const double mass = 2500 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-6, energy = 0.25 * mass * 4;
+    CHECK(run.last("loop", "overlap") == 0.0);
+    CHECK(run.largest("loop", "normal_force") > 1.0);
+    // what the trapezoid leaves out is the jump of the damper in the first step
+    CHECK(run.last("loop", "loop_area") == Approx(energy * (1 - e * e)).margin(1e-3 * energy));
+  }
+}
+
+TEST_CASE("a loaded column is one force chain, what lies beside it is none", "[physics][measures]") {
+  // read before the column, which nothing holds aside, gives way
+  auto run = start_text(head(0.08, 0.1) + R"(world = { gravity = [0, 0, -10] }
+[[body]]
+name = "floor"
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+fixed = true
+[[body]]
+name = "column"
+repeat = 5
+shape = "ball"
+material = "m"
+position = [0, 0, "= 0.01 + 0.02*i"]
+[[body]]
+name = "weight"
+shape = "ball"
+material = "m"
+position = [0, 0, 0.11]
+force = [0, 0, -5]
+[[body]]
+name = "beside"
+repeat = 6
+shape = "ball"
+material = "m"
+position = ["= 0.1 + 0.1*i", 0, 0.01]
+[[measure]]
+name = "chains"
+kind = "force_chains"
+[[measure]]
+name = "floor"
+kind = "force"
+body = "floor"
+[[measure]]
+name = "all"
+kind = "force"
+body = "column"
+)");
+  run.advance_to(0);
+  CHECK(run.last("chains", "chains") == 1);
+  CHECK(run.last("chains", "longest") == 6);
+  CHECK(run.last("chains", "share") == Approx(0.5));
+  CHECK(run.last("chains", "strong") == Approx(0.5));  // the six contacts of the column of twelve
+  const double weight = 2500 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-6 * 10;
+  CHECK(run.last("floor", "z") == Approx(-(12 * weight + 5)).epsilon(1e-2));
+  CHECK(run.last("all", "z") == Approx(5 * weight).margin(0.05));  // carries itself: contacts inside cancel
+}
+
+TEST_CASE("cones and ridges have the slope they were built with", "[physics][measures]") {
+  auto run = start_text(head(1e-5, 0.5, "1e-5") + R"X(
+[[body]]
+name = "cone"
+repeat = [20, 8]
+shape = "ball"
+material = "m"
+position = ["= 1 + 0.05*(i + 1)*cos(pi/4*j)", "= 2 + 0.05*(i + 1)*sin(pi/4*j)", "= 3 - 0.05*(i + 1)*tan(pi/6)"]
+[[measure]]
+name = "heap"
+kind = "angle_of_repose"
+centre = [1, 2, 2]
+bins = 20
+[[measure]]
+name = "ridge"
+kind = "angle_of_repose"
+centre = [1, 2, 2]
+axis = "x"
+)X");
+  run.advance_to(0);
+  CHECK(run.last("heap", "angle") == Approx(30.0).epsilon(1e-9));
+  CHECK(run.last("heap", "reach") == Approx(1.0));
+  CHECK(run.last("heap", "height") == Approx(1 - 0.05 * std::tan(3.14159265358979 / 6) + 0.01));
+  CHECK(run.last("ridge", "angle") == Approx(30.0).epsilon(1e-9));  // the tops are those on the axis of x
+}
+
+TEST_CASE("Lacey's index is 0 for groups apart and 1 by chance", "[physics][measures]") {
+  const auto lacey = [](const std::string& a, const std::string& b) {
+    auto run =
+        start_text(head(1e-5, 0.5, "1e-5") +
+                   "[[body]]\nname = \"a\"\nrepeat = [2, 4, 4]\nshape = \"ball\"\nmaterial = \"m\"\nposition = [" + a +
+                   ", \"= 0.1*j + 0.05\", \"= 0.1*k + 0.05\"]\n[[body]]\nname = \"b\"\nrepeat = [2, 4, 4]\nshape = "
+                   "\"ball\"\nmaterial = \"m\"\nposition = [" +
+                   b +
+                   ", \"= 0.1*j + 0.05\", \"= 0.1*k + 0.05\"]\n[[measure]]\nname = \"mix\"\nkind = \"mixing\"\nbetween "
+                   "= [\"a\", \"b\"]\ncell = 0.2\n");
+    run.advance_to(0);
+    CHECK(run.last("mix", "share") == Approx(0.5));
+    return run.last("mix", "lacey");
+  };
+  CHECK(lacey("\"= 0.1*i + 0.05\"", "\"= 0.1*i + 0.25\"") == Approx(0.0).margin(1e-12));
+  // four of each in every cell: less variance than chance leaves in cells of 8, p (1 - p)/8
+  CHECK(lacey("\"= 0.2*i + 0.05\"", "\"= 0.2*i + 0.15\"") == Approx(8.0 / 7.0));
+}

@@ -1,0 +1,202 @@
+// Periodic cells: an image is as good as the body; the cell's own deformation and what it costs in work.
+#include <cmath>
+
+#include "engine/state_snapshot.h"
+#include "tests/support/catch.h"
+#include "tests/support/scene_run.h"
+
+using namespace epafi;
+using namespace epafi::experiments;
+
+namespace {
+
+const std::string materials = R"(title = "p"
+material.m = { density = 1000.0, youngs_modulus = "10 MPa", poissons_ratio = 0.25 }
+)";
+
+std::string vec(const Vec3& x) {
+  char text[120];
+  std::snprintf(text, sizeof text, "[%.17g, %.17g, %.17g]", x.x(), x.y(), x.z());
+  return text;
+}
+
+/// Two bodies meet obliquely about `place`; velocities and spins of both after 20 ms.
+std::vector<double> impact(const std::string& method, const std::string& shape, const std::string& cell,
+                           const Vec3& place) {
+  const std::string world = cell.empty() ? "" : "world.domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = " + cell + " }\n";
+  auto run = start_text(materials + world + "run = { duration = 0.03, time_step = 2e-5, output_interval = 0.01 }\n" +
+                        "contact = { method = \"" + method + "\", restitution = 0.7, friction = 0.4 }\n" +
+                        "shape.s = " + shape + "\n" +
+                        "[[body]]\nname = \"a\"\nshape = \"s\"\nmaterial = \"m\"\nposition = " + vec(place - Vec3(0.12, 0, 0)) +
+                        "\nvelocity = [5, 3, 1]\norientation = [0.8, 0.6, 0, 0]\n" +
+                        "[[body]]\nname = \"b\"\nshape = \"s\"\nmaterial = \"m\"\nposition = " + vec(place + Vec3(0.12, 0.03, 0.01)) +
+                        "\nvelocity = [-5, 3, 1]\n");
+  run.advance_to(1000);
+  REQUIRE(run.failure.empty());
+  std::vector<double> out;
+  const World& w = run.simulation().world;
+  for (BodyId id : run.assembly->body_ids) {
+    const Slot s = w.slot_of(id);
+    if (w.cell) CHECK((w.position[s].array() > -0.2).all());  // put back when they leave
+    for (int k = 0; k < 3; ++k) out.push_back(w.velocity[s][k]), out.push_back(w.angular_velocity[s][k]);
+  }
+  return out;
+}
+
+void same(const std::vector<double>& p, const std::vector<double>& q) {
+  for (std::size_t k = 0; k < p.size(); ++k) CHECK(p[k] == Approx(q[k]).margin(1e-8));
+}
+
+/// n^3 spheres on a cubic lattice that fills the cell, contacts by linear springs of 1000 N/m.
+std::string lattice(int n, double pitch, const std::string& domain, double duration) {
+  const std::string size = std::to_string(n * pitch);
+  return materials + "run = { duration = " + std::to_string(duration) + ", time_step = 1e-4, output_interval = 0.01 }\n" +
+         "world.domain = { min = [0, 0, 0], max = [" + size + ", " + size + ", " + size +
+         "], periodic = [\"x\", \"y\", \"z\"], " + domain + " }\n" +
+         "contact = { method = \"smooth\", restitution = 1.0, friction = 0.0, smooth = { law = \"linear\", stiffness = 1000.0 } }\n" +
+         "[[body]]\nname = \"l\"\nrepeat = [" + std::to_string(n) + ", " + std::to_string(n) + ", " + std::to_string(n) +
+         "]\nshape = { sphere = { radius = 0.05 } }\nmaterial = \"m\"\nposition = [\"= (i + 0.5)*" + std::to_string(pitch) +
+         "\", \"= (j + 0.5)*" + std::to_string(pitch) + "\", \"= (k + 0.5)*" + std::to_string(pitch) + "\"]\n" +
+         "[[measure]]\nname = \"s\"\nkind = \"stress\"\n[[measure]]\nname = \"phi\"\nkind = \"solid_fraction\"\n";
+}
+
+}  // namespace
+
+TEST_CASE("an impact across the faces of a periodic cell is the impact itself", "[physics][periodic]") {
+  const std::string all = "[\"x\", \"y\", \"z\"]";
+  for (const std::string method : {"smooth", "nonsmooth"})
+    for (const std::string shape : {"{ sphere = { radius = 0.1 } }", "{ capsule = { radius = 0.06, length = 0.1 } }",
+                                    "{ box = { size = [0.12, 0.14, 0.16] } }",
+                                    "{ clump = { spheres = [[0, 0, 0, 0.08], [0.05, 0, 0, 0.06]] } }"}) {
+      INFO(method << " " << shape);
+      const auto free = impact(method, shape, "", {0.5, 0.5, 0.5});
+      CHECK(std::abs(free[0]) < 4.5);  // they have met
+      same(impact(method, shape, all, {0.5, 0.5, 0.5}), free);
+      // while they touch both pass the faces of y, then of z: springs and warm starts must go with them
+      same(impact(method, shape, all, {0.0, 0.97, 0.99}), free);
+      same(impact(method, shape, "[\"x\"]", {0.999, 0.5, 0.5}), free);
+    }
+}
+
+TEST_CASE("a body falls along a periodic axis for ever, its energy with it", "[physics][periodic]") {
+  auto run = start_text(materials + R"(run = { duration = 1.0, time_step = 1e-3, output_interval = 0.1 }
+world = { gravity = [3, 0, -10], domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = ["x", "z"] } }
+contact = { method = "smooth", restitution = 0.5, friction = 0.0, smooth = { law = "hertz" } }
+[[body]]
+name = "ball"
+repeat = 2
+shape = { sphere = { radius = 0.05 } }
+material = "m"
+position = ["= 0.3 + 0.4*i", 0.5, 0.5]
+[[measure]]
+name = "way"
+kind = "position"
+body = "ball[0]"
+[[measure]]
+name = "drift"
+kind = "drift"
+body = "ball[1]"
+)");
+  run.advance_to(0);
+  CHECK(run.last("way", "z") == Approx(0.5 - 5.0).epsilon(1e-9));  // five cells down
+  CHECK(run.last("way", "x") == Approx(0.3 + 1.5).epsilon(1e-9));
+  CHECK(run.last("drift", "distance") == Approx(0.0).margin(1e-9));  // across gravity
+  CHECK(std::abs(run.energy_error()) < 1e-12);
+  CHECK(run.simulation().world.position[0].z() > -0.1);
+}
+
+TEST_CASE("a cubic lattice in a straining cell has the stress of its springs and takes the work", "[physics][periodic]") {
+  // pitch a(t) = 0.1 (1 - 0.05 t), overlap 0.1 - a, p = k (0.1 - a)/a^2; Verlet sees the same lattice at every step
+  auto run = start_text(lattice(3, 0.1, "strain_rate = [-0.05, -0.05, -0.05]", 0.2));
+  run.advance_to(0);
+  const World& w = run.simulation().world;
+  const double a = 0.1 * std::pow(1 - 0.05e-4, 2000), overlap = 0.1 - a;
+  CHECK(w.cell->size.x() == Approx(3 * a).epsilon(1e-12));
+  for (const char* c : {"xx", "yy", "zz", "pressure"})
+    CHECK(run.last("s", c) == Approx(1000 * overlap / (a * a)).epsilon(1e-9));
+  CHECK(run.last("phi", "fraction") == Approx(4.0 / 3.0 * 3.14159265358979 * 1.25e-4 / (a * a * a)).epsilon(1e-9));
+  Energy e = run.simulation().ledger.last();
+  CHECK(e.elastic == Approx(81 * 0.5 * 1000 * overlap * overlap).epsilon(1e-9));  // 3 contacts per body
+  CHECK(e.dissipated == 0.0);
+  CHECK(e.work == Approx(e.elastic).epsilon(1e-4));  // of the trapezoid of the work
+  CHECK(kinetic_energy(w) < 1e-15 * e.elastic);  // a lattice moves with the cell
+}
+
+TEST_CASE("a cell strains towards its pressure", "[physics][periodic]") {
+  auto run = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 2.0));
+  run.advance_to(0);
+  const PeriodicCell& cell = *run.simulation().world.cell;
+  for (int k = 0; k < 3; ++k) CHECK(cell.stress()[k] == Approx(500.0).epsilon(1e-6));
+  // k (0.1 - a) = 500 a^2; at 1/s the approach has the time constant P/(K rate) = 0.05 s
+  const double a = (-1000 + std::sqrt(1e6 + 4 * 500 * 100.0)) / 1000;
+  CHECK(cell.size.x() == Approx(3 * a).epsilon(1e-6));
+  CHECK(run.last("s", "pressure") == Approx(500.0).epsilon(1e-6));
+  CHECK(std::abs(run.energy_error()) < 2e-3);  // of the first step, in which the rate jumps: 1.1e-3, first order in dt
+}
+
+TEST_CASE("a shaken periodic gas: any broad phase, any restart, momentum kept", "[physics][periodic]") {
+  const auto scene = [](const std::string& broad) {
+    return materials + "detection = { broad_phase = \"" + broad + "\" }\n" + R"(
+run = { duration = 0.2, time_step = 1e-4, output_interval = 0.1, seed = 3 }
+world.domain = { min = [0, 0, 0], max = [0.4, 0.4, 0.4], periodic = ["x", "y", "z"] }
+contact = { method = "smooth", restitution = 1.0, friction = 0.5, smooth = { law = "hertz-mindlin" } }
+[[fill]]
+name = "fast"
+shape = "ball"
+material = "m"
+count = 60
+velocity = [3, 1, 2]
+region = { box = { min = [0, 0, 0], max = [0.4, 0.4, 0.2] } }
+[[fill]]
+name = "slow"
+shape = "ball"
+material = "m"
+count = 60
+velocity = [-3, -1, -2]
+region = { box = { min = [0, 0, 0.2], max = [0.4, 0.4, 0.4] } }
+[shape.ball]
+sphere = { radius = 0.02 }
+)";
+  };
+  auto run = start_text(scene("spatial-hash"));
+  run.advance_to(1000);
+  StateSnapshot half;
+  half.save([&](StateVisitor& v) { run.simulation().visit(v); });
+  run.advance_to(2000);
+  CHECK(linear_momentum(run.simulation().world).norm() < 1e-12);
+  CHECK(run.simulation().ledger.last().losses.frictional > 0.01 * kinetic_energy(run.simulation().world));  // they met
+  auto again = start_text(scene("spatial-hash"));
+  half.restore([&](StateVisitor& v) { again.simulation().visit(v); });
+  again.advance_to(2000);
+  CHECK(again.hash() == run.hash());
+  for (const std::string broad : {"all-pairs", "aabb-tree", "sweep-and-prune"}) {
+    auto other = start_text(scene(broad));
+    other.advance_to(2000);
+    INFO(broad);
+    CHECK(other.hash() == run.hash());
+  }
+}
+
+TEST_CASE("a periodic cell refuses what cannot repeat in it", "[physics][periodic]") {
+  const auto text = [](const std::string& domain, const std::string& more) {
+    return materials + "run = { duration = 1.0, output_interval = 0.1 }\n" + "world.domain = { min = [0, 0, 0], max = [1, 1, 1], " +
+           domain + " }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.0, smooth = { law = \"hertz\" } }\n" +
+           "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [0.5, 0.5, 0.5]\n" + more;
+  };
+  const auto refusal = [&](const std::string& domain, const std::string& more) -> std::string {
+    try {
+      start_text(text(domain, more));
+    } catch (const SceneError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string wall = "[[body]]\nname = \"wall\"\nfixed = true\nmaterial = \"m\"\nshape = { half_space = { normal = [1, 0, 0] } }\n";
+  CHECK_THAT(refusal("periodic = [\"x\"]", wall), Catch::Contains("faces along x"));
+  CHECK(refusal("periodic = [\"y\"]", wall).empty());
+  CHECK_THAT(refusal("strain_rate = [0, 0, 1]", ""), Catch::Contains("only a periodic domain deforms"));
+  CHECK_THAT(refusal("periodic = [\"x\"], strain_rate = [0, 0, 1]", ""), Catch::Contains("not periodic along z"));
+  CHECK_THAT(refusal("periodic = [\"x\"], pressure = 1.0", ""), Catch::Contains("pressure needs periodic"));
+  CHECK_THAT(refusal("periodic = [\"x\"]", "[[body]]\nname = \"big\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.3 } }\nposition = [0, 0, 5]\n"),
+             Catch::Contains("its own image"));
+}

@@ -1,0 +1,125 @@
+// Walls that press with a given force, and time steps that follow the motion.
+#include <cmath>
+
+#include "tests/support/catch.h"
+#include "tests/support/scene_run.h"
+
+using namespace epafi;
+using namespace epafi::experiments;
+
+namespace {
+
+const std::string head = R"(title = "s"
+material.m = { density = 2000.0, youngs_modulus = "10 MPa", poissons_ratio = 0.25 }
+)";
+
+}  // namespace
+
+TEST_CASE("a servo wall closes in as a damped body does and then carries its force", "[physics][servo]") {
+  // v = v_max (1 - exp(-t/tau)), tau = m v_max / F = 0.05 s, until it meets the ball between it and the floor
+  auto run = start_text(head + R"(
+run = { duration = 3.2, time_step = 2e-5, output_interval = 0.1 }
+contact = { method = "smooth", restitution = 0.5, friction = 0.3, smooth = { law = "hertz-mindlin" } }
+[[body]]
+name = "floor"
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+fixed = true
+[[body]]
+name = "lid"
+shape = { half_space = { normal = [0, 0, -1] } }
+material = "m"
+position = [0, 0, 0.2]
+motion = { servo = { force = 20.0, direction = [0, 0, -3], mass = 10.0, max_speed = 0.1 } }
+[[body]]
+name = "ball"
+shape = { sphere = { radius = 0.05 } }
+material = "m"
+position = [0, 0, 0.0499]
+[[measure]]
+name = "top"
+kind = "contact"
+between = ["lid", "ball"]
+[[measure]]
+name = "bottom"
+kind = "contact"
+between = ["floor", "ball"]
+[[measure]]
+name = "lid"
+kind = "velocity"
+body = "lid"
+)");
+  run.advance_to(5000);  // 0.1 s
+  CHECK(run.last("lid", "z") == Approx(-0.1 * (1 - std::exp(-2.0))).epsilon(1e-3));
+  run.advance_to(0);
+  CHECK(run.last("top", "normal_force") == Approx(20.0).epsilon(1e-6));
+  CHECK(run.last("bottom", "normal_force") == Approx(20.0).epsilon(1e-6));
+  CHECK(std::abs(run.last("lid", "z")) < 1e-9);
+  CHECK(std::abs(run.energy_error()) < 1e-2);
+}
+
+TEST_CASE("a servo wall presses a bed of many spheres with its stress", "[physics][servo]") {
+  // 128 spheres on a fixed plane: those contacts go through the fused loop, the lid's do not
+  auto run = start_text(head + R"(
+run = { duration = 0.25, time_step = 1e-5, output_interval = 0.1 }
+contact = { method = "smooth", restitution = 0.2, friction = 0.3, smooth = { law = "hertz-mindlin" } }
+[[body]]
+name = "floor"
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+fixed = true
+[[body]]
+name = "lid"
+shape = { half_space = { normal = [0, 0, -1] } }
+material = "m"
+position = [0, 0, 0.0401]
+motion = { servo = { stress = 1000.0, area = 0.0256, direction = [0, 0, -1], mass = 1.0, max_speed = 0.05 } }
+[[body]]
+name = "bed"
+repeat = [8, 8, 2]
+shape = { sphere = { radius = 0.01 } }
+material = "m"
+position = ["= 0.02001*i", "= 0.02001*j", "= 0.01 + 0.02*k"]
+[[measure]]
+name = "lid"
+kind = "contact"
+between = ["lid", "bed"]
+[[measure]]
+name = "floor"
+kind = "contact"
+between = ["floor", "bed"]
+)");
+  CHECK(run.assembly->plan.fused_spheres);
+  run.advance_to(0);
+  CHECK(run.last("lid", "normal_force") == Approx(25.6).epsilon(1e-3));
+  CHECK(run.last("floor", "normal_force") == Approx(25.6).epsilon(1e-3));
+}
+
+TEST_CASE("an adaptive time step resolves slow impacts as well as fast ones at less cost", "[physics][adaptive]") {
+  const auto run_at = [](double speed, const std::string& step) {
+    char text[800];
+    std::snprintf(text, sizeof text,
+                  "run = { duration = 1.0, time_step = \"%s\", output_interval = 0.1 }\n"
+                  "contact = { method = \"smooth\", restitution = 0.8, friction = 0.0, smooth = { law = \"hertz\" } }\n"
+                  "[[body]]\nname = \"fast\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n"
+                  "position = [0, 5, 0]\nvelocity = [0, 10, 0]\nremove_at = 1e-3\n"
+                  "[[body]]\nname = \"a\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nvelocity = [%g, 0, 0]\n"
+                  "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nposition = [0.021, 0, 0]\n",
+                  step.c_str(), speed);
+    return start_text(head + text);
+  };
+  const double speed = 0.1;
+  auto fixed = run_at(speed, "auto"), adaptive = run_at(speed, "adaptive");
+  // the present speed counts twice (head-on): 0.2 of 20 m/s, contact times go like v^(-1/5)
+  CHECK(adaptive.assembly->time_step.value == Approx(fixed.assembly->time_step.value * std::pow(1e3, 0.2)).epsilon(0.02));
+  adaptive.advance_to(0), fixed.advance_to(0);
+  const auto out = [](SceneRun& r) {
+    const World& w = r.simulation().world;
+    return w.velocity[w.slot_of(r.assembly->body_ids[2])].x() - w.velocity[w.slot_of(r.assembly->body_ids[1])].x();
+  };
+  CHECK(out(fixed) == Approx(0.8 * speed).epsilon(0.01));
+  CHECK(out(adaptive) == Approx(0.8 * speed).epsilon(0.02));
+  const double saved = static_cast<double>(fixed.simulation().parts_made()) / static_cast<double>(adaptive.simulation().parts_made());
+  CHECK(saved == Approx(std::pow(1e3, 0.2) / 2).epsilon(0.02));  // 1.6 of the shortest steps would do, two are made
+  CHECK(adaptive.simulation().world.time == Approx(1.0).epsilon(1e-3));
+}
