@@ -11,8 +11,12 @@ class WarmStart {
  public:
   /// r[i] = remembered impulse of contact i in its frame, 0 where there is none; projected on its cone.
   void recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r);
-  /// Remembers the impulses of these contacts.
-  void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r);
+  /// The gap that the last step foresaw for contact i of the recalled list [m]; -infinity where there is none or where it
+  /// carried no impulse.
+  double foreseen(std::size_t i) const;
+  /// Remembers the impulses of these contacts and the gaps they are to have at the next detection.
+  void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r,
+                const std::vector<double>& next_gap);
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
@@ -28,6 +32,7 @@ class WarmStart {
   std::vector<Feature> feature_;
   std::vector<Vec3> arm_;      ///< from A's centre, in A's axes [m]
   std::vector<Vec3> impulse_;  ///< on B, world axes [N s]
+  std::vector<double> gap_;    ///< foreseen [m]
 
   std::vector<Run> runs_;
   std::vector<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none
