@@ -92,7 +92,15 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
 void NonsmoothContact::start(const World& world, const ContactSet& contacts, double dt) {
   if (!warm_start_) return r_.assign(contacts.size(), Vec3::Zero());
   memory_.recall(world, contacts, problem_, r_);
+  if (problem_.rotates) problem_.lag.assign(contacts.size(), Vec3::Zero());
   parallel_for(contacts.size(), [&](std::size_t i) {  // rolling, see the header
+    if (const auto slip = memory_.slip(i); slip && problem_.rotates && problem_.friction[i] > 0.0) {
+      const Vec3 now(0.0, u_before_[i].y(), u_before_[i].z());
+      Vec3 turned = now - problem_.to_frame(i, *slip);  // by the geometry alone: the velocities are those of the last step
+      turned.x() = 0.0;
+      const double size = turned.norm(), most = 2.0 * now.norm();
+      problem_.lag[i] = (size > most ? 0.5 * most / size : 0.5) * turned;
+    }
     if (contacts.gap[i] >= 0.0 || problem_.offset[i] < 0.0) return;
     const double missed = memory_.foreseen(i) - contacts.gap[i], approach = -u_before_[i].x();
     problem_.offset[i] = -std::clamp(missed / dt, 0.0, std::max(0.0, approach));
@@ -180,7 +188,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.solver.residual = measure_residual(problem_, r_, rho, after_, u_).value;
   report.solver.converged = report.solver.residual <= tolerance_;
   foresee(contacts, clock.dt);
-  if (warm_start_) memory_.remember(world, contacts, problem_, r_, next_gap_);  // impacts do not recur: r_ without them
+  if (warm_start_) memory_.remember(world, contacts, problem_, r_, next_gap_, after_);  // impacts do not recur: r_ without them
   if (impact)
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
   account(world, report);

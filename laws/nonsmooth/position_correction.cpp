@@ -57,7 +57,7 @@ double PositionCorrection::apply(const ContactProblem& problem, const ContactSet
   std::vector<double> offset;
   offset.swap(still_.offset);
   still_ = problem;
-  still_.offset.swap(offset);
+  still_.offset.swap(offset), still_.lag.clear();
   still_.free.linear.assign(world.size(), Vec3::Zero());
   still_.free.angular.assign(problem.free.angular.size(), Vec3::Zero());
   coloring_.update(still_);
