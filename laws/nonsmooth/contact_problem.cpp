@@ -49,7 +49,7 @@ void ContactProblem::load_contacts(const World& world, const ContactSet& contact
   const std::size_t n = contacts.size();
   a = contacts.a, b = contacts.b;
   frame.resize(n), diagonal.resize(n), arm_a.resize(rotates ? n : 0), arm_b.resize(rotates ? n : 0);
-  friction.assign(n, 0.0), offset.assign(n, 0.0);
+  friction.assign(n, 0.0), offset.assign(n, 0.0), lag.clear();
   parallel_for(n, [&](std::size_t i) {
     frame[i] = contact_frame(contacts.normal[i]);
     if (rotates) arm_a[i] = contacts.arm[i], arm_b[i] = contacts.arm_b(i, world);
@@ -68,6 +68,7 @@ Vec3 ContactProblem::free_relative_velocity(std::size_t i) const {
   if (!is_free(a[i]) && !is_free(b[i])) return Vec3::Zero();
   Vec3 q = relative_velocity(i, free);
   q.x() += offset[i];
+  if (!lag.empty()) q += lag[i];
   return q;
 }
 
@@ -97,6 +98,7 @@ void ContactProblem::relative_velocities(const BodyVelocities& v, std::vector<Ve
   parallel_for(size(), [&](std::size_t i) {
     u[i] = relative_velocity(i, v);
     u[i].x() += offset[i];
+    if (!lag.empty()) u[i] += lag[i];
   });
 }
 

@@ -35,6 +35,7 @@ struct ContactProblem {
   std::vector<Vec3> arm_a, arm_b;  ///< from the centres to the contact point [m]; empty without rotation
   std::vector<double> friction;    ///< mu >= 0
   std::vector<double> offset;      ///< w_N [m/s]: the contact demands u_N = (H^T v)_N + w_N >= 0
+  std::vector<Vec3> lag;           ///< w_T [m/s], (0, t1, t2): what the slip of the step is measured against; empty: 0
   std::vector<Mat3> diagonal;      ///< W_ii [1/kg]; 0 where neither body can move
   Incidence incidence;
 

@@ -4,6 +4,7 @@
 
 #include "engine/error.h"
 #include "engine/parallel.h"
+#include "laws/nonsmooth/impact.h"
 #include "laws/nonsmooth/position_correction.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
@@ -14,6 +15,7 @@ namespace epafi {
 namespace {
 
 constexpr double impact_threshold = 2.0;  // of |g| dt, see the header
+constexpr double touching_share = 1e-9;   // a gap that closes in this share of the step is none
 
 class NonsmoothContact final : public ContactModel {
  public:
@@ -22,6 +24,7 @@ class NonsmoothContact final : public ContactModel {
         materials_(setup.materials),
         solver_(solver.make(setup.parameters)),
         tolerance_(setup.parameters.number_or("tolerance", 1e-6)),
+        impacts_(impact_law(setup.parameters)),
         warm_start_(!setup.parameters.has("warm_start") || setup.parameters.boolean("warm_start")),
         correction_({.share = setup.parameters.number_or("correction", CorrectionSettings{}.share),
                      .slop = setup.parameters.number_or("slop", CorrectionSettings{}.slop)}) {}
@@ -31,18 +34,22 @@ class NonsmoothContact final : public ContactModel {
   void reorder(const Reordering& change) override { memory_.reorder(change); }
   void visit(StateVisitor& visitor) override { memory_.visit(visitor); }
   const ContactProblem& problem() const { return problem_; }
+  const Impacts& impacts() const { return impacts_; }
 
  private:
   void load(const World& world, const ContactSet& contacts, double dt);
-  void start(const World& world, const ContactSet& contacts);
+  void start(const World& world, const ContactSet& contacts, double dt);
+  SolverReport solve(const World& world, const ContactSet& contacts, double dt);
   bool release_induced(const World& world, const ContactSet& contacts, double dt);
   void account(const World& world, StepReport& report) const;
+  void foresee(const ContactSet& contacts, double dt);
   void write_back(World& world, ContactSet& contacts, double dt);
 
   std::string name_;
   MaterialTable materials_;
   std::unique_ptr<ContactSolver> solver_;
   double tolerance_;
+  Impacts impacts_;
   bool warm_start_;
   PositionCorrection correction_;
 
@@ -50,7 +57,7 @@ class NonsmoothContact final : public ContactModel {
   Impulses r_;
   std::vector<Vec3> u_, u_before_;
   BodyVelocities before_, after_;
-  std::vector<double> next_gap_;
+  std::vector<double> next_gap_, restitution_;
   WarmStart memory_;
 };
 
@@ -59,7 +66,7 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
   problem_.load_bodies(world, dt);
   problem_.load_contacts(world, contacts);
   before_.linear = world.velocity, before_.angular = world.angular_velocity;
-  u_before_.resize(contacts.size());
+  u_before_.resize(contacts.size()), restitution_.resize(contacts.size());
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   parallel_for(contacts.size(), [&](std::size_t i) {
     const Slot a = contacts.a[i], b = contacts.b[i];
@@ -69,7 +76,8 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
     problem_.offset[i] = std::max(0.0, gap / dt);
     u_before_[i] = problem_.relative_velocity(i, before_);
     const double approach = -u_before_[i].x();
-    if (pair.restitution <= 0.0 || approach <= threshold) return;
+    restitution_[i] = pair.restitution;
+    if (impacts_.separate() || pair.restitution <= 0.0 || approach <= threshold) return;
     const double free_approach = -problem_.relative_velocity(i, problem_.free).x();
     if (gap > 0.0 && gap >= dt * free_approach) return;
     const double middle = 0.5 * (approach + free_approach);  // impact speed at the middle of the step
@@ -81,11 +89,22 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
 /// r = impulses of the last step. Always, even after an impact: taking r = 0 where that has the smaller residual chose
 /// 0 in five of six steps of a settling pile (the residual weighs errors against one step of gravity, not against the
 /// load) and never let 200 polyhedra come to rest with 50 sweeps.
-void NonsmoothContact::start(const World& world, const ContactSet& contacts) {
-  if (warm_start_)
-    memory_.recall(world, contacts, problem_, r_);
-  else
-    r_.assign(contacts.size(), Vec3::Zero());
+void NonsmoothContact::start(const World& world, const ContactSet& contacts, double dt) {
+  if (!warm_start_) return r_.assign(contacts.size(), Vec3::Zero());
+  memory_.recall(world, contacts, problem_, r_);
+  if (problem_.rotates) problem_.lag.assign(contacts.size(), Vec3::Zero());
+  parallel_for(contacts.size(), [&](std::size_t i) {  // rolling, see the header
+    if (const auto slip = memory_.slip(i); slip && problem_.rotates && problem_.friction[i] > 0.0) {
+      const Vec3 now(0.0, u_before_[i].y(), u_before_[i].z());
+      Vec3 turned = now - problem_.to_frame(i, *slip);  // by the geometry alone: the velocities are those of the last step
+      turned.x() = 0.0;
+      const double size = turned.norm(), most = 2.0 * now.norm();
+      problem_.lag[i] = (size > most ? 0.5 * most / size : 0.5) * turned;
+    }
+    if (contacts.gap[i] >= 0.0 || problem_.offset[i] < 0.0) return;
+    const double missed = memory_.foreseen(i) - contacts.gap[i], approach = -u_before_[i].x();
+    problem_.offset[i] = -std::clamp(missed / dt, 0.0, std::max(0.0, approach));
+  });
 }
 
 /// Open contacts that were no impact by the free motion but were stopped by one elsewhere: they close and bounce in the
@@ -95,13 +114,25 @@ bool NonsmoothContact::release_induced(const World& world, const ContactSet& con
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   bool any = false;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (contacts.gap[i] <= 0.0 || problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) continue;
-    if (r_[i].x() * problem_.diagonal[i](0, 0) <= threshold) continue;
+    if (problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) continue;
+    const double stopped = r_[i].x() * problem_.diagonal[i](0, 0);
+    if (stopped <= threshold) continue;
+    if (contacts.gap[i] <= touching_share * dt * stopped) continue;  // closed, whatever rounding says
     if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) continue;
     problem_.diagonal[i].setZero(), r_[i].setZero();  // out of this step's problem
     any = true;
   }
   return any;
+}
+
+SolverReport NonsmoothContact::solve(const World& world, const ContactSet& contacts, double dt) {
+  SolverReport report = solver_->solve(problem_, r_);
+  for (int pass = 0; pass < 3 && release_induced(world, contacts, dt); ++pass) {
+    const int before = report.iterations;
+    report = solver_->solve(problem_, r_);
+    report.iterations += before;
+  }
+  return report;
 }
 
 /// Energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their work.
@@ -129,10 +160,15 @@ void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt)
     if (world.is_movable(s) && problem_.incidence.count(s) > 0)
       world.apply_angular_impulse(s, problem_.impulse_on(s, r_).angular);
   });
-  contacts.force.resize(contacts.size()), next_gap_.resize(contacts.size());
+  contacts.force.resize(contacts.size());
   if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
+  parallel_for(contacts.size(), [&](std::size_t i) { contacts.force[i] = -problem_.to_world(i, r_[i]) / dt; });
+}
+
+/// Gaps at the next detection, by the velocities just found.
+void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
+  next_gap_.resize(contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
-    contacts.force[i] = -problem_.to_world(i, r_[i]) / dt;
     next_gap_[i] = contacts.gap[i] + dt * problem_.relative_velocity(i, after_).x();
   });
 }
@@ -141,21 +177,22 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   EPAFI_REQUIRE(clock.dt > 0.0, "non-smooth contact acts over a time step");
   load(world, contacts, clock.dt);
   const double rho = problem_.mean_effective_mass();
-  start(world, contacts);
+  start(world, contacts, clock.dt);
   report.contacts = contacts.size();
   report.has_solver = true;
   report.elastic = 0.0;
-  report.solver = solver_->solve(problem_, r_);
-  for (int pass = 0; pass < 3 && release_induced(world, contacts, clock.dt); ++pass) {
-    const int before = report.solver.iterations;
-    report.solver = solver_->solve(problem_, r_);
-    report.solver.iterations += before;
-  }
+  const double threshold = impact_threshold * world.gravity.norm() * clock.dt;
+  const bool impact = impacts_.separate() &&
+                      impacts_.apply(problem_, {contacts.gap, restitution_, before_, threshold, clock.dt}, *solver_);
+  report.solver = solve(world, contacts, clock.dt);
   report.solver.residual = measure_residual(problem_, r_, rho, after_, u_).value;
   report.solver.converged = report.solver.residual <= tolerance_;
+  foresee(contacts, clock.dt);
+  if (warm_start_) memory_.remember(world, contacts, problem_, r_, next_gap_, after_);  // impacts do not recur: r_ without them
+  if (impact)
+    for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
   account(world, report);
   write_back(world, contacts, clock.dt);
-  if (warm_start_) memory_.remember(world, contacts, problem_, r_);
   report.correction = correction_.apply(problem_, contacts, next_gap_, world);
 }
 
@@ -164,6 +201,11 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
 const ContactProblem* last_problem(const ContactModel& model) {
   const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
   return contact != nullptr ? &contact->problem() : nullptr;
+}
+
+std::uint64_t impact_count(const ContactModel& model) {
+  const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
+  return contact != nullptr ? contact->impacts().events() : 0;
 }
 
 Needs nonsmooth_needs(const NonsmoothSetup& setup) {

@@ -54,10 +54,9 @@ double PositionCorrection::move(S& sweep, World& world) {
 double PositionCorrection::apply(const ContactProblem& problem, const ContactSet& contacts,
                                  const std::vector<double>& gaps, World& world) {
   if (settings_.share <= 0.0 || contacts.size() == 0 || !demand(contacts, gaps, world)) return 0.0;
-  std::vector<double> offset;
-  offset.swap(still_.offset);
+  demand_.swap(still_.offset);  // aside while the rest is copied: both keep their memory
   still_ = problem;
-  still_.offset.swap(offset);
+  still_.offset.swap(demand_), still_.lag.clear();
   still_.free.linear.assign(world.size(), Vec3::Zero());
   still_.free.angular.assign(problem.free.angular.size(), Vec3::Zero());
   coloring_.update(still_);

@@ -45,6 +45,7 @@ class PositionCorrection {
 
   CorrectionSettings settings_;
   ContactProblem still_;  ///< the problem with zero free velocity and displacements for velocities
+  std::vector<double> demand_;
   Coloring coloring_;
   Impulses zero_;
   Sweep<true, NormalRule> with_rotation_;

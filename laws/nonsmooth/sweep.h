@@ -83,7 +83,8 @@ class Sweep {
   };
   struct Row : std::conditional_t<Rotates, Arms, Nothing> {
     ContactFrame frame;
-    double offset, friction;
+    Vec3 offset;
+    double friction;
     Vec3 r;
     typename Rule::Data data;
   };
@@ -108,7 +109,8 @@ class Sweep {
   }
 
   static void load_row(const ContactProblem& problem, std::size_t i, const Impulses& r, Row& row) {
-    row.frame = problem.frame[i], row.offset = problem.offset[i], row.friction = problem.friction[i];
+    row.frame = problem.frame[i], row.friction = problem.friction[i];
+    row.offset = problem.lag.empty() ? Vec3(problem.offset[i], 0, 0) : Vec3(problem.lag[i] + Vec3(problem.offset[i], 0, 0));
     row.r = r[i], row.data = Rule::pack(problem.diagonal[i]);
     if constexpr (Rotates) row.arm_a = problem.arm_a[i], row.arm_b = problem.arm_b[i];
   }
@@ -133,7 +135,7 @@ class Sweep {
       Vec3 slip = b.velocity - a.velocity;
       if constexpr (Rotates) slip += b.angular_velocity.cross(row.arm_b) - a.angular_velocity.cross(row.arm_a);
       const ContactFrame& f = row.frame;
-      const Vec3 u(f.normal.dot(slip) + row.offset, f.tangent1.dot(slip), f.tangent2.dot(slip));
+      const Vec3 u = row.offset + Vec3(f.normal.dot(slip), f.tangent1.dot(slip), f.tangent2.dot(slip));
       const Vec3 r = rule.update(row.data, row.friction, row.r, u);
       const Vec3 d = r - row.r;
       row.r = r;

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "engine/parallel.h"
+#include "engine/registry.h"
 #include "laws/nonsmooth/cone.h"
 
 namespace epafi {
@@ -76,13 +77,26 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
 }
 
 void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem,
-                         const Impulses& r) {
+                         const Impulses& r, const std::vector<double>& next_gap, const BodyVelocities& v) {
   a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
-  arm_.resize(contacts.size()), impulse_.resize(contacts.size());
+  arm_.resize(contacts.size()), impulse_.resize(contacts.size()), slip_.resize(contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
     arm_[i] = body_axes(world, a_[i], contacts.arm[i]);
     impulse_[i] = problem.to_world(i, r[i]);
+    const Vec3 u = problem.relative_velocity(i, v);
+    slip_[i] = problem.to_world(i, {0.0, u.y(), u.z()});
   });
+  gap_ = next_gap;
+}
+
+double WarmStart::foreseen(std::size_t i) const {
+  const std::uint32_t k = previous_[i];
+  return k == none || impulse_[k].isZero(0.0) ? -infinity : gap_[k];
+}
+
+std::optional<Vec3> WarmStart::slip(std::size_t i) const {
+  const std::uint32_t k = previous_[i];
+  return k == none || impulse_[k].isZero(0.0) ? std::nullopt : std::optional(slip_[k]);
 }
 
 void WarmStart::reorder(const Reordering& change) {
@@ -99,13 +113,14 @@ void WarmStart::reorder(const Reordering& change) {
     for (const std::uint32_t k : order) sorted.push_back(column[k]);
     column.swap(sorted);
   };
-  permute(a_), permute(b_), permute(feature_), permute(arm_), permute(impulse_);
+  permute(a_), permute(b_), permute(feature_), permute(arm_), permute(impulse_), permute(gap_), permute(slip_);
 }
 
 void WarmStart::visit(StateVisitor& visitor) {
   visitor.column("warm_start/a", a_), visitor.column("warm_start/b", b_);
   visitor.column("warm_start/feature", feature_);
   visitor.column("warm_start/arm", arm_), visitor.column("warm_start/impulse", impulse_);
+  visitor.column("warm_start/gap", gap_), visitor.column("warm_start/slip", slip_);
 }
 
 }  // namespace epafi

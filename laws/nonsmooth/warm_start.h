@@ -3,6 +3,8 @@
 /// aligned faces do that at every tremor) the nearest nameless point of the same pair of bodies takes the impulse: an
 /// aligned stack of ten boxes drifts 0.4 mm in ten seconds with it, 1.7 mm without.
 #pragma once
+#include <optional>
+
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
@@ -11,8 +13,13 @@ class WarmStart {
  public:
   /// r[i] = remembered impulse of contact i in its frame, 0 where there is none; projected on its cone.
   void recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r);
-  /// Remembers the impulses of these contacts.
-  void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r);
+  /// Contact i of the recalled list in the last step: the gap foreseen for now [m] and the slip velocity it ended with (B
+  /// against A, world axes). -infinity and nothing where there was none or where it carried no impulse.
+  double foreseen(std::size_t i) const;
+  std::optional<Vec3> slip(std::size_t i) const;
+  /// Remembers the impulses of these contacts, the gaps they are to have at the next detection and their slip velocities.
+  void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r,
+                const std::vector<double>& next_gap, const BodyVelocities& v);
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
@@ -28,6 +35,8 @@ class WarmStart {
   std::vector<Feature> feature_;
   std::vector<Vec3> arm_;      ///< from A's centre, in A's axes [m]
   std::vector<Vec3> impulse_;  ///< on B, world axes [N s]
+  std::vector<double> gap_;    ///< foreseen [m]
+  std::vector<Vec3> slip_;     ///< world axes [m/s]
 
   std::vector<Run> runs_;
   std::vector<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none

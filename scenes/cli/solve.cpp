@@ -10,7 +10,9 @@
 #include "engine/error.h"
 #include "engine/nearest.h"
 #include "engine/parallel.h"
+#include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
+#include "laws/nonsmooth/solvers/pgs.h"
 #include "scenes/cli/commands.h"
 #include "scenes/stop.h"
 #include "viz_export/hdf5_file.h"
@@ -24,7 +26,7 @@ namespace {
 struct Row {
   std::string problem, method, status;
   int iterations = 0;
-  double ms = 0.0, residual = 0.0, penetration_rate = 0.0;
+  double ms = 0.0, residual = 0.0, penetration_rate = 0.0, sweeps = 0.0;
 };
 
 double cpu_seconds() {
@@ -49,6 +51,25 @@ std::vector<const SolverEntry*> chosen(const std::vector<std::string>& methods) 
 
 ConeProblem blocks_of(const ProblemFile& file) {
   return std::visit([](const auto& form) { return ConeProblem::from(form); }, file.form);
+}
+
+/// CPU time of one Gauss-Seidel sweep over the problem [ms]: the unit of sweep-equivalents; the least of five trials.
+double sweep_ms(const ConeProblem& problem) {
+  ConeSweep<PgsRule> sweep;
+  Impulses r(problem.size(), Vec3::Zero());
+  sweep.load(problem), sweep.start(r);
+  double least = infinity;
+  for (int trial = 0; trial < 5; ++trial) {
+    int count = 0;
+    const double start = cpu_seconds();
+    double now = start;
+    do {
+      for (int k = 0; k < 16; ++k) sweep.run(PgsRule{}, r);
+      count += 16, now = cpu_seconds();
+    } while (now - start < 2e-4);  // 200 readings of the clock
+    least = std::min(least, 1e3 * (now - start) / count);
+  }
+  return least;
 }
 
 /// One cold solve from r = 0.
@@ -81,10 +102,10 @@ Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveO
 }
 
 std::string csv(const std::vector<Row>& rows) {
-  std::string text = "problem,method,status,iterations,ms,residual,penetration_rate\n";
+  std::string text = "problem,method,status,iterations,ms,residual,penetration_rate,sweep_equivalents\n";
   for (const Row& r : rows)
-    text += fmt::format("{},{},{},{},{:.4g},{:.3e},{:.3e}\n", r.problem, r.method, r.status, r.iterations, r.ms,
-                        r.residual, r.penetration_rate);
+    text += fmt::format("{},{},{},{},{:.4g},{:.3e},{:.3e},{:.4g}\n", r.problem, r.method, r.status, r.iterations, r.ms,
+                        r.residual, r.penetration_rate, r.sweeps);
   return text;
 }
 
@@ -100,6 +121,7 @@ std::string json(const std::vector<Row>& rows) {
         .member("ms", r.ms)
         .member("residual", r.residual)
         .member("penetration_rate", r.penetration_rate)
+        .member("sweep_equivalents", r.sweeps)
         .end_object();
   w.end_array();
   return w.text() + "\n";
@@ -126,9 +148,11 @@ int command_solve(const SolveOptions& o) {
   for (const std::string& path : o.problems) {
     const ProblemFile file = read_problem(path);
     const ConeProblem problem = blocks_of(file);
+    const double sweep = sweep_ms(problem);
     for (const SolverEntry* entry : solvers) {
       Impulses r;
       rows.push_back(solve_one(problem, *entry, o, *limit, r));
+      rows.back().sweeps = rows.back().ms / sweep;
       rows.back().problem = file.name;
       if (to_stdout) {
         const std::string line = csv({rows.back()});

@@ -71,8 +71,10 @@ TEST_CASE("A21: a rod strikes the plane with J/m = 1.5 / (1 + 3 cos^2 theta), an
   }
 }
 
-TEST_CASE("A26: a rocking block loses 1 - 1.5 sin^2 alpha of its rate at every impact", "[laws][nonsmooth][A26]") {
-  RigidSettings settings{.friction = 5.0, .restitution = 0.0, .dt = 2e-4, .reach = 1e-3, .solver = "nsgs"};
+namespace {
+/// Peaks of a rocking block over alpha after 1, 2 ... impacts; the first passage through upright at `upright`.
+std::vector<double> rocking_peaks(double dt, std::size_t count, double& upright) {
+  RigidSettings settings{.friction = 5.0, .restitution = 0.0, .dt = dt, .reach = 1e-3, .solver = "nsgs"};
   settings.parameters.set("tolerance", 1e-11), settings.parameters.set("iterations", 20000.0);
   settings.parameters.set("correction", 0.0);
   RigidExperiment run(settings);
@@ -82,24 +84,43 @@ TEST_CASE("A26: a rocking block loses 1 - 1.5 sin^2 alpha of its rate at every i
   const Vec3 centre(-radius * std::sin(alpha - start), 0, radius * std::cos(alpha - start));
   const Slot s =
       run.box(Vec3(0.1, 0.3, 0.5), 1000, centre, Vec3::Zero(), Quat(Eigen::AngleAxisd(start, Vec3::UnitY())));
-  // a thick block is no plane block: p and the loss follow from the inertia about the edge, that of a rectangle
   double tilt = start, last = start, peak = 0.0;
-  std::vector<double> peaks, zero_times;
-  const auto angle = [&] { return 2.0 * std::asin(run.world.orientation[s].y()); };
-  while (peaks.size() < 2 && run.world.time < 6.0) {
+  std::vector<double> peaks;
+  int zeros = 0;
+  while (peaks.size() < count && run.world.time < 20.0) {
     run.run(1);
-    last = tilt, tilt = angle();
+    last = tilt, tilt = 2.0 * std::asin(run.world.orientation[s].y());
     if (last * tilt < 0.0) {
-      zero_times.push_back(run.world.time);
-      if (zero_times.size() > 1) peaks.push_back(peak);
+      if (++zeros == 1)
+        upright = run.world.time;
+      else
+        peaks.push_back(peak / alpha);
       peak = 0.0;
     }
     peak = std::max(peak, std::abs(tilt));
   }
-  REQUIRE(peaks.size() == 2);
-  CHECK(zero_times[0] == Approx(1.651305 / 4).epsilon(0.01));  // a quarter of the lossless period
-  CHECK(peaks[0] / alpha == Approx(0.496116).epsilon(0.02));
-  CHECK(peaks[1] / alpha == Approx(0.419203 / 0.496116 * peaks[0] / alpha).epsilon(0.5));
+  peaks.resize(count, 0.0);
+  return peaks;
+}
+}  // namespace
+
+TEST_CASE("A26: a rocking block loses 1 - 1.5 sin^2 alpha of its rate at every impact", "[laws][nonsmooth][A26]") {
+  double upright = 0.0;
+  const auto peaks = rocking_peaks(2e-4, 2, upright);
+  CHECK(upright == Approx(1.651305 / 4).epsilon(0.01));  // a quarter of the lossless period
+  CHECK(peaks[0] == Approx(0.496116).epsilon(0.02));
+  CHECK(peaks[1] == Approx(0.419203).epsilon(0.02));
+}
+
+TEST_CASE("A26: ten impacts of the rocking block", "[laws][nonsmooth][A26][slow]") {
+  // a closing gap is stopped within the step before it closes, so that each impact loses a share of order dt more: the tenth
+  // peak is 4.3, 2.9 and 0.5 % low with steps of 0.2, 0.1 and 0.025 ms
+  double upright = 0.0;
+  const auto peaks = rocking_peaks(5e-5, 10, upright);
+  for (const auto& [impacts, expected] : {std::pair(1, 0.496116), {2, 0.419203}, {5, 0.268040}, {10, 0.137692}}) {
+    INFO(impacts << " impacts");
+    CHECK(peaks[static_cast<std::size_t>(impacts) - 1] == Approx(expected).epsilon(0.02));
+  }
 }
 
 TEST_CASE("A27: the dragged rod always gets an admissible impulse, in the paradox as well", "[laws][nonsmooth][A27]") {

@@ -7,12 +7,13 @@
 namespace epafi::test {
 
 /// n unit cubes of density 1000 on a plane, four contacts per face, one step of gravity; slots 1 .. n from below.
-inline ContactProblem stack_problem(int n, double mu, double dt = 1.0 / 240, double top_mass_ratio = 1.0) {
+template <class Mass>
+ContactProblem stack_of(int n, double mu, double dt, const Mass& mass) {
   World world{Columns{.rotation = true, .force = false}};
   world.gravity = Vec3(0, 0, -9.81);
   world.add({});
   for (int i = 0; i < n; ++i) {
-    const double m = 1000.0 * (i + 1 == n ? top_mass_ratio : 1.0);
+    const double m = mass(i);
     world.add({.position = Vec3(0, 0, 0.5 + i), .mass = m, .inertia = Vec3::Constant(m / 6.0)});
   }
   ContactSet contacts;
@@ -26,6 +27,10 @@ inline ContactProblem stack_problem(int n, double mu, double dt = 1.0 / 240, dou
   p.load_contacts(world, contacts);
   p.friction.assign(p.size(), mu);
   return p;
+}
+
+inline ContactProblem stack_problem(int n, double mu, double dt = 1.0 / 240, double top_mass_ratio = 1.0) {
+  return stack_of(n, mu, dt, [&](int i) { return 1000.0 * (i + 1 == n ? top_mass_ratio : 1.0); });
 }
 
 /// n bodies with random inertia and velocities, each joined to a few earlier ones by contacts of random direction.

@@ -35,7 +35,7 @@ SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r) {
     problem.relative_velocities(r, part.v, part.u);
     const double last = report.residual;
     report.residual = problem.residual(r, part.u);
-    if (report.iterations < 5 * first_batch || report.residual <= tolerance_) continue;
+    if (report.iterations < 3 * first_batch || report.residual <= tolerance_) continue;
     const double rate = std::log(report.residual / last) / batch;  // per sweep, < 0 when it contracts
     if (rate >= 0.0 || std::log(tolerance_ / report.residual) / rate > limit - report.iterations) break;
   }

@@ -9,7 +9,8 @@
 namespace epafi {
 
 namespace {
-constexpr double first_k = 1.0, largest_k = 1e4;  // of 1 / W_ii
+constexpr double first_k = 1.0, largest_k = 16.0;  // of 1 / W_ii, see the header
+constexpr int patience = 12;                           // iterations before the bound is judged again
 }
 
 /// Contacts of each body, in contact order.
@@ -46,7 +47,7 @@ void BodyDescent::raise(const ConeProblem& p) {
     const Vec3 u = p.q[i] + p.relative(i, v_);
     lambda_[i] = project_cone(lambda_[i] - k_[i] * (u + Vec3(shift_[i], 0.0, 0.0)), p.friction[i]);
     shift_[i] = p.friction[i] * tangential_norm(u);
-    if (lambda_[i].x() > 0.0) k_[i] = std::min(growth_ * k_[i], largest_k * weight_[i]);
+    if (lambda_[i].x() > 0.0) k_[i] = std::min(growth_ * k_[i], bound_ * weight_[i]);
   }
 }
 
@@ -61,13 +62,20 @@ SolverReport BodyDescent::solve(const ConeProblem& problem, Impulses& r) {
   for (std::size_t i = 0; i < n; ++i)
     k_[i] = first_k * weight_[i], shift_[i] = problem.friction[i] * tangential_norm(u_[i]);
   SolverReport report{false, 0, problem.residual(r, u_)};
+  bound_ = largest_k;
+  int judged = 0;
   while (report.residual > tolerance_ && report.iterations < iterations_ && !(report.iterations % 8 == 0 && stop())) {
     ++report.iterations;
     for (std::uint32_t body = 0; body < problem.bodies(); ++body) move(problem, body);
     raise(problem);
     problem.relative_velocities(lambda_, work_, u_);
     const double residual = problem.residual(lambda_, u_);
-    if (residual < report.residual) report.residual = residual, r = lambda_;
+    if (residual < report.residual) report.residual = residual, r = lambda_, judged = report.iterations;
+    if (report.iterations - judged < patience || residual < 4.0 * report.residual) continue;
+    bound_ = std::max(1.0, 0.5 * bound_), judged = report.iterations;  // the multipliers overshoot: back to the best
+    for (std::size_t i = 0; i < n; ++i) k_[i] = std::min(k_[i], bound_ * weight_[i]);
+    lambda_ = r;
+    problem.body_velocities(r, v_);
   }
   report.converged = report.residual <= tolerance_;
   return report;
