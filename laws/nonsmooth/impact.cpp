@@ -10,7 +10,7 @@ namespace epafi {
 namespace {
 constexpr double rounding = 1e-12;       // of the fastest approach: slower ones are no impacts
 constexpr std::size_t most_events = 1000;  // per contact and step; 314 collisions of the billiard take 3 in its worst step
-constexpr double touching_share = 1e-9;
+constexpr double closed_share = 1e-9;
 constexpr int most_sweeps = 2000;
 }  // namespace
 
@@ -52,7 +52,7 @@ void Impacts::push(BodyVelocities& v, std::size_t i, const Vec3& r) const {
 
 void Impacts::poisson(const Step& step, ContactSolver& solver) {
   // touching: gravity alone closes the gap within the step, or the fastest body within a billionth of it
-  const double touching = step.dt * std::max(step.threshold, touching_share * fastest_);
+  const double touching = step.dt * std::max(step.threshold, closed_share * fastest_);
   for (std::size_t i = 0; i < impact_.size(); ++i)
     if (step.gap[i] > touching && step.gap[i] >= step.dt * (approach_[i] + pull_[i])) impact_.diagonal[i].setZero();
   r_c_.assign(impact_.size(), Vec3::Zero());

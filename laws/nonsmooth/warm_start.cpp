@@ -11,7 +11,7 @@
 namespace epafi {
 
 namespace {
-constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::uint32_t unmatched = 0xffffffffu;
 
 Vec3 body_axes(const World& world, Slot s, const Vec3& x) {
   return world.rotates() ? Vec3(world.orientation[s].conjugate() * x) : x;
@@ -40,7 +40,7 @@ void WarmStart::match_run(const World& world, const ContactSet& contacts, Run ru
   for (std::uint32_t i = run.begin; i < run.end; ++i) {
     while (old < last && feature_[old] < contacts.feature[i]) ++old;
     const bool same = old < last && feature_[old] == contacts.feature[i];
-    previous_[i] = same ? static_cast<std::uint32_t>(old) : none;
+    previous_[i] = same ? static_cast<std::uint32_t>(old) : unmatched;
     found += same;
   }
   if (found == last - first || found == run.end - run.begin) return;
@@ -49,7 +49,7 @@ void WarmStart::match_run(const World& world, const ContactSet& contacts, Run ru
     return std::any_of(begin, end, [&](std::uint32_t p) { return p == k; });
   };
   for (std::uint32_t i = run.begin; i < run.end; ++i) {
-    if (previous_[i] != none) continue;
+    if (previous_[i] != unmatched) continue;
     const Vec3 arm = body_axes(world, a, contacts.arm[i]);
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t k = first; k < last; ++k) {
@@ -70,7 +70,7 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
   parallel_for(runs_.size(), [&](std::size_t k) {
     match_run(world, contacts, runs_[k]);
     for (std::uint32_t i = runs_[k].begin; i < runs_[k].end; ++i) {
-      const bool known = previous_[i] != none && problem.diagonal[i](0, 0) > 0.0;
+      const bool known = previous_[i] != unmatched && problem.diagonal[i](0, 0) > 0.0;
       r[i] = known ? project_cone(problem.to_frame(i, impulse_[previous_[i]]), problem.friction[i]) : Vec3::Zero();
     }
   });
@@ -91,12 +91,12 @@ void WarmStart::remember(const World& world, const ContactSet& contacts, const C
 
 double WarmStart::foreseen(std::size_t i) const {
   const std::uint32_t k = previous_[i];
-  return k == none || impulse_[k].isZero(0.0) ? -infinity : gap_[k];
+  return k == unmatched || impulse_[k].isZero(0.0) ? -infinity : gap_[k];
 }
 
 std::optional<Vec3> WarmStart::slip(std::size_t i) const {
   const std::uint32_t k = previous_[i];
-  return k == none || impulse_[k].isZero(0.0) ? std::nullopt : std::optional(slip_[k]);
+  return k == unmatched || impulse_[k].isZero(0.0) ? std::nullopt : std::optional(slip_[k]);
 }
 
 void WarmStart::reorder(const Reordering& change) {

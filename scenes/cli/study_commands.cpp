@@ -78,7 +78,7 @@ int command_limits(const StudyOptions& o) {
 int command_sweep(const StudyOptions& o, const SweepOptions& s) {
   const std::string& scene = o.files.front();
   require_file(scene);
-  const Sweep sweep = plan_sweep(scene, o.overrides, folder_of(o, scene, "-sweep"));
+  const SweepPlan sweep = plan_sweep(scene, o.overrides, folder_of(o, scene, "-sweep"));
   if (s.list) return print(list_sweep(sweep)), exit_done;
   if (s.collect) return print(collect_sweep(sweep)), exit_done;
   std::vector<Case> todo;

@@ -2,31 +2,19 @@
 
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"
+#include "scenes/reader/fields.h"
 
 namespace epafi {
 namespace {
 
 Field number(std::string name, std::string symbol, std::string unit, Range range, std::string help) {
-  Field f{std::move(name), std::move(symbol), std::move(unit), Kind::number, std::nullopt, range, std::move(help)};
-  f.optional = true;
-  return f;
+  return optional(std::move(name), std::move(symbol), std::move(unit), Kind::number, range, std::move(help));
 }
-Field needed(Field f) {
-  f.optional = false;
-  return f;
-}
-Field with_default(Field f, double value) {
-  f.default_value = Value(value);
-  return f;
+Field if_given(std::string name, std::string help) {
+  return optional(std::move(name), "", "", Kind::text, {}, std::move(help));
 }
 Field infinite(Field f) {
   f.may_be_infinite = true;
-  return f;
-}
-Field table(std::string name, std::string help, std::vector<Field> fields) {
-  Field f{std::move(name), "", "", Kind::table, std::nullopt, {}, std::move(help)};
-  f.optional = true;
-  f.fields = std::move(fields);
   return f;
 }
 Field words(std::string name, std::string help, Range count, std::vector<std::string> choices) {
@@ -47,19 +35,14 @@ Field side_field() {
   f.choices = {"left", "right"};
   return f;
 }
-Field text(std::string name, std::string help) {
-  Field f{std::move(name), "", "", Kind::text, std::nullopt, {}, std::move(help)};
-  f.optional = true;
-  return f;
-}
 
 }  // namespace
 
 std::vector<Field> wheel_profile_fields() {
   return {
-      text("file",
-           "CSV of y from the tape circle (flange negative) and z (increase of radius); first line `# unit: mm`"),
-      text("name", "a built-in profile in place of a file: s1002"),
+      if_given("file",
+               "CSV of y from the tape circle (flange negative) and z (increase of radius); first line `# unit: mm`"),
+      if_given("name", "a built-in profile in place of a file: s1002"),
       with_default(number("radius", "r0", "m", positive, "at the tape circle"), 0.46),
       with_default(
           number("smoothing", "", "m", not_negative, "root mean square distance of the spline from the points"), 0.0)};
@@ -67,8 +50,9 @@ std::vector<Field> wheel_profile_fields() {
 
 std::vector<Field> rail_profile_fields() {
   return {
-      text("file", "CSV of y from the rail's axis (gauge side positive) and z below the top; first line `# unit: mm`"),
-      text("name", "a built-in profile in place of a file: 60e1, uic60"),
+      if_given("file",
+               "CSV of y from the rail's axis (gauge side positive) and z below the top; first line `# unit: mm`"),
+      if_given("name", "a built-in profile in place of a file: 60e1, uic60"),
       with_default(number("cant", "", "rad", {-0.5, 0.5}, "towards the gauge side"), 0.0),
       with_default(
           number("smoothing", "", "m", not_negative, "root mean square distance of the spline from the points"), 0.0)};

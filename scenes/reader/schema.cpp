@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/error.h"
+#include "scenes/reader/fields.h"
 
 namespace epafi {
 namespace {
@@ -10,39 +11,6 @@ namespace {
 constexpr Range whole_positive{1, largest_integer};
 constexpr Range seeds{0, largest_integer};
 const Vec3 zero = Vec3::Zero();
-
-Field required(std::string name, std::string symbol, std::string unit, Kind kind, Range range, std::string help) {
-  return {std::move(name), std::move(symbol), std::move(unit), kind, std::nullopt, range, std::move(help)};
-}
-Field optional(std::string name, std::string symbol, std::string unit, Kind kind, Range range, std::string help) {
-  Field field = required(std::move(name), std::move(symbol), std::move(unit), kind, range, std::move(help));
-  field.optional = true;
-  return field;
-}
-Field with_default(Field field, Value value) {
-  field.default_value = std::move(value);
-  return field;
-}
-Field table(std::string name, std::string help, std::vector<Field> fields) {
-  Field field = optional(std::move(name), "", "", Kind::table, {}, std::move(help));
-  field.fields = std::move(fields);
-  return field;
-}
-Field tables(std::string name, std::string help) {
-  return optional(std::move(name), "", "", Kind::tables, {}, std::move(help));
-}
-Field needed(Field field) {
-  field.optional = false;
-  return field;
-}
-Field word(std::string name, std::string help, std::vector<std::string> choices) {
-  Field field = required(std::move(name), "", "", Kind::text, {}, std::move(help));
-  field.choices = std::move(choices);
-  return field;
-}
-Field text(std::string name, std::string help) {
-  return required(std::move(name), "", "", Kind::text, {}, std::move(help));
-}
 
 /// The default if it is in the list, else the first of the list.
 Field choice(const std::string& name, std::string help, std::vector<std::string> names, const std::string& preferred) {
@@ -226,23 +194,23 @@ TableSchema fill_table() {
                    Value(std::string("number")))};
   Field full = word("until", "fills the region", {"full"});
   full.optional = true;
-  return {
-      "fill",
-      TableSchema::Form::list,
-      "many bodies placed in a region; exactly one of count, mass, until",
-      {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
-       required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
-       optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
-       table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
-       optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
-       optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
-       needed(table("region", "where the bodies are placed", region_box())),
-       with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}), Value(std::string("lattice"))),
-       optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
-       optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
-       with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
-       optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
-       with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
+  return {"fill",
+          TableSchema::Form::list,
+          "many bodies placed in a region; exactly one of count, mass, until",
+          {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+           required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
+           optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
+           table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
+           optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
+           optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
+           needed(table("region", "where the bodies are placed", region_box())),
+           with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
+                        Value(std::string("lattice"))),
+           optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
+           optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
+           with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
+           optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
+           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
 }
 
 TableSchema outlet_table() {

@@ -12,7 +12,7 @@
 namespace epafi {
 namespace {
 
-constexpr std::size_t most_cases = 100000;
+constexpr std::size_t most_sweep_cases = 100000;
 
 Scene scene_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
   ReadResult read = read_scene(path, overrides, full_registry());
@@ -22,19 +22,19 @@ Scene scene_or_throw(const std::string& path, const std::vector<std::string>& ov
 
 }  // namespace
 
-Sweep plan_sweep(const std::string& path, const std::vector<std::string>& overrides,
+SweepPlan plan_sweep(const std::string& path, const std::vector<std::string>& overrides,
                  const std::filesystem::path& folder) {
   const Scene scene = scene_or_throw(path, overrides);
   if (scene.sweep.empty())
     throw SceneError(path + ": the scene has no [sweep]; write for example [sweep] with \"params.n\" = [100, 200]");
-  Sweep sweep{path, overrides, {}, {}, {{}}, {}};
+  SweepPlan sweep{path, overrides, {}, {}, {{}}, {}};
   for (const auto& v : scene.sweep) {
     sweep.keys.push_back(v.key);
     std::vector<std::vector<std::string>> longer;
     for (const auto& before : sweep.values)
       for (const auto& value : v.values) longer.push_back(before), longer.back().push_back(value);
     sweep.values = std::move(longer);
-    if (sweep.values.size() > most_cases) throw SceneError(path + ": [sweep] has more than 100000 cases");
+    if (sweep.values.size() > most_sweep_cases) throw SceneError(path + ": [sweep] has more than 100000 cases");
   }
   for (std::size_t k = 0; k < sweep.values.size(); ++k) {
     Case one{overrides, folder / fmt::format("case_{:04}", k)};
@@ -46,7 +46,7 @@ Sweep plan_sweep(const std::string& path, const std::vector<std::string>& overri
   return sweep;
 }
 
-std::string list_sweep(const Sweep& sweep) {
+std::string list_sweep(const SweepPlan& sweep) {
   std::string out;
   for (std::size_t k = 0; k < sweep.cases.size(); ++k) {
     const auto done = finished_case(sweep.cases[k], sweep.hashes[k]);
@@ -57,7 +57,7 @@ std::string list_sweep(const Sweep& sweep) {
   return out;
 }
 
-std::string collect_sweep(const Sweep& sweep) {
+std::string collect_sweep(const SweepPlan& sweep) {
   std::vector<std::optional<CaseResult>> results;
   std::set<std::string> names;
   for (std::size_t k = 0; k < sweep.cases.size(); ++k) {

@@ -9,7 +9,7 @@
 
 namespace epafi {
 
-struct Sweep {
+struct SweepPlan {
   std::string scene;
   std::vector<std::string> overrides;  ///< of every case
   std::vector<std::string> keys;
@@ -19,13 +19,13 @@ struct Sweep {
 };
 
 /// Throws SceneError where the scene has no [sweep] or a case is no valid scene.
-Sweep plan_sweep(const std::string& scene, const std::vector<std::string>& overrides,
+SweepPlan plan_sweep(const std::string& scene, const std::vector<std::string>& overrides,
                  const std::filesystem::path& folder);
 
 /// Number, settings and state of every case.
-std::string list_sweep(const Sweep& sweep);
+std::string list_sweep(const SweepPlan& sweep);
 
 /// One row per case: its values and every number of its summary.
-std::string collect_sweep(const Sweep& sweep);
+std::string collect_sweep(const SweepPlan& sweep);
 
 }  // namespace epafi

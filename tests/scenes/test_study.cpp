@@ -129,7 +129,7 @@ TEST_CASE("a sweep lists its cases, skips finished ones and collects a row each"
   std::ofstream(scene) << "include = [\"" << library
                        << "stacking/column.toml\"]\n[sweep]\n\"params.n\" = [2, 3]\n\"contact.nonsmooth.solver\" = "
                           "[\"pgs\", \"nsgs\"]\n";
-  const Sweep sweep = plan_sweep(scene, {}, folder / "out");
+  const SweepPlan sweep = plan_sweep(scene, {}, folder / "out");
   REQUIRE(sweep.cases.size() == 4);
   CHECK_THAT(list_sweep(sweep), Catch::Contains("3 open params.n=3 contact.nonsmooth.solver=\"nsgs\""));
   run_cases(scene, {sweep.cases[3]}, {program, 1, 0.0, true}, 2, [](std::size_t, const CaseResult&) {});

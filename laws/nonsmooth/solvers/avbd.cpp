@@ -10,7 +10,7 @@ namespace epafi {
 
 namespace {
 constexpr double first_k = 1.0, largest_k = 16.0;  // of 1 / W_ii, see the header
-constexpr int patience = 12;                           // iterations before the bound is judged again
+constexpr int judging_interval = 12;                           // iterations before the bound is judged again
 }
 
 /// Contacts of each body, in contact order.
@@ -71,7 +71,7 @@ SolverReport BodyDescent::solve(const ConeProblem& problem, Impulses& r) {
     problem.relative_velocities(lambda_, work_, u_);
     const double residual = problem.residual(lambda_, u_);
     if (residual < report.residual) report.residual = residual, r = lambda_, judged = report.iterations;
-    if (report.iterations - judged < patience || residual < 4.0 * report.residual) continue;
+    if (report.iterations - judged < judging_interval || residual < 4.0 * report.residual) continue;
     bound_ = std::max(1.0, 0.5 * bound_), judged = report.iterations;  // the multipliers overshoot: back to the best
     for (std::size_t i = 0; i < n; ++i) k_[i] = std::min(k_[i], bound_ * weight_[i]);
     lambda_ = r;

@@ -7,8 +7,8 @@ namespace epafi {
 
 namespace {
 // scan over the 20 files of stacks, arches and walls: 1e2 costs twice the steps, 1e4 and more fail on walls
-constexpr double first_rho = 1e3, largest_rho = 1e7;
-constexpr int inner_limit = 40;
+constexpr double first_augmentation = 1e3, largest_augmentation = 1e7;
+constexpr int most_inner = 40;
 }  // namespace
 
 void contact_weights(const ConeProblem& problem, std::vector<double>& weight) {
@@ -56,7 +56,7 @@ double Newton::line_search() const {
 
 bool Newton::minimise(SolverReport& report) {
   const std::size_t n = z_.size();
-  for (int inner = 0; inner <= inner_limit; ++inner) {
+  for (int inner = 0; inner <= most_inner; ++inner) {
     const double g = gradient();
     if (inner > 0 && g <= std::max(0.01 * residual_, 1e-14) * scale_) return true;
     if (gives_up(report) || stop()) return false;
@@ -89,7 +89,7 @@ SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
   factor_.attach(problem);
   contact_weights(problem, weight_);
   shift_.resize(n), g_.resize(n), d_.resize(n), z_ = r, lambda_ = r, best_ = r;
-  rho_ = augmentation_ > 0.0 ? augmentation_ : first_rho, scale_ = problem.scale * problem.q_norm();
+  rho_ = augmentation_ > 0.0 ? augmentation_ : first_augmentation, scale_ = problem.scale * problem.q_norm();
   double share = 1.0;  // of the new shift: halved where the outer steps overshoot
   for (std::size_t i = 0; i < n; ++i) shift_[i] = problem.friction[i] * tangential_norm(u_[i]);
   while (report.residual > tolerance_ && !gives_up(report) && !stop()) {
@@ -102,7 +102,7 @@ SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
     if (!found)
       rho_ = std::max(0.1 * rho_, 0.1);
     else if (residual_ > 0.3 * last)
-      rho_ = std::min(10.0 * rho_, largest_rho);
+      rho_ = std::min(10.0 * rho_, largest_augmentation);
   }
   r = best_;
   report.converged = report.residual <= tolerance_;

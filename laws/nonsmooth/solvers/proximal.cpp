@@ -10,7 +10,7 @@ namespace epafi {
 
 namespace {
 
-constexpr double first_rho = 1e3, least_rho = 1e-2, largest_rho = 1e9;
+constexpr double first_weight = 1e3, least_weight = 1e-2, largest_weight = 1e9;
 constexpr int inner_limit = 12, halvings = 6;
 
 }  // namespace
@@ -89,7 +89,7 @@ void Proximal::load(const ConeProblem& problem) {
 
 SolverReport Proximal::solve(const ConeProblem& problem, Impulses& r) {
   load(problem);
-  z_ = r, rho_ = first_rho;
+  z_ = r, rho_ = first_weight;
   problem.relative_velocities(r, v_, u_);
   residual_ = problem.residual(r, u_);
   SolverReport report{false, 0, residual_};
@@ -106,9 +106,9 @@ SolverReport Proximal::solve(const ConeProblem& problem, Impulses& r) {
     smooth(sweeps_);
     keep();
     if (inner == Inner::solved)
-      rho_ = std::min(rho_ * (steps <= 2 ? 2.0 : steps <= 4 ? 1.5 : 1.2), largest_rho);
+      rho_ = std::min(rho_ * (steps <= 2 ? 2.0 : steps <= 4 ? 1.5 : 1.2), largest_weight);
     else
-      rho_ = std::max(0.5 * rho_, least_rho);
+      rho_ = std::max(0.5 * rho_, least_weight);
   }
   r = best_;
   report.converged = report.residual <= tolerance_;

@@ -79,11 +79,11 @@ TractionBound pressure_level(const PatchGrid& grid, std::span<const double> pres
 }
 
 /// Grids down to this many cells along the shorter side.
-constexpr std::size_t coarsest = 8;
+constexpr std::size_t coarsest_bound = 8;
 
 std::vector<PatchGrid> levels_of(PatchGrid grid) {
   std::vector<PatchGrid> all{grid};
-  while (grid.nx % 2 == 0 && grid.ny % 2 == 0 && std::min(grid.nx, grid.ny) >= 2 * coarsest) {
+  while (grid.nx % 2 == 0 && grid.ny % 2 == 0 && std::min(grid.nx, grid.ny) >= 2 * coarsest_bound) {
     grid = {grid.nx / 2, grid.ny / 2, 2.0 * grid.dx, 2.0 * grid.dy};
     all.insert(all.begin(), grid);
   }

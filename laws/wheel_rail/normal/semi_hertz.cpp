@@ -16,7 +16,7 @@ namespace epafi {
 namespace {
 
 using std::numbers::pi;
-constexpr int most_rounds = 40;
+constexpr int most_strip_rounds = 40;
 
 /// Strips across the patch and what is found on them.
 struct Strips {
@@ -133,7 +133,7 @@ bool settle(Strips& s, double modulus, const NormalTarget& target) {
   for (std::size_t j = 0; j < s.y.size(); ++j) in[j] = s.a[j] > 0.0;
   const double k0 = s.curvature[s.y.size() / 2];
   double last = 0.0;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < most_strip_rounds; ++round) {
     std::vector<std::size_t> active;
     for (std::size_t j = 0; j < s.y.size(); ++j)
       if (in[j]) active.push_back(j);
@@ -242,7 +242,7 @@ std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in) {
   out.patch = patch_of(s);
   out.patch.error_estimate = settled ? 0.01 : 0.1;
   if (!settled)
-    out.patch.reasons.push_back("the strips did not settle within " + std::to_string(most_rounds) + " rounds");
+    out.patch.reasons.push_back("the strips did not settle within " + std::to_string(most_strip_rounds) + " rounds");
   const double steepest = std::max(std::abs(r.wheel_curvature), std::abs(r.rail_curvature));
   if (r.wheel_curvature * r.rail_curvature < 0.0 && out.patch.ellipse.b * steepest > 0.1)
     out.patch.reasons.push_back(
