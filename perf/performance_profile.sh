@@ -19,11 +19,12 @@ if [ -n "$SICONOS" ]; then
 fi
 total=$(awk -F, 'NR > 1 { print $1 }' "$out.csv" | sort -u | wc -l)
 awk '{ print $2 }' "$work/rows" | sort | uniq -c | sort -rn | awk '{ print $2 }' > "$work/solvers"
-plot=""
+plot=""; k=0
 while read -r solver; do
   awk -v s="$solver" 'NR == FNR { if (!($1 in best) || $3 < best[$1]) best[$1] = $3; next } $2 == s { print $3 / best[$1] }' \
     "$work/rows" "$work/rows" | sort -g | awk -v n="$total" '{ print $1, NR / n } END { print 1e5, NR / n }' > "$work/$solver.dat"
-  plot="$plot${plot:+, }'$work/$solver.dat' with steps linewidth 2 title '$solver'"
+  plot="$plot${plot:+, }'$work/$solver.dat' with steps linewidth 2 dashtype $((k / 8 + 1)) title '$solver'"
+  k=$((k + 1))  # eight colours, then the next dash
 done < "$work/solvers"
 gnuplot -e "set terminal svg size 900,600 background 'white'; set output '$out.svg'; set logscale x; set xrange [1:1e5]; set yrange [0:1]; set key outside right; set grid; set xlabel 'time / time of the quickest'; set ylabel 'share of $total problems solved to $tolerance'; plot $plot"
 echo "$out.svg: $total problems"

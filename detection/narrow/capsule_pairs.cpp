@@ -85,8 +85,9 @@ void collide_closed(const Cylinder& a, const HalfSpace& b, const PairQuery& q, C
   const double side = 0.86602540378443864676 * a.radius;  // sin 120 deg
   add(end + down, 0);
   if (across >= 0.02 && across < 0.5) {
-    // it rolls on its rim: points that go round with the lowest one. Points fixed in the body pass through it three times a
-    // turn, take its impulse and with it the memory of the contact (Euler's disk lost 22 % of its energy in 10 s)
+    // it rolls on its rim: points that go round with the lowest one. Points fixed in the body pass through it three
+    // times a turn, take its impulse and with it the memory of the contact (Euler's disk lost 22 % of its energy in 10
+    // s)
     const Vec3 aside(-down.y(), down.x(), 0.0);
     add(end - 0.5 * down + 0.86602540378443864676 * aside, 5);
     add(end - 0.5 * down - 0.86602540378443864676 * aside, 6);

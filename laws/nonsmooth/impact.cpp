@@ -8,8 +8,9 @@
 namespace epafi {
 
 namespace {
-constexpr double rounding = 1e-12;       // of the fastest approach: slower ones are no impacts
-constexpr std::size_t most_events = 1000;  // per contact and step; 314 collisions of the billiard take 3 in its worst step
+constexpr double rounding = 1e-12;  // of the fastest approach: slower ones are no impacts
+constexpr std::size_t most_events =
+    1000;  // per contact and step; 314 collisions of the billiard take 3 in its worst step
 constexpr double closed_share = 1e-9;
 constexpr int most_sweeps = 2000;
 }  // namespace

@@ -1,19 +1,23 @@
-/// @file impact.h  Impact laws other than Newton's (nonsmooth_contact.h), chosen by `impact`. Both act once, at the middle
-/// of a step in which some contact closes faster than the threshold (and any has e > 0), on the velocities v_k + a dt/2; the
-/// other half of gravity and all lasting contact follow in the problem of the step, without restitution.
+/// @file impact.h  Impact laws other than Newton's (nonsmooth_contact.h), chosen by `impact`. Both act once, at the
+/// middle of a step in which some contact closes faster than the threshold (and any has e > 0), on the velocities v_k +
+/// a dt/2; the other half of gravity and all lasting contact follow in the problem of the step, without restitution.
 ///
-///   poisson     (Pfeiffer and Glocker 1996, ch. 8) Compression: the contacts that close take the impulses r_c that stop
+///   poisson     (Pfeiffer and Glocker 1996, ch. 8) Compression: the contacts that close take the impulses r_c that
+///   stop
 ///               them. Expansion: each gives back e r_cN along its normal, more only where it would close again, with
-///               friction |r_T| <= mu r_N: u+ = W r + u_c, 0 <= u+_N orthogonal to r_N - e r_cN >= 0. One contact without
-///               friction: Newton's law. In chains the shock goes through everything that touches. The expansion is
-///               solved by sweeps in sequence: accurate where shocks are sparse, slow to converge in tall stacks.
-///   sequential  one contact at a time in the order of closing within the drift to the next middle (event-driven; Ivanov
-///               1995): u_N+ = -e u_N-, friction on the exact cone, then the velocities of its neighbours are new. Newton's
-///               cradle sends the last ball off; Galperin's billiard counts pi. Ties go by contact order, so that a ball
-///               that strikes two touching ones at once is not treated symmetrically. With e < 1 chains of ever smaller
-///               impacts end at the threshold; those left after `most_events` per contact are stopped without rebound and
-///               counted in `left`.
-/// Energy: the sequential law gains none without friction; with friction a single impact can, as Newton's (Kane's paradox).
+///               friction |r_T| <= mu r_N: u+ = W r + u_c, 0 <= u+_N orthogonal to r_N - e r_cN >= 0. One contact
+///               without friction: Newton's law. In chains the shock goes through everything that touches. The
+///               expansion is solved by sweeps in sequence: accurate where shocks are sparse, slow to converge in tall
+///               stacks.
+///   sequential  one contact at a time in the order of closing within the drift to the next middle (event-driven;
+///   Ivanov
+///               1995): u_N+ = -e u_N-, friction on the exact cone, then the velocities of its neighbours are new.
+///               Newton's cradle sends the last ball off; Galperin's billiard counts pi. Ties go by contact order, so
+///               that a ball that strikes two touching ones at once is not treated symmetrically. With e < 1 chains of
+///               ever smaller impacts end at the threshold; those left after `most_events` per contact are stopped
+///               without rebound and counted in `left`.
+/// Energy: the sequential law gains none without friction; with friction a single impact can, as Newton's (Kane's
+/// paradox).
 #pragma once
 #include <string>
 
@@ -42,8 +46,10 @@ class Impacts {
   bool apply(ContactProblem& problem, const Step& step, ContactSolver& solver);
 
   const Impulses& impulses() const { return r_; }
-  std::uint64_t events() const { return events_; }  ///< impacts so far: contacts that closed (poisson), events (sequential)
-  std::uint64_t left() const { return left_; }      ///< stopped without rebound, as a step had too many
+  std::uint64_t events() const {
+    return events_;
+  }                                             ///< impacts so far: contacts that closed (poisson), events (sequential)
+  std::uint64_t left() const { return left_; }  ///< stopped without rebound, as a step had too many
 
  private:
   bool find(const ContactProblem& problem, const Step& step);
@@ -55,8 +61,8 @@ class Impacts {
   ImpactLaw law_;
   ContactProblem impact_;  ///< of the middle of the step; contacts that stay open have W_ii = 0
   Impulses r_, r_c_;
-  std::vector<double> approach_;  ///< at the middle [m/s]
-  std::vector<double> pull_;      ///< what half a step of gravity adds to it [m/s]
+  std::vector<double> approach_;            ///< at the middle [m/s]
+  std::vector<double> pull_;                ///< what half a step of gravity adds to it [m/s]
   double threshold_ = 0.0, fastest_ = 0.0;  ///< of this step [m/s]
   std::uint64_t events_ = 0, left_ = 0;
 };

@@ -96,7 +96,8 @@ void NonsmoothContact::start(const World& world, const ContactSet& contacts, dou
   parallel_for(contacts.size(), [&](std::size_t i) {  // rolling, see the header
     if (const auto slip = memory_.slip(i); slip && problem_.rotates && problem_.friction[i] > 0.0) {
       const Vec3 now(0.0, u_before_[i].y(), u_before_[i].z());
-      Vec3 turned = now - problem_.to_frame(i, *slip);  // by the geometry alone: the velocities are those of the last step
+      Vec3 turned =
+          now - problem_.to_frame(i, *slip);  // by the geometry alone: the velocities are those of the last step
       turned.x() = 0.0;
       const double size = turned.norm(), most = 2.0 * now.norm();
       problem_.lag[i] = (size > most ? 0.5 * most / size : 0.5) * turned;
@@ -168,9 +169,8 @@ void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt)
 /// Gaps at the next detection, by the velocities just found.
 void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
   next_gap_.resize(contacts.size());
-  parallel_for(contacts.size(), [&](std::size_t i) {
-    next_gap_[i] = contacts.gap[i] + dt * problem_.relative_velocity(i, after_).x();
-  });
+  parallel_for(contacts.size(),
+               [&](std::size_t i) { next_gap_[i] = contacts.gap[i] + dt * problem_.relative_velocity(i, after_).x(); });
 }
 
 void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
@@ -188,7 +188,8 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.solver.residual = measure_residual(problem_, r_, rho, after_, u_).value;
   report.solver.converged = report.solver.residual <= tolerance_;
   foresee(contacts, clock.dt);
-  if (warm_start_) memory_.remember(world, contacts, problem_, r_, next_gap_, after_);  // impacts do not recur: r_ without them
+  if (warm_start_)
+    memory_.remember(world, contacts, problem_, r_, next_gap_, after_);  // impacts do not recur: r_ without them
   if (impact)
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
   account(world, report);

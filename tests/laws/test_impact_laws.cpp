@@ -41,7 +41,8 @@ double energy(const std::vector<double>& v) {
 
 }  // namespace
 
-TEST_CASE("A23: a heavy ball, a light one and a wall collide 3, 31, 314 times: the digits of pi", "[laws][impact][A23]") {
+TEST_CASE("A23: a heavy ball, a light one and a wall collide 3, 31, 314 times: the digits of pi",
+          "[laws][impact][A23]") {
   // mass 1 at rest at x = 1, mass 100^n comes with 1 m/s; elastic and frictionless (Galperin 2003)
   const double radius = 1e-3, density = 1.0 / (4.0 / 3.0 * M_PI * radius * radius * radius);
   struct Case {
@@ -63,7 +64,8 @@ TEST_CASE("A23: a heavy ball, a light one and a wall collide 3, 31, 314 times: t
     CHECK(run.world.velocity[light].x() >= 0.0);
     CHECK(run.world.velocity[heavy].x() >= run.world.velocity[light].x());
     // velocities turn by twice the angle atan(1 / sqrt(mass)) with every pair of collisions
-    const double angle = std::atan(1.0 / std::sqrt(c.mass)), k = static_cast<double>(c.collisions / 2 + c.collisions % 2);
+    const double angle = std::atan(1.0 / std::sqrt(c.mass)),
+                 k = static_cast<double>(c.collisions / 2 + c.collisions % 2);
     CHECK(run.world.velocity[heavy].x() == Approx(-std::cos(2.0 * angle * k)).margin(1e-9));
   }
 }
@@ -87,7 +89,8 @@ TEST_CASE("A24: Newton's cradle, one impact at a time, sends off as many balls a
   }
 }
 
-TEST_CASE("A24: impacts at all contacts at once spread the shock, with momentum and energy kept", "[laws][impact][A24]") {
+TEST_CASE("A24: impacts at all contacts at once spread the shock, with momentum and energy kept",
+          "[laws][impact][A24]") {
   // one striker against n - 1 touching balls: they leave as one body of mass n - 1 does
   for (const std::string law : {"newton", "poisson"})
     for (const std::size_t n : {3, 5}) {
@@ -109,14 +112,16 @@ TEST_CASE("A21: every law of impact strikes a rod with the impulse of one contac
           const double theta = degrees * M_PI / 180.0, thin = 1e-6;
           RigidExperiment run(settings(law, 0.5, 5e-7, mu));
           run.plane(Vec3::Zero(), Vec3::UnitZ());
-          const Slot s = run.box(Vec3(0.5, thin, thin), 1e12, Vec3(0, 0, 0.5 * std::sin(theta) + thin * std::cos(theta) + 2e-6),
-                                 Vec3(slide, 0, -1), Quat(Eigen::AngleAxisd(theta, Vec3::UnitY())));
+          const Slot s =
+              run.box(Vec3(0.5, thin, thin), 1e12, Vec3(0, 0, 0.5 * std::sin(theta) + thin * std::cos(theta) + 2e-6),
+                      Vec3(slide, 0, -1), Quat(Eigen::AngleAxisd(theta, Vec3::UnitY())));
           const double before = run.kinetic(), c = std::cos(theta);
           run.run(8);
           INFO(law << " at " << degrees << " mu " << mu << " sliding " << slide);
           CHECK(run.kinetic() <= before * (1 + 1e-12));
           // two corners 2e-6 apart strike: one at a time they turn the rod about itself, at once they are one contact
-          if (mu == 0.0 && law != "sequential") CHECK(run.world.velocity[s].z() == Approx(1.5 / (1 + 3 * c * c) - 1.0).margin(1e-5));
+          if (mu == 0.0 && law != "sequential")
+            CHECK(run.world.velocity[s].z() == Approx(1.5 / (1 + 3 * c * c) - 1.0).margin(1e-5));
         }
 }
 

@@ -21,7 +21,8 @@ std::atomic<std::size_t> allocations{0};
 using namespace epafi;
 using namespace epafi::test;
 
-TEST_CASE("a step of a settled stack allocates nothing, by sweeps, by newton and by auto", "[laws][nonsmooth][memory]") {
+TEST_CASE("a step of a settled stack allocates nothing, by sweeps, by newton and by auto",
+          "[laws][nonsmooth][memory]") {
   for (const char* solver : {"pgs", "nsgs", "newton", "auto"})
     for (const char* impact : {"newton", "sequential"}) {
       INFO(solver << " with the law of impact " << impact);

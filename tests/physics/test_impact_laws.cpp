@@ -25,8 +25,9 @@ TEST_CASE("the cradle of the library answers as its law of impact says (A24)", "
 
 TEST_CASE("Poisson's law gives back a shock through contacts that did not approach, Newton's does not",
           "[physics][impact]") {
-  // Two touching balls meet a wall with 1 m/s; e = 0 at the wall, 1 between them. Compression: impulses 2 m at the wall and
-  // m between the balls. Poisson: the latter comes back, the outer ball leaves with 1 m/s. Newton: 1 times an approach of 0.
+  // Two touching balls meet a wall with 1 m/s; e = 0 at the wall, 1 between them. Compression: impulses 2 m at the wall
+  // and m between the balls. Poisson: the latter comes back, the outer ball leaves with 1 m/s. Newton: 1 times an
+  // approach of 0.
   const auto path = std::filesystem::temp_directory_path() / "epafi_two_balls.toml";
   std::ofstream(path) << R"(
 run = { duration = 0.1, time_step = 1e-3 }

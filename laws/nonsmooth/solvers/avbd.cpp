@@ -10,8 +10,8 @@ namespace epafi {
 
 namespace {
 constexpr double first_k = 1.0, largest_k = 16.0;  // of 1 / W_ii, see the header
-constexpr int judging_interval = 12;                           // iterations before the bound is judged again
-}
+constexpr int judging_interval = 12;               // iterations before the bound is judged again
+}  // namespace
 
 /// Contacts of each body, in contact order.
 void BodyDescent::list_contacts(const ConeProblem& p) {
