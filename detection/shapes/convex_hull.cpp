@@ -258,6 +258,10 @@ std::uint32_t ConvexHull::support_vertex(const PolyhedronView& p, const Vec3& d,
     }
     return best;
   }
+  return climb(p, d, start);
+}
+
+std::uint32_t ConvexHull::climb(const PolyhedronView& p, const Vec3& d, std::uint32_t start) {
   std::uint32_t best = start;
   double height = d.dot(p.vertices[best]);
   for (bool climbed = true; climbed;) {

@@ -81,6 +81,8 @@ struct ConvexHull {
   /// Scan up to 24 vertices, hill climbing beyond (convexity: a local maximum is the global one). Ties: any of the
   /// best.
   static std::uint32_t support_vertex(const PolyhedronView& p, const Vec3& d, std::uint32_t start = 0);
+  /// Hill climbing from a vertex near the answer.
+  static std::uint32_t climb(const PolyhedronView& p, const Vec3& d, std::uint32_t start);
 };
 
 struct ConvexHull::Built {
