@@ -54,9 +54,8 @@ bool measure(std::size_t n) {
   time_of(near, exact_near, [&](const Vec3& d) { return scan(h, d); });
   const double by_climb = time_of(directions, found, [&](const Vec3& d) { return d.dot(h.support(d)); });
   std::uint32_t last = 0;
-  const double by_warm = time_of(near, followed, [&](const Vec3& d) {
-    return d.dot(h.vertices[last = ConvexHull::climb(view, d, last)]);
-  });
+  const double by_warm = time_of(
+      near, followed, [&](const Vec3& d) { return d.dot(h.vertices[last = ConvexHull::climb(view, d, last)]); });
   double error = 0.0;
   for (std::size_t k = 0; k < exact.size(); ++k)
     error = std::max({error, exact[k] - found[k], exact_near[k] - followed[k]});
@@ -67,13 +66,14 @@ bool measure(std::size_t n) {
     const double begin = now();
     const ConvexAnswer d = ask(ConvexMethod::automatic, view, view, {}, pose);
     distance_time += now() - begin;
-    const double along = d.normal.dot(pose.position) - scan(h, pose.orientation.conjugate() * Vec3(-d.normal)) -
-                         scan(h, d.normal);
+    const double along =
+        d.normal.dot(pose.position) - scan(h, pose.orientation.conjugate() * Vec3(-d.normal)) - scan(h, d.normal);
     distance_error = std::max(distance_error, std::abs(along - d.distance));
   }
-  std::printf("%6zu vertices: scan %7.0f ns  climb %5.0f ns  climb from near %5.0f ns  height error %.1e  distance %8.0f ns"
-              "  error %.1e\n",
-              h.vertices.size(), by_scan, by_climb, by_warm, error, distance_time / pairs, distance_error);
+  std::printf(
+      "%6zu vertices: scan %7.0f ns  climb %5.0f ns  climb from near %5.0f ns  height error %.1e  distance %8.0f ns"
+      "  error %.1e\n",
+      h.vertices.size(), by_scan, by_climb, by_warm, error, distance_time / pairs, distance_error);
   return error < 1e-15 && distance_error < 1e-12;
 }
 

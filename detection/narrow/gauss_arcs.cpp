@@ -50,8 +50,7 @@ double AxisCandidates::try_face_b(std::uint32_t f, std::uint32_t v) {
   const Vec3 deepest = pair_.rotation.transpose() * (pair_.a.vertices[v] - pair_.offset);
   const double gap = m.dot(deepest) - pair_.b.face_offsets[f];
   const bool first = face_.kind == AxisKind::face_b && f < face_.feature_b;
-  if (gap > face_.gap || (gap == face_.gap && first))
-    face_ = {AxisKind::face_b, gap, -(pair_.rotation * m), v, f};
+  if (gap > face_.gap || (gap == face_.gap && first)) face_ = {AxisKind::face_b, gap, -(pair_.rotation * m), v, f};
   return gap;
 }
 

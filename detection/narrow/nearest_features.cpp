@@ -10,8 +10,9 @@ namespace {
 
 using NearestKind = NearestFeatures::Kind;
 
-constexpr double room = 1e-10;   // of the size: what a condition must hold by
-constexpr double clear = 1e-5;   // of the size: a difference of points closer than this has lost too many digits for `room`
+constexpr double room = 1e-10;  // of the size: what a condition must hold by
+constexpr double clear =
+    1e-5;  // of the size: a difference of points closer than this has lost too many digits for `room`
 constexpr double apart = 1e-12;  // of the size: of faces and crossed edges, whose normals need no difference of points
 
 double size_of(const PolyhedronPair& pair) { return std::min(pair.a.radius, pair.b.radius); }
@@ -168,8 +169,10 @@ bool find_face(const PolyhedronView& p, const Corners& c, std::uint32_t& out) {
 NearestFeatures features_of(const PolyhedronPair& pair, const Corners& a, const Corners& b) {
   NearestFeatures f{NearestKind::none, a.vertex[0], b.vertex[0]};
   if (a.count == 1 && b.count == 1) f.kind = NearestKind::vertices;
-  if (a.count == 1 && b.count == 2 && find_edge(pair.b, b.vertex[0], b.vertex[1], f.b)) f.kind = NearestKind::vertex_edge;
-  if (a.count == 2 && b.count == 1 && find_edge(pair.a, a.vertex[0], a.vertex[1], f.a)) f.kind = NearestKind::edge_vertex;
+  if (a.count == 1 && b.count == 2 && find_edge(pair.b, b.vertex[0], b.vertex[1], f.b))
+    f.kind = NearestKind::vertex_edge;
+  if (a.count == 2 && b.count == 1 && find_edge(pair.a, a.vertex[0], a.vertex[1], f.a))
+    f.kind = NearestKind::edge_vertex;
   if (a.count == 2 && b.count == 2 && find_edge(pair.a, a.vertex[0], a.vertex[1], f.a) &&
       find_edge(pair.b, b.vertex[0], b.vertex[1], f.b))
     f.kind = NearestKind::edges;
@@ -200,8 +203,9 @@ struct Near {
 
 /// Every pair of features near the supporting planes. A vertex of small weight in the simplex sends one here.
 bool search_near(const PolyhedronPair& pair, const GjkResult& g, NearestFeatures& found, PolyhedronDistance& out) {
-  // The true normal makes an angle with g.normal whose cosine is at least lower / upper.
-  const double cosine = std::clamp(g.lower / g.upper, 0.0, 1.0);
+  // The true normal makes an angle with g.normal whose cosine is at least lower / upper, both rounded.
+  const double rounding = 1e-14 * (pair.a.radius + pair.b.radius + pair.offset.cwiseAbs().maxCoeff());
+  const double cosine = std::clamp((g.lower - rounding) / (g.upper + rounding), 0.0, 1.0);
   const double angle = std::sqrt(2.0 * (1.0 - cosine)) + 1e-9;
   static thread_local Near a, b;  // keep their size: no allocation once the largest was seen
   a.find(pair.a, g.normal, (2.0 * angle + room) * pair.a.radius);

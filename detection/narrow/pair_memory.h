@@ -36,12 +36,12 @@ struct AxisReference {
 };
 
 struct PairMemory {
-  NearestFeatures nearest;                               ///< of the last time they were apart
-  std::uint8_t kind = 0;                                 ///< of the last axis (SeparatingAxis::Kind), 0: none
-  std::uint8_t uses = 0, wait = 0, patience = 0;         ///< of `reference`: a pair that moves fast does without one
-  bool tried = false;                                    ///< a reference was asked for
-  Vec3 normal = Vec3::Zero();                            ///< of the last search, A's axes
-  std::uint32_t feature_a = 0, feature_b = 0;            ///< of the last axis
+  NearestFeatures nearest;                        ///< of the last time they were apart
+  std::uint8_t kind = 0;                          ///< of the last axis (SeparatingAxis::Kind), 0: none
+  std::uint8_t uses = 0, wait = 0, patience = 0;  ///< of `reference`: a pair that moves fast does without one
+  bool tried = false;                             ///< a reference was asked for
+  Vec3 normal = Vec3::Zero();                     ///< of the last search, A's axes
+  std::uint32_t feature_a = 0, feature_b = 0;     ///< of the last axis
   AxisReference reference;
 };
 

@@ -204,6 +204,12 @@ PolyhedronDistance search_distance(const PolyhedronPair& pair, double limit, con
   // Closer than GJK can tell: the features decide. Apart, they may still not exceed what GJK certified.
   if (!searched) found = search.run();
   if (found.gap < certain) return at_axis(pair, found, limit);
+  nearest = features_at(found);
+  if (certify(pair, nearest, certified)) {
+    certified.beyond = certified.axis.gap > limit;
+    return certified;
+  }
+  nearest.kind = NearestFeatures::Kind::none;
   if (apart && !(found.gap > g.lower)) return d;
   d = at_axis(pair, found, limit);
   d.uncertainty = apart ? std::max(0.0, g.upper - found.gap) : 0.0;

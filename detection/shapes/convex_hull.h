@@ -80,8 +80,8 @@ struct ConvexHull {
   double rounding() const { return sweep; }
   PolyhedronView view() const;
 
-  /// Scan up to 24 vertices, hill climbing beyond (convexity: a local maximum is the global one), above 256 vertices from
-  /// the vertex of the direction's cell. Ties: any of the best.
+  /// Scan up to 96 vertices, hill climbing beyond (convexity: a local maximum is the global one) from the vertex of the
+  /// direction's cell where start is 0. Ties: any of the best.
   static std::uint32_t support_vertex(const PolyhedronView& p, const Vec3& d, std::uint32_t start = 0);
   /// Hill climbing from a vertex near the answer.
   static std::uint32_t climb(const PolyhedronView& p, const Vec3& d, std::uint32_t start);

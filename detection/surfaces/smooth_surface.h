@@ -37,7 +37,9 @@ struct Torus {
 inline ImplicitValue implicit_value(const Sphere& s, const Vec3& x) {
   return {0.5 * (x.squaredNorm() - s.radius * s.radius), x, Mat3::Identity()};
 }
-inline ImplicitValue implicit_value(const HalfSpace& h, const Vec3& x) { return {h.normal.dot(x), h.normal, Mat3::Zero()}; }
+inline ImplicitValue implicit_value(const HalfSpace& h, const Vec3& x) {
+  return {h.normal.dot(x), h.normal, Mat3::Zero()};
+}
 inline ImplicitValue implicit_value(const CylinderSide& c, const Vec3& x) {
   const Vec3 across(x.x(), x.y(), 0.0);
   return {0.5 * (across.squaredNorm() - c.radius * c.radius), across, Vec3(1, 1, 0).asDiagonal()};

@@ -79,7 +79,8 @@ ProjectionSurface::Projection ProjectionSurface::project(std::span<const Vec3> p
   }
   const double sign = apart.dot(outward) < 0.0 ? -1.0 : 1.0;
   p.gap = sign * nearest.at.distance;
-  // On the surface itself, and over a face, the difference of the points says nothing that the face does not say better.
+  // On the surface itself, and over a face, the difference of the points says nothing that the face does not say
+  // better.
   const bool beside = part >= 1 && nearest.at.distance > 1e-12 * (positions[t[1]] - positions[t[0]]).norm();
   p.normal = beside ? Vec3(sign / nearest.at.distance * apart) : part == 0 ? face : Vec3(outward.normalized());
   return p;
@@ -125,7 +126,8 @@ void SurfaceToSurface::evaluate(std::span<const Vec3> positions, GapRows& out, s
     for (std::size_t q = 0; q < 3; ++q) {
       std::array<double, 3> weight{1.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0};
       weight[q] = 2.0 / 3.0;
-      const Vec3 x = weight[0] * positions[slave[0]] + weight[1] * positions[slave[1]] + weight[2] * positions[slave[2]];
+      const Vec3 x =
+          weight[0] * positions[slave[0]] + weight[1] * positions[slave[1]] + weight[2] * positions[slave[2]];
       const auto p = master_.project(positions, x, band_);
       if (p.triangle == NearestOnSurface::none) continue;
       append(out, p, master_.triangles()[p.triangle], slave, weight);

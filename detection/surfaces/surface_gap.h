@@ -1,9 +1,9 @@
-/// @file surface_gap.h  Gaps between two surfaces of triangles whose nodes move: every node, or every integration point,
-/// of one surface against its closest-point projection on the other, g = (x - x_bar) . n (Wriggers 2006, chapter 4).
-/// The projected-on surface is the first of engine/gap_operator.h ("master"), the other the second: n is the outward
-/// normal of the first, g < 0 inside it. Over a face n is the face's; beside it, over an edge or a corner, it points
-/// from the projection to x, signed by the angle-weighted normal (Baerentzen and Aanaes 2005); so dg = n . (dx - dx_bar)
-/// with the weights of the projection held is exact to first order everywhere but where the projection jumps.
+/// @file surface_gap.h  Gaps between two surfaces of triangles whose nodes move: every node, or every integration
+/// point, of one surface against its closest-point projection on the other, g = (x - x_bar) . n (Wriggers 2006, chapter
+/// 4). The projected-on surface is the first of engine/gap_operator.h ("master"), the other the second: n is the
+/// outward normal of the first, g < 0 inside it. Over a face n is the face's; beside it, over an edge or a corner, it
+/// points from the projection to x, signed by the angle-weighted normal (Baerentzen and Aanaes 2005); so dg = n . (dx -
+/// dx_bar) with the weights of the projection held is exact to first order everywhere but where the projection jumps.
 /// Only candidates with |g| <= band are reported.
 #pragma once
 #include "detection/surfaces/surface_tree.h"
@@ -25,8 +25,8 @@ class ProjectionSurface {
   ProjectionSurface(std::span<const Vec3> positions, std::span<const Triangle> triangles);
   struct Projection {
     std::uint32_t triangle = NearestOnSurface::none;
-    double gap = 0.0;      ///< [m]
-    Vec3 normal;           ///< unit
+    double gap = 0.0;                    ///< [m]
+    Vec3 normal;                         ///< unit
     double weight[3] = {0.0, 0.0, 0.0};  ///< of the triangle's nodes at the projection, sum 1
   };
   /// Boxes and normals for new positions; call before `project`.

@@ -1,5 +1,5 @@
-/// @file surface_tree.h  Tree of boxes over the triangles of a surface whose nodes move: built once, refitted after every
-/// motion. The order of the tree stays that of the first positions; results do not depend on it.
+/// @file surface_tree.h  Tree of boxes over the triangles of a surface whose nodes move: built once, refitted after
+/// every motion. The order of the tree stays that of the first positions; results do not depend on it.
 #pragma once
 #include <limits>
 #include <span>
@@ -25,14 +25,16 @@ class SurfaceTree {
   /// The same triangles with their nodes elsewhere.
   void refit(std::span<const Vec3> positions);
   /// Within `limit` [m] of x; triangle = none where there is nothing.
-  NearestOnSurface nearest(std::span<const Vec3> positions, const Vec3& x, double limit = std::numeric_limits<double>::infinity()) const;
+  NearestOnSurface nearest(std::span<const Vec3> positions, const Vec3& x,
+                           double limit = std::numeric_limits<double>::infinity()) const;
   std::span<const Triangle> triangles() const { return triangles_; }
 
  private:
   struct Node {
     Aabb box;
-    std::uint32_t skip;   ///< node behind this one's part of the tree; nodes are in depth-first order
-    std::uint32_t begin, count;  ///< triangles of a leaf; count 0: inner node, its children are the next node and that one's skip
+    std::uint32_t skip;  ///< node behind this one's part of the tree; nodes are in depth-first order
+    std::uint32_t begin,
+        count;  ///< triangles of a leaf; count 0: inner node, its children are the next node and that one's skip
   };
   void build(std::span<const Vec3> centres, std::uint32_t begin, std::uint32_t end);
 

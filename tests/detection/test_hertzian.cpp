@@ -27,7 +27,8 @@ TEST_CASE("two spheres, apart, touching and overlapping, have the line of centre
   for (int k = 0; k < 60; ++k) {
     const Sphere a{random.uniform(0.1, 2)}, b{random.uniform(0.1, 2)};
     const Vec3 n = testing::random_direction(random);
-    const double gap = k % 3 == 0 ? 0.0 : (k % 3 == 1 ? 1.0 : -1.0) * 0.5 * std::min(a.radius, b.radius) * random.uniform();
+    const double gap =
+        k % 3 == 0 ? 0.0 : (k % 3 == 1 ? 1.0 : -1.0) * 0.5 * std::min(a.radius, b.radius) * random.uniform();
     const Pose pa{testing::random_point(random), testing::random_turn(random)};
     const Pose pb{pa.position + (a.radius + b.radius + gap) * n, testing::random_turn(random)};
     const auto h = find_hertzian_points(smooth_surface(a), pa, smooth_surface(b), pb, pb.position - pa.position);
@@ -49,8 +50,9 @@ TEST_CASE("an ellipsoid over a plane: height of its lowest point and its curvatu
     const Ellipsoid e(Vec3(random.uniform(0.3, 2), random.uniform(0.3, 2), random.uniform(0.3, 2)));
     const Pose pe{{3, -2, random.uniform(0.1, 3)}, testing::random_turn(random)};
     const Vec3 down = pe.orientation.conjugate() * Vec3(0, 0, -1), lowest = e.support(down);
-    const auto h = find_hertzian_points(smooth_surface(ground), {}, smooth_surface(e), pe,
-                                        pe.position + pe.orientation * lowest + 0.1 * testing::random_direction(random));
+    const auto h =
+        find_hertzian_points(smooth_surface(ground), {}, smooth_surface(e), pe,
+                             pe.position + pe.orientation * lowest + 0.1 * testing::random_direction(random));
     REQUIRE(h.status == Status::found);
     CHECK(h.gap == Approx(pe.position.z() - e.semi_axes.cwiseProduct(down).norm()).margin(1e-13));
     CHECK((h.point_b - pe.orientation * lowest).norm() < 1e-12);
@@ -99,7 +101,8 @@ TEST_CASE("two ellipsoids have the distance and the points that GJK certifies", 
 }
 
 TEST_CASE("crossed cylinders have Hertz's relative curvatures", "[detection][hertzian]") {
-  // Johnson 1985, eq. 4.5: sum of relative curvatures 1/R1 + 1/R2, difference sqrt(1/R1^2 + 1/R2^2 + 2 cos(2 t)/(R1 R2)).
+  // Johnson 1985, eq. 4.5: sum of relative curvatures 1/R1 + 1/R2, difference sqrt(1/R1^2 + 1/R2^2 + 2 cos(2 t)/(R1
+  // R2)).
   const CylinderSide a{0.7}, b{0.4};
   for (const double angle : {0.1, 0.5, 1.0, 1.5}) {
     const Pose pb{{a.radius + b.radius - 0.01, 0.3, 0.2}, Quat(Eigen::AngleAxisd(angle, Vec3::UnitX()))};
@@ -137,7 +140,8 @@ TEST_CASE("a ball at a ring touches it at the tube, outside, on top and in the h
 }
 
 TEST_CASE("points on a common normal that are not nearest are told", "[detection][hertzian]") {
-  // The far side of a ring seen from a ball on its other side: a common normal through the hole, a saddle of the distance.
+  // The far side of a ring seen from a ball on its other side: a common normal through the hole, a saddle of the
+  // distance.
   const Torus torus{1.0, 0.3};
   const Sphere ball{0.2};
   const Pose pose{{2.0, 0, 0}, {}};

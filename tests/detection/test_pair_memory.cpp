@@ -98,8 +98,9 @@ TEST_CASE("features that do not hold the closest points are refused", "[detectio
   int passed = 0;
   for (int k = 0; k < 60; ++k) {
     const ConvexHull a = support::random_hull(random, 8), b = support::random_hull(random, 10);
-    const PolyhedronPair pair(a.view(), b.view(), {},
-                              {random.uniform(1.5, 2.5) * testing::random_direction(random), testing::random_turn(random)});
+    const PolyhedronPair pair(
+        a.view(), b.view(), {},
+        {random.uniform(1.5, 2.5) * testing::random_direction(random), testing::random_turn(random)});
     const double exact = support::brute_force_distance(a, {}, b, Pose{pair.offset, Quat(pair.rotation)});
     const auto any = [&](Kind kind, std::size_t count_a, std::size_t count_b) {
       for (std::uint32_t i = 0; i < count_a; ++i)
@@ -113,7 +114,8 @@ TEST_CASE("features that do not hold the closest points are refused", "[detectio
     };
     const int before = passed;
     any(Kind::vertices, a.vertices.size(), b.vertices.size());
-    any(Kind::vertex_edge, a.vertices.size(), b.edges.size()), any(Kind::edge_vertex, a.edges.size(), b.vertices.size());
+    any(Kind::vertex_edge, a.vertices.size(), b.edges.size()),
+        any(Kind::edge_vertex, a.edges.size(), b.vertices.size());
     any(Kind::edges, a.edges.size(), b.edges.size());
     any(Kind::face_vertex, a.face_normals.size(), b.vertices.size());
     any(Kind::vertex_face, a.vertices.size(), b.face_normals.size());

@@ -84,7 +84,8 @@ TEST_CASE("the nearest point found by the tree is that of a scan, before and aft
       const Vec3 x = 1.8 * testing::random_point(random);
       double least = infinity;
       for (const Triangle& t : s.triangles)
-        least = std::min(least, nearest_on_triangle(x, {s.vertices[t[0]], s.vertices[t[1]], s.vertices[t[2]]}).distance);
+        least =
+            std::min(least, nearest_on_triangle(x, {s.vertices[t[0]], s.vertices[t[1]], s.vertices[t[2]]}).distance);
       const auto found = tree.nearest(s.vertices, x);
       CHECK(found.at.distance == least);
       CHECK((tree.nearest(s.vertices, x, 0.5 * least).triangle == NearestOnSurface::none));
@@ -94,7 +95,8 @@ TEST_CASE("the nearest point found by the tree is that of a scan, before and aft
   }
 }
 
-TEST_CASE("nodes over a plate have their height as the gap, on either side and beyond no band", "[detection][surface]") {
+TEST_CASE("nodes over a plate have their height as the gap, on either side and beyond no band",
+          "[detection][surface]") {
   Random random(102, 0);
   Nodes nodes;
   nodes.add(plate(5, 1.0, true), nodes.master);
@@ -175,8 +177,8 @@ TEST_CASE("the rows are the derivative of the gap", "[detection][surface]") {
 }
 
 TEST_CASE("constant pressure passes between flat surfaces of different meshes", "[detection][surface]") {
-  // The patch test: p times the areas along the rows is p A on the slave, the same back on the master, with the moment of
-  // a uniform pressure; node-to-surface fails it on these meshes in the single forces, not in the sum.
+  // The patch test: p times the areas along the rows is p A on the slave, the same back on the master, with the moment
+  // of a uniform pressure; node-to-surface fails it on these meshes in the single forces, not in the sum.
   Nodes nodes;
   nodes.add(plate(5, 1.0, true), nodes.master);
   const std::size_t first = nodes.x.size();
