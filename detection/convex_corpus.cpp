@@ -112,4 +112,17 @@ double CorpusPair::resolution() const {
   return 1e-12 * size + 1e-15 * largest;
 }
 
+std::vector<Pose> CorpusPair::moving_poses(std::size_t count, Random& random) const {
+  double radius = 0.0;
+  for (const Vec3& v : b.vertices) radius = std::max(radius, v.norm());
+  const auto draw = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vec3 shift = draw(), axis = draw();
+    poses.push_back({b.centre + 0.5e-3 * size * shift.normalized(),
+                     Quat(Eigen::AngleAxisd(0.5e-3 * size / radius, axis.normalized()))});
+  }
+  return poses;
+}
+
 }  // namespace epafi

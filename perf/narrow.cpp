@@ -1,9 +1,10 @@
 /// @file narrow.cpp  Convex pairs with exact answers: time and error of the narrow phase.
 /// perf_narrow: ns per candidate pair of spheres through the whole narrow phase, one thread.
-/// perf_narrow CORPUS: per category ns per query, cold and warm (moved by 1e-3 of the size), refused bodies, wrong
+/// perf_narrow CORPUS: per category ns per query, cold and warm (moved by up to 1e-3 of the size and turned as far), refused bodies, wrong
 /// classes, worst errors in units of the size; then each method alone, then scaled, turned, shifted and swapped.
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <map>
 
 #include "detection/convex_corpus.h"
@@ -47,14 +48,19 @@ ConvexHull::Built hull_of(const CorpusBody& body, double scale) {
   return ConvexHull::from_faces(std::move(vertices), body.faces);
 }
 
+constexpr std::size_t steps = 32;
+
 template <class Query>
 double nanoseconds(const Query& query) {
-  using Clock = std::chrono::steady_clock;
   double best = infinity;
   for (int repeat = 0; repeat < 5; ++repeat) {
-    const auto begin = Clock::now();
-    for (int k = 0; k < 8; ++k) query(k);
-    best = std::min(best, std::chrono::duration<double, std::nano>(Clock::now() - begin).count() / 8);
+    timespec begin{}, end{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &begin);
+    for (std::size_t k = 0; k < steps; ++k) query(k);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &end);
+    best = std::min(best, (1e9 * static_cast<double>(end.tv_sec - begin.tv_sec) +
+                           static_cast<double>(end.tv_nsec - begin.tv_nsec)) /
+                              static_cast<double>(steps));
   }
   return best;
 }
@@ -74,12 +80,11 @@ Row measure(const CorpusPair& p, ConvexMethod method, const Placing& at, bool ti
   const ConvexAnswer d = ask(method, va, vb, pose_a, pose_b);
   if (timed) {
     ConvexAnswer last = d;
-    row.cold = nanoseconds([&](int) { last = ask(method, va, vb, pose_a, pose_b); });
-    row.warm = nanoseconds([&](int k) {
-      Pose moved = pose_b;
-      moved.position += 0.5e-3 * p.size * Vec3(k & 1 ? 0.6 : -0.6, k & 2 ? 0.48 : -0.48, k & 4 ? 0.64 : -0.64);
-      last = ask(method, va, vb, pose_a, moved, last.axis);
-    });
+    PairMemory memory;
+    row.cold = nanoseconds([&](std::size_t) { last = ask(method, va, vb, pose_a, pose_b); });
+    Random random(1, 0);
+    const std::vector<Pose> poses = p.moving_poses(steps, random);
+    row.warm = nanoseconds([&](std::size_t k) { last = ask(method, va, vb, pose_a, poses[k], &memory); });
   }
   const double allowed = p.resolution() + 1e-15 * at.shift.norm() / at.scale;
   const double found = d.distance / at.scale;

@@ -8,17 +8,6 @@ using AxisKind = SeparatingAxis::Kind;
 
 namespace {
 
-// Sums of three products of lengths up to L round by some 1e-15 L.
-constexpr double rounding = 2e-15;
-
-/// Two arcs cross on the Gauss sphere: the edge pair spans a facet of the Minkowski difference.
-bool arcs_cross(const ArcEdge& a, const ArcEdge& b) {
-  const double left_b = a.direction.dot(b.left), right_b = a.direction.dot(b.right);
-  if (left_b * right_b >= 0.0) return false;
-  const double left_a = b.direction.dot(a.left), right_a = b.direction.dot(a.right);
-  return left_a * right_a < 0.0 && left_b * right_a > 0.0;
-}
-
 std::vector<std::uint32_t>& deepest_of(std::size_t side) {
   static thread_local std::array<std::vector<std::uint32_t>, 2> deepest;
   return deepest[side];
@@ -71,21 +60,9 @@ AxisSearch::AxisSearch(const PolyhedronPair& pair)
     : pair_(pair),
       side_a_{pair.a, pair.offset, pair.b.inner_radius, heights_of(0), deepest_of(0)},
       side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius, heights_of(1), deepest_of(1)},
-      margin_(rounding * (pair.a.radius + pair.b.radius + pair.offset.cwiseAbs().maxCoeff())) {
+      tried_(pair) {
   side_a_.deepest.assign(pair.a.face_normals.size(), AxisSide::unknown);
   side_b_.deepest.assign(pair.b.face_normals.size(), AxisSide::unknown);
-}
-
-ArcEdge AxisSearch::arc_of_a(std::uint32_t k) const {
-  const HullEdge& edge = pair_.a.edges[k];
-  return {pair_.a.vertices[edge.to] - pair_.a.vertices[edge.from], pair_.a.face_normals[edge.left],
-          pair_.a.face_normals[edge.right], k};
-}
-
-ArcEdge AxisSearch::arc_of_b(std::uint32_t k) const {
-  const HullEdge& edge = pair_.b.edges[k];
-  return {pair_.rotation * (pair_.b.vertices[edge.to] - pair_.b.vertices[edge.from]),
-          -(pair_.rotation * pair_.b.face_normals[edge.left]), -(pair_.rotation * pair_.b.face_normals[edge.right]), k};
 }
 
 void AxisSearch::start_from(const SeparatingAxis& axis) {
@@ -93,8 +70,8 @@ void AxisSearch::start_from(const SeparatingAxis& axis) {
   if (axis.kind == AxisKind::face_b && axis.feature_b < pair_.b.face_normals.size()) try_face_b(axis.feature_b);
   if (axis.kind != AxisKind::edges || axis.feature_a >= pair_.a.edges.size() || axis.feature_b >= pair_.b.edges.size())
     return;
-  const ArcEdge own = arc_of_a(axis.feature_a), other = arc_of_b(axis.feature_b);
-  if (arcs_cross(own, other)) try_edge_pair(own, other);
+  const ArcEdge own = arc_of_a(pair_, axis.feature_a), other = arc_of_b(pair_, axis.feature_b);
+  if (arcs_cross(own, other)) tried_.try_edges(own, other, floor_);
 }
 
 void AxisSearch::start_promising() {
@@ -139,32 +116,24 @@ void AxisSearch::look_at_deepest() {
 }
 
 void AxisSearch::try_face_a(std::uint32_t f) {
-  const Vec3& n = pair_.a.face_normals[f];
-  const std::uint32_t v = pair_.support_b(n);
-  const double gap = n.dot(pair_.vertex_b(v)) - pair_.a.face_offsets[f];
-  side_a_.deepest[f] = v;
-  const bool first = face_.kind != AxisKind::face_a || f < face_.feature_a;
-  if (gap > face_.gap || (gap == face_.gap && first)) face_ = {AxisKind::face_a, gap, n, f, v};
+  side_a_.deepest[f] = pair_.support_b(pair_.a.face_normals[f]);
+  tried_.try_face_a(f, side_a_.deepest[f]);
 }
 
 void AxisSearch::try_face_b(std::uint32_t f) {
-  const Vec3& m = pair_.b.face_normals[f];
-  const Vec3 n = -(pair_.rotation * m);
-  const std::uint32_t v = pair_.support_a(n);
-  const Vec3 deepest = pair_.rotation.transpose() * (pair_.a.vertices[v] - pair_.offset);
-  const double gap = m.dot(deepest) - pair_.b.face_offsets[f];
-  side_b_.deepest[f] = v;
-  const bool first = face_.kind == AxisKind::face_b && f < face_.feature_b;
-  if (gap > face_.gap || (gap == face_.gap && first)) face_ = {AxisKind::face_b, gap, n, v, f};
+  side_b_.deepest[f] = pair_.support_a(-(pair_.rotation * pair_.b.face_normals[f]));
+  tried_.try_face_b(f, side_b_.deepest[f]);
 }
 
 void AxisSearch::try_faces() {
   const auto may_win = [&](const AxisSide& side, std::uint32_t f) {
-    const double threshold = std::max(floor_, std::max(face_.gap, edge_.gap - margin_)) - margin_;
+    const double margin = tried_.margin();
+    const double threshold = std::max(floor_, std::max(tried_.face().gap, tried_.edge().gap - margin)) - margin;
     return side.height[f] >= threshold && side.sphere_bound(f) >= threshold;
   };
   const auto known = [&](AxisKind kind, std::uint32_t f) {
-    return face_.kind == kind && f == (kind == AxisKind::face_a ? face_.feature_a : face_.feature_b);
+    const SeparatingAxis& face = tried_.face();
+    return face.kind == kind && f == (kind == AxisKind::face_a ? face.feature_a : face.feature_b);
   };
   for (std::uint32_t f = 0; f < pair_.a.face_normals.size(); ++f)
     if (may_win(side_a_, f) && !known(AxisKind::face_a, f)) try_face_a(f);
@@ -177,36 +146,20 @@ void AxisSearch::try_edges() {
   const auto edges = static_cast<std::uint32_t>(pair_.a.edges.size());
   for (std::uint32_t k = 0; k < edges;) {
     std::uint32_t count = 0;
-    const double threshold = edge_threshold();
+    const double threshold = tried_.edge_threshold(floor_);
     for (; k < edges && count < chunk; ++k)
-      if (side_a_.edge_may_exceed(pair_.a.edges[k], threshold)) held[count++] = arc_of_a(k);
+      if (side_a_.edge_may_exceed(pair_.a.edges[k], threshold)) held[count++] = arc_of_a(pair_, k);
     if (count > 0) try_against({held.data(), count});
   }
 }
 
 void AxisSearch::try_against(std::span<const ArcEdge> held) {
   for (std::uint32_t k = 0; k < pair_.b.edges.size(); ++k) {
-    if (!side_b_.edge_may_exceed(pair_.b.edges[k], edge_threshold())) continue;
-    const ArcEdge other = arc_of_b(k);
+    if (!side_b_.edge_may_exceed(pair_.b.edges[k], tried_.edge_threshold(floor_))) continue;
+    const ArcEdge other = arc_of_b(pair_, k);
     for (const ArcEdge& own : held)
-      if (arcs_cross(own, other)) try_edge_pair(own, other);
+      if (arcs_cross(own, other)) tried_.try_edges(own, other, floor_);
   }
-}
-
-void AxisSearch::try_edge_pair(const ArcEdge& own, const ArcEdge& other) {
-  if (edge_.kind == AxisKind::edges && own.index == edge_.feature_a && other.index == edge_.feature_b) return;
-  Vec3 n = own.direction.cross(other.direction);
-  const double square = n.squaredNorm();
-  if (!(square > 1e-30 * own.direction.squaredNorm() * other.direction.squaredNorm()))
-    return;  // parallel: faces cover it
-  n /= n.dot(own.left + own.right) < 0.0 ? -std::sqrt(square) : std::sqrt(square);
-  const Vec3 from_a = pair_.vertex_b(pair_.b.edges[other.index].from) - pair_.a.vertices[pair_.a.edges[own.index].from];
-  const double along = n.dot(from_a);
-  if (along < edge_threshold()) return;
-  // Where arcs only just cross, rounding may have chosen edges that do not support: the bodies themselves decide.
-  const double gap = std::min(along, pair_.separation(n));
-  const bool first = std::pair(own.index, other.index) < std::pair(edge_.feature_a, edge_.feature_b);
-  if (gap > edge_.gap || (gap == edge_.gap && first)) edge_ = {AxisKind::edges, gap, n, own.index, other.index};
 }
 
 void edge_points(const PolyhedronPair& pair, std::uint32_t edge_a, std::uint32_t edge_b, const Vec3& normal, Vec3& on_a,

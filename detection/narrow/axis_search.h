@@ -8,15 +8,10 @@
 #pragma once
 #include <vector>
 
-#include "detection/narrow/polyhedra.h"
+#include "detection/narrow/gauss_arcs.h"
+#include "detection/narrow/pair_memory.h"
 
 namespace epafi {
-
-/// An edge whose arc on the Gauss sphere may hold the best axis. All in A's axes; B's normals are negated.
-struct ArcEdge {
-  Vec3 direction, left, right;
-  std::uint32_t index;
-};
 
 /// What is known of one polyhedron's features against the other, in its own axes.
 struct AxisSide {
@@ -57,9 +52,12 @@ class AxisSearch {
   /// The same with the face of each body that has the largest sphere bound.
   void start_promising();
   /// The best of the starts.
-  const SeparatingAxis& best() const { return edge_.gap > face_.gap + margin_ ? edge_ : face_; }
+  const SeparatingAxis& best() const { return tried_.best(); }
   /// The best axis. `floor`: a separation known by other means; where nothing exceeds it, the kind is none.
   SeparatingAxis run(double floor = -infinity);
+  /// The features that separate by more than the best start less `range` [m], for later poses. Only below 0, and where
+  /// they are few: otherwise `out` stays unknown.
+  void keep(double range, AxisReference& out);
 
  private:
   static constexpr std::uint32_t chunk = 64;  // edges of A held at a time: 5 kB of stack
@@ -69,18 +67,19 @@ class AxisSearch {
   void try_faces();
   void try_edges();
   void try_against(std::span<const ArcEdge> held);
-  void try_edge_pair(const ArcEdge& own, const ArcEdge& other);
-  ArcEdge arc_of_a(std::uint32_t k) const;
-  ArcEdge arc_of_b(std::uint32_t k) const;
   void look_at_deepest();
-  double edge_threshold() const { return std::max(floor_, std::max(face_.gap, edge_.gap - 2.0 * margin_)); }
+  bool keep_faces(double threshold, AxisReference& out);
+  bool keep_crossings(double threshold, AxisReference& out);
 
   const PolyhedronPair& pair_;
   AxisSide side_a_, side_b_;
-  double margin_;  ///< rounding of separations and bounds [m]; edges must be better than faces by more
+  AxisCandidates tried_;
   double floor_ = -infinity;
-  SeparatingAxis face_, edge_;
 };
+
+/// The best axis where the features of a reference certainly hold it: the bits that a search would give. False where
+/// the bodies have moved too far since.
+bool recall_axis(const PolyhedronPair& pair, const AxisReference& reference, SeparatingAxis& out);
 
 /// Closest points of the lines through the two edges, each kept on its edge.
 void edge_points(const PolyhedronPair& pair, std::uint32_t edge_a, std::uint32_t edge_b, const Vec3& normal, Vec3& on_a,

@@ -23,20 +23,20 @@ ConvexAnswer by_supports(const PolyhedronPair& pair) {
   const MinkowskiDifference difference = difference_of(pair);
   const GjkResult g = gjk(difference);
   if (g.status != GjkResult::Status::overlapping)
-    return {"ok", g.lower, g.upper - g.lower, g.normal, g.witness_a, g.witness_b, {}};
+    return {"ok", g.lower, g.upper - g.lower, g.normal, g.witness_a, g.witness_b};
   const Penetration p = epa(difference, 1e-15);
   const char* status = p.status == Penetration::Status::flat ? "flat" : "ok";
-  return {status, -p.upper, p.upper - p.lower, p.normal, p.witness_a, p.witness_b, {}};
+  return {status, -p.upper, p.upper - p.lower, p.normal, p.witness_a, p.witness_b};
 }
 
-ConvexAnswer by_features(const PolyhedronPair& pair, const SeparatingAxis& start) {
-  const PolyhedronDistance d = polyhedron_distance(pair, infinity, start);
-  return {"ok", d.axis.gap, d.uncertainty, d.axis.normal, d.witness_a, d.witness_b, d.axis};
+ConvexAnswer by_features(const PolyhedronPair& pair, PairMemory* memory) {
+  const PolyhedronDistance d = polyhedron_distance(pair, infinity, memory);
+  return {"ok", d.axis.gap, d.uncertainty, d.axis.normal, d.witness_a, d.witness_b};
 }
 
 ConvexAnswer by_axis(const PolyhedronPair& pair) {
   const PolyhedronDistance d = axis_distance(pair);
-  return {d.axis.gap > 0.0 ? "lower-bound" : "ok", d.axis.gap, 0.0, d.axis.normal, d.witness_a, d.witness_b, d.axis};
+  return {d.axis.gap > 0.0 ? "lower-bound" : "ok", d.axis.gap, 0.0, d.axis.normal, d.witness_a, d.witness_b};
 }
 
 }  // namespace
@@ -50,9 +50,9 @@ const ConvexMethod* convex_method(std::string_view name) {
 }
 
 ConvexAnswer ask(ConvexMethod method, const PolyhedronView& a, const PolyhedronView& b, const Pose& pose_a,
-                 const Pose& pose_b, const SeparatingAxis& start) {
+                 const Pose& pose_b, PairMemory* memory) {
   const PolyhedronPair pair(a, b, pose_a, pose_b);
-  ConvexAnswer answer = method == ConvexMethod::automatic ? by_features(pair, start)
+  ConvexAnswer answer = method == ConvexMethod::automatic ? by_features(pair, memory)
                         : method == ConvexMethod::sat     ? by_axis(pair)
                                                           : by_supports(pair);
   if (answer.uncertainty > wide * pair.size()) answer.status = "interval";

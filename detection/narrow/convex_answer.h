@@ -22,11 +22,10 @@ struct ConvexAnswer {
   double uncertainty = 0.0;   ///< the distance lies within this of `distance` [m]
   Vec3 normal = Vec3::UnitZ();
   Vec3 witness_a = Vec3::Zero(), witness_b = Vec3::Zero();  ///< relative to the own body's position, world axes [m]
-  SeparatingAxis axis;  ///< features, as a start for the next step (method automatic)
 };
 
-/// start: `axis` of the pair a step ago; it makes method automatic quicker and changes no bit of the answer.
+/// memory: of this pair, from earlier poses; it makes method automatic quicker and changes no bit of the answer.
 ConvexAnswer ask(ConvexMethod method, const PolyhedronView& a, const PolyhedronView& b, const Pose& pose_a,
-                 const Pose& pose_b, const SeparatingAxis& start = {});
+                 const Pose& pose_b, PairMemory* memory = nullptr);
 
 }  // namespace epafi

@@ -21,14 +21,6 @@ void remember(const PairQuery& q, const Vec3& normal_in_a) {
   if (q.cache) q.cache->axis = q.a.orientation * normal_in_a;
 }
 
-void remember(const PairQuery& q, const PolyhedronDistance& d) {
-  if (!q.cache) return;
-  const bool overlapping = d.axis.gap < 0.0 && d.axis.kind != SeparatingAxis::Kind::points;
-  q.cache->kind = overlapping ? static_cast<std::uint32_t>(d.axis.kind) : 0;
-  q.cache->feature_a = d.axis.feature_a, q.cache->feature_b = d.axis.feature_b;
-  if (!overlapping) remember(q, d.axis.normal);
-}
-
 /// Centres farther apart than the bounding spheres reach.
 bool spheres_apart(const PairQuery& q, double reach) {
   return (q.b.position - q.a.position).squaredNorm() > reach * reach;
@@ -105,18 +97,13 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   const double limit = q.reach + r.sweep_a + r.sweep_b;
   if (spheres_apart(q, a.radius + b.radius + limit)) return;
   const PolyhedronPair pair(a, b, q.a, q.b);
-  SeparatingAxis before;
-  if (q.cache && q.cache->kind > 0) {
-    before = {static_cast<SeparatingAxis::Kind>(q.cache->kind), -infinity, Vec3::Zero(), q.cache->feature_a,
-              q.cache->feature_b};
-  } else if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) {
-    return;
-  } else if (q.cache && q.cache->axis.squaredNorm() > 0.0) {
-    before.kind = SeparatingAxis::Kind::points;
-  }
+  if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
   if (q.area) return collide_volumes(pair, r, q, sink);
-  const PolyhedronDistance d = polyhedron_distance(pair, limit, before);
-  remember(q, d);
+  const PolyhedronDistance d = polyhedron_distance(pair, limit);
+  if (d.beyond)
+    remember(q, d.axis.normal);
+  else if (q.cache)
+    q.cache->axis.setZero();
   if (d.beyond) return;
   if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
   const Patch patch = contact_patch(pair, d, q.reach, r.sweep_a, r.sweep_b);

@@ -231,7 +231,9 @@ bool grow(const MinkowskiDifference& difference, double tolerance, const Mat3& a
   }
   if (!on_facet) push_apart(difference, out);
   const bool lost = out.lower < -1e-6 * difference.size();  // the origin is outside: no polytope of overlapping bodies
-  return out.status == Penetration::Status::degenerate && (lost || !polytope.is_full());
+  // A polytope that is full and still far from closed went astray on facets of equal distance (2 identical bodies).
+  const bool astray = out.upper - out.lower > 1e-3 * difference.size();
+  return out.status == Penetration::Status::degenerate && (lost || astray || !polytope.is_full());
 }
 
 }  // namespace

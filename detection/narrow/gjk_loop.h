@@ -3,8 +3,10 @@
 /// time).
 #pragma once
 #include <cmath>
+#include <type_traits>
 
 #include "detection/narrow/gjk.h"
+#include "engine/frame.h"
 
 namespace epafi::gjk_detail {
 
@@ -145,6 +147,45 @@ inline Vec3 reduce_to_closest(Simplex& s, bool& contains_origin) {
   return best.point;
 }
 
+/// Smooth bodies: the direction n whose support point lies along it, by Newton steps with differences for the derivative.
+/// GJK alone gains only a factor of about 0.6 per support near the end there (64 were not enough for 1 of 1e5 pairs of
+/// ellipsoids). True where the interval closes; where the bodies are not smooth enough it does not, and GJK goes on.
+template <class Difference>
+bool close_by_newton(const Difference& difference, double allowed, GjkResult& r) {
+  constexpr double step = 1e-5;  // rad: the derivative is right to about this, so each Newton step gains that factor
+  constexpr int steps = 4;
+  Vec3 n = r.normal;
+  double before = infinity;
+  for (int k = 0; k < steps; ++k) {
+    const MinkowskiVertex y = difference.support(n);
+    const double bound = -n.dot(y.y), length = y.y.norm();
+    const Vec3 beside = y.y + bound * n;
+    if (!(beside.norm() < 0.5 * before) || !(bound > 0.0)) return false;
+    before = beside.norm();
+    if (bound > r.lower) r.lower = bound, r.normal = n;
+    if (length <= r.upper) {
+      r.upper = length;
+      r.simplex.vertex[0] = y, r.simplex.weight[0] = 1.0, r.simplex.count = 1;
+    }
+    if (r.upper - r.lower <= allowed) return r.simplex.count == 1;
+    const ContactFrame frame = contact_frame(n);
+    const Vec3 &e1 = frame.tangent1, &e2 = frame.tangent2;
+    const auto derivative = [&](const Vec3& e) -> Vec3 {
+      const Vec3 turned = (n + step * e).normalized();
+      const Vec3 x = difference.support(turned).y;
+      return (x - turned.dot(x) * turned - beside) / step;
+    };
+    const Vec3 d1 = derivative(e1), d2 = derivative(e2);
+    const double a = d1.dot(e1), b = d2.dot(e1), c = d1.dot(e2), d = d2.dot(e2), determinant = a * d - b * c;
+    if (!(determinant > 0.0)) return false;
+    const double f = beside.dot(e1), g = beside.dot(e2);
+    n = (n - (d * f - b * g) / determinant * e1 - (a * g - c * f) / determinant * e2).normalized();
+  }
+  return false;
+}
+
+inline constexpr int newton_interval = 8;  // iterations between attempts; 6 to 14 take the same time within 4 %
+
 template <class Difference>
 GjkResult run(const Difference& difference, const GjkOptions& options) {
   using Status = GjkResult::Status;
@@ -182,6 +223,16 @@ GjkResult run(const Difference& difference, const GjkOptions& options) {
       // A repeated vertex ends a polyhedral search exactly; what is left of the interval is rounding, and is reported.
       r.status = r.upper - r.lower <= options.tolerance * size ? Status::separated : Status::capped;
       return r;
+    }
+    if constexpr (std::is_same_v<Difference, MinkowskiDifference>) {
+      if (r.iterations % newton_interval == 0 && r.lower > 0.0) {
+        GjkResult finer = r;
+        if (close_by_newton(difference, options.tolerance * size, finer)) {
+          find_witnesses(finer);
+          finer.status = finer.lower > options.limit ? Status::beyond : Status::separated;
+          return finer;
+        }
+      }
     }
     r.simplex.vertex[static_cast<std::size_t>(r.simplex.count++)] = w;
     v = reduce_to_closest(r.simplex, inside);

@@ -24,6 +24,7 @@ struct ConvexRef {
 /// Vertex of the difference with the points it came from, in A's axes, relative to A's centre.
 struct MinkowskiVertex {
   Vec3 y, a, b;  ///< y = a - b [m]
+  std::uint32_t index_a = 0, index_b = 0;  ///< of polyhedra: which vertices
 };
 
 struct MinkowskiDifference {
@@ -43,7 +44,7 @@ struct MinkowskiDifference {
   MinkowskiVertex support(const Vec3& d) const {
     const Vec3 on_a = a.support(d);
     const Vec3 on_b = rotation * b.support(-(rotation.transpose() * d)) + offset;
-    return {on_a - on_b, on_a, on_b};
+    return {on_a - on_b, on_a, on_b, 0, 0};
   }
   /// Size that tolerances are relative to: the larger of the bodies [m].
   double size() const { return std::max(a.radius, b.radius); }

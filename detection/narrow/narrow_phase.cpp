@@ -1,5 +1,7 @@
 #include "detection/narrow/narrow_phase.h"
 
+#include <algorithm>
+
 #include "engine/parallel.h"
 
 namespace epafi {
@@ -18,6 +20,10 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
     remembers = remembers || cell->remembers;
   }
   block.caches.assign(remembers ? end - begin : 0, PairCache{});
+  block.known.clear();
+  for (std::size_t i = begin; remembers && i < end; ++i)
+    block.known.push_back({list.pairs[i], world.shape[list.pairs[i].a], world.shape[list.pairs[i].b]});
+  find_caches(block);
   if (!has_candidates) return;
   const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
   block.triangle_begin.push_back(0);
@@ -26,6 +32,27 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
       if (run.cell->candidates) run.cell->candidates(input, list.pairs[i], list.margin, block.triangles);
       block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
     }
+  }
+}
+
+void BatchNarrowPhase::keep_caches() {
+  old_known_.clear(), old_caches_.clear();
+  for (const Block& block : blocks_) {
+    old_known_.insert(old_known_.end(), block.known.begin(), block.known.end());
+    old_caches_.insert(old_caches_.end(), block.caches.begin(), block.caches.end());
+  }
+  if (!known_) old_known_.clear();  // slots were renamed
+}
+
+/// Both lists are sorted: one merge.
+void BatchNarrowPhase::find_caches(Block& block) const {
+  if (old_known_.empty() || block.known.empty()) return;
+  auto old = std::lower_bound(old_known_.begin(), old_known_.end(), block.known.front().pair,
+                              [](const Known& k, const Pair& p) { return k.pair < p; });
+  for (std::size_t k = 0; k < block.known.size(); ++k) {
+    while (old != old_known_.end() && old->pair < block.known[k].pair) ++old;
+    if (old == old_known_.end()) return;
+    if (*old == block.known[k]) block.caches[k] = old_caches_[static_cast<std::size_t>(old - old_known_.begin())];
   }
 }
 
@@ -75,6 +102,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
   const std::size_t n = list.pairs.size();
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
+    keep_caches();
     blocks_.resize((n + block_size - 1) / block_size);
     generation_ = list.generation, pairs_ = n, known_ = true;
   }

@@ -29,17 +29,25 @@ class BatchNarrowPhase : public NarrowPhase {
     std::size_t begin, end;  ///< indices of pairs
     const PairCell* cell;
   };
+  struct Known {
+    Pair pair;
+    std::uint32_t shape_a, shape_b;
+    bool operator==(const Known&) const = default;
+  };
   /// What is derived from the pair list lasts until its next generation; the contacts last one step.
   struct Block {
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
     std::vector<PairCache> caches;  ///< of the block's pairs, where a cell remembers; shortcuts only, so not state
+    std::vector<Known> known;       ///< whom the caches belong to, to find them again in the next list
     ContactSet contacts;
     std::size_t first = 0;  ///< index of the block's first contact in the whole set
     std::size_t degenerate = 0;
   };
 
   void prepare(const World& world, const PairList& pairs, Block& block, std::size_t begin, std::size_t end);
+  void keep_caches();
+  void find_caches(Block& block) const;
   void collide_block(const World& world, const PairList& pairs, Block& block, std::size_t begin);
   void join(ContactSet& contacts);
 
@@ -51,6 +59,8 @@ class BatchNarrowPhase : public NarrowPhase {
   std::size_t pairs_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
+  std::vector<Known> old_known_;  ///< of the last list, in order, with their caches: filled while a new list is prepared
+  std::vector<PairCache> old_caches_;
 };
 
 }  // namespace epafi

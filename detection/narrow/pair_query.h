@@ -1,14 +1,15 @@
 /// @file pair_query.h  What every pair function takes and gives: collide(shape_a, shape_b, query, sink).
 #pragma once
+#include "detection/narrow/pair_memory.h"
 #include "engine/contacts.h"
 
 namespace epafi {
 
-/// Last separating direction of a pair, and the features it belongs to. A shortcut only: answers are the same bits without
-/// it, so it is not state.
+/// What a pair remembers of its last step: a direction that separates, and the features of polyhedra. A shortcut only:
+/// answers are the same bits without it, so it is not state.
 struct PairCache {
   Vec3 axis = Vec3::Zero();  ///< from A to B, world axes; zero: unknown
-  std::uint32_t kind = 0, feature_a = 0, feature_b = 0;  ///< of an overlapping pair; kind 0: unknown
+  PairMemory memory;
 };
 
 /// One pair at one instant.

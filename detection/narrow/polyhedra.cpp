@@ -4,6 +4,7 @@
 
 #include "detection/narrow/axis_search.h"
 #include "detection/narrow/gjk_loop.h"
+#include "detection/narrow/nearest_features.h"
 
 namespace epafi {
 namespace {
@@ -57,8 +58,9 @@ struct PolyhedraDifference {
   const PolyhedronPair& pair;
   const Vec3& offset;
   MinkowskiVertex support(const Vec3& d) const {
-    const Vec3 on_a = pair.a.vertices[pair.support_a(d)], on_b = pair.vertex_b(pair.support_b(d));
-    return {on_a - on_b, on_a, on_b};
+    const std::uint32_t va = pair.support_a(d), vb = pair.support_b(d);
+    const Vec3 on_a = pair.a.vertices[va], on_b = pair.vertex_b(vb);
+    return {on_a - on_b, on_a, on_b, va, vb};
   }
   double size() const { return pair.size(); }
 };
@@ -80,14 +82,85 @@ bool is_distance(const PolyhedronPair& pair, const SeparatingAxis& axis) {
   return over_face(pair.b, axis.feature_b, pair.rotation.transpose() * (pair.a.vertices[axis.feature_a] - pair.offset));
 }
 
-}  // namespace
+/// Overlapping by more than rounding is certain whoever finds it.
+double certain_overlap(const PolyhedronPair& pair) { return -1e-14 * (pair.a.radius + pair.b.radius); }
 
-PolyhedronDistance axis_distance(const PolyhedronPair& pair) { return at_axis(pair, separating_axis(pair), infinity); }
+NearestFeatures features_at(const SeparatingAxis& axis) {
+  using Kind = NearestFeatures::Kind;
+  const Kind kind = axis.kind == AxisKind::face_a   ? Kind::face_vertex
+                    : axis.kind == AxisKind::face_b ? Kind::vertex_face
+                    : axis.kind == AxisKind::edges  ? Kind::edges
+                                                    : Kind::none;
+  return {kind, axis.feature_a, axis.feature_b};
+}
 
-PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit, const SeparatingAxis& start) {
-  // Overlapping by more than rounding is certain whoever finds it: the search over features then has the last word,
-  // whatever it began with. Everything else is decided below, from the beginning.
-  const double certain = -1e-14 * (pair.a.radius + pair.b.radius);
+/// The answer from the features remembered, where they are certified to give it.
+bool recall(const PolyhedronPair& pair, double limit, PairMemory& memory, PolyhedronDistance& out) {
+  bool found = certify(pair, memory.nearest, out);
+  SeparatingAxis axis;
+  if (!found && recall_axis(pair, memory.reference, axis)) {
+    if (axis.gap < certain_overlap(pair)) {
+      out = at_axis(pair, axis, limit);
+      found = true;
+    } else {
+      const NearestFeatures nearest = features_at(axis);
+      found = certify(pair, nearest, out);
+      if (found) memory.nearest = nearest;
+    }
+    if (found && memory.uses < 255) ++memory.uses;
+  }
+  if (found) out.beyond = out.axis.gap > limit;
+  return found;
+}
+
+/// GJK from the last direction. Only features that certify are taken: on the others the way there would leave its trace.
+bool follow(const PolyhedronPair& pair, double limit, PairMemory& memory, PolyhedronDistance& out) {
+  if (memory.nearest.kind == NearestFeatures::Kind::none) return false;
+  const GjkResult g = gjk_detail::run(PolyhedraDifference{pair, pair.offset}, {infinity, 1e-15, memory.normal});
+  NearestFeatures nearest;
+  if (g.status == GjkResult::Status::overlapping || !find_nearest_features(pair, g, nearest, out)) return false;
+  memory.nearest = nearest;
+  memory.normal = out.axis.normal;
+  out.beyond = out.axis.gap > limit;
+  return true;
+}
+
+/// Making a reference costs about as much as a search; a pair that moves too fast to use it, or is too even to have one,
+/// waits twice as long each time.
+void make_reference(const PolyhedronPair& pair, const SeparatingAxis& axis, PairMemory& memory) {
+  if (memory.wait > 0) {
+    --memory.wait;
+    return;
+  }
+  constexpr int worth = 4, longest = 31;
+  const bool useless = memory.tried && memory.uses < worth;
+  memory.patience = static_cast<std::uint8_t>(useless ? std::min(2 * memory.patience + 1, longest) : 0);
+  memory.wait = memory.patience, memory.uses = 0, memory.tried = true;
+  // Of the smaller body: a reference lasts for relative motion of half its range. The narrower one has fewer features.
+  for (const double range : {0.02, 0.006}) {
+    AxisSearch search(pair);
+    search.start_from(axis);
+    search.keep(range * std::min(pair.a.radius, pair.b.radius), memory.reference);
+    if (memory.reference.known) return;
+  }
+}
+
+void remember(const PolyhedronPair& pair, const PolyhedronDistance& d, PairMemory& memory) {
+  const bool seen = memory.kind != 0;
+  memory.kind = static_cast<std::uint8_t>(d.axis.kind);
+  memory.feature_a = d.axis.feature_a, memory.feature_b = d.axis.feature_b;
+  memory.normal = d.axis.normal;
+  if (seen && d.axis.gap < certain_overlap(pair) && d.axis.kind != AxisKind::points)
+    make_reference(pair, d.axis, memory);
+}
+
+/// The search from nothing. start: an axis of an earlier pose, which the answer does not depend on. nearest: the
+/// features of the closest points, where they are certified.
+PolyhedronDistance search_distance(const PolyhedronPair& pair, double limit, const SeparatingAxis& start,
+                                   NearestFeatures& nearest) {
+  const double certain = certain_overlap(pair);
+  // Overlapping: the search over features has the last word, whatever it began with. Everything else is decided below,
+  // from the beginning.
   SeparatingAxis found;
   bool searched = start.kind != AxisKind::none && start.kind != AxisKind::points;
   if (searched) {
@@ -100,7 +173,11 @@ PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit,
   else
     search.start_promising();
   const SeparatingAxis first = search.best();
-  if (first.gap > limit + 1e-12 * pair.size() || is_distance(pair, first)) return at_axis(pair, first, limit);
+  if (first.gap > limit + 1e-12 * pair.size()) return at_axis(pair, first, limit);
+  if (is_distance(pair, first)) {
+    nearest = features_at(first);
+    return at_axis(pair, first, limit);
+  }
 
   // A pair that was apart asks GJK first, any other the features. Both orders end alike: GJK certifies a distance
   // exactly where no search finds an overlap.
@@ -116,14 +193,44 @@ PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit,
   d.beyond = g.status == GjkResult::Status::beyond;
   if (d.beyond) return d;
   d.witness_a = g.witness_a, d.witness_b = g.witness_b;
-  if (g.status == GjkResult::Status::separated) return d;
+  const bool separated = g.status == GjkResult::Status::separated, apart = g.status == GjkResult::Status::capped;
+  PolyhedronDistance certified;
+  if ((separated || apart) && find_nearest_features(pair, g, nearest, certified)) {
+    certified.beyond = certified.axis.gap > limit;
+    return certified;
+  }
+  nearest.kind = NearestFeatures::Kind::none;
+  if (separated) return d;
   // Closer than GJK can tell: the features decide. Apart, they may still not exceed what GJK certified.
-  const bool apart = g.status == GjkResult::Status::capped;
   if (!searched) found = search.run();
   if (found.gap < certain) return at_axis(pair, found, limit);
+  nearest = features_at(found);
+  if (certify(pair, nearest, certified)) {
+    certified.beyond = certified.axis.gap > limit;
+    return certified;
+  }
+  nearest.kind = NearestFeatures::Kind::none;
   if (apart && !(found.gap > g.lower)) return d;
   d = at_axis(pair, found, limit);
   d.uncertainty = apart ? std::max(0.0, g.upper - found.gap) : 0.0;
+  return d;
+}
+
+}  // namespace
+
+PolyhedronDistance axis_distance(const PolyhedronPair& pair) { return at_axis(pair, separating_axis(pair), infinity); }
+
+PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit, PairMemory* memory) {
+  PolyhedronDistance d;
+  NearestFeatures nearest;
+  if (!memory) return search_distance(pair, limit, {}, nearest);
+  if (recall(pair, limit, *memory, d) || follow(pair, limit, *memory, d)) return d;
+  SeparatingAxis start;
+  start.kind = static_cast<AxisKind>(memory->kind);
+  start.feature_a = memory->feature_a, start.feature_b = memory->feature_b;
+  d = search_distance(pair, limit, start, nearest);
+  if (nearest.kind != NearestFeatures::Kind::none) memory->nearest = nearest;
+  remember(pair, d, *memory);
   return d;
 }
 

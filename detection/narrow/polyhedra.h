@@ -1,9 +1,10 @@
 /// @file polyhedra.h  Two convex polyhedra, exact by features: signed distance and common normal.
-/// Separated: GJK, whose final simplex is the feature pair. Overlapping: separating-axis test over faces and over the
+/// Separated: GJK, whose final simplex names the features that the distance is then taken from. Overlapping: separating-axis test over faces and over the
 /// edge pairs whose Gauss arcs cross (Gregorius 2013), pruned by inner spheres. The normal is that of a face, of two
 /// edges or of two vertices, never a difference of nearly equal points.
 #pragma once
 #include "detection/narrow/gjk.h"
+#include "detection/narrow/pair_memory.h"
 #include "detection/shapes/convex_hull.h"
 
 namespace epafi {
@@ -49,8 +50,8 @@ struct PolyhedronDistance {
 /// The axis of largest separation with its points: exact while the bodies overlap, a lower bound of the distance otherwise.
 PolyhedronDistance axis_distance(const PolyhedronPair& pair);
 
-/// limit: distances above it are not wanted [m]. start: what the same call found for this pair a step ago; the answer is the
-/// same bits without it.
-PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity, const SeparatingAxis& start = {});
+/// limit: distances above it are not wanted [m]. memory: of this pair, from earlier poses; the answer is the same bits
+/// without it.
+PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity, PairMemory* memory = nullptr);
 
 }  // namespace epafi

@@ -36,6 +36,7 @@ struct PolyhedronView {
   double radius = 0.0;                                         ///< of the sphere about the origin that contains it [m]
   double inner_radius = 0.0;                                   ///< of the sphere about the origin that it contains [m]
   const BoxFrame* box = nullptr;                               ///< where it is a box
+  std::span<const std::uint32_t> starts = {};                  ///< of large hulls: farthest vertex by cell of directions
 };
 
 struct ConvexHull {
@@ -53,6 +54,7 @@ struct ConvexHull {
   double inner_radius = 0.0;    ///< smallest face offset [m]
   double volume = 0.0;          ///< of the core [m^3]
   Mat3 inertia = Mat3::Zero();  ///< of the core about the origin at density 1 [kg m^2]
+  std::vector<std::uint32_t> starts;  ///< farthest vertex along each cell of a cube of directions; empty for small hulls
   std::optional<BoxFrame> box_frame;  ///< where it is a box, to 1e-9 of the radius
   double sweep = 0.0;           ///< `rounding` of the scene: radius of the sphere swept over the core [m]
 
@@ -78,9 +80,11 @@ struct ConvexHull {
   double rounding() const { return sweep; }
   PolyhedronView view() const;
 
-  /// Scan up to 24 vertices, hill climbing beyond (convexity: a local maximum is the global one). Ties: any of the
-  /// best.
+  /// Scan up to 96 vertices, hill climbing beyond (convexity: a local maximum is the global one) from the vertex of the
+  /// direction's cell where start is 0. Ties: any of the best.
   static std::uint32_t support_vertex(const PolyhedronView& p, const Vec3& d, std::uint32_t start = 0);
+  /// Hill climbing from a vertex near the answer.
+  static std::uint32_t climb(const PolyhedronView& p, const Vec3& d, std::uint32_t start);
 };
 
 struct ConvexHull::Built {

@@ -27,29 +27,16 @@ double cpu_nanoseconds() {
   return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
 }
 
-constexpr int steps = 32, repeats = 3;  // the clock costs about 300 ns: one reading per 32 queries
-
-/// B's poses of a pair that moves by 1e-3 of its size per step, to and fro about where it is.
-std::vector<Pose> moving_poses(const Pose& start, double size, Random& random) {
-  std::vector<Pose> poses;
-  for (int k = 0; k < steps; ++k) {
-    const auto draw = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
-    const Vec3 shift = draw(), axis = draw();
-    Pose p = start;
-    p.position += 0.5e-3 * size * shift.normalized();  // neighbours in time are up to 1e-3 apart, 0.7e-3 on average
-    p.orientation = Quat(Eigen::AngleAxisd(0.5e-3, axis.normalized())) * start.orientation;
-    poses.push_back(p);
-  }
-  return poses;
-}
+constexpr int repeats = 3;
+constexpr std::size_t steps = 32;  // the clock costs about 300 ns: one reading per 32 queries
 
 template <class Query>
 double nanoseconds_per_query(const Query& query) {
   double best = infinity;
   for (int r = 0; r < repeats; ++r) {
     const double begin = cpu_nanoseconds();
-    for (int k = 0; k < steps; ++k) query(k);
-    best = std::min(best, (cpu_nanoseconds() - begin) / steps);
+    for (std::size_t k = 0; k < steps; ++k) query(k);
+    best = std::min(best, (cpu_nanoseconds() - begin) / static_cast<double>(steps));
   }
   return best;
 }
@@ -63,11 +50,11 @@ Row ask_pair(const CorpusPair& p, ConvexMethod method, Random& random) {
   const PolyhedronView va = a.hull.view(), vb = b.hull.view();
   row.answer = ask(method, va, vb, pose_a, pose_b);
   ConvexAnswer last;
-  row.cold = nanoseconds_per_query([&](int) { last = ask(method, va, vb, pose_a, pose_b); });
-  const std::vector<Pose> poses = moving_poses(pose_b, p.size, random);
-  last = row.answer;
+  PairMemory memory;
+  row.cold = nanoseconds_per_query([&](std::size_t) { last = ask(method, va, vb, pose_a, pose_b); });
+  const std::vector<Pose> poses = p.moving_poses(steps, random);
   row.warm = nanoseconds_per_query(
-      [&](int k) { last = ask(method, va, vb, pose_a, poses[static_cast<std::size_t>(k)], last.axis); });
+      [&](std::size_t k) { last = ask(method, va, vb, pose_a, poses[k], &memory); });
   return row;
 }
 

@@ -53,6 +53,22 @@ TEST_CASE("hill climbing finds the height that a scan finds", "[detection][hull]
   }
 }
 
+TEST_CASE("a hull of ten thousand vertices is climbed to the height that a scan finds", "[detection][hull]") {
+  Random random(44, 0);
+  const ConvexHull h = support::random_hull(random, 10000, {1, 0.5, 0.2});
+  CHECK(h.vertices.size() > 9900);
+  std::uint32_t last = 0;
+  for (int k = 0; k < 300; ++k) {
+    const bool along_axis = k < 6;
+    const Vec3 d = along_axis ? Vec3((k % 2 ? 1.0 : -1.0) * Vec3::Unit(k / 2)) : testing::random_direction(random);
+    double height = -infinity;
+    for (const Vec3& v : h.vertices) height = std::max(height, d.dot(v));
+    CHECK(d.dot(h.support(d)) == height);
+    last = ConvexHull::climb(h.view(), d, last);
+    CHECK(d.dot(h.vertices[last]) == height);
+  }
+}
+
 TEST_CASE("the box that holds a turned hull touches it on all sides", "[detection][hull]") {
   Random random(43, 0);
   for (const std::size_t points : {12u, 200u}) {

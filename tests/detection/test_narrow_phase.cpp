@@ -248,6 +248,50 @@ TEST_CASE("contacts are canonical and the same bits at every thread count, with 
   }
 }
 
+TEST_CASE("a crowd that moves has the contacts of a search from nothing, over new lists and thread counts",
+          "[detection][narrow]") {
+  Scene s = mixed(8, 80);
+  Random random(9, 0);
+  const int threads = thread_count();
+  BatchNarrowPhase narrow(s.shapes, 0.02, true);
+  s.pair_all();
+  const std::vector<Pair> all = s.pairs.pairs;
+  for (int step = 0; step < 12; ++step) {
+    if (step % 3 == 0) {  // a list that has lost some of its pairs and found others again
+      s.pairs.pairs.clear(), ++s.pairs.generation;
+      for (const Pair& p : all)
+        if (random.uniform() < 0.8) s.pairs.pairs.push_back(p);
+    }
+    set_thread_count(1 + step % 4);
+    ContactSet remembered, fresh;
+    narrow.collide(s.world, s.pairs, remembered);
+    BatchNarrowPhase(s.shapes, 0.02, true).collide(s.world, s.pairs, fresh);
+    CHECK(same_bits(remembered, fresh));
+    for (Slot b = 1; b < s.world.size(); ++b) {
+      const double stride = step < 9 ? 1e-3 : 0.1;
+      s.world.position[b] += stride * testing::random_direction(random);
+      s.world.orientation[b] =
+          Quat(Eigen::AngleAxisd(stride, testing::random_direction(random))) * s.world.orientation[b];
+    }
+  }
+  set_thread_count(threads);
+}
+
+TEST_CASE("B10: a thousand kilometres from the origin the contacts are the same bits", "[detection][narrow][B10]") {
+  // Positions on a grid of 2^-26 m are exact there too, and only differences of positions enter.
+  const auto at = [](const Vec3& offset) {
+    Scene s = mixed(10, 120);
+    for (Vec3& x : s.world.position) {
+      for (int k = 0; k < 3; ++k) x[k] = std::ldexp(std::round(std::ldexp(x[k], 26)), -26);
+      x += offset;
+    }
+    return s.contacts(0.02);
+  };
+  const ContactSet here = at(Vec3::Zero()), there = at(Vec3(1e6, -1e6, 1e6));
+  CHECK(here.size() > 100);
+  CHECK(same_bits(here, there));
+}
+
 TEST_CASE("a world without rotation needs no orientations", "[detection][narrow]") {
   ShapeStore shapes;
   World world{Columns{}};
