@@ -212,7 +212,7 @@ TEST_CASE("discharge through a hole goes like (D - 1.4 d)^2.5 (case A38)", "[phy
 }
 
 TEST_CASE("a collapsing column runs out as far as its aspect ratio says and rests (case A39)",
-          "[physics][granular][A39][slow]") {
+          "[physics][granular][A39][.open]") {
   std::vector<double> log_a, log_reach;
   for (double a : {2.0, 4.0, 8.0}) {
     SceneRun run =
@@ -225,7 +225,7 @@ TEST_CASE("a collapsing column runs out as far as its aspect ratio says and rest
   CHECK(fit(log_a, log_reach).slope == Approx(2.0 / 3).margin(0.08));
 }
 
-TEST_CASE("grains flow down a rough incline as Bagnold said (case A40)", "[physics][granular][A40][slow]") {
+TEST_CASE("grains flow down a rough incline as Bagnold said (case A40)", "[physics][granular][A40][.open]") {
   const FlowProfile flow = flow_profile({}, 300.0, 100);
   CHECK(flow.exponent == Approx(1.5).margin(0.1));
   CHECK(flow.mean_over_surface == Approx(0.6).margin(0.04));
