@@ -58,7 +58,7 @@ class Simulation {
 
   std::uint64_t steps_ = 0;
   std::uint64_t removed_ = 0;
-  std::size_t movable_ = 0;  ///< free bodies
+  std::size_t movable_ = 0;       ///< free bodies
   std::uint64_t parts_made_ = 0;  ///< of all time steps
   std::vector<BodyId>
       leaving_;  ///< left the domain in the last step; taken out before the next, after observers saw it

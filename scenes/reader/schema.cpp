@@ -227,23 +227,23 @@ TableSchema fill_table() {
                    Value(std::string("number")))};
   Field full = word("until", "fills the region", {"full"});
   full.optional = true;
-  return {
-      "fill",
-      TableSchema::Form::list,
-      "many bodies placed in a region; exactly one of count, mass, until",
-      {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
-       required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
-       optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
-       table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
-       optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
-       optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
-       needed(table("region", "where the bodies are placed", region_box())),
-       with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}), Value(std::string("lattice"))),
-       optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
-       optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
-       with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
-       optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
-       with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
+  return {"fill",
+          TableSchema::Form::list,
+          "many bodies placed in a region; exactly one of count, mass, until",
+          {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+           required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
+           optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
+           table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
+           optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
+           optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
+           needed(table("region", "where the bodies are placed", region_box())),
+           with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
+                        Value(std::string("lattice"))),
+           optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
+           optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
+           with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
+           optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
+           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
 }
 
 TableSchema outlet_table() {
