@@ -1,7 +1,12 @@
 # One interface target with all warnings and the flags that decide bits: no contraction, no fast-math, no -march=native.
 # Off, because GCC 12 reports them wrongly for std::string (its bug 105651): restrict, stringop-overflow, array-bounds.
+# In a unit of several files a local name may equal a name of a neighbour's anonymous namespace: no mistake.
+set(shadow -Wshadow)
+if(EPAFI_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(shadow -Wshadow=local)
+endif()
 add_library(epafi_warnings INTERFACE)
-target_compile_options(epafi_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-psabi -Wno-restrict
+target_compile_options(epafi_warnings INTERFACE -Wall -Wextra -Wpedantic ${shadow} -Wconversion -Wno-psabi -Wno-restrict
   -Wno-stringop-overflow -Wno-array-bounds -ffp-contract=off)
 if(EPAFI_WERROR)
   target_compile_options(epafi_warnings INTERFACE -Werror)

@@ -1,6 +1,7 @@
 #include "engine/events.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "engine/rotation.h"
 
@@ -19,7 +20,7 @@ Vec3 DriveBody::position_at(double time) const {
     const SinCos turn = sin_cos(motion_.rotation_rate * t);
     x = *motion_.rotation_about + along + turn.cos * across + turn.sin * axis.cross(across);
   }
-  const double phase = 2.0 * 3.14159265358979323846 * motion_.oscillation_frequency * t;
+  const double phase = 2.0 * std::numbers::pi * motion_.oscillation_frequency * t;
   return x + t * motion_.velocity + motion_.oscillation_amplitude * sin_cos(phase).sin * motion_.oscillation_direction;
 }
 

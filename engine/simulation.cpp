@@ -27,10 +27,10 @@ std::optional<Failure> Simulation::advance(bool last) {
 }
 
 std::optional<Failure> Simulation::make_step(double dt, bool sort) {
-  const std::size_t before = world.size();
+  const std::size_t before = world.size(), strays = leaving_.size();
   for (auto& event : events) event->before_step(world, dt, leaving_);
   if (world.size() > before) welcome(before);
-  if (!leaving_.empty()) take_out();
+  if (leaving_.size() > strays || (strays > 0 && (steps_ - 1) % outlet_interval == 0)) take_out();
   if (sort) sort_bodies();
   step(world, pipeline, work, dt);
   ledger.add(work.report);
@@ -71,8 +71,8 @@ void Simulation::take_out() {
   ledger.accept_jump(world, before);
 }
 
-/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again, the forces of the step
-/// that was done stay.
+/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again over no time, which
+/// leaves their history as it is; the forces of the step that was done stay.
 void Simulation::drop_contacts() {
   if (!pipeline.scheme->needs_initial_forces()) return;
   const auto force = world.force, torque = world.torque;

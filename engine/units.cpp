@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <vector>
 
 #include "engine/nearest.h"
@@ -10,7 +11,7 @@
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr int largest_exponent = 9;
 
 struct Symbol {

@@ -1,6 +1,7 @@
 #include "viz_export/surface.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "detection/surfaces/tessellate.h"
 #include "engine/frame.h"
@@ -50,7 +51,7 @@ Surface triangles_of(const TriangleSurface& mesh) {
 /// Support points of a latitude-longitude grid of directions about z: for shapes that offer nothing else.
 template <class S>
 Surface support_grid(const S& shape) {
-  constexpr double pi = 3.14159265358979323846;
+  using std::numbers::pi;
   Surface surface;
   const auto add = [&](double polar, double azimuth) {
     const Vec3 d(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));

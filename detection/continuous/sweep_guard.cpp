@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "detection/narrow/triangle_solid.h"
 
@@ -48,8 +49,8 @@ double inner_radius(const ShapeStore& shapes, ShapeRef ref) {
 
 Vec3 turn_between(const Quat& from, const Quat& to) {
   const Eigen::AngleAxisd turn(Quat(to * from.conjugate()));
-  return turn.angle() > 3.14159265358979323846 ? Vec3(turn.axis() * (turn.angle() - 2 * 3.14159265358979323846))
-                                               : Vec3(turn.axis() * turn.angle());
+  return turn.angle() > std::numbers::pi ? Vec3(turn.axis() * (turn.angle() - 2 * std::numbers::pi))
+                                         : Vec3(turn.axis() * turn.angle());
 }
 
 /// The way of a body that was not remembered: back along its velocities.

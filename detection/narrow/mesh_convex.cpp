@@ -11,7 +11,7 @@ namespace {
 constexpr double on_surface = 1e-6;  // of the size, as in the manifold: what counts as lying on an edge or triangle
 constexpr double along_face =
     1e-5;  // [rad] a direction of EPA nearer than this to the triangle's normal is meant to be it
-constexpr double certain = 1e-6;  // of the size: a wider interval than this is reported as degenerate
+constexpr double narrow_enough = 1e-6;  // of the size: a wider interval than this is reported as degenerate
 
 /// What the surface around the point of a triangle says to a normal n from the mesh to the body.
 enum class Verdict {
@@ -106,7 +106,7 @@ class PolyhedronOnMesh {
     const PolyhedronPair pair(body_, solid.view(), pose_, solid.pose());
     const PolyhedronDistance d = polyhedron_distance(pair, limit);
     if (d.beyond) return;
-    if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
+    if (d.uncertainty > narrow_enough * pair.size()) sink.mark_degenerate();
     const Vec3 n = -(turn_ * d.axis.normal);
     // The triangle's own normal holds where it separates best, where the direction is that one within 1e-5 rad, and
     // where the direction belongs to an inner edge or vertex; towards the side of the body's centre.
@@ -262,14 +262,14 @@ class CoreOnMesh {
     const auto to_mesh = [&](const Vec3& x) -> Vec3 { return centre() + turn_ * x; };
     if (g.status == GjkResult::Status::beyond) return {};
     if (g.status != GjkResult::Status::overlapping) {
-      if (g.upper - g.lower > certain * difference.size()) sink.mark_degenerate();
+      if (g.upper - g.lower > narrow_enough * difference.size()) sink.mark_degenerate();
       return {true, g.lower, -(turn_ * g.normal), to_mesh(g.witness_b)};
     }
     const Penetration p = epa(difference);
-    if (p.upper - p.lower > certain * difference.size()) sink.mark_degenerate();
+    if (p.upper - p.lower > narrow_enough * difference.size()) sink.mark_degenerate();
     const Vec3 normal = -(turn_ * p.normal), on_mesh = to_mesh(p.witness_b);
-    // The depth is certain, the points are not: on facets without area EPA's weights lose all digits, and of coplanar
-    // facets it may take one beside the origin. Then: the triangle's point nearest to the centre.
+    // The depth is certain, the points are not: on facets without area EPA's weights lose all digits, and of
+    // coplanar facets it may take one beside the origin. Then: the triangle's point nearest to the centre.
     const bool sound = nearest_on_triangle(on_mesh, corner).distance <= tolerance_ &&
                        (on_mesh - centre()).norm() <= body_.core.radius + tolerance_;
     return {true, -p.upper, normal, sound ? on_mesh : nearest_on_triangle(centre(), corner).point};

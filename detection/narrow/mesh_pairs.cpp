@@ -6,8 +6,8 @@
 namespace epafi {
 namespace {
 
-constexpr double on_surface = 1e-9;  // of the radius: what counts as lying on an edge or triangle; rounding is 1e-15
-constexpr double sharp = 1e-6;       // [rad] an edge that bends less is no edge to the side of a capsule
+constexpr double on_triangle = 1e-9;  // of the radius: what counts as lying on an edge or triangle; rounding is 1e-15
+constexpr double sharp = 1e-6;        // [rad] an edge that bends less is no edge to the side of a capsule
 
 /// A triangle near a sphere.
 struct Touch {
@@ -29,7 +29,7 @@ bool crosses(const TriangleMesh& mesh, std::uint32_t t, const Vec3& a, const Vec
 class SphereOnMesh {
  public:
   SphereOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
-      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_surface * radius) {}
+      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_triangle * radius) {}
 
   /// Appends the contacts of the sphere at `centre` of a body whose centre is `inside`; local: distinguishes the
   /// spheres.
@@ -115,7 +115,7 @@ double nearest_of_segments(const Vec3& a, const Vec3& u, const Vec3& b, const Ve
 class SideOnMesh {
  public:
   SideOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
-      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_surface * radius) {}
+      : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_triangle * radius) {}
 
   void collide(const Vec3& from, const Vec3& axis, std::vector<MeshPoint>& out) const {
     if (!(axis.squaredNorm() > 0.0)) return;
@@ -130,7 +130,7 @@ class SideOnMesh {
     const auto corner = mesh_.corners(t);
     const Vec3 &a = corner[k], &b = corner[(k + 1) % 3];
     const double s = nearest_of_segments(from, axis, a, b - a);
-    if (!(s > on_surface && s < 1.0 - on_surface)) return;  // the ends are spheres of their own
+    if (!(s > on_triangle && s < 1.0 - on_triangle)) return;  // the ends are spheres of their own
     const Vec3 centre = from + s * axis;
     const Vec3 point = a + nearest_on_segment(centre, a, b) * (b - a);
     const Vec3 d = centre - point;

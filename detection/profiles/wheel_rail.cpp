@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace epafi {
 namespace {
@@ -270,7 +271,7 @@ double equivalent_conicity(const Profile& wheel, const Profile& rail, const Trac
   };
   // integrate in distance along the track from the amplitude at rest until the velocity changes sign twice
   double y = amplitude, v = 0.0, s = 0.0, last_v = -1.0;
-  const double scale = track.radius * base, ds = 2.0 * 3.14159265358979323846 * std::sqrt(scale / 2.0 / 0.2) / 20000.0;
+  const double scale = track.radius * base, ds = 2.0 * std::numbers::pi * std::sqrt(scale / 2.0 / 0.2) / 20000.0;
   int turns = 0;
   for (long step = 0; step < 4000000; ++step) {
     v -= 0.5 * ds * delta_r(y) / scale;
@@ -281,7 +282,7 @@ double equivalent_conicity(const Profile& wheel, const Profile& rail, const Trac
     last_v = v;
   }
   // Klingel: L = 2 pi sqrt(r0 2 b0 / (2 lambda))
-  const double k = 2.0 * 3.14159265358979323846 / s;
+  const double k = 2.0 * std::numbers::pi / s;
   return 0.5 * k * k * scale;
 }
 

@@ -1,5 +1,7 @@
 /// @file capsule.h  Cylinder with two half spheres, axis z: all points within r of a segment.
 #pragma once
+#include <numbers>
+
 #include "detection/shapes/equal_volume.h"
 #include "detection/shapes/flat_side.h"
 #include "detection/shapes/shape_concept.h"
@@ -23,7 +25,7 @@ struct Capsule {
   }
 
   double half_length() const { return 0.5 * length; }
-  double volume() const { return circle_constant * radius * radius * (length + 4.0 / 3.0 * radius); }
+  double volume() const { return std::numbers::pi * radius * radius * (length + 4.0 / 3.0 * radius); }
   double contact_radius() const { return contact_radius_; }  ///< of the sphere of equal volume [m]
   double bounding_radius() const { return half_length() + radius; }
   Aabb bounding_box(const Pose& pose) const {
@@ -34,8 +36,8 @@ struct Capsule {
   /// Sum of the cylinder and of the two half spheres, whose centres lie 3r/8 beyond its ends.
   MassProperties mass_properties() const {
     const double r = radius, l = length;
-    const double cylinder = circle_constant * r * r * l;
-    const double spheres = 4.0 / 3.0 * circle_constant * r * r * r;
+    const double cylinder = std::numbers::pi * r * r * l;
+    const double spheres = 4.0 / 3.0 * std::numbers::pi * r * r * r;
     const double across =
         cylinder * (r * r / 4.0 + l * l / 12.0) + spheres * (0.4 * r * r + 0.25 * l * l + 0.375 * l * r);
     const double along = 0.5 * cylinder * r * r + 0.4 * spheres * r * r;

@@ -1,6 +1,7 @@
 #include "detection/shapes/convex_hull.h"
 
 #include <fmt/format.h>
+#include <numbers>
 
 #include <algorithm>
 #include <cmath>
@@ -172,7 +173,7 @@ void find_mass(ConvexHull& hull, const Faces& faces) {
     }
   }
   hull.inertia = second.trace() * Mat3::Identity() - second;
-  hull.equal_volume_radius = std::cbrt(0.75 * hull.volume / 3.14159265358979323846);
+  hull.equal_volume_radius = std::cbrt(0.75 * hull.volume / std::numbers::pi);
 }
 
 /// The frame of a rectangular box: three pairs of opposite faces across each other.
@@ -197,7 +198,8 @@ std::optional<BoxFrame> find_box(const ConvexHull& hull) {
     ++axes;
   }
   for (std::size_t i = 0; i < 3; ++i)
-    if (std::abs(hull.face_normals[frame.face[i][1]].dot(hull.face_normals[frame.face[(i + 1) % 3][1]])) > square) return {};
+    if (std::abs(hull.face_normals[frame.face[i][1]].dot(hull.face_normals[frame.face[(i + 1) % 3][1]])) > square)
+      return {};
   for (std::uint32_t e = 0; e < 12; ++e) {
     const std::uint32_t l = hull.edges[e].left, r = hull.edges[e].right;
     const std::size_t i = 3 - axis_of[l] - axis_of[r];
@@ -243,8 +245,19 @@ ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
 }
 
 PolyhedronView ConvexHull::view() const {
-  return {vertices,        face_begin, face_vertices, face_normals, face_offsets, edges,
-          neighbour_begin, neighbours, fan_begin,     fans,         radius,       inner_radius, box_frame ? &*box_frame : nullptr};
+  return {vertices,
+          face_begin,
+          face_vertices,
+          face_normals,
+          face_offsets,
+          edges,
+          neighbour_begin,
+          neighbours,
+          fan_begin,
+          fans,
+          radius,
+          inner_radius,
+          box_frame ? &*box_frame : nullptr};
 }
 
 std::uint32_t ConvexHull::support_vertex(const PolyhedronView& p, const Vec3& d, std::uint32_t start) {

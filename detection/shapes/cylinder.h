@@ -1,5 +1,7 @@
 /// @file cylinder.h  Right circular cylinder about its centre, axis z.
 #pragma once
+#include <numbers>
+
 #include "detection/shapes/equal_volume.h"
 #include "detection/shapes/flat_side.h"
 #include "detection/shapes/shape_concept.h"
@@ -23,7 +25,7 @@ struct Cylinder {
   }
 
   double half_length() const { return 0.5 * length; }
-  double volume() const { return circle_constant * radius * radius * length; }
+  double volume() const { return std::numbers::pi * radius * radius * length; }
   double contact_radius() const { return contact_radius_; }  ///< of the sphere of equal volume [m]
   double bounding_radius() const { return std::sqrt(half_length() * half_length() + radius * radius); }
   /// Exact: the disk of radius r normal to u reaches r sqrt(1 - u_i^2) along axis i.

@@ -1,5 +1,7 @@
 /// @file ellipsoid.h  Ellipsoid about its centre: (x/a)^2 + (y/b)^2 + (z/c)^2 <= 1.
 #pragma once
+#include <numbers>
+
 #include "detection/shapes/equal_volume.h"
 #include "detection/shapes/shape_concept.h"
 
@@ -19,7 +21,7 @@ struct Ellipsoid {
             ""};
   }
 
-  double volume() const { return 4.0 / 3.0 * circle_constant * semi_axes.x() * semi_axes.y() * semi_axes.z(); }
+  double volume() const { return 4.0 / 3.0 * std::numbers::pi * semi_axes.x() * semi_axes.y() * semi_axes.z(); }
   double contact_radius() const { return contact_radius_; }  ///< of the sphere of equal volume [m]
   double bounding_radius() const { return semi_axes.maxCoeff(); }
   /// Exact: support in direction e_i is |A R^T e_i| with A = diag(a, b, c).

@@ -1,10 +1,9 @@
 /// @file equal_volume.h  Radius of the sphere of a given volume: the contact radius of shapes that are not spheres.
 #pragma once
 #include <cmath>
+#include <numbers>
 
 namespace epafi {
-
-inline constexpr double circle_constant = 3.14159265358979323846;  // pi
 
 /// Cube root by Newton's method after scaling to [1/8, 1): + - * / only, so that no libm decides a bit of a run.
 /// x >= 0 and finite; error below 2 ulp.
@@ -20,6 +19,6 @@ inline double cube_root(double x) {
 }
 
 /// R of V = 4/3 pi R^3 [m]
-inline double equal_volume_radius(double volume) { return cube_root(0.75 * volume / circle_constant); }
+inline double equal_volume_radius(double volume) { return cube_root(0.75 * volume / std::numbers::pi); }
 
 }  // namespace epafi

@@ -1,6 +1,7 @@
 #include "detection/surfaces/tessellate.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "engine/frame.h"
 
@@ -19,7 +20,7 @@ TriangleSurface revolve(const std::vector<Ring>& rings, std::uint32_t segments) 
   s.vertices.emplace_back(0.0, 0.0, rings.front().z);
   for (std::uint32_t r = 1; r <= inner; ++r)
     for (std::uint32_t k = 0; k < segments; ++k) {
-      const double angle = 2.0 * circle_constant * k / segments;
+      const double angle = 2.0 * std::numbers::pi * k / segments;
       s.vertices.emplace_back(rings[r].radius * std::cos(angle), rings[r].radius * std::sin(angle), rings[r].z);
     }
   s.vertices.emplace_back(0.0, 0.0, rings.back().z);
@@ -42,7 +43,7 @@ std::vector<Ring> rounded_profile(double r, double h, std::uint32_t segments) {
   std::vector<Ring> rings;
   const auto arc = [&](std::uint32_t from, std::uint32_t to, double centre) {
     for (std::uint32_t k = from; k <= to; ++k) {
-      const double angle = 0.5 * circle_constant * k / quarter;
+      const double angle = 0.5 * std::numbers::pi * k / quarter;
       const bool pole = k == 0 || k == 2 * quarter;
       rings.push_back({pole ? 0.0 : r * std::sin(angle), centre - r * std::cos(angle)});
     }

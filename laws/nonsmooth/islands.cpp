@@ -6,7 +6,7 @@
 namespace epafi {
 
 namespace {
-constexpr std::uint32_t none = ConeProblem::no_body;
+constexpr std::uint32_t no_body = ConeProblem::no_body;
 }
 
 std::uint32_t Islands::root(std::uint32_t i) {
@@ -23,11 +23,11 @@ void Islands::find(const ConeProblem& p) {
     parent_[std::max(a, b)] = std::min(a, b);  // the root is the first contact
   };
   if (p.has_bodies()) {
-    first_.assign(p.bodies(), none);
+    first_.assign(p.bodies(), no_body);
     for (std::uint32_t i = 0; i < n; ++i)
       for (const std::uint32_t body : p.rows[i].body) {
-        if (body == none) continue;
-        if (first_[body] == none)
+        if (body == no_body) continue;
+        if (first_[body] == no_body)
           first_[body] = i;
         else
           join(i, first_[body]);
@@ -36,7 +36,7 @@ void Islands::find(const ConeProblem& p) {
     for (std::uint32_t i = 0; i < n; ++i)
       for (std::size_t k = p.begin[i]; k < p.begin[i + 1]; ++k) join(i, p.column[k]);
   }
-  island_.resize(n), order_.resize(n), place_.resize(n), body_place_.assign(p.bodies(), none);
+  island_.resize(n), order_.resize(n), place_.resize(n), body_place_.assign(p.bodies(), no_body);
   begin_.assign(1, 0);
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t r = root(i);
@@ -49,7 +49,7 @@ void Islands::find(const ConeProblem& p) {
   first_.assign(size(), 0);  // bodies counted so far in each island
   for (std::uint32_t i = 0; i < n && p.has_bodies(); ++i)
     for (const std::uint32_t body : p.rows[i].body)
-      if (body != none && body_place_[body] == none) body_place_[body] = first_[island_[i]]++;
+      if (body != no_body && body_place_[body] == no_body) body_place_[body] = first_[island_[i]]++;
 }
 
 void Islands::extract(const ConeProblem& p, std::size_t k, ConeProblem& out) const {
@@ -70,7 +70,7 @@ void Islands::extract(const ConeProblem& p, std::size_t k, ConeProblem& out) con
     }
     out.rows[i] = p.rows[from];
     for (std::uint32_t& body : out.rows[i].body) {
-      if (body == none) continue;
+      if (body == no_body) continue;
       const std::uint32_t place = body_place_[body];
       if (place >= out.mass.size()) out.mass.resize(place + 1);
       out.mass[place] = p.mass[body];

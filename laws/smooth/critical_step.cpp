@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "laws/smooth/choose_law.h"
 
@@ -12,7 +13,7 @@ namespace epafi {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 std::string number(double value, const char* unit) {
   char text[64];

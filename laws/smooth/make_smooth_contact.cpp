@@ -51,13 +51,6 @@ bool any_pair(const MaterialTable& table, const F& f) {
   return std::any_of(table.pairs.begin(), table.pairs.end(), [&](const MaterialPair& p) { return p.occurs && f(p); });
 }
 
-/// f(type of normal part, of tangential part, of rolling part); all three names must be known.
-template <class F>
-decltype(auto) with_parts(const SmoothParts& parts, const F& f) {
-  return std::visit(f, *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential),
-                    *find_law(RollingLaws{}, parts.rolling));
-}
-
 void add(std::vector<Problem>& out, Problem::Level level, std::string text) {
   Problem problem;
   problem.level = level;
@@ -74,46 +67,63 @@ void check_name(const List& list, const char* key, const std::string& name, std:
       std::string("[contact.smooth] ") + key + " '" + name + "' is unknown; known: " + known);
 }
 
-template <class N, class T, class R>
 void check_combination(const SmoothParts& parts, std::vector<Problem>& out) {
-  if (!T::template fits<N>)
+  const bool fits = with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
+    return with_law(NormalLaws{}, parts.normal,
+                    [](auto n) { return decltype(t)::type::template fits<typename decltype(n)::type>; });
+  });
+  if (!fits)
     add(out, Problem::Level::error,
         "tangential law '" + parts.tangential + "' needs a Hertzian normal law, not '" + parts.normal +
             "'; use tangential = \"coulomb-spring\"");
-  if (R::is_present && !T::is_present)
+  if (parts.rolling != NoRolling::name && parts.tangential == NoFriction::name)
     add(out, Problem::Level::error,
         "rolling law '" + parts.rolling + "' needs friction: with friction 0 nothing makes a body roll");
 }
 
-template <class N, class T, class R>
-void check_materials(const SmoothSetup& setup, std::vector<Problem>& out) {
+template <class List>
+void check_missing(const List& list, const std::string& name, const MaterialPair& pair, const std::string& of,
+                   std::vector<Problem>& out) {
+  const auto missing = with_law(list, name, [&](auto l) { return Missing(decltype(l)::type::missing(pair)); });
+  for (const std::string& what : missing) {
+    const std::string text = "law '" + of + "' needs " + what + " (contact " + pair.a.name + "-" + pair.b.name + ")";
+    const bool said = std::any_of(out.begin(), out.end(), [&](const Problem& p) { return p.text == text; });
+    if (!said) add(out, Problem::Level::error, text);
+  }
+}
+
+/// Warns where the restitution that comes out is not the one asked for.
+template <class N>
+void check_restitution(const std::string& law, const MaterialPair& pair, std::vector<Problem>& out) {
+  const std::string where = "contact " + pair.a.name + "-" + pair.b.name;
+  constexpr double least = least_restitution<N>;
+  if constexpr (requires { N::restitution(0.5); }) {
+    if (pair.restitution < 1.0)
+      add(out, Problem::Level::warning,
+          where + ": law '" + law + "' returns " + std::to_string(N::restitution(pair.restitution)) +
+              " for a restitution of " + std::to_string(pair.restitution) +
+              " at its reference_speed; 'hunt-crossley' returns what is asked");
+  }
+  if (!uses_restitution<N> && pair.restitution < 1.0)
+    add(out, Problem::Level::warning,
+        where + ": restitution " + std::to_string(pair.restitution) + " is not used by law '" + law +
+            "', whose restitution depends on the speed");
+  else if (pair.restitution < least)
+    add(out, Problem::Level::warning,
+        where + ": restitution " + std::to_string(pair.restitution) + " would need more damping than law '" + law +
+            "' is set for; it acts as " + std::to_string(least));
+}
+
+void check_materials(const SmoothSetup& setup, const SmoothParts& parts, std::vector<Problem>& out) {
   for (std::size_t i = 0; i < setup.materials.materials; ++i) {
     for (std::size_t j = i; j < setup.materials.materials; ++j) {
       const MaterialPair& pair = setup.materials.pairs[i * setup.materials.materials + j];
       if (!pair.occurs) continue;
-      const std::string where = "contact " + pair.a.name + "-" + pair.b.name;
-      for (const Missing& list : {N::missing(pair), T::missing(pair), R::missing(pair)})
-        for (const std::string& what : list) {
-          const std::string text = "law '" + setup.law + "' needs " + what + " (" + where + ")";
-          const bool said = std::any_of(out.begin(), out.end(), [&](const Problem& p) { return p.text == text; });
-          if (!said) add(out, Problem::Level::error, text);
-        }
-      constexpr double least = least_restitution<N>;
-      if constexpr (requires { N::restitution(0.5); }) {
-        if (pair.restitution < 1.0)
-          add(out, Problem::Level::warning,
-              where + ": law '" + setup.law + "' returns " + std::to_string(N::restitution(pair.restitution)) +
-                  " for a restitution of " + std::to_string(pair.restitution) +
-                  " at its reference_speed; 'hunt-crossley' returns what is asked");
-      }
-      if (!uses_restitution<N> && pair.restitution < 1.0)
-        add(out, Problem::Level::warning,
-            where + ": restitution " + std::to_string(pair.restitution) + " is not used by law '" + setup.law +
-                "', whose restitution depends on the speed");
-      else if (pair.restitution < least)
-        add(out, Problem::Level::warning,
-            where + ": restitution " + std::to_string(pair.restitution) + " would need more damping than law '" +
-                setup.law + "' is set for; it acts as " + std::to_string(least));
+      check_missing(NormalLaws{}, parts.normal, pair, setup.law, out);
+      check_missing(TangentialLaws{}, parts.tangential, pair, setup.law, out);
+      check_missing(RollingLaws{}, parts.rolling, pair, setup.law, out);
+      with_law(NormalLaws{}, parts.normal,
+               [&](auto n) { check_restitution<typename decltype(n)::type>(setup.law, pair, out); });
     }
   }
 }
@@ -124,14 +134,12 @@ const std::vector<Entry>& all_smooth_laws() {
   static const std::vector<Entry> list = [] {
     std::vector<Entry> out;
     for (const NamedLaw& law : named_laws) {
-      const SmoothParts parts{law.normal, law.tangential, RollingSpring::name};
-      out.push_back(with_parts(parts, [&](auto n, auto t, auto r) {
-        Entry e = decltype(n)::type::entry();
-        e.name = law.name, e.summary = law.summary;
-        for (const Entry& part : {decltype(t)::type::entry(), decltype(r)::type::entry()})
-          e.fields.insert(e.fields.end(), part.fields.begin(), part.fields.end());
-        return e;
-      }));
+      const auto entry = [](auto l) { return decltype(l)::type::entry(); };
+      Entry e = with_law(NormalLaws{}, law.normal, entry);
+      e.name = law.name, e.summary = law.summary;
+      for (const Entry& part : {with_law(TangentialLaws{}, law.tangential, entry), RollingSpring::entry()})
+        e.fields.insert(e.fields.end(), part.fields.begin(), part.fields.end());
+      out.push_back(std::move(e));
     }
     return out;
   }();
@@ -169,20 +177,16 @@ std::vector<Problem> check_smooth(const SmoothSetup& setup) {
   if (!setup.rolling.empty()) check_name(RollingLaws{}, "rolling", setup.rolling, out);
   if (!out.empty()) return out;
   const SmoothParts parts = smooth_parts(setup);
-  with_parts(parts, [&](auto n, auto t, auto r) {
-    using N = typename decltype(n)::type;
-    using T = typename decltype(t)::type;
-    using R = typename decltype(r)::type;
-    check_combination<N, T, R>(parts, out);
-    check_materials<N, T, R>(setup, out);
-  });
+  check_combination(parts, out);
+  check_materials(setup, parts, out);
   return out;
 }
 
 Needs smooth_needs(const SmoothSetup& setup) {
-  return with_parts(smooth_parts(setup), [](auto n, auto t, auto r) {
-    return decltype(n)::type::needs | decltype(t)::type::needs | decltype(r)::type::needs;
-  });
+  const SmoothParts parts = smooth_parts(setup);
+  const auto needs = [](auto l) { return Needs(decltype(l)::type::needs); };
+  return with_law(NormalLaws{}, parts.normal, needs) | with_law(TangentialLaws{}, parts.tangential, needs) |
+         with_law(RollingLaws{}, parts.rolling, needs);
 }
 
 std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup) {
@@ -190,28 +194,24 @@ std::unique_ptr<ContactModel> make_smooth_contact(const SmoothSetup& setup) {
   std::erase_if(problems, [](const Problem& p) { return p.level != Problem::Level::error; });
   if (!problems.empty()) throw SceneError(std::move(problems));
   const SmoothParts parts = smooth_parts(setup);
-  return std::visit(
-      [&](auto n) {
-        using N = typename decltype(n)::type;
-        std::vector<typename N::Parameters> normal(setup.materials.pairs.size());
-        for (std::size_t i = 0; i < normal.size(); ++i)
-          if (setup.materials.pairs[i].occurs) normal[i] = N::parameters(setup.materials.pairs[i]);
-        return make_loop<Loop<N>>(setup.materials, normal, parts);
-      },
-      *find_law(NormalLaws{}, parts.normal));
+  return with_law(NormalLaws{}, parts.normal, [&](auto n) {
+    using N = typename decltype(n)::type;
+    std::vector<typename N::Parameters> normal(setup.materials.pairs.size());
+    for (std::size_t i = 0; i < normal.size(); ++i)
+      if (setup.materials.pairs[i].occurs) normal[i] = N::parameters(setup.materials.pairs[i]);
+    return make_loop<Loop<N>>(setup.materials, normal, parts);
+  });
 }
 
 double smooth_reach(const SmoothSetup& setup, double largest_radius) {
-  return std::visit(
-      [&](auto n) {
-        using N = typename decltype(n)::type;
-        double reach = 0.0;
-        if constexpr (requires(const typename N::Parameters& p) { N::reach(p, 1.0); })
-          for (const MaterialPair& pair : setup.materials.pairs)
-            if (pair.occurs) reach = std::max(reach, 1.1 * N::reach(N::parameters(pair), largest_radius));
-        return reach;
-      },
-      *find_law(NormalLaws{}, smooth_parts(setup).normal));
+  return with_law(NormalLaws{}, smooth_parts(setup).normal, [&](auto n) {
+    using N = typename decltype(n)::type;
+    double reach = 0.0;
+    if constexpr (requires(const typename N::Parameters& p) { N::reach(p, 1.0); })
+      for (const MaterialPair& pair : setup.materials.pairs)
+        if (pair.occurs) reach = std::max(reach, 1.1 * N::reach(N::parameters(pair), largest_radius));
+    return reach;
+  });
 }
 
 }  // namespace epafi

@@ -44,13 +44,13 @@ struct VelocityChange {
 
 /// What the parts remember of one contact; parts without memory take no room.
 template <class NormalMemory, class Friction, class Rolling>
-struct ContactRecord {
+struct ContactHistory {
   [[no_unique_address]] NormalMemory normal{};
   [[no_unique_address]] Friction friction{};
   [[no_unique_address]] Rolling rolling{};
 };
 template <class N, class T, class R>
-inline constexpr bool is_plain<ContactRecord<N, T, R>> = true;  // numbers and Eigen's vectors only
+inline constexpr bool is_plain<ContactHistory<N, T, R>> = true;  // numbers and Eigen's vectors only
 
 /// Records of all contacts, carried by contact key; the last step's beside this one's.
 template <class Record>
@@ -67,6 +67,11 @@ class RecordMemory {
   }
   Record& now(std::size_t i) { return now_[i]; }
   const Record& fresh() const { return fresh_; }
+  /// No time has passed: contacts that are not new go on with what they remembered.
+  void keep() {
+    for (std::size_t i = 0; i < now_.size(); ++i)
+      if (previous_[i] != ContactMemory::none) now_[i] = old_[previous_[i]];
+  }
   void reorder(const Reordering& change) {
     const auto order = keys_.reorder(change);
     std::vector<Record> sorted;
@@ -92,7 +97,7 @@ class SmoothContact final : public ContactModel {
                         hysteretic = RemembersNormal<Normal>;
   static constexpr bool remembers = slides || rolls || hysteretic;
   using Record =
-      ContactRecord<NormalState<Normal>, typename Tangential::Memory, std::conditional_t<rolls, Spring, Nothing<2>>>;
+      ContactHistory<NormalState<Normal>, typename Tangential::Memory, std::conditional_t<rolls, Spring, Nothing<2>>>;
 
  public:
   static constexpr Needs needs = Normal::needs | Tangential::needs | Rolling::needs;
@@ -122,6 +127,8 @@ class SmoothContact final : public ContactModel {
     EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
     const SmoothSums sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
                                             : run<(slides || rolls)>(world, contacts, clock.dt, lag > 0.0);
+    if constexpr (remembers)
+      if (clock.dt == 0.0) memory_.keep();
     incidence_.build(contacts, world.size());
     gather_forces(contacts, incidence_, world);
     if (world.cell) world.cell->virial = sums.virial;

@@ -1,6 +1,7 @@
 #include "laws/wheel_rail/normal_patch.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace epafi {
 
@@ -10,7 +11,7 @@ NormalPatch patch_of_hertz(const HertzContact& c) {
   p.normal_force = c.normal_force;
   p.approach = c.approach;
   p.max_pressure = c.max_pressure;
-  p.area = 3.14159265358979323846 * c.ellipse.a * c.ellipse.b;
+  p.area = std::numbers::pi * c.ellipse.a * c.ellipse.b;
   return p;
 }
 

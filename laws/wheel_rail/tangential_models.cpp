@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "laws/wheel_rail/tangential/polach.h"
 #include "laws/wheel_rail/tangential/shen_hedrick_elkins.h"
@@ -47,7 +48,7 @@ void check_ellipse(const TangentialInput& in, const KalkerCoefficients& k, Tange
   if (in.patch.is_line)
     out.reasons.push_back("a law for ellipses on a line contact: the ellipse of the same axes was taken");
   if (k.extrapolated) out.reasons.push_back("axis ratio a/b outside Kalker's table [0.1, 10]");
-  const double area = 3.14159265358979323846 * in.patch.ellipse.a * in.patch.ellipse.b;
+  const double area = std::numbers::pi * in.patch.ellipse.a * in.patch.ellipse.b;
   if (!in.patch.is_ellipse && std::abs(in.patch.area / area - 1.0) > 0.15)
     out.reasons.push_back("the patch is not an ellipse: its area and its second moments disagree");
   if (std::abs(in.elastic.coupling) > 0.05)

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <numbers>
 
 #include "laws/wheel_rail/normal_models.h"
 
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "engine/nearest.h"
 
@@ -125,7 +126,7 @@ class Evaluator {
     while (at_ < text_.size() && is_word(text_[at_])) ++at_;
     const std::string_view word = text_.substr(start, at_ - start);
     if (take('(')) return call(word, start);
-    if (word == "pi") return 3.14159265358979323846;
+    if (word == "pi") return std::numbers::pi;
     const NameValue found = names_.look_up(word);
     if (found.status == NameValue::Status::failed) throw Failed{};
     if (found.status == NameValue::Status::found) return found.value;

@@ -1,5 +1,6 @@
 /// @file read_bodies.cpp  [[body]] with `repeat` unrolled, and names of bodies.
 #include <fmt/format.h>
+#include <numbers>
 
 #include <algorithm>
 
@@ -98,7 +99,7 @@ Quat read_orientation(Reading& reading, const TableValues& v, const std::string&
     return Quat(q[0], q[1], q[2], q[3]);
   }
   if (!v.has("euler_deg")) return Quat(1, 0, 0, 0);
-  const Vec3 angle = v.vec3("euler_deg") * (3.14159265358979323846 / 180.0);
+  const Vec3 angle = v.vec3("euler_deg") * (std::numbers::pi / 180.0);
   const auto about = [&](int axis) { return Eigen::AngleAxisd(angle[axis], Vec3::Unit(axis)); };
   return Quat(about(2) * about(1) * about(0));  // about x first, then y, then z of the world
 }

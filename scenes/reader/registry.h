@@ -8,6 +8,8 @@
 
 namespace epafi {
 
+inline constexpr double largest_integer = 9007199254740992.0;  // 2^53: exact as a double
+
 struct Registry {
   std::vector<Entry> shapes;
   std::vector<Entry> normal_laws;  ///< [contact.smooth] law

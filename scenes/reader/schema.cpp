@@ -7,7 +7,6 @@
 namespace epafi {
 namespace {
 
-constexpr double largest_integer = 9007199254740992.0;  // 2^53: exact as a double
 constexpr Range whole_positive{1, largest_integer};
 constexpr Range seeds{0, largest_integer};
 const Vec3 zero = Vec3::Zero();

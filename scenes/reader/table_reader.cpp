@@ -12,7 +12,6 @@
 namespace epafi {
 namespace {
 
-constexpr double largest_integer = 9007199254740992.0;  // 2^53
 constexpr double unit_quaternion_tolerance = 1e-3;      // digits people type: 0.707 is 2e-4 off
 
 /// One key being read.

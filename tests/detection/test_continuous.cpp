@@ -2,12 +2,12 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
-
-const Quat upright(1, 0, 0, 0);
 
 template <class S>
 MovingBody moving(const S& s, const Pose& start, const Vec3& drift, const Vec3& turn = Vec3::Zero()) {

@@ -6,12 +6,12 @@
 #include "tests/support/catch.h"
 #include "tests/support/convex_corpus.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
-
-const Quat upright(1, 0, 0, 0);
 
 ConvexHull hull_of(const CorpusBody& body) { return ConvexHull::from_faces(body.vertices, body.faces).hull; }
 

@@ -4,12 +4,13 @@
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
 
-const Quat upright(1, 0, 0, 0);
 Quat about(const Vec3& axis, double angle) { return Quat(Eigen::AngleAxisd(angle, axis.normalized())); }
 const Box table(Vec3(1, 1, 0.25));  // its top at z = 0.25
 

@@ -4,12 +4,12 @@
 #include "detection/narrow/gjk.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
-
-const Quat upright(1, 0, 0, 0);
 
 struct Worst {
   double error = 0.0, pushed = 0.0, swapped = 0.0, moved = 0.0;

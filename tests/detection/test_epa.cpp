@@ -7,8 +7,10 @@
 #include "detection/shapes/ellipsoid.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
 
@@ -16,7 +18,6 @@ template <class A, class B>
 MinkowskiDifference difference(const A& a, const Pose& pa, const B& b, const Pose& pb) {
   return MinkowskiDifference(ConvexRef::to(a), ConvexRef::to(b), pa, pb);
 }
-const Quat upright(1, 0, 0, 0);
 
 }  // namespace
 
@@ -85,7 +86,8 @@ TEST_CASE("a difference without volume is named flat and left across at once", "
 }
 
 TEST_CASE("the deepest points are a tip and its foot wherever the tip stands on a face", "[detection][epa]") {
-  // Tip of a double pyramid of 6 sides on a wide box: the difference has one wide face, cut into facets by rounding alone.
+  // Tip of a double pyramid of 6 sides on a wide box: the difference has one wide face, cut into facets by rounding
+  // alone.
   std::vector<Vec3> points{{0, 0, -0.5}, {0, 0, 0.5}};
   std::vector<std::vector<std::uint32_t>> faces;
   for (std::uint32_t k = 0; k < 6; ++k) {

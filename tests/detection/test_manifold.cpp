@@ -5,12 +5,12 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
-
-const Quat upright(1, 0, 0, 0);
 
 Patch patch_of(const ConvexHull& a, const Pose& pa, const ConvexHull& b, const Pose& pb, double reach = 0.0) {
   const PolyhedronPair pair(a.view(), b.view(), pa, pb);

@@ -3,8 +3,10 @@
 #include "tests/support/catch.h"
 #include "tests/support/convex_corpus.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
 
@@ -48,8 +50,6 @@ void judge(const support::CorpusPair& p, double gap, const Vec3& n, double scale
 PolyhedronDistance distance(const ConvexHull& a, const Pose& pa, const ConvexHull& b, const Pose& pb) {
   return polyhedron_distance({a.view(), b.view(), pa, pb});
 }
-
-const Quat upright(1, 0, 0, 0);
 
 }  // namespace
 

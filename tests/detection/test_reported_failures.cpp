@@ -6,12 +6,13 @@
 #include "detection/narrow/triangle_solid.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
+#include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using testing::upright;
 
 namespace {
 
-const Quat upright(1, 0, 0, 0);
 Quat about(const Vec3& axis, double angle) { return Quat(Eigen::AngleAxisd(angle, axis.normalized())); }
 
 struct Found {

@@ -1,5 +1,7 @@
 #include "detection/shapes/superquadric.h"
 
+#include <numbers>
+
 #include "detection/shapes/ellipsoid.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
@@ -56,7 +58,7 @@ TEST_CASE("mass and inertia: exponents of 2 give the ellipsoid, large ones appro
   CHECK((two.inertia - round.inertia).norm() < 1e-13);
   CHECK(Superquadric(abc, 32, 32).volume() == Approx(8 * abc.prod()).epsilon(0.02));
   CHECK(Superquadric(abc, 2, 32).volume() ==
-        Approx(2 * circle_constant * abc.prod()).epsilon(0.01));  // elliptic cylinder
+        Approx(2 * std::numbers::pi * abc.prod()).epsilon(0.01));  // elliptic cylinder
   // Inside by counting on a grid: an independent quadrature, good to the grid's 1e-3.
   const Superquadric s(abc, 4, 3);
   double volume = 0.0;

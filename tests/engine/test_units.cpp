@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "engine/units.h"
 
 #include "engine/nearest.h"
@@ -20,7 +22,7 @@ std::string problem(const char* text, const char* unit) {
   return result.problem;
 }
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 }  // namespace
 

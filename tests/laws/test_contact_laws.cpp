@@ -12,7 +12,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-const Material steel{"steel", 7850, 208e9, 0.3}, rubber{"rubber", 1000, 1e7, 0.4}, rigid{"rigid", 1000, infinity, 0.0};
+const Material steel{"steel", 7850, 208e9, 0.3}, rubber{"rubber", 1000, 1e7, 0.4};
 
 /// One contact of the laws N and T moved by hand, with the work done on it.
 template <NormalLaw N, TangentialLaw T>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <sstream>
 
 #include "laws/wheel_rail/tangential/fastsim.h"
@@ -191,7 +192,7 @@ TEST_CASE("a circle has Johnson's slopes in Vermeulen and Johnson's law", "[laws
 TEST_CASE("strip theory on one strip is Carter's solution", "[laws][wheel_rail]") {
   // creepage = mu a / R (1 - sqrt(1 - Q/(mu N))), stick over sqrt(1 - Q/(mu N)) of the width  (Carter 1926)
   const double mu = 0.3, a = 1e-3, R = 0.5, G = 80e9, nu = 0.28, E = G / (1.0 - nu);
-  const double N = 3.14159265358979323846 * E * a * a / (4.0 * R);  // per length, a^2 = 4 N R / (pi E*)
+  const double N = std::numbers::pi * E * a * a / (4.0 * R);  // per length, a^2 = 4 N R / (pi E*)
   for (const double share : {0.1, 0.25, 0.5, 0.64, 0.9, 1.0}) {
     const double creepage = mu * a / R * (1.0 - std::sqrt(1.0 - share));
     const RollingCase c{{a, 0.5}, N, {G, nu, 0.0}, mu, {-creepage, 0.0, 0.0}};

@@ -1,5 +1,6 @@
 // Finite elements against Hertz, and the three ways to enforce contact against what defines them.
 #include <cmath>
+#include <numbers>
 
 #include "laws/wheel_rail/fem/elastic_block.h"
 #include "laws/wheel_rail/fem/surface_contact.h"
@@ -99,5 +100,5 @@ TEST_CASE("the flexibility of the block is symmetric and far from the force that
   const Eigen::Index n = W.rows(), corner = 0, other = n - 1;
   const double r = std::hypot(c.mesh.candidate_x(0) - c.mesh.candidate_x(static_cast<std::size_t>(other)),
                               c.mesh.candidate_y(0) - c.mesh.candidate_y(static_cast<std::size_t>(other)));
-  CHECK(W(corner, other) == Approx(1.0 / (3.14159265358979 * modulus * r)).epsilon(0.03));  // Boussinesq: 1 / (pi E* r)
+  CHECK(W(corner, other) == Approx(1.0 / (std::numbers::pi * modulus * r)).epsilon(0.03));  // Boussinesq: 1 / (pi E* r)
 }

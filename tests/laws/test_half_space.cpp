@@ -2,6 +2,7 @@
 // refinement.
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 #include "engine/random.h"
 #include "laws/wheel_rail/half_space/normal.h"
@@ -14,7 +15,7 @@ using namespace epafi;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 const ElasticPair steel{210e9 / 2.6, 0.3, 0.0};
 
 std::vector<double> quadratic(const PatchGrid& g, double A, double B) {
@@ -27,7 +28,7 @@ std::vector<double> quadratic(const PatchGrid& g, double A, double B) {
 /// The published ellipse: a = 8 mm, b = 4 mm, N = 82 kN, mu = 0.3, G = 82 GPa, nu = 0.28.
 const Ellipse ellipse{8e-3, 4e-3};
 const ElasticPair rail_steel{82e9, 0.28, 0.0};
-constexpr double N = 82e3, mu = 0.3;
+constexpr double load = 82e3, mu = 0.3;
 
 }  // namespace
 
@@ -115,8 +116,8 @@ TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and app
 }
 
 TEST_CASE("shifted bodies stick inside Cattaneo's circle", "[laws][wheel_rail]") {
-  // c/a = (1 - Q/(mu N))^(1/3), shift = 3 mu N (2 - nu) / (16 G a) 2 ... (1 - (1 - Q/(mu N))^(2/3)) for two like
-  // spheres
+  // c/a = (1 - Q/(mu N))^(1/3), shift = 3 mu N (2 - nu) / (16 G a) 2 ... (1 - (1 - Q/(mu N))^(2/3)) for two
+  // like spheres
   const ElasticPair pair{200e6, 0.42, 0.0};
   const double R = 0.05, force = 9.1954, friction = 0.4;
   const HertzContact h = hertz_of_force(0.5 / R, 0.5 / R, pair.effective_modulus(), force);
@@ -138,14 +139,14 @@ TEST_CASE("shifted bodies stick inside Cattaneo's circle", "[laws][wheel_rail]")
 TEST_CASE("steady rolling on the 8 by 4 ellipse comes within 1 % of its limits", "[laws][wheel_rail]") {
   // limits of fine grids (176 x 176, extrapolated, perf/wheel_rail.cpp): 0.4646, 0.6252, 0.6436; published: 0.464,
   // 0.626, 0.643
-  const BoundLevels levels = bound_of_ellipse(ellipse, N, mu, 64, 32);
+  const BoundLevels levels = bound_of_ellipse(ellipse, load, mu, 64, 32);
   const auto longitudinal = solve_extrapolated(levels, rail_steel, {-0.001, 0.0, 0.0});
-  CHECK(longitudinal.force.fx / (mu * N) == Approx(0.4646).epsilon(0.01));
-  CHECK(std::abs(longitudinal.force.fy) < 1e-4 * mu * N);
+  CHECK(longitudinal.force.fx / (mu * load) == Approx(0.4646).epsilon(0.01));
+  CHECK(std::abs(longitudinal.force.fy) < 1e-4 * mu * load);
   const auto with_spin = solve_extrapolated(levels, rail_steel, {0.0, -0.000625, 0.625});
-  CHECK(with_spin.force.fy / (mu * N) == Approx(-0.6252).epsilon(0.01));
+  CHECK(with_spin.force.fy / (mu * load) == Approx(-0.6252).epsilon(0.01));
   const auto spin = solve_extrapolated(levels, rail_steel, {0.0, 0.0, 1.0});
-  CHECK(spin.force.fy / (mu * N) == Approx(-0.6436).epsilon(0.01));
+  CHECK(spin.force.fy / (mu * load) == Approx(-0.6436).epsilon(0.01));
   for (const auto* s : {&longitudinal, &with_spin, &spin}) {
     CHECK(s->fine.report.converged);
     CHECK(s->error_estimate < 0.01);
@@ -156,8 +157,8 @@ TEST_CASE("steady rolling on the 8 by 4 ellipse comes within 1 % of its limits",
 
 TEST_CASE("small creepages have Kalker's coefficients", "[laws][wheel_rail]") {
   for (const Ellipse e : {Ellipse{4e-3, 8e-3}, Ellipse{5e-3, 5e-3}, Ellipse{8e-3, 4e-3}}) {
-    const RollingCase c{e, N, rail_steel, mu, {-2e-6, 0.0, 0.0}};
-    const BoundLevels levels = bound_of_ellipse(e, N, mu, 32, 32);
+    const RollingCase c{e, load, rail_steel, mu, {-2e-6, 0.0, 0.0}};
+    const BoundLevels levels = bound_of_ellipse(e, load, mu, 32, 32);
     const double linear = kalker_linear(c).fx;
     CHECK(solve_extrapolated(levels, rail_steel, c.creepage).force.fx ==
           Approx(linear).epsilon(0.025));  // table: three digits; slip at the edge
@@ -165,7 +166,7 @@ TEST_CASE("small creepages have Kalker's coefficients", "[laws][wheel_rail]") {
 }
 
 TEST_CASE("a start from rest rolls into the steady state", "[laws][wheel_rail]") {
-  const BoundLevels levels = bound_of_ellipse(ellipse, N, mu, 24, 12);
+  const BoundLevels levels = bound_of_ellipse(ellipse, load, mu, 24, 12);
   const Creepage creepage{-0.001, 0.0003, 0.0};
   const auto steady = solve_steady_rolling(levels.back(), rail_steel, creepage);
   TangentialField field;

@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "engine/error.h"
 #include "engine/parallel.h"
 #include "engine/random.h"
@@ -8,7 +10,7 @@ using namespace epafi;
 using namespace epafi::test;
 
 namespace {
-constexpr double degree = 3.14159265358979323846 / 180.0;
+constexpr double degree = std::numbers::pi / 180.0;
 
 /// Gravity of a plane tilted by theta about y, seen in the axes of the plane.
 Vec3 tilted(double theta) { return 9.81 * Vec3(std::sin(theta), 0, -std::cos(theta)); }

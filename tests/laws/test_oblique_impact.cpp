@@ -10,7 +10,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-const Material ball{"ball", 4000, 1e9, 0.3}, rigid{"rigid", 1000, infinity, 0.0};
+const Material grain{"grain", 4000, 1e9, 0.3};
 
 struct Parts {
   const char *law, *tangential;
@@ -25,7 +25,7 @@ double energy_gain(const Parts& parts, double e, double mu, double degrees, doub
                                       {"relaxation_time", 1e-6},
                                       {"work_of_adhesion", 0.02}})};
   choice.tangential = parts.tangential;
-  SmoothSetup setup = setup_of(choice, {ball, rigid});
+  SmoothSetup setup = setup_of(choice, {grain, rigid});
   setup.locate = locate;
   const double m = 4.0 / 3.0 * pi * R * R * R * 4000;
   const double dt = estimate_impact(setup, setup.materials.of(0, 1), {m, m, R, vn, 1}).contact_time / steps;

@@ -12,7 +12,6 @@ using namespace epafi::experiments;
 
 namespace {
 
-const Material rigid{"rigid", 1000, infinity, 0.0};
 constexpr double radius = 2.5e-3;
 
 struct Case {

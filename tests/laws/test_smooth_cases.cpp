@@ -11,7 +11,6 @@ using namespace epafi::experiments;
 
 namespace {
 
-const Material ball{"ball", 2500, 1e9, 0.25}, rigid{"rigid", 1000, infinity, 0.0};
 
 /// Velocities along x, in units of the striker's, of a row of touching spheres after the impact.
 std::vector<double> cradle(int n, int strikers) {

@@ -11,7 +11,6 @@ using namespace epafi::experiments;
 
 namespace {
 
-const Material ball{"ball", 2500, 1e9, 0.25}, rigid{"rigid", 1000, infinity, 0.0};
 const Material oxide{"al oxide", 4000, 380e9, 0.23};
 constexpr double g = 9.81;
 

@@ -13,7 +13,6 @@ namespace {
 
 const Material glass{"glass", 2800, 48e9, 0.20}, limestone{"limestone", 2500, 20e9, 0.25};
 const Material aluminium{"aluminium", 2699, 70e9, 0.30}, magnesium{"magnesium", 1800, 40e9, 0.35};
-const Material rigid{"rigid", 1000, infinity, 0.0};
 
 /// Published analytic values of one elastic Hertz impact.
 struct Row {

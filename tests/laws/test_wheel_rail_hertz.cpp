@@ -1,6 +1,7 @@
 // Hertz by exact elliptic integrals against values from an independent calculation (quadrature of the integrals) and
 // limits in closed form.
 #include <cmath>
+#include <numbers>
 
 #include "laws/wheel_rail/elliptic_integrals.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
@@ -9,7 +10,7 @@
 using namespace epafi;
 
 namespace {
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 }
 
 TEST_CASE("Hertz ellipses of wheel and rail agree with independent values to 1e-8", "[laws][wheel_rail]") {

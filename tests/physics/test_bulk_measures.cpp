@@ -1,6 +1,7 @@
 // Stress, solid fraction and profiles of small arrangements whose answers are known.
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
@@ -53,7 +54,7 @@ kind = "stress"
 region = { box = { min = [-0.2, -0.2, -0.1], max = [0.2, 0.2, 0.1] } }
 )",
                       2.0);
-  const double weight = 2500 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-3 * 9.81;
+  const double weight = 2500 * 4.0 / 3.0 * std::numbers::pi * 1e-3 * 9.81;
   // arms are shorter by the overlaps, below 1e-2 of R at 10 MPa
   CHECK(run.last("lowest", "zz") == Approx(3 * weight * 0.1 / (0.16 * 0.2)).epsilon(1e-2));
   CHECK(run.last("stress", "zz") == Approx(weight * (3 * 0.1 + 2 * 0.2 + 1 * 0.2) / (0.16 * 0.8)).epsilon(1e-2));
@@ -86,7 +87,7 @@ region = { box = { min = [-1, -1, 0], max = [2, 2, 1] } }
 bins = 2
 )",
                       1e-6);
-  const double sphere = 4.0 / 3.0 * 3.14159265358979323846 * 1e-3;
+  const double sphere = 4.0 / 3.0 * std::numbers::pi * 1e-3;
   CHECK(run.last("fill", "fraction") == Approx(sphere + 0.5e-3).epsilon(1e-6));
   CHECK(run.last("fill", "bodies") == 2.0);
   CHECK(run.last("layers", "velocity_x_0") == Approx(1.0));

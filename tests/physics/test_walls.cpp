@@ -1,6 +1,7 @@
 // Walls of every kind obey the same law: half-space, box and a box of 1200 triangles turn a sphere back alike.
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
@@ -94,7 +95,7 @@ TEST_CASE("a sphere rolls and slides across the edges of triangles without a kic
   const std::string path = folder.path().string();
   write_mesh_box(path + "/box.obj");
   // at its static overlap: N = m g, delta = (N / (4/3 E* sqrt(R)))^(2/3), E* = 1e9/2/(1 - 1/16)
-  const double weight = 4.0 / 3.0 * 3.14159265358979323846 * 1e-6 * 2500 * 9.81,
+  const double weight = 4.0 / 3.0 * std::numbers::pi * 1e-6 * 2500 * 9.81,
                delta = std::pow(weight / (4.0 / 3.0 * 0.5e9 / 0.9375 * 0.1), 2.0 / 3.0);
   char height[40];
   std::snprintf(height, sizeof height, "%.17g", 0.11 - delta);

@@ -1,5 +1,6 @@
 // `epafi patch`: cases read, problems named with their place, results and validity.
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "scenes/patch/evaluate_patch.h"
@@ -33,7 +34,7 @@ TEST_CASE("a given ellipse has Hertz' pressure and the chosen laws' forces", "[s
       run("semi_axes = { a = \"8 mm\", b = \"4 mm\" }\nload = 82e3\ncreepage = { longitudinal = -0.001 }\ntangential = "
           "[\"kalker-linear\", \"fastsim\", \"half-space\"]\n");
   REQUIRE(results.size() == 3);
-  CHECK(results[0].max_pressure == Approx(1.5 * 82e3 / (3.14159265358979 * 8e-3 * 4e-3)).epsilon(1e-12));
+  CHECK(results[0].max_pressure == Approx(1.5 * 82e3 / (std::numbers::pi * 8e-3 * 4e-3)).epsilon(1e-12));
   CHECK(results[2].force.fx / (0.3 * 82e3) == Approx(0.4646).epsilon(0.01));  // limit of fine grids
   CHECK(results[2].reasons.empty());
   CHECK(results[2].wear_number == Approx(0.001 * results[2].force.fx).epsilon(1e-6));
@@ -85,7 +86,7 @@ TEST_CASE("a line contact is Carter's problem", "[scenes][wheel_rail]") {
   const auto r =
       run("radii = { x1 = 1.0, x2 = 1.0, y1 = inf, y2 = inf }\nlength = 0.1\nload = 50e3\ncreepage = { longitudinal = "
           "-0.0002 }\ntangential = \"strip\"\n");
-  const double E = 82e9 / 0.72, a = std::sqrt(4.0 * 5e5 * 0.5 / (3.14159265358979 * E));  // R = 1/2
+  const double E = 82e9 / 0.72, a = std::sqrt(4.0 * 5e5 * 0.5 / (std::numbers::pi * E));  // R = 1/2
   CHECK(r[0].contacts[0].semi_axes.a == Approx(a).epsilon(1e-9));
   const double q = 1.0 - 0.0002 * 0.5 / (0.3 * a);  // 1 - xi R / (mu a)
   CHECK(r[0].force.fx / 15e3 == Approx(1.0 - q * q).epsilon(1e-3));

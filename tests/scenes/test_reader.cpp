@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "scenes/reader/scene_reader.h"
 
 #include "scenes/cli/new_scene.h"
@@ -8,7 +10,7 @@ using namespace epafi;
 
 namespace {
 
-const std::string folder = EPAFI_SOURCE_DIR "/tests/data/scenes/";
+const std::string scene_folder = EPAFI_SOURCE_DIR "/tests/data/scenes/";
 
 std::string all_of(const ReadResult& result) {
   std::string text;
@@ -17,7 +19,7 @@ std::string all_of(const ReadResult& result) {
 }
 
 Scene read(const std::vector<std::string>& overrides = {}) {
-  auto result = read_scene(folder + "pebbles.toml", overrides, test_registry());
+  auto result = read_scene(scene_folder + "pebbles.toml", overrides, test_registry());
   INFO(all_of(result));
   REQUIRE(result.scene);
   return std::move(*result.scene);
@@ -80,7 +82,7 @@ TEST_CASE("shapes keep their form and parameters", "[scenes][reader]") {
   const Scene s = read();
   CHECK(s.shapes[0].name == "pebble");
   CHECK(s.shapes[0].type == "polyhedron");
-  CHECK(s.shapes[0].parameters.text("file") == folder + "pebble.obj");
+  CHECK(s.shapes[0].parameters.text("file") == scene_folder + "pebble.obj");
   CHECK(s.shapes[0].scale_to_diameter == 0.01);
   CHECK(s.shapes[0].rounding == 1e-4);
   CHECK(s.shapes[1].parameters.integer("random.vertices") == 16);
@@ -122,7 +124,7 @@ TEST_CASE("driven bodies carry their motion", "[scenes][reader]") {
   CHECK(gate.motion->until == 1.2);
   CHECK(gate.remove_at == 1.5);
   const BodySpec& drum = s.bodies[s.groups[4].first];
-  CHECK(drum.motion->rotation_rate == Approx(90 * 2 * 3.14159265358979323846 / 60).epsilon(1e-15));
+  CHECK(drum.motion->rotation_rate == Approx(90 * 2 * std::numbers::pi / 60).epsilon(1e-15));
   CHECK(drum.motion->rotation_axis == Vec3(0, 1, 0));
   CHECK(drum.motion->rotation_about == Vec3(0, 0, 1));
   CHECK(drum.motion->oscillation_amplitude == 0.005);
@@ -188,7 +190,7 @@ TEST_CASE("overrides by --set change values by key, index and name", "[scenes][r
 
 TEST_CASE("wrong overrides are named by their own text", "[scenes][reader]") {
   const auto said = [](const std::string& text) {
-    const auto result = read_scene(folder + "pebbles.toml", {text}, test_registry());
+    const auto result = read_scene(scene_folder + "pebbles.toml", {text}, test_registry());
     CHECK_FALSE(result.scene);
     REQUIRE(result.problems.size() == 1);
     return result.problems[0].to_string();

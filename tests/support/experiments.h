@@ -2,6 +2,7 @@
 /// Detection here is all pairs by closed forms, an independent stand-in for the detection floor.
 #pragma once
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include "engine/energy.h"
@@ -11,7 +12,11 @@
 
 namespace epafi::experiments {
 
-inline constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
+
+/// A hard wall, and a ball of glass softened to a time step of microseconds.
+inline const Material rigid{"rigid", 1000, std::numeric_limits<double>::infinity(), 0.0};
+inline const Material ball{"ball", 2500, 1e9, 0.25};
 
 /// Nothing to find: the narrow phase below tries all pairs.
 class NoBroadPhase final : public BroadPhase {

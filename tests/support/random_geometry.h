@@ -1,13 +1,15 @@
 /// @file random_geometry.h  Random directions, turns and standard surfaces for tests of detection.
 #pragma once
 #include <cmath>
+#include <numbers>
 
 #include "detection/shapes/triangle_surface.h"
 #include "engine/random.h"
 
 namespace epafi::testing {
 
-inline constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
+inline const Quat upright(1, 0, 0, 0);
 
 /// Uniform on the unit sphere (Marsaglia 1972).
 inline Vec3 random_direction(Random& random) {

@@ -1,6 +1,7 @@
 /// @file rigid_experiment.h  Small worlds of spheres and boxes under non-smooth contact, stepped by the real step().
 #pragma once
 #include <cmath>
+#include <numbers>
 
 #include "engine/energy.h"
 #include "engine/schemes/moreau_jean.h"
@@ -43,7 +44,7 @@ class RigidExperiment {
   }
   Slot sphere(double radius, double density, const Vec3& position, const Vec3& velocity = Vec3::Zero(),
               const Vec3& angular_velocity = Vec3::Zero()) {
-    const double m = density * 4.0 / 3.0 * 3.14159265358979323846 * radius * radius * radius;
+    const double m = density * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
     return add({Solid::Kind::sphere, Vec3::Constant(radius)}, {.position = position,
                                                                .velocity = velocity,
                                                                .angular_velocity = angular_velocity,

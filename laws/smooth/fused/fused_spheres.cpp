@@ -85,7 +85,8 @@ class FusedModel final : public FusedSpheres {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     published_ = false;
     const bool others = contacts.size() > 0 || others_;
-    blocks_.pack(world, damped_ ? clock.velocity_lag * clock.dt : 0.0);  // reads the force of the last step: before the generic loop writes
+    blocks_.pack(world, damped_ ? clock.velocity_lag * clock.dt
+                                : 0.0);  // reads the force of the last step: before the generic loop writes
     if (others)
       generic_->act(world, contacts, clock, report);
     else
@@ -134,31 +135,35 @@ class FusedModel final : public FusedSpheres {
   SphereBlocks blocks_;
 };
 
-template <class N, class T, class R>
-constexpr bool is_fused = LaneLaw<N>&& LaneFriction<T> && !R::is_present && parts_fit<N, T, R>;
-
+/// f(type of normal part, of tangential part) where both have lanes and nothing rolls; otherwise nothing.
 template <class F>
-decltype(auto) with_parts(const SmoothParts& parts, const F& f) {
-  return std::visit(f, *find_law(NormalLaws{}, parts.normal), *find_law(TangentialLaws{}, parts.tangential),
-                    *find_law(RollingLaws{}, parts.rolling));
+void with_lanes(const SmoothSetup& setup, const F& f) {
+  const SmoothParts parts = smooth_parts(setup);
+  if (parts.rolling != NoRolling::name) return;
+  with_law(NormalLaws{}, parts.normal, [&](auto n) {
+    using N = typename decltype(n)::type;
+    if constexpr (LaneLaw<N>)
+      with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
+        using T = typename decltype(t)::type;
+        if constexpr (LaneFriction<T> && parts_fit<N, T, NoRolling>) f(n, t);
+      });
+  });
 }
 
 }  // namespace
 
 bool has_fused_spheres(const SmoothSetup& setup) {
-  return with_parts(smooth_parts(setup), [](auto n, auto t, auto r) {
-    return is_fused<typename decltype(n)::type, typename decltype(t)::type, typename decltype(r)::type>;
-  });
+  bool found = false;
+  with_lanes(setup, [&](auto, auto) { found = true; });
+  return found;
 }
 
 std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material) {
-  return with_parts(smooth_parts(setup), [&](auto n, auto t, auto r) -> std::unique_ptr<FusedSpheres> {
-    using N = typename decltype(n)::type;
-    using T = typename decltype(t)::type;
-    if constexpr (is_fused<N, T, typename decltype(r)::type>)
-      return std::make_unique<FusedModel<N, T>>(setup, material);
-    return nullptr;
+  std::unique_ptr<FusedSpheres> model;
+  with_lanes(setup, [&](auto n, auto t) {
+    model = std::make_unique<FusedModel<typename decltype(n)::type, typename decltype(t)::type>>(setup, material);
   });
+  return model;
 }
 
 }  // namespace epafi

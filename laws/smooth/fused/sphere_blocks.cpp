@@ -54,42 +54,32 @@ void SphereBlocks::rebuild(const World& world, std::span<const SpherePair> pairs
   kept_.clear(), laid_out_ = true;
   planes_ = std::move(planes);
   place(world, pairs, radius);
-  restore(kept);
+  restore(kept, world.size());
+}
+
+template <class T>
+void SphereBlocks::by_first_slot(std::vector<T>& list, std::size_t slots) {
+  first_.assign(slots + 2, 0);
+  for (const T& x : list) ++first_[x.a + 2];
+  for (std::size_t s = 2; s < first_.size(); ++s) first_[s] += first_[s - 1];
+  std::vector<T> out(list.size());
+  for (const T& x : list) out[first_[x.a + 1]++] = x;
+  list = std::move(out);
 }
 
 void SphereBlocks::place(const World& world, std::span<const SpherePair> pairs, std::span<const double> radius) {
   const std::size_t count = (world.size() + block_size - 1) / block_size;
   blocks_.resize(count);
   pairs_ = pairs.size();
-  // by kind (plane k, inside, across), then by slots: sorted within each block
-  std::vector<std::vector<SpherePair>> own(count);
-  for (SpherePair p : pairs) {
-    if (p.plane < 0 && p.b < p.a) std::swap(p.a, p.b);
-    own[p.a / block_size].push_back(p);
+  sorted_.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    sorted_[i] = pairs[i];
+    if (sorted_[i].plane < 0 && sorted_[i].b < sorted_[i].a) std::swap(sorted_[i].a, sorted_[i].b);
   }
+  by_first_slot(sorted_, world.size());
   parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
-    Block& block = blocks_[i];
-    const auto kind = [&](const SpherePair& p) {
-      return p.plane >= 0 ? p.plane : p.b / block_size == i ? std::int32_t{1 << 20} : std::int32_t{1 << 21};
-    };
-    std::sort(own[i].begin(), own[i].end(), [&](const SpherePair& p, const SpherePair& q) {
-      return std::tuple(kind(p), p.a, p.b) < std::tuple(kind(q), q.a, q.b);
-    });
-    block.groups.clear(), block.incoming.clear();
-    GroupWriter writer(block.groups);
-    std::int32_t last = -1;
-    block.inside = block.across = ~std::size_t{0};
-    for (const SpherePair& p : own[i]) {
-      if (const std::int32_t k = kind(p); k != last) {
-        writer.close();
-        if (k >= 1 << 20 && block.inside == ~std::size_t{0}) block.inside = block.groups.size();
-        if (k == 1 << 21) block.across = block.groups.size();
-        last = k;
-      }
-      writer.add(world, p, radius);
-    }
-    block.inside = std::min(block.inside, block.groups.size()),
-    block.across = std::min(block.across, block.groups.size());
+    const Slot begin = first_[i * block_size], end = first_[std::min(world.size(), (i + 1) * block_size)];
+    fill_block(world, {sorted_.data() + begin, sorted_.data() + end}, static_cast<Slot>(i), radius);
   });
   std::uint32_t record = 0;
   for (Block& block : blocks_)
@@ -101,6 +91,31 @@ void SphereBlocks::place(const World& world, std::span<const SpherePair> pairs, 
       }
     }
   records_.assign(record, SphereSum{});
+}
+
+/// pairs: those the block owns, by A.
+void SphereBlocks::fill_block(const World& world, std::span<SpherePair> pairs, Slot index,
+                              std::span<const double> radius) {
+  Block& block = blocks_[index];
+  block.groups.clear(), block.incoming.clear();
+  const auto kind = [&](const SpherePair& p) { return p.plane >= 0 ? 0 : p.b / block_size == index ? 1 : 2; };
+  for (auto run = pairs.begin(); run != pairs.end();) {
+    const auto end = std::find_if(run, pairs.end(), [a = run->a](const SpherePair& p) { return p.a != a; });
+    std::sort(run, end, [](const SpherePair& p, const SpherePair& q) { return p.b < q.b; });
+    run = end;
+  }
+  std::vector<SpherePair> walls;
+  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(walls), [](const SpherePair& p) { return p.plane >= 0; });
+  std::stable_sort(walls.begin(), walls.end(),
+                   [](const SpherePair& p, const SpherePair& q) { return p.plane < q.plane; });
+  GroupWriter writer(block.groups);
+  for (const SpherePair& p : walls) writer.add(world, p, radius);
+  block.inside = block.groups.size(), writer.close();
+  for (const SpherePair& p : pairs)
+    if (kind(p) == 1) writer.add(world, p, radius);
+  block.across = block.groups.size(), writer.close();
+  for (const SpherePair& p : pairs)
+    if (kind(p) == 2) writer.add(world, p, radius);
 }
 
 std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
@@ -121,17 +136,16 @@ std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
   return kept;
 }
 
-void SphereBlocks::restore(std::vector<Kept>& kept) {
-  const auto key = [](const Kept& s) { return std::pair(s.a, s.b); };
-  std::sort(kept.begin(), kept.end(), [&](const Kept& p, const Kept& q) { return key(p) < key(q); });
+void SphereBlocks::restore(std::vector<Kept>& kept, std::size_t slots) {
+  by_first_slot(kept, slots);
   parallel_blocks(blocks_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     for (SphereGroup& g : blocks_[i].groups)
       for (int k = 0; k < lane_count; ++k) {
         if (g.radius_sum[k] < 0) continue;
         const Slot b = g.plane >= 0 ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
-        const auto at = std::lower_bound(kept.begin(), kept.end(), std::pair(g.a[k], b),
-                                         [&](const Kept& s, const auto& wanted) { return key(s) < wanted; });
-        if (at == kept.end() || key(*at) != std::pair(g.a[k], b)) continue;
+        const auto end = kept.begin() + first_[g.a[k] + 1];
+        const auto at = std::find_if(kept.begin() + first_[g.a[k]], end, [b](const Kept& s) { return s.b == b; });
+        if (at == end) continue;
         g.load_x[k] = at->load[0], g.load_y[k] = at->load[1], g.load_z[k] = at->load[2];
         g.stiffness[k] = at->stiffness, g.energy[k] = at->energy, g.viscous[k] = at->viscous,
         g.normal_force[k] = at->normal_force;

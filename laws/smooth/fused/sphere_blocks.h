@@ -95,13 +95,19 @@ class SphereBlocks {
     double load[3], stiffness, energy, viscous, normal_force;
   };
   std::vector<Kept> springs() const;
-  void restore(std::vector<Kept>& kept);
+  void restore(std::vector<Kept>& kept, std::size_t slots);
   void place(const World& world, std::span<const SpherePair> pairs, std::span<const double> radius);
+  void fill_block(const World& world, std::span<SpherePair> pairs, Slot index, std::span<const double> radius);
+  /// Sorts by the first slot, keeping the order among equals; first_[s] is then where those of slot s begin.
+  template <class T>
+  void by_first_slot(std::vector<T>& list, std::size_t slots);
 
   std::vector<Block> blocks_;
   std::vector<SpherePlane> planes_;
   std::vector<SphereState> states_;
   std::vector<SphereSum> sums_, records_;
+  std::vector<SpherePair> sorted_;
+  std::vector<Slot> first_;
   std::vector<Kept> kept_;  ///< springs while the layout waits
   bool laid_out_ = false;
   std::size_t pairs_ = 0;

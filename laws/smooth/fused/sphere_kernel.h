@@ -126,11 +126,14 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
   const SpringStep spring = pull(g, m, touching, Tangential::stiffness(law.tangential, r.stiffness),
                                  Tangential::friction(law.tangential) * r.force, dt);
   const Lanes viscous = keep(touching, (r.force - r.elastic_force) * at.approach_velocity);
-  const Lanes stored = keep(touching, r.energy) + spring.stored, lost = spring.lost + 0.5 * dt * (g.viscous + viscous);
-  g.load_x = spring.load.x, g.load_y = spring.load.y, g.load_z = spring.load.z;
-  g.stiffness = keep(touching, Tangential::stiffness(law.tangential, r.stiffness));
-  g.energy = spring.stored, g.viscous = viscous, g.normal_force = select(touching, r.force, lanes(-1.0));
-  g.loaded = any(touching);
+  const Lanes lost = spring.lost + 0.5 * dt * (g.viscous + viscous);
+  if (dt > 0.0 || !g.loaded) {  // no time passes: what is remembered stays as it is
+    g.load_x = spring.load.x, g.load_y = spring.load.y, g.load_z = spring.load.z;
+    g.stiffness = keep(touching, Tangential::stiffness(law.tangential, r.stiffness));
+    g.energy = spring.stored, g.viscous = viscous, g.normal_force = select(touching, r.force, lanes(-1.0));
+    g.loaded = any(touching);
+  }
+  const Lanes stored = keep(touching, r.energy) + g.energy;
   touching_count -= static_cast<std::size_t>(touching[0] + touching[1] + touching[2] + touching[3]);
 
   const Lanes push = keep(touching, r.force);

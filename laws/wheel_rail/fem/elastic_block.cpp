@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace epafi {
 namespace {
 
 using Stiffness = Eigen::Matrix<double, 24, 24>;
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// Trilinear hexahedron of sides hx, hy, hz by 2 x 2 x 2 Gauss points; node n has the corner bits (x, y, z) of n.
 Stiffness element_stiffness(double hx, double hy, double hz, double E, double nu) {

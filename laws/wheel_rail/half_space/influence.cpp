@@ -1,6 +1,7 @@
 #include "laws/wheel_rail/half_space/influence.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace epafi {
 namespace {
@@ -21,7 +22,7 @@ Influence influence(double x, double y, double hx, double hy, const ElasticPair&
                d = corner(x - hx, y - hy);
   const double xx = a.xx - b.xx - c.xx + d.xx, yy = a.yy - b.yy - c.yy + d.yy, xy = a.xy - b.xy - c.xy + d.xy;
   // u_x = 1/(pi G) ((1 - nu)/r + nu x^2/r^3) q_x + ...; u_z = (1 - nu)/(pi G r) p, and 1/r = x^2/r^3 + y^2/r^3
-  const double nu = pair.poissons_ratio, s = 1.0 / (3.14159265358979323846 * pair.shear_modulus);
+  const double nu = pair.poissons_ratio, s = 1.0 / (std::numbers::pi * pair.shear_modulus);
   return {s * (1.0 - nu) * (xx + yy), s * (xx + (1.0 - nu) * yy), s * nu * xy, s * ((1.0 - nu) * xx + yy)};
 }
 

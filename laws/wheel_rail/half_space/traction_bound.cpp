@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/error.h"
 #include "laws/wheel_rail/half_space/tangential.h"
@@ -7,7 +8,7 @@
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// A stuck patch starts with vanishing traction at its leading edge. Cells whose centre is nearer to it than a quarter
 /// cell are left out: then centres lie three quarters of a cell behind the edge on average, which makes piecewise

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/error.h"
 #include "laws/wheel_rail/elliptic_integrals.h"
@@ -9,7 +10,7 @@
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// Axis ratio k = smaller / larger of the contact ellipse: A/B = k^2 D / B_e  (Johnson 1985, eq. 4.26), A <= B.
 /// k lies between A/B (slender: the logarithm of D only makes it larger) and 1; bisection safeguards a secant in log k.

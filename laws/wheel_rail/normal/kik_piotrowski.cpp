@@ -4,6 +4,7 @@
 // 6 % low (axes 1.3 to 1; 11 % at 3, 19 % at 10); the authors' later correction of its shape is left out.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "laws/wheel_rail/normal/models.h"
 #include "laws/wheel_rail/normal/strip_influence.h"
@@ -11,7 +12,7 @@
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr double share = 0.55;  // of the approach, as the authors chose it
 
 struct Penetration {

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "laws/wheel_rail/elliptic_integrals.h"
 #include "laws/wheel_rail/normal/models.h"
@@ -14,7 +15,7 @@
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 constexpr int most_rounds = 40;
 
 /// Strips across the patch and what is found on them.
@@ -210,8 +211,9 @@ bool solve_strips(const NormalInput& in, double approach, bool fine, Strips& s) 
   const ContactRegion& r = in.regions.front();
   const auto [low, high] = overlap_range(r, approach);
   const double b = std::sqrt(approach / (0.5 * std::max(r.curvature_y, 0.05 * r.curvature_x)));
-const int wished = static_cast<int>((fine ? 16.0 : 6.0) * (high - low) / b);
-  s = cut(r, low, high, (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 * 4);  // multiples of 4: coarser grids exist
+  const int wished = static_cast<int>((fine ? 16.0 : 6.0) * (high - low) / b);
+  s = cut(r, low, high,
+          (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 * 4);  // multiples of 4: coarser grids exist
   for (std::size_t j = 0; j < s.y.size(); ++j) {
     const double depth =
         0.55 * approach - s.gap[j];  // virtual penetration: the shape to start from (Kik, Piotrowski 1996)

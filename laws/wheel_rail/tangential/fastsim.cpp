@@ -1,11 +1,12 @@
 #include "laws/wheel_rail/tangential/fastsim.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// Size of the linear force over the bound: 0 all stick, above about 3 all slip.
 double saturation(const RollingCase& c, const KalkerCoefficients& k) {

@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "laws/wheel_rail/rolling.h"
 #include "laws/wheel_rail/tangential/kalker_table.h"
@@ -33,7 +34,7 @@ inline double polach_spin_share(const RollingCase& c, const KalkerCoefficients& 
 }
 
 inline PatchForce polach(const RollingCase& c, const PolachFactors& factors = {}) {
-  constexpr double pi = 3.14159265358979323846;
+  using std::numbers::pi;
   const KalkerCoefficients k = kalker_coefficients(c.ellipse.a / c.ellipse.b, c.elastic.poissons_ratio);
   const Creepage& s = c.creepage;
   const double bound = c.bound();

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace epafi {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 /// Slope Q = mu p0 / a0 of the bound at the trailing edge; p0 from the cells, so that a line contact is the same.
 double bound_slope(const StripPatch& patch, const RollingCase& c) {

@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "laws/wheel_rail/elliptic_integrals.h"
 #include "laws/wheel_rail/rolling.h"
@@ -16,7 +17,7 @@ struct VermeulenJohnsonSlopes {
   double longitudinal, lateral;
 };
 inline VermeulenJohnsonSlopes vermeulen_johnson_slopes(double axis_ratio, double nu) {
-  constexpr double pi = 3.14159265358979323846;
+  using std::numbers::pi;
   const double ratio = axis_ratio <= 1.0 ? axis_ratio : 1.0 / axis_ratio;
   const EllipticIntegrals I = elliptic_integrals(ratio);
   const double e2 = (1.0 - ratio) * (1.0 + ratio);
