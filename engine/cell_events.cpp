@@ -36,8 +36,8 @@ void WrapBodies::before_step(World& world, double, std::vector<BodyId>&) {
 namespace {
 
 /// The next strain rate of an axis. A packing near jamming is so stiff that a rate fit for the gas before it overshoots
-/// within a step and shakes the packing for ever; hence a rate begins at the limit, halves where its direction changes, down
-/// to a hundredth, and grows again slowly where it keeps it.
+/// within a step and shakes the packing for ever; hence a rate begins at the limit, halves where its direction changes,
+/// down to a hundredth, and grows again slowly where it keeps it.
 double followed(double before, double excess, double limit) {
   constexpr double growth = 2e-5, least = 1e-2;  // per step; of the limit
   const double wanted = limit * std::clamp(excess, -1.0, 1.0);

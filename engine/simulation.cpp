@@ -30,7 +30,7 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort) {
   const std::size_t before = world.size(), strays = leaving_.size();
   for (auto& event : events) event->before_step(world, dt, leaving_);
   if (world.size() > before) welcome(before);
-  if (leaving_.size() > strays || (strays > 0 && steps_ % outlet_interval == 0)) take_out();
+  if (leaving_.size() > strays || (strays > 0 && (steps_ - 1) % outlet_interval == 0)) take_out();
   if (sort) sort_bodies();
   step(world, pipeline, work, dt);
   ledger.add(work.report);

@@ -22,7 +22,7 @@ class PourBodies final : public Event {
   struct Setup {
     std::string name;  ///< of the fill, unique
     std::vector<WaitingBody> bodies;
-    Vec3 low = Vec3::Zero(), high = Vec3::Zero();      ///< the box [m]
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< the box [m]
     std::uint64_t seed = 1;
     std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
   };

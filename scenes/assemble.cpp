@@ -71,7 +71,8 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
   for (std::size_t s : fill.shapes) {
     const BuiltShape& b = builder.build(s);
     if (!b.is_solid) throw SceneError("shape '" + a.scene.shapes[s].type + "' cannot fill a region", fill.place);
-    shapes.push_back({b.radius, b.mass > 0 ? b.mass : density(a.scene, fill.material, fill.place) * b.volume, b.is_sphere});
+    shapes.push_back(
+        {b.radius, b.mass > 0 ? b.mass : density(a.scene, fill.material, fill.place) * b.volume, b.is_sphere});
   }
   const FillResult result = generate(fill, shapes);
   if (!result.shortfall.empty())
@@ -176,9 +177,9 @@ std::vector<BodyId> Assembly::ids(const NamedBodies& named) const {
     else if (*one < all.size())
       out.push_back(all[*one]);
     else
-      throw SceneError(fmt::format("'{}[{}]' is not there: the fill has {} bodies", scene.fills[fill].name, *one,
-                                   all.size()),
-                       scene.fills[fill].place);
+      throw SceneError(
+          fmt::format("'{}[{}]' is not there: the fill has {} bodies", scene.fills[fill].name, *one, all.size()),
+          scene.fills[fill].place);
   }
   return out;
 }

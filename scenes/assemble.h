@@ -29,7 +29,7 @@ struct Assembly {
   std::uint64_t steps = 0;  ///< of the whole duration
   std::shared_ptr<ShapeStore> shapes;
   std::unique_ptr<Simulation> simulation;
-  std::vector<BodyId> body_ids;         ///< of Scene::bodies, in order; bodies of fills follow
+  std::vector<BodyId> body_ids;               ///< of Scene::bodies, in order; bodies of fills follow
   std::vector<std::vector<BodyId>> fill_ids;  ///< of Scene::fills; those that are poured have no slot before they come
   std::vector<const PourBodies*> sources;
   std::vector<std::string> body_names;  ///< by body id

@@ -4,8 +4,8 @@
 
 namespace epafi {
 
-/// Adds the events of the cell. Throws SceneError where the cell is too small for its bodies, or a wall would not repeat
-/// or deform with it.
+/// Adds the events of the cell. Throws SceneError where the cell is too small for its bodies, or a wall would not
+/// repeat or deform with it.
 void add_cell(Assembly& assembly);
 
 }  // namespace epafi

@@ -152,11 +152,13 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   plan.columns.periodic = scene.cell.has_value();
   pay(plan.columns.periodic, "images", "the domain repeats: images of bodies at its faces, cells passed by each body",
       scene.cell ? scene.cell->place : Place{});
-  const auto servo = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.servo.has_value(); });
+  const auto servo =
+      std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.servo.has_value(); });
   plan.columns.held_force = servo != scene.bodies.end();
   pay(plan.columns.held_force, "force on walls", "a servo feels what it presses on",
       servo != scene.bodies.end() ? scene.groups[servo->group].place : Place{});
-  pay(scene.run.adaptive, "speed of all bodies", "time_step = \"adaptive\" looks at it before every step", scene.run.time_step.place);
+  pay(scene.run.adaptive, "speed of all bodies", "time_step = \"adaptive\" looks at it before every step",
+      scene.run.time_step.place);
   pay(swift != scene.bodies.end(), "continuous", "a body is watched along its way within a step",
       swift != scene.bodies.end() ? scene.groups[swift->group].place : Place{});
   if (smooth && swift != scene.bodies.end())

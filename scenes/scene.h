@@ -96,16 +96,16 @@ struct BodySpec {
   std::size_t shape = 0;     ///< index in Scene::shapes
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
-  bool continuous = false;                          ///< held back from passing through others within a step
-  std::optional<Motion> motion;                     ///< motion = { ... } of a driven body
-  std::optional<Servo> servo;                       ///< motion = { servo = { ... } } of one that presses
-  std::optional<double> remove_at;                  ///< [s]
-  Vec3 position = Vec3::Zero();                     ///< of the centre of mass [m]
-  Quat orientation = Quat(1, 0, 0, 0);              ///< of the author's axes, unit
-  Vec3 velocity = Vec3::Zero();                     ///< [m/s]
-  Vec3 angular_velocity = Vec3::Zero();             ///< world axes [rad/s]
-  Vec3 force = Vec3::Zero();                        ///< constant external force [N]
-  Placed<bool> spins;                               ///< an angular velocity was written
+  bool continuous = false;                                    ///< held back from passing through others within a step
+  std::optional<Motion> motion;                               ///< motion = { ... } of a driven body
+  std::optional<Servo> servo;                                 ///< motion = { servo = { ... } } of one that presses
+  std::optional<double> remove_at;                            ///< [s]
+  Vec3 position = Vec3::Zero();                               ///< of the centre of mass [m]
+  Quat orientation = Quat(1, 0, 0, 0);                        ///< of the author's axes, unit
+  Vec3 velocity = Vec3::Zero();                               ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();                       ///< world axes [rad/s]
+  Vec3 force = Vec3::Zero();                                  ///< constant external force [N]
+  Placed<bool> spins;                                         ///< an angular velocity was written
   bool moves() const { return !fixed && !motion && !servo; }  ///< free: has mass, is integrated
 };
 
@@ -126,10 +126,10 @@ struct FillSpec {
   enum class Method { lattice, random, pour };
   /// Factor of the shape's size.
   struct Size {
-    std::string distribution = "uniform";     ///< uniform, normal, lognormal, table
-    double min = 1.0, max = 1.0;              ///< all sizes lie between, > 0
-    double mean = 1.0, deviation = 0.0;       ///< normal and lognormal: of the factor itself, before it is cut off
-    std::vector<double> values, shares;       ///< table: sizes and how many bodies have them, same length
+    std::string distribution = "uniform";  ///< uniform, normal, lognormal, table
+    double min = 1.0, max = 1.0;           ///< all sizes lie between, > 0
+    double mean = 1.0, deviation = 0.0;    ///< normal and lognormal: of the factor itself, before it is cut off
+    std::vector<double> values, shares;    ///< table: sizes and how many bodies have them, same length
   };
   std::string name;                 ///< of the group; "fill" where not written
   std::vector<std::size_t> shapes;  ///< indices in Scene::shapes
@@ -166,7 +166,7 @@ struct CellSpec {
 
 /// What a name stands for: bodies of the scene and of its fills.
 struct NamedBodies {
-  std::vector<std::size_t> bodies;                                          ///< indices of Scene::bodies
+  std::vector<std::size_t> bodies;                                        ///< indices of Scene::bodies
   std::vector<std::pair<std::size_t, std::optional<std::size_t>>> fills;  ///< index of the fill, of its body or all
 };
 
@@ -183,11 +183,11 @@ struct MeasureSpec {
 
 /// One entry of [bounds] or [accuracy].
 struct BoundSpec {
-  std::string quantity;             ///< energy_error, overlap_relative, momentum_error, residual, drift, sag
-  double limit = 0.0;               ///< value <= limit
-  std::string body;                 ///< of drift and sag
-  NamedBodies bodies;               ///< resolved
-  double after = 0.0;               ///< [s]
+  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, drift, sag
+  double limit = 0.0;    ///< value <= limit
+  std::string body;      ///< of drift and sag
+  NamedBodies bodies;    ///< resolved
+  double after = 0.0;    ///< [s]
   Place place;
 };
 

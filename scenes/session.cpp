@@ -112,8 +112,9 @@ void Session::add_observers() {
   for (const auto& spec : scene.measures) {
     const auto& list = all_measures();
     const auto entry = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.entry.name == spec.kind; });
-    auto recorder = std::make_unique<MeasureRecorder>(spec.name, entry->make(assembly_->measure_setup(spec)), &files_->csv, &files_->run,
-                                                      spec.interval > 0 ? steps_of(spec.interval, dt) : 1);
+    auto recorder =
+        std::make_unique<MeasureRecorder>(spec.name, entry->make(assembly_->measure_setup(spec)), &files_->csv,
+                                          &files_->run, spec.interval > 0 ? steps_of(spec.interval, dt) : 1);
     recorders_.push_back(recorder.get());
     sim.observers.push_back(std::move(recorder));
   }

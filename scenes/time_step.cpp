@@ -73,8 +73,8 @@ Survey survey(const Assembly& a) {
 }
 
 /// A step divided so that contacts at the present largest speed are resolved as the smooth step resolves those of the
-/// survey: contact times go like speed^(-1/5) (Hertz). The longest step is that of a thousandth of the survey's speed, or
-/// of a tenth of the fall through the whole height: the weight of what lies above presses contacts as such an impact
+/// survey: contact times go like speed^(-1/5) (Hertz). The longest step is that of a thousandth of the survey's speed,
+/// or of a tenth of the fall through the whole height: the weight of what lies above presses contacts as such an impact
 /// does (n g delta against g h: overlaps below 1e-2 of the size).
 TimeStep smooth_step(const Assembly& a, const Survey& s);
 

@@ -13,7 +13,8 @@ PeriodicPairs::PeriodicPairs(BroadSetup setup, std::unique_ptr<BroadPhase> inner
   EPAFI_REQUIRE(list_ != nullptr, "images need a broad phase that keeps a list");
 }
 
-/// What a body reaches until the list is built anew: fattened by (reach + margin)/2, the margin at most half its radius.
+/// What a body reaches until the list is built anew: fattened by (reach + margin)/2, the margin at most half its
+/// radius.
 double PeriodicPairs::fat_radius(const World& world, Slot s) const {
   const double r = setup_.shapes->bounding_radius({world.shape[s]});
   return r + 0.5 * (setup_.reach + std::max(setup_.margin, 0.5 * r));
@@ -27,7 +28,8 @@ void PeriodicPairs::choose_images(const World& world) {
     if (!world.position[s].allFinite()) continue;
     const double r = fat_radius(world, s);
     if (!std::isfinite(r)) continue;
-    low = low.cwiseMin(world.position[s] - Vec3::Constant(r)), high = high.cwiseMax(world.position[s] + Vec3::Constant(r));
+    low = low.cwiseMin(world.position[s] - Vec3::Constant(r)),
+    high = high.cwiseMax(world.position[s] + Vec3::Constant(r));
     if (world.is_movable(s)) largest = std::max(largest, r);
   }
   images_.clear();

@@ -1,6 +1,6 @@
 /// @file pair_table.h  The generated matrix of batch functions, one cell per ordered pair of shape types.
-/// A cell is, in this order: part by part, a closed form, the same with the bodies exchanged, a mesh pair, polyhedra, GJK and EPA, or
-/// empty where the pair never touches. tests/golden/pair_table.txt holds the method of every cell.
+/// A cell is, in this order: part by part, a closed form, the same with the bodies exchanged, a mesh pair, polyhedra,
+/// GJK and EPA, or empty where the pair never touches. tests/golden/pair_table.txt holds the method of every cell.
 #pragma once
 #include <array>
 #include <string>
@@ -64,8 +64,12 @@ concept HasTriangles = MeshShape<B> &&
 };
 
 inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
-  PairQuery q{in.world.pose(p.a), in.world.pose(p.b), in.reach, in.curvature,
-              in.caches.empty() ? nullptr : &in.caches[k], in.area};
+  PairQuery q{in.world.pose(p.a),
+              in.world.pose(p.b),
+              in.reach,
+              in.curvature,
+              in.caches.empty() ? nullptr : &in.caches[k],
+              in.area};
   if (in.world.cell) q.b.position += in.world.cell->shift(p.image);
   return q;
 }

@@ -101,7 +101,8 @@ std::vector<double> heights_of_change(std::span<const PlacedBall> balls) {
       meets[i].push_back(j);
       const double share = 0.5 * (1 + (p.radius * p.radius - q.radius * q.radius) / l2);
       const double circle = std::sqrt(std::max(0.0, p.radius * p.radius - share * share * l2));
-      const double middle = p.centre.z() + share * d.z(), rise = circle * std::sqrt(std::max(0.0, 1 - d.z() * d.z() / l2));
+      const double middle = p.centre.z() + share * d.z(),
+                   rise = circle * std::sqrt(std::max(0.0, 1 - d.z() * d.z() / l2));
       z.push_back(middle - rise), z.push_back(middle + rise);
     }
     for (std::size_t j : meets[i])

@@ -1,7 +1,8 @@
 /// @file sphere_union.h  Volume, centre and inertia of a union of balls, each part of space counted once.
 /// Level cuts are unions of discs, whose moments follow from their outer arcs (Green); along z the cuts are integrated
 /// between the heights where their shape changes (poles, ends of the circles in which two balls meet, points common to
-/// three), with 24 Gauss points that a sine crowds towards both ends, where cuts go like square roots. 1e-10 of the whole.
+/// three), with 24 Gauss points that a sine crowds towards both ends, where cuts go like square roots. 1e-10 of the
+/// whole.
 #pragma once
 #include <span>
 #include <vector>

@@ -38,7 +38,8 @@ void read_amount(Reading& reading, const TableValues& values, const std::string&
 /// Shares of mass as shares of number: a body of factor f weighs f^3.
 void shares_of_number(const TableValues& v, FillSpec::Size& size) {
   if (v.text("size.by") != "mass") return;
-  for (std::size_t k = 0; k < size.shares.size(); ++k) size.shares[k] /= size.values[k] * size.values[k] * size.values[k];
+  for (std::size_t k = 0; k < size.shares.size(); ++k)
+    size.shares[k] /= size.values[k] * size.values[k] * size.values[k];
 }
 
 void read_size(Reading& reading, const TableValues& v, const std::string& label, FillSpec& fill) {
@@ -85,7 +86,8 @@ void read_pouring(Reading& reading, const TableValues& v, const std::string& lab
   for (const char* key : {"rate", "mass_rate", "from"})
     if (!pours && v.written(key)) reading.warning(v.place_of(key), label + ": " + key + " is not used by this method");
   if (!pours) return;
-  fill.rate = v.number_or("rate", 0.0), fill.mass_rate = v.number_or("mass_rate", 0.0), fill.from = v.number_or("from", 0.0);
+  fill.rate = v.number_or("rate", 0.0), fill.mass_rate = v.number_or("mass_rate", 0.0),
+  fill.from = v.number_or("from", 0.0);
   if (v.written("rate") + v.written("mass_rate") != 1)
     reading.error(v.place, label + ": method 'pour' needs rate (1/s) or mass_rate (kg/s)");
   if (fill.full) reading.error(v.place, label + ": method 'pour' needs count or mass, a region never gets full");

@@ -67,7 +67,8 @@ void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
   const bool rate = v.has("domain.strain_rate"), pressure = v.has("domain.pressure");
   if (!v.has("domain.periodic")) {
     for (const char* key : {"domain.strain_rate", "domain.pressure", "domain.rate_limit"})
-      if (v.written(key)) reading.error(v.place_of(key), label + ": only a periodic domain deforms; write periodic = [...]");
+      if (v.written(key))
+        reading.error(v.place_of(key), label + ": only a periodic domain deforms; write periodic = [...]");
     return;
   }
   CellSpec spec;
@@ -75,7 +76,8 @@ void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
   spec.cell.low = domain.min, spec.cell.size = domain.max - domain.min;
   for (const std::string& axis : v.texts("domain.periodic"))
     spec.cell.repeats[static_cast<std::size_t>(axis[0] - 'x')] = true;
-  if (rate && pressure) reading.error(v.place_of("domain.pressure"), label + ": write strain_rate or pressure, not both");
+  if (rate && pressure)
+    reading.error(v.place_of("domain.pressure"), label + ": write strain_rate or pressure, not both");
   if (v.written("domain.rate_limit") && !pressure)
     reading.error(v.place_of("domain.rate_limit"), label + " rate_limit goes with pressure");
   if (rate) spec.control.strain_rate = v.vec3("domain.strain_rate");
@@ -88,7 +90,8 @@ void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
     all = all && repeats;
     if (repeats) domain.min[k] = -infinity, domain.max[k] = infinity;
     if (!repeats && spec.control.strain_rate[k] != 0.0)
-      reading.error(v.place_of("domain.strain_rate"), label + " strain_rate: the domain is not periodic along " + "xyz"[k]);
+      reading.error(v.place_of("domain.strain_rate"),
+                    label + " strain_rate: the domain is not periodic along " + "xyz"[k]);
     if (repeats && spec.deforms && draft.scene.gravity[k] != 0.0)
       reading.error(spec.place, label + ": a cell that deforms along " + "xyz"[k] + " takes no gravity along it");
   }

@@ -25,7 +25,8 @@ contact = { method = "smooth", restitution = 1.0, friction = 0.3, smooth = { law
 
 TEST_CASE("mass properties of unions of balls are exact", "[physics][clump]") {
   const double r = 0.7;
-  const MassProperties one = union_mass_properties(std::vector<PlacedBall>{{{1, 2, 3}, r}, {{1, 2, 3}, r}, {{1.1, 2, 3}, 0.2}});
+  const MassProperties one =
+      union_mass_properties(std::vector<PlacedBall>{{{1, 2, 3}, r}, {{1, 2, 3}, r}, {{1.1, 2, 3}, 0.2}});
   const double ball = 4.0 / 3.0 * pi * r * r * r;  // twice the same and one inside count once
   CHECK(one.mass == Approx(ball).epsilon(1e-11));
   CHECK((one.centre - Vec3(1, 2, 3)).norm() < 1e-11);
@@ -77,9 +78,12 @@ TEST_CASE("many balls at once agree with counting points", "[physics][clump]") {
 
 TEST_CASE("a clump of one ball is the ball", "[physics][clump]") {
   const auto fly = [](const std::string& shape) {
-    auto run = start_text(head + "[[body]]\nname = \"a\"\nshape = " + shape + "\nmaterial = \"m\"\nposition = [0, 0.004, 0]\nvelocity = [3, 1, 0]\n" +
-                          "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nposition = [0.021, 0, 0]\n" +
-                          "[[body]]\nname = \"w\"\nfixed = true\nshape = { half_space = { normal = [-1, 0, 0] } }\nmaterial = \"m\"\nposition = [0.04, 0, 0]\n");
+    auto run = start_text(
+        head + "[[body]]\nname = \"a\"\nshape = " + shape +
+        "\nmaterial = \"m\"\nposition = [0, 0.004, 0]\nvelocity = [3, 1, 0]\n" +
+        "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nposition = [0.021, 0, 0]\n" +
+        "[[body]]\nname = \"w\"\nfixed = true\nshape = { half_space = { normal = [-1, 0, 0] } }\nmaterial = "
+        "\"m\"\nposition = [0.04, 0, 0]\n");
     run.advance_to(6000);
     const World& w = run.simulation().world;
     std::vector<double> out;
@@ -90,8 +94,9 @@ TEST_CASE("a clump of one ball is the ball", "[physics][clump]") {
   const auto ball = fly("{ sphere = { radius = 0.01 } }");
   CHECK(ball[0] < 2.9);
   const auto clump = fly("{ clump = { spheres = [[0, 0, 0, 0.01]] } }");
-  const auto given = fly("{ clump = { spheres = [[0, 0, 0, 0.01]], mass = 8.377580409572781e-3, inertia = [3.351032163829113e-7, "
-                         "3.351032163829113e-7, 3.351032163829113e-7] } }");
+  const auto given =
+      fly("{ clump = { spheres = [[0, 0, 0, 0.01]], mass = 8.377580409572781e-3, inertia = [3.351032163829113e-7, "
+          "3.351032163829113e-7, 3.351032163829113e-7] } }");
   for (std::size_t k = 0; k < ball.size(); ++k) {
     CHECK(clump[k] == Approx(ball[k]).margin(1e-9));
     CHECK(given[k] == Approx(ball[k]).margin(1e-9));
@@ -99,7 +104,8 @@ TEST_CASE("a clump of one ball is the ball", "[physics][clump]") {
 }
 
 TEST_CASE("clumps keep energy and momentum, also against walls of every kind", "[physics][clump]") {
-  const std::string trio = "shape.trio = { clump = { spheres = [[0, 0, 0, 0.01], [0.012, 0, 0, 0.008], [0, 0.01, 0.004, 0.007]] } }\n";
+  const std::string trio =
+      "shape.trio = { clump = { spheres = [[0, 0, 0, 0.01], [0.012, 0, 0, 0.008], [0, 0.01, 0.004, 0.007]] } }\n";
   auto run = start_text(head + trio + R"(
 [[body]]
 name = "a"
@@ -132,11 +138,13 @@ euler_deg = [20, 50, 80]
   const std::string file = (folder / "wall.obj").string();
   std::ofstream(file) << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n";
   Vec3 plain = Vec3::Zero();
-  const std::vector<std::string> walls{"{ half_space = { normal = [0, 0, 1] } }", "{ box = { size = [2, 2, 0.2] } }\nposition = [0, 0, -0.1]",
-                                 "{ mesh = { file = \"" + file + "\" } }"};
+  const std::vector<std::string> walls{"{ half_space = { normal = [0, 0, 1] } }",
+                                       "{ box = { size = [2, 2, 0.2] } }\nposition = [0, 0, -0.1]",
+                                       "{ mesh = { file = \"" + file + "\" } }"};
   for (const std::string& wall : walls) {
     auto fall = start_text(head + trio + "[[body]]\nname = \"w\"\nfixed = true\nmaterial = \"m\"\nshape = " + wall +
-                           "\n[[body]]\nname = \"a\"\nshape = \"trio\"\nmaterial = \"m\"\nposition = [0.1, 0.2, 0.02]\nvelocity = [1, 0, -3]\n"
+                           "\n[[body]]\nname = \"a\"\nshape = \"trio\"\nmaterial = \"m\"\nposition = [0.1, 0.2, "
+                           "0.02]\nvelocity = [1, 0, -3]\n"
                            "angular_velocity = [10, -20, 5]\n");
     fall.advance_to(4000);
     const World& v = fall.simulation().world;

@@ -23,14 +23,15 @@ std::string vec(const Vec3& x) {
 /// Two bodies meet obliquely about `place`; velocities and spins of both after 20 ms.
 std::vector<double> impact(const std::string& method, const std::string& shape, const std::string& cell,
                            const Vec3& place) {
-  const std::string world = cell.empty() ? "" : "world.domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = " + cell + " }\n";
-  auto run = start_text(materials + world + "run = { duration = 0.03, time_step = 2e-5, output_interval = 0.01 }\n" +
-                        "contact = { method = \"" + method + "\", restitution = 0.7, friction = 0.4 }\n" +
-                        "shape.s = " + shape + "\n" +
-                        "[[body]]\nname = \"a\"\nshape = \"s\"\nmaterial = \"m\"\nposition = " + vec(place - Vec3(0.12, 0, 0)) +
-                        "\nvelocity = [5, 3, 1]\norientation = [0.8, 0.6, 0, 0]\n" +
-                        "[[body]]\nname = \"b\"\nshape = \"s\"\nmaterial = \"m\"\nposition = " + vec(place + Vec3(0.12, 0.03, 0.01)) +
-                        "\nvelocity = [-5, 3, 1]\n");
+  const std::string world =
+      cell.empty() ? "" : "world.domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = " + cell + " }\n";
+  auto run = start_text(
+      materials + world + "run = { duration = 0.03, time_step = 2e-5, output_interval = 0.01 }\n" +
+      "contact = { method = \"" + method + "\", restitution = 0.7, friction = 0.4 }\n" + "shape.s = " + shape + "\n" +
+      "[[body]]\nname = \"a\"\nshape = \"s\"\nmaterial = \"m\"\nposition = " + vec(place - Vec3(0.12, 0, 0)) +
+      "\nvelocity = [5, 3, 1]\norientation = [0.8, 0.6, 0, 0]\n" +
+      "[[body]]\nname = \"b\"\nshape = \"s\"\nmaterial = \"m\"\nposition = " + vec(place + Vec3(0.12, 0.03, 0.01)) +
+      "\nvelocity = [-5, 3, 1]\n");
   run.advance_to(1000);
   REQUIRE(run.failure.empty());
   std::vector<double> out;
@@ -50,13 +51,15 @@ void same(const std::vector<double>& p, const std::vector<double>& q) {
 /// n^3 spheres on a cubic lattice that fills the cell, contacts by linear springs of 1000 N/m.
 std::string lattice(int n, double pitch, const std::string& domain, double duration) {
   const std::string size = std::to_string(n * pitch);
-  return materials + "run = { duration = " + std::to_string(duration) + ", time_step = 1e-4, output_interval = 0.01 }\n" +
-         "world.domain = { min = [0, 0, 0], max = [" + size + ", " + size + ", " + size +
-         "], periodic = [\"x\", \"y\", \"z\"], " + domain + " }\n" +
-         "contact = { method = \"smooth\", restitution = 1.0, friction = 0.0, smooth = { law = \"linear\", stiffness = 1000.0 } }\n" +
-         "[[body]]\nname = \"l\"\nrepeat = [" + std::to_string(n) + ", " + std::to_string(n) + ", " + std::to_string(n) +
-         "]\nshape = { sphere = { radius = 0.05 } }\nmaterial = \"m\"\nposition = [\"= (i + 0.5)*" + std::to_string(pitch) +
-         "\", \"= (j + 0.5)*" + std::to_string(pitch) + "\", \"= (k + 0.5)*" + std::to_string(pitch) + "\"]\n" +
+  return materials + "run = { duration = " + std::to_string(duration) +
+         ", time_step = 1e-4, output_interval = 0.01 }\n" + "world.domain = { min = [0, 0, 0], max = [" + size + ", " +
+         size + ", " + size + "], periodic = [\"x\", \"y\", \"z\"], " + domain + " }\n" +
+         "contact = { method = \"smooth\", restitution = 1.0, friction = 0.0, smooth = { law = \"linear\", stiffness = "
+         "1000.0 } }\n" +
+         "[[body]]\nname = \"l\"\nrepeat = [" + std::to_string(n) + ", " + std::to_string(n) + ", " +
+         std::to_string(n) + "]\nshape = { sphere = { radius = 0.05 } }\nmaterial = \"m\"\nposition = [\"= (i + 0.5)*" +
+         std::to_string(pitch) + "\", \"= (j + 0.5)*" + std::to_string(pitch) + "\", \"= (k + 0.5)*" +
+         std::to_string(pitch) + "\"]\n" +
          "[[measure]]\nname = \"s\"\nkind = \"stress\"\n[[measure]]\nname = \"phi\"\nkind = \"solid_fraction\"\n";
 }
 
@@ -105,7 +108,8 @@ body = "ball[1]"
   CHECK(run.simulation().world.position[0].z() > -0.1);
 }
 
-TEST_CASE("a cubic lattice in a straining cell has the stress of its springs and takes the work", "[physics][periodic]") {
+TEST_CASE("a cubic lattice in a straining cell has the stress of its springs and takes the work",
+          "[physics][periodic]") {
   // pitch a(t) = 0.1 (1 - 0.05 t), overlap 0.1 - a, p = k (0.1 - a)/a^2; Verlet sees the same lattice at every step
   auto run = start_text(lattice(3, 0.1, "strain_rate = [-0.05, -0.05, -0.05]", 0.2));
   run.advance_to(0);
@@ -119,7 +123,7 @@ TEST_CASE("a cubic lattice in a straining cell has the stress of its springs and
   CHECK(e.elastic == Approx(81 * 0.5 * 1000 * overlap * overlap).epsilon(1e-9));  // 3 contacts per body
   CHECK(e.dissipated == 0.0);
   CHECK(e.work == Approx(e.elastic).epsilon(1e-4));  // of the trapezoid of the work
-  CHECK(kinetic_energy(w) < 1e-15 * e.elastic);  // a lattice moves with the cell
+  CHECK(kinetic_energy(w) < 1e-15 * e.elastic);      // a lattice moves with the cell
 }
 
 TEST_CASE("a cell strains towards its pressure", "[physics][periodic]") {
@@ -179,9 +183,12 @@ sphere = { radius = 0.02 }
 
 TEST_CASE("a periodic cell refuses what cannot repeat in it", "[physics][periodic]") {
   const auto text = [](const std::string& domain, const std::string& more) {
-    return materials + "run = { duration = 1.0, output_interval = 0.1 }\n" + "world.domain = { min = [0, 0, 0], max = [1, 1, 1], " +
-           domain + " }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.0, smooth = { law = \"hertz\" } }\n" +
-           "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [0.5, 0.5, 0.5]\n" + more;
+    return materials + "run = { duration = 1.0, output_interval = 0.1 }\n" +
+           "world.domain = { min = [0, 0, 0], max = [1, 1, 1], " + domain +
+           " }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.0, smooth = { law = \"hertz\" } }\n" +
+           "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [0.5, 0.5, "
+           "0.5]\n" +
+           more;
   };
   const auto refusal = [&](const std::string& domain, const std::string& more) -> std::string {
     try {
@@ -191,12 +198,16 @@ TEST_CASE("a periodic cell refuses what cannot repeat in it", "[physics][periodi
     }
     return "";
   };
-  const std::string wall = "[[body]]\nname = \"wall\"\nfixed = true\nmaterial = \"m\"\nshape = { half_space = { normal = [1, 0, 0] } }\n";
+  const std::string wall =
+      "[[body]]\nname = \"wall\"\nfixed = true\nmaterial = \"m\"\nshape = { half_space = { normal = [1, 0, 0] } }\n";
   CHECK_THAT(refusal("periodic = [\"x\"]", wall), Catch::Contains("faces along x"));
   CHECK(refusal("periodic = [\"y\"]", wall).empty());
   CHECK_THAT(refusal("strain_rate = [0, 0, 1]", ""), Catch::Contains("only a periodic domain deforms"));
   CHECK_THAT(refusal("periodic = [\"x\"], strain_rate = [0, 0, 1]", ""), Catch::Contains("not periodic along z"));
   CHECK_THAT(refusal("periodic = [\"x\"], pressure = 1.0", ""), Catch::Contains("pressure needs periodic"));
-  CHECK_THAT(refusal("periodic = [\"x\"]", "[[body]]\nname = \"big\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.3 } }\nposition = [0, 0, 5]\n"),
-             Catch::Contains("its own image"));
+  CHECK_THAT(
+      refusal(
+          "periodic = [\"x\"]",
+          "[[body]]\nname = \"big\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.3 } }\nposition = [0, 0, 5]\n"),
+      Catch::Contains("its own image"));
 }

@@ -98,20 +98,22 @@ between = ["floor", "bed"]
 TEST_CASE("an adaptive time step resolves slow impacts as well as fast ones at less cost", "[physics][adaptive]") {
   const auto run_at = [](double speed, const std::string& step) {
     char text[800];
-    std::snprintf(text, sizeof text,
-                  "run = { duration = 1.0, time_step = \"%s\", output_interval = 0.1 }\n"
-                  "contact = { method = \"smooth\", restitution = 0.8, friction = 0.0, smooth = { law = \"hertz\" } }\n"
-                  "[[body]]\nname = \"fast\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n"
-                  "position = [0, 5, 0]\nvelocity = [0, 10, 0]\nremove_at = 1e-3\n"
-                  "[[body]]\nname = \"a\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nvelocity = [%g, 0, 0]\n"
-                  "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nposition = [0.021, 0, 0]\n",
-                  step.c_str(), speed);
+    std::snprintf(
+        text, sizeof text,
+        "run = { duration = 1.0, time_step = \"%s\", output_interval = 0.1 }\n"
+        "contact = { method = \"smooth\", restitution = 0.8, friction = 0.0, smooth = { law = \"hertz\" } }\n"
+        "[[body]]\nname = \"fast\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\n"
+        "position = [0, 5, 0]\nvelocity = [0, 10, 0]\nremove_at = 1e-3\n"
+        "[[body]]\nname = \"a\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nvelocity = [%g, 0, 0]\n"
+        "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nposition = [0.021, 0, 0]\n",
+        step.c_str(), speed);
     return start_text(head + text);
   };
   const double speed = 0.1;
   auto fixed = run_at(speed, "auto"), adaptive = run_at(speed, "adaptive");
   // the present speed counts twice (head-on): 0.2 of 20 m/s, contact times go like v^(-1/5)
-  CHECK(adaptive.assembly->time_step.value == Approx(fixed.assembly->time_step.value * std::pow(1e3, 0.2)).epsilon(0.02));
+  CHECK(adaptive.assembly->time_step.value ==
+        Approx(fixed.assembly->time_step.value * std::pow(1e3, 0.2)).epsilon(0.02));
   adaptive.advance_to(0), fixed.advance_to(0);
   const auto out = [](SceneRun& r) {
     const World& w = r.simulation().world;
@@ -119,7 +121,8 @@ TEST_CASE("an adaptive time step resolves slow impacts as well as fast ones at l
   };
   CHECK(out(fixed) == Approx(0.8 * speed).epsilon(0.01));
   CHECK(out(adaptive) == Approx(0.8 * speed).epsilon(0.02));
-  const double saved = static_cast<double>(fixed.simulation().parts_made()) / static_cast<double>(adaptive.simulation().parts_made());
+  const double saved =
+      static_cast<double>(fixed.simulation().parts_made()) / static_cast<double>(adaptive.simulation().parts_made());
   CHECK(saved == Approx(std::pow(1e3, 0.2) / 2).epsilon(0.02));  // 1.6 of the shortest steps would do, two are made
   CHECK(adaptive.simulation().world.time == Approx(1.0).epsilon(1e-3));
 }

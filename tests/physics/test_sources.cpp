@@ -23,8 +23,8 @@ std::vector<double> sizes_of(const FillSpec::Size& size, std::uint64_t n, std::u
   return sizes;
 }
 
-/// sqrt(n) times the largest distance between the samples' cumulated share and F (Kolmogorov and Smirnov), mean of eight
-/// seeds. Of samples that follow F: 0.869, deviation 0.26/sqrt(8) = 0.092 (Kolmogorov's distribution).
+/// sqrt(n) times the largest distance between the samples' cumulated share and F (Kolmogorov and Smirnov), mean of
+/// eight seeds. Of samples that follow F: 0.869, deviation 0.26/sqrt(8) = 0.092 (Kolmogorov's distribution).
 template <class F>
 double distance(const FillSpec::Size& size, const F& cumulated) {
   const std::uint64_t count = 10000;
@@ -154,7 +154,7 @@ region = { box = { min = [-0.2, -0.2, 0.8], max = [0.2, 0.2, 1.0] } }
   double mass = 0;
   const World& w = run.simulation().world;
   for (Slot s = 0; s < w.size(); ++s) mass += 1 / w.inverse_mass[s];
-  CHECK(mass == Approx(2.0).margin(0.008));  // to half of the last body
+  CHECK(mass == Approx(2.0).margin(0.008));                 // to half of the last body
   CHECK(run.simulation().ledger.last().dissipated == 0.0);  // none has touched another
 }
 

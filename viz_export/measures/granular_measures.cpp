@@ -149,7 +149,8 @@ void MixingMeasure::sample(const StepView& view, std::vector<double>& values) {
       const Slot s = w.slot_of(b);
       if (s == no_slot || !w.position[s].allFinite()) continue;
       const Vec3 u = w.position[s] / edge_;
-      Count& cell = cells[{std::lround(std::floor(u.x())), std::lround(std::floor(u.y())), std::lround(std::floor(u.z()))}];
+      Count& cell =
+          cells[{std::lround(std::floor(u.x())), std::lround(std::floor(u.y())), std::lround(std::floor(u.z()))}];
       cell.first += g == 0, cell.both += 1;
       first += g == 0, both += 1;
     }
@@ -157,7 +158,8 @@ void MixingMeasure::sample(const StepView& view, std::vector<double>& values) {
   // variance of the share over the cells, each weighed by its bodies; a mean cell holds n bodies as a body sees them
   const double p = first / both;
   double variance = 0;
-  for (const auto& [place, cell] : cells) variance += cell.both * (cell.first / cell.both - p) * (cell.first / cell.both - p);
+  for (const auto& [place, cell] : cells)
+    variance += cell.both * (cell.first / cell.both - p) * (cell.first / cell.both - p);
   variance /= both;
   const double apart = p * (1 - p), mixed = apart * static_cast<double>(cells.size()) / both;
   values = {apart > mixed ? (apart - variance) / (apart - mixed) : nan, p};
