@@ -18,7 +18,7 @@ namespace {
 constexpr std::uintmax_t largest_file = std::uintmax_t{1}
                                         << 31;           // 2 GiB: about 40 million triangles, far beyond any use
 constexpr std::size_t stl_header = 84, stl_record = 50;  // bytes of a binary STL
-constexpr std::size_t largest_index = 0xfffffffeu;
+constexpr std::size_t largest_file_index = 0xfffffffeu;
 
 bool has_area(const TriangleSurface& s, const Triangle& t) {
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return false;
@@ -184,7 +184,7 @@ MeshFile read_obj(std::string_view bytes, const std::string& file) {
     const auto first = text.word();
     if (first.empty() || first.front() == '#') continue;
     if (first == "v") {
-      if (surface.vertices.size() == largest_index) text.fail("too many vertices");
+      if (surface.vertices.size() == largest_file_index) text.fail("too many vertices");
       surface.vertices.push_back(text.point());  // a fourth number (weight) or a colour may follow
     } else if (first == "f") {
       read_face(text, surface);

@@ -19,10 +19,10 @@ double reach_of(double a, double b, int n) {
 }
 
 /// Point (u, v) of u^n + v^n = 1 where p u + q v is largest; p, q >= 0, not both 0.
-struct Corner {
+struct GridCorner {
   double u, v;
 };
-Corner farthest(double p, double q, int n) {
+GridCorner farthest(double p, double q, int n) {
   const double most = std::max(p, q);
   const double u = whole_root(p / most, n - 1), v = whole_root(q / most, n - 1);
   const double scale = whole_root(whole_power(u, n) + whole_power(v, n), n);
@@ -75,13 +75,13 @@ Entry Superquadric::entry() {
 Vec3 Superquadric::support(const Vec3& d) const {
   const Vec3 stretched = semi_axes.cwiseProduct(d).cwiseAbs();
   if (!(stretched.maxCoeff() > 0.0)) return {semi_axes.x(), 0.0, 0.0};
-  Corner flat{0.0, 0.0};
+  GridCorner flat{0.0, 0.0};
   double beside = 0.0;
   if (std::max(stretched.x(), stretched.y()) > 0.0) {
     flat = farthest(stretched.x(), stretched.y(), across);
     beside = stretched.x() * flat.u + stretched.y() * flat.v;
   }
-  const Corner up = farthest(beside, stretched.z(), along);
+  const GridCorner up = farthest(beside, stretched.z(), along);
   const Vec3 unit(flat.u * up.u, flat.v * up.u, up.v);
   Vec3 out;
   for (int k = 0; k < 3; ++k) out[k] = d[k] < 0.0 ? -semi_axes[k] * unit[k] : semi_axes[k] * unit[k];

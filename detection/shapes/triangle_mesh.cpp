@@ -7,7 +7,7 @@
 namespace epafi {
 namespace {
 
-constexpr std::uint32_t leaf_size = 4;
+constexpr std::uint32_t mesh_leaf = 4;
 constexpr double flat_angle = 1e-9;  // [rad] far below what a contact normal can feel, far above rounding
 
 Aabb turned_box(const Aabb& box, const Mat3& turn, const Vec3& shift) {
@@ -95,8 +95,8 @@ std::uint32_t TriangleMesh::build(std::vector<std::uint32_t>& order, std::uint32
   const auto self = static_cast<std::uint32_t>(nodes_.size());
   Aabb box, centres;
   for (std::uint32_t k = begin; k < end; ++k) box.include(boxes_[order[k]]), centres.include(boxes_[order[k]].centre());
-  nodes_.push_back({box, 0, begin, end - begin <= leaf_size ? end - begin : 0});
-  if (end - begin > leaf_size) {
+  nodes_.push_back({box, 0, begin, end - begin <= mesh_leaf ? end - begin : 0});
+  if (end - begin > mesh_leaf) {
     Eigen::Index axis = 0;
     centres.extent().maxCoeff(&axis);
     const std::uint32_t middle = begin + (end - begin) / 2;

@@ -5,7 +5,7 @@
 namespace epafi {
 namespace {
 
-constexpr std::uint32_t leaf_size = 4;
+constexpr std::uint32_t surface_leaf = 4;
 
 double square_distance(const Aabb& box, const Vec3& x) {
   return (box.min - x).cwiseMax(x - box.max).cwiseMax(0.0).squaredNorm();
@@ -24,8 +24,8 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> positions, std::span<const Triang
 
 void SurfaceTree::build(std::span<const Vec3> centres, std::uint32_t begin, std::uint32_t end) {
   const std::size_t self = nodes_.size();
-  nodes_.push_back({{}, 0, begin, end - begin <= leaf_size ? end - begin : 0});
-  if (end - begin > leaf_size) {
+  nodes_.push_back({{}, 0, begin, end - begin <= surface_leaf ? end - begin : 0});
+  if (end - begin > surface_leaf) {
     Aabb box;
     for (std::uint32_t k = begin; k < end; ++k) box.include(centres[order_[k]]);
     Eigen::Index axis = 0;
