@@ -8,7 +8,7 @@
 namespace epafi {
 
 namespace {
-constexpr std::size_t block_size = 256;
+constexpr std::size_t sweep_block = 256;
 constexpr std::size_t exchanges_per_body = 32;  // beyond, the old order is no help
 
 /// Axis along which the centres are spread most.
@@ -56,12 +56,12 @@ void SweepAndPrune::sort_intervals(const FatBodies& bodies) {
 
 void SweepAndPrune::collect(const FatBodies& bodies, PairCollector& collector) {
   sort_intervals(bodies);
-  const std::size_t n = interval_.size(), blocks = (n + block_size - 1) / block_size;
+  const std::size_t n = interval_.size(), blocks = (n + sweep_block - 1) / sweep_block;
   ball_.resize(n);
   parallel_for(n, [&](std::size_t k) { ball_[k] = bodies.ball[interval_[k].slot]; });
   collector.begin(blocks);
   if (found_.size() < blocks) found_.resize(blocks);
-  parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t block) {
+  parallel_blocks(n, sweep_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
     std::vector<Slot>& found = found_[block];
     for (std::size_t k = begin; k < end; ++k) {
       found.clear();
