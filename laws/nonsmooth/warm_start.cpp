@@ -50,6 +50,7 @@ void WarmStart::match_run(const World& world, const ContactSet& contacts, Run ru
   };
   for (std::uint32_t i = run.begin; i < run.end; ++i) {
     if (previous_[i] != unmatched) continue;
+    by_name_[i] = false;
     const Vec3 arm = body_axes(world, a, contacts.arm[i]);
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t k = first; k < last; ++k) {
@@ -66,7 +67,7 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
     if (same) ++runs_.back().end;
     else runs_.push_back({i, i + 1});
   }
-  previous_.resize(contacts.size()), r.resize(contacts.size());
+  previous_.resize(contacts.size()), by_name_.assign(contacts.size(), true), r.resize(contacts.size());
   parallel_for(runs_.size(), [&](std::size_t k) {
     match_run(world, contacts, runs_[k]);
     for (std::uint32_t i = runs_[k].begin; i < runs_[k].end; ++i) {
@@ -91,12 +92,12 @@ void WarmStart::remember(const World& world, const ContactSet& contacts, const C
 
 double WarmStart::foreseen(std::size_t i) const {
   const std::uint32_t k = previous_[i];
-  return k == unmatched || impulse_[k].isZero(0.0) ? -infinity : gap_[k];
+  return k == unmatched || !by_name_[i] || impulse_[k].isZero(0.0) ? -infinity : gap_[k];
 }
 
 std::optional<Vec3> WarmStart::slip(std::size_t i) const {
   const std::uint32_t k = previous_[i];
-  return k == unmatched || impulse_[k].isZero(0.0) ? std::nullopt : std::optional(slip_[k]);
+  return k == unmatched || !by_name_[i] || impulse_[k].isZero(0.0) ? std::nullopt : std::optional(slip_[k]);
 }
 
 void WarmStart::reorder(const Reordering& change) {

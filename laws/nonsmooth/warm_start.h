@@ -40,6 +40,7 @@ class WarmStart {
 
   std::vector<Run> runs_;
   std::vector<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none
+  std::vector<std::uint8_t> by_name_;    ///< found by its key, not as the nearest of its pair
 };
 
 }  // namespace epafi
