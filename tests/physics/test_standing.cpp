@@ -51,7 +51,7 @@ TEST_CASE("a capsule that is laid on a box lies still", "[physics][standing]") {
 
 TEST_CASE("a pile of 1000 stones comes to rest", "[physics][pile][slow]") {
   // 3e4 J at the peak; impulses handed on to points that were only near the old ones kept it at 3e-4 J
-  SceneRun run = run_scene("pile/polyhedra.toml", {"run.duration=5"});
+  experiments::SceneRun run = experiments::run_scene("pile/polyhedra.toml", {"run.duration=5"});
   REQUIRE(run.failure.empty());
   CHECK(kinetic_energy(run.simulation().world) < 1e-7);
   CHECK(run.energy_error() < 1e-3);
