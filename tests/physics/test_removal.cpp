@@ -1,8 +1,5 @@
 // Bodies that are taken out far away leave the rest as it is, bit for bit: friction springs and dampers go on as if
 // nothing had happened, though contacts are evaluated once more to learn what energy has gone.
-#include <filesystem>
-#include <fstream>
-
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 
@@ -30,10 +27,7 @@ material = "bead"
 count = 150
 region = { box = { min = [-0.015, -0.015, 0.0025], max = [0.015, 0.015, 0.2] } }
 )";
-  const auto path = std::filesystem::temp_directory_path() / ("epafi_rain_" + std::to_string(removed) + ".toml");
-  std::ofstream(path) << text;
-  SceneRun run = prepare_scene(path.string(), {});
-  run.simulation().start();
+  SceneRun run = start_text(text);
   run.advance_to(0);
   return run;
 }
