@@ -318,7 +318,9 @@ std::vector<Field> united_fields(const std::vector<Entry>& entries, const std::s
 }
 
 std::vector<Field> authoring_fields(const Entry& shape) {
-  if (shape.name == "mesh") return {text("file", "surface as STL or OBJ")};
+  if (shape.name == "mesh")
+    return {text("file", "surface as STL or OBJ"),
+            choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
   if (shape.name != "polyhedron") return shape.fields;
   Field file = text("file", "corners from OBJ or STL; their hull is taken");
   file.optional = true;
