@@ -10,6 +10,7 @@
 #include "engine/error.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/library.h"
+#include "scenes/study/atlas.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
@@ -39,13 +40,21 @@ void require_file(const std::string& path) {
 }  // namespace
 
 namespace {
-Chart chart_of(const Study& study, const fs::path& folder, const std::function<void(const std::string&)>& tell) {
-  if (is_corpus_study(study)) return run_corpus_chart(study, tell);
-  return is_patch_study(study) ? run_patch_chart(study, tell) : run_chart(study, folder, tell);
+void require_study(const StudyOptions& o) {
+  if (o.files.empty()) throw SceneError("name a study, or write --all for those of the library");
+}
+
+int command_atlas(const StudyOptions& o, bool charts) {
+  const auto budget = parse_duration(o.budget);
+  if (!budget) throw SceneError("--budget '" + o.budget + "' is no duration; write 90s, 30m or 3h50m");
+  const fs::path work = o.out.empty() ? fs::path("out/atlas") : fs::path(o.out);
+  return draw_atlas({o.studies, o.atlas, work, *budget, o.jobs}, charts, speaker(o)) ? exit_done : exit_time_limit;
 }
 }  // namespace
 
 int command_chart(const StudyOptions& o) {
+  if (o.all) return command_atlas(o, true);
+  require_study(o);
   for (const auto& file : o.files) {
     require_file(file);
     const Study study = read_study(file, o.overrides);
@@ -66,6 +75,8 @@ int command_chart(const StudyOptions& o) {
 }
 
 int command_limits(const StudyOptions& o) {
+  if (o.all) return command_atlas(o, false);
+  require_study(o);
   for (const auto& file : o.files) {
     require_file(file);
     const Study study = read_study(file, o.overrides);

@@ -54,6 +54,10 @@ bool is_patch_study(const Study& study);
 Chart run_corpus_chart(const Study& study, const std::function<void(const std::string&)>& say);
 bool is_corpus_study(const Study& study);
 
+/// Whichever of the three the study asks for.
+Chart chart_of(const Study& study, const std::filesystem::path& folder,
+               const std::function<void(const std::string&)>& say);
+
 /// Median and spread of the repeats.
 void set_times(ChartPoint& point, const std::vector<double>& times);
 /// Marks the Pareto front and the cheapest point inside [accuracy].
