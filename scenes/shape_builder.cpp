@@ -147,6 +147,7 @@ BuiltShape ShapeBuilder::build_mesh(const ShapeSpec& spec, double size) {
   warn_of(spec, file.report);
   for (Vec3& v : file.surface.vertices) v *= size;
   TriangleMesh mesh = TriangleMesh::from_surface(std::move(file.surface));
+  if (spec.parameters.text("tree") == "obb") mesh.orient_boxes();
   const double radius = mesh.bounding_radius();
   return {store_.add(std::move(mesh)), 0.0, {}, radius, false, false};
 }

@@ -320,7 +320,9 @@ std::vector<Field> united_fields(const std::vector<Entry>& entries, const std::s
 
 std::vector<Field> authoring_fields(const Entry& shape) {
   const Field unit = with_default(text("unit", "of the numbers in the file: m, mm, cm, um, in"), Value(std::string("m")));
-  if (shape.name == "mesh") return {text("file", "surface as STL, OBJ or PLY"), unit};
+  if (shape.name == "mesh")
+    return {text("file", "surface as STL, OBJ or PLY"), unit,
+            choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
   if (shape.name == "solid") return {text("file", "closed surface as STL, OBJ or PLY"), unit};
   if (shape.name != "polyhedron") return shape.fields;
   Field file = text("file", "corners from OBJ, STL or PLY; their hull is taken");
