@@ -63,6 +63,23 @@ TEST_CASE("a report has all its parts and asks for nothing from outside", "[scen
   CHECK(run.page.find(state.substr(at + 15, 16)) != run.page.npos);
 }
 
+TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary", "[scenes][report]") {
+  const std::string python = "/usr/bin/python3";
+  if (!fs::exists(python) || shell(python + " -c 'import h5py' 2> /dev/null") != 0) {
+    WARN("skipped: no python3-h5py here");
+    return;
+  }
+  const ReportedRun run;
+  const fs::path said = run.folder / "said";
+  REQUIRE(shell(python + " " + EPAFI_SOURCE_DIR + "/examples/read_run.py " + run.folder.string() + " > " + said.string()) == 0);
+  const std::string text = text_of(said), summary = text_of(run.folder / "summary.json");
+  CHECK(count(text, "t = ") == 5);  // at 0, 0.05, 0.1, 0.15, 0.2 s
+  CHECK(text.find("measure energy ") != text.npos);
+  const double last = std::stod(text.substr(text.rfind("kinetic energy ") + 15));
+  const double expected = std::stod(summary.substr(summary.find("\"kinetic\": ") + 11));
+  CHECK(last == Approx(expected).epsilon(1e-5));  // six digits are printed
+}
+
 TEST_CASE("a folder without a run has no report, and the message says why", "[scenes][report]") {
   const fs::path folder = fs::temp_directory_path() / ("epafi-no-report-" + std::to_string(::getpid()));
   fs::create_directories(folder);
