@@ -1,4 +1,5 @@
 // Detection alone: gap, normal and contact points of two boxes, one of them turned.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -21,5 +22,7 @@ int main() {
     const Vec3 n = contacts.normal[k], p = contacts.arm[k];
     std::printf("gap %.12f  normal (%g, %g, %g)  point (%g, %g, %g)\n", contacts.gap[k], n.x(), n.y(), n.z(), p.x(), p.y(), p.z());
   }
-  return contacts.size() > 0 && std::abs(contacts.gap[0] - 0.1) < 1e-12 ? 0 : 1;
+  if (contacts.size() == 0) return 1;
+  const double nearest = *std::min_element(contacts.gap.begin(), contacts.gap.end());
+  return std::abs(nearest - 0.1) < 1e-12 ? 0 : 1;
 }

@@ -4,8 +4,13 @@ import sys
 
 import h5py
 
+
+def text(attribute):
+    return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
+
+
 with h5py.File(sys.argv[1] + "/run.h5", "r") as f:
-    print("title:", f.attrs["title"])
+    print("title:", text(f.attrs["title"]))
     mass = f["bodies/mass"][:]  # by body id; 0 for fixed bodies
     for name in sorted(f["snapshots"]):
         s = f["snapshots"][name]
@@ -15,4 +20,4 @@ with h5py.File(sys.argv[1] + "/run.h5", "r") as f:
               (s.attrs["time"], free.sum(), speed[free].max() if free.any() else 0.0, s["kinetic_energy"][:].sum()))
     for name in sorted(f["measures"]):
         m = f["measures"][name]
-        print("measure", m.attrs["name"], m.attrs["components"], "last:", m["value"][-1] if len(m["value"]) else "none")
+        print("measure", text(m.attrs["name"]), text(m.attrs["components"]), "last:", m["value"][-1] if len(m["value"]) else "none")
