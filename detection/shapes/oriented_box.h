@@ -31,8 +31,8 @@ inline bool overlap(const OrientedBox& a, const OrientedBox& b) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
       const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const double reach = a.half[i1] * size(i2, j) + a.half[i2] * size(i1, j) + b.half[j1] * size(i, j2) +
-                           b.half[j2] * size(i, j1);
+      const double reach =
+          a.half[i1] * size(i2, j) + a.half[i2] * size(i1, j) + b.half[j1] * size(i, j2) + b.half[j2] * size(i, j1);
       if (std::abs(t[i2] * turn(i1, j) - t[i1] * turn(i2, j)) > reach) return false;
     }
   }

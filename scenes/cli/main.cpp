@@ -59,6 +59,14 @@ epafi::ProgramText described(const CLI::App& app) {
   return program;
 }
 
+void add_atlas_flags(CLI::App* command, epafi::StudyOptions& o) {
+  command->get_option("study")->required(false);
+  command->add_flag("--all", o.all, "every study, its table and picture into the atlas; says what has moved");
+  command->add_option("--budget", o.budget, "wall time of --all (default 30m)");
+  command->add_option("--studies", o.studies, "folder of the studies (default scenes/library/studies)");
+  command->add_option("--atlas", o.atlas, "folder of the atlas (default docs/atlas)");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -128,9 +136,11 @@ int main(int argc, char** argv) {
   auto* chart_command = app.add_subcommand("chart", "speed against accuracy: every method of a study on one scene");
   add_study_flags(chart_command, study, "study");
   chart_command->add_flag("--json", study.json, "the points on stdout");
+  add_atlas_flags(chart_command, study);
   auto* limits_command = app.add_subcommand("limits", "where methods fail: scans or bisects the parameters of a study");
   add_study_flags(limits_command, study, "study");
   limits_command->add_flag("--json", study.json, "the limits on stdout");
+  add_atlas_flags(limits_command, study);
   limits_command->add_option("-j,--jobs", study.jobs, "cases at a time")->check(CLI::PositiveNumber);
   auto* sweep_command = app.add_subcommand("sweep", "the cases of a scene's [sweep]; finished ones are skipped");
   add_study_flags(sweep_command, study, "scene");

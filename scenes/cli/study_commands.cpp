@@ -10,6 +10,7 @@
 #include "engine/error.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/library.h"
+#include "scenes/study/atlas.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
@@ -38,14 +39,28 @@ void require_file(const std::string& path) {
 
 }  // namespace
 
+namespace {
+void require_study(const StudyOptions& o) {
+  if (o.files.empty()) throw SceneError("name a study, or write --all for those of the library");
+}
+
+int command_atlas(const StudyOptions& o, bool charts) {
+  const auto budget = parse_duration(o.budget);
+  if (!budget) throw SceneError("--budget '" + o.budget + "' is no duration; write 90s, 30m or 3h50m");
+  const fs::path work = o.out.empty() ? fs::path("out/atlas") : fs::path(o.out);
+  return draw_atlas({o.studies, o.atlas, work, *budget, o.jobs}, charts, speaker(o)) ? exit_done : exit_time_limit;
+}
+}  // namespace
+
 int command_chart(const StudyOptions& o) {
+  if (o.all) return command_atlas(o, true);
+  require_study(o);
   for (const auto& file : o.files) {
     require_file(file);
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-chart");
     fs::create_directories(folder);
-    const Chart chart =
-        is_patch_study(study) ? run_patch_chart(study, speaker(o)) : run_chart(study, folder, speaker(o));
+    const Chart chart = chart_of(study, folder, speaker(o));
     write_whole_file(folder / "chart.csv", {chart_csv(chart)});
     write_whole_file(folder / "chart.json", {chart_json(chart)});
     const std::string recommended = recommended_scene(chart, folder);
@@ -60,6 +75,8 @@ int command_chart(const StudyOptions& o) {
 }
 
 int command_limits(const StudyOptions& o) {
+  if (o.all) return command_atlas(o, false);
+  require_study(o);
   for (const auto& file : o.files) {
     require_file(file);
     const Study study = read_study(file, o.overrides);

@@ -11,6 +11,8 @@ struct StudyOptions {
   std::string out;                     ///< empty: out/<file name>
   int jobs = 1;
   bool json = false, quiet = false, force = false;
+  bool all = false;  ///< every study of `studies`, into `atlas`
+  std::string studies = "scenes/library/studies", atlas = "docs/atlas", budget = "30m";
 };
 
 int command_chart(const StudyOptions& options);

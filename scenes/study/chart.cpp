@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "scenes/full_registry.h"
@@ -107,6 +108,16 @@ double median(std::vector<double> v) {
   return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
 }
 
+Chart chart_of(const Study& study, const fs::path& folder, const std::function<void(const std::string&)>& say) {
+  if (is_corpus_study(study)) return run_corpus_chart(study, say);
+  return is_patch_study(study) ? run_patch_chart(study, say) : run_chart(study, folder, say);
+}
+
+void set_times(ChartPoint& point, const std::vector<double>& times) {
+  point.time = median(times);
+  point.time_spread = *std::max_element(times.begin(), times.end()) - *std::min_element(times.begin(), times.end());
+}
+
 void mark_front(Chart& chart) {
   std::vector<ChartPoint*> good;
   for (auto& p : chart.points)
@@ -141,10 +152,19 @@ Chart run_chart(const Study& study, const fs::path& folder, const std::function<
   }
   if (!cases.empty()) chart.command = command_line(study.scene, cases.front(), runner.limits);
   std::vector<std::vector<double>> times(cases.size());
+  const auto begin = std::chrono::steady_clock::now();
+  const auto spent = [&] {
+    return study.budget > 0 &&
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() > study.budget;
+  };
   for (int round = 0; round < study.repeats; ++round) {
     for (std::size_t k = 0; k < cases.size(); ++k) {
       ChartPoint& p = chart.points[k];
-      if (round > 0 && !p.good()) continue;
+      if (round > 0 && (!p.good() || spent())) continue;
+      if (spent()) {
+        p.status = "over_budget", p.trouble = "not run: the budget of the study was spent", times[k].push_back(0.0);
+        continue;
+      }
       const CaseResult r = run_case(study.scene, cases[k], runner.limits);
       if (r.status == "interrupted") throw FileError("interrupted");
       runner.add(p, cases[k], r, times[k]);
@@ -153,11 +173,7 @@ Chart run_chart(const Study& study, const fs::path& folder, const std::function<
                         p.method.settings(), p.status, times[k].back(), p.error));
     }
   }
-  for (std::size_t k = 0; k < cases.size(); ++k) {
-    chart.points[k].time = median(times[k]);
-    chart.points[k].time_spread =
-        *std::max_element(times[k].begin(), times[k].end()) - *std::min_element(times[k].begin(), times[k].end());
-  }
+  for (std::size_t k = 0; k < cases.size(); ++k) set_times(chart.points[k], times[k]);
   mark_front(chart);
   return chart;
 }

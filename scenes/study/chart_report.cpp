@@ -22,9 +22,9 @@ std::string chart_csv(const Chart& chart) {
       "spread,ns_per_body_step,accurate\n";
   for (const auto& p : chart.points)
     out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(p.method.name),
-                       csv_text(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "", p.error_spread,
-                       p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative), p.state_hash,
-                       p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
+                       csv_text(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "",
+                       p.error_spread, p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative),
+                       p.state_hash, p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
   return out;
 }
 
@@ -91,7 +91,11 @@ std::string recommended_scene(const Chart& chart, const fs::path& folder) {
   auto lines = chart.study.fixed;
   const auto& more = chart.points[*chart.recommended].method.overrides;
   lines.insert(lines.end(), more.begin(), more.end());
-  for (const auto& o : lines) out += o.substr(0, o.find('=')) + " = " + o.substr(o.find('=') + 1) + "\n";
+  const auto key = [](const std::string& line) { return line.substr(0, line.find('=')); };
+  for (auto o = lines.begin(); o != lines.end(); ++o) {
+    const bool later = std::any_of(o + 1, lines.end(), [&](const std::string& l) { return key(l) == key(*o); });
+    if (!later) out += key(*o) + " = " + o->substr(o->find('=') + 1) + "\n";  // what the method sets wins over `set`
+  }
   return out;
 }
 

@@ -24,8 +24,8 @@ std::string limits_csv(const LimitMap& map) {
     const auto& m = map.study.methods[c.method];
     const bool two = c.at.size() == 2;
     out +=
-        fmt::format("{},{},{:.9g},{},{},{},{},{},{},{}\n", csv_text(m.name), parameters.back().key, c.at.back(), c.status,
-                    c.kind, two ? parameters.front().key : "", two ? fmt::format("{:.9g}", c.at.front()) : "",
+        fmt::format("{},{},{:.9g},{},{},{},{},{},{},{}\n", csv_text(m.name), parameters.back().key, c.at.back(),
+                    c.status, c.kind, two ? parameters.front().key : "", two ? fmt::format("{:.9g}", c.at.front()) : "",
                     csv_text(m.settings()), csv_text(c.detail), c.state_hash);
   }
   return out;
@@ -75,8 +75,8 @@ void draw_limits(const LimitMap& map, const std::filesystem::path& folder) {
     KindMap picture;
     picture.title = (study.title.empty() ? std::filesystem::path(study.file).stem().string() : study.title) +
                     (two && many ? ": " + study.methods[m].name : "");
-    picture.x_label = two ? study.parameters.front().key : study.parameters.back().key,
-    picture.y_label = two ? study.parameters.back().key : "method";
+    picture.x_label = two ? study.parameters.front().label : study.parameters.back().label,
+    picture.y_label = two ? study.parameters.back().label : "method";
     picture.log_x = two ? study.parameters.front().log : study.parameters.back().log,
     picture.log_y = two && study.parameters.back().log;
     picture.kinds = {"ok"};

@@ -131,12 +131,12 @@ struct StudyReader {
         read_table(node, "parameter",
                    {key, field("from", Kind::number, ""), field("to", Kind::number, ""), scale, search, count,
                     field("values", Kind::numbers, ""), field("integer", Kind::boolean, "", Value(false)),
-                    field("tolerance", Kind::number, "", Value(0.02))},
+                    field("tolerance", Kind::number, "", Value(0.02)), field("label", Kind::text, "")},
                    reading);
     if (!v.has("key")) return;
     ParameterSpec p{
         v.text("key"),        {}, v.text("search") == "bisect", v.text("scale") == "log", v.boolean("integer"),
-        v.number("tolerance")};
+        v.number("tolerance"), v.has("label") ? v.text("label") : v.text("key")};
     if (v.has("values"))
       p.values = v.numbers("values");
     else if (!v.has("from") || !v.has("to"))

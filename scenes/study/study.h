@@ -31,12 +31,14 @@ struct ParameterSpec {
   std::vector<double> values;  ///< scanned; of a bisection its two ends
   bool bisect = false, log = false, integer = false;
   double tolerance = 0.02;  ///< of a bisection, relative to the value
+  std::string label;        ///< of the axis, with the unit
 };
 
 /// quantity > limit is a failure.
 struct FailureSpec {
-  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, iterations, NAME or
-                         ///< NAME.component of a measure
+  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, iterations,
+                         ///< bodies_lost, ns_per_body_step, broad_phase_ns (that stage alone), NAME or
+                         ///< NAME.component of a measure (at the end), NAME.component.max or .min
   double limit = 0.0;
 };
 
@@ -53,6 +55,7 @@ struct Study {
   std::string theory_label;
   int repeats = 3;           ///< timings of each point
   double time_limit = 60.0;  ///< wall time of one case [s]
+  double budget = 0.0;       ///< of all cases of a chart [s]: what is not reached is not run; 0: none
   int threads = 1;
   std::string program = "/proc/self/exe";  ///< that runs the cases
 };

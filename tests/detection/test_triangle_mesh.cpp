@@ -47,7 +47,8 @@ TEST_CASE("the tree finds what testing every triangle finds, in ascending order"
   }
 }
 
-TEST_CASE("oriented boxes find every triangle that a turned body touches, and few others", "[detection][triangle-mesh]") {
+TEST_CASE("oriented boxes find every triangle that a turned body touches, and few others",
+          "[detection][triangle-mesh]") {
   Random random(43, 0);
   std::size_t by_axes = 0, by_sides = 0;
   for (const std::uint32_t n : {1u, 4u, 63u, 1000u}) {
@@ -69,7 +70,8 @@ TEST_CASE("oriented boxes find every triangle that a turned body touches, and fe
           if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
           const auto c = mesh.corners(t);
           touches = (pose.to_local(c[0] + u * (c[1] - c[0]) + v * (c[2] - c[0])).cwiseAbs().array() <=
-                     Vec3(0.4, 0.02, 0.02).array()).all();
+                     Vec3(0.4, 0.02, 0.02).array())
+                        .all();
         }
         if (touches) CHECK(std::binary_search(found.begin() + 1, found.end(), t));
       }

@@ -1,12 +1,14 @@
 // Charts, limits and sweeps: what is read, what is refused, and that the numbers in them are those of the runs.
 #include <fstream>
 
+#include "scenes/study/atlas.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
 #include "scenes/study/sweep.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
+#include "viz_export/side_file.h"
 
 using namespace epafi;
 
@@ -78,7 +80,7 @@ TEST_CASE("a chart repeats its errors bit for bit, marks its front and recommend
   Study study = read_study(write(folder, "scene = \"" + library + R"(impact/chung_ooi_1.toml"
 error = { measure = "rebound", component = "x", exact = 10.0, relative = true }
 repeats = 2
-set = { "bounds.energy_error" = 1.0, "accuracy.energy_error" = 1e-4 }
+set = { "bounds.energy_error" = 1.0, "accuracy.energy_error" = 1e-4, "run.time_step" = 1e-6 }
 vary = [ { "run.time_step" = [4e-6, 4e-7, 4e-8] }, { name = "wrong", "run.time_step" = 4e-7, "bounds.energy_error" = 1e-9 } ]
 )"),
                            {});
@@ -102,6 +104,75 @@ vary = [ { "run.time_step" = [4e-6, 4e-7, 4e-8] }, { name = "wrong", "run.time_s
       run_case((folder / "recommended.toml").string(), {{}, folder / "again"}, {program, 1, 0.0, true});
   CHECK(run.completed());
   CHECK(run.number("accuracy.energy_error.ok", 0.0) == 1.0);
+}
+
+TEST_CASE("the longest stable step is 2/omega within 2 %", "[scenes][study]") {
+  const TemporaryFolder folder;
+  Study study = read_study(library + "studies/time_step_stiffness.toml", {"parameters.0.values=[1e4]"});
+  study.program = program;
+  const LimitMap map = run_limits(study, folder.path(), 1, silent);
+  REQUIRE(map.limits.size() == 2);
+  for (const Limit& l : map.limits) {
+    REQUIRE(l.theory);
+    CHECK(*l.theory == Approx(2.0 * std::sqrt(1e-3 / 1e4)));
+    CHECK(*l.last_good == Approx(*l.theory).epsilon(0.02));
+    CHECK(*l.first_failing == Approx(*l.theory).epsilon(0.02));
+    CHECK(l.kind == "energy grew");
+  }
+}
+
+TEST_CASE("a chart of convex pairs has the errors that their exact answers show", "[scenes][study]") {
+  const TemporaryFolder folder;
+  const std::string corpus = std::string(EPAFI_SOURCE_DIR) + "/tests/data/convex_pairs.bin";
+  Study study = read_study(write(folder, "scene = \"" + corpus + R"("
+error = "depth"
+repeats = 1
+vary = [ { name = "all", "narrow.method" = ["auto", "gjk-epa"] }, { name = "deep", "narrow.method" = "auto", "narrow.category" = "deep_overlap" } ]
+)"),
+                           {});
+  const Chart chart = chart_of(study, folder.path(), silent);
+  REQUIRE(chart.points.size() == 3);
+  for (const ChartPoint& p : chart.points) {
+    CHECK(p.good());
+    CHECK(p.time > 0.0);
+  }
+  CHECK(chart.points[0].error < 1e-12);
+  CHECK(chart.points[2].error <= chart.points[0].error);
+  study.methods[0].overrides = {"narrow.method=\"mpr\""};
+  CHECK_THROWS_WITH(chart_of(study, folder.path(), silent), Catch::Contains("'mpr' is none of auto, sat, gjk-epa"));
+}
+
+TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][study]") {
+  const std::string header = "method,settings,time,error,error_spread,status,time_spread\n";
+  const std::string stored =
+      header + "\"a\",\"x=1\",1.0,1e-3,0,completed,0.1\n\"b\",\"x=\"\"q\"\"\",1.0,1e-3,1e-4,completed,0.1\n";
+  CHECK(moved_rows(stored, stored).empty());
+  const auto moved = moved_rows(stored, header +
+                                            "\"a\",\"x=1\",1.1,2e-3,0,completed,0.1\n\"b\",\"x=\"\"q\"\"\",3.0,1.05e-3,"
+                                            "0,completed,0.1\n\"c\",\"\",1,1,0,completed,0\n");
+  REQUIRE(moved.size() == 3);
+  CHECK(moved[0] == "a [x=1]: worse: error 0.002, stored 0.001");
+  CHECK(moved[1] == "b [x=\"q\"]: slower: time 3, stored 1");
+  CHECK(moved[2] == "c []: new");
+
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "studies");
+  std::filesystem::copy_file(library + "studies/time_step_stiffness.toml", folder / "studies/step.toml");
+  std::string text = read_whole_file(folder / "studies/step.toml");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("../limits", library + "limits"), replace("[1e3, 1e4, 1e5, 1e6, 1e7]", "[1e6]"), replace("0.005 }", "0.2 }");
+  write_whole_file(folder / "studies/step.toml", {text});
+  std::vector<std::string> said;
+  AtlasOrder order{folder / "studies", folder / "atlas", folder / "work", 60.0, 1};
+  order.program = program;
+  CHECK(draw_atlas(order, false, [&](const std::string& line) { said.push_back(line); }));
+  CHECK(said.back() == "step: new in the atlas");
+  CHECK(std::filesystem::exists(folder / "atlas/step.csv"));
+  CHECK(draw_atlas(order, false, [&](const std::string& line) { said.push_back(line); }));
+  CHECK(said.back() == "step: 0 rows moved against the stored table");
+  CHECK(studies_in(folder / "studies", true).empty());
 }
 
 TEST_CASE("the limit of Gauss-Seidel on a column lies within a fifth of 0.93 n^2 sweeps per decade",
