@@ -83,7 +83,7 @@ Reordering World::reorder(std::span<const Slot> order) {
     std::remove_reference_t<decltype(column)> sorted;
     sorted.reserve(order.size());
     for (Slot s : order) sorted.push_back(column[s]);
-    column.swap(sorted);
+    column.assign(sorted.begin(), sorted.end());  // in place: whoever holds an array over the column keeps it
   });
   for (Slot k = 0; k < order.size(); ++k) result.new_slot[order[k]] = k;
   for (Slot& s : slot_of_)

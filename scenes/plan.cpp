@@ -75,7 +75,7 @@ void refuse_volumeless(const Scene& scene, const ShapesInUse& use) {
   for (const auto* list : {&use.free, &use.held}) {
     for (std::size_t s : *list) {
       const ShapeSpec& shape = scene.shapes[s];
-      const bool known = shape.type == "polyhedron" || shape.type == "box" || shape.type == "half_space";
+      const bool known = shape.type == "polyhedron" || shape.type == "solid" || shape.type == "box" || shape.type == "half_space";
       if (known && !(shape.rounding > 0.0)) continue;
       Problem p;
       p.place = shape.place;

@@ -4,7 +4,9 @@
 
 #include "detection/shapes/hull_from_points.h"
 #include "detection/shapes/mesh_file.h"
+#include "detection/shapes/solid_parts.h"
 #include "engine/random.h"
+#include "engine/units.h"
 
 namespace epafi {
 
@@ -14,11 +16,19 @@ BuiltShape solid(ShapeRef ref, const MassProperties& mass, double radius, bool i
   return {ref, mass.mass, principal_frame(mass), radius, is_sphere, true};
 }
 
+/// The surface of a shape's file, in metres.
+MeshFile read_surface(const ShapeSpec& spec) {
+  MeshFile file = read_mesh_file(spec.parameters.text("file"));
+  const Unit unit = *parse_unit(spec.parameters.has("unit") ? spec.parameters.text("unit") : "m").unit;
+  for (Vec3& v : file.surface.vertices) v = v * unit.numerator / unit.denominator;
+  return file;
+}
+
 /// Points of a polyhedron as the author gave them.
 std::vector<Vec3> hull_points(const ShapeSpec& spec) {
   const Parameters& p = spec.parameters;
   if (p.has("vertices")) return p.vectors("vertices");
-  if (p.has("file")) return read_mesh_file(p.text("file")).surface.vertices;
+  if (p.has("file")) return read_surface(spec).surface.vertices;
   // random points on a sphere of diameter 1: uniform by the cylinder's map (Archimedes)
   std::vector<Vec3> points;
   Random random(static_cast<std::uint64_t>(p.integer("random.seed")), 0);
@@ -66,6 +76,8 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
     out = build_hull(spec, size);
   else if (spec.type == "clump")
     out = build_clump(spec, size);
+  else if (spec.type == "solid")
+    out = build_solid(spec, size);
   else if (spec.type == "mesh")
     out = build_mesh(spec, size);
   else if (spec.type == "half_space")
@@ -97,10 +109,7 @@ BuiltShape ShapeBuilder::build_clump(const ShapeSpec& spec, double size) {
 
 BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {
   HullSurface surface = hull_from_points(hull_points(spec), spec.place);
-  std::vector<Triangle> triangles;
-  for (const auto& f : surface.faces)
-    for (std::size_t k = 2; k < f.size(); ++k) triangles.push_back({f[0], f[k - 1], f[k]});
-  const MassProperties author = surface_mass_properties(surface.vertices, triangles);
+  const MassProperties author = surface_mass_properties(surface.vertices, triangles_of(surface));
   double factor = size;
   if (spec.scale_to_diameter)
     factor *= *spec.scale_to_diameter / (2 * largest_distance(surface.vertices, author.centre));
@@ -114,11 +123,29 @@ BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {
   return {store_.add(std::move(built.hull)), author.mass * f3, frame, radius, false, true};
 }
 
+BuiltShape ShapeBuilder::build_solid(const ShapeSpec& spec, double size) {
+  MeshFile file = read_surface(spec);
+  warn_of(spec, file.report);
+  auto& vertices = file.surface.vertices;
+  if (spec.scale_to_diameter)
+    size *= *spec.scale_to_diameter /
+            (2 * largest_distance(vertices, surface_mass_properties(file.surface).centre));
+  for (Vec3& v : vertices) v *= size;
+  const Place place{spec.parameters.text("file"), 0, 0};
+  PlacedSolid placed = place_solid(std::move(file.surface), place);
+  const double volume = placed.solid.volume, radius = placed.solid.radius;
+  return {store_.add(std::move(placed.solid)), volume, placed.frame, radius, false, true};
+}
+
+void ShapeBuilder::warn_of(const ShapeSpec& spec, const MeshReport& report) {
+  if (report.is_inverted() || report.dropped > 0)
+    warnings_.push_back({Problem::Level::warning, spec.place, spec.parameters.text("file") + ": " + report.to_string()});
+}
+
 BuiltShape ShapeBuilder::build_mesh(const ShapeSpec& spec, double size) {
-  MeshFile file = read_mesh_file(spec.parameters.text("file"));
+  MeshFile file = read_surface(spec);
+  warn_of(spec, file.report);
   for (Vec3& v : file.surface.vertices) v *= size;
-  if (const std::string text = file.report.to_string(); file.report.is_inverted() || file.report.dropped > 0)
-    warnings_.push_back({Problem::Level::warning, spec.place, spec.parameters.text("file") + ": " + text});
   TriangleMesh mesh = TriangleMesh::from_surface(std::move(file.surface));
   if (spec.parameters.text("tree") == "obb") mesh.orient_boxes();
   const double radius = mesh.bounding_radius();

@@ -6,6 +6,7 @@
 
 #include "detection/mass_properties.h"
 #include "detection/shape_store.h"
+#include "detection/shapes/mesh_file.h"
 #include "scenes/scene.h"
 
 namespace epafi {
@@ -35,6 +36,8 @@ class ShapeBuilder {
   BuiltShape build_clump(const ShapeSpec& spec, double size);
   BuiltShape build_hull(const ShapeSpec& spec, double size);
   BuiltShape build_mesh(const ShapeSpec& spec, double size);
+  BuiltShape build_solid(const ShapeSpec& spec, double size);
+  void warn_of(const ShapeSpec& spec, const MeshReport& report);
 
   const Scene& scene_;
   ShapeStore& store_;

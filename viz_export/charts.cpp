@@ -52,12 +52,13 @@ bool run_gnuplot(const fs::path& script) {
 }
 
 /// Draws the same plot twice: as a vector picture and as pixels.
-bool render(const fs::path& path, const std::string& data, const std::string& settings, const std::string& plot) {
+bool render(const fs::path& path, const std::string& data, const std::string& settings, const std::string& plot,
+            const char* svg_size = "1000,680") {
   const std::string stem = path.filename().string();
   std::string script = "set encoding utf8\n" + settings;
   for (const auto& [terminal, ending] :
-       {std::pair{"svg size 1000,680 font 'Helvetica,14' background '#ffffff' noenhanced", "svg"},
-        std::pair{"pngcairo size 1500,1020 font 'Helvetica,15' noenhanced", "png"}})
+       {std::pair{fmt::format("svg size {} font 'Helvetica,14' background '#ffffff' noenhanced", svg_size), "svg"},
+        std::pair{std::string("pngcairo size 1500,1020 font 'Helvetica,15' noenhanced"), "png"}})
     script += fmt::format("set terminal {}\nset output '{}.{}'\n{}\n", terminal, stem, ending, plot);
   write_whole_file(fs::path(path) += ".dat", {data});
   write_whole_file(fs::path(path) += ".gp", {script});
@@ -132,6 +133,18 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
   // where a range holds less than two decades its tics are written out
   if (right < 100 * left) settings += "set format x '%.2g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
   return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
+}
+
+bool draw(const LinePlot& plot, const fs::path& path) {
+  const std::string name = path.filename().string() + ".dat";
+  std::string data, parts;
+  for (std::size_t k = 0; k < plot.lines.size(); ++k) {
+    data += block(plot.lines[k].points);
+    parts += fmt::format("{}'{}' index {} with lines lw 2 lc rgb '{}' title {}", k == 0 ? "plot " : ", \\\n  ", name, k,
+                         colours[k % std::size(colours)], quoted(plot.lines[k].label));
+  }
+  return render(path, data, frame(plot.title, plot.x_label, plot.y_label) + "set autoscale xfix\n",
+                parts.empty() ? "plot NaN notitle" : parts, "620,420");
 }
 
 bool draw(const KindMap& map, const fs::path& path) {

@@ -27,6 +27,12 @@ struct ScatterPlot {
   std::optional<PlotPoint> marked;                     ///< circled
 };
 
+/// Curves on plain axes.
+struct LinePlot {
+  std::string title, x_label, y_label;
+  std::vector<PlotLine> lines;
+};
+
 /// Cells of a map: x, y, and the number of a kind.
 struct KindMap {
   std::string title, x_label, y_label;
@@ -45,6 +51,7 @@ struct KindMap {
 /// Writes path.svg and path.png (and path.gp, path.dat, from which they were drawn). Returns false where gnuplot is
 /// absent or fails.
 bool draw(const ScatterPlot& plot, const std::filesystem::path& path);
+bool draw(const LinePlot& plot, const std::filesystem::path& path);
 bool draw(const KindMap& map, const std::filesystem::path& path);
 
 }  // namespace epafi

@@ -115,4 +115,8 @@ std::vector<StoredMeasure> StoredRun::measures() const {
   return out;
 }
 
+std::string StoredRun::title() const { return impl_->file.text_attribute("/", "title"); }
+std::string StoredRun::scene_text() const { return impl_->file.read_text("scene"); }
+std::string StoredRun::overrides() const { return impl_->file.read_text("overrides"); }
+
 }  // namespace epafi

@@ -27,6 +27,9 @@ class StoredRun {
   std::size_t snapshots() const;
   StoredSnapshot snapshot(std::size_t k) const;
   std::vector<StoredMeasure> measures() const;
+  std::string title() const;
+  std::string scene_text() const;
+  std::string overrides() const;  ///< one per line
 
  private:
   struct Impl;

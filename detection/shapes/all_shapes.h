@@ -7,6 +7,7 @@
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/half_space.h"
+#include "detection/shapes/solid_parts.h"
 #include "detection/shapes/sphere.h"
 #include "detection/shapes/superquadric.h"
 #include "detection/shapes/triangle_mesh.h"
@@ -18,6 +19,6 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump, SolidParts>;
 
 }  // namespace epafi

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "detection/shapes/triangle_surface.h"
 #include "engine/error.h"
-#include "engine/types.h"
 
 namespace epafi {
 
@@ -15,6 +15,14 @@ struct HullSurface {
   std::vector<Vec3> vertices;  ///< in the order of the points they come from [m]
   std::vector<std::vector<std::uint32_t>> faces;
 };
+
+/// The faces as fans of triangles.
+[[nodiscard]] inline std::vector<Triangle> triangles_of(const HullSurface& hull) {
+  std::vector<Triangle> triangles;
+  for (const auto& f : hull.faces)
+    for (std::size_t k = 2; k < f.size(); ++k) triangles.push_back({f[0], f[k - 1], f[k]});
+  return triangles;
+}
 
 /// Throws SceneError at `place` where a point is not finite, there are fewer than 4 distinct points, or all of them lie
 /// within 1e-9 of their extent of one plane. The result does not depend on the order of the points, but for the

@@ -26,16 +26,6 @@ bool has_area(const TriangleSurface& s, const Triangle& t) {
   return (b - a).cross(c - a).squaredNorm() > 0.0;
 }
 
-MeshFile checked(TriangleSurface surface, const std::string& file) {
-  const std::size_t before = surface.triangles.size();
-  std::erase_if(surface.triangles, [&](const Triangle& t) { return !has_area(surface, t); });
-  const std::size_t dropped = before - surface.triangles.size();
-  if (surface.triangles.empty()) throw SceneError("the mesh has no triangle with an area", {file, 0, 0});
-  MeshReport report = inspect(surface);
-  report.dropped = dropped;
-  return {std::move(surface), report};
-}
-
 /// Index of an OBJ face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; counted from 1, or back from the last where negative.
 std::uint32_t corner(MeshText& text, std::string_view word, std::size_t vertices) {
   const auto number = word.substr(0, word.find('/'));
@@ -143,6 +133,16 @@ std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file)
 
 }  // namespace
 
+MeshFile finished_mesh(TriangleSurface surface, const std::string& file) {
+  const std::size_t before = surface.triangles.size();
+  std::erase_if(surface.triangles, [&](const Triangle& t) { return !has_area(surface, t); });
+  const std::size_t dropped = before - surface.triangles.size();
+  if (surface.triangles.empty()) throw SceneError("the mesh has no triangle with an area", {file, 0, 0});
+  MeshReport report = inspect(surface);
+  report.dropped = dropped;
+  return {std::move(surface), report};
+}
+
 std::string MeshReport::to_string() const {
   const auto edge = [](const std::array<Vec3, 2>& e) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g}) - ({:.6g}, {:.6g}, {:.6g})", e[0].x(), e[0].y(), e[0].z(), e[1].x(),
@@ -150,7 +150,11 @@ std::string MeshReport::to_string() const {
   };
   std::string text;
   const auto add = [&](const std::string& sentence) { text.append(text.empty() ? "" : "; ").append(sentence); };
-  if (open_edges > 0) add(fmt::format("not watertight: {} open edges, the first is {}", open_edges, edge(first_open)));
+  if (open_edges > 0) {
+    std::string some;
+    for (const auto& e : some_open) some.append(some.empty() ? "" : ", ").append(edge(e));
+    add(fmt::format("not watertight: {} open edges: {}{}", open_edges, some, open_edges > some_open.size() ? " ..." : ""));
+  }
   if (clashing_edges > 0)
     add(fmt::format("{} edges with more than two triangles or with two of opposite orientation, the first is {}",
                     clashing_edges, edge(first_clash)));
@@ -166,7 +170,7 @@ MeshReport inspect(const TriangleSurface& surface) {
     while (end < uses.size() && uses[end].edge() == uses[begin].edge()) ++end;
     const std::array<Vec3, 2> ends{surface.vertices[uses[begin].low], surface.vertices[uses[begin].high]};
     if (end - begin == 1) {
-      if (report.open_edges++ == 0) report.first_open = ends;
+      if (report.open_edges++ < MeshReport::most_named) report.some_open.push_back(ends);
     } else if (end - begin > 2 || uses[begin].forward == uses[begin + 1].forward) {
       if (report.clashing_edges++ == 0) report.first_clash = ends;
     }
@@ -192,14 +196,14 @@ MeshFile read_obj(std::string_view bytes, const std::string& file) {
       text.fail(fmt::format("unknown statement '{}' (v, f and comments are read)", MeshText::shown(first)));
     }
   }
-  return checked(std::move(surface), file);
+  return finished_mesh(std::move(surface), file);
 }
 
 MeshFile read_stl(std::string_view bytes, const std::string& file) {
   if (bytes.size() >= stl_header && bytes.size() - stl_header == stl_record * std::size_t{little_endian(bytes, 80)})
-    return checked(welded(binary_corners(bytes, file)), file);
+    return finished_mesh(welded(binary_corners(bytes, file)), file);
   if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid")
-    return checked(welded(ascii_corners(bytes, file)), file);
+    return finished_mesh(welded(ascii_corners(bytes, file)), file);
   if (bytes.size() < stl_header)
     throw SceneError(
         fmt::format("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: {} bytes",
@@ -219,13 +223,13 @@ MeshFile read_mesh_file(const std::string& path) {
   if (error || size > largest_file) throw FileError(fmt::format("cannot read mesh '{}': larger than 2 GiB", path));
   std::string ending = fs::path(path).extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (ending != ".obj" && ending != ".stl")
-    throw SceneError(fmt::format("mesh files end in .obj or .stl, found '{}'", ending), {path, 0, 0});
+  if (ending != ".obj" && ending != ".stl" && ending != ".ply")
+    throw SceneError(fmt::format("mesh files end in .obj, .stl or .ply, found '{}'", ending), {path, 0, 0});
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(path, std::ios::binary);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
     throw FileError(fmt::format("cannot read mesh '{}'", path));
-  return ending == ".obj" ? read_obj(bytes, path) : read_stl(bytes, path);
+  return ending == ".obj" ? read_obj(bytes, path) : ending == ".stl" ? read_stl(bytes, path) : read_ply(bytes, path);
 }
 
 }  // namespace epafi

@@ -1,4 +1,4 @@
-/// @file mesh_file.h  Triangle surfaces from Wavefront OBJ and from STL (ASCII and binary).
+/// @file mesh_file.h  Triangle surfaces from Wavefront OBJ, STL and PLY (ASCII and binary).
 /// Strict: what cannot be understood is a SceneError with file:line and what was found; nothing is repaired silently.
 #pragma once
 #include <string>
@@ -14,7 +14,8 @@ struct MeshReport {
   std::size_t open_edges = 0;  ///< edges with one triangle
   std::size_t clashing_edges =
       0;  ///< edges with three or more triangles, or two that run along it in the same direction
-  std::array<Vec3, 2> first_open{};   ///< ends of the first open edge [m]
+  static constexpr std::size_t most_named = 6;
+  std::vector<std::array<Vec3, 2>> some_open{};  ///< ends of the first open edges [m]
   std::array<Vec3, 2> first_clash{};  ///< ends of the first clashing edge [m]
   std::size_t dropped = 0;            ///< triangles without area, left out when reading
   double volume = 0.0;                ///< signed [m^3]; meaningful where watertight
@@ -30,7 +31,7 @@ struct MeshFile {
   MeshReport report;
 };
 
-/// Reads by the file's ending (.obj or .stl, any case). Throws FileError where the file cannot be read, SceneError for
+/// Reads by the file's ending (.obj, .stl or .ply, any case). Throws FileError where the file cannot be read, SceneError for
 /// its content. Coordinates are metres.
 [[nodiscard]] MeshFile read_mesh_file(const std::string& path);
 
@@ -38,6 +39,10 @@ struct MeshFile {
 /// polygons of an OBJ are cut into fans from their first vertex.
 [[nodiscard]] MeshFile read_obj(std::string_view text, const std::string& file);
 [[nodiscard]] MeshFile read_stl(std::string_view bytes, const std::string& file);
+[[nodiscard]] MeshFile read_ply(std::string_view bytes, const std::string& file);
+
+/// Leaves out triangles without area and reports; SceneError where none is left.
+[[nodiscard]] MeshFile finished_mesh(TriangleSurface surface, const std::string& file);
 
 /// Counts open and clashing edges and the volume.
 [[nodiscard]] MeshReport inspect(const TriangleSurface& surface);

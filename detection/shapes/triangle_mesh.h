@@ -41,7 +41,7 @@ struct TriangleMesh {
   static Entry entry() {
     return {name,
             "surface of triangles for fixed and driven bodies, both sides are walls",
-            {{"file", "", "", Kind::text, {}, {}, "OBJ or STL file, coordinates in m"},
+            {{"file", "", "", Kind::text, {}, {}, "OBJ, STL or PLY file"},
              {"tree", "", "", Kind::text, {}, {}, "aabb (default), or obb: oriented boxes, for thin parts that lie askew"}},
             {},
             ""};

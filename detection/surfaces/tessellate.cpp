@@ -106,6 +106,8 @@ TriangleSurface tessellate(const Clump& clump, const Fineness& fineness) {
   return all;
 }
 
+TriangleSurface tessellate(const SolidParts& solid, const Fineness&) { return solid.surface; }
+
 TriangleSurface tessellate(const TriangleMesh& mesh, const Fineness&) { return {mesh.vertices, mesh.triangles}; }
 
 TriangleSurface tessellate(const HalfSpace& half_space, const Fineness& fineness) {

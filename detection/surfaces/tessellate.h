@@ -21,6 +21,7 @@ struct Fineness {
 [[nodiscard]] TriangleSurface tessellate(const Ellipsoid& ellipsoid, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const Superquadric& superquadric, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const TriangleMesh& mesh, const Fineness& fineness = {});
+[[nodiscard]] TriangleSurface tessellate(const SolidParts& solid, const Fineness& fineness = {});
 /// Its balls, each whole.
 [[nodiscard]] TriangleSurface tessellate(const Clump& clump, const Fineness& fineness = {});
 

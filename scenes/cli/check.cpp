@@ -9,6 +9,19 @@
 
 namespace epafi {
 
+namespace {
+
+/// Parts and volume of every shape that was cut from a file.
+std::string solids_text(const Assembly& a) {
+  std::string out;
+  for (const SolidParts& s : a.shapes->of<SolidParts>())
+    out += fmt::format("  solid         {} triangles, {} convex parts, volume {:.9g} m^3, moments {:.6g} {:.6g} {:.6g} m^5\n",
+                       s.surface.triangles.size(), s.parts.size(), s.volume, s.inertia(0, 0), s.inertia(1, 1), s.inertia(2, 2));
+  return out;
+}
+
+}  // namespace
+
 std::string check_text(Assembly& a) {
   Simulation& sim = *a.simulation;
   const World& w = sim.world;
@@ -25,6 +38,7 @@ std::string check_text(Assembly& a) {
   out += fmt::format(
       "  at t = 0      {} candidate pairs, {} contacts, {} pairs overlap, worst {:.3g} m ({:.2g} of the radius)\n",
       sim.work.pairs.pairs.size(), sim.work.contacts.size(), overlap.pairs, overlap.max, overlap.max_relative);
+  out += solids_text(a);
   out += fmt::format("  time step     {:.6g} s: {}\n", a.time_step.value, a.time_step.reason);
   out += fmt::format("  steps         {}\n", a.steps);
   ByteCounter bytes;

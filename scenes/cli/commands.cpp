@@ -10,12 +10,15 @@
 #include "scenes/cli/library.h"
 #include "scenes/cli/list.h"
 #include "scenes/cli/new_scene.h"
+#include "scenes/cli/reference.h"
 #include "scenes/cli/schema_json.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
 #include "scenes/stop.h"
 #include "viz_export/export.h"
+#include "viz_export/report.h"
+#include "viz_export/side_file.h"
 
 namespace epafi {
 
@@ -157,6 +160,19 @@ int command_export(const std::string& directory, const std::string& format) {
   const ExportReport report = export_run(directory, format == "csv" ? ExportFormat::csv : ExportFormat::vtk);
   say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures,
                   directory));
+  return exit_done;
+}
+
+int command_report(const std::string& directory, const std::string& page) {
+  say(write_report(directory, page).string());
+  return exit_done;
+}
+
+int command_reference(const std::string& directory, const std::string& broken_scenes) {
+  auto pages = reference_pages(full_registry());
+  if (!broken_scenes.empty()) pages.emplace_back("messages.md", messages_page(broken_scenes));
+  std::filesystem::create_directories(directory);
+  for (const auto& [name, text] : pages) write_whole_file(std::filesystem::path(directory) / name, {text});
   return exit_done;
 }
 

@@ -58,6 +58,8 @@ int command_schema();
 int command_new(const std::string& kind);
 int command_solve(const SolveOptions& options);
 int command_export(const std::string& directory, const std::string& format);
+int command_report(const std::string& directory, const std::string& page);
+int command_reference(const std::string& directory, const std::string& broken_scenes);
 int command_patch(const CommonOptions& common, const PatchOptions& options);  ///< patch.cpp
 
 /// Runs a command and turns what it throws into a message and an exit code.

@@ -14,7 +14,9 @@ namespace fs = std::filesystem;
 fs::path library_folder() {
   std::error_code none;
   const fs::path program = fs::read_symlink("/proc/self/exe", none);
-  for (const fs::path& folder : {program.parent_path().parent_path() / "share/epafi/scenes", fs::path(EPAFI_LIBRARY)})
+  // where /proc is not mounted the program does not know where it lies
+  for (const fs::path& folder : {program.parent_path().parent_path() / "share/epafi/scenes", fs::path(EPAFI_LIBRARY),
+                                 fs::path("/usr/share/epafi/scenes")})
     if (fs::is_directory(folder, none)) return folder;
   return {};
 }

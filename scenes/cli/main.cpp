@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "scenes/cli/commands.h"
+#include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"
 #include "scenes/cli/study_commands.h"
 
@@ -42,6 +43,20 @@ void add_study_flags(CLI::App* command, epafi::StudyOptions& o, const char* what
   command->add_option("-o,--out", o.out, "output folder");
   command->add_flag("-q,--quiet", o.quiet, "no progress");
   command->add_flag("--force", o.force, "run finished cases again");
+}
+
+/// The parser's own knowledge, for the manual and the completion.
+epafi::ProgramText described(const CLI::App& app) {
+  epafi::ProgramText program{app.get_description(), {}};
+  for (const CLI::App* command : app.get_subcommands({})) {
+    epafi::CommandText text{command->get_name(), command->get_description(), {}};
+    for (const CLI::Option* option : command->get_options())
+      if (option->get_name(false, true) != "--help,-h" && option->get_name(false, true) != "-h,--help")
+        text.options.push_back({option->get_name(true, true), option->get_description(), option->get_items_expected_max() > 0,
+                                option->get_positional()});
+    program.commands.push_back(std::move(text));
+  }
+  return program;
 }
 
 void add_atlas_flags(CLI::App* command, epafi::StudyOptions& o) {
@@ -98,6 +113,16 @@ int main(int argc, char** argv) {
   auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
   export_command->add_option("dir", directory, "output folder of the run")->required();
   export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
+  std::string page;
+  auto* report_command = app.add_subcommand("report", "one HTML page of a finished run: balance, measures, pictures");
+  report_command->add_option("dir", directory, "output folder of the run")->required();
+  report_command->add_option("-o,--out", page, "the page (default DIR/report.html)");
+  auto* reference_command =
+      app.add_subcommand("reference", "writes the reference pages and the schema: everything the registry knows");
+  reference_command->add_option("dir", directory, "folder of the pages")->required();
+  reference_command->add_option("--messages", page, "folder of scenes that are wrong on purpose: a page of messages too");
+  auto* man_command = app.add_subcommand("man", "the manual page (roff) on stdout: epafi man | man -l -");
+  auto* completion_command = app.add_subcommand("completion", "completion for bash on stdout: source <(epafi completion)");
   auto* patch_command =
       app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
   add_scene_flags(patch_command, common);
@@ -151,6 +176,10 @@ int main(int argc, char** argv) {
     if (*narrow_command) return command_narrow(narrow);
     if (*schema_command) return command_schema();
     if (*new_command) return command_new(kind);
+    if (*report_command) return command_report(directory, page);
+    if (*reference_command) return command_reference(directory, page);
+    if (*man_command) return command_manual(described(app));
+    if (*completion_command) return command_completion(described(app));
     if (*patch_command) return command_patch(common, patch);
     if (*solve_command) return command_solve(solve);
     if (*export_command) return command_export(directory, format);

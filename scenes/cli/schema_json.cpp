@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "scenes/cli/list.h"
+#include "scenes/patch/patch_schema.h"
+#include "scenes/reader/fields.h"
 #include "scenes/reader/schema.h"
 #include "scenes/reader/table_reader.h"
 
@@ -52,6 +54,7 @@ std::string describe(const Field& field) {
 
 std::string json_value(const Value& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return quoted(*text);
+  if (const auto* words = std::get_if<std::vector<std::string>>(&value)) return array(*words, quoted);
   return format_value(value);
 }
 
@@ -151,10 +154,27 @@ struct Writer {
   }
 };
 
+/// Scenes and patch cases share the files and the editor: the keys of both, those of patch cases added.
+SceneSchema with_patch_cases(SceneSchema schema) {
+  const auto extend = [&](const char* name, const std::vector<Field>& more) {
+    for (TableSchema& t : schema.tables)
+      if (t.name == name) t.fields = t.fields + more;
+  };
+  extend("shape", {table("wheel_profile", "cross-section of a wheel (`epafi patch`)", wheel_profile_fields()),
+                   table("rail_profile", "cross-section of a rail (`epafi patch`)", rail_profile_fields())});
+  extend("contact", patch_contact_fields());
+  extend("material", as_optional(patch_material_fields()));
+  for (TableSchema& t : schema.tables)  // a patch case has no mechanics to choose
+    if (t.name == "contact")
+      for (Field& f : t.fields) f.optional = f.optional || f.name == "method";
+  schema.tables.push_back({"patch", TableSchema::Form::single, "one wheel-rail or Hertzian contact in statics (`epafi patch`)", patch_fields()});
+  return schema;
+}
+
 }  // namespace
 
 std::string json_schema(const Registry& registry) {
-  const SceneSchema schema = make_schema(registry);
+  const SceneSchema schema = with_patch_cases(make_schema(registry));
   const Writer writer{schema};
   Object properties;
   properties.add("title", "{\"type\":\"string\"}");
@@ -167,7 +187,7 @@ std::string json_schema(const Registry& registry) {
   root.add("$schema", "\"http://json-schema.org/draft-07/schema#\"")
       .add("title", "\"Epafi scene\"")
       .add("type", "\"object\"");
-  root.add("additionalProperties", "false").add("required", "[\"run\"]").add("properties", properties.str());
+  root.add("additionalProperties", "false").add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]").add("properties", properties.str());
   Object definitions;
   definitions.add("shape", writer.object(schema.at("shape").fields, "shape"));
   root.add("definitions", definitions.str());

@@ -54,6 +54,8 @@ std::optional<std::size_t> find_material(Draft& draft, const std::string& name, 
                                          const std::string& label);
 std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, const Place& place,
                                       const std::string& label);
+/// Notes that free bodies have the shape: a mesh becomes a solid.
+void let_move(Draft& draft, std::size_t shape);
 /// A shape by name or written in place.
 std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label);
 /// Adds a shape table; reports if it is not exactly one form.

@@ -145,9 +145,9 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
   if (body.continuous && !body.moves())
     reading.error(v.place_of("continuous"), label + ": continuous is for free bodies; this one is " +
                                                 (body.fixed ? "fixed" : "driven by its motion"));
-  const std::string& form = draft.scene.shapes[body.shape].type;
-  if (body.moves() && (form == "half_space" || form == "mesh")) {
-    reading.error(v.place, label + ": a " + form + " cannot move freely; write fixed = true or give it a motion");
+  if (body.moves()) let_move(draft, body.shape);
+  if (body.moves() && draft.scene.shapes[body.shape].type == "half_space") {
+    reading.error(v.place, label + ": a half_space cannot move freely; write fixed = true or give it a motion");
   }
   for (const char* key : {"velocity", "angular_velocity", "force"}) {
     if (!body.moves() && v.written(key)) {

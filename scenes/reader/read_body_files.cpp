@@ -1,4 +1,5 @@
-/// @file read_body_files.cpp  [[bodies]]: one body per row of a CSV file with a header line.
+/// @file read_body_files.cpp  [[bodies]]: one body per row of a CSV file with a header line, of a dump of LAMMPS or LIGGGHTS
+/// (its last frame), or of a text export of YADE.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,13 +16,38 @@ namespace {
 
 const std::vector<std::string> number_columns{"x",  "y",  "z",  "vx", "vy", "vz", "qw",
                                               "qx", "qy", "qz", "wx", "wy", "wz", "radius"};
-const std::vector<std::string> known_columns{"x",  "y",  "z",  "vx", "vy", "vz",     "qw",    "qx",
-                                             "qy", "qz", "wx", "wy", "wz", "radius", "shape", "material"};
+const std::vector<std::string> known_columns{"x",  "y",  "z",  "vx", "vy", "vz",     "qw",       "qx",    "qy",
+                                             "qz", "wx", "wy", "wz", "radius", "diameter", "shape", "material"};
+
+enum class Format { csv, dump, yade };
+
+/// Column of ours for one of LAMMPS, LIGGGHTS or YADE; "" for what says nothing of position, motion or size.
+std::string own_column(const std::string& foreign) {
+  static const std::map<std::string, std::string> names{
+      {"xu", "x"},      {"yu", "y"},      {"zu", "z"},      {"omegax", "wx"}, {"omegay", "wy"}, {"omegaz", "wz"},
+      {"quatw", "qw"},  {"quati", "qx"},  {"quatj", "qy"},  {"quatk", "qz"},  {"r", "radius"},  {"rad", "radius"}};
+  if (const auto found = names.find(foreign); found != names.end()) return found->second;
+  const bool known = foreign != "material" && foreign != "shape" &&
+                     std::find(known_columns.begin(), known_columns.end(), foreign) != known_columns.end();
+  return known ? foreign : "";
+}
 
 struct Cell {
   std::string text;
   Place place;
 };
+
+/// Words between blanks.
+std::vector<Cell> words(const std::string& line, const std::string& file, int number, std::size_t begin = 0) {
+  constexpr const char* blank = " \t\r";
+  std::vector<Cell> cells;
+  for (begin = line.find_first_not_of(blank, begin); begin != line.npos; begin = line.find_first_not_of(blank, begin)) {
+    const std::size_t end = std::min(line.find_first_of(blank, begin), line.size());
+    cells.push_back({line.substr(begin, end - begin), {file, number, static_cast<int>(begin) + 1}});
+    begin = end;
+  }
+  return cells;
+}
 
 std::vector<Cell> split(const std::string& line, const std::string& file, int number) {
   std::vector<Cell> cells;
@@ -43,6 +69,7 @@ struct Rows {
   std::vector<Cell> header;
   std::optional<std::size_t> shape, material;  ///< of rows that name none
   bool fixed = false;
+  Format format = Format::csv;
   std::map<std::string, Cell> row;
 
   bool has(const std::string& column) const { return row.count(column) != 0; }
@@ -69,6 +96,7 @@ bool Rows::check_header(const Place& place) {
   const std::size_t errors = draft.reading.errors();
   for (std::size_t k = 0; k < header.size(); ++k) {
     const Cell& cell = header[k];
+    if (cell.text.empty() && format != Format::csv) continue;  // of no use here
     if (std::find(known_columns.begin(), known_columns.end(), cell.text) == known_columns.end()) {
       draft.reading.error(cell.place,
                           "unknown column '" + cell.text + "'" + suggestion(cell.text, known_columns, "known columns"));
@@ -88,20 +116,22 @@ bool Rows::check_header(const Place& place) {
     for (std::size_t k = 0; any && k < names.size(); k += 2)
       if (!has_column(names.substr(k, 2))) missing(names.substr(k, 2));
   }
-  if (!shape && !has_column("shape") && !has_column("radius")) missing("radius' or 'shape");
+  const bool has_size = has_column("radius") || has_column("diameter");
+  if (!shape && !has_column("shape") && !has_size) missing("radius' or 'shape");
   if (!material && !has_column("material")) missing("material");
-  if (has_column("shape") && has_column("radius"))
+  if (has_column("shape") && has_size)
     draft.reading.error(header[0].place, "columns radius and shape are both given; keep one");
   return draft.reading.errors() == errors;
 }
 
 std::optional<std::size_t> Rows::shape_of_row() {
   if (has("shape")) return find_shape(draft, row.at("shape").text, row.at("shape").place, label);
-  if (!has("radius")) return shape;
-  const double radius = number("radius");
+  const std::string size = has("radius") ? "radius" : "diameter";
+  if (!has(size)) return shape;
+  const double radius = size == "radius" ? number(size) : 0.5 * number(size);
   if (!(radius > 0.0)) {
-    draft.reading.error(row.at("radius").place,
-                        "column radius = " + format_number(radius) + " is outside (0, inf) (radius, in m)");
+    draft.reading.error(row.at(size).place,
+                        "column " + size + " = " + format_number(radius) + " is outside (0, inf) (" + size + ", in m)");
     return std::nullopt;
   }
   const auto [known, is_new] = draft.sphere_of_radius.try_emplace(radius, draft.scene.shapes.size());
@@ -109,7 +139,7 @@ std::optional<std::size_t> Rows::shape_of_row() {
     ShapeSpec sphere;
     sphere.type = "sphere";
     sphere.parameters.set("radius", radius);
-    sphere.place = row.at("radius").place;
+    sphere.place = row.at(size).place;
     draft.scene.shapes.push_back(std::move(sphere));
   }
   return known->second;
@@ -135,32 +165,75 @@ std::optional<BodySpec> Rows::body() {
   return body;
 }
 
-void read_rows(Rows& rows, std::istream& in, const std::string& file, const std::string& name, const Place& place) {
+/// The line whose words name the columns, and its number; "" where there is none. Of a dump that of its last frame.
+std::pair<std::string, int> find_header(std::istream& in, Format format) {
+  std::pair<std::string, int> header;
+  std::streampos behind = in.tellg();
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    const bool is_header = format == Format::dump ? line.rfind("ITEM: ATOMS", 0) == 0 : line.rfind("#format", 0) == 0;
+    if (!is_header) continue;
+    header = {line, number}, behind = in.tellg();
+    if (format != Format::dump) break;
+  }
+  in.clear(), in.seekg(behind);
+  return header;
+}
+
+/// Reads the columns of a dump (`ITEM: ATOMS id x y z ...`) or of YADE (`#format x_y_z_r`); the first row follows.
+int read_foreign_header(Rows& rows, std::istream& in, const std::string& file, const Place& place) {
+  auto [line, number] = find_header(in, rows.format);
+  if (line.empty()) {
+    rows.draft.reading.error(place, "the file '" + file + "' has no line '" +
+                                        (rows.format == Format::dump ? "ITEM: ATOMS id x y z ..." : "#format x_y_z_r") + "'");
+    return 0;
+  }
+  if (rows.format == Format::yade) std::replace(line.begin(), line.end(), '_', ' ');
+  rows.header = words(line, file, number, rows.format == Format::dump ? 11 : 7);
+  for (Cell& cell : rows.header) {
+    if (cell.text == "xs" || cell.text == "xsu")
+      rows.draft.reading.error(cell.place, "scaled coordinates: write the dump with x y z in place of xs ys zs");
+    cell.text = own_column(cell.text);
+  }
+  return number;
+}
+
+void add_row(Rows& rows, std::vector<Cell> cells, const std::string& name) {
   auto& scene = rows.draft.scene;
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    if (!rows.header[k].text.empty()) rows.row[rows.header[k].text] = std::move(cells[k]);
+  auto body = rows.body();
+  if (!body) return;
+  body->group = scene.groups.size() - 1;
+  if (!name.empty()) body->name = fmt::format("{}[{}]", name, scene.groups.back().count);
+  scene.bodies.push_back(std::move(*body));
+  ++scene.groups.back().count;
+}
+
+void read_rows(Rows& rows, std::istream& in, const std::string& file, const std::string& name, const Place& place) {
   Reading& reading = rows.draft.reading;
   const std::size_t errors = reading.errors();
+  int number = 0;
+  if (rows.format != Format::csv) {
+    number = read_foreign_header(rows, in, file, place);
+    if (reading.errors() != errors || !rows.check_header(place)) return;
+  }
   std::string line;
-  for (int number = 1; std::getline(in, line) && reading.errors() < errors + 20; ++number) {
+  while (std::getline(in, line) && reading.errors() < errors + 20) {
+    ++number;
     if (line.empty() || line[0] == '#' || line == "\r") continue;
-    auto cells = split(line, file, number);
+    if (rows.format == Format::dump && line.rfind("ITEM:", 0) == 0) break;
+    auto cells = rows.format == Format::csv ? split(line, file, number) : words(line, file, number);
     if (rows.header.empty()) {
       rows.header = std::move(cells);
       if (!rows.check_header(place)) return;
-      continue;
-    }
-    if (cells.size() != rows.header.size()) {
+    } else if (cells.size() != rows.header.size()) {
       reading.error({file, number, 1}, fmt::format("expected {} columns, found {}", rows.header.size(), cells.size()));
-      continue;
+    } else {
+      add_row(rows, std::move(cells), name);
     }
-    for (std::size_t k = 0; k < cells.size(); ++k) rows.row[rows.header[k].text] = std::move(cells[k]);
-    auto body = rows.body();
-    if (!body) continue;
-    body->group = scene.groups.size() - 1;
-    if (!name.empty()) body->name = fmt::format("{}[{}]", name, scene.groups.back().count);
-    scene.bodies.push_back(std::move(*body));
-    ++scene.groups.back().count;
   }
-  if (reading.errors() == errors && scene.groups.back().count == 0)
+  if (reading.errors() == errors && rows.draft.scene.groups.back().count == 0)
     reading.error(place, "the file '" + file + "' has no body");
 }
 
@@ -169,7 +242,7 @@ void read_file(Draft& draft, const Node& item) {
   const std::string label = item_label("bodies", item);
   const std::size_t errors = reading.errors();
   const TableValues values = read_table(item, label, reading.schema.at("bodies").fields, reading);
-  Rows rows{draft, label, {}, {}, {}, values.has("fixed") && values.boolean("fixed"), {}};
+  Rows rows{draft, label, {}, {}, {}, values.has("fixed") && values.boolean("fixed"), Format::csv, {}};
   if (const Node* shape = item.find("shape")) rows.shape = read_shape_value(draft, *shape, label);
   if (values.has("material"))
     rows.material = find_material(draft, values.text("material"), values.place_of("material"), label);
@@ -181,8 +254,10 @@ void read_file(Draft& draft, const Node& item) {
   const Place place = values.place_of("file");
   const std::string path = resolve_path(values.text("file"), place, reading.main_file);
   const auto ending = std::filesystem::path(path).extension();
-  if (ending != ".csv" && ending != ".polyset")
-    return reading.error(place, label + " file: expected a .csv or .polyset file, found '" + path + "'");
+  const bool is_dump = ending == ".dump" || ending == ".lammpstrj" || ending == ".liggghts";
+  if (ending != ".csv" && ending != ".polyset" && ending != ".txt" && !is_dump)
+    return reading.error(place, label + " file: expected .csv, .dump, .lammpstrj, .liggghts (LAMMPS, LIGGGHTS), .txt "
+                                        "(YADE) or .polyset, found '" + path + "'");
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure))
     return reading.error(place, label + " file: there is no file '" + path + "'");
@@ -191,6 +266,7 @@ void read_file(Draft& draft, const Node& item) {
     if (!rows.material) return reading.error(item.place, label + ": a .polyset needs a material");
     return read_polyset(draft, {path, name, *rows.material, rows.fixed});
   }
+  rows.format = is_dump ? Format::dump : ending == ".txt" ? Format::yade : Format::csv;
   std::ifstream in(path);
   read_rows(rows, in, path, name, place);
 }

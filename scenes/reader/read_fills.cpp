@@ -13,9 +13,9 @@ void read_shapes_of(Draft& draft, const TableValues& values, const std::string& 
   for (const auto& name : values.has("shape") ? values.texts("shape") : std::vector<std::string>{}) {
     const auto shape = find_shape(draft, name, place, label);
     if (!shape) continue;
-    const std::string& form = draft.scene.shapes[*shape].type;
-    if (form == "half_space" || form == "mesh")
-      reading.error(place, label + " shape: a " + form + " cannot move freely");
+    let_move(draft, *shape);
+    if (draft.scene.shapes[*shape].type == "half_space")
+      reading.error(place, label + " shape: a half_space cannot move freely");
     fill.shapes.push_back(*shape);
   }
   fill.weights.assign(fill.shapes.size(), 1.0);

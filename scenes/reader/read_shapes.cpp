@@ -3,6 +3,7 @@
 
 #include "detection/shapes/clump.h"
 #include "engine/nearest.h"
+#include "engine/units.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {
@@ -36,6 +37,15 @@ void resolve_file(Reading& reading, ShapeSpec& shape, const Place& place, const 
   shape.parameters.set("file", path);
 }
 
+/// "mm", "in" ... of the numbers in the shape's file.
+void check_unit(Reading& reading, const ShapeSpec& shape, const Place& place, const std::string& label) {
+  if (!shape.parameters.has("unit")) return;
+  const std::string& text = shape.parameters.text("unit");
+  const UnitResult unit = parse_unit(text);
+  if (unit.unit && unit.unit->dimension == Dimension{1}) return;
+  reading.error(place, label + " unit: '" + text + "' is no unit of length; write m, mm, cm, um or in");
+}
+
 void check_polyhedron(Reading& reading, const ShapeSpec& shape, const std::string& label) {
   const auto& p = shape.parameters;
   const int ways = p.has("file") + p.has("vertices") + p.has("random.vertices");
@@ -59,9 +69,9 @@ void check_clump(Reading& reading, const ShapeSpec& shape, const std::string& la
 }
 
 void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {
-  if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere") {
+  if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere" && form.name != "solid") {
     reading.error(values.place_of("scale_to_diameter"),
-                  label + ": scale_to_diameter is for a polyhedron or a sphere, not for a " + form.name);
+                  label + ": scale_to_diameter is for a polyhedron, a solid or a sphere, not for a " + form.name);
   }
   if (values.number_or("rounding", 0.0) > 0.0 && form.name != "polyhedron") {
     reading.error(values.place_of("rounding"), label + ": rounding is for a polyhedron, not for a " + form.name);
@@ -87,6 +97,7 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
     shape.scale_to_diameter = values.optional_number("scale_to_diameter");
     shape.rounding = values.number_or("rounding", 0.0);
     resolve_file(reading, shape, values.place_of(prefix + "file"), label + " " + form->name);
+    check_unit(reading, shape, values.place_of(prefix + "unit"), label + " " + form->name);
     if (form->name == "polyhedron") check_polyhedron(reading, shape, label + " polyhedron");
     if (form->name == "clump" && shape.parameters.has("spheres")) check_clump(reading, shape, label + " clump");
     if (shape.parameters.has("normal")) {
@@ -122,6 +133,11 @@ std::optional<std::size_t> find_shape(Draft& draft, const std::string& name, con
                       "unknown shape '" + name + "' in " + label +
                           (names.empty() ? "; there is no [shape." + name + "]" : suggestion(name, names, "shapes")));
   return std::nullopt;
+}
+
+void let_move(Draft& draft, std::size_t shape) {
+  std::string& form = draft.scene.shapes[shape].type;
+  if (form == "mesh") form = "solid";
 }
 
 std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label) {

@@ -176,8 +176,9 @@ TableSchema body_table() {
 TableSchema bodies_table() {
   return {"bodies",
           TableSchema::Form::list,
-          "bodies from a CSV file: columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius or shape[,material]",
-          {text("file", "CSV file beside the scene"),
+          "bodies from a file: CSV with columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius, diameter or shape "
+          "[,material]; a dump of LAMMPS or LIGGGHTS (last frame), a text export of YADE",
+          {text("file", ".csv, .dump, .lammpstrj, .liggghts, .txt (YADE) or .polyset"),
            optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
            optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
            optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"),
@@ -324,15 +325,16 @@ std::vector<Field> united_fields(const std::vector<Entry>& entries, const std::s
 }
 
 std::vector<Field> authoring_fields(const Entry& shape) {
+  const Field unit = with_default(text("unit", "of the numbers in the file: m, mm, cm, um, in"), Value(std::string("m")));
   if (shape.name == "mesh")
-    return {
-        text("file", "surface as STL or OBJ"),
-        choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
+    return {text("file", "surface as STL, OBJ or PLY"), unit,
+            choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
+  if (shape.name == "solid") return {text("file", "closed surface as STL, OBJ or PLY"), unit};
   if (shape.name != "polyhedron") return shape.fields;
-  Field file = text("file", "corners from OBJ or STL; their hull is taken");
+  Field file = text("file", "corners from OBJ, STL or PLY; their hull is taken");
   file.optional = true;
   const Range corners{4, 1000};
-  return {file, optional("vertices", "", "m", Kind::vectors, {}, "corners; their hull is taken"),
+  return {file, unit, optional("vertices", "", "m", Kind::vectors, {}, "corners; their hull is taken"),
           table("random", "corners by chance on a sphere",
                 {required("vertices", "", "", Kind::integer, corners, "number of corners"),
                  with_default(required("seed", "", "", Kind::integer, seeds, "seed"), Value(1.0))})};

@@ -51,6 +51,35 @@ std::string binary_stl(const TriangleSurface& s) {
   }
   return out;
 }
+std::string ply_header(const TriangleSurface& s, const std::string& format, const std::string& real) {
+  return "ply\nformat " + format + " 1.0\nelement vertex " + std::to_string(s.vertices.size()) + "\nproperty " + real +
+         " x\nproperty " + real + " y\nproperty " + real + " z\nelement face " + std::to_string(s.triangles.size()) +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+std::string ply_text(const TriangleSurface& s) {
+  std::string text = ply_header(s, "ascii", "double");
+  char line[160];
+  for (const Vec3& v : s.vertices)
+    std::snprintf(line, sizeof line, "%.17g %.17g %.17g\n", v.x(), v.y(), v.z()), text += line;
+  for (const auto& t : s.triangles) std::snprintf(line, sizeof line, "3 %u %u %u\n", t[0], t[1], t[2]), text += line;
+  return text;
+}
+std::string binary_ply(const TriangleSurface& s, bool big) {
+  std::string out = ply_header(s, big ? "binary_big_endian" : "binary_little_endian", "float");
+  const auto add = [&](std::uint32_t bits) {
+    std::string bytes;
+    put(bytes, bits);
+    if (big) std::reverse(bytes.begin(), bytes.end());
+    out += bytes;
+  };
+  for (const Vec3& v : s.vertices)
+    for (int i = 0; i < 3; ++i) add(std::bit_cast<std::uint32_t>(static_cast<float>(v[i])));
+  for (const auto& t : s.triangles) {
+    out += '\3';
+    for (const auto v : t) add(v);
+  }
+  return out;
+}
 std::vector<Vec3> corners(const TriangleSurface& s) {
   std::vector<Vec3> out;
   for (const auto& t : s.triangles)
@@ -89,12 +118,47 @@ TEST_CASE("OBJ: polygons, negative indices, Windows line ends, signs and exponen
   CHECK(mesh.surface.vertices[1] == Vec3(1, 0, 0));
 }
 
+TEST_CASE("PLY: text and both byte orders give the same surface; other elements and properties are passed over",
+          "[detection][mesh-file]") {
+  const TriangleSurface box = box_surface({1, 2, 3});
+  for (const auto& bytes : {ply_text(box), binary_ply(box, false), binary_ply(box, true)}) {
+    const auto mesh = read_ply(bytes, "box.ply");
+    CHECK(mesh.surface.vertices == box.vertices);
+    CHECK(mesh.surface.triangles == box.triangles);
+    CHECK(mesh.report.volume == Approx(48.0).epsilon(1e-15));
+    CHECK(mesh.report.is_watertight());
+  }
+  const auto quad = read_ply(
+      "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement material 1\r\nproperty float shine\r\nelement vertex 4\r\nproperty uchar red\r\n"
+      "property float x\r\nproperty float y\r\nproperty float z\r\nelement face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n"
+      "0.5\r\n255 0 0 0\r\n255 1 0 0\r\n255 1 1 0\r\n255 0 1 0\r\n4 0 1 2 3\r\n", "quad.ply");
+  CHECK(quad.surface.triangles == std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}});
+  CHECK(quad.surface.vertices[2] == Vec3(1, 1, 0));
+}
+
+TEST_CASE("broken PLY files are refused with the reason", "[detection][mesh-file]") {
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string corners = "0 0 0\n1 0 0\n0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> broken{
+      {"", "a.ply: error: expected 'ply', found the end of the line"},
+      {"ply\nformat ebcdic 1.0\n", "a.ply:2:8: error: unknown format 'ebcdic'"},
+      {"ply\nelement vertex 3\nend_header\n", "a.ply:3:1: error: the header names no format"},
+      {"ply\nproperty float x\n", "a.ply:2:1: error: a property before the first element"},
+      {"ply\nformat ascii 1.0\n", "a.ply:2:8: error: the file ends where 'end_header' is expected"},
+      {head + corners, "a.ply: error: the file ends before all elements of its header are read"},
+      {head + corners + "3 0 1 3\n", "a.ply: error: vertex index 3 is out of range: 3 vertices"},
+      {head + corners + "2 0 1\n", "a.ply: error: a face needs at least 3 vertices, found 2"},
+      {head + corners + "3 0 0 0\n", "a.ply: error: the mesh has no triangle with an area"}};
+  for (const auto& [text, message] : broken) CHECK_THROWS_WITH(read_ply(text, "a.ply"), Equals(message));
+}
+
 TEST_CASE("open, clashing and inverted surfaces are named", "[detection][mesh-file]") {
   TriangleSurface s = box_surface({1, 1, 1});
   s.triangles.pop_back();  // {3, 7, 5}
   CHECK(inspect(s).open_edges == 3);
   CHECK_FALSE(inspect(s).is_watertight());
-  CHECK(inspect(s).to_string() == "not watertight: 3 open edges, the first is (1, 1, -1) - (1, -1, 1)");
+  CHECK(inspect(s).to_string() == "not watertight: 3 open edges: (1, 1, -1) - (1, -1, 1), (1, 1, -1) - (1, 1, 1), (1, -1, 1) - (1, 1, 1)");
   s.triangles.push_back({3, 5, 7});
   CHECK(inspect(s).open_edges == 0);
   CHECK(inspect(s).clashing_edges == 3);
@@ -174,14 +238,14 @@ TEST_CASE("any cut or flipped byte gives a mesh or a message, nothing else", "[d
   Random random(32, 0);
   const TriangleSurface box = box_surface({1, 2, 3});
   int read = 0, refused = 0;
-  for (const std::string& good : {obj_text(box), ascii_stl(box), binary_stl(box)}) {
+  for (const std::string& good : {obj_text(box), ascii_stl(box), binary_stl(box), ply_text(box), binary_ply(box, false)}) {
     for (int k = 0; k < 400; ++k) {
       std::string bad =
           good.substr(0, static_cast<std::size_t>(random.uniform(0, static_cast<double>(good.size() + 1))));
       for (int j = 0; j < 3 && !bad.empty(); ++j)
         bad[static_cast<std::size_t>(random.uniform(0, static_cast<double>(bad.size())))] =
             static_cast<char>(random.bits() & 255u);
-      for (const auto reader : {&read_obj, &read_stl}) {
+      for (const auto reader : {&read_obj, &read_stl, &read_ply}) {
         try {
           const auto mesh = reader(bad, "x");
           ++read;
@@ -205,10 +269,12 @@ TEST_CASE("files are read by their ending; what is missing or strange is refused
   const TriangleSurface box = box_surface({1, 1, 1});
   std::ofstream(folder / "box.STL", std::ios::binary) << binary_stl(box);
   std::ofstream(folder / "box.obj") << obj_text(box);
-  std::ofstream(folder / "box.ply") << "ply";
+  std::ofstream(folder / "box.ply") << ply_text(box);
+  std::ofstream(folder / "box.step") << "ISO";
   CHECK(read_mesh_file((folder / "box.STL").string()).surface.triangles.size() == 12);
   CHECK(read_mesh_file((folder / "box.obj").string()).surface.triangles.size() == 12);
-  CHECK_THROWS_AS(read_mesh_file((folder / "box.ply").string()), SceneError);
+  CHECK(read_mesh_file((folder / "box.ply").string()).surface.triangles.size() == 12);
+  CHECK_THROWS_AS(read_mesh_file((folder / "box.step").string()), SceneError);
   CHECK_THROWS_AS(read_mesh_file((folder / "none.obj").string()), FileError);
   CHECK_THROWS_AS(read_mesh_file(folder.string()), FileError);
   fs::remove_all(folder);

@@ -32,6 +32,11 @@ Short shortened(const std::string& scene) {
     return {scene, {"params.l0=5", "params.w=4", "params.open_at=0.02", "params.a=1.0"}, 1200};
   if (scene == "granular/orifice.toml") return {scene, {"params.n=300", "params.height=30"}, 1500};
   if (scene == "granular/silo.toml") return {scene, {"params.n=200", "params.sink_at=0.03"}, 1500};
+  if (scene == "tutorials/01_first_impact.toml") return {scene, {"params.drop=1e-6"}, 1400};
+  if (scene == "tutorials/02_hopper.toml") return {scene, {"params.n=150", "params.open_at=0.06"}, 600};
+  if (scene == "tutorials/03_stack.toml") return {scene, {"params.mu=0.1"}, 150};
+  if (scene == "tutorials/04_stones.toml") return {scene, {"params.n=6"}, 250};
+  if (scene == "tutorials/05_sweep.toml") return {scene, {"params.n=60"}, 1000};
   // the ones that stand have no energy to compare an error with: they are made to fall
   if (scene == "stability/cards.toml") return {scene, {"params.mu_floor=0.1"}, 200};
   if (scene == "stability/sphere_pile.toml") return {scene, {"params.mu=0.2"}, 200};

@@ -1,5 +1,5 @@
-# Installs the build into a folder of its own, builds the small programs against it, runs them and compares the hash with the
-# program's own. Variables: BUILD, SOURCE, WORK.
+# Installs the build into a folder of its own, builds the examples against it, runs them, and compares the hash of a scene with
+# the program's own. Variables: BUILD, SOURCE, WORK.
 function(must)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
   if(NOT code EQUAL 0)
@@ -9,11 +9,14 @@ function(must)
 endfunction()
 file(REMOVE_RECURSE ${WORK})
 must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-must(${CMAKE_COMMAND} -S ${SOURCE}/tests/package/find_package -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+must(${CMAKE_COMMAND} -S ${SOURCE}/examples -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 must(${CMAKE_COMMAND} --build ${WORK}/build)
-must(${WORK}/build/distance)
 set(scene ${WORK}/prefix/share/epafi/scenes/impact/chung_ooi_1.toml)
-must(${WORK}/build/bounce ${scene})
+must(${WORK}/build/distance)
+must(${WORK}/build/own_law)
+must(${WORK}/build/scene_in_code)
+must(${WORK}/build/watch ${WORK}/prefix/share/epafi/scenes/stacking/pyramid.toml)
+must(${WORK}/build/run_scene ${scene} 100)
 string(STRIP "${out}" library_hash)
 must(${WORK}/prefix/bin/epafi run ${scene} --steps 100 --json -q -o ${WORK}/out)
 if(NOT out MATCHES "\"state_hash\": \"${library_hash}\"")

@@ -1,12 +1,18 @@
 // What `epafi list` and `epafi schema` print.
+#include <fstream>
+
 #include "engine/error.h"
 #include "scenes/cli/list.h"
+#include "scenes/cli/manual.h"
+#include "scenes/cli/reference.h"
 #include "scenes/cli/schema_json.h"
+#include "scenes/full_registry.h"
 #include "scenes/reader/document.h"
 #include "scenes/reader/schema.h"
 #include "scenes/reader/table_reader.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_registry.h"
+#include "viz_export/json_reader.h"
 
 using namespace epafi;
 
@@ -65,4 +71,28 @@ TEST_CASE("a value printed as TOML reads back as the same value", "[scenes][docu
   const auto first = parse_document("v = " + text, "", {});
   REQUIRE(first.problems.empty());
   CHECK(to_toml(*first.root.find("v")) == text);
+}
+
+TEST_CASE("the reference pages and the schema in the tree are those of the registry", "[scenes][reference]") {
+  // they are written by: epafi reference docs/reference --messages tests/data/broken; epafi schema > scenes/scene.schema.json
+  const std::string root = EPAFI_SOURCE_DIR;
+  const auto text_of = [](const std::string& path) {
+    std::ifstream in(path);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  for (const auto& [name, text] : reference_pages(full_registry())) {
+    INFO(name);
+    CHECK(text_of(root + "/docs/reference/" + name) == text);
+  }
+  CHECK(text_of(root + "/docs/reference/messages.md") == messages_page(root + "/tests/data/broken"));
+  CHECK(text_of(root + "/scenes/scene.schema.json") == json_schema(full_registry()));
+  CHECK(read_json(root + "/scenes/scene.schema.json").text("title") == "Epafi scene");  // it is JSON
+}
+
+TEST_CASE("manual and completion name every command and option", "[scenes]") {
+  const ProgramText program{"x", {{"run", "simulate", {{"scene", "file", true, true}, {"-t,--threads", "how many", true, false}}}}};
+  const std::string manual = manual_page(program), completion = bash_completion(program);
+  CHECK(manual.find("\"epafi run \\fIscene\\fR\"") != std::string::npos);
+  CHECK(manual.find("\\fB\\-t, \\-\\-threads\\fR \\fIvalue\\fR") != std::string::npos);
+  CHECK(completion.find("run) options=\"--help -t --threads\"") != std::string::npos);
 }

@@ -123,7 +123,8 @@ void measure_row(ShapeList<S...>, Random& random, int count, bool timed, std::ve
   const auto one = [&]<class B>(std::type_identity<B>) {
     constexpr bool mesh = std::is_same_v<A, TriangleMesh> || std::is_same_v<B, TriangleMesh>;
     constexpr bool planes = std::is_same_v<A, HalfSpace> && std::is_same_v<B, HalfSpace>;
-    constexpr bool parts = std::is_same_v<A, Clump> || std::is_same_v<B, Clump>;  // spheres, tests/physics/test_clumps.cpp
+    constexpr bool parts = std::is_same_v<A, Clump> || std::is_same_v<B, Clump> ||  // spheres, tests/physics/test_clumps.cpp
+                           std::is_same_v<A, SolidParts> || std::is_same_v<B, SolidParts>;  // tests/physics/test_solids.cpp
     if constexpr (!mesh && !planes && !parts) out.push_back(measure_cell<A, B>(random, count, timed));
   };
   (one(std::type_identity<S>{}), ...);

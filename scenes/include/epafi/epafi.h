@@ -12,14 +12,24 @@
 
 namespace epafi {
 
-/// A scene file made ready and started: forces, ledger and observers at time 0. Throws SceneError with every problem of
-/// the file.
-inline std::unique_ptr<Assembly> load(const std::string& path, const std::vector<std::string>& overrides = {}) {
-  ReadResult read = read_scene(path, overrides, full_registry());
+/// What load and load_text share: ready and started.
+inline std::unique_ptr<Assembly> start(ReadResult read) {
   if (!read.scene) throw SceneError(read.problems);
   auto assembly = assemble(std::move(*read.scene));
   assembly->simulation->start();
   return assembly;
+}
+
+/// A scene file made ready and started: forces, ledger and observers at time 0. Throws SceneError with every problem of
+/// the file. overrides: "KEY.PATH=VALUE", as --set takes them.
+inline std::unique_ptr<Assembly> load(const std::string& path, const std::vector<std::string>& overrides = {}) {
+  return start(read_scene(path, overrides, full_registry()));
+}
+
+/// The same from a scene in memory; files it names are looked for beside `file`, which also names it in messages.
+inline std::unique_ptr<Assembly> load_text(const std::string& scene, const std::vector<std::string>& overrides = {},
+                                           const std::string& file = "scene.toml") {
+  return start(read_scene_text(scene, file, overrides, full_registry()));
 }
 
 }  // namespace epafi

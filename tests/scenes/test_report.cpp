@@ -1,0 +1,111 @@
+// The report page: complete in itself, every part there; in a real browser (slow) it shows what it says.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/catch.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+int shell(const std::string& command) { return std::system(command.c_str()); }
+
+/// A run of the first tutorial's scene cut short, with its page.
+struct ReportedRun {
+  fs::path folder = fs::temp_directory_path() / ("epafi-report-" + std::to_string(::getpid()));
+  std::string page;
+  ReportedRun() {
+    fs::remove_all(folder);
+    const std::string program = std::string(EPAFI_BINARY_DIR) + "/bin/epafi";
+    const std::string scene = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/tutorials/04_stones.toml";
+    REQUIRE(shell(program + " run " + scene + " -q --set params.n=5 --until 0.2 -o " + folder.string() + " 2>/dev/null") == 0);
+    REQUIRE(shell(program + " report " + folder.string() + " 2>/dev/null") == 0);
+    page = text_of(folder / "report.html");
+  }
+  ~ReportedRun() { fs::remove_all(folder); }
+};
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+}  // namespace
+
+TEST_CASE("a report has all its parts and asks for nothing from outside", "[scenes][report]") {
+  const ReportedRun run;
+  for (const char* part : {"Pictures", "Energy balance", "Measures", "Overlap and checks", "Where the time went", "Settings"})
+    CHECK(count(run.page, std::string("<h2>") + part + "</h2>") == 1);
+  CHECK(count(run.page, "<svg ") >= 3);                    // three snapshots
+  CHECK(count(run.page, "<polygon ") > 3 * 5 * 10);        // five stones of some forty faces, half of which are seen
+  CHECK(count(run.page, "params.n=5") >= 1);               // the override
+  CHECK(run.page.find("solid = { file") != run.page.npos);  // the scene
+  // nothing is fetched: every source is in the page, there is no script, no style sheet, no import
+  CHECK(count(run.page, "src='") == count(run.page, "src='data:image/svg+xml;base64,"));
+  for (const char* outside : {"<script", "<link", "@import", "url(", "href="}) CHECK(count(run.page, outside) == 0);
+  if (shell("command -v gnuplot > /dev/null") == 0) CHECK(count(run.page, "src='data:image") >= 2);
+  const std::string state = text_of(run.folder / "summary.json");
+  const auto at = state.find("\"state_hash\": \"");
+  REQUIRE(at != state.npos);
+  CHECK(run.page.find(state.substr(at + 15, 16)) != run.page.npos);
+}
+
+TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary", "[scenes][report]") {
+  const std::string python = "/usr/bin/python3";
+  if (!fs::exists(python) || shell(python + " -c 'import h5py' 2> /dev/null") != 0) {
+    WARN("skipped: no python3-h5py here");
+    return;
+  }
+  const ReportedRun run;
+  const fs::path said = run.folder / "said";
+  REQUIRE(shell(python + " " + EPAFI_SOURCE_DIR + "/examples/read_run.py " + run.folder.string() + " > " + said.string()) == 0);
+  const std::string text = text_of(said), summary = text_of(run.folder / "summary.json");
+  CHECK(count(text, "t = ") == 5);  // at 0, 0.05, 0.1, 0.15, 0.2 s
+  CHECK(text.find("measure energy ") != text.npos);
+  const double last = std::stod(text.substr(text.rfind("kinetic energy ") + 15));
+  const double expected = std::stod(summary.substr(summary.find("\"kinetic\": ") + 11));
+  CHECK(last == Approx(expected).epsilon(1e-5));  // six digits are printed
+}
+
+TEST_CASE("a folder without a run has no report, and the message says why", "[scenes][report]") {
+  const fs::path folder = fs::temp_directory_path() / ("epafi-no-report-" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2> " + (folder / "said").string();
+  CHECK(WEXITSTATUS(shell(command)) == 3);
+  CHECK(text_of(folder / "said").find("summary.json is missing") != std::string::npos);
+  fs::remove_all(folder);
+}
+
+TEST_CASE("a browser shows the report without a network", "[scenes][report][slow]") {
+  std::string browser;
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
+    if (browser.empty() && shell(std::string("command -v ") + name + " > /dev/null") == 0) browser = name;
+  if (browser.empty()) {
+    WARN("skipped: no Chromium here");
+    return;
+  }
+  const ReportedRun run;
+  const std::string common = "cd " + run.folder.string() + " && timeout 120 " + browser +
+                             " --headless --no-sandbox --disable-gpu --user-data-dir=profile --host-resolver-rules='MAP * ~NOTFOUND'"
+                             " --window-size=1100,2400 ";
+  REQUIRE(shell(common + "--dump-dom report.html > dom.html 2> log") == 0);
+  const std::string dom = text_of(run.folder / "dom.html");
+  for (const char* part : {"Pictures", "Energy balance", "Measures", "Where the time went", "Settings"})
+    CHECK(dom.find(part) != std::string::npos);
+  CHECK(count(dom, "<figure>") == count(run.page, "<figure>"));  // parsed as written: nothing left open
+  REQUIRE(shell(common + "--hide-scrollbars --screenshot=page.png report.html 2> log") == 0);
+  CHECK(fs::file_size(run.folder / "page.png") > 60000);  // a blank page of this size takes 12 kB
+}

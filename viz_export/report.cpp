@@ -1,0 +1,244 @@
+#include "viz_export/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/error.h"
+#include "viz_export/charts.h"
+#include "viz_export/json_reader.h"
+#include "viz_export/picture.h"
+#include "viz_export/side_file.h"
+#include "viz_export/stored_run.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<') out += "&lt;";
+    else if (c == '>') out += "&gt;";
+    else if (c == '&') out += "&amp;";
+    else if (c == '"') out += "&quot;";
+    else out += c;
+  }
+  return out;
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      group = group << 8 | (k + i < bytes.size() ? static_cast<unsigned char>(bytes[k + i]) : 0u);
+    for (std::size_t i = 0; i < 4; ++i) out += k + i > bytes.size() ? '=' : digits[group >> (18 - 6 * i) & 63u];
+  }
+  return out;
+}
+
+constexpr const char* style = R"(<style>
+:root{color-scheme:light;--ink:#1d2430;--soft:#667085;--line:#e3e6ec;--good:#1a7f4b;--bad:#b42318;--bar:#3b6ea5}
+body{font:15px/1.5 system-ui,"DejaVu Sans",sans-serif;color:var(--ink);max-width:1080px;margin:2rem auto;padding:0 1.2rem;background:#fff}
+h1{font-size:1.6rem;margin:0 0 .2rem}h2{font-size:1.1rem;margin:2rem 0 .6rem;border-bottom:1px solid var(--line);padding-bottom:.25rem}
+p.sub{color:var(--soft);margin:0 0 1rem}table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:.28rem .7rem .28rem 0;border-bottom:1px solid var(--line);vertical-align:top}
+th{color:var(--soft);font-weight:600}td.n{font-variant-numeric:tabular-nums;white-space:nowrap}.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(460px,1fr));gap:1rem}
+figure{margin:0;border:1px solid var(--line);border-radius:6px;padding:.4rem}figure img,figure svg{width:100%;height:auto;display:block}figcaption{color:var(--soft);font-size:.85rem;padding:.3rem .2rem 0}
+.three{grid-template-columns:repeat(auto-fit,minmax(300px,1fr))}.cards{display:flex;flex-wrap:wrap;gap:.6rem}.card{border:1px solid var(--line);border-radius:6px;padding:.5rem .8rem;min-width:8.5rem}.card b{display:block;font-size:1.15rem;font-variant-numeric:tabular-nums}.card span{color:var(--soft);font-size:.82rem}
+.ok{color:var(--good)}.no{color:var(--bad)}.bar{height:.9rem;background:var(--bar);border-radius:2px;min-width:1px}pre{background:#f6f7f9;border:1px solid var(--line);border-radius:6px;padding:.8rem;overflow-x:auto;font-size:.82rem;line-height:1.4}
+</style>)";
+
+/// What the parts of the page share.
+struct Page {
+  const fs::path& folder;
+  const FlatJson& summary;
+  const StoredRun& run;
+  bool drawn = true;  ///< gnuplot is there
+  std::string html{};
+
+  std::string number(const std::string& name, const char* format = "{:.4g}") const {
+    const auto value = summary.number(name);
+    return value ? fmt::format(fmt::runtime(format), *value) : "-";
+  }
+  void card(const std::string& value, const std::string& label, const char* kind = "") {
+    html += fmt::format("<div class='card'><b class='{}'>{}</b><span>{}</span></div>", kind, escaped(value), escaped(label));
+  }
+  void figure(const std::string& inner, const std::string& caption) {
+    html += "<figure>" + inner + "<figcaption>" + escaped(caption) + "</figcaption></figure>";
+  }
+};
+
+void head(Page& p) {
+  const std::string status = p.summary.text("status");
+  p.html += fmt::format("<h1>{}</h1><p class='sub'>{} &middot; Epafi {} &middot; state {}</p>", escaped(p.run.title()), escaped(p.summary.text("scene")),
+                        escaped(p.summary.text("epafi")), escaped(p.summary.text("state_hash")));
+  p.html += "<div class='cards'>";
+  p.card(status, "status", status == "completed" ? "ok" : "no");
+  p.card(p.number("simulated_time") + " s", "simulated, in " + p.number("steps", "{:.0f}") + " steps of " + p.number("time_step") + " s");
+  p.card(p.number("wall_time") + " s", "wall time, " + p.number("threads", "{:.0f}") + " threads");
+  p.card(p.number("bodies", "{:.0f}"), "bodies, " + p.number("bodies_lost", "{:.0f}") + " lost");
+  p.card(p.number("contacts_mean"), "contacts in the mean");
+  p.card(p.number("energy.relative_error", "{:.2g}"), "energy error");
+  p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, last tenth");
+  if (p.summary.number("residual.max")) p.card(p.number("residual.max", "{:.2g}"), "residual, worst step");
+  p.html += "</div>";
+  if (const std::string failure = p.summary.text("failure"); !failure.empty())
+    p.html += "<p class='no'>" + escaped(failure) + "</p>";
+}
+
+void pictures(Page& p) {
+  const std::size_t n = p.run.snapshots();
+  if (n == 0) return;
+  p.html += "<h2>Pictures</h2><div class='grid three'>";
+  double fastest = 0;
+  std::vector<std::size_t> shown{0, n / 2, n - 1};
+  shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
+  const std::size_t stride = std::max<std::size_t>(1, n / 20);  // enough to know how fast it gets
+  for (std::size_t k = 0; k < n; k += stride)
+    for (const BodyRecord& b : p.run.snapshot(k).bodies) fastest = std::max(fastest, b.is_wall() ? 0.0 : b.velocity.norm());
+  for (std::size_t k : shown) {
+    const StoredSnapshot s = p.run.snapshot(k);
+    p.figure(picture_svg(s, {}, fastest), fmt::format("t = {:.4g} s; colour is speed, slate 0 to yellow {:.3g} m/s", s.stamp.time, fastest));
+  }
+  p.html += "</div>";
+}
+
+/// A curve per component that moves; nothing where none does.
+void curves(Page& p, const std::string& name, const std::string& title, const StoredMeasure& m) {
+  LinePlot plot{title, "time [s]", m.name, {}};
+  for (std::size_t c = 0; c < m.components.size() && plot.lines.size() < 8; ++c) {
+    PlotLine line{m.components[c], {}, {}};
+    const std::size_t width = m.components.size(), stride = std::max<std::size_t>(1, m.times.size() / 2000);
+    bool moves = false;
+    for (std::size_t k = 0; k < m.times.size(); k += stride) {
+      const double v = m.values[k * width + c];
+      if (!std::isfinite(v)) continue;
+      line.points.push_back({m.times[k], v}), moves = moves || v != line.points.front()[1];
+    }
+    if (moves) plot.lines.push_back(std::move(line));
+  }
+  if (plot.lines.empty()) return;
+  const fs::path path = p.folder / "report" / name;
+  p.drawn = p.drawn && draw(plot, path);
+  if (!p.drawn) return;
+  p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," + base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
+           title);
+}
+
+bool is_energy(const StoredMeasure& m) {
+  const auto has = [&](const char* c) { return std::find(m.components.begin(), m.components.end(), c) != m.components.end(); };
+  return has("kinetic") && has("relative_error");
+}
+
+/// Energies of the measure of that kind where the scene has one, else the kinetic energy of the snapshots.
+StoredMeasure energies(const Page& p) {
+  for (const StoredMeasure& m : p.run.measures())
+    if (is_energy(m)) return m;
+  StoredMeasure kinetic{"energy [J]", {"kinetic"}, {}, {}};
+  for (std::size_t k = 0; k < p.run.snapshots(); ++k) {
+    const StoredSnapshot s = p.run.snapshot(k);
+    double sum = 0;
+    for (const BodyRecord& b : s.bodies) sum += b.kinetic_energy;
+    kinetic.times.push_back(s.stamp.time), kinetic.values.push_back(sum);
+  }
+  return kinetic;
+}
+
+void energy(Page& p) {
+  p.html += "<h2>Energy balance</h2><div class='grid'><div><table>";
+  for (const char* part : {"kinetic", "potential", "elastic", "dissipated", "work", "correction", "relative_error"}) {
+    const auto value = p.summary.number(std::string("energy.") + part);
+    if (!value) continue;
+    const bool error = std::string(part) == "relative_error";
+    p.html += fmt::format("<tr><td>{}</td><td class='n'>{:.6g}{}</td></tr>", error ? "relative error of the ledger" : part, *value, error ? "" : " J");
+  }
+  p.html += "</table></div>";
+  StoredMeasure m = energies(p);
+  const auto error = std::find(m.components.begin(), m.components.end(), "relative_error");
+  if (error != m.components.end()) {  // another scale: left to the table
+    const auto c = static_cast<std::size_t>(error - m.components.begin());
+    StoredMeasure rest{"energy [J]", m.components, m.times, {}};
+    for (std::size_t k = 0; k < m.values.size(); ++k)
+      if (k % m.components.size() != c) rest.values.push_back(m.values[k]);
+    rest.components.erase(rest.components.begin() + static_cast<std::ptrdiff_t>(c));
+    m = std::move(rest);
+  }
+  curves(p, "energy", m.components.size() > 1 ? "energy over time" : "kinetic energy of the snapshots", m);
+  p.html += "</div>";
+}
+
+void measures(Page& p) {
+  const auto all = p.run.measures();
+  if (all.empty()) return;
+  p.html += "<h2>Measures</h2><div class='grid'>";
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (!is_energy(all[k])) curves(p, fmt::format("measure_{}", k), all[k].name, all[k]);
+  p.html += "</div><table><tr><th>measure</th><th>component</th><th>last</th><th>smallest</th><th>largest</th></tr>";
+  for (const auto& m : all)
+    for (const auto& c : m.components) {
+      const std::string at = "measures." + m.name + "." + c + ".";
+      if (!p.summary.number(at + "last") && !p.summary.number(at + "max")) continue;
+      p.html += fmt::format("<tr><td>{}</td><td>{}</td><td class='n'>{}</td><td class='n'>{}</td><td class='n'>{}</td></tr>", escaped(m.name),
+                            escaped(c), p.number(at + "last", "{:.6g}"), p.number(at + "min", "{:.6g}"), p.number(at + "max", "{:.6g}"));
+    }
+  p.html += "</table>";
+}
+
+void quality(Page& p) {
+  p.html += "<h2>Overlap and checks</h2><table><tr><th>quantity</th><th>value</th><th>bound</th><th></th></tr>";
+  for (const auto& [name, text] : {std::pair{"overlap.max", "deepest overlap in the last tenth [m]"}, {"overlap.mean", "mean overlap [m]"},
+                                   {"overlap.max_relative", "deepest over bounding radius"}, {"momentum_error", "momentum error"},
+                                   {"residual.max", "residual, worst step"}, {"residual.mean", "residual, mean"}, {"iterations.mean", "iterations, mean"}})
+    if (p.summary.number(name)) p.html += fmt::format("<tr><td>{}</td><td class='n'>{}</td><td></td><td></td></tr>", text, p.number(name));
+  for (const auto& [name, value] : p.summary.numbers) {
+    if (name.rfind("checks.", 0) != 0 || !name.ends_with(".value")) continue;
+    const std::string check = name.substr(7, name.size() - 13);
+    const bool ok = p.summary.number("checks." + check + ".ok").value_or(0) > 0;
+    p.html += fmt::format("<tr><td>[bounds] {}</td><td class='n'>{:.4g}</td><td class='n'>{}</td><td class='{}'>{}</td></tr>", escaped(check), value,
+                          p.number("checks." + check + ".bound"), ok ? "ok" : "no", ok ? "held" : "violated");
+  }
+  p.html += "</table>";
+}
+
+void stages(Page& p) {
+  p.html += "<h2>Where the time went</h2><table>";
+  double total = 0;
+  for (const auto& [name, value] : p.summary.numbers)
+    if (name.rfind("stage_seconds.", 0) == 0) total += value;
+  for (const auto& [name, value] : p.summary.numbers)
+    if (name.rfind("stage_seconds.", 0) == 0)
+      p.html += fmt::format("<tr><td>{}</td><td class='n'>{:.3g} s</td><td style='width:60%'><div class='bar' style='width:{:.1f}%'></div></td></tr>",
+                            name.substr(14), value, total > 0 ? 100 * value / total : 0.0);
+  p.html += fmt::format("</table><p class='sub'>{} ns per body and step, {} MB at the peak</p>", p.number("ns_per_body_step"),
+                        fmt::format("{:.0f}", p.summary.number("peak_memory_bytes").value_or(0) / 1e6));
+}
+
+void settings(Page& p) {
+  p.html += "<h2>Settings</h2>";
+  if (const std::string o = p.run.overrides(); !o.empty()) p.html += "<p>Overrides:</p><pre>" + escaped(o) + "</pre>";
+  p.html += "<pre>" + escaped(p.run.scene_text()) + "</pre>";
+}
+
+}  // namespace
+
+fs::path write_report(const fs::path& folder, const fs::path& wanted) {
+  if (!fs::exists(folder / "summary.json"))
+    throw FileError("no run in '" + folder.string() + "': summary.json is missing; `epafi run` writes it");
+  const FlatJson summary = read_json(folder / "summary.json");
+  const StoredRun run(folder / "run.h5");
+  fs::create_directories(folder / "report");
+  Page page{folder, summary, run};
+  head(page), pictures(page), energy(page), measures(page), quality(page), stages(page), settings(page);
+  if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
+  fs::remove_all(folder / "report");
+  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
+  write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>",
+                            escaped(run.title()), "</title>", style, "</head><body>", page.html, "</body></html>\n"});
+  return target;
+}
+
+}  // namespace epafi
