@@ -7,9 +7,11 @@
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/half_space.h"
+#include "detection/shapes/rail_profile.h"
 #include "detection/shapes/sphere.h"
 #include "detection/shapes/superquadric.h"
 #include "detection/shapes/triangle_mesh.h"
+#include "detection/shapes/wheel_profile.h"
 
 namespace epafi {
 
@@ -18,6 +20,7 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump,
+                            WheelProfile, RailProfile>;
 
 }  // namespace epafi

@@ -1,0 +1,29 @@
+/// @file wheel_profile.h  A wheelset: two wheels of revolution of one profile. It touches rails only (rail_profile.h).
+#pragma once
+#include <memory>
+
+#include "detection/profiles/wheelset.h"
+#include "detection/shapes/shape_concept.h"
+
+namespace epafi {
+
+struct WheelProfile {
+  static constexpr const char* name = "wheel_profile";
+  std::shared_ptr<const Wheelset> wheelset;
+
+  static Entry entry();
+
+  double bounding_radius() const { return std::hypot(wheelset->half_width(), wheelset->largest_radius()); }
+  double contact_radius() const { return wheelset->geometry.radius; }
+  Aabb bounding_box(const Pose& pose) const {
+    const Vec3 r = Vec3::Constant(bounding_radius());
+    return {pose.position - r, pose.position + r};
+  }
+  /// Those given, not of density 1: an axle is no body of revolution of one material.
+  MassProperties mass_properties() const {
+    return {wheelset->mass, Vec3::Zero(), Mat3(wheelset->inertia.asDiagonal())};
+  }
+};
+static_assert(SolidShape<WheelProfile>);
+
+}  // namespace epafi
