@@ -97,4 +97,15 @@ RailShift Track::shift(double s, bool right) const {
   return out;
 }
 
+Vec3 Track::direction(double s, bool right, double beside) const {
+  const bool level = wave.lateral == 0.0 && wave.vertical == 0.0 && wave.cross_level == 0.0 && measured.distance.empty();
+  if (curve.radius == 0.0 && level) return Vec3::UnitX();
+  constexpr double h = 5e-3;  // half of it is a patch
+  const auto rail = [&](double at) {
+    const RailShift off = shift(at, right);
+    return frame(at).to_world(Vec3(0.0, (right ? beside : -beside) + off.y, off.z));
+  };
+  return (frame(s).orientation.conjugate() * (rail(s + h) - rail(s - h))).normalized();
+}
+
 }  // namespace epafi

@@ -51,6 +51,8 @@ class Track final : public Guideway {
   double heading(double s) const;    ///< [rad], x towards y
   /// Of the left or right rail at this distance.
   RailShift shift(double s, bool right) const;
+  /// Direction of that rail in the axes of frame(s), of length 1; `beside`: of the rail's axis from the middle [m].
+  Vec3 direction(double s, bool right, double beside) const;
 
  private:
   double share(double s) const;  ///< of the full curvature, in [0, 1]

@@ -33,6 +33,7 @@ void WheelRailPair::place(const WheelsetPosition& p) {
   turn_ = about_z * about_x;
   tan_yaw_ = sy / cy;
   centre_ = Vec3(0.0, mirror_ * p.lateral_shift, -track_.radius + p.height);
+  depth_ = 0.0;
   // where wheel and rail lie above each other; a little beyond the flank, so that a flange contact is no end of the
   // scan
   const double shift = centre_.y() + tape_;
@@ -73,6 +74,8 @@ double WheelRailPair::clearance() const {
 }
 
 void WheelRailPair::touch() { centre_.z() += clearance(); }
+
+void WheelRailPair::lower(double depth) { centre_.z() += depth - depth_, depth_ = depth; }
 
 ContactRegion WheelRailPair::region_at(double y, double deepest) const {
   const Locus at = locus(y);
@@ -154,7 +157,7 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
       }
       zw = wheel_height(plane, x, s, zw);
       g.centre_x[k] = x;
-      g.gap[k] = zr - zw;
+      g.gap[k] = zr - zw + depth_ * n.z();
       if (g.gap[k] < sampling_.until) continue;
       for (std::size_t rest = m + 1; rest <= middle; ++rest) {
         const std::size_t q = way > 0 ? middle + rest : middle - rest;
@@ -224,7 +227,7 @@ GapField WheelRailPair::field(const ContactRegion& region, double cx, double cy,
     double zw = zr;
     for (std::size_t i = 0; i < nx; ++i) {
       zw = wheel_height(plane, cx + f.x(i), s, zw);
-      f.gap[j * nx + i] = zr - zw;
+      f.gap[j * nx + i] = zr - zw + depth_ * plane.n.z();
     }
   }
   return f;

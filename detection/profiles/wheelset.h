@@ -20,6 +20,8 @@ struct WheelDefect {
   bool any() const { return flat_length > 0.0 || amplitude != 0.0; }
   /// How much lower the axle stands over level rail with the wheel turned by `angle` [rad] from the start [m].
   double drop(double angle, double radius) const;
+  /// Its derivative by the angle [m]: how far behind the axle the wheel then stands on the rail.
+  double offset(double angle, double radius) const;
 };
 
 struct Wheelset {

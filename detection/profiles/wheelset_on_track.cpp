@@ -23,6 +23,13 @@ double WheelDefect::drop(double angle, double radius) const {
   return out;
 }
 
+double WheelDefect::offset(double angle, double radius) const {
+  double out = amplitude * order * std::cos(order * angle);
+  const double half = 0.5 * flat_length / radius, from = std::remainder(angle - flat_angle, 2.0 * std::numbers::pi);
+  if (std::abs(from) < half) out -= std::copysign(radius * std::sin(half - std::abs(from)), from);
+  return out;
+}
+
 PlaceOnTrack place_on_track(const Wheelset& w, const Track& track, const Pose& body, const Pose& track_body) {
   PlaceOnTrack out;
   const Vec3 centre = track_body.to_local(body.position);
@@ -62,9 +69,14 @@ void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, 
   WheelsetPosition position = at.position;
   const RailShift rail = track_.shift(at.distance, right);
   position.lateral_shift -= rail.y, position.height -= rail.z;
+  const Vec3 along = track_.direction(at.distance, right, pair.rail_axis());
+  position.yaw -= std::atan2(along.y(), along.x());
   const WheelDefect& defect = wheelset_.defect;
-  if (defect.any() && (right ? defect.right : defect.left))
+  double behind = 0.0;
+  if (defect.any() && (right ? defect.right : defect.left)) {
     position.height -= defect.drop(at.angle, wheelset_.geometry.radius);
+    behind = defect.offset(at.angle, wheelset_.geometry.radius);
+  }
   pair.place(position);
   const double clearance = pair.touch(near, found_);
   const std::size_t first = out.size();
@@ -75,10 +87,12 @@ void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, 
     for (std::size_t k = first; k < out.size(); ++k)
       region.within |= std::abs(out[k].region.y_rail - r.y_rail) < together && std::abs(out[k].region.angle - r.angle) < alike;
     if (profiles && !region.within) pair.add_profile(r);
-    const Vec3 x = at.frame.orientation * Vec3::UnitX(),
-               t = at.frame.orientation * Vec3(0.0, std::cos(r.angle), std::sin(r.angle));
-    region.axes << x, t, x.cross(t);
-    region.point = at.frame.to_world(r.point + Vec3(0.0, rail.y, rail.z));
+    // along the rail as it lies: its slope turns the normal, or an irregularity would do work out of nothing
+    const Vec3 across(0.0, std::cos(r.angle), std::sin(r.angle)), t = (across - across.dot(along) * along).normalized();
+    Mat3 axes;
+    axes << along, t, along.cross(t);
+    region.axes = at.frame.orientation.toRotationMatrix() * axes;
+    region.point = at.frame.to_world(r.point + Vec3(-behind, rail.y, rail.z));
     region.mirrored = !right, region.approach = approach, region.source = &pair;
     region.region = std::move(r);
     out.push_back(std::move(region));

@@ -2,10 +2,11 @@
 #pragma once
 #include <memory>
 
-#include "detection/profiles/track.h"
 #include "detection/shapes/shape_concept.h"
 
 namespace epafi {
+
+class Track;
 
 struct RailProfile {
   static constexpr const char* name = "rail_profile";

@@ -2,10 +2,11 @@
 #pragma once
 #include <memory>
 
-#include "detection/profiles/wheelset.h"
 #include "detection/shapes/shape_concept.h"
 
 namespace epafi {
+
+struct Wheelset;
 
 struct WheelProfile {
   static constexpr const char* name = "wheel_profile";
@@ -13,16 +14,14 @@ struct WheelProfile {
 
   static Entry entry();
 
-  double bounding_radius() const { return std::hypot(wheelset->half_width(), wheelset->largest_radius()); }
-  double contact_radius() const { return wheelset->geometry.radius; }
+  double bounding_radius() const;
+  double contact_radius() const;
   Aabb bounding_box(const Pose& pose) const {
     const Vec3 r = Vec3::Constant(bounding_radius());
     return {pose.position - r, pose.position + r};
   }
   /// Those given, not of density 1: an axle is no body of revolution of one material.
-  MassProperties mass_properties() const {
-    return {wheelset->mass, Vec3::Zero(), Mat3(wheelset->inertia.asDiagonal())};
-  }
+  MassProperties mass_properties() const;
 };
 static_assert(SolidShape<WheelProfile>);
 

@@ -1,6 +1,5 @@
 // Keys of the two shapes of a railway, in scenes and in cases of `epafi patch` alike.
-#include <limits>
-
+#include "detection/profiles/wheelset.h"
 #include "detection/shapes/rail_profile.h"
 #include "detection/shapes/wheel_profile.h"
 
@@ -22,6 +21,12 @@ Field smoothing() {
 }
 
 }  // namespace
+
+double WheelProfile::bounding_radius() const { return std::hypot(wheelset->half_width(), wheelset->largest_radius()); }
+double WheelProfile::contact_radius() const { return wheelset->geometry.radius; }
+MassProperties WheelProfile::mass_properties() const {
+  return {wheelset->mass, Vec3::Zero(), Mat3(wheelset->inertia.asDiagonal())};
+}
 
 Entry WheelProfile::entry() {
   Field which{"wheel", "", "", Kind::text, Value(std::string("both")), {}, "which wheel has it"};

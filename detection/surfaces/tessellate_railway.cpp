@@ -1,6 +1,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "detection/profiles/track.h"
+#include "detection/profiles/wheelset.h"
 #include "detection/surfaces/tessellate.h"
 
 namespace epafi {

@@ -81,14 +81,18 @@ struct NormalSolver {
       if (!p.rolling_radius) mean_radius = 0.5 * (g.left.rolling_radius + g.right.rolling_radius);
     }
     const double start = cpu_seconds();
-    auto pair = std::make_unique<WheelRailPair>(p.wheel, p.rail, p.track, p.right);
-    pair->place(position);
-    pair->touch();
-    rigid = pair->regions();
-    source = std::move(pair);
+    auto owned = std::make_unique<WheelRailPair>(p.wheel, p.rail, p.track, p.right);
+    WheelRailPair& pair = *owned;
+    source = std::move(owned);
+    pair.place(position);
+    pair.touch();
+    rigid = pair.regions();
     if (rigid.empty()) return;
     NormalTarget normal = c.target;
     if (normal.by_force) normal.value /= std::cos(rigid.front().angle);
+    approach = estimate_approach({*source, rigid, c.elastic, normal});
+    pair.lower(approach / std::cos(rigid.front().angle));
+    pair.add_profile(rigid.front());
     approach = estimate_approach({*source, rigid, c.elastic, normal});
     const PatchPlace at = place_of_patch(*source, rigid.front(), approach);
     seated = rigid;

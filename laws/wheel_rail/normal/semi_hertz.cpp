@@ -84,10 +84,10 @@ double pressure_per_length(double k, Ellipse e, double modulus) {
   return modulus * 0.5 * k / (e.a > e.b ? ratio * I.D : I.B);
 }
 
-/// Axes of the ellipse with the second moments of the pressure.
-Ellipse moments(const Strips& s) {
+/// Axes of the ellipse with the second moments of the pressure on the strips [first, last).
+Ellipse moments(const Strips& s, std::size_t first, std::size_t last) {
   double n = 0.0, ny = 0.0, nyy = 0.0, nxx = 0.0;
-  for (std::size_t j = 0; j < s.y.size(); ++j) {
+  for (std::size_t j = first; j < last; ++j) {
     const double w = s.p[j] * s.a[j];
     n += w, ny += w * s.y[j], nyy += w * (s.y[j] * s.y[j] + s.width * s.width / 12.0),
         nxx += 0.25 * w * s.a[j] * s.a[j];
@@ -139,8 +139,7 @@ bool overlaps(const Strips& s, const std::vector<std::size_t>& active, std::size
 bool settle(Strips& s, double modulus, const NormalTarget& target) {
   std::vector<bool> in(s.y.size(), false);
   for (std::size_t j = 0; j < s.y.size(); ++j) in[j] = s.a[j] > 0.0;
-  const double k0 = s.curvature[s.y.size() / 2];
-  double last = 0.0;
+  double last_approach = 0.0;
   for (int round = 0; round < most_strip_rounds; ++round) {
     std::vector<std::size_t> active;
     for (std::size_t j = 0; j < s.y.size(); ++j)
@@ -151,24 +150,25 @@ bool settle(Strips& s, double modulus, const NormalTarget& target) {
     bool same = true;
     for (const std::size_t j : active)
       if (s.p[j] <= 0.0) in[j] = false, s.p[j] = 0.0, s.a[j] = 0.0, same = false;
-    const double c = pressure_per_length(k0, moments(s), modulus);
     double change = 0.0, longest = 0.0;
-    for (const std::size_t j : active) {
-      if (!in[j]) continue;
-      const double length = s.p[j] / (c * s.curvature[j] / k0);
-      change = std::max(change, std::abs(length - s.a[j])), longest = std::max(longest, length);
-      s.a[j] = 0.5 * (s.a[j] + length);
+    // each run of strips in contact has an ellipse of its own
+    for (std::size_t first = 0, last = 0; first < s.y.size(); first = last + 1) {
+      for (last = first; last < s.y.size() && in[last];) ++last;
+      if (last == first) continue;
+      const double k0 = s.curvature[(first + last) / 2], c = pressure_per_length(k0, moments(s, first, last), modulus);
+      for (std::size_t j = first; j < last; ++j) {
+        const double length = s.p[j] / (c * s.curvature[j] / k0);
+        change = std::max(change, std::abs(length - s.a[j])), longest = std::max(longest, length);
+        s.a[j] = 0.5 * (s.a[j] + length);
+      }
     }
-    // only neighbours of strips in contact can join, once a round
+    // whoever overlaps joins, a second region too
     std::vector<std::size_t> join;
-    for (std::size_t j = 0; j < s.y.size(); ++j) {
-      if (in[j] || !((j > 0 && in[j - 1]) || (j + 1 < s.y.size() && in[j + 1]) || s.gap[j] < 0.6 * s.approach))
-        continue;
-      if (same && overlaps(s, active, j, modulus)) join.push_back(j);
-    }
+    for (std::size_t j = 0; same && j < s.y.size(); ++j)
+      if (!in[j] && s.gap[j] < s.approach && overlaps(s, active, j, modulus)) join.push_back(j);
     for (const std::size_t j : join) in[j] = true, s.a[j] = 0.2 * longest, same = false;
-    if (same && change < 1e-3 * longest && std::abs(s.approach - last) < 1e-5 * s.approach) return true;
-    last = s.approach;
+    if (same && change < 1e-3 * longest && std::abs(s.approach - last_approach) < 1e-5 * s.approach) return true;
+    last_approach = s.approach;
   }
   return false;
 }
@@ -203,7 +203,7 @@ NormalPatch patch_of(const Strips& s, std::size_t along) {
   double force = 0.0;
   for (std::size_t j = 0; j < s.y.size(); ++j) force += 0.5 * pi * s.a[j] * s.p[j] * s.width;
   p.normal_force = force;
-  p.ellipse = moments(s);
+  p.ellipse = moments(s, 0, s.y.size());
   p.approach = s.approach;
   return p;
 }
