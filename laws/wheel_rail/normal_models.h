@@ -30,6 +30,7 @@ struct NormalInput {
   double approach = 0.0;      ///< an estimate of it where one is known [m], 0: none
   int strips = 0;             ///< across the patch, for models of strips; 0: by their own rule
   int along = 44;             ///< cells of a strip
+  bool stresses = false;      ///< finite elements keep those inside the body
   StripStart* start = nullptr;  ///< strips to start from; left as they ended
 };
 

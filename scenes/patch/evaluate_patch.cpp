@@ -61,8 +61,9 @@ struct NormalSolver {
   double approach = 0.0;              ///< estimated [m]
   double mean_radius = 0.0;           ///< speed over angular velocity of the wheelset [m]
   double seconds = 0.0;
+  bool stresses = false;  ///< finite elements keep those inside the body
 
-  explicit NormalSolver(const PatchCase& patch) : c(patch) {
+  explicit NormalSolver(const PatchCase& patch, bool keep_stresses = false) : c(patch), stresses(keep_stresses) {
     if (c.profiles) place_wheel(*c.profiles);
     if (!c.radii) return;
     const double A = 0.5 * (1.0 / c.radii->x1 + 1.0 / c.radii->x2), B = 0.5 * (1.0 / c.radii->y1 + 1.0 / c.radii->y2);
@@ -119,8 +120,9 @@ struct NormalSolver {
       return {none};
     }
     if (!source) return {line(model, target)};
-    return model_named(all_normal_models(), model)
-        .solve({*source, regions(model), c.elastic, target, c.dx, c.dy, approach});
+    NormalInput in{*source, regions(model), c.elastic, target, c.dx, c.dy, approach};
+    in.stresses = stresses;
+    return model_named(all_normal_models(), model).solve(in);
   }
 
   RegionPatch line(const std::string& model, const NormalTarget& target) const {
@@ -179,6 +181,7 @@ void add_normal(PatchResult& out, const RegionPatch& rp, const std::vector<Conta
     c.angle = regions[rp.region].angle;
   }
   c.semi_axes = p.ellipse, c.area = p.area, c.max_pressure = p.max_pressure, c.normal_force = p.normal_force;
+  c.stress = p.stress;
   out.contacts.push_back(c);
   out.normal_force += p.normal_force, out.area += p.area;
   out.max_pressure = std::max(out.max_pressure, p.max_pressure), out.approach = std::max(out.approach, p.approach);
@@ -279,7 +282,7 @@ PatchResult meet_load(const PatchCase& c, const NormalSolver& solver, const std:
 }  // namespace
 
 std::vector<PatchResult> evaluate_patch(const PatchCase& c, bool maps) {
-  const NormalSolver solver(c);
+  const NormalSolver solver(c, maps);
   std::vector<PatchResult> all;
   for (const std::string& normal : c.normal) {
     std::vector<std::string> tangential = c.tangential;
