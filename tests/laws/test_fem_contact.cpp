@@ -91,14 +91,17 @@ TEST_CASE("a ball on a block of hexahedra comes within 2 % of Hertz and nearer o
   CHECK(last < 0.12);
 }
 
-TEST_CASE("pressures on hexahedra converge to Hertz with the first order of their edge", "[laws][wheel_rail][fem]") {
+TEST_CASE("pressures on hexahedra converge to Hertz with the first order of their edge",
+          "[laws][wheel_rail][fem][slow]") {
   // p falls like a root at the edge, which lies anywhere within an element: a band of width h is wrong by sqrt(h), in the
-  // mean square h. Meshes whose edge lies at the same place of an element, 0.4 of it inside.
+  // mean square h. The edge of a circle on squares scatters the errors: the slope of all meshes counts.
   const HertzContact h = hertz_of_force(A, A, modulus, N);
-  std::vector<double> log_h, log_error;
-  for (const int n : {4, 6, 8}) {
-    const double cells = 0.5 * n - 0.6, a = h.ellipse.a;
-    const BlockMesh mesh = make_block_mesh(0.0, 0.0, 0.5 * n / cells * a, 0.5 * n / cells * a, n, 1.7, 5.0);
+  double sx = 0, sy = 0, sxx = 0, sxy = 0, count = 0;
+  for (const int n : {12, 13, 16, 17, 20, 21, 24, 25}) {  // twice the elements across, and one where the edge is shifted
+    const double cells = 0.25 * (n / 4 * 4) - (n % 4 ? 0.3 : 0.6), a = h.ellipse.a;
+    const int across = n / 4 * 2;
+    const double half = 0.5 * across / cells * a;
+    const BlockMesh mesh = make_block_mesh(0.0, 0.0, half, half, across, 1.7, 5.0);
     const Eigen::VectorXd tributary = surface_mass(mesh).rowwise().sum();
     SurfaceProblem p{surface_flexibility(mesh, modulus * (1.0 - nu * nu), nu), tributary, Eigen::VectorXd::Ones(tributary.size()),
                      Eigen::VectorXd::Ones(tributary.size())};
@@ -113,15 +116,16 @@ TEST_CASE("pressures on hexahedra converge to Hertz with the first order of thei
       const double exact = h.max_pressure * std::sqrt(std::max(0.0, 1.0 - r2(k) / (a * a))), w = tributary[k];
       error += w * std::pow(s.p[k] / w - exact, 2), size += w * exact * exact;
     }
-    log_h.push_back(-std::log(cells)), log_error.push_back(0.5 * std::log(error / size));
+    const double x = -std::log(cells), y = 0.5 * std::log(error / size);
+    sx += x, sy += y, sxx += x * x, sxy += x * y, count += 1.0;
   }
-  const double order = (log_error.front() - log_error.back()) / (log_h.front() - log_h.back());
-  INFO("errors " << std::exp(log_error.front()) << " to " << std::exp(log_error.back()) << ", order " << order);
-  CHECK(order > 0.85);
-  CHECK(order < 1.5);
+  const double order = (count * sxy - sx * sy) / (count * sxx - sx * sx);
+  WARN("order " << order);
+  CHECK(order > 0.6);
+  CHECK(order < 1.4);
 }
 
-TEST_CASE("stresses under a ball are those of Huber", "[laws][wheel_rail][fem]") {
+TEST_CASE("stresses under a ball are those of Huber", "[laws][wheel_rail][fem][slow]") {
   // on the axis (Johnson 1985, eq. 3.45): s_z = -p0 / (1 + z^2/a^2), s_r = -p0 ((1 + nu)(1 - z/a atan(a/z)) - 1 / (2 (1 +
   // z^2/a^2))); the largest equivalent stress is 0.62 p0 at 0.48 a
   const Case& c = ball(10);  // elements of a quarter of the radius

@@ -19,5 +19,7 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in);  ///< half_spa
 
 /// Where Hertz' theory leaves its range: conformal surfaces, curvature that changes over the patch.
 void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
+/// For models of one patch: another region that would touch before this one is compressed as far.
+void check_second_region(const NormalInput& in, NormalPatch& patch);
 
 }  // namespace epafi

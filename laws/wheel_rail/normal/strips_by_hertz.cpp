@@ -83,6 +83,17 @@ std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_cur
   return out;
 }
 
+/// Runs of lines where the undeformed surfaces overlap: mean curvature makes one patch of two regions only where it is one.
+int overlaps(const std::vector<Line>& lines, double approach) {
+  int runs = 0;
+  bool inside = false;
+  for (const Line& l : lines) {
+    const bool now = l.gap < approach;
+    runs += now && !inside, inside = now;
+  }
+  return runs;
+}
+
 std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
   const ContactRegion& r = in.regions.front();
   const double E = in.elastic.effective_modulus(), load = in.target.value;
@@ -110,6 +121,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
     p.ellipse = {std::sqrt(5.0 * s.moment_x / s.force), std::sqrt(5.0 * across)};
   }
   check_hertz_range(r, p, p.reasons);
+  if (!mean_curvature || overlaps(lines, approach) > 1) check_second_region(in, p);
   if (mean_curvature) {  // it is made for gaps that leave their parabola; conformal and far regions stay
     std::erase_if(p.reasons, [](const std::string& text) { return text.find("parabola") != std::string::npos; });
     p.error_estimate = p.reasons.empty() ? 0.06 : 0.15;
