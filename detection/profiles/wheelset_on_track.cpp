@@ -11,7 +11,8 @@ namespace {
 constexpr double deep_enough = 4e-4;
 constexpr double profile_step = 0.4e-3, profile_reach = 16e-3;
 constexpr double together = 14e-3, alike = 0.3;  // regions within one profile: distance [m], difference of angle [rad]
-constexpr double near = 2e-4;                    // of the deepest region; as `epafi patch` has it
+// above the deepest region, vertically: a flange pressed in by 0.1 mm along its normal is so by 0.3 mm
+constexpr double near = 1e-3;
 
 }  // namespace
 
@@ -79,6 +80,9 @@ void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, 
   }
   pair.place(position);
   const double clearance = pair.touch(near, found_);
+  // the wheel is where it is: it came down along z, which matters between two regions (scenes/patch has the figures)
+  constexpr double flank = 0.75;
+  if (profiles && clearance < 0.0 && !found_.empty() && std::abs(found_.front().angle) < flank) pair.lower(-clearance);
   const std::size_t first = out.size();
   for (ContactRegion& r : found_) {
     const double approach = -clearance * std::cos(r.angle) - r.offset;

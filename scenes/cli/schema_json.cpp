@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scenes/cli/list.h"
+#include "scenes/patch/patch_schema.h"
 #include "scenes/reader/schema.h"
 #include "scenes/reader/table_reader.h"
 
@@ -154,7 +155,14 @@ struct Writer {
 }  // namespace
 
 std::string json_schema(const Registry& registry) {
-  const SceneSchema schema = make_schema(registry);
+  SceneSchema schema = make_schema(registry);
+  // cases of `epafi patch` share the tables of scenes and have a few keys more
+  for (TableSchema& table : schema.tables) {
+    if (table.name == "contact") table.fields = as_optional(table.fields + patch_contact_fields());
+    if (table.name == "material") table.fields = table.fields + as_optional(patch_material_fields());
+  }
+  schema.tables.push_back(
+      {"patch", TableSchema::Form::single, "one wheel-rail or Hertzian contact in statics, for `epafi patch`", patch_fields()});
   const Writer writer{schema};
   Object properties;
   properties.add("title", "{\"type\":\"string\"}");
@@ -167,7 +175,7 @@ std::string json_schema(const Registry& registry) {
   root.add("$schema", "\"http://json-schema.org/draft-07/schema#\"")
       .add("title", "\"Epafi scene\"")
       .add("type", "\"object\"");
-  root.add("additionalProperties", "false").add("required", "[\"run\"]").add("properties", properties.str());
+  root.add("additionalProperties", "false").add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]").add("properties", properties.str());
   Object definitions;
   definitions.add("shape", writer.object(schema.at("shape").fields, "shape"));
   root.add("definitions", definitions.str());

@@ -66,6 +66,8 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<OutletMeasure>(std::move(s)); }},
       {{"wheelset", "a wheelset in the axes of its track: place, angles, forces of the rails on each wheel", {body}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<WheelsetMeasure>(std::move(s)); }},
+      {{"swing", "amplitude of a wheelset's hunting within the last window", {body, window}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<SwingMeasure>(std::move(s)); }},
   };
   return list;
 }

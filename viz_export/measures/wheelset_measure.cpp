@@ -1,5 +1,6 @@
 #include "viz_export/measures/wheelset_measure.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "detection/profiles/wheelset_on_track.h"
@@ -31,6 +32,18 @@ void WheelsetMeasure::sample(const StepView& view, std::vector<double>& values) 
   values = {at.distance, at.position.lateral_shift, at.position.height, at.position.yaw, at.position.roll,
             left.x(),    left.y(),                  left.z(),           right.x(),       right.y(),
             right.z(),   contacts};
+}
+
+void SwingMeasure::sample(const StepView& view, std::vector<double>& values) {
+  std::vector<double> all;
+  place_.sample(view, all);
+  time_.push_back(view.world.time), lateral_.push_back(all[1]);
+  std::size_t old = 0;
+  while (time_[old] < view.world.time - window_) ++old;
+  time_.erase(time_.begin(), time_.begin() + static_cast<std::ptrdiff_t>(old));
+  lateral_.erase(lateral_.begin(), lateral_.begin() + static_cast<std::ptrdiff_t>(old));
+  const auto [low, high] = std::minmax_element(lateral_.begin(), lateral_.end());
+  values = {0.5 * (*high - *low)};
 }
 
 }  // namespace epafi

@@ -18,4 +18,20 @@ class WheelsetMeasure final : public Measure {
   MeasureSetup setup_;
 };
 
+/// Half of the way that a wheelset swings across the track within the last `window` [m]: its hunting.
+class SwingMeasure final : public Measure {
+ public:
+  explicit SwingMeasure(MeasureSetup setup) : window_(setup.parameters.number("window")), place_(std::move(setup)) {}
+  std::vector<std::string> components() const override { return {"amplitude"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+  void visit(StateVisitor& visitor, const std::string& prefix) override {
+    visitor.column(prefix + "/time", time_), visitor.column(prefix + "/lateral", lateral_);
+  }
+
+ private:
+  double window_;
+  WheelsetMeasure place_;
+  std::vector<double> time_, lateral_;  ///< of the last window
+};
+
 }  // namespace epafi
