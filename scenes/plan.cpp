@@ -126,8 +126,8 @@ void plan_railway(const Scene& scene, const ShapesInUse& use, StepPlan& plan) {
                           "wheels on rails: " + c.wheel_rail.text("normal") + " and " + c.wheel_rail.text("tangential"),
                           c.wheel_rail_place.line > 0 ? c.wheel_rail_place : c.method.place});
   if (!scene.springs.empty())
-    plan.costs.push_back({"springs", fmt::format("{} between bodies and frames", scene.springs.size()),
-                          scene.springs.front().place});
+    plan.costs.push_back(
+        {"springs", fmt::format("{} between bodies and frames", scene.springs.size()), scene.springs.front().place});
 }
 
 }  // namespace

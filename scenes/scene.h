@@ -161,11 +161,12 @@ struct OutletSpec {
 /// [[spring]]
 struct SpringSpec {
   std::string name;
-  std::size_t body = 0;              ///< index in Scene::bodies
-  std::optional<std::size_t> to;     ///< index in Scene::bodies; none: a frame that moves along the way
-  double speed = 0.0;                ///< of the frame [m/s]
-  Vec3 attachment = Vec3::Zero();    ///< axes of the body [m]
-  Vec3 stiffness = Vec3::Zero(), damping = Vec3::Zero(), preload = Vec3::Zero();  ///< axes of the far end [N/m], [N s/m], [N]
+  std::size_t body = 0;            ///< index in Scene::bodies
+  std::optional<std::size_t> to;   ///< index in Scene::bodies; none: a frame that moves along the way
+  double speed = 0.0;              ///< of the frame [m/s]
+  Vec3 attachment = Vec3::Zero();  ///< axes of the body [m]
+  Vec3 stiffness = Vec3::Zero(), damping = Vec3::Zero(),
+       preload = Vec3::Zero();  ///< axes of the far end [N/m], [N s/m], [N]
   Place place;
 };
 

@@ -75,7 +75,11 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
     out = build_wheels(spec);
   else if (spec.type == "rail_profile")
     out = {store_.add(RailProfile{std::make_shared<Track>(*build_track(p, spec.name).value), p.number("drawn_length")}),
-           0.0, {}, infinity, false, false};
+           0.0,
+           {},
+           infinity,
+           false,
+           false};
   else
     throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
   return built_.emplace(key, out).first->second;

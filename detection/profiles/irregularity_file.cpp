@@ -50,13 +50,16 @@ MeasuredFile read_irregularity(const std::string& text) {
     if (columns.empty()) {
       for (const auto& w : words) {
         columns.push_back(column(out.track, w));
-        if (!columns.back()) return out.problem = "unknown column '" + w + "'; s, lateral, vertical, cross_level, gauge", out;
+        if (!columns.back())
+          return out.problem = "unknown column '" + w + "'; s, lateral, vertical, cross_level, gauge", out;
       }
       if (columns[0] != &out.track.distance) return out.problem = "the first column must be s", out;
       continue;
     }
     if (words.size() != columns.size())
-      return out.problem = "expected " + std::to_string(columns.size()) + " numbers, found " + std::to_string(words.size()), out;
+      return out.problem =
+                 "expected " + std::to_string(columns.size()) + " numbers, found " + std::to_string(words.size()),
+             out;
     for (std::size_t k = 0; k < words.size(); ++k) {
       char* end = nullptr;
       const double v = std::strtod(words[k].c_str(), &end);

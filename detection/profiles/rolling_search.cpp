@@ -33,8 +33,7 @@ void RollingSearch::collide(const World& world, const PairList& pairs, ContactSe
     const std::pair key{world.shape[w], world.shape[t]};
     const std::size_t first = regions_.all.size();
     searches_[key][used[key]++].find(world.pose(w), world.pose(t), 0.0, true, regions_.all);
-    for (std::size_t k = first; k < regions_.all.size(); ++k)
-      regions_.all[k].wheelset = w, regions_.all[k].track = t;
+    for (std::size_t k = first; k < regions_.all.size(); ++k) regions_.all[k].wheelset = w, regions_.all[k].track = t;
   }
 }
 

@@ -30,7 +30,8 @@ class RollingSearch final : public NarrowPhase {
   std::uint64_t generation_ = 0;
   PairList rest_;
   std::vector<std::pair<Slot, Slot>> rolling_;  ///< wheelset, track
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<WheelsetOnTrack>> searches_;  ///< by shapes: one per pair
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<WheelsetOnTrack>>
+      searches_;  ///< by shapes: one per pair
 };
 
 }  // namespace epafi

@@ -52,13 +52,13 @@ Pose Track::frame(double s) const {
       }
     }
     const double from = heading(end), to = heading(s);
-    if (s > end)
-      at.position += curve.radius * Vec3(std::sin(to) - std::sin(from), std::cos(from) - std::cos(to), 0.0);
+    if (s > end) at.position += curve.radius * Vec3(std::sin(to) - std::sin(from), std::cos(from) - std::cos(to), 0.0);
   }
   // the rails stand 1.5 m apart; in a curve to the right the left one is higher: y turns towards z
-  const double lean = curve.radius == 0.0 ? 0.0
-                                          : std::copysign(std::asin(share(s) * curve.superelevation / (geometry.gauge + 0.07)),
-                                                          curve.radius);
+  const double lean =
+      curve.radius == 0.0
+          ? 0.0
+          : std::copysign(std::asin(share(s) * curve.superelevation / (geometry.gauge + 0.07)), curve.radius);
   at.orientation = Quat(Eigen::AngleAxisd(heading(s), Vec3::UnitZ()) * Eigen::AngleAxisd(lean, Vec3::UnitX()));
   return at;
 }
@@ -98,7 +98,8 @@ RailShift Track::shift(double s, bool right) const {
 }
 
 Vec3 Track::direction(double s, bool right, double beside) const {
-  const bool level = wave.lateral == 0.0 && wave.vertical == 0.0 && wave.cross_level == 0.0 && measured.distance.empty();
+  const bool level =
+      wave.lateral == 0.0 && wave.vertical == 0.0 && wave.cross_level == 0.0 && measured.distance.empty();
   if (curve.radius == 0.0 && level) return Vec3::UnitX();
   constexpr double h = 5e-3;  // half of it is a patch
   const auto rail = [&](double at) {

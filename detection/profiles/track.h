@@ -37,7 +37,8 @@ struct SinusoidalTrack {
 class Track final : public Guideway {
  public:
   Track() = default;
-  Track(Profile rail, TrackGeometry geometry, TrackCurve curve = {}) : rail(std::move(rail)), geometry(geometry), curve(curve) {}
+  Track(Profile rail, TrackGeometry geometry, TrackCurve curve = {})
+      : rail(std::move(rail)), geometry(geometry), curve(curve) {}
   Profile rail;
   TrackGeometry geometry;  ///< gauge and where it is measured
   TrackCurve curve;

@@ -45,8 +45,7 @@ WheelRailPair::Locus WheelRailPair::locus(double y) const {
   // the wheel's points of one lateral coordinate are a circle; its lowest point over the track turns with the yaw:
   // its x is -R R' tan(yaw), which keeps the normal in the plane x = const
   const Profile::Value w = wheel_.at(y);
-  const double R = track_.radius + w.z, t = w.slope * tan_yaw_,
-               c = 1.0 / std::sqrt(1.0 + t * t);
+  const double R = track_.radius + w.z, t = w.slope * tan_yaw_, c = 1.0 / std::sqrt(1.0 + t * t);
   const Vec3 p = centre_ + turn_ * Vec3(-R * t * c, tape_ + y, R * c);
   return {p, rail_.at(axis_ - p.y()).z - p.z()};
 }

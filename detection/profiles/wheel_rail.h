@@ -39,10 +39,10 @@ class WheelRailPair final : public GapSource {
   /// The same, and the regions that are nearer than `reach` to touching then, the deepest first, without profiles.
   /// Returns the way that it was lowered [m].
   double touch(double reach, std::vector<ContactRegion>& regions);
-  /// Lowers the wheel by `depth` [m] from where it touches, to where its load brings it. Gaps still count from touching,
-  /// along the normal of their plane; but on a flank a wheel that is held sideways comes nearer to what lies beside the
-  /// plane's origin than one that is pressed along the normal (S1002 on UIC60 at 5 mm: 1 um of the 6 um that the second
-  /// region is pressed in).
+  /// Lowers the wheel by `depth` [m] from where it touches, to where its load brings it. Gaps still count from
+  /// touching, along the normal of their plane; but on a flank a wheel that is held sideways comes nearer to what lies
+  /// beside the plane's origin than one that is pressed along the normal (S1002 on UIC60 at 5 mm: 1 um of the 6 um that
+  /// the second region is pressed in).
   void lower(double depth);
   /// How the gap around a region is sampled across the track.
   struct Sampling {

@@ -89,7 +89,8 @@ void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, 
     if (approach <= -reach) continue;
     RollingRegion region;
     for (std::size_t k = first; k < out.size(); ++k)
-      region.within |= std::abs(out[k].region.y_rail - r.y_rail) < together && std::abs(out[k].region.angle - r.angle) < alike;
+      region.within |=
+          std::abs(out[k].region.y_rail - r.y_rail) < together && std::abs(out[k].region.angle - r.angle) < alike;
     if (profiles && !region.within) pair.add_profile(r);
     // along the rail as it lies: its slope turns the normal, or an irregularity would do work out of nothing
     const Vec3 across(0.0, std::cos(r.angle), std::sin(r.angle)), t = (across - across.dot(along) * along).normalized();

@@ -15,8 +15,8 @@ struct PlaceOnTrack {
 };
 PlaceOnTrack place_on_track(const Wheelset& wheelset, const Track& track, const Pose& body, const Pose& track_body);
 
-/// Search for one wheelset on one track. Rails count as straight over the length of a patch: in a curve of 100 m a patch
-/// of 20 mm leaves its tangent by half a micrometre.
+/// Search for one wheelset on one track. Rails count as straight over the length of a patch: in a curve of 100 m a
+/// patch of 20 mm leaves its tangent by half a micrometre.
 class WheelsetOnTrack {
  public:
   /// Both must outlive this.

@@ -47,7 +47,8 @@ TriangleSurface tessellate(const WheelProfile& shape, const Fineness& fineness) 
   std::vector<Vec3> axle;
   for (std::uint32_t k = 0; k <= fineness.segments; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / fineness.segments;
-    for (const double y : {-tape - 0.25, tape + 0.25}) axle.emplace_back(bore * std::sin(angle), y, bore * std::cos(angle));
+    for (const double y : {-tape - 0.25, tape + 0.25})
+      axle.emplace_back(bore * std::sin(angle), y, bore * std::cos(angle));
   }
   add_grid(s, axle, 2);
   return s;

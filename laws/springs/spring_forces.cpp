@@ -52,8 +52,8 @@ class SpringForces final : public ContactLayer {
   std::vector<SpringElement> springs_;
   std::shared_ptr<const Guideway> way_;
   bool smooth_;
-  std::vector<Vec3> relaxed_;   ///< far end in the axes of the far body or frame [m]; empty before the first step
-  std::vector<double> start_;   ///< distance of the frame along the way at time 0 [m]
+  std::vector<Vec3> relaxed_;  ///< far end in the axes of the far body or frame [m]; empty before the first step
+  std::vector<double> start_;  ///< distance of the frame along the way at time 0 [m]
   Power power_;
   std::vector<Pull> pulls_;
 };
@@ -151,8 +151,9 @@ void SpringForces::act(World& world, ContactSet& contacts, const StepClock& cloc
 
 }  // namespace
 
-std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> springs, std::shared_ptr<const Guideway> way,
-                                                 bool smooth, std::unique_ptr<ContactModel> below) {
+std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> springs,
+                                                 std::shared_ptr<const Guideway> way, bool smooth,
+                                                 std::unique_ptr<ContactModel> below) {
   return std::make_unique<SpringForces>(std::move(springs), std::move(way), smooth, std::move(below));
 }
 

@@ -1,9 +1,9 @@
 /// @file spring_forces.h  Springs with dampers between bodies, or between a body and a frame that moves along a way:
 /// suspensions. Linear, along the three axes of the second body or of the frame; relaxed as the scene starts.
 ///
-/// Energies: springs store k d^2/2 along each axis, dampers dissipate (trapezoid over the step), the frame does the work
-/// of its motion at the place of the attachment. Smooth contact: forces of the moment of detection. Non-smooth contact:
-/// they kick the velocities before the impulses are found (second order in the springs, first in the dampers).
+/// Energies: springs store k d^2/2 along each axis, dampers dissipate (trapezoid over the step), the frame does the
+/// work of its motion at the place of the attachment. Smooth contact: forces of the moment of detection. Non-smooth
+/// contact: they kick the velocities before the impulses are found (second order in the springs, first in the dampers).
 /// Stable while dt < 2/omega of the stiffest body on its springs.
 #pragma once
 #include <memory>
@@ -28,8 +28,9 @@ struct SpringElement {
 };
 
 /// smooth: forces are added to those of the contacts; else velocities are kicked before them.
-std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> springs, std::shared_ptr<const Guideway> way,
-                                                 bool smooth, std::unique_ptr<ContactModel> below);
+std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> springs,
+                                                 std::shared_ptr<const Guideway> way, bool smooth,
+                                                 std::unique_ptr<ContactModel> below);
 
 /// Largest omega^2 of springs on one free body at its attachments [1/s^2], and largest damping rate [1/s].
 struct SpringRates {

@@ -28,11 +28,7 @@ const std::vector<NormalModel>& all_normal_models() {
         {},
         "Ayasse, Chollet 2005"},
        solve_stripes},
-      {{"analyn",
-        "every strip from the Hertz contact of its mean curvature",
-        {},
-        {},
-        "Sichani, Enblom, Berg 2014"},
+      {{"analyn", "every strip from the Hertz contact of its mean curvature", {}, {}, "Sichani, Enblom, Berg 2014"},
        solve_analyn},
       {{"semi-hertz",
         "strips: Hertz along the track, exact influence of strip on strip across it",
@@ -62,7 +58,8 @@ PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, 
   // of the overlap that holds the region's point: another one beside it would draw the plane to where nothing touches
   std::size_t first = g.size(), last = 0;
   if (g.size() > 0) {
-    first = last = static_cast<std::size_t>(std::clamp(-g.start / g.step + 0.5, 0.0, static_cast<double>(g.size() - 1)));
+    first = last =
+        static_cast<std::size_t>(std::clamp(-g.start / g.step + 0.5, 0.0, static_cast<double>(g.size() - 1)));
     while (first > 0 && g.gap[first - 1] < approach) --first;
     while (last + 1 < g.size() && g.gap[last + 1] < approach) ++last;
   }

@@ -25,12 +25,12 @@ struct NormalInput {
   const GapSource& source;
   const std::vector<ContactRegion>& regions;  ///< the deepest first
   ElasticPair elastic;
-  NormalTarget target;        ///< force along the normal, or approach
-  double dx = 0.0, dy = 0.0;  ///< cells [m]; 0: the shorter axis has 32
-  double approach = 0.0;      ///< an estimate of it where one is known [m], 0: none
-  int strips = 0;             ///< across the patch, for models of strips; 0: by their own rule
-  int along = 44;             ///< cells of a strip
-  bool stresses = false;      ///< finite elements keep those inside the body
+  NormalTarget target;          ///< force along the normal, or approach
+  double dx = 0.0, dy = 0.0;    ///< cells [m]; 0: the shorter axis has 32
+  double approach = 0.0;        ///< an estimate of it where one is known [m], 0: none
+  int strips = 0;               ///< across the patch, for models of strips; 0: by their own rule
+  int along = 44;               ///< cells of a strip
+  bool stresses = false;        ///< finite elements keep those inside the body
   StripStart* start = nullptr;  ///< strips to start from; left as they ended
 };
 

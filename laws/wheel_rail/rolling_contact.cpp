@@ -48,7 +48,8 @@ class RollingContact final : public ContactLayer {
         regions_(regions),
         normal_(*model_named(all_normal_models(), setup.normal)),
         tangential_(model_named(all_tangential_models(), setup.tangential)) {
-    for (const MaterialPair& p : setup.materials.pairs) elastic_.push_back(p.occurs ? elastic_pair(p.a, p.b) : ElasticPair{});
+    for (const MaterialPair& p : setup.materials.pairs)
+      elastic_.push_back(p.occurs ? elastic_pair(p.a, p.b) : ElasticPair{});
   }
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
   void reorder(const Reordering& change) override;
@@ -195,8 +196,9 @@ void RollingContact::publish(const World& world, ContactSet& contacts) const {
     const bool first = world.id[r.wheelset] < world.id[r.track];
     const Slot a = first ? r.wheelset : r.track, b = first ? r.track : r.wheelset;
     const Vec3 n = r.axes.col(2);
-    contacts.append(a, b, {-r.approach, first ? n : Vec3(-n), f.point - world.position[a],
-                           1.0 / (r.region.curvature_x + std::max(0.0, r.region.curvature_y)), r.name});
+    contacts.append(a, b,
+                    {-r.approach, first ? n : Vec3(-n), f.point - world.position[a],
+                     1.0 / (r.region.curvature_x + std::max(0.0, r.region.curvature_y)), r.name});
     contacts.force.push_back(first ? f.force : Vec3(-f.force));
     if (contacts.with_moment) contacts.moment.push_back(Vec3::Zero());
   }
@@ -215,9 +217,12 @@ std::vector<Field> rolling_fields() {
           tangential,
           {"along", "", "", Kind::integer, Value(24.0), {4, 400}, "cells along a patch"},
           {"across", "", "", Kind::integer, Value(16.0), {4, 200}, "strips across a patch"},
-          {"friction_limit", "A", "", Kind::number, Value(1.0), unit_interval, "friction at high slip velocity over that at rest"},
-          {"friction_decay", "B", "s/m", Kind::number, Value(0.0), not_negative, "how fast friction falls with slip velocity"},
-          {"slowest", "", "m/s", Kind::number, Value(0.05), positive, "rolling speed below which creepages are taken over this"}};
+          {"friction_limit", "A", "", Kind::number, Value(1.0), unit_interval,
+           "friction at high slip velocity over that at rest"},
+          {"friction_decay", "B", "s/m", Kind::number, Value(0.0), not_negative,
+           "how fast friction falls with slip velocity"},
+          {"slowest", "", "m/s", Kind::number, Value(0.05), positive,
+           "rolling speed below which creepages are taken over this"}};
 }
 
 std::unique_ptr<ContactModel> make_rolling_contact(const RollingSetup& setup, const RollingRegions& regions,

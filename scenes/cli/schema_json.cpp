@@ -161,8 +161,8 @@ std::string json_schema(const Registry& registry) {
     if (table.name == "contact") table.fields = as_optional(table.fields + patch_contact_fields());
     if (table.name == "material") table.fields = table.fields + as_optional(patch_material_fields());
   }
-  schema.tables.push_back(
-      {"patch", TableSchema::Form::single, "one wheel-rail or Hertzian contact in statics, for `epafi patch`", patch_fields()});
+  schema.tables.push_back({"patch", TableSchema::Form::single,
+                           "one wheel-rail or Hertzian contact in statics, for `epafi patch`", patch_fields()});
   const Writer writer{schema};
   Object properties;
   properties.add("title", "{\"type\":\"string\"}");
@@ -175,7 +175,9 @@ std::string json_schema(const Registry& registry) {
   root.add("$schema", "\"http://json-schema.org/draft-07/schema#\"")
       .add("title", "\"Epafi scene\"")
       .add("type", "\"object\"");
-  root.add("additionalProperties", "false").add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]").add("properties", properties.str());
+  root.add("additionalProperties", "false")
+      .add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]")
+      .add("properties", properties.str());
   Object definitions;
   definitions.add("shape", writer.object(schema.at("shape").fields, "shape"));
   root.add("definitions", definitions.str());

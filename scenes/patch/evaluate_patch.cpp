@@ -92,9 +92,9 @@ struct NormalSolver {
     NormalTarget normal = c.target;
     if (normal.by_force) normal.value /= std::cos(rigid.front().angle);
     approach = estimate_approach({*source, rigid, c.elastic, normal});
-    // Held sideways, the wheel comes down along z and not along the normal: at the gauge corner the place, angle and peak
-    // of CONTACT are those of the lowered wheel (6 mm: -0.8 % to 0.3 % of the peak, 3 mrad to none), on the flank those
-    // of the touching one (7 to 10 mm: none to 2 mrad and 0.2 mm along the track if lowered).
+    // Held sideways, the wheel comes down along z and not along the normal: at the gauge corner the place, angle and
+    // peak of CONTACT are those of the lowered wheel (6 mm: -0.8 % to 0.3 % of the peak, 3 mrad to none), on the flank
+    // those of the touching one (7 to 10 mm: none to 2 mrad and 0.2 mm along the track if lowered).
     constexpr double flank = 0.75;
     if (std::abs(rigid.front().angle) < flank) {
       pair.lower(approach / std::cos(rigid.front().angle));

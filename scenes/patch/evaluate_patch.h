@@ -17,7 +17,7 @@ struct PatchContact {
   Ellipse semi_axes;
   double area = 0.0, max_pressure = 0.0, normal_force = 0.0;
   PatchForce force;
-  TractionMap map;  ///< if asked for
+  TractionMap map;                            ///< if asked for
   std::shared_ptr<const BlockStress> stress;  ///< of finite elements, with the map
 };
 

@@ -95,10 +95,12 @@ std::string vti_of(const TractionMap& m) {
 std::string vtr_of(const BlockStress& b) {
   const auto last = [](const std::vector<double>& v) { return v.size() - 1; };
   const std::string extent = fmt::format("0 {} 0 {} 0 {}", last(b.mesh.x), last(b.mesh.y), last(b.mesh.z));
-  std::string out = "<?xml version=\"1.0\"?>\n<VTKFile type=\"RectilinearGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n";
+  std::string out =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"RectilinearGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n";
   out += "<RectilinearGrid WholeExtent=\"" + extent + "\">\n<Piece Extent=\"" + extent + "\">\n";
   const auto open = [&](const char* name, int components) {
-    out += fmt::format("<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", name, components);
+    out += fmt::format("<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", name,
+                       components);
   };
   const char* close = "\n</DataArray>\n";
   out += "<PointData Vectors=\"displacement\">\n";

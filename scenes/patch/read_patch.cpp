@@ -2,13 +2,13 @@
 #include <cmath>
 #include <filesystem>
 
+#include "detection/shapes/rail_profile.h"
+#include "detection/shapes/wheel_profile.h"
 #include "engine/nearest.h"
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"
 #include "scenes/full_registry.h"
 #include "scenes/patch/patch_case.h"
-#include "detection/shapes/rail_profile.h"
-#include "detection/shapes/wheel_profile.h"
 #include "scenes/patch/patch_schema.h"
 #include "scenes/railway/profiles.h"
 #include "scenes/reader/parts.h"
@@ -90,7 +90,10 @@ std::optional<Profile> read_profile_keys(Reading& reading, TableValues v, const 
   if (v.has("file")) v.set("file", resolve_path(v.text("file"), v.place_of("file"), reading.main_file));
   Built<Profile> built = build_profile(v, is_wheel, label);
   if (!built.value)
-    reading.error(!built.place.file.empty() ? built.place : built.key.empty() ? v.place : v.place_of(built.key), built.problem);
+    reading.error(!built.place.file.empty() ? built.place
+                  : built.key.empty()       ? v.place
+                                            : v.place_of(built.key),
+                  built.problem);
   return std::move(built.value);
 }
 

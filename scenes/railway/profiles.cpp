@@ -64,13 +64,15 @@ Built<Wheelset> build_wheelset(const Parameters& p, const std::string& label) {
   const bool flat = p.has("flat.wheel"), oval = p.has("out_of_round.wheel");
   if (flat && oval) return {{}, label + ": write one of flat and out_of_round", "out_of_round"};
   if (flat && !p.has("flat.length")) return {{}, label + " flat: needs its length (m)", "flat"};
-  if (oval && !p.has("out_of_round.amplitude")) return {{}, label + " out_of_round: needs its amplitude (m)", "out_of_round"};
+  if (oval && !p.has("out_of_round.amplitude"))
+    return {{}, label + " out_of_round: needs its amplitude (m)", "out_of_round"};
   if (flat) {
     w.defect.flat_length = p.number("flat.length"), w.defect.flat_angle = degree * p.number("flat.angle_deg");
     set_defect(p, "flat", w.defect);
   }
   if (oval) {
-    w.defect.amplitude = p.number("out_of_round.amplitude"), w.defect.order = static_cast<int>(p.integer("out_of_round.order"));
+    w.defect.amplitude = p.number("out_of_round.amplitude"),
+    w.defect.order = static_cast<int>(p.integer("out_of_round.order"));
     set_defect(p, "out_of_round", w.defect);
   }
   return {std::move(w)};
@@ -83,7 +85,8 @@ Built<Track> build_track(const Parameters& p, const std::string& label) {
   if (p.has("curve.start")) {
     if (!p.has("curve.radius") || std::abs(p.number("curve.radius")) < 50.0)
       return {{}, label + " curve: needs a radius of at least 50 m, negative to the left", "curve"};
-    curve = {p.number("curve.radius"), p.number("curve.start"), p.number("curve.transition"), p.number("curve.superelevation")};
+    curve = {p.number("curve.radius"), p.number("curve.start"), p.number("curve.transition"),
+             p.number("curve.superelevation")};
     if (curve.transition > std::abs(curve.radius))
       return {{}, label + " curve: the transition is longer than the radius", "curve"};
   }

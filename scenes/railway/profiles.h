@@ -1,4 +1,5 @@
-/// @file profiles.h  From the keys of a wheel_profile or rail_profile to the geometry: for scenes and patch cases alike.
+/// @file profiles.h  From the keys of a wheel_profile or rail_profile to the geometry: for scenes and patch cases
+/// alike.
 #pragma once
 #include <optional>
 #include <string>
@@ -16,7 +17,7 @@ struct Built {
   std::optional<T> value{};
   std::string problem{};  ///< begins with the label
   std::string key{};      ///< whose place to report; empty: the table's
-  Place place{};        ///< inside a file that was read; file empty: see key
+  Place place{};          ///< inside a file that was read; file empty: see key
 };
 
 /// `label` names the table in messages. File names are relative to the working directory.

@@ -95,7 +95,8 @@ void read_wheel_rail(Draft& draft, bool active) {
   draft.scene.contact.wheel_rail = values;
   if (!table) return;
   draft.scene.contact.wheel_rail_place = table->place;
-  if (!active) reading.warning(table->place, "[contact.wheel_rail] is not used by method 'nonsmooth': contact is rigid");
+  if (!active)
+    reading.warning(table->place, "[contact.wheel_rail] is not used by method 'nonsmooth': contact is rigid");
 }
 
 std::optional<PairSpec> read_pair(Draft& draft, const Node& item, const Laws& laws) {

@@ -64,11 +64,14 @@ void check_railway(Reading& reading, ShapeSpec& shape, const TableValues& values
   const std::string prefix = shape.type + ".";
   for (const char* key : {"file", "irregularity.file"})
     if (shape.parameters.has(key))
-      shape.parameters.set(key, resolve_path(shape.parameters.text(key), values.place_of(prefix + key), reading.main_file));
+      shape.parameters.set(key,
+                           resolve_path(shape.parameters.text(key), values.place_of(prefix + key), reading.main_file));
   const auto report = [&](const auto& built) {
     if (built.value) return;
     const bool known = !built.key.empty() && values.written(prefix + built.key);
-    reading.error(!built.place.file.empty() ? built.place : known ? values.place_of(prefix + built.key) : shape.place,
+    reading.error(!built.place.file.empty() ? built.place
+                  : known                   ? values.place_of(prefix + built.key)
+                                            : shape.place,
                   built.problem);
   };
   if (shape.type == "wheel_profile")

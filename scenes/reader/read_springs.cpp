@@ -29,7 +29,8 @@ void read_spring(Draft& draft, const Node& item) {
   if (v.has("to")) {
     s.to = one_body(draft, v, "to", label);
     if (s.to && *s.to == s.body) reading.error(v.place_of("to"), label + ": both ends are on one body");
-    if (v.written("speed")) reading.error(v.place_of("speed"), label + ": speed is that of a frame; leave out `to` or speed");
+    if (v.written("speed"))
+      reading.error(v.place_of("speed"), label + ": speed is that of a frame; leave out `to` or speed");
   }
   s.speed = v.number_or("speed", 0.0);
   s.attachment = v.vec3("attachment"), s.stiffness = v.vec3("stiffness"), s.damping = v.vec3("damping"),

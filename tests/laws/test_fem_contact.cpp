@@ -93,18 +93,19 @@ TEST_CASE("a ball on a block of hexahedra comes within 2 % of Hertz and nearer o
 
 TEST_CASE("pressures on hexahedra converge to Hertz with the first order of their edge",
           "[laws][wheel_rail][fem][slow]") {
-  // p falls like a root at the edge, which lies anywhere within an element: a band of width h is wrong by sqrt(h), in the
-  // mean square h. The edge of a circle on squares scatters the errors: the slope of all meshes counts.
+  // p falls like a root at the edge, which lies anywhere within an element: a band of width h is wrong by sqrt(h), in
+  // the mean square h. The edge of a circle on squares scatters the errors: the slope of all meshes counts.
   const HertzContact h = hertz_of_force(A, A, modulus, N);
   double sx = 0, sy = 0, sxx = 0, sxy = 0, count = 0;
-  for (const int n : {12, 13, 16, 17, 20, 21, 24, 25}) {  // twice the elements across, and one where the edge is shifted
+  for (const int n :
+       {12, 13, 16, 17, 20, 21, 24, 25}) {  // twice the elements across, and one where the edge is shifted
     const double cells = 0.25 * (n / 4 * 4) - (n % 4 ? 0.3 : 0.6), a = h.ellipse.a;
     const int across = n / 4 * 2;
     const double half = 0.5 * across / cells * a;
     const BlockMesh mesh = make_block_mesh(0.0, 0.0, half, half, across, 1.7, 5.0);
     const Eigen::VectorXd tributary = surface_mass(mesh).rowwise().sum();
-    SurfaceProblem p{surface_flexibility(mesh, modulus * (1.0 - nu * nu), nu), tributary, Eigen::VectorXd::Ones(tributary.size()),
-                     Eigen::VectorXd::Ones(tributary.size())};
+    SurfaceProblem p{surface_flexibility(mesh, modulus * (1.0 - nu * nu), nu), tributary,
+                     Eigen::VectorXd::Ones(tributary.size()), Eigen::VectorXd::Ones(tributary.size())};
     const auto r2 = [&](Eigen::Index k) {
       const auto i = static_cast<std::size_t>(k);
       return std::pow(mesh.candidate_x(i), 2) + std::pow(mesh.candidate_y(i), 2);
@@ -126,8 +127,8 @@ TEST_CASE("pressures on hexahedra converge to Hertz with the first order of thei
 }
 
 TEST_CASE("stresses under a ball are those of Huber", "[laws][wheel_rail][fem][slow]") {
-  // on the axis (Johnson 1985, eq. 3.45): s_z = -p0 / (1 + z^2/a^2), s_r = -p0 ((1 + nu)(1 - z/a atan(a/z)) - 1 / (2 (1 +
-  // z^2/a^2))); the largest equivalent stress is 0.62 p0 at 0.48 a
+  // on the axis (Johnson 1985, eq. 3.45): s_z = -p0 / (1 + z^2/a^2), s_r = -p0 ((1 + nu)(1 - z/a atan(a/z)) - 1 / (2 (1
+  // + z^2/a^2))); the largest equivalent stress is 0.62 p0 at 0.48 a
   const Case& c = ball(10);  // elements of a quarter of the radius
   const HertzContact h = hertz_of_force(A, A, modulus, N);
   const SurfaceContact s = solve_surface_contact(c.nodes, {true, N}, Enforcement::lagrange, 0.0);

@@ -130,7 +130,8 @@ TEST_CASE("shifted bodies stick inside Cattaneo's circle", "[laws][wheel_rail]")
       const double ratio = std::cbrt(1.0 - share);
       const double shift =
           3.0 * friction * force * (2.0 - nu) / (8.0 * pair.shear_modulus * h.ellipse.a) * (1.0 - ratio * ratio);
-      if (nu > 0.0 && share == 0.5) CHECK(shift == Approx(0.004032153608e-3).epsilon(1e-6));  // an independent calculation
+      if (nu > 0.0 && share == 0.5)
+        CHECK(shift == Approx(0.004032153608e-3).epsilon(1e-6));  // an independent calculation
       const HalfSpaceTangential s = solve_shift(levels, pair, -shift, 0.0, 0.0);
       CHECK(s.report.converged);
       CHECK(s.force.fx / (friction * force) == Approx(share).epsilon(nu == 0.0 ? 1e-3 : 1.5e-3));

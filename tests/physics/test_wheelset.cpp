@@ -55,8 +55,7 @@ std::string text_of(const WheelsetCase& c) {
              "[[body]]\nname = \"track\"\nshape = \"track\"\nmaterial = \"steel\"\nfixed = true\n"
              "[[body]]\nname = \"wheelset\"\nshape = \"wheelset\"\nmaterial = \"steel\"\n"
              "position = [0, {:.17g}, {:.17g}]\neuler_deg = [0, 0, {:.17g}]\n",
-             c.duration, c.dt, c.method, c.normal, c.tangential, c.wheel, c.start, -r0 + height,
-             c.yaw * 180.0 / pi) +
+             c.duration, c.dt, c.method, c.normal, c.tangential, c.wheel, c.start, -r0 + height, c.yaw * 180.0 / pi) +
          fmt::format(
              "velocity = [{0:.17g}, 0, 0]\nangular_velocity = [0, {1:.17g}, 0]\nforce = [0, 0, 50e3]\n"
              "[[measure]]\nname = \"run\"\nkind = \"wheelset\"\nbody = \"wheelset\"\ninterval = 0\n",
@@ -188,12 +187,13 @@ struct KlingelRow {
 };
 
 void check_klingel(std::initializer_list<KlingelRow> rows) {
-  // L = 2 pi sqrt(r0 s / (2 lambda)), lambda the equivalent conicity of the rigid geometry at the wave's amplitude. Below
-  // 1.3 mm on S1002 the elastic patch spreads over the jump of the rigid contact: 5 % longer at 0.94 mm.
+  // L = 2 pi sqrt(r0 s / (2 lambda)), lambda the equivalent conicity of the rigid geometry at the wave's amplitude.
+  // Below 1.3 mm on S1002 the elastic patch spreads over the jump of the rigid contact: 5 % longer at 0.94 mm.
   const Profile rail = rail_of_all();
   for (const KlingelRow& row : rows) {
     WheelsetCase c;
-    c.wheel = fmt::format("name = \"{}\"", row.name), c.normal = row.normal, c.start = row.start, c.duration = row.duration;
+    c.wheel = fmt::format("name = \"{}\"", row.name), c.normal = row.normal, c.start = row.start,
+    c.duration = row.duration;
     Trace t = trace_of(c);
     const auto x = crossings(t);
     REQUIRE(x.size() > 2);
@@ -205,7 +205,8 @@ void check_klingel(std::initializer_list<KlingelRow> rows) {
     const double roll = stand_on_rails(wheel_of(c), rail, {}, {axle, 0.0, 0.0, 0.0}).position.roll;
     const double lambda = equivalent_conicity(wheel_of(c), rail, {}, axle - roll * r0);
     const double wave = c.speed * (x[2] - x[0]), klingel = 2.0 * pi * std::sqrt(r0 * 1.5 / (2.0 * lambda));
-    INFO(row.name << " " << row.normal << " amplitude " << axle << ": wave " << wave << " m, Klingel " << klingel << " m");
+    INFO(row.name << " " << row.normal << " amplitude " << axle << ": wave " << wave << " m, Klingel " << klingel
+                  << " m");
     CHECK(wave == Approx(klingel).epsilon(0.01));
     CHECK(std::abs(t.run.energy_error()) < 1e-5);
   }
@@ -253,7 +254,8 @@ TEST_CASE("the critical speed is the same for two time steps", "[physics][wheels
     c.speed = v;
     return linear_growth(c);
   });
-  WARN(fmt::format("critical speed {:.3f} m/s (dt 0.2 ms), {:.3f} m/s (0.1 ms), linear {:.3f} m/s", found[0], found[1], linear));
+  WARN(fmt::format("critical speed {:.3f} m/s (dt 0.2 ms), {:.3f} m/s (0.1 ms), linear {:.3f} m/s", found[0], found[1],
+                   linear));
   CHECK(found[0] == Approx(found[1]).epsilon(0.01));
   CHECK(found[0] == Approx(linear).epsilon(0.01));
 }
@@ -290,8 +292,8 @@ TEST_CASE("in a curve a cone moves outwards until both wheels roll", "[physics][
   std::string text = text_of(c);
   const std::string rail = "cant = \"= atan(1/40)\"";
   text.replace(text.find(rail), rail.size(),
-               rail + fmt::format(", curve = {{ radius = {}, start = 10, transition = 80, superelevation = {:.6g} }}", R,
-                                  1.505 * c.speed * c.speed / (9.81 * R)));
+               rail + fmt::format(", curve = {{ radius = {}, start = 10, transition = 80, superelevation = {:.6g} }}",
+                                  R, 1.505 * c.speed * c.speed / (9.81 * R)));
   for (std::size_t at; (at = text.find("damping = [0, 0, 1e4]")) != std::string::npos;)
     text.replace(at, 21, "damping = [5e4, 3e4, 1e4]");  // or Klingel's wave goes on for ever
   // the load leans with the frame, or its part along the sleepers pushes the wheelset aside
@@ -325,8 +327,9 @@ TEST_CASE("in a curve a cone moves outwards until both wheels roll", "[physics][
 
 TEST_CASE("a flat strikes with the speed of its edges", "[physics][wheelset][slow]") {
   // The axle turns about the first edge, then about the second: its vertical speed jumps by v l / R, which the contact
-  // springs take up. (A heavy spin, for the fall about an edge drives the wheel.) With N = C delta^(3/2) from the static load N0: m dv^2 / 2 = integral of N - N0 from delta0 to the
-  // peak. Slow, so that the oscillation which the first edge starts is small: its speed is v / (l omega) = 0.7 % of dv.
+  // springs take up. (A heavy spin, for the fall about an edge drives the wheel.) With N = C delta^(3/2) from the
+  // static load N0: m dv^2 / 2 = integral of N - N0 from delta0 to the peak. Slow, so that the oscillation which the
+  // first edge starts is small: its speed is v / (l omega) = 0.7 % of dv.
   const double v = 0.5, l = 0.06;
   WheelsetCase c;
   c.wheel = "name = \"cone\", flat = { length = 0.06, angle_deg = 20 }", c.speed = v, c.start = 0.0, c.dt = 1e-5,
@@ -387,7 +390,8 @@ TEST_CASE("any pair of models runs in the step", "[physics][wheelset]") {
   for (const char* normal : {"multi-hertz", "semi-hertz"})
     CHECK(run_with(normal, "fastsim", 0.02).first == Approx(force).epsilon(0.03));
   CHECK(run_with("kik-piotrowski", "fastsim", 0.02).first == Approx(force).epsilon(0.12));  // its patch is wider
-  CHECK(run_with("half-space", "polach", 0.01).second == Approx(run_with("hertz", "polach", 0.01).second).epsilon(0.03));
+  CHECK(run_with("half-space", "polach", 0.01).second ==
+        Approx(run_with("hertz", "polach", 0.01).second).epsilon(0.03));
 }
 
 TEST_CASE("the ledger of a wheelset closes and shows the price of creep", "[physics][wheelset]") {
@@ -408,12 +412,14 @@ TEST_CASE("what is wrong with wheels, tracks and springs is said with place and 
     REQUIRE(at != std::string::npos);
     text.replace(at, from.size(), to);
     std::string all;
-    for (const Problem& p : read_scene_text(text, "scene.toml", {}, full_registry()).problems) all += p.to_string() + "\n";
+    for (const Problem& p : read_scene_text(text, "scene.toml", {}, full_registry()).problems)
+      all += p.to_string() + "\n";
     return all;
   };
   using Catch::Matchers::Contains;
   CHECK(problems("name = \"uic60\"", "name = \"uic60\"") == "");
-  CHECK_THAT(problems("name = \"uic60\"", "name = \"uic61\""), Contains("unknown profile 'uic61'") && Contains("uic60") && Contains("scene.toml:"));
+  CHECK_THAT(problems("name = \"uic60\"", "name = \"uic61\""),
+             Contains("unknown profile 'uic61'") && Contains("uic60") && Contains("scene.toml:"));
   CHECK_THAT(problems("name = \"uic60\"", "file = \"none.csv\""), Contains("there is no file"));
   CHECK_THAT(problems("mass = 1500, ", ""), Contains("mass and inertia are given together"));
   CHECK_THAT(problems("mass = 1500, inertia = [950, 120, 950]", "radius = 0.46"), Contains("radius"));
@@ -421,11 +427,16 @@ TEST_CASE("what is wrong with wheels, tracks and springs is said with place and 
   CHECK_THAT(problems("inertia = [950, 120, 950]", "inertia = [950, 120, 95]"), Contains("none larger than the sum"));
   CHECK_THAT(problems("fixed = true", "fixed = false"), Contains("write fixed = true"));
   CHECK_THAT(problems("normal = \"hertz\"", "normal = \"herz\""), Contains("hertz"));
-  CHECK_THAT(problems("cant = \"= atan(1/40)\"", "cant = \"= atan(1/40)\", curve = { radius = 5 }"), Contains("at least 50 m"));
-  CHECK_THAT(problems("cant = \"= atan(1/40)\"", "cant = 0.025, irregularity = { lateral = 1e-3 }"), Contains("one of file and wavelength"));
-  CHECK_THAT(problems("name = \"cone\"", "name = \"cone\", flat = { length = 0.04 }, out_of_round = { amplitude = 1e-4 }"), Contains("one of flat and out_of_round"));
+  CHECK_THAT(problems("cant = \"= atan(1/40)\"", "cant = \"= atan(1/40)\", curve = { radius = 5 }"),
+             Contains("at least 50 m"));
+  CHECK_THAT(problems("cant = \"= atan(1/40)\"", "cant = 0.025, irregularity = { lateral = 1e-3 }"),
+             Contains("one of file and wavelength"));
+  CHECK_THAT(
+      problems("name = \"cone\"", "name = \"cone\", flat = { length = 0.04 }, out_of_round = { amplitude = 1e-4 }"),
+      Contains("one of flat and out_of_round"));
   CHECK_THAT(problems("name = \"cone\"", "name = \"cone\", flat = { angle_deg = 4 }"), Contains("needs its length"));
-  CHECK_THAT(problems("body = \"wheelset\"\nspeed", "body = \"wheelsets\"\nspeed"), Contains("unknown body 'wheelsets'") && Contains("wheelset"));
+  CHECK_THAT(problems("body = \"wheelset\"\nspeed", "body = \"wheelsets\"\nspeed"),
+             Contains("unknown body 'wheelsets'") && Contains("wheelset"));
   CHECK_THAT(problems("body = \"wheelset\"\nspeed", "body = \"track\"\nspeed"), Contains("does not move freely"));
   CHECK_THAT(problems("attachment =", "to = \"track\"\nattachment ="), Contains("leave out `to` or speed"));
   CHECK_THAT(problems("stiffness = [0, 0, 1e5]", "stiffness = [0, 0, -1]"), Contains("stiffness"));
@@ -441,7 +452,8 @@ TEST_CASE("what is wrong with wheels, tracks and springs is said with place and 
 TEST_CASE("springs hold two bodies together with the period of their reduced mass", "[physics][springs]") {
   // omega^2 = k (1/m1 + 1/m2); a damper takes what the ledger counts
   SceneRun run = start_text(
-      "[run]\nduration = 1.0\ntime_step = 1e-4\n[material.a]\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = 0.3\n"
+      "[run]\nduration = 1.0\ntime_step = 1e-4\n[material.a]\ndensity = 1000\nyoungs_modulus = 1e9\npoissons_ratio = "
+      "0.3\n"
       "[contact]\nmethod = \"smooth\"\nfriction = 0\nrestitution = 0\n[shape.s]\nsphere = { radius = 0.1 }\n"
       "[[body]]\nname = \"one\"\nshape = \"s\"\nmaterial = \"a\"\nvelocity = [0.1, 0, 0]\n"
       "[[body]]\nname = \"two\"\nshape = \"s\"\nmaterial = \"a\"\nposition = [1, 0, 0]\n"

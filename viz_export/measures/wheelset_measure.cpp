@@ -29,9 +29,12 @@ void WheelsetMeasure::sample(const StepView& view, std::vector<double>& values) 
     (c.feature[k] >= 16 ? right : left) += (first ? 1.0 : -1.0) * (at.frame.orientation.conjugate() * c.force[k]);
     if (!c.force[k].isZero()) contacts += 1.0;
   }
-  values = {at.distance, at.position.lateral_shift, at.position.height, at.position.yaw, at.position.roll,
-            left.x(),    left.y(),                  left.z(),           right.x(),       right.y(),
-            right.z(),   contacts};
+  values = {at.distance,        at.position.lateral_shift,
+            at.position.height, at.position.yaw,
+            at.position.roll,   left.x(),
+            left.y(),           left.z(),
+            right.x(),          right.y(),
+            right.z(),          contacts};
 }
 
 void SwingMeasure::sample(const StepView& view, std::vector<double>& values) {

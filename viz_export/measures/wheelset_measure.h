@@ -9,8 +9,8 @@ class WheelsetMeasure final : public Measure {
  public:
   explicit WheelsetMeasure(MeasureSetup setup) : setup_(std::move(setup)) {}
   std::vector<std::string> components() const override {
-    return {"distance", "lateral", "vertical", "yaw",     "roll",    "left_x", "left_y",
-            "left_z",   "right_x", "right_y",  "right_z", "contacts"};
+    return {"distance", "lateral", "vertical", "yaw",     "roll",    "left_x",
+            "left_y",   "left_z",  "right_x",  "right_y", "right_z", "contacts"};
   }
   void sample(const StepView& view, std::vector<double>& values) override;
 

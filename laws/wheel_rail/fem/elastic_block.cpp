@@ -24,8 +24,8 @@ Eigen::Matrix<double, 6, 6> elasticity(double E, double nu) {
   return C;
 }
 
-/// Strains xx, yy, zz, yz, xz, xy of a trilinear hexahedron of sides hx, hy, hz at xi in [-1, 1]^3; node n has the corner
-/// bits (x, y, z) of n.
+/// Strains xx, yy, zz, yz, xz, xy of a trilinear hexahedron of sides hx, hy, hz at xi in [-1, 1]^3; node n has the
+/// corner bits (x, y, z) of n.
 Strains strains_at(const double (&xi)[3], const double (&size)[3]) {
   Strains B = Strains::Zero();
   for (int n = 0; n < 8; ++n) {
@@ -88,8 +88,8 @@ BlockMesh make_block_mesh(double cx, double cy, double ax, double ay, int across
 
 namespace {
 
-/// The block's equations with its far faces held as Boussinesq's half-space moves under a unit force in the middle of the
-/// candidates.
+/// The block's equations with its far faces held as Boussinesq's half-space moves under a unit force in the middle of
+/// the candidates.
 struct BlockSystem {
   const BlockMesh& m;
   std::size_t nx, ny, nz;
@@ -99,7 +99,11 @@ struct BlockSystem {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
 
   BlockSystem(const BlockMesh& mesh, double E, double nu)
-      : m(mesh), nx(mesh.x.size()), ny(mesh.y.size()), nz(mesh.z.size()), number(mesh.nodes(), -1),
+      : m(mesh),
+        nx(mesh.x.size()),
+        ny(mesh.y.size()),
+        nz(mesh.z.size()),
+        number(mesh.nodes(), -1),
         given(3 * mesh.nodes(), 0.0) {
     const int unknowns = number_nodes(E, nu);
     far_load = Eigen::VectorXd::Zero(3 * unknowns);

@@ -26,8 +26,8 @@ BlockMesh make_block_mesh(double cx, double cy, double ax, double ay, int across
 /// Inward displacement of the candidates per force on each of them [m/N], column by column.
 Eigen::MatrixXd surface_flexibility(const BlockMesh& mesh, double youngs_modulus, double poissons_ratio);
 
-/// Stresses inside the block: xx, yy, zz, yz, xz, xy [Pa], tension positive, in the middle of each element, elements row
-/// by row in x, then y, then z; displacements of the nodes [m] in the same order.
+/// Stresses inside the block: xx, yy, zz, yz, xz, xy [Pa], tension positive, in the middle of each element, elements
+/// row by row in x, then y, then z; displacements of the nodes [m] in the same order.
 struct BlockStress {
   BlockMesh mesh;
   std::vector<std::array<double, 6>> stress;

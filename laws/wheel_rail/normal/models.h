@@ -9,8 +9,8 @@ std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in);     ///< mult
 std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in);  ///< kik_piotrowski.cpp
 std::vector<RegionPatch> solve_stripes(const NormalInput& in);         ///< strips_by_hertz.cpp
 std::vector<RegionPatch> solve_analyn(const NormalInput& in);
-std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in);      ///< semi_hertz.cpp
-std::vector<RegionPatch> solve_fem(const NormalInput& in);             ///< fem.cpp: Lagrange multipliers at nodes
+std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in);  ///< semi_hertz.cpp
+std::vector<RegionPatch> solve_fem(const NormalInput& in);         ///< fem.cpp: Lagrange multipliers at nodes
 std::vector<RegionPatch> solve_fem_penalty(const NormalInput& in);
 std::vector<RegionPatch> solve_fem_augmented(const NormalInput& in);
 std::vector<RegionPatch> solve_fem_surface(

@@ -220,10 +220,12 @@ bool solve_strips(const NormalInput& in, double approach, bool fine, Strips& s) 
   const double b = std::sqrt(approach / (0.5 * std::max(r.curvature_y, 0.05 * r.curvature_x)));
   const int wished = static_cast<int>((fine ? 16.0 : 6.0) * (high - low) / b);
   s = cut(r, low, high,
-          in.strips > 0 && fine
-              ? in.strips
-              : (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 * 4);  // multiples of 4: coarser grids exist
-  const auto whole = [&](std::size_t j) { return std::sqrt(2.0 * std::max(0.0, approach - s.gap[j]) / s.curvature[j]); };
+          in.strips > 0 && fine ? in.strips
+                                : (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 *
+                                      4);  // multiples of 4: coarser grids exist
+  const auto whole = [&](std::size_t j) {
+    return std::sqrt(2.0 * std::max(0.0, approach - s.gap[j]) / s.curvature[j]);
+  };
   StripStart* start = fine ? in.start : nullptr;
   for (std::size_t j = 0; j < s.y.size(); ++j) {
     const double depth =

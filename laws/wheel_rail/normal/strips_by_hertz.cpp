@@ -1,5 +1,5 @@
-// Virtual penetration with its share of the approach from Hertz instead of one number: exact on a parabola, fast because
-// no strip presses on another.
+// Virtual penetration with its share of the approach from Hertz instead of one number: exact on a parabola, fast
+// because no strip presses on another.
 //
 // stripes (Ayasse, Chollet 2005): share and shape from the curvature at the rigid contact point, half-lengths from the
 // curvature of each strip, smoothed over the patch. Fails where the curvature jumps within the patch.
@@ -83,7 +83,8 @@ std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_cur
   return out;
 }
 
-/// Runs of lines where the undeformed surfaces overlap: mean curvature makes one patch of two regions only where it is one.
+/// Runs of lines where the undeformed surfaces overlap: mean curvature makes one patch of two regions only where it is
+/// one.
 int overlaps(const std::vector<Line>& lines, double approach) {
   int runs = 0;
   bool inside = false;
