@@ -33,8 +33,7 @@ void copy_state(SceneRun& from, SceneRun& to) {
   World &a = from.simulation().world, &b = to.simulation().world;
   for (std::uint32_t id = 0; id < a.ids_given(); ++id) {
     const Slot s = a.slot_of(static_cast<BodyId>(id)), t = b.slot_of(static_cast<BodyId>(id));
-    b.position[t] = a.position[s], b.velocity[t] = a.velocity[s], b.angular_velocity[t] = a.angular_velocity[s],
-    b.orientation[t] = a.orientation[s];
+    b.position[t] = a.position[s], b.velocity[t] = a.velocity[s], b.angular_velocity[t] = a.angular_velocity[s];
   }
 }
 

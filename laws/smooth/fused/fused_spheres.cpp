@@ -13,23 +13,18 @@ struct BlockTask {
   SphereBlocks::Block& block;
   const SphereLaw<Normal, Tangential>& law;
   const std::vector<SphereLaw<Normal, Tangential>>& wall_laws;  ///< by plane
-  const SpherePlane* planes;
-  const SphereState* states;
-  SphereSum *sums, *records;
-  double dt;
-  bool damped;
+  SphereArrays arrays;
 
   EPAFI_LANES void run() const {
-    std::size_t touching = 0;
     SphereGroup* g = block.groups.data();
-    for (std::size_t i = 0; i < block.inside; ++i)
-      evaluate<Normal, Tangential, true, false>(g[i], wall_laws[static_cast<std::size_t>(g[i].plane)], planes, states,
-                                                sums, records, dt, damped, touching);
-    for (std::size_t i = block.inside; i < block.across; ++i)
-      evaluate<Normal, Tangential, false, false>(g[i], law, planes, states, sums, records, dt, damped, touching);
-    for (std::size_t i = block.across; i < block.groups.size(); ++i)
-      evaluate<Normal, Tangential, false, true>(g[i], law, planes, states, sums, records, dt, damped, touching);
-    block.touching = touching;
+    const auto of_wall = [&](const SphereGroup& group) -> const auto& {
+      return wall_laws[static_cast<std::size_t>(group.plane)];
+    };
+    const auto of_pair = [&](const SphereGroup&) -> const auto& { return law; };
+    block.touching =
+        evaluate<Normal, Tangential, true, false>(g, g + block.inside, of_wall, arrays) +
+        evaluate<Normal, Tangential, false, false>(g + block.inside, g + block.across, of_pair, arrays) +
+        evaluate<Normal, Tangential, false, true>(g + block.across, g + block.groups.size(), of_pair, arrays);
   }
 };
 
@@ -96,8 +91,11 @@ class FusedModel final : public FusedSpheres {
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
     parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      loop({all[i], law_, wall_laws_, blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(),
-            blocks_.records().data(), clock.dt, damped_});
+      loop({all[i],
+            law_,
+            wall_laws_,
+            {blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(), blocks_.records().data(),
+             clock.dt, damped_}});
     });
     blocks_.unpack(world, others);
     report.contacts += blocks_.pairs();

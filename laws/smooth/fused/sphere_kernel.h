@@ -1,6 +1,8 @@
-/// @file sphere_kernel.h  Hertz-like contact of spheres with a friction spring, four contacts at a time: gap, law,
-/// spring and sums in one pass. The formulas are those of the law parts (respond, stiffness, limit) and of
-/// laws/smooth/spring.h; the result equals the generic loop to rounding (tests/physics/test_fused_spheres.cpp).
+/// @file sphere_kernel.h  Hertz-like contact of spheres with a friction spring, four contacts at a time. Eight such
+/// groups go through gap, motion, law, spring and sums together: each of these is short, so that the processor works at
+/// several groups at once (one pass over all five took 1.5 times as long: 500 dependent instructions). The formulas are
+/// those of the law parts (respond, stiffness, limit) and of laws/smooth/spring.h; the result equals the generic loop
+/// to rounding (tests/physics/test_fused_spheres.cpp).
 #pragma once
 #include "laws/contact_law.h"
 #include "laws/smooth/fused/sphere_blocks.h"
@@ -13,12 +15,21 @@ struct SphereLaw {
   typename Tangential::Parameters tangential{};
 };
 
-/// Relative motion of four pairs, B against A.
-struct PairMotion {
-  Lanes3 normal;        ///< from A to B
-  Lanes distance, gap;  ///< of centres; [m]
-  Lanes3 velocity, spin_a, spin_b;
-  Lanes approach;
+/// Up to eight groups on their way through the loop; only those that touch or have touched.
+struct SphereTile {
+  static constexpr std::size_t size = 8;
+  std::size_t count = 0;
+  SphereGroup* group[size];
+  LaneMask touching[size];
+  Lanes distance[size];  ///< of centres [m]
+  Lanes3 normal[size];   ///< from A to B; of walls: into the wall
+  Lanes overlap[size], approach[size];
+  Lanes3 displacement[size];                       ///< slip of the step [m]
+  Lanes twist[size];                               ///< about the normal in the step [rad]
+  Lanes force[size], viscous[size], energy[size];  ///< [N], [W], [J]
+  Lanes stiffness[size], limit[size];              ///< of the spring [N/m], [N]
+  Lanes3 load[size];                               ///< of the spring [N]
+  Lanes lost[size];                                ///< by spring and damper in the step [J]
 };
 
 /// Four bodies' columns out of four bodies' rows.
@@ -27,65 +38,85 @@ EPAFI_LANES Lanes3 columns(Lanes a, Lanes b, Lanes c, Lanes d) {
   return {a, b, c};
 }
 
-EPAFI_LANES PairMotion motion_of_spheres(const SphereGroup& g, const SphereState* s, const Lanes3& d, Lanes distance,
-                                         bool damped) {
+/// Takes a group into the tile where some lane touches or did so. normal: the line of centres, not of length 1 yet.
+template <bool wall>
+EPAFI_LANES void find_touching(SphereTile& t, SphereGroup& g, const SpherePlane* planes, const SphereState* s) {
+  const std::size_t k = t.count;
+  if constexpr (wall) {
+    const SpherePlane& plane = planes[g.plane];
+    const Lanes3 out{lanes(plane.normal.x()), lanes(plane.normal.y()), lanes(plane.normal.z())};
+    const Lanes3 x = columns(s[g.a[0]].position, s[g.a[1]].position, s[g.a[2]].position, s[g.a[3]].position);
+    const Lanes3 from{x.x - plane.point.x(), x.y - plane.point.y(), x.z - plane.point.z()};
+    const Lanes gap = out.dot(from) - g.radius_sum;
+    t.touching[k] = (gap < Lanes{}) & (g.radius_sum > Lanes{});
+    t.distance[k] = g.radius_sum, t.normal[k] = -out, t.overlap[k] = keep(t.touching[k], -gap);
+  } else {
+    const Lanes3 d = columns(s[g.b[0]].position - s[g.a[0]].position, s[g.b[1]].position - s[g.a[1]].position,
+                             s[g.b[2]].position - s[g.a[2]].position, s[g.b[3]].position - s[g.a[3]].position);
+    const Lanes distance = sqrt(d.dot(d));
+    t.touching[k] = distance < g.radius_sum;
+    t.distance[k] = distance, t.normal[k] = d, t.overlap[k] = keep(t.touching[k], -(distance - g.radius_sum));
+  }
+  t.group[k] = &g;
+  t.count += g.loaded || any(t.touching[k]);
+}
+
+template <bool wall>
+EPAFI_LANES void find_motion(SphereTile& t, std::size_t k, const SphereState* s, double dt, bool damped) {
+  const SphereGroup& g = *t.group[k];
   const SphereState &a0 = s[g.a[0]], &a1 = s[g.a[1]], &a2 = s[g.a[2]], &a3 = s[g.a[3]];
   const SphereState &b0 = s[g.b[0]], &b1 = s[g.b[1]], &b2 = s[g.b[2]], &b3 = s[g.b[3]];
-  PairMotion m;
-  m.distance = distance, m.gap = distance - g.radius_sum;
-  const LaneMask apart = distance > Lanes{};
-  const Lanes inverse = 1.0 / select(apart, distance, lanes(1.0));
-  m.normal = Lanes3{inverse * d.x, inverse * d.y, select(apart, inverse * d.z, lanes(1.0))};
-  m.velocity = columns(b0.velocity - a0.velocity, b1.velocity - a1.velocity, b2.velocity - a2.velocity,
+  Lanes3 velocity, later;
+  const Lanes3 spin_a = columns(a0.spin, a1.spin, a2.spin, a3.spin);
+  Lanes3 spin_b{};
+  if constexpr (wall) {
+    velocity = -columns(a0.velocity, a1.velocity, a2.velocity, a3.velocity);
+    later = -columns(a0.predicted, a1.predicted, a2.predicted, a3.predicted);
+  } else {
+    const LaneMask apart = t.distance[k] > Lanes{};
+    const Lanes inverse = 1.0 / select(apart, t.distance[k], lanes(1.0));
+    const Lanes3& d = t.normal[k];
+    t.normal[k] = Lanes3{inverse * d.x, inverse * d.y, select(apart, inverse * d.z, lanes(1.0))};
+    velocity = columns(b0.velocity - a0.velocity, b1.velocity - a1.velocity, b2.velocity - a2.velocity,
                        b3.velocity - a3.velocity);
-  const Lanes3 later = damped ? columns(b0.predicted - a0.predicted, b1.predicted - a1.predicted,
-                                        b2.predicted - a2.predicted, b3.predicted - a3.predicted)
-                              : m.velocity;
-  m.approach = -later.dot(m.normal);
-  m.spin_a = columns(a0.spin, a1.spin, a2.spin, a3.spin), m.spin_b = columns(b0.spin, b1.spin, b2.spin, b3.spin);
-  return m;
+    later = damped ? columns(b0.predicted - a0.predicted, b1.predicted - a1.predicted, b2.predicted - a2.predicted,
+                             b3.predicted - a3.predicted)
+                   : velocity;
+    spin_b = columns(b0.spin, b1.spin, b2.spin, b3.spin);
+  }
+  const Lanes3& n = t.normal[k];
+  t.approach[k] = keep(t.touching[k], -later.dot(n));
+  t.twist[k] = 0.5 * dt * n.dot(spin_a + spin_b);
+  const Lanes3 turning = (t.distance[k] * g.share) * spin_a + (t.distance[k] * (1.0 - g.share)) * spin_b;
+  t.displacement[k] = dt * (velocity - velocity.dot(n) * n - turning.cross(n));
 }
 
-EPAFI_LANES PairMotion motion_at_plane(const SphereGroup& g, const SphereState* s, const SpherePlane& plane,
-                                       const Lanes3& x) {
-  const SphereState &a0 = s[g.a[0]], &a1 = s[g.a[1]], &a2 = s[g.a[2]], &a3 = s[g.a[3]];
-  PairMotion m;
-  const Lanes3 out{lanes(plane.normal.x()), lanes(plane.normal.y()), lanes(plane.normal.z())};
-  const Lanes3 from{x.x - plane.point.x(), x.y - plane.point.y(), x.z - plane.point.z()};
-  m.gap = out.dot(from) - g.radius_sum;
-  m.distance = g.radius_sum;
-  m.normal = -out;
-  const Lanes3 v = columns(a0.velocity, a1.velocity, a2.velocity, a3.velocity),
-               later = columns(a0.predicted, a1.predicted, a2.predicted, a3.predicted);
-  m.velocity = -v;
-  m.approach = later.dot(m.normal);
-  m.spin_a = columns(a0.spin, a1.spin, a2.spin, a3.spin), m.spin_b = Lanes3{};
-  return m;
+template <class Normal, class Tangential>
+EPAFI_LANES void find_response(SphereTile& t, std::size_t k, const SphereLaw<Normal, Tangential>& law) {
+  KinematicsOf<Lanes> at;
+  at.overlap = t.overlap[k], at.approach_velocity = t.approach[k];
+  at.effective_mass = t.group[k]->mass, at.effective_radius = t.group[k]->radius;
+  const ResponseOf<Lanes> r = Normal::respond(law.normal, at);
+  t.force[k] = r.force, t.energy[k] = keep(t.touching[k], r.energy);
+  t.viscous[k] = keep(t.touching[k], (r.force - r.elastic_force) * at.approach_velocity);
+  t.stiffness[k] = Tangential::stiffness(law.tangential, r.stiffness);
+  t.limit[k] = Tangential::friction(law.tangential) * r.force;
 }
-
-/// Load of the spring after the step, its energy, and what it lost.
-struct SpringStep {
-  Lanes3 load;
-  Lanes stored, lost;
-};
 
 /// laws/smooth/spring.h: the old load turns with the plane, shrinks with the stiffness, follows the slip and stays
-/// below `limit`. Divisions and roots that no lane needs are left out.
-EPAFI_LANES SpringStep pull(const SphereGroup& g, const PairMotion& m, LaneMask touching, Lanes stiffness, Lanes limit,
-                            double dt) {
-  const Lanes3& n = m.normal;
+/// below the limit. Divisions and roots that no lane needs are left out.
+EPAFI_LANES void pull(SphereTile& t, std::size_t k, double dt) {
+  SphereGroup& g = *t.group[k];
+  const Lanes3 &n = t.normal[k], &displacement = t.displacement[k];
+  const LaneMask touching = t.touching[k];
+  const Lanes stiffness = t.stiffness[k], limit = t.limit[k];
   const Lanes3 old{g.load_x, g.load_y, g.load_z};
   const Lanes before = old.dot(old);
-  const Lanes3 spin = m.spin_a + m.spin_b;
-  const Lanes twist = 0.5 * dt * n.dot(spin);
-  Lanes3 load = old + twist * n.cross(old);
+  Lanes3 load = old + t.twist[k] * n.cross(old);
   load = load - n.dot(load) * n;
   const Lanes after = load.dot(load);
   const LaneMask turns = after > Lanes{};
   load = select(turns, sqrt(before / select(turns, after, lanes(1.0))), Lanes{}) * load;
-  const Lanes opening = m.velocity.dot(n);
-  const Lanes3 turning = (m.distance * g.share) * m.spin_a + (m.distance * (1.0 - g.share)) * m.spin_b;
-  const Lanes3 displacement = dt * (m.velocity - opening * n - turning.cross(n));
   const Lanes3 start = load;
   const LaneMask softer = touching & (stiffness < g.stiffness);
   if (any(softer)) load = select(softer, stiffness / select(softer, g.stiffness, lanes(1.0)), lanes(1.0)) * load;
@@ -95,71 +126,73 @@ EPAFI_LANES SpringStep pull(const SphereGroup& g, const PairMotion& m, LaneMask 
   if (any(slides)) load = select(slides, limit / sqrt(select(slides, square, lanes(1.0))), lanes(1.0)) * load;
   const Lanes energy = keep(touching, 0.5 * load.dot(load) / select(touching, stiffness, lanes(1.0)));
   const Lanes work = keep(touching, 0.5 * (start + load).dot(displacement));
-  return {{keep(touching, load.x), keep(touching, load.y), keep(touching, load.z)}, energy, work - (energy - g.energy)};
-}
-
-/// One group: reads the bodies, moves the springs on, adds to sums (of B: to records where it lies in another block).
-template <class Normal, class Tangential, bool wall, bool across>
-EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& law, const SpherePlane* planes,
-                          const SphereState* s, SphereSum* sums, SphereSum* records, double dt, bool damped,
-                          std::size_t& touching_count) {
-  Lanes3 d;
-  PairMotion m;
-  LaneMask touching;
-  if constexpr (wall) {
-    d = columns(s[g.a[0]].position, s[g.a[1]].position, s[g.a[2]].position, s[g.a[3]].position);
-    m = motion_at_plane(g, s, planes[g.plane], d);
-    touching = (m.gap < Lanes{}) & (g.radius_sum > Lanes{});
-    if (!g.loaded && !any(touching)) return;
-  } else {
-    d = columns(s[g.b[0]].position - s[g.a[0]].position, s[g.b[1]].position - s[g.a[1]].position,
-                s[g.b[2]].position - s[g.a[2]].position, s[g.b[3]].position - s[g.a[3]].position);
-    const Lanes distance = sqrt(d.dot(d));
-    touching = distance < g.radius_sum;
-    if (!g.loaded && !any(touching)) return;
-    m = motion_of_spheres(g, s, d, distance, damped);
-  }
-  KinematicsOf<Lanes> at;
-  at.overlap = keep(touching, -m.gap), at.approach_velocity = keep(touching, m.approach);
-  at.effective_mass = g.mass, at.effective_radius = g.radius;
-  const ResponseOf<Lanes> r = Normal::respond(law.normal, at);
-  const SpringStep spring = pull(g, m, touching, Tangential::stiffness(law.tangential, r.stiffness),
-                                 Tangential::friction(law.tangential) * r.force, dt);
-  const Lanes viscous = keep(touching, (r.force - r.elastic_force) * at.approach_velocity);
-  const Lanes lost = spring.lost + 0.5 * dt * (g.viscous + viscous);
+  t.load[k] = {keep(touching, load.x), keep(touching, load.y), keep(touching, load.z)};
+  t.lost[k] = work - (energy - g.energy) + 0.5 * dt * (g.viscous + t.viscous[k]);
   if (dt > 0.0 || !g.loaded) {  // no time passes: what is remembered stays as it is
-    g.load_x = spring.load.x, g.load_y = spring.load.y, g.load_z = spring.load.z;
-    g.stiffness = keep(touching, Tangential::stiffness(law.tangential, r.stiffness));
-    g.energy = spring.stored, g.viscous = viscous, g.normal_force = select(touching, r.force, lanes(-1.0));
+    g.load_x = t.load[k].x, g.load_y = t.load[k].y, g.load_z = t.load[k].z;
+    g.stiffness = keep(touching, stiffness);
+    g.energy = energy, g.viscous = t.viscous[k], g.normal_force = select(touching, t.force[k], lanes(-1.0));
     g.loaded = any(touching);
   }
-  const Lanes stored = keep(touching, r.energy) + g.energy;
-  touching_count -= static_cast<std::size_t>(touching[0] + touching[1] + touching[2] + touching[3]);
+  t.energy[k] += g.energy;
+}
 
-  const Lanes push = keep(touching, r.force);
-  Lanes f0 = spring.load.x - push * m.normal.x, f1 = spring.load.y - push * m.normal.y,
-        f2 = spring.load.z - push * m.normal.z, f3 = stored;
-  const Lanes3 moment = m.normal.cross(spring.load);
-  const Lanes arm_a = m.distance * g.share, arm_b = m.distance * (1.0 - g.share);
-  Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = lost;
+/// Adds to sums; of B to records where it lies in another block.
+template <bool wall, bool across>
+EPAFI_LANES void add_forces(const SphereTile& t, std::size_t k, SphereSum* sums, SphereSum* records) {
+  const SphereGroup& g = *t.group[k];
+  const Lanes3 &n = t.normal[k], &load = t.load[k];
+  const Lanes push = keep(t.touching[k], t.force[k]);
+  Lanes f0 = load.x - push * n.x, f1 = load.y - push * n.y, f2 = load.z - push * n.z, f3 = t.energy[k];
+  const Lanes3 moment = n.cross(load);
+  const Lanes arm_a = t.distance[k] * g.share, arm_b = t.distance[k] * (1.0 - g.share);
+  Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = t.lost[k];
   transpose(f0, f1, f2, f3), transpose(t0, t1, t2, t3);
   const Lanes force[4] = {f0, f1, f2, f3}, torque[4] = {t0, t1, t2, t3};
   if constexpr (wall) {
-    for (int k = 0; k < lane_count; ++k) sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
+    for (int l = 0; l < lane_count; ++l) sums[g.a[l]].force += force[l], sums[g.a[l]].torque += torque[l];
     return;
   }
   Lanes u0 = arm_b * moment.x, u1 = arm_b * moment.y, u2 = arm_b * moment.z, u3{};
   transpose(u0, u1, u2, u3);
   const Lanes torque_b[4] = {u0, u1, u2, u3}, no_energy{-1.0, -1.0, -1.0, 0.0};  // the owner keeps the energy
   // lane by lane, A and B: the order of a body's sum must not depend on which contacts share a group
-  for (int k = 0; k < lane_count; ++k) {
-    sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
-    SphereSum& other = across ? records[g.record + static_cast<std::uint32_t>(k)] : sums[g.b[k]];
+  for (int l = 0; l < lane_count; ++l) {
+    sums[g.a[l]].force += force[l], sums[g.a[l]].torque += torque[l];
+    SphereSum& other = across ? records[g.record + static_cast<std::uint32_t>(l)] : sums[g.b[l]];
     if constexpr (across)
-      other = SphereSum{no_energy * force[k], torque_b[k]};
+      other = SphereSum{no_energy * force[l], torque_b[l]};
     else
-      other.force += no_energy * force[k], other.torque += torque_b[k];
+      other.force += no_energy * force[l], other.torque += torque_b[l];
   }
+}
+
+/// What the groups of a block read and write.
+struct SphereArrays {
+  const SpherePlane* planes;
+  const SphereState* states;
+  SphereSum *sums, *records;
+  double dt;
+  bool damped;
+};
+
+/// Reads the bodies of the groups, moves their springs on, adds their forces; the number of lanes that touch.
+/// law(g): of a group.
+template <class Normal, class Tangential, bool wall, bool across, class LawOf>
+EPAFI_LANES std::size_t evaluate(SphereGroup* g, SphereGroup* end, const LawOf& law, const SphereArrays& with) {
+  SphereTile t;
+  std::size_t touching = 0;
+  while (g < end) {
+    for (t.count = 0; g < end && t.count < SphereTile::size; ++g) find_touching<wall>(t, *g, with.planes, with.states);
+    for (std::size_t k = 0; k < t.count; ++k) find_motion<wall>(t, k, with.states, with.dt, with.damped);
+    for (std::size_t k = 0; k < t.count; ++k) find_response<Normal, Tangential>(t, k, law(*t.group[k]));
+    for (std::size_t k = 0; k < t.count; ++k) pull(t, k, with.dt);
+    for (std::size_t k = 0; k < t.count; ++k) add_forces<wall, across>(t, k, with.sums, with.records);
+    LaneMask counts{};
+    for (std::size_t k = 0; k < t.count; ++k) counts -= t.touching[k];
+    touching += static_cast<std::size_t>(counts[0] + counts[1] + counts[2] + counts[3]);
+  }
+  return touching;
 }
 
 }  // namespace epafi
