@@ -48,8 +48,11 @@ StripSum press(const std::vector<Line>& lines, double step, double approach) {
   return s;
 }
 
-/// Curvature across the track from the rigid point to each line, or of each line smoothed over `width` to both sides.
-std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_curvature, double width, double& step) {
+/// Curvature across the track from the rigid point to each line, or of each line smoothed over half the patch of
+/// `guess`.
+std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_curvature, const HertzContact& guess,
+                           double& step) {
+  const double width = 0.5 * guess.ellipse.b, most = 4.0 * guess.approach;  // beyond: nothing touches
   const GapProfile& g = r.profile;
   const double flattest = 0.01 * r.curvature_x;
   std::vector<Line> out;
@@ -69,6 +72,10 @@ std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_cur
   const auto reach = static_cast<std::size_t>(std::max(1.0, width / g.step));
   for (std::size_t k = 0; k < g.size(); ++k) {
     const double y = g.y(k), near = 2.0 * g.step;
+    if (g.gap[k] > most) {
+      out.push_back({y, g.gap[k], {1.0, 0.0, 0.0}});
+      continue;
+    }
     double B = B0;
     if (mean_curvature && std::abs(y) > near) {
       B = std::max(0.5 * flattest, g.gap[k] / (y * y));
@@ -102,7 +109,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
   const HertzContact guess = in.target.by_force ? hertz_of_force(0.5 * r.curvature_x, B, E, load)
                                                 : hertz_of_approach(0.5 * r.curvature_x, B, E, load);
   double step = 0.0;
-  const std::vector<Line> lines = lines_of(r, E, mean_curvature, 0.5 * guess.ellipse.b, step);
+  const std::vector<Line> lines = lines_of(r, E, mean_curvature, guess, step);
   double approach = load;
   if (in.target.by_force) {
     double low = 0.0, high = guess.approach;
