@@ -9,6 +9,7 @@
 #include "engine/parallel.h"
 #include "laws/smooth/critical_step.h"
 #include "scenes/contact_setup.h"
+#include "scenes/railway/rolling.h"
 
 namespace epafi {
 
@@ -39,6 +40,11 @@ void look_at(Survey& out, const Assembly& a, std::uint32_t shape, std::uint16_t 
   out.diameter = std::min(out.diameter, 2 * radius);
 }
 
+bool is_railway(std::uint32_t shape) {
+  const auto type = ShapeRef{shape}.type();
+  return type == ShapeStore::type_of<WheelProfile>() || type == ShapeStore::type_of<RailProfile>();
+}
+
 Survey survey(const Assembly& a) {
   const World& w = a.simulation->world;
   Survey out;
@@ -46,6 +52,7 @@ Survey survey(const Assembly& a) {
   const Vec3 down = g > 0 ? Vec3(w.gravity / g) : -Vec3::UnitZ();
   double low = infinity, high = -infinity, fastest = 0;
   for (Slot s = 0; s < w.size(); ++s) {
+    if (a.plan.rolling && is_railway(w.shape[s])) continue;  // they touch each other only: railway_step
     fastest = std::max(fastest, w.velocity[s].norm());
     if (!w.is_movable(s)) {
       out.held[w.material[s]] = true, ++out.held_bodies;
@@ -142,6 +149,11 @@ TimeStep choose_time_step(const Assembly& a) {
   const bool smooth = a.scene.contact.method.value == Method::smooth;
   TimeStep step{a.scene.run.output_interval.value / 10, infinity, "no body can touch another: output_interval / 10"};
   if (s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) step = smooth ? smooth_step(a, s) : nonsmooth_step(a, s);
+  if (const TimeStep railway = railway_step(a); railway.value < infinity && smooth) {
+    const bool only = s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2;
+    if (only || railway.value < step.value) step.value = railway.value, step.reason = railway.reason;
+    step.limit = std::min(step.limit, railway.limit);
+  }
   if (a.scene.run.adaptive && !smooth)
     throw SceneError("[run] time_step = \"adaptive\" is for contact.method = \"smooth\"", written.place);
   if (a.scene.run.adaptive && s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1 && s.speed > 0)

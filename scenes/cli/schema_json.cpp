@@ -187,7 +187,9 @@ std::string json_schema(const Registry& registry) {
   root.add("$schema", "\"http://json-schema.org/draft-07/schema#\"")
       .add("title", "\"Epafi scene\"")
       .add("type", "\"object\"");
-  root.add("additionalProperties", "false").add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]").add("properties", properties.str());
+  root.add("additionalProperties", "false")
+      .add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]")
+      .add("properties", properties.str());
   Object definitions;
   definitions.add("shape", writer.object(schema.at("shape").fields, "shape"));
   root.add("definitions", definitions.str());

@@ -5,6 +5,7 @@
 #include "viz_export/measures/contact_measures.h"
 #include "viz_export/measures/flow_measures.h"
 #include "viz_export/measures/granular_measures.h"
+#include "viz_export/measures/wheelset_measure.h"
 
 namespace epafi {
 
@@ -63,6 +64,10 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<MixingMeasure>(std::move(s)); }},
       {{"outlet", "bodies and mass that an outlet has taken out", {outlet}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<OutletMeasure>(std::move(s)); }},
+      {{"wheelset", "a wheelset in the axes of its track: place, angles, forces of the rails on each wheel", {body}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<WheelsetMeasure>(std::move(s)); }},
+      {{"swing", "amplitude of a wheelset's hunting within the last window", {body, window}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<SwingMeasure>(std::move(s)); }},
   };
   return list;
 }
