@@ -13,6 +13,18 @@ struct SphereLaw {
   typename Tangential::Parameters tangential{};
 };
 
+/// What all groups of a block share.
+struct SphereLoop {
+  const SpherePlane* planes;
+  const SphereState* states;
+  SphereSum *sums, *records;
+  double dt;
+  bool damped;
+  Vec3 cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]
+  SphereVirial* virials;
+  double* viscous;  ///< energy lost in the dampers of the contacts a body owns, by slot [J]
+};
+
 /// Relative motion of four pairs, B against A.
 struct PairMotion {
   Lanes3 normal;        ///< from A to B
@@ -25,6 +37,13 @@ struct PairMotion {
 EPAFI_LANES Lanes3 columns(Lanes a, Lanes b, Lanes c, Lanes d) {
   transpose(a, b, c, d);
   return {a, b, c};
+}
+
+/// The flow of a deforming cell comes on top.
+EPAFI_LANES void add_flow(PairMotion& m, const Lanes3& d, const Vec3& strain_rate) {
+  const Lanes3 flow{strain_rate.x() * d.x, strain_rate.y() * d.y, strain_rate.z() * d.z};
+  m.velocity = m.velocity + flow;
+  m.approach = m.approach - flow.dot(m.normal);
 }
 
 EPAFI_LANES PairMotion motion_of_spheres(const SphereGroup& g, const SphereState* s, const Lanes3& d, Lanes distance,
@@ -99,37 +118,49 @@ EPAFI_LANES SpringStep pull(const SphereGroup& g, const PairMotion& m, LaneMask 
 }
 
 /// One group: reads the bodies, moves the springs on, adds to sums (of B: to records where it lies in another block).
-template <class Normal, class Tangential, bool wall, bool across>
-EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& law, const SpherePlane* planes,
-                          const SphereState* s, SphereSum* sums, SphereSum* records, double dt, bool damped,
-                          std::size_t& touching_count) {
+/// image: in a periodic cell, null otherwise.
+template <class Normal, class Tangential, bool wall, bool across, bool periodic>
+EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& law, const SphereLoop& loop,
+                          const SphereImages* image, std::size_t& touching_count) {
+  const SphereState* s = loop.states;
+  SphereSum* sums = loop.sums;
+  const double dt = loop.dt;
   Lanes3 d;
   PairMotion m;
   LaneMask touching;
   if constexpr (wall) {
     d = columns(s[g.a[0]].position, s[g.a[1]].position, s[g.a[2]].position, s[g.a[3]].position);
-    m = motion_at_plane(g, s, planes[g.plane], d);
+    m = motion_at_plane(g, s, loop.planes[g.plane], d);
     touching = (m.gap < Lanes{}) & (g.radius_sum > Lanes{});
     if (!g.loaded && !any(touching)) return;
   } else {
     d = columns(s[g.b[0]].position - s[g.a[0]].position, s[g.b[1]].position - s[g.a[1]].position,
                 s[g.b[2]].position - s[g.a[2]].position, s[g.b[3]].position - s[g.a[3]].position);
+    if constexpr (periodic)
+      d = d + Lanes3{loop.cell_size.x() * image->x, loop.cell_size.y() * image->y, loop.cell_size.z() * image->z};
     const Lanes distance = sqrt(d.dot(d));
     touching = distance < g.radius_sum;
     if (!g.loaded && !any(touching)) return;
-    m = motion_of_spheres(g, s, d, distance, damped);
+    m = motion_of_spheres(g, s, d, distance, loop.damped);
+    if constexpr (periodic) add_flow(m, d, loop.strain_rate);
   }
   KinematicsOf<Lanes> at;
   at.overlap = keep(touching, -m.gap), at.approach_velocity = keep(touching, m.approach);
   at.effective_mass = g.mass, at.effective_radius = g.radius;
   const ResponseOf<Lanes> r = Normal::respond(law.normal, at);
-  const SpringStep spring = pull(g, m, touching, Tangential::stiffness(law.tangential, r.stiffness),
-                                 Tangential::friction(law.tangential) * r.force, dt);
+  SpringStep spring{};
+  if constexpr (Tangential::is_present)
+    spring = pull(g, m, touching, Tangential::stiffness(law.tangential, r.stiffness),
+                  Tangential::friction(law.tangential) * r.force, dt);
   const Lanes viscous = keep(touching, (r.force - r.elastic_force) * at.approach_velocity);
-  const Lanes lost = spring.lost + 0.5 * dt * (g.viscous + viscous);
+  if (loop.damped) {
+    const Lanes damper = 0.5 * dt * (g.viscous + viscous);
+    for (int k = 0; k < lane_count; ++k) loop.viscous[g.a[k]] += damper[k];
+  }
   if (dt > 0.0 || !g.loaded) {  // no time passes: what is remembered stays as it is
     g.load_x = spring.load.x, g.load_y = spring.load.y, g.load_z = spring.load.z;
-    g.stiffness = keep(touching, Tangential::stiffness(law.tangential, r.stiffness));
+    if constexpr (Tangential::is_present)
+      g.stiffness = keep(touching, Tangential::stiffness(law.tangential, r.stiffness));
     g.energy = spring.stored, g.viscous = viscous, g.normal_force = select(touching, r.force, lanes(-1.0));
     g.loaded = any(touching);
   }
@@ -141,12 +172,19 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
         f2 = spring.load.z - push * m.normal.z, f3 = stored;
   const Lanes3 moment = m.normal.cross(spring.load);
   const Lanes arm_a = m.distance * g.share, arm_b = m.distance * (1.0 - g.share);
-  Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = lost;
+  Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = spring.lost;
+  Lanes v0 = f0, v1 = f1, v2 = f2, v3{};
   transpose(f0, f1, f2, f3), transpose(t0, t1, t2, t3);
   const Lanes force[4] = {f0, f1, f2, f3}, torque[4] = {t0, t1, t2, t3};
   if constexpr (wall) {
     for (int k = 0; k < lane_count; ++k) sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
     return;
+  }
+  if constexpr (periodic) {
+    v0 *= d.x, v1 *= d.y, v2 *= d.z;
+    transpose(v0, v1, v2, v3);
+    const Lanes virial[4] = {v0, v1, v2, v3};
+    for (int k = 0; k < lane_count; ++k) loop.virials[g.a[k]].sum += virial[k];
   }
   Lanes u0 = arm_b * moment.x, u1 = arm_b * moment.y, u2 = arm_b * moment.z, u3{};
   transpose(u0, u1, u2, u3);
@@ -154,7 +192,7 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
   // lane by lane, A and B: the order of a body's sum must not depend on which contacts share a group
   for (int k = 0; k < lane_count; ++k) {
     sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
-    SphereSum& other = across ? records[g.record + static_cast<std::uint32_t>(k)] : sums[g.b[k]];
+    SphereSum& other = across ? loop.records[g.record + static_cast<std::uint32_t>(k)] : sums[g.b[k]];
     if constexpr (across)
       other = SphereSum{no_energy * force[k], torque_b[k]};
     else
