@@ -106,8 +106,9 @@ struct NeedRow {
 
 /// Prints ns per contact without and with each need, and draws them.
 void measure_needs(const std::vector<NeedRow>& rows, const char* folder) {
-  KindMap map{"Smooth contact: what a declared need costs", "processor time per contact [ns]", "", true};
-  map.kinds = {"without", "with"};
+  KindMap map;
+  map.title = "Smooth contact: what a declared need costs", map.x_label = "processor time per contact [ns]";
+  map.log_x = true, map.kinds = {"without", "with"};
   std::printf("\n%-38s %10s %10s %10s\n", "need", "without", "with", "cost [ns]");
   for (const NeedRow& row : rows) {
     const double a = cost_of(setup_of(row.without, {glass}), row.rotates_without).best,
