@@ -117,13 +117,49 @@ EPAFI_LANES SpringStep pull(const SphereGroup& g, const PairMotion& m, LaneMask 
   return {{keep(touching, load.x), keep(touching, load.y), keep(touching, load.z)}, energy, work - (energy - g.energy)};
 }
 
+/// Adds a group's forces to its bodies: push along the normal, the spring's load across. d: from A to B.
+template <bool wall, bool across, bool periodic>
+EPAFI_LANES void add_to_bodies(const SphereGroup& g, const SphereLoop& loop, const PairMotion& m, const Lanes3& d,
+                               const SpringStep& spring, Lanes push, Lanes stored) {
+  SphereSum* sums = loop.sums;
+  Lanes f0 = spring.load.x - push * m.normal.x, f1 = spring.load.y - push * m.normal.y,
+        f2 = spring.load.z - push * m.normal.z, f3 = stored;
+  const Lanes3 moment = m.normal.cross(spring.load);
+  const Lanes arm_a = m.distance * g.share, arm_b = m.distance * (1.0 - g.share);
+  Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = spring.lost;
+  Lanes v0 = f0, v1 = f1, v2 = f2, v3{};
+  transpose(f0, f1, f2, f3), transpose(t0, t1, t2, t3);
+  const Lanes force[4] = {f0, f1, f2, f3}, torque[4] = {t0, t1, t2, t3};
+  if constexpr (wall) {
+    for (int k = 0; k < lane_count; ++k) sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
+    return;
+  }
+  if constexpr (periodic) {
+    v0 *= d.x, v1 *= d.y, v2 *= d.z;
+    transpose(v0, v1, v2, v3);
+    const Lanes virial[4] = {v0, v1, v2, v3};
+    for (int k = 0; k < lane_count; ++k) loop.virials[g.a[k]].sum += virial[k];
+  }
+  Lanes u0 = arm_b * moment.x, u1 = arm_b * moment.y, u2 = arm_b * moment.z, u3{};
+  transpose(u0, u1, u2, u3);
+  const Lanes torque_b[4] = {u0, u1, u2, u3}, no_energy{-1.0, -1.0, -1.0, 0.0};  // the owner keeps the energy
+  // lane by lane, A and B: the order of a body's sum must not depend on which contacts share a group
+  for (int k = 0; k < lane_count; ++k) {
+    sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
+    SphereSum& other = across ? loop.records[g.record + static_cast<std::uint32_t>(k)] : sums[g.b[k]];
+    if constexpr (across)
+      other = SphereSum{no_energy * force[k], torque_b[k]};
+    else
+      other.force += no_energy * force[k], other.torque += torque_b[k];
+  }
+}
+
 /// One group: reads the bodies, moves the springs on, adds to sums (of B: to records where it lies in another block).
 /// image: in a periodic cell, null otherwise.
 template <class Normal, class Tangential, bool wall, bool across, bool periodic>
 EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& law, const SphereLoop& loop,
                           const SphereImages* image, std::size_t& touching_count) {
   const SphereState* s = loop.states;
-  SphereSum* sums = loop.sums;
   const double dt = loop.dt;
   Lanes3 d;
   PairMotion m;
@@ -166,38 +202,7 @@ EPAFI_LANES void evaluate(SphereGroup& g, const SphereLaw<Normal, Tangential>& l
   }
   const Lanes stored = keep(touching, r.energy) + g.energy;
   touching_count -= static_cast<std::size_t>(touching[0] + touching[1] + touching[2] + touching[3]);
-
-  const Lanes push = keep(touching, r.force);
-  Lanes f0 = spring.load.x - push * m.normal.x, f1 = spring.load.y - push * m.normal.y,
-        f2 = spring.load.z - push * m.normal.z, f3 = stored;
-  const Lanes3 moment = m.normal.cross(spring.load);
-  const Lanes arm_a = m.distance * g.share, arm_b = m.distance * (1.0 - g.share);
-  Lanes t0 = arm_a * moment.x, t1 = arm_a * moment.y, t2 = arm_a * moment.z, t3 = spring.lost;
-  Lanes v0 = f0, v1 = f1, v2 = f2, v3{};
-  transpose(f0, f1, f2, f3), transpose(t0, t1, t2, t3);
-  const Lanes force[4] = {f0, f1, f2, f3}, torque[4] = {t0, t1, t2, t3};
-  if constexpr (wall) {
-    for (int k = 0; k < lane_count; ++k) sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
-    return;
-  }
-  if constexpr (periodic) {
-    v0 *= d.x, v1 *= d.y, v2 *= d.z;
-    transpose(v0, v1, v2, v3);
-    const Lanes virial[4] = {v0, v1, v2, v3};
-    for (int k = 0; k < lane_count; ++k) loop.virials[g.a[k]].sum += virial[k];
-  }
-  Lanes u0 = arm_b * moment.x, u1 = arm_b * moment.y, u2 = arm_b * moment.z, u3{};
-  transpose(u0, u1, u2, u3);
-  const Lanes torque_b[4] = {u0, u1, u2, u3}, no_energy{-1.0, -1.0, -1.0, 0.0};  // the owner keeps the energy
-  // lane by lane, A and B: the order of a body's sum must not depend on which contacts share a group
-  for (int k = 0; k < lane_count; ++k) {
-    sums[g.a[k]].force += force[k], sums[g.a[k]].torque += torque[k];
-    SphereSum& other = across ? loop.records[g.record + static_cast<std::uint32_t>(k)] : sums[g.b[k]];
-    if constexpr (across)
-      other = SphereSum{no_energy * force[k], torque_b[k]};
-    else
-      other.force += no_energy * force[k], other.torque += torque_b[k];
-  }
+  add_to_bodies<wall, across, periodic>(g, loop, m, d, spring, keep(touching, r.force), stored);
 }
 
 }  // namespace epafi
