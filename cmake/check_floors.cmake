@@ -17,7 +17,7 @@ set(below_scenes engine detection laws viz_export scenes)
 set(doors
   "omp\\.h|engine/parallel\\.h"
   "hdf5\\.h|viz_export/hdf5_file\\.cpp"
-  "CGAL/|detection/shapes/hull_from_points\\.cpp,detection/shapes/mesh_repair\\.cpp"
+  "CGAL/|detection/shapes/hull_from_points\\.cpp,detection/shapes/mesh_repair\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/main\\.cpp"
   "zlib\\.h|viz_export/vtp_writer\\.cpp"

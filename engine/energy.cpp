@@ -11,7 +11,8 @@ double kinetic_energy(const World& world, Slot s) {
   if (!world.is_movable(s)) return 0.0;
   double twice = world.velocity[s].squaredNorm() / world.inverse_mass[s];
   if (world.rotates()) {
-    const Vec3 w = world.orientation[s].conjugate() * world.angular_velocity[s];
+    const bool even = world.is_isotropic(s);  // the axes do not matter
+    const Vec3 &spin = world.angular_velocity[s], w = even ? spin : Vec3(world.orientation[s].conjugate() * spin);
     twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia[s]).sum();
   }
   return 0.5 * twice;

@@ -17,8 +17,8 @@ void World::each_column(F&& f) {
   if (columns_.external_force) f("world/external_force", external_force);
   if (columns_.periodic) f("world/wraps", wraps);
   if (!columns_.rotation) return;
-  f("world/orientation", orientation), f("world/angular_velocity", angular_velocity);
-  f("world/inverse_inertia", inverse_inertia);
+  if (columns_.orientation) f("world/orientation", orientation);
+  f("world/angular_velocity", angular_velocity), f("world/inverse_inertia", inverse_inertia);
   if (columns_.force) f("world/torque", torque);
   if (columns_.anisotropy) f("world/angular_momentum", angular_momentum);
 }
@@ -69,7 +69,7 @@ void World::add(const Body& body, BodyId new_id) {
   if (columns_.external_force) external_force.back() = body.external_force;
   if (columns_.periodic) wraps.back().setZero();
   if (columns_.rotation) {
-    orientation.back() = body.orientation.normalized();
+    if (columns_.orientation) orientation.back() = body.orientation.normalized();
     inverse_inertia.back() = free ? Vec3(body.inertia.cwiseInverse()) : Vec3(0, 0, 0);
     if (columns_.force) torque.back().setZero();
     if (columns_.anisotropy) angular_momentum.back().setZero();
@@ -154,7 +154,8 @@ std::string state_hash(const World& world) {
     hash.add(b);
     hash.add(world.position[s].data(), 3), hash.add(world.velocity[s].data(), 3);
     if (!world.rotates()) continue;
-    hash.add(world.orientation[s].coeffs().data(), 4), hash.add(world.angular_velocity[s].data(), 3);
+    if (world.has_orientation()) hash.add(world.orientation[s].coeffs().data(), 4);
+    hash.add(world.angular_velocity[s].data(), 3);
   }
   return hash.hex();
 }

@@ -15,7 +15,9 @@ namespace epafi {
 
 /// Which optional columns exist; the plan of the scene decides.
 struct Columns {
-  bool rotation = false;  ///< orientation, angular velocity, inverse inertia
+  bool rotation = false;    ///< angular velocity, inverse inertia
+  bool orientation = true;  ///< with rotation; without it all bodies stand as authored
+  bool free_turn = true;    ///< with orientation: those of free bodies follow the spin; spheres look alike anyhow
   bool anisotropy =
       false;          ///< some free body has unequal principal moments: angular momentum is kept beside the velocity
   bool force = true;  ///< force (and torque, with rotation): smooth contact only
@@ -46,8 +48,8 @@ class World {
  public:
   explicit World(Columns columns = {}) : columns_(columns) {}
 
-  double time = 0.0;            ///< [s]
-  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
+  double time = 0.0;                   ///< [s]
+  Vec3 gravity = Vec3::Zero();         ///< [m/s^2]
   std::optional<PeriodicCell> cell{};  ///< where space repeats; with columns().periodic
 
   std::vector<BodyId> id;  ///< of each slot
@@ -59,8 +61,8 @@ class World {
   std::vector<Wraps> wraps;            ///< cells passed; with columns().periodic
   std::vector<Vec3> force;             ///< contact force at the last detection [N]; with columns().force
   std::vector<Vec3> external_force;    ///< [N]; with columns().external_force
-  std::vector<Quat> orientation;       ///< with columns().rotation, as are the next three
-  std::vector<Vec3> angular_velocity;  ///< world axes [rad/s]
+  std::vector<Quat> orientation;       ///< with columns().rotation and columns().orientation
+  std::vector<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next two
   std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]
   std::vector<Vec3> torque;            ///< [N m]; with columns().force
   std::vector<Vec3>
@@ -68,6 +70,7 @@ class World {
 
   std::size_t size() const { return id.size(); }
   bool rotates() const { return columns_.rotation; }
+  bool has_orientation() const { return columns_.rotation && columns_.orientation; }
   const Columns& columns() const { return columns_; }
   bool is_movable(Slot s) const { return inverse_mass[s] > 0.0; }
   Slot slot_of(BodyId body) const { return slot_of_[static_cast<std::uint32_t>(body)]; }  ///< no_slot when removed
@@ -90,7 +93,7 @@ class World {
     return cell ? Vec3(straight + image_shift(a, b, feature)) : straight;
   }
 
-  Pose pose(Slot s) const { return {position[s], rotates() ? orientation[s] : Quat(1, 0, 0, 0)}; }
+  Pose pose(Slot s) const { return {position[s], has_orientation() ? orientation[s] : Quat(1, 0, 0, 0)}; }
   /// Acceleration by everything but contact: gravity and external force [m/s^2]; zero for fixed bodies.
   Vec3 free_acceleration(Slot s) const {
     if (inverse_mass[s] == 0.0) return Vec3::Zero();
@@ -110,6 +113,7 @@ class World {
   void set_angular_velocity(Slot s, const Vec3& w);
   /// Motion of the orientation over dt: torque-free for free bodies, with constant angular velocity for driven ones.
   void rotate(Slot s, double dt) {
+    if (!columns_.orientation || (!columns_.free_turn && is_movable(s))) return;
     if (is_isotropic(s))
       orientation[s] = turned(orientation[s], dt * angular_velocity[s]);
     else

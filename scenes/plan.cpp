@@ -31,15 +31,24 @@ bool is_isotropic(const Vec3& m) { return m.x() == m.y() && m.y() == m.z(); }
 
 bool is_turned(const BodySpec& b) { return std::abs(b.orientation.w()) < 1.0; }
 
-/// Everything that makes orientations necessary, most telling reason first.
+/// Everything that makes spins and orientations necessary, most telling reason first.
 void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
   const auto pay = [&](const std::string& why, const Place& where) {
     if (!plan.columns.rotation) plan.costs.push_back({"rotation", why, where});
     plan.columns.rotation = true;
   };
+  plan.columns.orientation = plan.columns.free_turn = false;
+  const auto stand = [&](const std::string& why, const Place& where) {
+    if (!plan.columns.orientation) plan.costs.push_back({"orientation", why, where});
+    plan.columns.orientation = true;
+  };
   if (plan.needs.rotation) pay("friction exerts a torque", scene.contact.friction.place);
   for (std::size_t s : use.free) {
-    if (!shapes[s].is_sphere) pay("free bodies of shape '" + scene.shapes[s].type + "' turn", scene.shapes[s].place);
+    if (!shapes[s].is_sphere) {
+      const std::string why = "free bodies of shape '" + scene.shapes[s].type + "' turn";
+      pay(why, scene.shapes[s].place), stand(why, scene.shapes[s].place);
+      plan.columns.free_turn = true;
+    }
     if (is_isotropic(shapes[s].frame.moments) || plan.columns.anisotropy) continue;
     plan.columns.anisotropy = true;
     plan.costs.push_back({"angular momentum", "unequal principal moments of shape '" + scene.shapes[s].type + "'",
@@ -48,9 +57,16 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
   for (const auto& b : scene.bodies) {
     const Place& where = b.spins.written() ? b.spins.place : scene.groups[b.group].place;
     if (b.angular_velocity.squaredNorm() > 0) pay("body '" + b.name + "' spins", where);
-    if (b.motion && b.motion->rotation_rate != 0) pay("body '" + b.name + "' is driven to rotate", where);
-    if (is_turned(b) && !shapes[b.shape].is_sphere) pay("body '" + b.name + "' is turned", where);
+    const bool driven = b.motion && b.motion->rotation_rate != 0;
+    if (driven) pay("body '" + b.name + "' is driven to rotate", where);
+    if (shapes[b.shape].is_sphere) continue;
+    if (is_turned(b)) pay("body '" + b.name + "' is turned", where);
+    if (is_turned(b) || driven || b.angular_velocity.squaredNorm() > 0)
+      stand("body '" + b.name + "' " + (is_turned(b) ? "is turned" : "turns"), where);
   }
+  if (!plan.columns.rotation || !scene.output.orientation.value) return;
+  stand("[output] asks for it", scene.output.orientation.place);
+  plan.columns.free_turn = true;
 }
 
 /// The law of overlap volumes knows polyhedra, boxes and half-spaces with sharp edges.
@@ -135,6 +151,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
       plan.not_paid.push_back(name);
   };
   if (!plan.columns.rotation) plan.not_paid.push_back("rotation");
+  if (!plan.columns.orientation) plan.not_paid.push_back("orientation");
   if (!plan.columns.anisotropy) plan.not_paid.push_back("angular momentum");
   const ContactSettings& c = scene.contact;
   pay(plan.needs.memory, smooth ? "tangential history" : "warm start",

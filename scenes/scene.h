@@ -33,6 +33,7 @@ struct RunSettings {
   Placed<double> duration;                    ///< [s], > 0
   Placed<std::optional<double>> time_step;    ///< [s], > 0; empty: "auto" or "adaptive"
   bool adaptive = false;                      ///< time_step = "adaptive": divided as the motion asks
+  bool allow_unstable = false;                ///< a step above the limit is taken: to see where it fails
   Placed<std::string> scheme;                 ///< resolved from the method where not written
   Placed<double> output_interval;             ///< [s], > 0; default duration / 100
   std::optional<double> checkpoint_interval;  ///< [s], > 0; empty: only at the end and on interruption
@@ -208,6 +209,7 @@ struct BenchmarkSpec {
 /// [output]
 struct OutputSettings {
   std::optional<Placed<double>> problems_every;  ///< write the contact problems each so many seconds [s]
+  Placed<bool> orientation{false, {}};           ///< of spheres too
 };
 
 struct Scene {

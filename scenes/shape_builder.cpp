@@ -120,6 +120,7 @@ BuiltShape ShapeBuilder::build_mesh(const ShapeSpec& spec, double size) {
   if (const std::string text = file.report.to_string(); file.report.is_inverted() || file.report.dropped > 0)
     warnings_.push_back({Problem::Level::warning, spec.place, spec.parameters.text("file") + ": " + text});
   TriangleMesh mesh = TriangleMesh::from_surface(std::move(file.surface));
+  if (spec.parameters.text("tree") == "obb") mesh.orient_boxes();
   const double radius = mesh.bounding_radius();
   return {store_.add(std::move(mesh)), 0.0, {}, radius, false, false};
 }

@@ -155,7 +155,7 @@ TimeStep choose_time_step(const Assembly& a) {
   if (a.scene.run.adaptive && s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1 && s.speed > 0)
     return adaptive_step(a, s);
   if (!written.value) return step;
-  if (*written.value > step.limit)
+  if (*written.value > step.limit && !a.scene.run.allow_unstable)
     throw SceneError(
         fmt::format("[run] time_step = {:g} s exceeds the limit {:.4g} s ({}); use time_step = \"auto\" ({:.4g} s)",
                     *written.value, step.limit, step.reason, step.value),

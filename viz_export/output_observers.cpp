@@ -10,7 +10,9 @@ namespace epafi {
 void StateRecorder::observe(const StepView& view) {
   const auto bodies = body_records(view.world, surfaces_);
   if (run_ != nullptr)
-    run_->add_snapshot({view.step, view.world.time, state_hash(view.world), view.world.rotates()}, bodies);
+    run_->add_snapshot(
+        {view.step, view.world.time, state_hash(view.world), view.world.rotates(), view.world.has_orientation()},
+        bodies);
   if (frames_ != nullptr) frames_->write(view.world.time, bodies, contact_records(view.world, view.contacts));
 }
 

@@ -147,14 +147,14 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const std::vector<BodyRec
   file.write<std::uint32_t>(group + "/id", ids);
   write_rows(file, group + "/position", 3, n, [&](std::size_t k, double* to) { put(bodies[k].pose.position, to); });
   write_rows(file, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies[k].velocity, to); });
-  if (stamp.rotates) {
+  if (stamp.has_orientation)
     write_rows(file, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
       const Quat& q = bodies[k].pose.orientation;
       to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
     });
+  if (stamp.rotates)
     write_rows(file, group + "/angular_velocity", 3, n,
                [&](std::size_t k, double* to) { put(bodies[k].angular_velocity, to); });
-  }
   write_rows(file, group + "/kinetic_energy", 1, n, [&](std::size_t k, double* to) { *to = bodies[k].kinetic_energy; });
   file.set_attribute(group, "step", stamp.step);
   file.set_attribute(group, "time", stamp.time);

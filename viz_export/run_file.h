@@ -28,7 +28,8 @@ struct SnapshotStamp {
   std::uint64_t step = 0;
   double time = 0.0;  ///< [s]
   std::string state_hash;
-  bool rotates = false;  ///< orientation and angular velocity are stored
+  bool rotates = false;          ///< angular velocity is stored
+  bool has_orientation = false;  ///< orientation is stored
 };
 
 class Hdf5File;

@@ -75,14 +75,15 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
   const Hdf5File& file = impl_->file;
   StoredSnapshot out;
   out.stamp = {file.count_attribute(group, "step"), file.number_attribute(group, "time"),
-               file.text_attribute(group, "state_hash"), file.has(group + "/orientation")};
+               file.text_attribute(group, "state_hash"), file.has(group + "/angular_velocity"),
+               file.has(group + "/orientation")};
   const auto id = file.read<std::uint32_t>(group + "/id");
   const std::size_t n = id.size();
   const auto x = impl_->rows(group + "/position", 3, n), v = impl_->rows(group + "/velocity", 3, n);
   const auto energy = impl_->rows(group + "/kinetic_energy", 1, n);
   std::vector<double> q, w;
-  if (out.stamp.rotates)
-    q = impl_->rows(group + "/orientation", 4, n), w = impl_->rows(group + "/angular_velocity", 3, n);
+  if (out.stamp.has_orientation) q = impl_->rows(group + "/orientation", 4, n);
+  if (out.stamp.rotates) w = impl_->rows(group + "/angular_velocity", 3, n);
   out.bodies.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     BodyRecord& b = out.bodies[i];
@@ -92,9 +93,8 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
     const std::int32_t surface = impl_->surface[b.id];
     b.surface = surface < 0 ? nullptr : &impl_->surfaces[static_cast<std::size_t>(surface)];
     b.pose.position = Vec3(&x[3 * i]), b.velocity = Vec3(&v[3 * i]);
-    if (!out.stamp.rotates) continue;
-    b.pose.orientation = Quat(q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]);
-    b.angular_velocity = Vec3(&w[3 * i]);
+    if (out.stamp.has_orientation) b.pose.orientation = Quat(q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]);
+    if (out.stamp.rotates) b.angular_velocity = Vec3(&w[3 * i]);
   }
   return out;
 }

@@ -8,11 +8,14 @@
 namespace epafi {
 
 namespace {
-constexpr double least_margin = 0.1;   // of the bounding radius: what a body at rest may creep; 0.05-0.2 cost the same within 10 %
-constexpr double most_margin = 0.5;    // of the bounding radius: beyond, the longer list costs more than the rebuilds it saves
-constexpr double giant_ratio = 16.0;   // of the median radius: above, one box test per body is cheaper than one more grid level
+constexpr double least_margin =
+    0.1;  // of the bounding radius: what a body at rest may creep; 0.05-0.2 cost the same within 10 %
+constexpr double most_margin =
+    0.5;  // of the bounding radius: beyond, the longer list costs more than the rebuilds it saves
+constexpr double giant_ratio =
+    16.0;  // of the median radius: above, one box test per body is cheaper than one more grid level
 constexpr std::size_t most_giants = 16;
-constexpr double headroom = 1.25;      // bodies speed up between rebuilds
+constexpr double headroom = 1.25;                       // bodies speed up between rebuilds
 constexpr double least_steps = 4.0, most_steps = 64.0;  // of one list
 
 /// Distance by which a point of the body moves per second, at most [m/s].
@@ -37,7 +40,7 @@ void FatBodies::update(const World& world, const BroadSetup& setup, double step_
   const std::size_t n = world.size();
   box.resize(n), ball.resize(n), half.resize(n), radius.resize(n), turning_radius.resize(n), margin.resize(n);
   id.resize(n), type.resize(n), immovable.resize(n), position.resize(n);
-  if (world.rotates()) orientation.resize(n);
+  if (world.has_orientation()) orientation.resize(n);
   read_shapes(world, *setup.shapes);
   choose_margins(world, setup, step_time);
   fatten(world, setup);
@@ -53,7 +56,7 @@ void FatBodies::read_shapes(const World& world, const ShapeStore& shapes) {
     radius[i] = shapes.bounding_radius(ref);
     turning_radius[i] = ref.type() == ShapeStore::type_of<Sphere>() ? 0.0 : radius[i];
     position[i] = world.position[s];
-    if (world.rotates()) orientation[i] = world.orientation[s];
+    if (world.has_orientation()) orientation[i] = world.orientation[s];
   });
 }
 
@@ -75,8 +78,8 @@ void FatBodies::choose_margins(const World& world, const BroadSetup& setup, doub
     margin.assign(world.size(), setup.margin);
     return;
   }
-  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 0.8/sqrt(e), e the mean motion per step
-  // in radii; perf/broad.cpp shows the minimum to be flat within a factor of two.
+  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 0.8/sqrt(e), e the mean motion
+  // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two.
   const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
     if (immovable[i] || !(radius[i] > 0.0)) return Sum3{};
     return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]) / radius[i], 1.0, 0.0};
@@ -87,9 +90,12 @@ void FatBodies::choose_margins(const World& world, const BroadSetup& setup, doub
   parallel_for(world.size(), [&](std::size_t i) {
     const double step = step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]);
     const double wanted = 2.0 * headroom * steps * step;
-    if (!std::isfinite(wanted)) margin[i] = 0.0;  // a turning half-space: its list lasts one step
-    else if (immovable[i]) margin[i] = std::min(wanted, most_margin * small);
-    else margin[i] = std::clamp(wanted, least_margin * std::min(radius[i], small), most_margin * radius[i]);
+    if (!std::isfinite(wanted))
+      margin[i] = 0.0;  // a turning half-space: its list lasts one step
+    else if (immovable[i])
+      margin[i] = std::min(wanted, most_margin * small);
+    else
+      margin[i] = std::clamp(wanted, least_margin * std::min(radius[i], small), most_margin * radius[i]);
   });
 }
 
@@ -127,23 +133,22 @@ void FatBodies::set_apart(const World& world, const ShapeStore& shapes) {
     apart.push_back(s);
     const ShapeRef ref{world.shape[s]};
     const bool plane = ref.type() == ShapeStore::type_of<HalfSpace>();
-    plane_normal.push_back(plane ? Vec3(world.pose(s).orientation * shapes.of<HalfSpace>()[ref.index()].normal) : Vec3::Zero());
+    plane_normal.push_back(plane ? Vec3(world.pose(s).orientation * shapes.of<HalfSpace>()[ref.index()].normal)
+                                 : Vec3::Zero());
   }
 }
 
 bool FatBodies::outdated(const World& world) const {
   if (world.size() != size()) return true;
-  const bool rotates = world.rotates();
-  // the largest of (moved - allowed): a maximum is the same for every thread count
+  const bool rotates = world.has_orientation();
+  // a maximum is the same for every thread count
   return block_max<char>(size(), 0, [&](std::size_t i) {
-    double moved = std::sqrt((world.position[i] - position[i]).squaredNorm());
-    if (rotates && turning_radius[i] > 0.0) {
-      // a turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|, as |q - q0| = 2 sin(t/4)
-      const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
-      if (turn > 0.0) moved += 2.0 * turning_radius[i] * std::sqrt(turn);
-    }
-    return static_cast<char>(moved > 0.5 * margin[i]);
-  }) != 0;
+           const double way = (world.position[i] - position[i]).squaredNorm(), allowed = 0.5 * margin[i];
+           if (!rotates || !(turning_radius[i] > 0.0)) return static_cast<char>(way > allowed * allowed);
+           // a turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|, as |q - q0| = 2 sin(t/4)
+           const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
+           return static_cast<char>(std::sqrt(way) + 2.0 * turning_radius[i] * std::sqrt(turn) > allowed);
+         }) != 0;
 }
 
 double FatBodies::largest_margin() const {

@@ -54,14 +54,15 @@ void PeriodicPairs::follow(const World& world) {
   shown_.time = world.time;
   shown_.id.resize(all), shown_.shape.resize(all), shown_.inverse_mass.resize(all);
   shown_.position.resize(all), shown_.velocity.resize(all);
-  if (world.rotates()) shown_.orientation.resize(all), shown_.angular_velocity.resize(all);
+  if (world.rotates()) shown_.angular_velocity.resize(all);
+  if (world.has_orientation()) shown_.orientation.resize(all);
   parallel_for(all, [&](std::size_t i) {
     const bool real = i < n;
     const Slot s = real ? static_cast<Slot>(i) : images_[i - n].of;
     shown_.position[i] = world.position[s], shown_.velocity[i] = world.velocity[s];
     if (!real) shown_.position[i] += world.cell->shift(image_code(images_[i - n].step));
-    if (world.rotates())
-      shown_.orientation[i] = world.orientation[s], shown_.angular_velocity[i] = world.angular_velocity[s];
+    if (world.rotates()) shown_.angular_velocity[i] = world.angular_velocity[s];
+    if (world.has_orientation()) shown_.orientation[i] = world.orientation[s];
     if (!fresh) return;
     shown_.id[i] = real ? world.id[s] : static_cast<BodyId>(world.ids_given() + (i - n));
     shown_.shape[i] = world.shape[s], shown_.inverse_mass[i] = real ? world.inverse_mass[s] : 0.0;
@@ -97,7 +98,9 @@ void PeriodicPairs::translate(const World& world, std::vector<Pair>& pairs) cons
 }
 
 void PeriodicPairs::find_pairs(const World& world, PairList& pairs) {
-  if (shown_.rotates() != world.rotates()) shown_ = World(Columns{.rotation = world.rotates()}), valid_ = false;
+  const bool same = shown_.rotates() == world.rotates() && shown_.has_orientation() == world.has_orientation();
+  if (!same)
+    shown_ = World(Columns{.rotation = world.rotates(), .orientation = world.has_orientation()}), valid_ = false;
   if (valid_ && shown_.size() != world.size() + images_.size()) valid_ = false;
   if (valid_) follow(world);
   if (!valid_ || list_->bodies().outdated(shown_)) {

@@ -146,7 +146,7 @@ double SweepGuard::hold_back(World& world, double duration) {
     if (world.is_movable(s))
       energy -= world.free_acceleration(s).dot(held.position - now.position) / world.inverse_mass[s];
     world.position[s] = held.position;
-    if (world.rotates()) world.orientation[s] = held.orientation;
+    if (world.has_orientation()) world.orientation[s] = held.orientation;
     if (world.columns().anisotropy && world.is_movable(s))
       world.angular_velocity[s] = world.apply_inverse_inertia(s, world.angular_momentum[s]);
     ++held_;

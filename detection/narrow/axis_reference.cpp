@@ -29,15 +29,30 @@ bool arc_exceeds(const Vec3& l, const Vec3& on_l, const Vec3& r, const Vec3& on_
 constexpr std::uint32_t largest_index = 0xffffu;
 constexpr std::size_t most_edges = 16;  // of each body; more: the pair is too even for a short list
 
-/// Edges of one body whose arcs exceed the threshold; false where they are too many.
-template <class Deepest>
-bool collect_edges(const AxisSide& side, double threshold, const Deepest& deepest,
-                   std::array<std::uint32_t, most_edges>& out, std::size_t& count) {
+/// The vertex stays the deepest along d while the body turns by up to `turn`: against every neighbour, so against all.
+bool stays_deepest(const PolyhedronView& p, const Vec3& d, std::uint32_t v, double turn) {
+  for (std::uint32_t k = p.neighbour_begin[v]; k < p.neighbour_begin[v + 1]; ++k) {
+    const Vec3 away = p.vertices[v] - p.vertices[p.neighbours[k]];
+    if (!(d.dot(away) > turn * away.norm())) return false;
+  }
+  return true;
+}
+
+/// Edges of one body whose arcs exceed the threshold, or may after turning by `turn`; false where they are too many.
+/// support(n): the other body's deepest vertex along n. stays(n, v): it stays so. place: of that vertex.
+template <class Support, class Stays, class Place>
+bool collect_edges(const AxisSide& side, double threshold, const Support& support, const Stays& stays,
+                   const Place& place, std::array<std::uint32_t, most_edges>& out, std::size_t& count) {
+  const auto deepest = [&](const Vec3& n) -> Vec3 { return place(support(n)); };
   count = 0;
   for (std::uint32_t k = 0; k < side.own.edges.size(); ++k) {
     const HullEdge& edge = side.own.edges[k];
-    if (!side.edge_may_exceed(edge, threshold)) continue;
     const Vec3 &l = side.own.face_normals[edge.left], &r = side.own.face_normals[edge.right];
+    if (!(std::max(side.height[edge.left], side.height[edge.right]) > threshold)) continue;
+    if (!side.sphere_may_exceed(edge, threshold)) continue;
+    // One vertex deepest below both faces, now and later: no direction between them is better than these two.
+    const std::uint32_t below_l = side.deepest[edge.left], below_r = side.deepest[edge.right];
+    if (below_l == below_r && below_l != AxisSide::unknown && stays(l, below_l) && stays(r, below_r)) continue;
     if (!arc_exceeds(l, deepest(l), r, deepest(r), side.own.vertices[edge.from], threshold, deepest)) continue;
     if (count == most_edges) return false;
     out[count++] = k;
@@ -81,14 +96,22 @@ bool AxisSearch::keep_faces(double threshold, AxisReference& out) {
 bool AxisSearch::keep_crossings(double threshold, AxisReference& out) {
   std::array<std::uint32_t, most_edges> of_a, of_b;
   std::size_t count_a = 0, count_b = 0;
-  const auto below_a = [&](const Vec3& n) { return pair_.vertex_b(pair_.support_b(n)); };
-  const auto below_b = [&](const Vec3& m) -> Vec3 {
-    return pair_.rotation.transpose() * (pair_.a.vertices[pair_.support_a(-(pair_.rotation * m))] - pair_.offset);
+  const auto below_a = [&](const Vec3& n) { return pair_.support_b(n); };
+  const auto below_b = [&](const Vec3& m) { return pair_.support_a(-(pair_.rotation * m)); };
+  const auto of_vertex_b = [&](std::uint32_t v) { return pair_.vertex_b(v); };
+  const auto of_vertex_a = [&](std::uint32_t v) -> Vec3 {
+    return pair_.rotation.transpose() * (pair_.a.vertices[v] - pair_.offset);
   };
-  if (!collect_edges(side_a_, threshold, below_a, of_a, count_a)) return false;
+  const auto b_stays = [&](const Vec3& n, std::uint32_t v) {
+    return stays_deepest(pair_.b, -(pair_.rotation.transpose() * n), v, out.turn);
+  };
+  const auto a_stays = [&](const Vec3& m, std::uint32_t v) {
+    return stays_deepest(pair_.a, -(pair_.rotation * m), v, out.turn);
+  };
+  if (!collect_edges(side_a_, threshold, below_a, b_stays, of_vertex_b, of_a, count_a)) return false;
   out.crossings = 0;
   if (count_a == 0) return true;
-  if (!collect_edges(side_b_, threshold, below_b, of_b, count_b)) return false;
+  if (!collect_edges(side_b_, threshold, below_b, a_stays, of_vertex_a, of_b, count_b)) return false;
   for (std::size_t j = 0; j < count_b; ++j) {
     const ArcEdge other = arc_of_b(pair_, of_b[j]);
     for (std::size_t i = 0; i < count_a; ++i) {

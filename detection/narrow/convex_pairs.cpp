@@ -99,7 +99,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   const PolyhedronPair pair(a, b, q.a, q.b);
   if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
   if (q.area) return collide_volumes(pair, r, q, sink);
-  const PolyhedronDistance d = polyhedron_distance(pair, limit);
+  const PolyhedronDistance d = polyhedron_distance(pair, limit, q.cache ? &q.cache->polyhedra : nullptr);
   if (d.beyond)
     remember(q, d.axis.normal);
   else if (q.cache)

@@ -1,8 +1,28 @@
 #include "detection/narrow/half_space_pairs.h"
 
+#include <algorithm>
+
 #include "detection/narrow/overlap_cells.h"
 
 namespace epafi {
+namespace {
+
+/// Leaves the vertices of faces that look at the plane, and the deepest one: the far side of a thin slab is within reach
+/// too, and the farthest of eight corners would be on it.
+void keep_facing(const PolyhedronView& a, const Vec3& outward_in_a, std::vector<PatchPoint>& points) {
+  static thread_local std::vector<char> faces_plane;
+  faces_plane.assign(a.vertices.size(), 0);
+  for (std::size_t f = 0; f < a.face_normals.size(); ++f) {
+    if (!(a.face_normals[f].dot(outward_in_a) < -facing_cosine)) continue;
+    for (std::uint32_t k = a.face_begin[f]; k < a.face_begin[f + 1]; ++k) faces_plane[a.face_vertices[k]] = 1;
+  }
+  const auto deepest = std::min_element(points.begin(), points.end(),
+                                        [](const PatchPoint& p, const PatchPoint& q) { return p.gap < q.gap; });
+  faces_plane[feature_vertex_a(deepest->feature)] = 1;
+  std::erase_if(points, [](const PatchPoint& p) { return !faces_plane[feature_vertex_a(p.feature)]; });
+}
+
+}  // namespace
 
 void collide_with_plane(const PolyhedronView& a, double sweep, double radius, const HalfSpace& b, const PairQuery& q,
                         ContactSink& sink) {
@@ -20,6 +40,7 @@ void collide_with_plane(const PolyhedronView& a, double sweep, double radius, co
     points.push_back(
         {rotation * a.vertices[v] - (sweep + 0.5 * gap) * outward, gap, make_feature(FeatureKind::vertex_a, v, 0)});
   }
+  if (points.size() > 4) keep_facing(a, local, points);
   Patch patch;
   keep_four(points, -outward, patch);
   for (int k = 0; k < patch.count; ++k) {

@@ -8,7 +8,6 @@ namespace epafi {
 namespace {
 
 constexpr double snap = 1e-6;    // of the size: closer vertices and edges are one, so that equal boxes do not flicker
-constexpr double facing = 0.05;  // cosine below which a face is too steep to carry a point
 
 /// Corner of a polygon in the plane across the normal. source: vertex of its polygon from which the next edge starts.
 struct Corner {
@@ -175,7 +174,7 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
   const double cosine_a = na.dot(n), cosine_b = nb.dot(n);
   buf.points.clear();
   const double size = std::min(pair.a.radius, pair.b.radius), tolerance = snap * size;
-  if (cosine_a > facing && cosine_b < -facing) {
+  if (cosine_a > facing_cosine && cosine_b < -facing_cosine) {
     const ContactFrame frame = contact_frame(n);
     project_face(pair.a, f.a, Mat3::Identity(), Vec3::Zero(), frame, false, buf.a);
     project_face(pair.b, f.b, pair.rotation, pair.offset, frame, true, buf.b);

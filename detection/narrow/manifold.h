@@ -22,11 +22,17 @@ struct Patch {
   int count = 0;
 };
 
+/// Cosine to the normal below which a face is too steep to carry a point.
+constexpr double facing_cosine = 0.05;
+
 /// Kinds of features; together with two indices of 22 bits below the image code's byte.
 enum class FeatureKind : std::uint64_t { vertex_a = 0, vertex_b = 1, edges = 2, single = 3, cell_a = 4, cell_b = 5 };
 constexpr Feature make_feature(FeatureKind kind, std::uint32_t a, std::uint32_t b) {
   return static_cast<Feature>(kind) << 44 | Feature{a & 0x3fffffu} << 22 | (b & 0x3fffffu);
 }
+
+/// The vertex of A in a feature of kind vertex_a or edges.
+constexpr std::uint32_t feature_vertex_a(Feature f) { return static_cast<std::uint32_t>(f >> 22) & 0x3fffffu; }
 
 /// Points with gap < reach; sweeps: sphere radii swept over A and B [m], already inside `reach` and the gaps given
 /// back. Where the faces do not look at each other (a tip, two crossed edges) it is the one closest (deepest) point.

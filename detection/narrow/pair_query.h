@@ -1,13 +1,14 @@
 /// @file pair_query.h  What every pair function takes and gives: collide(shape_a, shape_b, query, sink).
 #pragma once
+#include "detection/narrow/pair_memory.h"
 #include "engine/contacts.h"
 
 namespace epafi {
 
-/// What a pair remembers of its last step: a direction that separates. A shortcut only: answers are the same bits without
-/// it, so it is not state.
+/// What a pair remembers of its last step. A shortcut only: answers are the same bits without it, so it is not state.
 struct PairCache {
-  Vec3 axis = Vec3::Zero();  ///< from A to B, world axes; zero: unknown
+  Vec3 axis = Vec3::Zero();  ///< a direction that separates, from A to B, world axes; zero: unknown
+  PairMemory polyhedra;      ///< of two polyhedra near each other
 };
 
 /// One pair at one instant.

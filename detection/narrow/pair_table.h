@@ -14,7 +14,8 @@
 
 namespace epafi {
 
-/// Fixed body made of triangles: query(box in its axes, out) lists candidate triangles in ascending order.
+/// Fixed body made of triangles: query(box in its axes, out) lists candidate triangles in ascending order, find_near
+/// those of a body.
 /// Its header offers collide_triangles(convex, mesh, triangles, query, sink) with the convex body as A.
 template <class M>
 concept MeshShape = requires(const M& m, const Aabb& box, std::vector<std::uint32_t>& out) {
@@ -143,8 +144,8 @@ void find_candidates(const BatchInput& in, const Pair& p, bool mesh_first, doubl
   if (in.world.cell) (mesh_first ? pose_body : pose_mesh).position += in.world.cell->shift(p.image);
   const Pose relative{pose_mesh.to_local(pose_body.position),
                       pose_mesh.orientation.conjugate() * pose_body.orientation};
-  const Aabb box = in.shapes.of<Body>()[ShapeRef{in.world.shape[body]}.index()].bounding_box(relative);
-  in.shapes.of<Mesh>()[ShapeRef{in.world.shape[mesh]}.index()].query(box.fattened(margin + in.reach), out);
+  const Body& near = in.shapes.of<Body>()[ShapeRef{in.world.shape[body]}.index()];
+  in.shapes.of<Mesh>()[ShapeRef{in.world.shape[mesh]}.index()].find_near(near, relative, margin + in.reach, out);
 }
 
 /// The pairs of a run, one after the other.

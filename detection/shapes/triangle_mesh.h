@@ -1,11 +1,13 @@
 /// @file triangle_mesh.h  Surface of triangles for fixed and driven bodies ("mesh" in scenes); both sides are walls.
 /// Body axes are the author's: the body's position is where the origin of the file comes to lie.
-/// Found by a tree of boxes over the triangles, split at the median of the longest side, kept as one array.
+/// Found by a tree of boxes over the triangles, split at the median of the longest side, kept as one array; on wish by
+/// a tree of oriented boxes instead.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "detection/mass_properties.h"
+#include "detection/shapes/obb_tree.h"
 #include "detection/shapes/shape_concept.h"
 #include "detection/shapes/triangle_surface.h"
 
@@ -33,11 +35,14 @@ struct TriangleMesh {
 
   /// The surface need not be closed. Triangles must have an area (the mesh reader leaves others out).
   static TriangleMesh from_surface(TriangleSurface surface);
+  /// Candidates are found by oriented boxes from now on.
+  void orient_boxes() { oriented_ = ObbTree(vertices, triangles); }
 
   static Entry entry() {
     return {name,
             "surface of triangles for fixed and driven bodies, both sides are walls",
-            {{"file", "", "", Kind::text, {}, {}, "OBJ or STL file, coordinates in m"}},
+            {{"file", "", "", Kind::text, {}, {}, "OBJ or STL file, coordinates in m"},
+             {"tree", "", "", Kind::text, {}, {}, "aabb (default), or obb: oriented boxes, for thin parts that lie askew"}},
             {},
             ""};
   }
@@ -48,6 +53,14 @@ struct TriangleMesh {
 
   /// Appends the triangles whose box overlaps `box` (body axes), ascending.
   void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
+  /// Appends candidates for a body at `pose` in the mesh's axes that may move by `margin` [m], ascending.
+  template <class Body>
+  void find_near(const Body& body, const Pose& pose, double margin, std::vector<std::uint32_t>& out) const {
+    if (oriented_.empty())
+      query(body.bounding_box(pose).fattened(margin), out);
+    else
+      oriented_.query(OrientedBox::placed(body.bounding_box({}), pose, margin), out);
+  }
 
   double contact_radius() const { return infinity; }
   double bounding_radius() const { return radius_; }
@@ -70,6 +83,7 @@ struct TriangleMesh {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> leaves_;  ///< triangles in the order of the leaves
   std::vector<Aabb> boxes_;            ///< of each triangle
+  ObbTree oriented_;                   ///< empty where nobody asked for it
   double radius_ = 0.0;
 };
 static_assert(SolidShape<TriangleMesh>);

@@ -9,6 +9,8 @@ namespace epafi {
 class SymplecticEuler final : public Scheme {
  public:
   const char* name() const override { return "symplectic-euler"; }
+  /// Not for the forces, but for the energy in contacts that are closed at the start.
+  bool needs_initial_forces() const override { return true; }
   void first_half(World&, double) override {}
   void second_half(World& world, double dt) override {
     parallel_for(world.size(), [&](std::size_t i) {

@@ -26,10 +26,19 @@ class VelocityVerlet final : public Scheme {
   }
 
  private:
+  /// World::acceleration and apply_angular_impulse with their common cases in place: three quarters of the time.
   static void kick(World& world, Slot s, double dt) {
-    if (!world.is_movable(s)) return;
-    world.velocity[s] += dt * world.acceleration(s);
-    if (world.rotates()) world.apply_angular_impulse(s, dt * world.torque[s]);
+    const double inverse_mass = world.inverse_mass[s];
+    if (!(inverse_mass > 0.0)) return;
+    const Vec3 free = world.columns().external_force ? world.free_acceleration(s) : world.gravity;
+    const Vec3& force = world.force[s];
+    Vec3& v = world.velocity[s];
+    for (int k = 0; k < 3; ++k) v[k] += dt * (free[k] + inverse_mass * force[k]);
+    if (!world.rotates()) return;
+    const Vec3 &inverse = world.inverse_inertia[s], &torque = world.torque[s];
+    if (world.columns().anisotropy || !world.is_isotropic(s)) return world.apply_angular_impulse(s, dt * torque);
+    Vec3& w = world.angular_velocity[s];
+    for (int k = 0; k < 3; ++k) w[k] += inverse.x() * (dt * torque[k]);
   }
 };
 

@@ -36,7 +36,7 @@ double PositionCorrection::move(S& sweep, World& world) {
     total += change;
     if (change <= settings_.tolerance * settings_.tolerance * total) break;
   }
-  const bool rotates = still_.rotates;
+  const bool rotates = still_.rotates && world.has_orientation();
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     if (!world.is_movable(s)) return;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t unmatched = 0xffffffffu;
 
 Vec3 body_axes(const World& world, Slot s, const Vec3& x) {
-  return world.rotates() ? Vec3(world.orientation[s].conjugate() * x) : x;
+  return world.has_orientation() ? Vec3(world.orientation[s].conjugate() * x) : x;
 }
 }  // namespace
 

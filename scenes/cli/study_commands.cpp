@@ -38,14 +38,20 @@ void require_file(const std::string& path) {
 
 }  // namespace
 
+namespace {
+Chart chart_of(const Study& study, const fs::path& folder, const std::function<void(const std::string&)>& tell) {
+  if (is_corpus_study(study)) return run_corpus_chart(study, tell);
+  return is_patch_study(study) ? run_patch_chart(study, tell) : run_chart(study, folder, tell);
+}
+}  // namespace
+
 int command_chart(const StudyOptions& o) {
   for (const auto& file : o.files) {
     require_file(file);
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-chart");
     fs::create_directories(folder);
-    const Chart chart =
-        is_patch_study(study) ? run_patch_chart(study, speaker(o)) : run_chart(study, folder, speaker(o));
+    const Chart chart = chart_of(study, folder, speaker(o));
     write_whole_file(folder / "chart.csv", {chart_csv(chart)});
     write_whole_file(folder / "chart.json", {chart_json(chart)});
     const std::string recommended = recommended_scene(chart, folder);

@@ -194,6 +194,7 @@ void read_studies(Draft& draft) {
   }
   const TableValues output =
       read_table(table_or_empty(reading, "output"), "[output]", reading.schema.at("output").fields, reading);
+  draft.scene.output.orientation = {output.boolean("orientation"), output.place_of("orientation")};
   if (!output.has("problems.every")) return;
   draft.scene.output.problems_every = output.placed_number("problems.every");
   if (draft.scene.contact.method.value == Method::smooth)

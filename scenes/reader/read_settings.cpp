@@ -52,6 +52,7 @@ void read_run(Draft& draft) {
   if (values.has("time_step") && std::holds_alternative<double>(values.all().at("time_step")))
     run.time_step.value = values.number("time_step");
   run.adaptive = values.has("time_step") && !run.time_step.value && values.text("time_step") == "adaptive";
+  run.allow_unstable = values.has("allow_unstable") && values.boolean("allow_unstable");
   run.output_interval = values.placed_number("output_interval", run.duration.value / 100.0);
   run.checkpoint_interval = values.optional_number("checkpoint_interval");
   run.seed = static_cast<std::uint64_t>(values.number_or("seed", 1.0));

@@ -35,6 +35,9 @@ TableSchema run_table(const Registry& registry) {
           TableSchema::Form::single,
           "time: how long and in which steps",
           {required("duration", "T", "s", Kind::number, positive, "simulated time"), step, scheme,
+           with_default(required("allow_unstable", "", "", Kind::boolean, {},
+                                 "takes a time step above the limit instead of refusing it, to see where it fails"),
+                        Value(false)),
            optional("output_interval", "", "s", Kind::number, positive,
                     "time between snapshots; duration / 100 where not written"),
            optional("checkpoint_interval", "", "s", Kind::number, positive,
@@ -286,7 +289,10 @@ SceneSchema make_schema(const Registry& registry) {
                  Form::single,
                  "what else is written",
                  {table("problems", "contact problems for `epafi solve`",
-                        {required("every", "", "s", Kind::number, positive, "time between problems")})}});
+                        {required("every", "", "s", Kind::number, positive, "time between problems")}),
+                  with_default(required("orientation", "", "", Kind::boolean, {},
+                                        "orientations of spheres too, which otherwise need none"),
+                               Value(false))}});
   return schema;
 }
 
@@ -321,7 +327,10 @@ std::vector<Field> united_fields(const std::vector<Entry>& entries, const std::s
 }
 
 std::vector<Field> authoring_fields(const Entry& shape) {
-  if (shape.name == "mesh") return {text("file", "surface as STL or OBJ")};
+  if (shape.name == "mesh")
+    return {
+        text("file", "surface as STL or OBJ"),
+        choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
   if (shape.name != "polyhedron") return shape.fields;
   Field file = text("file", "corners from OBJ or STL; their hull is taken");
   file.optional = true;

@@ -107,6 +107,11 @@ double median(std::vector<double> v) {
   return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
 }
 
+void set_times(ChartPoint& point, const std::vector<double>& times) {
+  point.time = median(times);
+  point.time_spread = *std::max_element(times.begin(), times.end()) - *std::min_element(times.begin(), times.end());
+}
+
 void mark_front(Chart& chart) {
   std::vector<ChartPoint*> good;
   for (auto& p : chart.points)
@@ -153,11 +158,7 @@ Chart run_chart(const Study& study, const fs::path& folder, const std::function<
                         p.method.settings(), p.status, times[k].back(), p.error));
     }
   }
-  for (std::size_t k = 0; k < cases.size(); ++k) {
-    chart.points[k].time = median(times[k]);
-    chart.points[k].time_spread =
-        *std::max_element(times[k].begin(), times[k].end()) - *std::min_element(times[k].begin(), times[k].end());
-  }
+  for (std::size_t k = 0; k < cases.size(); ++k) set_times(chart.points[k], times[k]);
   mark_front(chart);
   return chart;
 }

@@ -48,6 +48,14 @@ Chart run_chart(const Study& study, const std::filesystem::path& folder,
 Chart run_patch_chart(const Study& study, const std::function<void(const std::string&)>& say);
 bool is_patch_study(const Study& study);
 
+/// A corpus of convex pairs (tests/data/README.md) in place of a scene: each point is a method of the narrow phase
+/// (narrow.method) on the pairs of a category (narrow.category), its time in processor seconds per query. error: depth,
+/// the worst of the distance relative to the smaller body.
+Chart run_corpus_chart(const Study& study, const std::function<void(const std::string&)>& say);
+bool is_corpus_study(const Study& study);
+
+/// Median and spread of the repeats.
+void set_times(ChartPoint& point, const std::vector<double>& times);
 /// Marks the Pareto front and the cheapest point inside [accuracy].
 void mark_front(Chart& chart);
 double median(std::vector<double> values);

@@ -22,9 +22,9 @@ std::string chart_csv(const Chart& chart) {
       "spread,ns_per_body_step,accurate\n";
   for (const auto& p : chart.points)
     out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(p.method.name),
-                       csv_text(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "", p.error_spread,
-                       p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative), p.state_hash,
-                       p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
+                       csv_text(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "",
+                       p.error_spread, p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative),
+                       p.state_hash, p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
   return out;
 }
 

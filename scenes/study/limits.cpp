@@ -28,6 +28,7 @@ constexpr Quantity quantities[] = {{"energy_error", "energy.relative_error", "en
                                    {"momentum_error", "momentum_error", "momentum not kept"},
                                    {"residual", "residual.max", "did not converge"},
                                    {"iterations", "iterations.max", "did not converge"},
+                                   {"ns_per_body_step", "ns_per_body_step", "slower than budget"},
                                    {"bodies_lost", "bodies_lost", "tunnelled"},
                                    {"bodies_removed", "bodies_removed", "tunnelled"}};
 
@@ -35,6 +36,8 @@ std::string kind_of_bound(const std::string& name) {
   for (const auto& q : quantities)
     if (name == q.name) return q.kind;
   const std::string first = name.substr(0, name.find('.'));
+  if (first == "energy") return "energy grew";
+  if (name == "broad_phase_ns") return "slower than budget";
   return first == "drift" || first == "sag" ? "drifted or fell" : "wrong answer";
 }
 
@@ -180,8 +183,13 @@ std::string kind_of_failure(const std::vector<FailureSpec>& fails_when, const Ca
     std::optional<double> worst;
     for (const auto& q : quantities)
       if (f.quantity == q.name) worst = std::abs(result.number(q.number, 0.0));
+    if (f.quantity == "broad_phase_ns")
+      worst = 1e9 * result.number("stage_seconds.broad_phase", 0.0) /
+              std::max(1.0, result.number("steps", 0.0) * result.number("bodies", 0.0));
     if (!worst) {
       const std::string before = "measures." + f.quantity + ".";
+      worst = result.summary.number("measures." + f.quantity);  // NAME.component.max
+      if (worst) worst = std::abs(*worst);
       for (const auto& [name, value] : result.summary.numbers)
         if (name.compare(0, before.size(), before) == 0 && name.compare(name.size() - 5, 5, ".last") == 0)
           worst = std::max(worst.value_or(0.0), std::abs(value));

@@ -24,8 +24,8 @@ std::string limits_csv(const LimitMap& map) {
     const auto& m = map.study.methods[c.method];
     const bool two = c.at.size() == 2;
     out +=
-        fmt::format("{},{},{:.9g},{},{},{},{},{},{},{}\n", csv_text(m.name), parameters.back().key, c.at.back(), c.status,
-                    c.kind, two ? parameters.front().key : "", two ? fmt::format("{:.9g}", c.at.front()) : "",
+        fmt::format("{},{},{:.9g},{},{},{},{},{},{},{}\n", csv_text(m.name), parameters.back().key, c.at.back(),
+                    c.status, c.kind, two ? parameters.front().key : "", two ? fmt::format("{:.9g}", c.at.front()) : "",
                     csv_text(m.settings()), csv_text(c.detail), c.state_hash);
   }
   return out;

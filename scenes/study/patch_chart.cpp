@@ -79,11 +79,7 @@ Chart run_patch_chart(const Study& study, const std::function<void(const std::st
                       p.method.settings(), p.status, r.milliseconds, p.error));
       chart.points.push_back(std::move(p));
     }
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    chart.points[k].time = median(times[k]);
-    chart.points[k].time_spread =
-        *std::max_element(times[k].begin(), times[k].end()) - *std::min_element(times[k].begin(), times[k].end());
-  }
+  for (std::size_t k = 0; k < times.size(); ++k) set_times(chart.points[k], times[k]);
   mark_front(chart);
   chart.command = "epafi patch " + study.scene + " --json";
   return chart;

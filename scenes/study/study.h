@@ -35,8 +35,9 @@ struct ParameterSpec {
 
 /// quantity > limit is a failure.
 struct FailureSpec {
-  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, iterations, NAME or
-                         ///< NAME.component of a measure
+  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, iterations,
+                         ///< bodies_lost, ns_per_body_step, broad_phase_ns (that stage alone), NAME or
+                         ///< NAME.component of a measure (at the end), NAME.component.max or .min
   double limit = 0.0;
 };
 

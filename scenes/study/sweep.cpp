@@ -23,7 +23,7 @@ Scene scene_or_throw(const std::string& path, const std::vector<std::string>& ov
 }  // namespace
 
 SweepPlan plan_sweep(const std::string& path, const std::vector<std::string>& overrides,
-                 const std::filesystem::path& folder) {
+                     const std::filesystem::path& folder) {
   const Scene scene = scene_or_throw(path, overrides);
   if (scene.sweep.empty())
     throw SceneError(path + ": the scene has no [sweep]; write for example [sweep] with \"params.n\" = [100, 200]");

@@ -20,7 +20,7 @@ struct SweepPlan {
 
 /// Throws SceneError where the scene has no [sweep] or a case is no valid scene.
 SweepPlan plan_sweep(const std::string& scene, const std::vector<std::string>& overrides,
-                 const std::filesystem::path& folder);
+                     const std::filesystem::path& folder);
 
 /// Number, settings and state of every case.
 std::string list_sweep(const SweepPlan& sweep);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "detection/narrow/half_space_pairs.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
@@ -151,4 +152,24 @@ TEST_CASE("patches of random overlapping hulls hold the pair's depth and lie wit
     CHECK(std::abs(deepest - d.axis.gap) < 1.1e-5);
   }
   CHECK(overlaps > 50);
+}
+
+TEST_CASE("a slab thinner than the reach touches a plane at its lower corners", "[detection][manifold]") {
+  for (const double tilt : {0.0, 1e-6, 1e-3, -1e-3}) {
+    const Box slab(Vec3(0.5, 0.5, 5e-4));
+    const Pose pose{{0, 0, 5e-4}, Quat(Eigen::AngleAxisd(tilt, Vec3(1, 2, 0).normalized()))};
+    ContactSet contacts;
+    ContactSink sink(contacts);
+    sink.begin(0, 1);
+    collide_closed(slab, HalfSpace{}, PairQuery{pose, {}, 0.01}, sink);
+    sink.end();
+    REQUIRE(contacts.size() == 4);
+    std::set<std::uint32_t> lower;
+    for (const Feature f : contacts.feature) {
+      const std::uint32_t v = feature_vertex_a(f);
+      CHECK(slab.hull.vertices[v].z() < 0.0);
+      lower.insert(v);
+    }
+    CHECK(lower.size() == 4);
+  }
 }

@@ -92,6 +92,30 @@ TEST_CASE("boxes that rest on each other, exactly or nearly parallel, are rememb
   CHECK(count.differ == 0);
 }
 
+TEST_CASE("stones that roll on each other in one direction are remembered without a trace", "[detection][memory]") {
+  Random random(85, 0);
+  long asked = 0, differ = 0, recalled = 0;
+  for (int k = 0; k < 400; ++k) {
+    const ConvexHull a = support::random_hull(random, 16), b = support::random_hull(random, 16);
+    Pose pb{(a.radius + b.radius) * testing::random_direction(random), testing::random_turn(random)};
+    const Vec3 glide = 1e-3 * a.radius * testing::random_direction(random);
+    const Quat roll(Eigen::AngleAxisd(2e-3, testing::random_direction(random)));
+    PairMemory memory;
+    for (int step = 0; step < 60; ++step) {
+      const PolyhedronDistance now = polyhedron_distance(PolyhedronPair(a.view(), b.view(), {}, pb));
+      pb.position -= (now.axis.gap + 3e-4 * a.radius) * now.axis.normal;  // held at a small overlap, as in a pile
+      const PolyhedronPair pair(a.view(), b.view(), {}, pb);
+      const auto uses = memory.uses;
+      const PolyhedronDistance warm = polyhedron_distance(pair, infinity, &memory);
+      ++asked, recalled += memory.uses > uses;
+      differ += !support::same_bits(polyhedron_distance(pair), warm);
+      pb.position += glide, pb.orientation = roll * pb.orientation;
+    }
+  }
+  CHECK(differ == 0);
+  CHECK(recalled > asked / 4);
+}
+
 TEST_CASE("features that do not hold the closest points are refused", "[detection][memory]") {
   using Kind = NearestFeatures::Kind;
   Random random(83, 0);

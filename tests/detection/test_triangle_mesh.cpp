@@ -1,5 +1,7 @@
 #include "detection/shapes/triangle_mesh.h"
 
+#include "detection/narrow/polyhedra.h"
+#include "detection/shapes/box.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 
@@ -43,6 +45,61 @@ TEST_CASE("the tree finds what testing every triangle finds, in ascending order"
       CHECK(found == expected);
     }
   }
+}
+
+TEST_CASE("oriented boxes find every triangle that a turned body touches, and few others",
+          "[detection][triangle-mesh]") {
+  Random random(43, 0);
+  std::size_t by_axes = 0, by_sides = 0;
+  for (const std::uint32_t n : {1u, 4u, 63u, 1000u}) {
+    const TriangleSurface surface = soup(random, n, 0.05);
+    const TriangleMesh mesh = TriangleMesh::from_surface(surface);
+    TriangleMesh oriented = TriangleMesh::from_surface(surface);
+    oriented.orient_boxes();
+    for (int k = 0; k < 100; ++k) {
+      const Box rod(Vec3(0.4, 0.02, 0.02));
+      const Pose pose{random_point(random), random_turn(random)};
+      std::vector<std::uint32_t> plain, found(1, 7u);
+      mesh.find_near(rod, pose, 0.0, plain), oriented.find_near(rod, pose, 0.0, found);
+      REQUIRE(found.front() == 7u);  // what was there stays
+      CHECK(std::is_sorted(found.begin() + 1, found.end()));
+      for (const std::uint32_t t : plain) {
+        bool touches = false;  // corners and points of the triangle inside the rod
+        for (int i = 0; i < 40 && !touches; ++i) {
+          double u = random.uniform(), v = random.uniform();
+          if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+          const auto c = mesh.corners(t);
+          touches = (pose.to_local(c[0] + u * (c[1] - c[0]) + v * (c[2] - c[0])).cwiseAbs().array() <=
+                     Vec3(0.4, 0.02, 0.02).array())
+                        .all();
+        }
+        if (touches) CHECK(std::binary_search(found.begin() + 1, found.end(), t));
+      }
+      by_axes += plain.size(), by_sides += found.size() - 1;
+    }
+  }
+  INFO(by_axes << " candidates by boxes along the axes, " << by_sides << " by oriented ones");
+  CHECK(by_sides < by_axes / 2);
+}
+
+TEST_CASE("two oriented boxes meet exactly where their polyhedra do", "[detection][triangle-mesh]") {
+  Random random(44, 0);
+  int meeting = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const auto draw = [&] {
+      const Vec3 half(random.uniform(0.01, 0.5), random.uniform(0.01, 0.5), k % 5 ? random.uniform(0.01, 0.5) : 0.0005);
+      return std::pair(Box(half), Pose{random_point(random), k % 7 ? random_turn(random) : Quat(1, 0, 0, 0)});
+    };
+    const auto [a, pose_a] = draw();
+    const auto [b, pose_b] = draw();
+    const double gap = polyhedron_distance(PolyhedronPair(a.view(), b.view(), pose_a, pose_b)).axis.gap;
+    if (std::abs(gap) < 1e-9) continue;
+    const bool meet = overlap(OrientedBox::placed(a.bounding_box({}), pose_a, 0.0),
+                              OrientedBox::placed(b.bounding_box({}), pose_b, 0.0));
+    CHECK(meet == (gap < 0.0));
+    meeting += meet;
+  }
+  CHECK(meeting > 300);
 }
 
 TEST_CASE("triangles that lie on top of each other do not break the tree", "[detection][triangle-mesh]") {

@@ -172,6 +172,42 @@ TEST_CASE("B04: a sliding box keeps no gap under exact Coulomb friction", "[laws
   }
 }
 
+TEST_CASE("B04: the convex relaxation lifts a sliding box at mu v, and its residual says so", "[laws][nonsmooth]") {
+  for (const double dt : {0.01, 0.001}) {
+    Parameters p;
+    p.set("tolerance", 1e-10), p.set("iterations", 5000.0), p.set("cone", std::string("relaxed"));
+    auto x = block_on_plane({.friction = 0.5, .dt = dt, .solver = "apgd", .parameters = p}, Vec3(1, 0, 0));
+    x.run(1);
+    const Vec3& v = x.world.velocity[1];
+    CHECK(v.z() == Approx(0.5 * v.x()).epsilon(1e-8));  // exact friction: 0
+    CHECK(x.world.position[1].z() - 0.05 == Approx(0.5 * dt * v.z()).epsilon(1e-8));  // the drift after the impulse
+    CHECK(x.worst_residual > 0.1);
+  }
+}
+
+TEST_CASE("a pyramid of m sides has friction between mu cos(pi/m) and mu", "[laws][nonsmooth]") {
+  double before = 0.0;
+  for (const double sides : {4.0, 8.0, 16.0}) {
+    double least = 1.0, most = 0.0;
+    for (int k = 0; k < 24; ++k) {  // all ways between two generators of the coarsest, and on
+      const double turn = k * 2.0 * std::numbers::pi / 48.0;
+      Parameters p;
+      p.set("tolerance", 1e-10), p.set("iterations", 2000.0), p.set("cone", std::string("pyramid")), p.set("sides", sides);
+      auto x = block_on_plane({.friction = 0.5, .dt = 0.01, .solver = "pgs", .parameters = p},
+                              Vec3(std::cos(turn), std::sin(turn), 0));
+      x.run_for(0.1);
+      const double lost = 1.0 - Vec3(std::cos(turn), std::sin(turn), 0).dot(x.world.velocity[1]);
+      least = std::min(least, lost / (0.5 * 9.81 * 0.1)), most = std::max(most, lost / (0.5 * 9.81 * 0.1));
+    }
+    INFO(sides << " sides: " << least << " to " << most);
+    CHECK(most == Approx(1.0).epsilon(2e-3));
+    CHECK(least > std::cos(std::numbers::pi / sides) - 2e-3);
+    CHECK(least > before);
+    CHECK(least < 1.0 - 0.5 * (1.0 - std::cos(std::numbers::pi / sides)));
+    before = least;
+  }
+}
+
 TEST_CASE("the energy of a stack that is dropped and struck never grows", "[laws][nonsmooth]") {
   RigidExperiment x({.friction = 0.5, .restitution = 0.5, .dt = 1e-3, .reach = 1e-2});
   x.plane(Vec3::Zero(), Vec3::UnitZ());

@@ -52,7 +52,7 @@ void copy_state(SceneRun& from, SceneRun& to) {
     const Slot s = a.slot_of(static_cast<BodyId>(id)), t = b.slot_of(static_cast<BodyId>(id));
     b.position[t] = a.position[s], b.velocity[t] = a.velocity[s];
     if (a.cell) b.wraps[t] = a.wraps[s];
-    if (a.rotates()) b.angular_velocity[t] = a.angular_velocity[s], b.orientation[t] = a.orientation[s];
+    if (a.rotates()) b.angular_velocity[t] = a.angular_velocity[s];
   }
   b.cell = a.cell;
 }

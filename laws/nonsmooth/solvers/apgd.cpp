@@ -22,6 +22,14 @@ void ProjectedGradient::descend(const ConeProblem& problem) {
   }
 }
 
+/// r = P_K(r - rho u): solves the convex problem, which the residual of exact friction cannot tell.
+bool ProjectedGradient::is_stationary(const ConeProblem& problem, const Impulses& r) const {
+  double square = 0.0;
+  for (std::size_t i = 0; i < r.size(); ++i)
+    square += (r[i] - project_cone(r[i] - problem.scale * u_[i], problem.friction[i])).squaredNorm();
+  return std::sqrt(square) <= tolerance_ * problem.scale * problem.q_norm();
+}
+
 SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
   const std::size_t n = problem.size();
   contact_weights(problem, weight_);
@@ -34,7 +42,7 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
     ++report.iterations;
     for (std::size_t i = 0; i < n; ++i) {
       g_[i] = u_y_[i];
-      g_[i].x() += problem.friction[i] * tangential_norm(u_[i]);
+      if (!relaxed_) g_[i].x() += problem.friction[i] * tangential_norm(u_[i]);
     }
     descend(problem);
     double uphill = 0.0;
@@ -50,7 +58,8 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
     r.swap(r_next_), u_.swap(u_next_);
     lipschitz_ *= 0.95;
     const double residual = problem.residual(r, u_);
-    if (residual < report.residual) report.residual = residual, best_ = r;
+    if (residual < report.residual || relaxed_) report.residual = residual, best_ = r;
+    if (relaxed_ && is_stationary(problem, r)) break;
   }
   r = best_;
   report.converged = report.residual <= tolerance_;
@@ -59,10 +68,15 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
 
 namespace {
 SolverEntry entry_of(const char* name, const char* summary, const char* source, bool accelerated) {
-  Entry entry{name, summary, solver_fields({}, 500), {.slip_velocity = true, .memory = true}, source};
+  Entry entry{name,
+              summary,
+              solver_fields({cone_field("relaxed", "without the De Saxce shift, convex")}, 500),
+              {.slip_velocity = true, .memory = true},
+              source};
   return {std::move(entry), [accelerated](const Parameters& p) -> std::unique_ptr<ContactSolver> {
             return std::make_unique<ProjectedGradient>(static_cast<int>(p.number_or("iterations", 500)),
-                                                       p.number_or("tolerance", 1e-6), accelerated);
+                                                       p.number_or("tolerance", 1e-6), accelerated,
+                                                       p.has("cone") && p.text("cone") == "relaxed");
           }};
 }
 }  // namespace

@@ -54,12 +54,31 @@ inline std::vector<Field> solver_fields(std::vector<Field> own = {}, double iter
       {"correction", "beta", "", Kind::number, 0.2, unit_interval,
        "share of the overlap beyond slop taken out per step"},
       {"slop", "", "", Kind::number, 1e-4, not_negative, "overlap that is left alone, relative to the body"},
-      {"impact", "", "", Kind::text, Value(std::string("newton")), {},
-       "law of restitution: newton (all contacts at once), poisson, or sequential (one impact at a time)", false,
+      {"impact",
+       "",
+       "",
+       Kind::text,
+       Value(std::string("newton")),
+       {},
+       "law of restitution: newton (all contacts at once), poisson, or sequential (one impact at a time)",
+       false,
        {"newton", "poisson", "sequential"}},
   };
   all.insert(all.end(), own.begin(), own.end());
   return all;
+}
+
+/// The field `cone` of a solver that can also relax Coulomb's cone.
+inline Field cone_field(const std::string& relaxed, const std::string& what) {
+  return {"cone",
+          "",
+          "",
+          Kind::text,
+          Value(std::string("coulomb")),
+          {},
+          "set of friction: coulomb (exact), or " + relaxed + ": " + what + "; the residual shows the gap",
+          false,
+          {"coulomb", relaxed}};
 }
 
 }  // namespace epafi

@@ -13,7 +13,7 @@ struct BlockTask {
   SphereBlocks::Block& block;
   const SphereLaw<Normal, Tangential>& law;
   const std::vector<SphereLaw<Normal, Tangential>>& wall_laws;  ///< by plane
-  SphereLoop loop;
+  SphereArrays arrays;
 
   EPAFI_LANES void run() const {
     if (block.images.empty())
@@ -24,17 +24,19 @@ struct BlockTask {
 
   template <bool periodic>
   EPAFI_LANES void run_groups() const {
-    std::size_t touching = 0;
     SphereGroup* g = block.groups.data();
     const SphereImages* image = block.images.data();
-    for (std::size_t i = 0; i < block.inside; ++i)
-      evaluate<Normal, Tangential, true, false, periodic>(g[i], wall_laws[static_cast<std::size_t>(g[i].plane)], loop,
-                                                          nullptr, touching);
-    for (std::size_t i = block.inside; i < block.across; ++i)
-      evaluate<Normal, Tangential, false, false, periodic>(g[i], law, loop, periodic ? image + i : nullptr, touching);
-    for (std::size_t i = block.across; i < block.groups.size(); ++i)
-      evaluate<Normal, Tangential, false, true, periodic>(g[i], law, loop, periodic ? image + i : nullptr, touching);
-    block.touching = touching;
+    const auto at = [&](std::size_t k) { return periodic ? image + k : nullptr; };
+    const auto of_wall = [&](const SphereGroup& group) -> const auto& {
+      return wall_laws[static_cast<std::size_t>(group.plane)];
+    };
+    const auto of_pair = [&](const SphereGroup&) -> const auto& { return law; };
+    const std::size_t inside = block.inside, across = block.across;
+    block.touching =
+        evaluate<Normal, Tangential, true, false, periodic>(g, g + inside, at(0), of_wall, arrays) +
+        evaluate<Normal, Tangential, false, false, periodic>(g + inside, g + across, at(inside), of_pair, arrays) +
+        evaluate<Normal, Tangential, false, true, periodic>(g + across, g + block.groups.size(), at(across), of_pair,
+                                                            arrays);
   }
 };
 
@@ -100,12 +102,13 @@ class FusedModel final : public FusedSpheres {
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
-    SphereLoop shared{blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(), blocks_.records().data(),
-                      clock.dt, damped_, Vec3::Zero(), Vec3::Zero(), blocks_.virials().data(),
-                      blocks_.viscous().data()};
-    if (world.cell) shared.cell_size = world.cell->size, shared.strain_rate = world.cell->strain_rate;
+    SphereArrays arrays{blocks_.planes().data(),  blocks_.states().data(),  blocks_.sums().data(),
+                        blocks_.records().data(), blocks_.viscous().data(), clock.dt,
+                        damped_,                  Vec3::Zero(),             Vec3::Zero(),
+                        blocks_.virials().data()};
+    if (world.cell) arrays.cell_size = world.cell->size, arrays.strain_rate = world.cell->strain_rate;
     parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      loop({all[i], law_, wall_laws_, shared});
+      loop({all[i], law_, wall_laws_, arrays});
     });
     blocks_.unpack(world, others);
     count(clock.dt, report);
