@@ -112,9 +112,9 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   }
 }
 
-/// Free spheres of one material under a law with a fused loop. Periodic cells are left to the generic one.
+/// Free spheres of one material under a law with a fused loop.
 void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shapes, StepPlan& plan) {
-  if (scene.cell || scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
+  if (scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
   std::set<std::size_t> materials;
   std::size_t spheres = 0;
   const auto count = [&](std::size_t shape, std::size_t material, std::size_t number) {

@@ -160,8 +160,6 @@ SceneSchema with_patch_cases(SceneSchema schema) {
     for (TableSchema& t : schema.tables)
       if (t.name == name) t.fields = t.fields + more;
   };
-  extend("shape", {table("wheel_profile", "cross-section of a wheel (`epafi patch`)", wheel_profile_fields()),
-                   table("rail_profile", "cross-section of a rail (`epafi patch`)", rail_profile_fields())});
   extend("contact", patch_contact_fields());
   extend("material", as_optional(patch_material_fields()));
   for (TableSchema& t : schema.tables)  // a patch case has no mechanics to choose

@@ -55,6 +55,9 @@ TableSchema world_table() {
       axes,
       optional("strain_rate", "", "1/s", Kind::vec3, {}, "of the periodic axes, extension positive"),
       optional("pressure", "p", "Pa", Kind::number, positive, "the periodic axes strain towards this contact stress"),
+      optional("first_pressure", "p_0", "Pa", Kind::number, positive,
+               "the pressure begins with this and goes geometrically to `pressure` until pressure_time"),
+      optional("pressure_time", "", "s", Kind::number, positive, "when first_pressure has become `pressure`"),
       optional("rate_limit", "", "1/s", Kind::number, positive,
                "largest strain rate with pressure; 1e-3 of sqrt(p/rho)/d of the largest body where not written")};
   return {"world",

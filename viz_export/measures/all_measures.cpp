@@ -24,6 +24,8 @@ const Field centre{"centre", "", "m", Kind::vec3, Value(Vec3(0, 0, 0)), {}, "top
 const Field cell{"cell", "", "m", Kind::number, {}, positive, "edge of the cubes that are compared"};
 const Field outlet{"outlet", "", "", Kind::text, {}, {}, "name of an outlet"};
 const Field bins{"bins", "", "", Kind::integer, 10.0, {1, 200}, "number of layers"};
+const Field least{"least", "", "", Kind::integer, 4.0, {1, 100},
+                  "contacts below which a body is a rattler: 4 without friction, 2 with it"};
 const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
 
 template <BodyQuantity Q>
@@ -46,8 +48,8 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<ForceMeasure>(std::move(s)); }},
       {{"drift", "largest horizontal displacement (distance) and sag since the start", {body}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<DriftMeasure>(std::move(s)); }},
-      {{"coordination", "mean number of touching neighbours, with and without rattlers", {}, {}, "Agnolin and Roux 2007"},
-       [](MeasureSetup) { return std::make_unique<Coordination>(); }},
+      {{"coordination", "mean number of touching neighbours, with and without rattlers", {least}, {}, "Agnolin and Roux 2007"},
+       [](MeasureSetup s) { return std::make_unique<Coordination>(s); }},
       {{"stress", "stress of the contacts in a region: pressure and six components", {region}, {}, "Love 1927; Weber 1966"},
        [](MeasureSetup s) { return std::make_unique<StressMeasure>(std::move(s)); }},
       {{"solid_fraction", "share of a region that bodies fill", {region}, {}, ""},
