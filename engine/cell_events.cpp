@@ -35,26 +35,34 @@ void WrapBodies::before_step(World& world, double, std::vector<BodyId>&) {
 
 namespace {
 
-/// The next strain rate of an axis. A packing near jamming is so stiff that a rate fit for the gas before it overshoots
-/// within a step and shakes the packing for ever; hence a rate begins at the limit, halves where its direction changes,
-/// down to a hundredth, and grows again slowly where it keeps it.
-double followed(double before, double excess, double limit) {
+/// The next strain rate of an axis, `share` of the limit per relative excess of the stress over its target. A packing
+/// near jamming is so stiff that a share fit for the gas before it overshoots within a step and shakes the packing for
+/// ever; hence the share begins at 1, halves where the direction changes, down to a hundredth, and grows again slowly
+/// where it stays. fall: of the target in this step; a packing's stiffness over its pressure rises by as much, and where
+/// the share does not follow the packing falls apart.
+double followed(double before, double excess, double limit, double fall, double& share) {
   constexpr double growth = 2e-5, least = 1e-2;  // per step; of the limit
-  const double wanted = limit * std::clamp(excess, -1.0, 1.0);
-  if (before == 0.0) return wanted;
-  const double most = std::max(least * limit, std::abs(before) * (before * wanted > 0.0 ? 1.0 + growth : 0.5));
-  return std::clamp(wanted, -most, most);
+  share = before * excess < 0.0 ? 0.5 * share : std::min(1.0, (1.0 + growth) * share);
+  if (excess > -0.5) share *= fall;
+  share = std::max(least, share);
+  return share * limit * std::clamp(excess, -1.0, 1.0);
 }
 
 }  // namespace
 
+double CellControl::pressure_at(double time) const {
+  if (time >= pressure_time) return *pressure;
+  return first_pressure * std::pow(*pressure / first_pressure, std::max(0.0, time) / pressure_time);
+}
+
 void DeformCell::before_step(World& world, double dt, std::vector<BodyId>&) {
   PeriodicCell& cell = *world.cell;
   if (control_.pressure) {
-    const Vec3 excess = cell.stress() / *control_.pressure - Vec3::Ones();
+    const double target = control_.pressure_at(world.time), fall = target / control_.pressure_at(world.time - dt);
+    const Vec3 excess = cell.stress() / target - Vec3::Ones();
     for (int k = 0; k < 3; ++k)
       if (cell.repeats[static_cast<std::size_t>(k)])
-        cell.strain_rate[k] = followed(cell.strain_rate[k], excess[k], control_.rate_limit);
+        cell.strain_rate[k] = followed(cell.strain_rate[k], excess[k], control_.rate_limit, fall, share_[k]);
   } else {
     cell.strain_rate = control_.strain_rate;
   }

@@ -19,21 +19,26 @@ class WrapBodies final : public Event {
 };
 
 /// Deforms the cell and carries the free bodies along: at a given rate, or towards a pressure.
-/// Pressure: each periodic axis strains at rate_limit (sigma - P)/P, at most rate_limit, sigma the stress of the
-/// contacts along it. The approach is monotonic while rate_limit K/P dt < 1, K the bulk modulus.
+/// Pressure: each periodic axis strains at rate_limit s (sigma - P)/P, at most rate_limit s, sigma the stress of the
+/// contacts along it and s <= 1 a share that falls while the direction keeps changing.
 struct CellControl {
   Vec3 strain_rate = Vec3::Zero();  ///< [1/s]; where no pressure is given
   std::optional<double> pressure;   ///< P [Pa], > 0
   double rate_limit = 0.0;          ///< [1/s], > 0
+  double first_pressure = 0.0, pressure_time = 0.0;  ///< P goes geometrically from the first [Pa] until then [s]; 0: P
+
+  double pressure_at(double time) const;
 };
 
 class DeformCell final : public Event {
  public:
   explicit DeformCell(CellControl control) : control_(control) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  void visit(StateVisitor& visitor) override { visitor.value("cell/share", share_); }
 
  private:
   CellControl control_;
+  Vec3 share_ = Vec3::Ones();
 };
 
 }  // namespace epafi

@@ -35,7 +35,7 @@ void lattice(Rig& rig, ContactSet& contacts, int n, double radius, bool curvatur
       c.gap = pitch - 2 * radius;
       c.normal = Vec3::Unit(axis);
       c.arm = 0.5 * pitch * c.normal;
-      c.effective_radius = 0.5 * radius;
+      c.effective_radius = 0.5 * radius, c.area = pi * radius * radius * 5e-4;
       contacts.append(static_cast<Slot>(k), static_cast<Slot>(k + step[axis]), c);
     }
 }
@@ -60,11 +60,17 @@ ImpactError impact_error(const SmoothSetup& setup) {
   return {ledger, 0.5 * (coarse - fine).norm()};
 }
 
-PlotLine measure(const char* label, const ContactChoice& choice, bool locate = false) {
-  SmoothSetup setup = setup_of(choice, {glass});
-  setup.locate = locate;
-  Rig rig(setup);
+/// Of act() on the lattice.
+struct Cost {
+  double best, median;  ///< [ns per contact]
+  std::size_t contacts;
+  std::string hash;  ///< of forces and torques
+};
+
+Cost cost_of(const SmoothSetup& setup, bool rotates) {
+  Rig rig(setup, Columns{.rotation = rotates});
   ContactSet contacts;
+  contacts.with_area = smooth_needs(setup).area;
   lattice(rig, contacts, 14, 5e-3, smooth_needs(setup).curvature);
   StepReport report;
   std::vector<double> ns;
@@ -78,15 +84,46 @@ PlotLine measure(const char* label, const ContactChoice& choice, bool locate = f
   Hash hash;
   for (const auto* column : {&rig.world.force, &rig.world.torque})
     for (const Vec3& f : *column) hash.add(f.data(), 3);
+  return {ns[0], ns[200], report.touching, hash.hex()};
+}
+
+PlotLine measure(const char* label, const ContactChoice& choice, bool locate = false) {
+  SmoothSetup setup = setup_of(choice, {glass});
+  setup.locate = locate;
+  const Cost cost = cost_of(setup, smooth_needs(setup).rotation);
   const ImpactError error = impact_error(setup);
-  std::printf("%-38s %8zu %8.1f %8.1f %12.2e %12.2e  %s\n", label, report.touching, ns[0], ns[200], error.ledger,
-              error.outcome, hash.hex().c_str());
-  return {label, {{ns[0], std::max(error.outcome, 1e-12)}}, {}};
+  std::printf("%-38s %8zu %8.1f %8.1f %12.2e %12.2e  %s\n", label, cost.contacts, cost.best, cost.median, error.ledger,
+              error.outcome, cost.hash.c_str());
+  return {label, {{cost.best, std::max(error.outcome, 1e-12)}}, {}};
+}
+
+/// What one declared need costs: two laws that differ in it alone, or nearly.
+struct NeedRow {
+  const char* need;
+  ContactChoice without, with;
+  bool rotates_without = false, rotates_with = false;
+};
+
+/// Prints ns per contact without and with each need, and draws them.
+void measure_needs(const std::vector<NeedRow>& rows, const char* folder) {
+  KindMap map;
+  map.title = "Smooth contact: what a declared need costs", map.x_label = "processor time per contact [ns]";
+  map.log_x = true, map.kinds = {"without", "with"};
+  std::printf("\n%-38s %10s %10s %10s\n", "need", "without", "with", "cost [ns]");
+  for (const NeedRow& row : rows) {
+    const double a = cost_of(setup_of(row.without, {glass}), row.rotates_without).best,
+                 b = cost_of(setup_of(row.with, {glass}), row.rotates_with).best;
+    std::printf("%-38s %10.1f %10.1f %10.1f\n", row.need, a, b, b - a);
+    const auto y = static_cast<double>(map.y_names.size());
+    map.y_names.push_back(row.need), map.cells.push_back({a, y, 0}), map.cells.push_back({b, y, 1});
+  }
+  if (folder) draw(map, std::string(folder) + "/needs");
 }
 
 }  // namespace
 
-/// perf_laws FOLDER also draws FOLDER/laws.svg: cost against error of the impact.
+/// perf_laws FOLDER also draws FOLDER/laws.svg, cost against error of the impact, and FOLDER/needs.svg, cost of each
+/// declared need.
 int main(int argc, char** argv) {
   set_thread_count(1);
   std::printf("%-38s %8s %8s %8s %12s %12s  %s\n", "law", "contacts", "ns best", "median", "ledger err", "outcome err",
@@ -123,6 +160,18 @@ int main(int argc, char** argv) {
   add("hertz, mindlin-deresiewicz", with_tangential("hertz", "mindlin-deresiewicz", 0.8, 0.3));
   add("hertz-mindlin, rolling spring", {"hertz-mindlin", 0.8, 0.3, 0.05});
   add("hertz-mindlin, rolling constant", with_tangential("hertz", "mindlin", 0.8, 0.3, 0.05, "constant"));
+  const ContactChoice spring{"linear", 1.0, 0, 0, k}, damped{"linear", 0.8, 0, 0, k},
+      mindlin{"hertz-mindlin", 0.8, 0.3};
+  measure_needs({{"rotation: spins in the velocity", damped, damped, false, true},
+                 {"velocity of the detection: a damper", spring, damped},
+                 {"curvature: radius, power 3/2 by it", {"power-law", 1.0, 0, 0, n}, {"hertz", 1.0}},
+                 {"area and curvature: overlap volume", damped, {"overlap-volume", 0.8}},
+                 {"memory of the normal part", spring, {"walton-braun", 1.0, 0, 0, k}},
+                 {"slip velocity and memory: friction", damped, {"linear", 0.8, 0.3, 0, k}, true, true},
+                 {"contact moment: rolling spring", mindlin, {"hertz-mindlin", 0.8, 0.3, 0.05}, true, true},
+                 {"whole history of slip", mindlin, with_tangential("hertz", "mindlin-deresiewicz", 0.8, 0.3), true,
+                  true}},
+                argc > 1 ? argv[1] : nullptr);
   if (argc > 1)
     draw(ScatterPlot{"Smooth laws: cost and error of the same oblique impact at 50 steps",
                      "processor time per contact [ns]",

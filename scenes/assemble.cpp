@@ -14,6 +14,7 @@
 #include "scenes/contact_setup.h"
 #include "scenes/generators.h"
 #include "scenes/periodic_scene.h"
+#include "scenes/railway/rolling.h"
 #include "scenes/sphere_split.h"
 #include "scenes/time_step.h"
 
@@ -216,6 +217,8 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   add_outlets(*a);
   if (a->scene.cell) add_cell(*a);
   sim.pipeline.guard = make_guard(*a);
+  add_rolling(*a);
+  add_springs(*a);
   add_removals(*a);
   a->warnings = builder.warnings();
   set_broad_phase(*a);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/rolling_regions.h"
 #include "engine/simulation.h"
 #include "engine/sources.h"
 #include "scenes/monitor.h"
@@ -28,6 +29,7 @@ struct Assembly {
   TimeStep time_step;
   std::uint64_t steps = 0;  ///< of the whole duration
   std::shared_ptr<ShapeStore> shapes;
+  std::unique_ptr<RollingRegions> rolling;  ///< of wheels on rails, between search and law; null without
   std::unique_ptr<Simulation> simulation;
   std::vector<BodyId> body_ids;               ///< of Scene::bodies, in order; bodies of fills follow
   std::vector<std::vector<BodyId>> fill_ids;  ///< of Scene::fills; those that are poured have no slot before they come

@@ -6,6 +6,7 @@
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/smooth/make_smooth_contact.h"
 #include "laws/wheel_rail/normal_models.h"
+#include "laws/wheel_rail/rolling_contact.h"
 #include "laws/wheel_rail/tangential_models.h"
 #include "viz_export/measures/all_measures.h"
 
@@ -31,6 +32,7 @@ Registry make_registry() {
   r.schemes = entries_of(all_schemes());
   for (const auto& s : all_schemes()) (s.smooth ? r.smooth_schemes : r.nonsmooth_schemes).push_back(s.entry.name);
   r.measures = entries_of(all_measures());
+  r.rolling_fields = rolling_fields();
   r.patch_normal_models = entries_of(all_normal_models());
   r.patch_tangential_models = entries_of(all_tangential_models());
   return r;

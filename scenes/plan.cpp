@@ -112,9 +112,9 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   }
 }
 
-/// Free spheres of one material under a law with a fused loop. Periodic cells are left to the generic one.
+/// Free spheres of one material under a law with a fused loop.
 void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shapes, StepPlan& plan) {
-  if (scene.cell || scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
+  if (scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
   std::set<std::size_t> materials;
   std::size_t spheres = 0;
   const auto count = [&](std::size_t shape, std::size_t material, std::size_t number) {
@@ -127,6 +127,23 @@ void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shape
   constexpr std::size_t fewest = 100;                          // below, the layout costs more than the loop gains
   if (spheres < fewest || materials.size() != 1) return;
   plan.fused_spheres = true, plan.sphere_material = *materials.begin();
+}
+
+/// Wheels on rails by laws of rolling contact, and springs: named only where a scene has them.
+void plan_railway(const Scene& scene, const ShapesInUse& use, StepPlan& plan) {
+  const auto has = [&](const std::set<std::size_t>& shapes, const char* type) {
+    return std::any_of(shapes.begin(), shapes.end(), [&](std::size_t s) { return scene.shapes[s].type == type; });
+  };
+  const ContactSettings& c = scene.contact;
+  const bool wheels = has(use.free, "wheel_profile") && has(use.held, "rail_profile");
+  plan.rolling = wheels && c.method.value == Method::smooth;
+  if (plan.rolling)
+    plan.costs.push_back({"rolling contact",
+                          "wheels on rails: " + c.wheel_rail.text("normal") + " and " + c.wheel_rail.text("tangential"),
+                          c.wheel_rail_place.line > 0 ? c.wheel_rail_place : c.method.place});
+  if (!scene.springs.empty())
+    plan.costs.push_back(
+        {"springs", fmt::format("{} between bodies and frames", scene.springs.size()), scene.springs.front().place});
 }
 
 }  // namespace
@@ -196,6 +213,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
     plan.reach = std::isfinite(smallest) ? 0.02 * smallest : 0.0;
   }
   plan_fused_spheres(scene, shapes, plan);
+  plan_railway(scene, use, plan);
   World world(plan.columns);
   plan.bytes_per_body = world.bytes_per_body();
   ContactSet contacts;

@@ -69,6 +69,8 @@ struct ContactSettings {
   Parameters smooth;                ///< of the law and its parts: written values and defaults
   Placed<std::string> solver;       ///< [contact.nonsmooth] solver
   Parameters nonsmooth;             ///< of the solver: written values and defaults
+  Parameters wheel_rail;            ///< [contact.wheel_rail]: written values and defaults
+  Place wheel_rail_place{};         ///< line 0: not written
   std::vector<PairSpec> pairs;
 };
 
@@ -157,6 +159,18 @@ struct OutletSpec {
   Place place;
 };
 
+/// [[spring]]
+struct SpringSpec {
+  std::string name;
+  std::size_t body = 0;            ///< index in Scene::bodies
+  std::optional<std::size_t> to;   ///< index in Scene::bodies; none: a frame that moves along the way
+  double speed = 0.0;              ///< of the frame [m/s]
+  Vec3 attachment = Vec3::Zero();  ///< axes of the body [m]
+  Vec3 stiffness = Vec3::Zero(), damping = Vec3::Zero(),
+       preload = Vec3::Zero();  ///< axes of the far end [N/m], [N s/m], [N]
+  Place place;
+};
+
 /// [world] domain: periodic, strain_rate, pressure.
 struct CellSpec {
   PeriodicCell cell;
@@ -228,6 +242,7 @@ struct Scene {
   std::vector<GroupSpec> groups;
   std::vector<FillSpec> fills;
   std::vector<OutletSpec> outlets;
+  std::vector<SpringSpec> springs;
   std::vector<MeasureSpec> measures;
   std::vector<BoundSpec> bounds;
   std::vector<BoundSpec> accuracy;

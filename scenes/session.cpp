@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/contact_layer.h"
 #include "engine/hash.h"
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
@@ -52,7 +53,8 @@ std::string scene_hash(const Scene& scene) {
   Hash hash;
   hash.add(scene.text);
   for (const auto& shape : scene.shapes) {  // files that the text only names
-    if (shape.parameters.has("file")) hash.add(read_whole_file(shape.parameters.text("file")));
+    for (const char* key : {"file", "irregularity.file"})
+      if (shape.parameters.has(key)) hash.add(read_whole_file(shape.parameters.text(key)));
     if (!shape.parameters.has("vertices")) continue;
     for (const Vec3& v : shape.parameters.vectors("vertices")) hash.add(v.data(), 3);
   }
@@ -126,7 +128,9 @@ void Session::add_observers() {
 /// The contact problem of the step just made, for `epafi solve`: problems/<scene>-i<step>-<contacts>.hdf5.
 void Session::write_contact_problem() const {
   const Simulation& sim = *assembly_->simulation;
-  const ContactProblem* problem = last_problem(*sim.pipeline.contact_model);
+  const ContactModel* model = sim.pipeline.contact_model.get();
+  while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
+  const ContactProblem* problem = last_problem(*model);
   if (problem == nullptr || problem->size() == 0) return;
   const std::string scene = std::filesystem::path(assembly_->scene.file).stem().string();
   std::filesystem::create_directories(folder_ / "problems");

@@ -7,6 +7,7 @@
 #include "detection/shapes/solid_parts.h"
 #include "engine/random.h"
 #include "engine/units.h"
+#include "scenes/railway/profiles.h"
 
 namespace epafi {
 
@@ -82,6 +83,15 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
     out = build_mesh(spec, size);
   else if (spec.type == "half_space")
     out = {store_.add(HalfSpace{p.vec3("normal").normalized()}), 0.0, {}, infinity, false, false};
+  else if (spec.type == "wheel_profile")
+    out = build_wheels(spec);
+  else if (spec.type == "rail_profile")
+    out = {store_.add(RailProfile{std::make_shared<Track>(*build_track(p, spec.name).value), p.number("drawn_length")}),
+           0.0,
+           {},
+           infinity,
+           false,
+           false};
   else
     throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
   return built_.emplace(key, out).first->second;
@@ -104,6 +114,16 @@ BuiltShape ShapeBuilder::build_clump(const ShapeSpec& spec, double size) {
   for (PlacedBall& ball : clump.parts) ball.centre = out.frame.to_principal(ball.centre);
   out.radius = clump.bounding_radius();
   out.ref = store_.add(std::move(clump));
+  return out;
+}
+
+BuiltShape ShapeBuilder::build_wheels(const ShapeSpec& spec) {
+  auto wheelset = std::make_shared<Wheelset>(*build_wheelset(spec.parameters, spec.name).value);
+  BuiltShape out;
+  out.mass = wheelset->mass, out.frame.moments = wheelset->inertia;
+  const WheelProfile shape{std::move(wheelset)};
+  out.radius = shape.bounding_radius(), out.is_solid = out.mass > 0;
+  out.ref = store_.add(shape);
   return out;
 }
 

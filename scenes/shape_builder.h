@@ -34,6 +34,7 @@ class ShapeBuilder {
 
  private:
   BuiltShape build_clump(const ShapeSpec& spec, double size);
+  BuiltShape build_wheels(const ShapeSpec& spec);
   BuiltShape build_hull(const ShapeSpec& spec, double size);
   BuiltShape build_mesh(const ShapeSpec& spec, double size);
   BuiltShape build_solid(const ShapeSpec& spec, double size);

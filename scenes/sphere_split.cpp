@@ -26,7 +26,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   rest_.margin = pairs.margin, ++rest_.generation;
   for (const Pair& p : pairs.pairs) {
     if (radius[p.a] > 0 && radius[p.b] > 0)
-      spheres_.push_back({p.a, p.b, -1});
+      spheres_.push_back({p.a, p.b, -1, p.image});
     else if (radius[p.a] > 0 && plane_of[p.b] >= 0)
       spheres_.push_back({p.a, p.b, plane_of[p.b]});
     else if (radius[p.b] > 0 && plane_of[p.a] >= 0)

@@ -9,6 +9,7 @@
 #include "engine/parallel.h"
 #include "laws/smooth/critical_step.h"
 #include "scenes/contact_setup.h"
+#include "scenes/railway/rolling.h"
 
 namespace epafi {
 
@@ -17,8 +18,14 @@ namespace {
 /// Smallest free body of a material.
 struct Smallest {
   double mass = infinity, radius = infinity;
-  bool round = true;  ///< spheres touch at one point and do not turn under its normal force
+  bool round = true;  ///< spheres do not turn under the normal force
+  int points = 1;     ///< of a pair: spheres and ellipsoids touch at one, capsules along a line, faces at four
 };
+
+int points_of(ShapeRef ref) {
+  if (ref.type() == ShapeStore::type_of<Sphere>() || ref.type() == ShapeStore::type_of<Ellipsoid>()) return 1;
+  return ref.type() == ShapeStore::type_of<Capsule>() ? 2 : 4;
+}
 
 struct Survey {
   std::map<std::uint16_t, Smallest> free;  ///< by material
@@ -35,8 +42,14 @@ void look_at(Survey& out, const Assembly& a, std::uint32_t shape, std::uint16_t 
   auto& smallest = out.free[material];
   const double radius = a.shapes->bounding_radius({shape});
   smallest.mass = std::min(smallest.mass, mass), smallest.radius = std::min(smallest.radius, radius);
+  smallest.points = std::max(smallest.points, points_of(ShapeRef{shape}));
   smallest.round = smallest.round && ShapeRef{shape}.type() == ShapeStore::type_of<Sphere>();
   out.diameter = std::min(out.diameter, 2 * radius);
+}
+
+bool is_railway(std::uint32_t shape) {
+  const auto type = ShapeRef{shape}.type();
+  return type == ShapeStore::type_of<WheelProfile>() || type == ShapeStore::type_of<RailProfile>();
 }
 
 Survey survey(const Assembly& a) {
@@ -46,6 +59,7 @@ Survey survey(const Assembly& a) {
   const Vec3 down = g > 0 ? Vec3(w.gravity / g) : -Vec3::UnitZ();
   double low = infinity, high = -infinity, fastest = 0;
   for (Slot s = 0; s < w.size(); ++s) {
+    if (a.plan.rolling && is_railway(w.shape[s])) continue;  // they touch each other only: railway_step
     fastest = std::max(fastest, w.velocity[s].norm());
     if (!w.is_movable(s)) {
       out.held[w.material[s]] = true, ++out.held_bodies;
@@ -109,12 +123,13 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     c.effective_mass = q ? p.mass * q->mass / (p.mass + q->mass) : p.mass;
     c.mass = q ? std::min(p.mass, q->mass) : p.mass;
     c.effective_radius = q ? p.radius * q->radius / (p.radius + q->radius) : p.radius;
-    // a corner of a cube moves as a quarter of its mass does; faces meet at four points
+    // a corner of a cube moves as a quarter of its mass does
     const bool round = p.round && (!q || q->round);
     if (!round) c.effective_mass *= 0.25, c.mass *= 0.25;
     // at rest and without gravity: a thousandth of the sound speed, far above what a quiet scene sees
     c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
-    const int points = round || a.plan.needs.area ? 1 : 4;  // cells of overlap volume share one face
+    // cells of overlap volume share one face
+    const int points = a.plan.needs.area ? 1 : q ? std::min(p.points, q->points) : p.points;
     c.coordination = std::clamp(n, 1, 8) * points;
     const StepLimit limit = critical_step(setup, pair, c);
     if (limit.auto_step < shortest.auto_step) shortest = limit, between = pair.a.name + "-" + pair.b.name;
@@ -142,6 +157,11 @@ TimeStep choose_time_step(const Assembly& a) {
   const bool smooth = a.scene.contact.method.value == Method::smooth;
   TimeStep step{a.scene.run.output_interval.value / 10, infinity, "no body can touch another: output_interval / 10"};
   if (s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) step = smooth ? smooth_step(a, s) : nonsmooth_step(a, s);
+  if (const TimeStep railway = railway_step(a); railway.value < infinity && smooth) {
+    const bool only = s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2;
+    if (only || railway.value < step.value) step.value = railway.value, step.reason = railway.reason;
+    step.limit = std::min(step.limit, railway.limit);
+  }
   if (a.scene.run.adaptive && !smooth)
     throw SceneError("[run] time_step = \"adaptive\" is for contact.method = \"smooth\"", written.place);
   if (a.scene.run.adaptive && s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1 && s.speed > 0)

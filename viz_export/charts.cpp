@@ -110,7 +110,7 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
   if (!plot.front.empty()) add(block(plot.front), "with lines lw 7 lc rgb '#cccccc' title 'Pareto front'");
   for (const auto& line : plot.lines) {
     const char* rgb = colours[colour % std::size(colours)];
-    const std::size_t mark = 4 + colour % 10;
+    const std::size_t mark = 4 + (colour + 3 * (colour / std::size(colours))) % 10;  // ten colours, then other marks
     ++colour;
     if (!line.points.empty())
       add(block(line.points),
@@ -131,7 +131,7 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
         fmt::format("set label {} at graph 0.01, first {} offset 0,0.5 tc rgb '#666666'\n", quoted(label), level);
   }
   // where a range holds less than two decades its tics are written out
-  if (right < 100 * left) settings += "set format x '%.2g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
+  if (right < 100 * left) settings += "set format x '%.3g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
   return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
 }
 

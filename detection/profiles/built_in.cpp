@@ -86,6 +86,21 @@ ProfilePoints make_rail(double y1, double y2) {
 
 }  // namespace
 
+ProfilePoints cone_profile(double conicity) {
+  const double from = std::atan(conicity), to = 70.0 * 3.14159265358979323846 / 180.0, R = 13.0, y1 = -38.0;
+  std::vector<std::pair<double, double>> p;  // from the field side to the flange
+  for (int k = 0; k <= 196; ++k) p.emplace_back(60.0 - 0.5 * k, -conicity * (60.0 - 0.5 * k));
+  for (int k = 1; k <= 40; ++k) {
+    const double b = from + (to - from) * k / 40.0;
+    p.emplace_back(y1 - R * (std::sin(b) - std::sin(from)), -conicity * y1 + R * (std::cos(from) - std::cos(b)));
+  }
+  const auto [ey, ez] = p.back();
+  for (int k = 1; k <= 30; ++k) p.emplace_back(ey - 0.5 * k / std::tan(to), ez + 0.5 * k);
+  ProfilePoints out;
+  for (std::size_t k = p.size(); k-- > 0;) out.y.push_back(p[k].first * mm), out.z.push_back(p[k].second * mm);
+  return out;
+}
+
 const ProfilePoints* built_in_profile(const std::string& name) {
   static const ProfilePoints wheel = make_s1002();
   static const ProfilePoints rail_60e1 = make_rail(20.456 / 2.0, 52.053 / 2.0);

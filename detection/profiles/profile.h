@@ -49,6 +49,10 @@ ProfileFile read_profile(const std::string& text);
 /// Turned by `cant` [rad] towards the gauge side (positive y becomes lower), the highest point at z = 0.
 ProfilePoints canted_rail(ProfilePoints points, double cant);
 
+/// A cone of this slope over the tread with a flange of 70 degrees 38 mm beside the tape circle, a fillet of 13 mm
+/// between.
+ProfilePoints cone_profile(double conicity);
+
 /// Built-in profiles: "s1002" (wheel), "60e1", "uic60" (rails, upright). Null for another name.
 const ProfilePoints* built_in_profile(const std::string& name);
 

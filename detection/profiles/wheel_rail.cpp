@@ -8,8 +8,6 @@ namespace epafi {
 namespace {
 
 constexpr double scan_step = 0.4e-3;  // the jump regions of S1002 on UIC60 are 5 mm apart
-constexpr double profile_step = 0.2e-3;
-constexpr double profile_reach = 16e-3;  // half-width of the gap profile around a region
 
 }  // namespace
 
@@ -33,7 +31,9 @@ void WheelRailPair::place(const WheelsetPosition& p) {
   about_z << cy, -sy, 0, sy, cy, 0, 0, 0, 1;
   about_x << 1, 0, 0, 0, cr, -sr, 0, sr, cr;
   turn_ = about_z * about_x;
+  tan_yaw_ = sy / cy;
   centre_ = Vec3(0.0, mirror_ * p.lateral_shift, -track_.radius + p.height);
+  depth_ = 0.0;
   // where wheel and rail lie above each other; a little beyond the flank, so that a flange contact is no end of the
   // scan
   const double shift = centre_.y() + tape_;
@@ -45,8 +45,7 @@ WheelRailPair::Locus WheelRailPair::locus(double y) const {
   // the wheel's points of one lateral coordinate are a circle; its lowest point over the track turns with the yaw:
   // its x is -R R' tan(yaw), which keeps the normal in the plane x = const
   const Profile::Value w = wheel_.at(y);
-  const double R = track_.radius + w.z, t = w.slope * std::tan(std::atan2(turn_(1, 0), turn_(0, 0))),
-               c = 1.0 / std::sqrt(1.0 + t * t);
+  const double R = track_.radius + w.z, t = w.slope * tan_yaw_, c = 1.0 / std::sqrt(1.0 + t * t);
   const Vec3 p = centre_ + turn_ * Vec3(-R * t * c, tape_ + y, R * c);
   return {p, rail_.at(axis_ - p.y()).z - p.z()};
 }
@@ -74,6 +73,8 @@ double WheelRailPair::clearance() const {
 }
 
 void WheelRailPair::touch() { centre_.z() += clearance(); }
+
+void WheelRailPair::lower(double depth) { centre_.z() += depth - depth_, depth_ = depth; }
 
 ContactRegion WheelRailPair::region_at(double y, double deepest) const {
   const Locus at = locus(y);
@@ -132,8 +133,8 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
   const Plane plane = plane_of(region);
   const auto& [o, t, n] = plane;
   GapProfile& g = region.profile;
-  const auto count = static_cast<std::size_t>(2.0 * profile_reach / profile_step) + 1;
-  g.start = -profile_reach, g.step = profile_step;
+  const auto count = static_cast<std::size_t>(2.0 * sampling_.reach / sampling_.step) + 1;
+  g.start = -sampling_.reach, g.step = sampling_.step;
   g.gap.resize(count), g.curvature_x.resize(count), g.centre_x.resize(count);
   // walk both ways from the middle: the last heights are good guesses
   const std::size_t middle = count / 2;
@@ -144,7 +145,7 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
       const double s = g.y(k);
       zr = rail_height(plane, s, zr);
       // the lowest point along x: where the wheel's normal has no x part; x follows the slope of the wheel's profile
-      for (int again = 0; again < 2; ++again) {
+      for (int again = 0; again < 1; ++again) {
         zw = wheel_height(plane, x, s, zw);
         const Vec3 p = turn_.transpose() * (o + x * Vec3::UnitX() + s * t + zw * n - centre_);
         const Profile::Value w = wheel_.at(p.y() - tape_);
@@ -155,33 +156,60 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
       }
       zw = wheel_height(plane, x, s, zw);
       g.centre_x[k] = x;
-      g.gap[k] = zr - zw;
+      g.gap[k] = zr - zw + depth_ * n.z();
+      if (g.gap[k] < sampling_.until) continue;
+      for (std::size_t rest = m + 1; rest <= middle; ++rest) {
+        const std::size_t q = way > 0 ? middle + rest : middle - rest;
+        g.gap[q] = g.gap[k] * (1.0 + 0.1 * static_cast<double>(rest - m)), g.curvature_x[q] = g.curvature_x[k],
+        g.centre_x[q] = x;
+      }
+      break;
     }
   }
 }
 
-std::vector<ContactRegion> WheelRailPair::find_regions(double reach) const {
+std::vector<std::pair<double, double>> WheelRailPair::minima(double reach) const {
   std::vector<double> gap;
   const auto count = static_cast<std::size_t>(std::max(0.0, (scan_to_ - scan_from_) / scan_step)) + 1;
   for (std::size_t k = 0; k < count; ++k) gap.push_back(locus(scan_from_ + static_cast<double>(k) * scan_step).gap);
-  std::vector<std::pair<double, double>> minima;  // refined gap and place
-  double deepest = 1e9;
+  const double lowest = *std::min_element(gap.begin(), gap.end());
+  std::vector<std::pair<double, double>> out;  // refined gap and place
   for (std::size_t k = 1; k + 1 < count; ++k) {
-    if (!(gap[k] <= gap[k - 1] && gap[k] < gap[k + 1])) continue;
-    if (gap[k] > *std::min_element(gap.begin(), gap.end()) + 2.0 * reach) continue;
+    if (!(gap[k] <= gap[k - 1] && gap[k] < gap[k + 1]) || gap[k] > lowest + 2.0 * reach) continue;
     const double y = refine(scan_from_ + static_cast<double>(k) * scan_step, scan_step);
-    minima.emplace_back(locus(y).gap, y);
-    deepest = std::min(deepest, minima.back().first);
+    out.emplace_back(locus(y).gap, y);
   }
-  std::sort(minima.begin(), minima.end());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::vector<ContactRegion> WheelRailPair::regions_at(const std::vector<std::pair<double, double>>& minima,
+                                                     double reach) const {
   std::vector<ContactRegion> out;
-  for (const auto& [g, y] : minima) {
-    if (g > deepest + reach) break;
-    out.push_back(region_at(y, deepest));
+  for (const auto& [gap, y] : minima) {
+    if (gap > minima.front().first + reach) break;
+    out.push_back(region_at(y, minima.front().first));
+    out.back().point.y() *= mirror_, out.back().angle *= mirror_;
   }
-  for (ContactRegion& r : out) r.point.y() *= mirror_, r.angle *= mirror_;
+  return out;
+}
+
+std::vector<ContactRegion> WheelRailPair::find_regions(double reach) const {
+  std::vector<ContactRegion> out = regions_at(minima(reach), reach);
   if (!out.empty()) add_profile(out.front());
   return out;
+}
+
+double WheelRailPair::touch(double reach, std::vector<ContactRegion>& regions) {
+  auto places = minima(reach);
+  regions.clear();
+  if (places.empty()) return 0.0;
+  // every vertical gap changes by the same: the places stay
+  const double clearance = places.front().first;
+  centre_.z() += clearance;
+  for (auto& [gap, y] : places) gap -= clearance;
+  regions = regions_at(places, reach);
+  return clearance;
 }
 
 GapField WheelRailPair::field(const ContactRegion& region, double cx, double cy, double dx, double dy, std::size_t nx,
@@ -198,7 +226,7 @@ GapField WheelRailPair::field(const ContactRegion& region, double cx, double cy,
     double zw = zr;
     for (std::size_t i = 0; i < nx; ++i) {
       zw = wheel_height(plane, cx + f.x(i), s, zw);
-      f.gap[j * nx + i] = zr - zw;
+      f.gap[j * nx + i] = zr - zw + depth_ * plane.n.z();
     }
   }
   return f;

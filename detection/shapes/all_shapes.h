@@ -7,10 +7,12 @@
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/half_space.h"
+#include "detection/shapes/rail_profile.h"
 #include "detection/shapes/solid_parts.h"
 #include "detection/shapes/sphere.h"
 #include "detection/shapes/superquadric.h"
 #include "detection/shapes/triangle_mesh.h"
+#include "detection/shapes/wheel_profile.h"
 
 namespace epafi {
 
@@ -19,6 +21,7 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump, SolidParts>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump,
+                            SolidParts, WheelProfile, RailProfile>;
 
 }  // namespace epafi

@@ -25,6 +25,11 @@ struct Fineness {
 /// Its balls, each whole.
 [[nodiscard]] TriangleSurface tessellate(const Clump& clump, const Fineness& fineness = {});
 
+/// Two wheels and the axle, open surfaces.
+[[nodiscard]] TriangleSurface tessellate(const WheelProfile& wheelset, const Fineness& fineness = {});
+/// Both rails from the start of the track over the drawn length, without irregularities.
+[[nodiscard]] TriangleSurface tessellate(const RailProfile& track, const Fineness& fineness = {});
+
 [[nodiscard]] inline TriangleSurface tessellate(const ShapeStore& shapes, ShapeRef ref, const Fineness& fineness = {}) {
   return shapes.with(ref, [&](const auto& shape) { return tessellate(shape, fineness); });
 }

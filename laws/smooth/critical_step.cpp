@@ -98,7 +98,11 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   out.impact = integrate_impact<N>(p, c, elastic_contact_time<N>(p, c) / 4000);
   const Slopes slope = slopes_at<N>(p, c, out.impact.largest_overlap);
   const double stiffness = slope.stiffness;
-  out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination);
+  // a law that stiffens is far softer in a packing than here, at the largest overlap of an impact in all contacts of a
+  // body at once: with the dashpot of there as well hoppers that run well would be refused
+  const bool stiffens = slopes_at<N>(p, c, 0.5 * out.impact.largest_overlap).stiffness < 0.99 * stiffness;
+  out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination,
+                                stiffens ? 0.0 : slope.dashpot);
   const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
   // contact
@@ -124,11 +128,14 @@ double hertz_contact_time(double m, double radius, double modulus, double speed)
 
 double fall_speed(double gravity, double height) { return std::sqrt(2.0 * std::abs(gravity) * std::max(height, 0.0)); }
 
-double stable_step(double normal_stiffness, double tangential_stiffness, double mass, int coordination) {
+double stable_step(double normal_stiffness, double tangential_stiffness, double mass, int coordination,
+                   double dashpot) {
   const double kn = normal_stiffness, kt = tangential_stiffness, contacts = coordination;
   const double chain = std::max(kn, 3.5 * kt), packing = std::max(kn + 2.0 * kt, 5.0 * kt);
-  const double stiffness = std::max(std::min(contacts, 2.0) * chain, coordination > 2 ? contacts / 3.0 * packing : 0.0);
-  return std::sqrt(2.0 * mass / stiffness);
+  const double few = std::min(contacts, 2.0), many = coordination > 2 ? contacts / 3.0 : 0.0;
+  const double square = 2.0 / mass * std::max(few * chain, many * packing);
+  const double damping = 2.0 / mass * std::max(few, 1.5 * many) * dashpot;
+  return 2.0 / (damping + std::sqrt(damping * damping + square));
 }
 
 ImpactEstimate estimate_impact(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact) {

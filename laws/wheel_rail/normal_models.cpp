@@ -1,5 +1,6 @@
 #include "laws/wheel_rail/normal_models.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "laws/wheel_rail/normal/models.h"
@@ -21,6 +22,14 @@ const std::vector<NormalModel>& all_normal_models() {
         {},
         "Kik, Piotrowski 1996"},
        solve_kik_piotrowski},
+      {{"stripes",
+        "strips of local curvature, share of the approach by Hertz at the rigid point",
+        {},
+        {},
+        "Ayasse, Chollet 2005"},
+       solve_stripes},
+      {{"analyn", "every strip from the Hertz contact of its mean curvature", {}, {}, "Sichani, Enblom, Berg 2014"},
+       solve_analyn},
       {{"semi-hertz",
         "strips: Hertz along the track, exact influence of strip on strip across it",
         {},
@@ -46,7 +55,15 @@ PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, 
   PatchPlace out{0.0, region.angle};
   const GapProfile& g = region.profile;
   double w = 0.0, wy = 0.0, wa = 0.0;
-  for (std::size_t k = 0; k < g.size(); ++k) {
+  // of the overlap that holds the region's point: another one beside it would draw the plane to where nothing touches
+  std::size_t first = g.size(), last = 0;
+  if (g.size() > 0) {
+    first = last =
+        static_cast<std::size_t>(std::clamp(-g.start / g.step + 0.5, 0.0, static_cast<double>(g.size() - 1)));
+    while (first > 0 && g.gap[first - 1] < approach) --first;
+    while (last + 1 < g.size() && g.gap[last + 1] < approach) ++last;
+  }
+  for (std::size_t k = first; k <= last && k < g.size(); ++k) {
     const double depth = (approach - g.gap[k]) / approach;
     if (depth <= 0.0) continue;
     const double one = depth * depth * std::sqrt(depth / g.curvature_x[k]);  // depth^2 over the strip's length

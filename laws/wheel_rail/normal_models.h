@@ -1,6 +1,8 @@
 /// @file normal_models.h  The list of normal models: name, what it is, and the function that finds the patches of a
 /// case.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,13 +14,24 @@
 
 namespace epafi {
 
+/// Where the strips of a patch ended last time: half-lengths over that of the undeformed overlap, strip by strip.
+struct StripStart {
+  static constexpr std::size_t most = 64;
+  std::uint64_t count = 0;  ///< 0: nothing is known
+  std::array<double, most> share{};
+};
+
 struct NormalInput {
   const GapSource& source;
   const std::vector<ContactRegion>& regions;  ///< the deepest first
   ElasticPair elastic;
-  NormalTarget target;        ///< force along the normal, or approach
-  double dx = 0.0, dy = 0.0;  ///< cells [m]; 0: the shorter axis has 32
-  double approach = 0.0;      ///< an estimate of it where one is known [m], 0: none
+  NormalTarget target;          ///< force along the normal, or approach
+  double dx = 0.0, dy = 0.0;    ///< cells [m]; 0: the shorter axis has 32
+  double approach = 0.0;        ///< an estimate of it where one is known [m], 0: none
+  int strips = 0;               ///< across the patch, for models of strips; 0: by their own rule
+  int along = 44;               ///< cells of a strip
+  bool stresses = false;        ///< finite elements keep those inside the body
+  StripStart* start = nullptr;  ///< strips to start from; left as they ended
 };
 
 struct RegionPatch {

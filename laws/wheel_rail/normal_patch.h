@@ -1,6 +1,7 @@
 /// @file normal_patch.h  What a normal model finds: one patch with its ellipse, and its pressures on a grid where it
 /// has them.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
 
 namespace epafi {
+
+struct BlockStress;
 
 struct NormalPatch {
   Ellipse ellipse;            ///< of Hertz, or the one with the patch's second moments of pressure
@@ -18,11 +21,12 @@ struct NormalPatch {
   double max_pressure = 0.0;  ///< [Pa]
   double area = 0.0;          ///< [m^2]
   PatchGrid grid;
-  double grid_x = 0.0, grid_y = 0.0;      ///< middle of the grid in the tangent plane [m]
-  std::vector<double> pressure;           ///< by cell [Pa]; empty for an ellipse
-  double centre_x = 0.0, centre_y = 0.0;  ///< centre of pressure in the tangent plane [m]
-  double error_estimate = 0.0;            ///< relative, of the peak pressure
-  std::vector<std::string> reasons;       ///< why it should not be trusted; empty: valid
+  double grid_x = 0.0, grid_y = 0.0;          ///< middle of the grid in the tangent plane [m]
+  std::vector<double> pressure;               ///< by cell [Pa]; empty for an ellipse
+  double centre_x = 0.0, centre_y = 0.0;      ///< centre of pressure in the tangent plane [m]
+  std::shared_ptr<const BlockStress> stress;  ///< of finite elements, if asked for
+  double error_estimate = 0.0;                ///< relative, of the peak pressure
+  std::vector<std::string> reasons;           ///< why it should not be trusted; empty: valid
 };
 
 NormalPatch patch_of_hertz(const HertzContact& contact);

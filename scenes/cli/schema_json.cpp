@@ -160,8 +160,6 @@ SceneSchema with_patch_cases(SceneSchema schema) {
     for (TableSchema& t : schema.tables)
       if (t.name == name) t.fields = t.fields + more;
   };
-  extend("shape", {table("wheel_profile", "cross-section of a wheel (`epafi patch`)", wheel_profile_fields()),
-                   table("rail_profile", "cross-section of a rail (`epafi patch`)", rail_profile_fields())});
   extend("contact", patch_contact_fields());
   extend("material", as_optional(patch_material_fields()));
   for (TableSchema& t : schema.tables)  // a patch case has no mechanics to choose
@@ -187,7 +185,9 @@ std::string json_schema(const Registry& registry) {
   root.add("$schema", "\"http://json-schema.org/draft-07/schema#\"")
       .add("title", "\"Epafi scene\"")
       .add("type", "\"object\"");
-  root.add("additionalProperties", "false").add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]").add("properties", properties.str());
+  root.add("additionalProperties", "false")
+      .add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]")
+      .add("properties", properties.str());
   Object definitions;
   definitions.add("shape", writer.object(schema.at("shape").fields, "shape"));
   root.add("definitions", definitions.str());

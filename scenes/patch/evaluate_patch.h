@@ -1,5 +1,6 @@
 /// @file evaluate_patch.h  Every chosen normal model times every chosen tangential model on one case.
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ struct PatchContact {
   Ellipse semi_axes;
   double area = 0.0, max_pressure = 0.0, normal_force = 0.0;
   PatchForce force;
-  TractionMap map;  ///< if asked for
+  TractionMap map;                            ///< if asked for
+  std::shared_ptr<const BlockStress> stress;  ///< of finite elements, with the map
 };
 
 /// One line of the answer.
@@ -39,7 +41,8 @@ std::vector<PatchResult> evaluate_patch(const PatchCase& patch, bool maps = fals
 
 /// The list as `patch --json` prints it.
 std::string patch_json(const std::vector<PatchResult>& results);
-/// Writes pressures, tractions, slips and stick or slip of every solved patch to FOLDER/NORMAL_TANGENTIAL.csv and .vti.
+/// Writes pressures, tractions, slips and stick or slip of every solved patch to FOLDER/NORMAL_TANGENTIAL.csv and .vti,
+/// stresses and displacements inside the body of finite elements to FOLDER/NORMAL_stress.vtr.
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results);
 /// Rigid geometry of the case's wheelset at shifts of 0 to 8 mm as CSV: roll, contact places, rolling radius
 /// difference, equivalent conicity (EN 15302).

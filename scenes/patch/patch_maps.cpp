@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "laws/wheel_rail/fem/elastic_block.h"
 #include "scenes/patch/evaluate_patch.h"
 #include "viz_export/side_file.h"
 
@@ -90,12 +91,47 @@ std::string vti_of(const TractionMap& m) {
   return out + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
 }
 
+/// VTK XML RectilinearGrid: the graded block with displacements at nodes, stresses and their equivalent in elements.
+std::string vtr_of(const BlockStress& b) {
+  const auto last = [](const std::vector<double>& v) { return v.size() - 1; };
+  const std::string extent = fmt::format("0 {} 0 {} 0 {}", last(b.mesh.x), last(b.mesh.y), last(b.mesh.z));
+  std::string out =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"RectilinearGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n";
+  out += "<RectilinearGrid WholeExtent=\"" + extent + "\">\n<Piece Extent=\"" + extent + "\">\n";
+  const auto open = [&](const char* name, int components) {
+    out += fmt::format("<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", name,
+                       components);
+  };
+  const char* close = "\n</DataArray>\n";
+  out += "<PointData Vectors=\"displacement\">\n";
+  open("displacement", 3);
+  for (const auto& u : b.displacement) out += fmt::format("{:.6g} {:.6g} {:.6g} ", u[0], u[1], u[2]);
+  out += close;
+  out += "</PointData>\n<CellData Scalars=\"von_mises\">\n";
+  open("von_mises", 1);
+  for (std::size_t e = 0; e < b.stress.size(); ++e) out += fmt::format("{:.6g} ", b.von_mises(e));
+  out += close;
+  open("stress", 6);  // VTK's order of a symmetric tensor: xx yy zz xy yz xz
+  for (const auto& t : b.stress)
+    out += fmt::format("{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} ", t[0], t[1], t[2], t[5], t[3], t[4]);
+  out += close;
+  out += "</CellData>\n<Coordinates>\n";
+  for (const auto* axis : {&b.mesh.x, &b.mesh.y, &b.mesh.z}) {
+    open("axis", 1);
+    for (const double v : *axis) out += fmt::format("{:.9g} ", v);
+    out += close;
+  }
+  return out + "</Coordinates>\n</Piece>\n</RectilinearGrid>\n</VTKFile>\n";
+}
+
 }  // namespace
 
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results) {
   std::filesystem::create_directories(folder);
   for (const auto& r : results) {
     for (std::size_t k = 0; k < r.contacts.size(); ++k) {
+      if (const auto& inside = r.contacts[k].stress)
+        write_whole_file(std::filesystem::path(folder) / (r.normal + "_stress.vtr"), {vtr_of(*inside)});
       const TractionMap& m = r.contacts[k].map;
       if (m.x.empty()) continue;  // a closed form has no map
       const std::string name = r.normal + "_" + r.tangential + (r.contacts.size() > 1 ? "_" + std::to_string(k) : "");

@@ -10,9 +10,6 @@ namespace {
 Field number(std::string name, std::string symbol, std::string unit, Range range, std::string help) {
   return optional(std::move(name), std::move(symbol), std::move(unit), Kind::number, range, std::move(help));
 }
-Field if_given(std::string name, std::string help) {
-  return optional(std::move(name), "", "", Kind::text, {}, std::move(help));
-}
 Field infinite(Field f) {
   f.may_be_infinite = true;
   return f;
@@ -37,26 +34,6 @@ Field side_field() {
 }
 
 }  // namespace
-
-std::vector<Field> wheel_profile_fields() {
-  return {
-      if_given("file",
-               "CSV of y from the tape circle (flange negative) and z (increase of radius); first line `# unit: mm`"),
-      if_given("name", "a built-in profile in place of a file: s1002"),
-      with_default(number("radius", "r0", "m", positive, "at the tape circle"), 0.46),
-      with_default(
-          number("smoothing", "", "m", not_negative, "root mean square distance of the spline from the points"), 0.0)};
-}
-
-std::vector<Field> rail_profile_fields() {
-  return {
-      if_given("file",
-               "CSV of y from the rail's axis (gauge side positive) and z below the top; first line `# unit: mm`"),
-      if_given("name", "a built-in profile in place of a file: 60e1, uic60"),
-      with_default(number("cant", "", "rad", {-0.5, 0.5}, "towards the gauge side"), 0.0),
-      with_default(
-          number("smoothing", "", "m", not_negative, "root mean square distance of the spline from the points"), 0.0)};
-}
 
 std::vector<Field> patch_fields() {
   const Range some{1, infinity}, any{0, infinity}, two{2, 2};

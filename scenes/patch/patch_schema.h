@@ -7,8 +7,6 @@
 namespace epafi {
 
 std::vector<Field> patch_fields();           ///< [patch]
-std::vector<Field> wheel_profile_fields();   ///< [shape.NAME] wheel_profile
-std::vector<Field> rail_profile_fields();    ///< [shape.NAME] rail_profile
 std::vector<Field> patch_contact_fields();   ///< [contact]
 std::vector<Field> patch_material_fields();  ///< [material.NAME]
 

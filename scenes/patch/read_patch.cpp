@@ -2,12 +2,15 @@
 #include <cmath>
 #include <filesystem>
 
+#include "detection/shapes/rail_profile.h"
+#include "detection/shapes/wheel_profile.h"
 #include "engine/nearest.h"
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"
 #include "scenes/full_registry.h"
 #include "scenes/patch/patch_case.h"
 #include "scenes/patch/patch_schema.h"
+#include "scenes/railway/profiles.h"
 #include "scenes/reader/parts.h"
 #include "viz_export/side_file.h"
 
@@ -82,30 +85,16 @@ void set_materials(Reading& reading, const TableValues& patch, PatchCase& out) {
   if (a->yield || b->yield) out.yield = std::min(a->yield.value_or(INFINITY), b->yield.value_or(INFINITY));
 }
 
-/// Points of a profile by file or by name; reports what is wrong with either.
-std::optional<ProfilePoints> profile_points(Reading& reading, const TableValues& v, const std::string& label,
-                                            const std::vector<std::string>& names) {
-  if (v.has("file") == v.has("name")) {
-    reading.error(v.place, label + ": write one of file and name");
-    return std::nullopt;
-  }
-  if (v.has("name")) {
-    const std::string& name = v.text("name");
-    if (std::find(names.begin(), names.end(), name) != names.end()) return *built_in_profile(name);
-    reading.error(v.place_of("name"),
-                  "unknown profile '" + name + "' in " + label + suggestion(name, names, "built in"));
-    return std::nullopt;
-  }
-  const std::string path = resolve_path(v.text("file"), v.place_of("file"), reading.main_file);
-  std::error_code failure;
-  if (!std::filesystem::is_regular_file(path, failure)) {
-    reading.error(v.place_of("file"), label + " file: there is no file '" + path + "'");
-    return std::nullopt;
-  }
-  ProfileFile file = read_profile(read_whole_file(path));
-  if (file.problem.empty()) return std::move(file.points);
-  reading.error({path, std::max(1, file.line), 1}, file.problem);
-  return std::nullopt;
+/// A profile by file or by name; reports what is wrong with either.
+std::optional<Profile> read_profile_keys(Reading& reading, TableValues v, const std::string& label, bool is_wheel) {
+  if (v.has("file")) v.set("file", resolve_path(v.text("file"), v.place_of("file"), reading.main_file));
+  Built<Profile> built = build_profile(v, is_wheel, label);
+  if (!built.value)
+    reading.error(!built.place.file.empty() ? built.place
+                  : built.key.empty()       ? v.place
+                                            : v.place_of(built.key),
+                  built.problem);
+  return std::move(built.value);
 }
 
 /// The wheel and rail of [shape.*]; places and track come from [patch].
@@ -122,15 +111,12 @@ void set_profiles(Reading& reading, const TableValues& patch, PatchCase& out) {
       continue;
     }
     const TableValues v = read_table(w ? *w : *r, label + (w ? " wheel_profile" : " rail_profile"),
-                                     w ? wheel_profile_fields() : rail_profile_fields(), reading);
-    auto points = profile_points(reading, v, label,
-                                 w ? std::vector<std::string>{"s1002"} : std::vector<std::string>{"60e1", "uic60"});
-    if (!points) continue;
+                                     w ? WheelProfile::entry().fields : RailProfile::entry().fields, reading);
+    auto profile = read_profile_keys(reading, v, label, w != nullptr);
+    if (!profile) continue;
     if ((w ? wheel : rail).has_value()) reading.error(node.place, label + ": a second profile of its kind");
-    if (w)
-      wheel = Profile(*points, v.number_or("smoothing", 0.0)), c.track.radius = v.number_or("radius", c.track.radius);
-    else
-      rail = Profile(canted_rail(*points, v.number_or("cant", 0.0)), v.number_or("smoothing", 0.0));
+    if (w) c.track.radius = v.number_or("radius", c.track.radius);
+    (w ? wheel : rail) = std::move(profile);
   }
   if (!wheel || !rail) {
     if (reading.errors() == 0)

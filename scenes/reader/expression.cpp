@@ -19,11 +19,15 @@ struct Function {
   double (*apply)(double);
 };
 constexpr Function functions[] = {
-    {"sqrt", [](double x) { return std::sqrt(x); }}, {"abs", [](double x) { return std::abs(x); }},
-    {"sin", [](double x) { return std::sin(x); }},   {"cos", [](double x) { return std::cos(x); }},
-    {"tan", [](double x) { return std::tan(x); }},   {"exp", [](double x) { return std::exp(x); }},
-    {"log", [](double x) { return std::log(x); }},   {"floor", [](double x) { return std::floor(x); }},
-    {"ceil", [](double x) { return std::ceil(x); }},
+    {"sqrt", [](double x) { return std::sqrt(x); }},   {"abs", [](double x) { return std::abs(x); }},
+    {"sin", [](double x) { return std::sin(x); }},     {"cos", [](double x) { return std::cos(x); }},
+    {"tan", [](double x) { return std::tan(x); }},     {"exp", [](double x) { return std::exp(x); }},
+    {"log", [](double x) { return std::log(x); }},     {"floor", [](double x) { return std::floor(x); }},
+    {"ceil", [](double x) { return std::ceil(x); }},   {"asin", [](double x) { return std::asin(x); }},
+    {"acos", [](double x) { return std::acos(x); }},   {"atan", [](double x) { return std::atan(x); }},
+    {"sinh", [](double x) { return std::sinh(x); }},   {"cosh", [](double x) { return std::cosh(x); }},
+    {"tanh", [](double x) { return std::tanh(x); }},   {"cbrt", [](double x) { return std::cbrt(x); }},
+    {"round", [](double x) { return std::round(x); }},
 };
 
 struct Failed {};  // unwinds the recursion to `evaluate`; never leaves this file
@@ -141,7 +145,11 @@ class Evaluator {
     if (!take(')')) fail("expected ')'");
     if (word == "min") return *std::min_element(arguments.begin(), arguments.end());
     if (word == "max") return *std::max_element(arguments.begin(), arguments.end());
-    std::vector<std::string> known{"min", "max"};
+    if (word == "atan2" || word == "hypot") {
+      if (arguments.size() != 2) fail_at(start, std::string(word) + " takes two arguments");
+      return word == "atan2" ? std::atan2(arguments[0], arguments[1]) : std::hypot(arguments[0], arguments[1]);
+    }
+    std::vector<std::string> known{"min", "max", "atan2", "hypot"};
     for (const auto& f : functions) {
       known.emplace_back(f.name);
       if (word != f.name) continue;

@@ -34,6 +34,7 @@ struct BodyFile {
 void read_polyset(Draft& draft, const BodyFile& file);
 void read_fills(Draft& draft);
 void read_outlets(Draft& draft);
+void read_springs(Draft& draft);
 void read_measures(Draft& draft);
 void read_bounds(Draft& draft);
 void read_studies(Draft& draft);  ///< [sweep], [benchmark], [output]

@@ -149,6 +149,10 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
   if (body.moves() && draft.scene.shapes[body.shape].type == "half_space") {
     reading.error(v.place, label + ": a half_space cannot move freely; write fixed = true or give it a motion");
   }
+  if (!body.fixed && form == "rail_profile")
+    reading.error(v.place, label + ": a rail_profile is a track; write fixed = true");
+  if (body.moves() && form == "wheel_profile" && !draft.scene.shapes[body.shape].parameters.has("mass"))
+    reading.error(v.place, label + ": a wheelset that moves freely needs mass and inertia in its wheel_profile");
   for (const char* key : {"velocity", "angular_velocity", "force"}) {
     if (!body.moves() && v.written(key)) {
       reading.warning(v.place_of(key), label + ": " + key + " is not used: the body is " +

@@ -87,6 +87,18 @@ void read_nonsmooth(Draft& draft, bool active) {
   }
 }
 
+void read_wheel_rail(Draft& draft, bool active) {
+  Reading& reading = draft.reading;
+  const Node* table = find_table(reading, "contact.wheel_rail");
+  const TableValues values = read_table(table_or_empty(reading, "contact.wheel_rail"), "[contact.wheel_rail]",
+                                        reading.schema.at("contact.wheel_rail").fields, reading);
+  draft.scene.contact.wheel_rail = values;
+  if (!table) return;
+  draft.scene.contact.wheel_rail_place = table->place;
+  if (!active)
+    reading.warning(table->place, "[contact.wheel_rail] is not used by method 'nonsmooth': contact is rigid");
+}
+
 std::optional<PairSpec> read_pair(Draft& draft, const Node& item, const Laws& laws) {
   Reading& reading = draft.reading;
   const std::string label = "[[contact.pair]]";
@@ -218,6 +230,7 @@ void read_contact(Draft& draft) {
   const bool smooth = contact.method.value == Method::smooth;
   const Laws laws = read_smooth(draft, smooth);
   read_nonsmooth(draft, !smooth);
+  read_wheel_rail(draft, smooth);
   read_pairs(draft, laws);
   warn_rolling(draft);
 }

@@ -67,7 +67,7 @@ void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
   const std::string label = "[world] domain";
   const bool rate = v.has("domain.strain_rate"), pressure = v.has("domain.pressure");
   if (!v.has("domain.periodic")) {
-    for (const char* key : {"domain.strain_rate", "domain.pressure", "domain.rate_limit"})
+    for (const char* key : {"domain.strain_rate", "domain.pressure", "domain.rate_limit", "domain.first_pressure"})
       if (v.written(key))
         reading.error(v.place_of(key), label + ": only a periodic domain deforms; write periodic = [...]");
     return;
@@ -79,10 +79,15 @@ void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
     spec.cell.repeats[static_cast<std::size_t>(axis[0] - 'x')] = true;
   if (rate && pressure)
     reading.error(v.place_of("domain.pressure"), label + ": write strain_rate or pressure, not both");
-  if (v.written("domain.rate_limit") && !pressure)
-    reading.error(v.place_of("domain.rate_limit"), label + " rate_limit goes with pressure");
+  for (const char* key : {"rate_limit", "first_pressure", "pressure_time"})
+    if (const std::string path = std::string("domain.") + key; v.written(path) && !pressure)
+      reading.error(v.place_of(path), label + " " + key + " goes with pressure");
+  if (v.written("domain.first_pressure") != v.written("domain.pressure_time"))
+    reading.error(v.place_of("domain.pressure"), label + ": write first_pressure and pressure_time together");
   if (rate) spec.control.strain_rate = v.vec3("domain.strain_rate");
   if (pressure) spec.control.pressure = v.number("domain.pressure");
+  spec.control.first_pressure = v.number_or("domain.first_pressure", 0.0);
+  spec.control.pressure_time = v.number_or("domain.pressure_time", 0.0);
   spec.control.rate_limit = v.number_or("domain.rate_limit", 0.0);
   spec.deforms = rate || pressure;
   bool all = true;

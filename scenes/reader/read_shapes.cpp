@@ -4,6 +4,7 @@
 #include "detection/shapes/clump.h"
 #include "engine/nearest.h"
 #include "engine/units.h"
+#include "scenes/railway/profiles.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {
@@ -68,6 +69,27 @@ void check_clump(Reading& reading, const ShapeSpec& shape, const std::string& la
     reading.error(shape.place, label + ": mass and inertia are given together, centre with them, or none of them");
 }
 
+/// The profile, the track or what is wrong with their keys.
+void check_railway(Reading& reading, ShapeSpec& shape, const TableValues& values, const std::string& label) {
+  const std::string prefix = shape.type + ".";
+  for (const char* key : {"file", "irregularity.file"})
+    if (shape.parameters.has(key))
+      shape.parameters.set(key,
+                           resolve_path(shape.parameters.text(key), values.place_of(prefix + key), reading.main_file));
+  const auto report = [&](const auto& built) {
+    if (built.value) return;
+    const bool known = !built.key.empty() && values.written(prefix + built.key);
+    reading.error(!built.place.file.empty() ? built.place
+                  : known                   ? values.place_of(prefix + built.key)
+                                            : shape.place,
+                  built.problem);
+  };
+  if (shape.type == "wheel_profile")
+    report(build_wheelset(shape.parameters, label));
+  else
+    report(build_track(shape.parameters, label));
+}
+
 void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {
   if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere" && form.name != "solid") {
     reading.error(values.place_of("scale_to_diameter"),
@@ -96,7 +118,11 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
       if (key.compare(0, prefix.size(), prefix) == 0) shape.parameters.set(key.substr(prefix.size()), value);
     shape.scale_to_diameter = values.optional_number("scale_to_diameter");
     shape.rounding = values.number_or("rounding", 0.0);
-    resolve_file(reading, shape, values.place_of(prefix + "file"), label + " " + form->name);
+    const bool railway = form->name == "wheel_profile" || form->name == "rail_profile";
+    if (railway && reading.errors() == errors)
+      check_railway(reading, shape, values, label + " " + form->name);
+    else if (!railway)
+      resolve_file(reading, shape, values.place_of(prefix + "file"), label + " " + form->name);
     check_unit(reading, shape, values.place_of(prefix + "unit"), label + " " + form->name);
     if (form->name == "polyhedron") check_polyhedron(reading, shape, label + " polyhedron");
     if (form->name == "clump" && shape.parameters.has("spheres")) check_clump(reading, shape, label + " clump");

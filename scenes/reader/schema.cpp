@@ -55,6 +55,9 @@ TableSchema world_table() {
       axes,
       optional("strain_rate", "", "1/s", Kind::vec3, {}, "of the periodic axes, extension positive"),
       optional("pressure", "p", "Pa", Kind::number, positive, "the periodic axes strain towards this contact stress"),
+      optional("first_pressure", "p_0", "Pa", Kind::number, positive,
+               "the pressure begins with this and goes geometrically to `pressure` until pressure_time"),
+      optional("pressure_time", "", "s", Kind::number, positive, "when first_pressure has become `pressure`"),
       optional("rate_limit", "", "1/s", Kind::number, positive,
                "largest strain rate with pressure; 1e-3 of sqrt(p/rho)/d of the largest body where not written")};
   return {"world",
@@ -80,6 +83,7 @@ void add_contact_tables(std::vector<TableSchema>& all, const Registry& registry)
   const std::vector<Field> methods{word("method", "mechanics of contact", {"smooth", "nonsmooth"})};
   const std::vector<Field> parts{tables("smooth", "law of smooth contact"),
                                  tables("nonsmooth", "solver of non-smooth contact"),
+                                 tables("wheel_rail", "laws of wheels that roll on rails, with smooth contact"),
                                  tables("pair", "what differs for one pair of materials")};
   all.push_back(
       {"contact", TableSchema::Form::single, "how bodies act on each other", methods + pair_values() + parts});
@@ -98,6 +102,8 @@ void add_contact_tables(std::vector<TableSchema>& all, const Registry& registry)
       {"contact.nonsmooth", TableSchema::Form::single, "solver of non-smooth contact with its parameters",
        std::vector<Field>{choice("solver", "solver of the contact problem", names_of(registry.solvers), "pgs")} +
            as_optional(united_fields(registry.solvers))});
+  all.push_back({"contact.wheel_rail", TableSchema::Form::single,
+                 "normal and tangential model of wheels on rails, with smooth contact", registry.rolling_fields});
   Field between = required("between", "", "", Kind::texts, {2, 2}, "the two materials");
   all.push_back({"contact.pair", TableSchema::Form::list, "what differs for one pair of materials",
                  std::vector<Field>{between} + pair_values() + smooth_fields(registry)});
@@ -225,6 +231,23 @@ TableSchema outlet_table() {
            needed(table("region", "where bodies are taken out", region_box()))}};
 }
 
+TableSchema spring_table() {
+  const auto vector = [](const char* name, const char* symbol, const char* unit, Range range, const char* help) {
+    return with_default(required(name, symbol, unit, Kind::vec3, range, help), Value(zero));
+  };
+  return {"spring",
+          TableSchema::Form::list,
+          "spring and damper between a body and another, or a frame that moves along the track (or along x)",
+          {optional("name", "", "", Kind::text, {}, "name"), text("body", "the body it holds"),
+           optional("to", "", "", Kind::text, {}, "the body at its far end; a frame where not written"),
+           optional("speed", "V", "m/s", Kind::number, any_number,
+                    "of the frame along the way; 0, standing still, where not written"),
+           vector("attachment", "", "m", any_number, "in the axes of the body"),
+           vector("stiffness", "k", "N/m", not_negative, "along the axes of the far end"),
+           vector("damping", "c", "N s/m", not_negative, "along the axes of the far end"),
+           vector("preload", "F", "N", any_number, "force on the body as the scene starts")}};
+}
+
 TableSchema measure_table(const Registry& registry) {
   return {"measure", TableSchema::Form::list, "a quantity written to measures.csv",
           std::vector<Field>{optional("name", "", "", Kind::text, {}, "name; the kind where not written"),
@@ -272,6 +295,7 @@ SceneSchema make_schema(const Registry& registry) {
   all.push_back(bodies_table());
   all.push_back(fill_table());
   all.push_back(outlet_table());
+  all.push_back(spring_table());
   all.push_back(measure_table(registry));
   all.push_back(
       {"bounds", Form::single, "watched during the run; a violation ends it with exit code 1", bound_fields()});

@@ -9,6 +9,7 @@
 #include "scenes/reader/expression.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
+#include "scenes/study/chart.h"
 
 namespace epafi {
 namespace {
@@ -63,8 +64,24 @@ struct Seeker {
     return folder / name;
   }
 
+  /// In this process: an evaluation takes milliseconds.
+  std::vector<LimitCase> evaluate_patches(std::size_t method, const std::vector<std::vector<double>>& places) {
+    std::vector<LimitCase> out;
+    for (const auto& at : places) {
+      std::vector<std::string> parameters;
+      for (std::size_t k = 0; k < at.size(); ++k) parameters.push_back(override_of(study.parameters[k], at[k]));
+      out.push_back(judge_patch_case(study, method, parameters, at));
+      say(fmt::format("{} [{}] at {:.6g}: {}{}{} {}", study.methods[method].name, study.methods[method].settings(),
+                      fmt::join(at, ", "), out.back().status, out.back().kind.empty() ? "" : ": ", out.back().kind,
+                      out.back().detail));
+    }
+    map.cases.insert(map.cases.end(), out.begin(), out.end());
+    return out;
+  }
+
   /// Runs what has not been run; results in the order asked.
   std::vector<LimitCase> evaluate(std::size_t method, const std::vector<std::vector<double>>& places) {
+    if (is_patch_study(study)) return evaluate_patches(method, places);
     std::vector<LimitCase> out(places.size());
     std::vector<Case> todo;
     std::vector<std::size_t> index;

@@ -40,6 +40,12 @@ struct LimitMap {
 /// value.
 std::string kind_of_failure(const std::vector<FailureSpec>& fails_when, const CaseResult& result, std::string& detail);
 
+/// One case of a study of a patch: the method against the study's reference at the same values of the parameters (as
+/// overrides). fails_when: pressure, area, force or patch, as for charts. A failure is "said so" where the result is
+/// flagged as not valid, "in silence" where it is not.
+LimitCase judge_patch_case(const Study& study, std::size_t method, const std::vector<std::string>& parameters,
+                           const std::vector<double>& at);
+
 LimitMap run_limits(const Study& study, const std::filesystem::path& folder, int jobs,
                     const std::function<void(const std::string&)>& say);
 

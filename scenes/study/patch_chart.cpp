@@ -6,6 +6,7 @@
 #include "scenes/patch/evaluate_patch.h"
 #include "scenes/reader/document.h"
 #include "scenes/study/chart.h"
+#include "scenes/study/limits.h"
 
 namespace epafi {
 namespace {
@@ -49,6 +50,30 @@ std::string join(const std::vector<std::string>& parts) {
 
 bool is_patch_study(const Study& study) {
   return load_document(study.scene, study.fixed).root.find("patch") != nullptr;
+}
+
+LimitCase judge_patch_case(const Study& study, std::size_t method, const std::vector<std::string>& parameters,
+                           const std::vector<double>& at) {
+  if (!study.has_reference || study.fails_when.empty())
+    throw SceneError(study.file +
+                     ": limits of a patch need a reference and fails_when = { pressure | area | force | patch = }");
+  const auto with = [&](std::vector<std::string> settings) {
+    settings.insert(settings.end(), parameters.begin(), parameters.end());
+    return settings;
+  };
+  // a parameter that the reference sets itself (its own grid) is not the study's to vary there
+  std::vector<std::string> reference = parameters;
+  reference.insert(reference.end(), study.reference.begin(), study.reference.end());
+  const PatchResult r = single(study, with(study.methods[method].overrides)), truth = single(study, reference);
+  LimitCase c{method, at, "ok", {}, {}, {}};
+  for (const FailureSpec& f : study.fails_when) {
+    const double error = error_of(f.quantity, r, truth);
+    c.detail = fmt::format("{} = {:.3g}", f.quantity, error);
+    if (!(error > f.limit)) continue;
+    c.status = "failed", c.kind = r.reasons.empty() ? "wrong in silence" : "wrong, said so";
+    break;
+  }
+  return c;
 }
 
 Chart run_patch_chart(const Study& study, const std::function<void(const std::string&)>& say) {

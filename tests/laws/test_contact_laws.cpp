@@ -139,6 +139,13 @@ TEST_CASE("no random closed cycle takes energy out of a contact, whatever the la
   const Parameters k = parameters_of({{"stiffness", 1e7}}), w = parameters_of({{"work_of_adhesion", 0.5}});
   CHECK(worst_cycle<Linear, CoulombSpring>(steel_pair(0.3, k), 1000, 200, 1e-6) >= -1e-9);
   CHECK(worst_cycle<Hertz, Mindlin>(steel_pair(0.3), 1000, 200, 1e-6) >= -1e-9);
+  CHECK(worst_cycle<Hertz, CoulombSpring>(steel_pair(0.3), 1000, 200, 1e-6) >= -1e-9);
+  const Parameters square = parameters_of({{"stiffness", 1e13}, {"exponent", 2.0}}),
+                   v = parameters_of({{"reference_speed", 1.0}}), t = parameters_of({{"relaxation_time", 1e-6}});
+  CHECK(worst_cycle<PowerLaw, CoulombSpring>(steel_pair(0.3, square), 1000, 200, 1e-6) >= -1e-9);
+  CHECK(worst_cycle<HuntCrossley, Mindlin>(steel_pair(0.3, v), 1000, 200, 1e-6) >= -1e-9);
+  CHECK(worst_cycle<Flores, Mindlin>(steel_pair(0.3, v), 1000, 200, 1e-6) >= -1e-9);
+  CHECK(worst_cycle<KuwabaraKono, Mindlin>(steel_pair(0.3, t), 1000, 200, 1e-6) >= -1e-9);
   CHECK(worst_cycle<Dmt, Mindlin>(steel_pair(0.3, w), 1000, 200, 1e-6) >= -1e-9);
   CHECK(worst_cycle<Jkr, Mindlin>(steel_pair(0.3, w), 200, 200, 1e-6) >= -1e-9);
   MaterialPair plastic = steel_pair(0.3, k);

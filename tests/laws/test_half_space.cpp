@@ -116,23 +116,27 @@ TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and app
 }
 
 TEST_CASE("shifted bodies stick inside Cattaneo's circle", "[laws][wheel_rail]") {
-  // c/a = (1 - Q/(mu N))^(1/3), shift = 3 mu N (2 - nu) / (16 G a) 2 ... (1 - (1 - Q/(mu N))^(2/3)) for two
-  // like spheres
-  const ElasticPair pair{200e6, 0.42, 0.0};
+  // c/a = (1 - Q/(mu N))^(1/3), shift = 3 mu N (2 - nu) / (8 G a) (1 - (1 - Q/(mu N))^(2/3)) for two like spheres.
+  // Exact for nu = 0. Otherwise displacements turn out of the line of the shift and the ring's slip is not opposite to
+  // its traction, which Cattaneo leaves out: the force then converges to 1.0012 of his (32, 64, 128 cells across for
+  // Q = 0.875 mu N and nu = 0.42: 1.0015, 1.0013, 1.0012; nu = 0: 1.0003, 1.0001, 1.0000).
   const double R = 0.05, force = 9.1954, friction = 0.4;
-  const HertzContact h = hertz_of_force(0.5 / R, 0.5 / R, pair.effective_modulus(), force);
-  CHECK(h.ellipse.a == Approx(0.9999999167e-3).epsilon(1e-8));
-  const BoundLevels levels = bound_of_ellipse(h.ellipse, force, friction, 64, 64);
-  for (const double share : {0.1, 0.5, 0.875}) {
-    const double ratio = std::cbrt(1.0 - share);
-    const double shift = 3.0 * friction * force * (2.0 - pair.poissons_ratio) /
-                         (8.0 * pair.shear_modulus * h.ellipse.a) * (1.0 - ratio * ratio);
-    if (share == 0.5) CHECK(shift == Approx(0.004032153608e-3).epsilon(1e-6));  // an independent calculation
-    const HalfSpaceTangential s = solve_shift(levels, pair, -shift, 0.0, 0.0);
-    CHECK(s.report.converged);
-    CHECK(s.force.fx / (friction * force) ==
-          Approx(share).epsilon(4e-3));  // Poisson's ratio turns the slip a little out of x
-    CHECK(std::sqrt(s.stick_share) == Approx(ratio).margin(0.02));
+  for (const double nu : {0.0, 0.42}) {
+    const ElasticPair pair{200e6, nu, 0.0};
+    const HertzContact h = hertz_of_force(0.5 / R, 0.5 / R, pair.effective_modulus(), force);
+    if (nu > 0.0) CHECK(h.ellipse.a == Approx(0.9999999167e-3).epsilon(1e-8));
+    const BoundLevels levels = bound_of_ellipse(h.ellipse, force, friction, 64, 64);
+    for (const double share : {0.1, 0.5, 0.875, 0.99}) {
+      const double ratio = std::cbrt(1.0 - share);
+      const double shift =
+          3.0 * friction * force * (2.0 - nu) / (8.0 * pair.shear_modulus * h.ellipse.a) * (1.0 - ratio * ratio);
+      if (nu > 0.0 && share == 0.5)
+        CHECK(shift == Approx(0.004032153608e-3).epsilon(1e-6));  // an independent calculation
+      const HalfSpaceTangential s = solve_shift(levels, pair, -shift, 0.0, 0.0);
+      CHECK(s.report.converged);
+      CHECK(s.force.fx / (friction * force) == Approx(share).epsilon(nu == 0.0 ? 1e-3 : 1.5e-3));
+      CHECK(std::sqrt(s.stick_share) == Approx(ratio).margin(0.02));
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include "engine/parallel.h"
 #include "engine/random.h"
 #include "laws/smooth/critical_step.h"
+#include "laws/smooth/restitution.h"
 #include "laws/smooth/spring.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
@@ -299,6 +300,7 @@ TEST_CASE("contact time and stable step meet their closed forms (cases A01, A03,
   CHECK(damped.impact.restitution == Approx(0.55028317).epsilon(1e-3));
   // B02: chain of closed contacts, dt < sqrt(m/k)
   CHECK(stable_step(1e6, 0.0, 1e-3, 2) == Approx(3.1622777e-5).epsilon(1e-7));
+  CHECK(stable_step(1e6, 0.0, 1e-3, 2, 1e3) == Approx(2.4998438e-7).epsilon(1e-7));  // m/(4 c) where the damper decides
   CHECK(fall_speed(-9.81, 1.0) == Approx(4.4294469).epsilon(1e-7));
 }
 
@@ -324,5 +326,30 @@ TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above 
       CHECK(largest < 1.01 * bound);
     else
       CHECK(largest > 100 * bound);
+  }
+}
+
+TEST_CASE("a chain of damped contacts is quiet below its stable step and flickers above", "[laws][critical_step]") {
+  const double k = 1e6, radius = 5e-3, overlap = 1e-6;
+  const SmoothSetup setup = setup_of({"linear", 0.2, 0, 0, parameters_of({{"stiffness", k}})}, {glass, wall});
+  for (double part : {0.97, 1.03}) {
+    Rig rig(setup);
+    constexpr int n = 40;  // the chain's own bound cos(pi/(2 n + 2)) is 1e-3 below that of an endless one
+    for (int i = 0; i < n; ++i)
+      rig.add_sphere(radius, 2500, {i * (2 * radius - overlap), 0, 0}, {i % 2 ? 1e-6 : -1e-6, 0, 0});
+    rig.wall_material = 1;
+    rig.add_plane({1, 0, 0}, {overlap - radius, 0, 0});
+    rig.add_plane({-1, 0, 0}, {(n - 1) * (2 * radius - overlap) + radius - overlap, 0, 0});
+    rig.start();
+    const double m = rig.mass(), c = 2 * damping_ratio_for(0.2) * std::sqrt(0.5 * m * k);
+    const double dt = part * stable_step(k, 0.0, m, 2, c);
+    CHECK(dt < 0.5 * stable_step(k, 0.0, m, 2));  // the damper decides
+    for (int step = 0; step < 600; ++step) rig.step(dt);
+    double fastest = 0.0;
+    for (Slot s = 0; s < n; ++s) fastest = std::max(fastest, std::abs(rig.world.velocity[s].x()));
+    if (part < 1)
+      CHECK(fastest < 1e-9);
+    else
+      CHECK(fastest > 1e-5);  // bounded where contacts open
   }
 }

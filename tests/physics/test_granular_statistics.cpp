@@ -64,46 +64,72 @@ double discharge(const std::string& hole, double from, double to, const std::vec
   return (run.last("flow", "mass") - before) / (to - from);
 }
 
-/// Velocity and density over the depth, mean over the last part of a run.
+/// Of a steady flow: means over the last part of a run, in layers of one diameter.
 struct FlowProfile {
-  double exponent, mean_over_surface, density_spread, speed;
+  double exponent, r2;  ///< of u_s - u against the depth below the surface
+  double mean_over_surface, density_spread, speed, depth;
 };
 
-FlowProfile flow_profile(const std::vector<std::string>& overrides, double from, int samples) {
-  SceneRun run = prepare_scene(library("granular/incline_flow.toml"), overrides);
-  run.simulation().start();
-  const std::uint64_t total = run.assembly->steps,
-                      first = static_cast<std::uint64_t>(from / run.simulation().time_step);
-  constexpr std::size_t bins = 30;
-  std::vector<double> velocity(bins, 0.0), density(bins, 0.0);
-  double speed = 0;
-  for (int n = 1; n <= samples; ++n) {
-    run.advance_to(first + (total - first) * static_cast<std::uint64_t>(n) / static_cast<std::uint64_t>(samples));
-    REQUIRE(run.failure.empty());
-    for (std::size_t k = 0; k < bins; ++k) {
-      const double v = run.last("layers", "velocity_x_" + std::to_string(k));
-      density[k] += run.last("layers", "density_" + std::to_string(k)) / samples;
-      velocity[k] += std::isfinite(v) ? v / samples : 0.0;
-    }
-    speed += run.last("speed", "x") / samples;
-  }
-  // the core: layers of half a diameter, from the second above the base to where the density has fallen by a tenth
-  std::size_t top = 4;
-  while (top + 1 < bins && density[top + 1] > 0.9 * density[4]) ++top;
-  double mean = 0, spread = 0, height = 0.5 * static_cast<double>(top + 1);
-  std::vector<double> depth, drop;
-  for (std::size_t k = 3; k + 1 < top; ++k) mean += density[k] / static_cast<double>(top - 4);
-  for (std::size_t k = 3; k + 1 < top; ++k) spread += std::pow(density[k] / mean - 1, 2) / static_cast<double>(top - 4);
+/// The flow's layers without the three on the base, where balls lie in rows, and the three below the surface, where they
+/// jump: Bagnold's profile is that of what lies between. The surface is where a column of the core's density would end,
+/// its speed u_s that of the best fit.
+FlowProfile fit_bagnold(const std::vector<double>& u, const std::vector<double>& density, double speed) {
+  double core = 0.0;
+  const std::size_t from = 3, inner = u.size() / 3;
+  for (std::size_t k = from; k < inner; ++k) core += density[k] / static_cast<double>(inner - from);
+  std::size_t top = 0;
+  for (std::size_t k = 0; k < u.size(); ++k)
+    if (density[k] > 0.5 * core) top = k;
+  double h = static_cast<double>(top + 1) + density[top + 1] / core;
+  if (density[top] < 0.9 * core) h += density[top] / core - 1.0;
+  const std::size_t end = top - 3;
+  double mean = 0.0, square = 0.0;
+  for (std::size_t k = from; k < end; ++k)
+    mean += density[k] / static_cast<double>(end - from), square += density[k] * density[k] / static_cast<double>(end - from);
   Line best{0, 0, 0};
-  double surface = 0;
-  for (double us = velocity[top]; us < 1.2 * velocity[top]; us *= 1.002) {  // the speed of the surface itself is fitted
-    depth.clear(), drop.clear();
-    for (std::size_t k = 2; k < top; ++k)
-      depth.push_back(std::log(height - 0.5 * (static_cast<double>(k) + 0.5))),
-          drop.push_back(std::log(us - velocity[k]));
+  double surface = 0.0;
+  for (double us = 1.001 * u[end - 1]; us < 1.5 * u[end - 1]; us *= 1.001) {
+    std::vector<double> depth, drop;
+    for (std::size_t k = from; k < end; ++k)
+      depth.push_back(std::log(h - static_cast<double>(k) - 0.5)), drop.push_back(std::log(us - u[k]));
     if (const Line line = fit(depth, drop); line.r2 > best.r2) best = line, surface = us;
   }
-  return {best.slope, speed / surface, std::sqrt(spread), speed};
+  return {best.slope, best.r2, speed / surface, std::sqrt(square / (mean * mean) - 1.0), speed, h};
+}
+
+FlowProfile flow_profile(const std::vector<std::string>& overrides, double from) {
+  SceneRun run = prepare_scene(library("granular/incline_flow.toml"), overrides);
+  run.simulation().start();
+  const double dt = run.simulation().time_step;
+  const auto every = static_cast<std::uint64_t>(0.5 / dt), first = static_cast<std::uint64_t>(from / dt);
+  const std::size_t layers = 28;
+  std::vector<double> u(layers, 0.0), density(layers, 0.0);
+  double speed = 0.0, samples = 0.0;
+  for (std::uint64_t step = first; step <= run.assembly->steps; step += every) {
+    run.advance_to(step);
+    REQUIRE(run.failure.empty());
+    for (std::size_t k = 0; k < layers; ++k) {
+      const double v = run.last("layers", "velocity_x_" + std::to_string(k));
+      density[k] += run.last("layers", "density_" + std::to_string(k));
+      u[k] += std::isfinite(v) ? v : 0.0;
+    }
+    speed += run.last("speed", "x"), samples += 1.0;
+  }
+  for (std::size_t k = 0; k < layers; ++k) u[k] /= samples, density[k] /= samples;
+  return fit_bagnold(u, density, speed / samples);
+}
+
+/// Mean velocity of the flow after some times.
+std::vector<double> flow_speeds(const std::vector<std::string>& overrides, const std::vector<double>& times) {
+  SceneRun run = prepare_scene(library("granular/incline_flow.toml"), overrides);
+  run.simulation().start();
+  std::vector<double> speeds;
+  for (const double t : times) {
+    run.advance_to(static_cast<std::uint64_t>(t / run.simulation().time_step));
+    REQUIRE(run.failure.empty());
+    speeds.push_back(run.last("speed", "x"));
+  }
+  return speeds;
 }
 
 /// Where the deposit is no longer a whole layer: bins of one diameter with fewer than w bodies, in diameters.
@@ -121,21 +147,32 @@ double front(const SceneRun& run, double d, int w) {
 
 TEST_CASE("a compressed cell of frictionless spheres jams isostatically (case A35, small)",
           "[physics][granular][A35]") {
-  const Packing p = compress(
-      "granular/jammed_spheres.toml",
-      {"params.n=64", "params.start=0.12", "params.softness=1e-2", "run.duration=14.0", "world.domain.rate_limit=0.1"});
-  CHECK(p.pressure == Approx(1.0).epsilon(0.05));  // it still shakes by 1 %
-  CHECK(p.fraction == Approx(0.64).margin(0.03));  // 64 spheres
-  CHECK(p.contacts > 5.7);
-  CHECK(p.contacts < 6.8);  // above 6 by the pressure
+  const Packing p = compress("granular/jammed_spheres.toml",
+                             {"params.n=100", "params.start=0.12", "params.softness=1e-3", "params.ramp=5",
+                              "run.duration=8.0", "world.domain.rate_limit=1.0"});
+  CHECK(p.pressure == Approx(1.0).epsilon(5e-3));
+  CHECK(p.fraction == Approx(0.639).margin(0.02));  // cells of 100 scatter by 0.013 (O'Hern et al. 2003)
+  CHECK(p.contacts > 6.0 - 4.0 / 100);  // N_c >= 3 N - 2
+  CHECK(p.contacts < 6.8);              // 6.4 at this pressure
 }
 
-TEST_CASE("frictionless spheres jam at 0.639 with six contacts (case A35)", "[physics][granular][A35][.open]") {
+TEST_CASE("frictionless spheres jam at 0.639 with six contacts (case A35)", "[physics][granular][A35][slow]") {
   const Packing p = compress("granular/jammed_spheres.toml", {});
-  CHECK(p.pressure == Approx(1.0).epsilon(1e-2));
-  CHECK(p.fraction == Approx(0.639).margin(0.003 + 0.005));  // 0.005: of 1000 bodies in place of 10^4
+  CHECK(p.pressure == Approx(1.0).epsilon(2e-3));
+  // a cell of n spheres lies 0.12 n^-0.47 below an endless one; those of 1000 scatter by 0.003 (O'Hern et al. 2003)
+  CHECK(p.fraction + 0.12 * std::pow(1000, -0.47) == Approx(0.639).margin(0.003 + 0.003));
   CHECK(p.contacts == Approx(6.0).margin(0.05));
-  const Packing rough = compress("granular/jammed_spheres.toml", {"params.mu=0.3"});
+  CHECK(p.rattlers < 40);
+  const double held = 1000 - p.rattlers, number = 0.5 * p.contacts * held;
+  CHECK(number >= 3 * held - 2);  // rigid, and hardly more
+  CHECK(number < 1.02 * (3 * held - 2));
+  CHECK(p.kinetic < 1e-9);  // the contacts hold 1.6e-8 J
+}
+
+TEST_CASE("spheres with friction jam looser, with fewer contacts (case A35)", "[physics][granular][A35][slow]") {
+  const Packing rough = compress("granular/jammed_spheres.toml", {"params.mu=0.3", "params.first=1e-5",
+                                                                  "params.ramp=1", "params.start=0.25"});
+  CHECK(rough.pressure == Approx(1.0).epsilon(1e-3));
   CHECK(rough.fraction == Approx(0.593).margin(0.01));
   CHECK(rough.contacts == Approx(4.5).margin(0.2));
 }
@@ -161,6 +198,7 @@ TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (ca
   for (Slot s = 0; s < w.size(); ++s)
     if (w.is_movable(s)) top = std::max(top, w.position[s].z()), bottom = std::min(bottom, w.position[s].z());
   std::vector<double> above, stress;
+  std::string profile;
   for (double z = bottom; z < top; z += 0.01) {
     double weight = 0, held = 0;
     for (Slot s = 0; s < w.size(); ++s)
@@ -170,6 +208,7 @@ TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (ca
       if (c.point(k, w).z() > z) held += c.a[k] == tube ? -c.force[k].z() : c.force[k].z();
     }
     above.push_back(weight / area), stress.push_back((weight - held) / area);
+    profile += std::to_string(above.back()) + " " + std::to_string(stress.back()) + "\n";
   }
   const auto misfit = [&](double p) {
     double sum = 0;
@@ -182,6 +221,7 @@ TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (ca
   const double mean = std::accumulate(stress.begin(), stress.end(), 0.0) / static_cast<double>(stress.size());
   double spread = 0;
   for (double s : stress) spread += (s - mean) * (s - mean);
+  INFO(profile);
   CHECK(1 - misfit(best) / spread > 0.99);
   // P = rho_b g D/(4 mu K)
   const double bulk = b.weight / 9.81 / (area * (top - bottom));
@@ -194,8 +234,8 @@ TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (ca
 TEST_CASE("discharge through a hole goes like (D - 1.4 d)^2.5 (case A38)", "[physics][granular][A38][.open]") {
   std::vector<double> size, root;
   double six = 0, ten = 0;
-  for (int hole : {6, 8, 10, 12}) {
-    const double rate = discharge(std::to_string(hole), 0.4, 1.4, {});
+  for (int hole : {6, 8, 10}) {
+    const double rate = discharge(std::to_string(hole), 0.3, 0.8, {});
     size.push_back(0.003 * hole), root.push_back(std::pow(rate, 0.4));
     if (hole == 6) six = rate;
     if (hole == 10) ten = rate;
@@ -215,20 +255,49 @@ TEST_CASE("a collapsing column runs out as far as its aspect ratio says and rest
           "[physics][granular][A39][.open]") {
   std::vector<double> log_a, log_reach;
   for (double a : {2.0, 4.0, 8.0}) {
-    SceneRun run =
-        run_scene("granular/column_collapse.toml", {"params.l0=10", "params.w=4", "params.a=" + std::to_string(a)});
+    SceneRun run = run_scene("granular/column_collapse.toml", {"params.a=" + std::to_string(a)});
     REQUIRE(run.failure.empty());
-    const double reach = (front(run, 0.005, 4) - 10) / 10;
+    const double reach = (front(run, 0.005, 3) - 16) / 16;
+    CHECK(reach == Approx(1.9 * std::pow(a, 2.0 / 3)).epsilon(0.2));
     log_a.push_back(std::log(a)), log_reach.push_back(std::log(reach));
     CHECK(run.last("energy", "kinetic") < 1e-4 * run.largest("energy", "kinetic"));
   }
   CHECK(fit(log_a, log_reach).slope == Approx(2.0 / 3).margin(0.08));
 }
 
-TEST_CASE("grains flow down a rough incline as Bagnold said (case A40)", "[physics][granular][A40][.open]") {
-  const FlowProfile flow = flow_profile({}, 300.0, 100);
+TEST_CASE("grains flow down a rough incline as Bagnold said (case A40)", "[physics][granular][A40][slow]") {
+  const FlowProfile flow = flow_profile({}, 60.0);
+  INFO("depth " << flow.depth << ", fit " << flow.r2);
+  CHECK(flow.r2 > 0.999);
   CHECK(flow.exponent == Approx(1.5).margin(0.1));
   CHECK(flow.mean_over_surface == Approx(0.6).margin(0.04));
   CHECK(flow.density_spread < 0.02);
-  CHECK(flow_profile({"params.theta_deg=18", "run.duration=200"}, 190.0, 1).speed < 1e-3);  // it has stopped
+}
+
+TEST_CASE("a flow rests below 19 degrees and runs away at 30 (case A40)", "[physics][granular][A40][slow]") {
+  const std::vector<std::string> half{"params.layers=14", "params.surface=1.0", "run.duration=100"};
+  const auto with = [&](const char* angle) {
+    auto all = half;
+    all.push_back(angle);
+    return all;
+  };
+  CHECK(std::abs(flow_speeds(with("params.theta_deg=19"), {99.0}).back()) < 1e-3);
+  const auto fast = flow_speeds(with("params.theta_deg=30"), {20.0, 30.0, 40.0});
+  CHECK(fast[2] - fast[1] > 0.7 * (fast[1] - fast[0]));  // 0.54 and 0.50 seen: it has no speed of its own
+  CHECK(fast[1] - fast[0] > 0.0);
+}
+
+TEST_CASE("a thin flow is faster the steeper the incline, and stops on a flat one (case A40, short)",
+          "[physics][granular][A40]") {
+  const std::vector<std::string> thin{"params.layers=6", "params.lx=5", "params.ly=4", "params.surface=1.0",
+                                      "run.time_step=4e-4"};
+  std::vector<double> speed;
+  for (const char* angle : {"params.theta_deg=10", "params.theta_deg=30", "params.theta_deg=35"}) {
+    auto all = thin;
+    all.push_back(angle);
+    speed.push_back(flow_speeds(all, {12.0}).back());
+  }
+  CHECK(std::abs(speed[0]) < 1e-2);
+  CHECK(speed[1] > 0.5);
+  CHECK(speed[2] > 1.2 * speed[1]);
 }

@@ -49,14 +49,14 @@ std::string write_scene(const std::string& name, const std::string& floor, bool 
   return path;
 }
 
-struct Track {
+struct Course {
   std::vector<Vec3> velocity, angular_velocity, position;
 };
 
-Track run(const std::string& scene) {
+Course run(const std::string& scene) {
   auto sim = experiments::prepare_scene(scene, {});
   sim.simulation().start();
-  Track track;
+  Course track;
   const World& world = sim.simulation().world;
   while (sim.simulation().steps() < sim.assembly->steps) {
     REQUIRE_FALSE(sim.simulation().advance().has_value());
@@ -71,14 +71,14 @@ Track run(const std::string& scene) {
 
 TEST_CASE("a sphere slides and rolls over meshes of any resolution as on the plane, to 1e-9", "[physics][mesh]") {
   for (const bool smooth : {true, false}) {
-    const Track plane = run(write_scene("plane", "half_space = { normal = [0, 0, 1] }", smooth));
+    const Course plane = run(write_scene("plane", "half_space = { normal = [0, 0, 1] }", smooth));
     const Vec3 v = plane.velocity.back(), w = plane.angular_velocity.back();
     CHECK(v.x() == Approx(0.05 * w.y()).epsilon(2e-2));  // it has come to roll
     CHECK(plane.position.back().x() > 0.4);
     for (const int cells : {1, 2, 8, 40, 200}) {  // edges of 80 to 0.4 radii
       const std::string file = "mesh_floor_" + std::to_string(cells) + ".obj";
       write_floor(std::string(EPAFI_BINARY_DIR) + "/" + file, cells, 0.3);
-      const Track mesh = run(write_scene(std::to_string(cells), "mesh = { file = \"" + file + "\" }", smooth));
+      const Course mesh = run(write_scene(std::to_string(cells), "mesh = { file = \"" + file + "\" }", smooth));
       REQUIRE(mesh.velocity.size() == plane.velocity.size());
       double kick = 0.0;
       for (std::size_t k = 0; k < plane.velocity.size(); ++k) {

@@ -99,11 +99,17 @@ body = "ball[0]"
 name = "drift"
 kind = "drift"
 body = "ball[1]"
+[[measure]]
+name = "flow"
+kind = "mass_flow"
+plane = { point = [0, 0, 0.25], normal = [0, 0, -1] }
+interval = 0.01
 )");
   run.advance_to(0);
   CHECK(run.last("way", "z") == Approx(0.5 - 5.0).epsilon(1e-9));  // five cells down
   CHECK(run.last("way", "x") == Approx(0.3 + 1.5).epsilon(1e-9));
   CHECK(run.last("drift", "distance") == Approx(0.0).margin(1e-9));  // across gravity
+  CHECK(run.last("flow", "mass") == Approx(2 * 5 * 4.0 / 3 * 3.14159265358979 * 1.25e-4 * 1000));
   CHECK(std::abs(run.energy_error()) < 1e-12);
   CHECK(run.simulation().world.position[0].z() > -0.1);
 }
@@ -127,7 +133,7 @@ TEST_CASE("a cubic lattice in a straining cell has the stress of its springs and
 }
 
 TEST_CASE("a cell strains towards its pressure", "[physics][periodic]") {
-  auto run = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 2.0));
+  auto run = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 0.9));
   run.advance_to(0);
   const PeriodicCell& cell = *run.simulation().world.cell;
   for (int k = 0; k < 3; ++k) CHECK(cell.stress()[k] == Approx(500.0).epsilon(1e-6));
@@ -135,7 +141,11 @@ TEST_CASE("a cell strains towards its pressure", "[physics][periodic]") {
   const double a = (-1000 + std::sqrt(1e6 + 4 * 500 * 100.0)) / 1000;
   CHECK(cell.size.x() == Approx(3 * a).epsilon(1e-6));
   CHECK(run.last("s", "pressure") == Approx(500.0).epsilon(1e-6));
-  CHECK(std::abs(run.energy_error()) < 2e-3);  // of the first step, in which the rate jumps: 1.1e-3, first order in dt
+  // in the first step the rate jumps, half a step of its power is counted wrong: 1.1e-3 of the energy, first order in dt
+  auto finer = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 0.9), {"run.time_step=5e-5"});
+  finer.advance_to(0);
+  CHECK(std::abs(run.energy_error()) < 1.2e-3);
+  CHECK(finer.energy_error() == Approx(0.5 * run.energy_error()).epsilon(0.1));
 }
 
 TEST_CASE("a shaken periodic gas: any broad phase, any restart, momentum kept", "[physics][periodic]") {

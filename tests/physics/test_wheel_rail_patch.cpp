@@ -63,9 +63,15 @@ TEST_CASE("boundary elements on wheel and rail agree with the Manchester benchma
     const PatchResult q = evaluate(r, "half-space", "half-space");
     REQUIRE(q.contacts.size() == 1);
     const PatchContact& c = q.contacts.front();
-    if (on_the_joint(r)) {  // it has jumped 10 mm to the gauge corner; 0.22 mm and 3.5 % remain
-      CHECK(c.point.y() == Approx(1e-3 * r.y).margin(0.3e-3));
-      CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(0.05));
+    if (on_the_joint(r)) {
+      // Gauge corner and tread, 10 mm apart, share the load 7 to 1. The corner's patch is 1.2 mm wide, six cells: on
+      // cells of 0.1 mm its peak is 0.6 % less. The reference prints one place for both regions, by a rule of its own
+      // that lies between the corner's (0.48 mm nearer to the gauge) and the mean of both overlaps (0.81 mm nearer to
+      // the tread).
+      CHECK(c.point.y() == Approx(1e-3 * r.y).margin(0.5e-3));
+      CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(0.03));
+      CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(0.035));
+      CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < 0.01 * 0.3 * r.N);
       continue;
     }
     CHECK(q.normal_force == Approx(r.N).epsilon(0.002));
@@ -113,5 +119,95 @@ TEST_CASE("models that need a parabola say so at the jump and are silent away fr
     for (const char* model : {"hertz", "kik-piotrowski"})
       CHECK(evaluate(r, model, "fastsim").reasons.empty() == (r.shift > 0.0));
     CHECK(evaluate(r, "half-space", "half-space").reasons.empty());
+  }
+}
+
+TEST_CASE("where a law leaves its range it says why, and elsewhere it is silent", "[physics][wheel_rail]") {
+  const std::string steel =
+      "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n";
+  const std::string profiles =
+      "[shape.wheel]\nwheel_profile = { name = \"s1002\" }\n[shape.rail]\nrail_profile = { name = \"uic60\", cant = "
+      "0.025 }\n";
+  const auto ellipse = [&](double a, double b, double xi, double eta, double phi) {
+    return steel +
+           fmt::format(
+               "[patch]\nsemi_axes = {{ a = {}, b = {} }}\nload = 82e3\ncreepage = {{ longitudinal = {}, lateral "
+               "= {}, spin = {} }}\n",
+               a, b, xi, eta, phi);
+  };
+  const auto wheel = [&](double y, double yaw, double roll, const char* side, const char* more = "") {
+    return steel + profiles +
+           fmt::format("[patch]\nload = 10e3\nlateral_shift = {}\nyaw = {}\nroll = {}\nside = \"{}\"\n{}", y, yaw, roll,
+                       side, more);
+  };
+  const std::string spin = ellipse(8e-3, 4e-3, 0.0, 0.0, 2.0), large_spin = ellipse(8e-3, 4e-3, 0.0, 0.0, 6.94),
+                    pure = ellipse(8e-3, 4e-3, 0.001, 0.0, 0.0), tiny = ellipse(8e-3, 4e-3, 1e-5, 0.0, 0.0),
+                    circle = ellipse(5e-3, 5e-3, 0.001, 0.0, 0.0), slender = ellipse(1e-3, 8e-3, 0.001, 0.0, 0.0),
+                    jump = wheel(0.0, 0.0, 0.0, "left"), tread = wheel(3e-3, 0.0072, -0.0001803, "left"),
+                    corner = wheel(5e-3, 0.012, -0.0003554, "right"),
+                    coarse = wheel(0.5e-3, 0.0012, -2.5e-5, "left", "grid = { dx = 8e-4, dy = 8e-4 }\n"),
+                    fine = wheel(0.5e-3, 0.0012, -2.5e-5, "left", "grid = { dx = 2e-4, dy = 2e-4 }\n");
+  const std::string conformal =
+      steel + "[patch]\nradii = { x1 = 0.46, x2 = inf, y1 = 0.013, y2 = -0.0145 }\nload = 80e3\n";
+  std::string plastic = pure;
+  plastic.replace(plastic.find("poissons_ratio"), 0, "shear_yield = 100e6\n");
+  struct Row {
+    const std::string* text;
+    const char *normal, *tangential, *reason;  ///< reason empty: silent
+  };
+  const Row rows[] = {{&spin, "hertz", "shen-hedrick-elkins", "spin"},
+                      {&spin, "hertz", "polach", "spin"},
+                      {&spin, "hertz", "vermeulen-johnson", "spin"},
+                      {&large_spin, "hertz", "fastsim", "46 %"},
+                      {&large_spin, "hertz", "fastsim-elliptic", ""},
+                      {&large_spin, "hertz", "fastrip", ""},
+                      {&large_spin, "hertz", "half-space", ""},
+                      {&pure, "hertz", "shen-hedrick-elkins", ""},
+                      {&pure, "hertz", "polach", ""},
+                      {&pure, "hertz", "fastsim", ""},
+                      {&pure, "hertz", "kalker-linear", "linear theory"},
+                      {&tiny, "hertz", "kalker-linear", ""},
+                      {&tiny, "hertz", "coulomb", "sticks"},
+                      {&circle, "hertz", "strip", "slender"},
+                      {&slender, "hertz", "strip", ""},
+                      {&jump, "hertz", "", "parabola"},
+                      {&jump, "kik-piotrowski", "", "parabola"},
+                      {&jump, "stripes", "", "parabola"},
+                      {&jump, "multi-hertz", "", "parabola"},
+                      {&jump, "analyn", "", ""},
+                      {&jump, "semi-hertz", "", ""},
+                      {&jump, "half-space", "", ""},
+                      {&jump, "semi-hertz", "fastsim", "not an ellipse"},
+                      {&tread, "hertz", "", ""},
+                      {&tread, "multi-hertz", "", ""},
+                      {&tread, "kik-piotrowski", "", ""},
+                      {&tread, "stripes", "", ""},
+                      {&tread, "analyn", "", ""},
+                      {&tread, "semi-hertz", "fastsim", ""},
+                      {&tread, "half-space", "half-space", ""},
+                      {&corner, "hertz", "", "second region"},
+                      {&corner, "kik-piotrowski", "", "second region"},
+                      {&corner, "stripes", "", "second region"},
+                      {&corner, "analyn", "", "second region"},
+                      {&corner, "semi-hertz", "fastsim", "not an ellipse"},
+                      {&corner, "half-space", "", "conformal"},
+                      {&conformal, "hertz", "", "conformal"},
+                      {&conformal, "half-space", "", "conformal"},
+                      {&coarse, "half-space", "half-space", "coarse grid"},
+                      {&fine, "half-space", "half-space", ""},
+                      {&plastic, "hertz", "fastsim", "plastic"}};
+  for (const Row& row : rows) {
+    const std::string models = fmt::format("normal = \"{}\"\n", row.normal) +
+                               (*row.tangential ? fmt::format("tangential = \"{}\"\n", row.tangential) : std::string());
+    const PatchReading reading = read_patch_text(*row.text + models, "case.toml", {});
+    REQUIRE(reading.patch);
+    const PatchResult q = evaluate_patch(*reading.patch).front();
+    std::string all;
+    for (const auto& r : q.reasons) all += r + "; ";
+    INFO(*row.text << models << "reasons: " << all);
+    if (*row.reason)
+      CHECK(all.find(row.reason) != std::string::npos);
+    else
+      CHECK(all == "");
   }
 }

@@ -54,6 +54,12 @@ TEST_CASE("functions are those of the standard library", "[scenes][expression]")
   CHECK(value("cos(0) + tan(0)") == 1);
   CHECK(value("exp(log(5))") == Approx(5).epsilon(1e-15));
   CHECK(value("floor(2.7) + ceil(2.2)") == 5);
+  CHECK(value("4*atan(1)") == Approx(value("pi")).epsilon(1e-15));
+  CHECK(value("atan2(-1, -1)") == Approx(-0.75 * value("pi")).epsilon(1e-15));
+  CHECK(value("asin(0.5) + acos(0.5)") == Approx(0.5 * value("pi")).epsilon(1e-15));
+  CHECK(value("hypot(3, 4)") == 5);
+  CHECK(value("cosh(2)^2 - sinh(2)^2") == Approx(1).epsilon(1e-13));
+  CHECK(value("cbrt(-8) + round(2.6)") == 1);
 }
 
 TEST_CASE("what is wrong is named with its column", "[scenes][expression]") {
@@ -67,7 +73,8 @@ TEST_CASE("what is wrong is named with its column", "[scenes][expression]") {
   CHECK(problem("1/0") == "1: the result is not a finite number");
   CHECK(problem("sqrt(-1)") == "1: the result is not a finite number");
   CHECK(problem("system(1)") ==
-        "1: unknown function 'system'; known functions: min, max, sqrt, abs, sin, cos, tan, exp, log, floor, ceil");
+        "1: unknown function 'system'; known functions: min, max, atan2, hypot, sqrt, abs, sin, cos, tan, "
+        "exp, log, floor, ceil, asin, acos, atan, sinh, cosh, tanh, cbrt, round");
   CHECK(problem("x") == "1: unknown name 'x'; known names: d, broken, pi");
   CHECK(problem("2*broken") == "0: ");  // its own error has been reported where it stands
 }

@@ -5,6 +5,7 @@
 #include "viz_export/measures/contact_measures.h"
 #include "viz_export/measures/flow_measures.h"
 #include "viz_export/measures/granular_measures.h"
+#include "viz_export/measures/wheelset_measure.h"
 
 namespace epafi {
 
@@ -23,6 +24,8 @@ const Field centre{"centre", "", "m", Kind::vec3, Value(Vec3(0, 0, 0)), {}, "top
 const Field cell{"cell", "", "m", Kind::number, {}, positive, "edge of the cubes that are compared"};
 const Field outlet{"outlet", "", "", Kind::text, {}, {}, "name of an outlet"};
 const Field bins{"bins", "", "", Kind::integer, 10.0, {1, 200}, "number of layers"};
+const Field least{"least", "", "", Kind::integer, 4.0, {1, 100},
+                  "contacts below which a body is a rattler: 4 without friction, 2 with it"};
 const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
 
 template <BodyQuantity Q>
@@ -45,8 +48,8 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<ForceMeasure>(std::move(s)); }},
       {{"drift", "largest horizontal displacement (distance) and sag since the start", {body}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<DriftMeasure>(std::move(s)); }},
-      {{"coordination", "mean number of touching neighbours, with and without rattlers", {}, {}, "Agnolin and Roux 2007"},
-       [](MeasureSetup) { return std::make_unique<Coordination>(); }},
+      {{"coordination", "mean number of touching neighbours, with and without rattlers", {least}, {}, "Agnolin and Roux 2007"},
+       [](MeasureSetup s) { return std::make_unique<Coordination>(s); }},
       {{"stress", "stress of the contacts in a region: pressure and six components", {region}, {}, "Love 1927; Weber 1966"},
        [](MeasureSetup s) { return std::make_unique<StressMeasure>(std::move(s)); }},
       {{"solid_fraction", "share of a region that bodies fill", {region}, {}, ""},
@@ -63,6 +66,10 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<MixingMeasure>(std::move(s)); }},
       {{"outlet", "bodies and mass that an outlet has taken out", {outlet}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<OutletMeasure>(std::move(s)); }},
+      {{"wheelset", "a wheelset in the axes of its track: place, angles, forces of the rails on each wheel", {body}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<WheelsetMeasure>(std::move(s)); }},
+      {{"swing", "amplitude of a wheelset's hunting within the last window", {body, window}, {}, ""},
+       [](MeasureSetup s) { return std::make_unique<SwingMeasure>(std::move(s)); }},
   };
   return list;
 }

@@ -77,7 +77,7 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   for (bool changed = true; changed;) {
     changed = false;
     for (Slot s = 0; s < w.size(); ++s)
-      if (in[s] && degree[s] < 4) in[s] = 0, changed = true;
+      if (in[s] && degree[s] < least_) in[s] = 0, changed = true;
     if (changed) degree = degrees(w, pairs, in);
   }
   double kept = 0, kept_sum = 0;

@@ -20,11 +20,16 @@ class ContactMeasure final : public Measure {
 };
 
 /// number: contacts in which a free body takes part, per free body (2 N_cc + N_cw over N), counting pairs that touch;
-/// without_rattlers: the same without rattlers, bodies of fewer than 4 contacts, taken away until none is left; rattlers: how many
+/// without_rattlers: the same without rattlers, bodies of fewer than `least` contacts, taken away until none is left; rattlers: how
+/// many. Balance takes 4 contacts without friction, 2 with it.
 class Coordination final : public Measure {
  public:
+  explicit Coordination(const MeasureSetup& setup) : least_(setup.parameters.number("least")) {}
   std::vector<std::string> components() const override { return {"number", "without_rattlers", "rattlers"}; }
   void sample(const StepView& view, std::vector<double>& values) override;
+
+ private:
+  double least_;
 };
 
 }  // namespace epafi

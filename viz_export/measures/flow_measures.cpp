@@ -6,15 +6,24 @@ MassFlow::MassFlow(MeasureSetup setup)
     : setup_(std::move(setup)), point_(setup_.parameters.vec3("plane.point")),
       normal_(setup_.parameters.vec3("plane.normal").normalized()), window_(setup_.parameters.number("window")) {}
 
+/// How many of the planes a body has before it: one, or in a cell that repeats across it one per cell of its path.
+int MassFlow::level(const World& w, Slot s) const {
+  int axis = -1;
+  for (int k = 0; w.cell && k < 3; ++k)
+    if (w.cell->repeats[static_cast<std::size_t>(k)] && std::abs(normal_[k]) > 1 - 1e-12) axis = k;
+  if (axis < 0) return (w.position[s] - point_).dot(normal_) > 0 ? 1 : 0;
+  return static_cast<int>(std::floor((w.unwrapped(s) - point_).dot(normal_) / w.cell->size[axis]));
+}
+
 void MassFlow::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  behind_.resize(w.ids_given(), 2);
-  for (std::size_t id = 0; id < behind_.size(); ++id) {
+  level_.resize(w.ids_given(), unseen);
+  for (std::size_t id = 0; id < level_.size(); ++id) {
     const Slot s = w.slot_of(static_cast<BodyId>(id));
     if (s == no_slot || !w.is_movable(s)) continue;
-    const char now = (w.position[s] - point_).dot(normal_) > 0 ? 1 : 0;
-    if (behind_[id] != 2 && now != behind_[id]) mass_ += (now ? 1.0 : -1.0) / w.inverse_mass[s];
-    behind_[id] = now;
+    const int now = level(w, s);
+    if (level_[id] != unseen) mass_ += (now - level_[id]) / w.inverse_mass[s];
+    level_[id] = now;
   }
   times_.push_back(w.time), masses_.push_back(mass_);
   std::size_t first = 0;  // the youngest sample at least a window old, or the oldest there is
@@ -26,7 +35,7 @@ void MassFlow::sample(const StepView& view, std::vector<double>& values) {
 }
 
 void MassFlow::visit(StateVisitor& visitor, const std::string& prefix) {
-  visitor.value(prefix + "/mass", mass_), visitor.column(prefix + "/behind", behind_);
+  visitor.value(prefix + "/mass", mass_), visitor.column(prefix + "/level", level_);
   visitor.column(prefix + "/times", times_), visitor.column(prefix + "/masses", masses_);
 }
 

@@ -16,11 +16,14 @@ class MassFlow final : public Measure {
   void visit(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
+  int level(const World& world, Slot s) const;
+
   MeasureSetup setup_;
   Vec3 point_, normal_;
   double window_;
   double mass_ = 0;
-  std::vector<char> behind_;                ///< by body id: 0 before, 1 behind, 2 not seen yet
+  static constexpr int unseen = std::numeric_limits<int>::min();
+  std::vector<int> level_;                  ///< by body id: planes passed
   std::vector<double> times_, masses_;      ///< samples of the last window
 };
 

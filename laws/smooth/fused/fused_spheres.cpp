@@ -16,15 +16,27 @@ struct BlockTask {
   SphereArrays arrays;
 
   EPAFI_LANES void run() const {
+    if (block.images.empty())
+      run_groups<false>();
+    else
+      run_groups<true>();
+  }
+
+  template <bool periodic>
+  EPAFI_LANES void run_groups() const {
     SphereGroup* g = block.groups.data();
+    const SphereImages* image = block.images.data();
+    const auto at = [&](std::size_t k) { return periodic ? image + k : nullptr; };
     const auto of_wall = [&](const SphereGroup& group) -> const auto& {
       return wall_laws[static_cast<std::size_t>(group.plane)];
     };
     const auto of_pair = [&](const SphereGroup&) -> const auto& { return law; };
+    const std::size_t inside = block.inside, across = block.across;
     block.touching =
-        evaluate<Normal, Tangential, true, false>(g, g + block.inside, of_wall, arrays) +
-        evaluate<Normal, Tangential, false, false>(g + block.inside, g + block.across, of_pair, arrays) +
-        evaluate<Normal, Tangential, false, true>(g + block.across, g + block.groups.size(), of_pair, arrays);
+        evaluate<Normal, Tangential, true, false, periodic>(g, g + inside, at(0), of_wall, arrays) +
+        evaluate<Normal, Tangential, false, false, periodic>(g + inside, g + across, at(inside), of_pair, arrays) +
+        evaluate<Normal, Tangential, false, true, periodic>(g + across, g + block.groups.size(), at(across), of_pair,
+                                                            arrays);
   }
 };
 
@@ -86,22 +98,21 @@ class FusedModel final : public FusedSpheres {
       generic_->act(world, contacts, clock, report);
     else
       report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0,
-      report.has_solver = false;
+      report.losses = {}, report.has_solver = false;
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
+    SphereArrays arrays{blocks_.planes().data(),  blocks_.states().data(),  blocks_.sums().data(),
+                        blocks_.records().data(), blocks_.viscous().data(), clock.dt,
+                        damped_,                  Vec3::Zero(),             Vec3::Zero(),
+                        blocks_.virials().data()};
+    if (world.cell) arrays.cell_size = world.cell->size, arrays.strain_rate = world.cell->strain_rate;
     parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      loop({all[i],
-            law_,
-            wall_laws_,
-            {blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(), blocks_.records().data(),
-             clock.dt, damped_}});
+      loop({all[i], law_, wall_laws_, arrays});
     });
     blocks_.unpack(world, others);
-    report.contacts += blocks_.pairs();
-    for (const auto& block : all)
-      report.touching += block.touching, report.elastic += block.stored,
-          report.dissipated += clock.dt > 0.0 ? block.lost : 0.0;
+    count(clock.dt, report);
+    if (world.cell) deform(*world.cell, others, clock.dt, report);
   }
 
   void publish(const World& world, ContactSet& contacts) const override {
@@ -115,9 +126,33 @@ class FusedModel final : public FusedSpheres {
   void visit(StateVisitor& visitor) override {
     generic_->visit(visitor), blocks_.visit(visitor);
     visitor.value("spheres/others", others_);
+    visitor.value("spheres/driven_power", driven_power_);
   }
 
  private:
+  /// Adds what the blocks found to the report of the generic loop.
+  void count(double dt, StepReport& report) {
+    report.contacts += blocks_.pairs();
+    Losses lost;
+    for (const auto& block : blocks_.blocks()) {
+      report.touching += block.touching, report.elastic += block.stored;
+      if (dt > 0.0) lost.viscous += block.viscous, lost.frictional += block.frictional;
+    }
+    report.losses += lost;
+    report.dissipated += lost.viscous + lost.frictional;
+  }
+
+  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run), and the work of
+  /// the strain on it.
+  void deform(PeriodicCell& cell, bool others, double dt, StepReport& report) {
+    Vec3 virial = Vec3::Zero();
+    for (const auto& block : blocks_.blocks()) virial += block.virial;
+    const double power = virial.dot(cell.strain_rate);
+    report.work += 0.5 * dt * (driven_power_ + power);
+    driven_power_ = power;
+    cell.virial = others ? Vec3(cell.virial + virial) : virial;
+  }
+
   Law law_of(std::size_t other) const {
     const MaterialPair& pair = table_.pairs[material_ * table_.materials + other];
     return {Normal::parameters(pair), Tangential::parameters(pair)};
@@ -129,21 +164,23 @@ class FusedModel final : public FusedSpheres {
   Law law_;
   std::vector<Law> wall_laws_;
   bool damped_ = false, others_ = true;
+  double driven_power_ = 0.0;  ///< of the cell's strain on the fused contacts at the last call [W]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   SphereBlocks blocks_;
 };
 
-/// f(type of normal part, of tangential part) where both have lanes and nothing rolls; otherwise nothing.
+/// f(type of normal part, of tangential part) where both have lanes (or there is no friction) and nothing rolls;
+/// otherwise nothing.
 template <class F>
 void with_lanes(const SmoothSetup& setup, const F& f) {
   const SmoothParts parts = smooth_parts(setup);
-  if (parts.rolling != NoRolling::name) return;
+  if (parts.rolling != NoRolling::name || parts.locate) return;
   with_law(NormalLaws{}, parts.normal, [&](auto n) {
     using N = typename decltype(n)::type;
     if constexpr (LaneLaw<N>)
       with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
         using T = typename decltype(t)::type;
-        if constexpr (LaneFriction<T> && parts_fit<N, T, NoRolling>) f(n, t);
+        if constexpr ((LaneFriction<T> || !T::is_present) && parts_fit<N, T, NoRolling>) f(n, t);
       });
   });
 }

@@ -20,13 +20,19 @@ SphereGroup empty_group(Slot slot, std::int32_t plane) {
 /// Fills groups of four from contacts that share a plane (or none).
 class GroupWriter {
  public:
-  explicit GroupWriter(std::vector<SphereGroup>& groups) : groups_(groups) {}
+  explicit GroupWriter(SphereBlocks::Block& block) : groups_(block.groups), images_(block.images) {}
   void add(const World& world, const SpherePair& p, std::span<const double> radius) {
     if (used_ == lane_count || groups_.empty() || plane_ != p.plane) {
       groups_.push_back(empty_group(p.a, p.plane));
+      if (world.cell) images_.emplace_back();
       used_ = 0, plane_ = p.plane;
     }
     SphereGroup& g = groups_.back();
+    if (world.cell) {
+      SphereImages& image = images_.back();
+      image.x[used_] = image_step(p.image), image.y[used_] = image_step(p.image >> 2),
+      image.z[used_] = image_step(p.image >> 4), image.key[used_] = p.image >> 8;
+    }
     const int k = used_++;
     const bool wall = p.plane >= 0;
     const double ra = radius[p.a], rb = wall ? 0.0 : radius[p.b];
@@ -40,9 +46,19 @@ class GroupWriter {
 
  private:
   std::vector<SphereGroup>& groups_;
+  std::vector<SphereImages>& images_;
   int used_ = lane_count;
   std::int32_t plane_ = -2;
 };
+
+/// The same pair seen from B: both codes turn their sign.
+std::uint32_t opposite_image(std::uint32_t image) {
+  const auto turned = [](std::uint32_t code) {
+    const auto bits = [code](int k) { return -static_cast<int>(code >> (2 * k) & 3u); };
+    return image_code(bits(0), bits(1), bits(2));
+  };
+  return turned(image) | turned(image >> 8) << 8;
+}
 
 }  // namespace
 
@@ -74,7 +90,8 @@ void SphereBlocks::place(const World& world, std::span<const SpherePair> pairs, 
   sorted_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     sorted_[i] = pairs[i];
-    if (sorted_[i].plane < 0 && sorted_[i].b < sorted_[i].a) std::swap(sorted_[i].a, sorted_[i].b);
+    if (SpherePair& p = sorted_[i]; p.plane < 0 && p.b < p.a)
+      std::swap(p.a, p.b), p.image = opposite_image(p.image);
   }
   by_first_slot(sorted_, world.size());
   parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
@@ -97,18 +114,20 @@ void SphereBlocks::place(const World& world, std::span<const SpherePair> pairs, 
 void SphereBlocks::fill_block(const World& world, std::span<SpherePair> pairs, Slot index,
                               std::span<const double> radius) {
   Block& block = blocks_[index];
-  block.groups.clear(), block.incoming.clear();
+  block.groups.clear(), block.images.clear(), block.incoming.clear();
   const auto kind = [&](const SpherePair& p) { return p.plane >= 0 ? 0 : p.b / block_size == index ? 1 : 2; };
   for (auto run = pairs.begin(); run != pairs.end();) {
     const auto end = std::find_if(run, pairs.end(), [a = run->a](const SpherePair& p) { return p.a != a; });
-    std::sort(run, end, [](const SpherePair& p, const SpherePair& q) { return p.b < q.b; });
+    std::sort(run, end, [](const SpherePair& p, const SpherePair& q) {
+      return std::pair(p.b, p.image >> 8) < std::pair(q.b, q.image >> 8);
+    });
     run = end;
   }
   std::vector<SpherePair> walls;
   std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(walls), [](const SpherePair& p) { return p.plane >= 0; });
   std::stable_sort(walls.begin(), walls.end(),
                    [](const SpherePair& p, const SpherePair& q) { return p.plane < q.plane; });
-  GroupWriter writer(block.groups);
+  GroupWriter writer(block);
   for (const SpherePair& p : walls) writer.add(world, p, radius);
   block.inside = block.groups.size(), writer.close();
   for (const SpherePair& p : pairs)
@@ -121,12 +140,14 @@ void SphereBlocks::fill_block(const World& world, std::span<SpherePair> pairs, S
 std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
   std::vector<Kept> kept;
   for (const Block& block : blocks_)
-    for (const SphereGroup& g : block.groups)
+    for (std::size_t i = 0; i < block.groups.size(); ++i)
       for (int k = 0; k < lane_count; ++k) {
+        const SphereGroup& g = block.groups[i];
         if (g.normal_force[k] < 0.0) continue;
         const Slot b = g.plane >= 0 ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
         kept.push_back({g.a[k],
                         b,
+                        block.images.empty() ? 0u : block.images[i].key[k],
                         {g.load_x[k], g.load_y[k], g.load_z[k]},
                         g.stiffness[k],
                         g.energy[k],
@@ -138,13 +159,17 @@ std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
 
 void SphereBlocks::restore(std::vector<Kept>& kept, std::size_t slots) {
   by_first_slot(kept, slots);
-  parallel_blocks(blocks_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    for (SphereGroup& g : blocks_[i].groups)
+  parallel_blocks(blocks_.size(), 1, [&](std::size_t block, std::size_t, std::size_t) {
+    const auto& images = blocks_[block].images;
+    for (std::size_t i = 0; i < blocks_[block].groups.size(); ++i)
       for (int k = 0; k < lane_count; ++k) {
+        SphereGroup& g = blocks_[block].groups[i];
         if (g.radius_sum[k] < 0) continue;
         const Slot b = g.plane >= 0 ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
+        const std::uint32_t key = images.empty() ? 0u : images[i].key[k];
         const auto end = kept.begin() + first_[g.a[k] + 1];
-        const auto at = std::find_if(kept.begin() + first_[g.a[k]], end, [b](const Kept& s) { return s.b == b; });
+        const auto at = std::find_if(kept.begin() + first_[g.a[k]], end,
+                                     [b, key](const Kept& s) { return s.b == b && s.key == key; });
         if (at == end) continue;
         g.load_x[k] = at->load[0], g.load_y[k] = at->load[1], g.load_z[k] = at->load[2];
         g.stiffness[k] = at->stiffness, g.energy[k] = at->energy, g.viscous[k] = at->viscous,
@@ -164,37 +189,43 @@ void SphereBlocks::reorder(const Reordering& change) {
     s.a = change.new_slot[s.a], s.b = change.new_slot[s.b];
     if (s.a == no_slot || s.b == no_slot) continue;
     if (!plane && s.b < s.a) {  // the load is that on the lower slot
-      std::swap(s.a, s.b);
+      std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;
       for (double& x : s.load) x = -x;
     }
     moved.push_back(s);
   }
   kept_ = std::move(moved);
-  for (Block& block : blocks_) block.groups.clear(), block.incoming.clear(), block.inside = block.across = 0;
+  for (Block& block : blocks_) block.groups.clear(), block.images.clear(), block.incoming.clear(), block.inside = block.across = 0;
 }
 
 void SphereBlocks::visit(StateVisitor& visitor) {
   if (laid_out_) kept_ = springs(), laid_out_ = false;
   std::vector<Slot> a, b;
+  std::vector<std::uint32_t> key;
   std::vector<double> values;
   for (const Kept& s : kept_) {
-    a.push_back(s.a), b.push_back(s.b);
+    a.push_back(s.a), b.push_back(s.b), key.push_back(s.key);
     values.insert(values.end(), {s.load[0], s.load[1], s.load[2], s.stiffness, s.energy, s.viscous, s.normal_force});
   }
-  visitor.column("spheres/a", a), visitor.column("spheres/b", b), visitor.column("spheres/spring", values);
+  visitor.column("spheres/a", a), visitor.column("spheres/b", b), visitor.column("spheres/key", key);
+  visitor.column("spheres/spring", values);
   kept_.clear();
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double* v = values.data() + 7 * i;
-    kept_.push_back({a[i], b[i], {v[0], v[1], v[2]}, v[3], v[4], v[5], v[6]});
+    kept_.push_back({a[i], b[i], key[i], {v[0], v[1], v[2]}, v[3], v[4], v[5], v[6]});
   }
 }
 
 void SphereBlocks::pack(const World& world, double lag) {
-  states_.resize(world.size()), sums_.resize(world.size());  // unpack leaves the sums at zero
+  states_.resize(world.size()), sums_.resize(world.size()), viscous_.resize(world.size());  // unpack leaves the sums at zero
+  if (world.cell) virials_.resize(world.size());
+  const bool rotates = world.rotates();
+  static constexpr double still[3] = {0.0, 0.0, 0.0};
   parallel_blocks(world.size(), block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto s = static_cast<Slot>(i);
-      const double *x = world.position[s].data(), *v = world.velocity[s].data(), *w = world.angular_velocity[s].data();
+      const double *x = world.position[s].data(), *v = world.velocity[s].data(),
+                   *w = rotates ? world.angular_velocity[s].data() : still;
       double* to =
           reinterpret_cast<double*>(&states_[i]);  // number by number: a row of lanes would go through the stack
       for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
@@ -206,21 +237,29 @@ void SphereBlocks::pack(const World& world, double lag) {
 }
 
 void SphereBlocks::unpack(World& world, bool add) {
+  const bool rotates = world.rotates();
   parallel_blocks(blocks_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     Block& block = blocks_[i];
     for (const auto& [record, slot] : block.incoming) {
       sums_[slot].force += records_[record].force;
       sums_[slot].torque += records_[record].torque;
     }
-    block.stored = block.lost = 0.0;
+    block.stored = block.frictional = block.viscous = 0.0, block.virial.setZero();
     const std::size_t end = std::min(world.size(), (i + 1) * block_size);
     for (std::size_t s = i * block_size; s < end; ++s) {
       double* from = reinterpret_cast<double*>(&sums_[s]);
-      double *force = world.force[s].data(), *torque = world.torque[s].data();
-      for (int k = 0; k < 3; ++k)
-        force[k] = add ? force[k] + from[k] : from[k], torque[k] = add ? torque[k] + from[4 + k] : from[4 + k];
-      block.stored += from[3], block.lost += from[7];
+      double* force = world.force[s].data();
+      for (int k = 0; k < 3; ++k) force[k] = add ? force[k] + from[k] : from[k];
+      if (rotates) {
+        double* torque = world.torque[s].data();
+        for (int k = 0; k < 3; ++k) torque[k] = add ? torque[k] + from[4 + k] : from[4 + k];
+      }
+      block.stored += from[3], block.frictional += from[7], block.viscous += viscous_[s];
+      viscous_[s] = 0.0;
       for (int k = 0; k < 8; ++k) from[k] = 0.0;
+      if (!world.cell) continue;
+      for (int k = 0; k < 3; ++k) block.virial[k] += virials_[s].sum[k];
+      virials_[s].sum = Lanes{};
     }
   });
 }
@@ -228,19 +267,22 @@ void SphereBlocks::unpack(World& world, bool add) {
 void SphereBlocks::publish(const World& world, ContactSet& contacts) const {
   contacts.force.resize(contacts.size());
   for (const Block& block : blocks_)
-    for (const SphereGroup& g : block.groups)
+    for (std::size_t i = 0; i < block.groups.size(); ++i)
       for (int k = 0; k < lane_count; ++k) {
+        const SphereGroup& g = block.groups[i];
         if (g.normal_force[k] < 0.0) continue;
         const bool wall = g.plane >= 0;
         const Slot a = g.a[k], b = wall ? planes_[static_cast<std::size_t>(g.plane)].slot : g.b[k];
         ContactPoint c;
+        std::uint32_t key = 0;  // that of a plane follows the cells the sphere has passed: it is with the plane itself
+        if (world.cell) key = wall ? image_code(world.wraps[a] - world.wraps[b]) : block.images[i].key[k];
+        const Vec3 d = world.branch(a, b, Feature{key} << 56);
         double length = 0.0;
         if (wall) {
           const SpherePlane& plane = planes_[static_cast<std::size_t>(g.plane)];
           c.gap = plane.normal.dot(world.position[a] - plane.point) - g.radius_sum[k], c.normal = -plane.normal,
           length = g.radius_sum[k];
         } else {
-          const Vec3 d = world.position[b] - world.position[a];
           const double distance = d.norm();
           c.gap = distance - g.radius_sum[k], c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ()),
           length = g.share[k] * distance;
@@ -248,10 +290,12 @@ void SphereBlocks::publish(const World& world, ContactSet& contacts) const {
         c.arm = length * c.normal;
         c.effective_radius = g.radius[k];
         Vec3 force = -g.normal_force[k] * c.normal + Vec3(g.load_x[k], g.load_y[k], g.load_z[k]);
-        if (world.id[a] < world.id[b]) {
+        const bool in_order = world.id[a] < world.id[b];
+        c.feature = Feature{in_order ? key : opposite_image(key << 8) >> 8} << 56;
+        if (in_order) {
           contacts.append(a, b, c);
         } else {
-          c.arm += world.position[a] - world.position[b];
+          c.arm -= d;
           c.normal = -c.normal, force = -force;
           contacts.append(b, a, c);
         }

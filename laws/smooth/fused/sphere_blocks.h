@@ -17,10 +17,15 @@ struct alignas(32) SphereState {
   Lanes position, velocity, spin,
       predicted;  ///< x y z, fourth unused; predicted: velocity at the time of the detection
 };
-/// What it writes: force and, in its fourth, the energy stored in the contacts the body owns; torque and what they
-/// lost.
+/// What it writes: force and, in its fourth, the energy stored in the contacts the body owns; torque and what their
+/// springs lost.
 struct alignas(32) SphereSum {
   Lanes force, torque;
+};
+
+/// Force on A times branch, by axis, of the contacts a body owns [N m].
+struct alignas(32) SphereVirial {
+  Lanes sum;
 };
 
 /// A fixed plane.
@@ -34,6 +39,7 @@ struct SpherePlane {
 struct SpherePair {
   Slot a, b;
   std::int32_t plane = -1;
+  std::uint32_t image = 0;  ///< as Pair::image; 0 with planes, which repeat in themselves
 };
 
 /// Four contacts. Of a padding lane radius_sum is -1, so that it never touches.
@@ -52,16 +58,24 @@ struct alignas(32) SphereGroup {
   bool loaded = false;       ///< some lane touched in the last step
 };
 
+/// Beside a group in a periodic cell: which images its B are.
+struct alignas(32) SphereImages {
+  Lanes x, y, z;                      ///< cells from B to the image, -1, 0 or 1
+  std::uint32_t key[lane_count] = {};  ///< image code of the contact's key
+};
+
 class SphereBlocks {
  public:
   static constexpr std::size_t block_size = 1024;
 
   struct Block {
     std::vector<SphereGroup> groups;     ///< planes, then inside the block, then across blocks
+    std::vector<SphereImages> images;    ///< by group, in a periodic cell only
     std::size_t inside = 0, across = 0;  ///< where the second and third kind begin
     std::vector<std::pair<std::uint32_t, Slot>>
         incoming;  ///< records for bodies of this block, in the order of their owners
-    double stored = 0.0, lost = 0.0;
+    double stored = 0.0, frictional = 0.0, viscous = 0.0;  ///< energy in contacts, lost by slip, by dampers [J]
+    Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
   };
 
@@ -84,14 +98,19 @@ class SphereBlocks {
   std::span<const SphereState> states() const { return states_; }
   std::span<SphereSum> sums() { return sums_; }
   std::span<SphereSum> records() { return records_; }
+  /// By slot; in a periodic cell only.
+  std::span<SphereVirial> virials() { return virials_; }
+  /// By slot.
+  std::span<double> viscous() { return viscous_; }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
   bool laid_out() const { return laid_out_; }
 
  private:
-  /// A spring by the slots of its bodies, a < b; of a plane b is its slot.
+  /// A spring by the slots of its bodies, a < b, and the image code of its key; of a plane b is its slot.
   struct Kept {
     Slot a, b;
+    std::uint32_t key;
     double load[3], stiffness, energy, viscous, normal_force;
   };
   std::vector<Kept> springs() const;
@@ -106,6 +125,8 @@ class SphereBlocks {
   std::vector<SpherePlane> planes_;
   std::vector<SphereState> states_;
   std::vector<SphereSum> sums_, records_;
+  std::vector<SphereVirial> virials_;
+  std::vector<double> viscous_;
   std::vector<SpherePair> sorted_;
   std::vector<Slot> first_;
   std::vector<Kept> kept_;  ///< springs while the layout waits

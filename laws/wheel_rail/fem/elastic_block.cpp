@@ -13,28 +13,42 @@ namespace {
 using Stiffness = Eigen::Matrix<double, 24, 24>;
 using std::numbers::pi;
 
-/// Trilinear hexahedron of sides hx, hy, hz by 2 x 2 x 2 Gauss points; node n has the corner bits (x, y, z) of n.
-Stiffness element_stiffness(double hx, double hy, double hz, double E, double nu) {
+using Strains = Eigen::Matrix<double, 6, 24>;
+
+/// Isotropic elasticity, strains with whole shear angles.
+Eigen::Matrix<double, 6, 6> elasticity(double E, double nu) {
   Eigen::Matrix<double, 6, 6> C = Eigen::Matrix<double, 6, 6>::Zero();
   const double lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), G = E / (2.0 * (1.0 + nu));
   C.topLeftCorner<3, 3>().setConstant(lambda);
   for (int k = 0; k < 3; ++k) C(k, k) += 2.0 * G, C(k + 3, k + 3) = G;
+  return C;
+}
+
+/// Strains xx, yy, zz, yz, xz, xy of a trilinear hexahedron of sides hx, hy, hz at xi in [-1, 1]^3; node n has the
+/// corner bits (x, y, z) of n.
+Strains strains_at(const double (&xi)[3], const double (&size)[3]) {
+  Strains B = Strains::Zero();
+  for (int n = 0; n < 8; ++n) {
+    double d[3];
+    for (int k = 0; k < 3; ++k) {
+      d[k] = (n >> k & 1 ? 1.0 : -1.0) / size[k];
+      for (int o = 0; o < 3; ++o)
+        if (o != k) d[k] *= 0.5 * (1.0 + (n >> o & 1 ? xi[o] : -xi[o]));
+    }
+    const int c = 3 * n;
+    B(0, c) = d[0], B(1, c + 1) = d[1], B(2, c + 2) = d[2];
+    B(3, c + 1) = d[2], B(3, c + 2) = d[1], B(4, c) = d[2], B(4, c + 2) = d[0], B(5, c) = d[1], B(5, c + 1) = d[0];
+  }
+  return B;
+}
+
+/// By 2 x 2 x 2 Gauss points.
+Stiffness element_stiffness(double hx, double hy, double hz, double E, double nu) {
+  const Eigen::Matrix<double, 6, 6> C = elasticity(E, nu);
   Stiffness K = Stiffness::Zero();
   const double g = 0.57735026918962576, size[3] = {hx, hy, hz};
   for (int q = 0; q < 8; ++q) {
-    const double xi[3] = {q & 1 ? g : -g, q & 2 ? g : -g, q & 4 ? g : -g};
-    Eigen::Matrix<double, 6, 24> B = Eigen::Matrix<double, 6, 24>::Zero();
-    for (int n = 0; n < 8; ++n) {
-      double d[3];
-      for (int k = 0; k < 3; ++k) {
-        d[k] = (n >> k & 1 ? 1.0 : -1.0) / size[k];
-        for (int o = 0; o < 3; ++o)
-          if (o != k) d[k] *= 0.5 * (1.0 + (n >> o & 1 ? xi[o] : -xi[o]));
-      }
-      const int c = 3 * n;
-      B(0, c) = d[0], B(1, c + 1) = d[1], B(2, c + 2) = d[2];
-      B(3, c + 1) = d[2], B(3, c + 2) = d[1], B(4, c) = d[2], B(4, c + 2) = d[0], B(5, c) = d[1], B(5, c + 1) = d[0];
-    }
+    const Strains B = strains_at({q & 1 ? g : -g, q & 2 ? g : -g, q & 4 ? g : -g}, size);
     K += B.transpose() * C * B * (hx * hy * hz / 8.0);
   }
   return K;
@@ -72,68 +86,133 @@ BlockMesh make_block_mesh(double cx, double cy, double ax, double ay, int across
   return m;
 }
 
-Eigen::MatrixXd surface_flexibility(const BlockMesh& m, double E, double nu) {
-  const std::size_t nx = m.x.size(), ny = m.y.size(), nz = m.z.size();
-  const auto node = [&](std::size_t i, std::size_t j, std::size_t k) { return (k * ny + j) * nx + i; };
-  const auto is_far = [&](std::size_t i, std::size_t j, std::size_t k) {
-    return i == 0 || j == 0 || i + 1 == nx || j + 1 == ny || k + 1 == nz;
-  };
-  // free nodes are numbered, far ones are given by Boussinesq for a unit force in the middle of the candidates
-  std::vector<int> number(m.nodes(), -1);
-  std::vector<double> given(3 * m.nodes(), 0.0);
-  const double cx = 0.5 * (m.x[m.ix0] + m.x[m.ix1 - 1]), cy = 0.5 * (m.y[m.iy0] + m.y[m.iy1 - 1]);
-  int unknowns = 0;
-  for (std::size_t k = 0; k < nz; ++k)
-    for (std::size_t j = 0; j < ny; ++j)
-      for (std::size_t i = 0; i < nx; ++i) {
-        if (!is_far(i, j, k)) {
-          number[node(i, j, k)] = unknowns++;
-          continue;
-        }
-        const auto u = boussinesq(m.x[i] - cx, m.y[j] - cy, m.z[k], E, nu);
-        for (std::size_t c = 0; c < 3; ++c) given[3 * node(i, j, k) + c] = u[c];
-      }
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd far_load = Eigen::VectorXd::Zero(3 * unknowns);
-  for (std::size_t k = 0; k + 1 < nz; ++k)
-    for (std::size_t j = 0; j + 1 < ny; ++j)
-      for (std::size_t i = 0; i + 1 < nx; ++i) {
-        const Stiffness K = element_stiffness(m.x[i + 1] - m.x[i], m.y[j + 1] - m.y[j], m.z[k + 1] - m.z[k], E, nu);
-        for (std::size_t a = 0; a < 8; ++a) {
-          const int row = number[node(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2))];
-          if (row < 0) continue;
-          for (std::size_t b = 0; b < 8; ++b) {
-            const std::size_t other = node(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2));
-            for (std::size_t p = 0; p < 3; ++p)
-              for (std::size_t q = 0; q < 3; ++q) {
-                const double v = K(static_cast<Eigen::Index>(3 * a + p), static_cast<Eigen::Index>(3 * b + q));
-                const int r = 3 * row + static_cast<int>(p);
-                if (number[other] >= 0)
-                  entries.emplace_back(r, 3 * number[other] + static_cast<int>(q), v);
-                else
-                  far_load[r] -= v * given[3 * other + q];
-              }
+namespace {
+
+/// The block's equations with its far faces held as Boussinesq's half-space moves under a unit force in the middle of
+/// the candidates.
+struct BlockSystem {
+  const BlockMesh& m;
+  std::size_t nx, ny, nz;
+  std::vector<int> number;    ///< of free nodes, -1 on far faces
+  std::vector<double> given;  ///< displacement of far nodes per force [m/N]
+  Eigen::VectorXd far_load;   ///< of those on the free nodes, per force
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
+
+  BlockSystem(const BlockMesh& mesh, double E, double nu)
+      : m(mesh),
+        nx(mesh.x.size()),
+        ny(mesh.y.size()),
+        nz(mesh.z.size()),
+        number(mesh.nodes(), -1),
+        given(3 * mesh.nodes(), 0.0) {
+    const int unknowns = number_nodes(E, nu);
+    far_load = Eigen::VectorXd::Zero(3 * unknowns);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t k = 0; k + 1 < nz; ++k)
+      for (std::size_t j = 0; j + 1 < ny; ++j)
+        for (std::size_t i = 0; i + 1 < nx; ++i) add_element(i, j, k, E, nu, entries);
+    Eigen::SparseMatrix<double> K(3 * unknowns, 3 * unknowns);
+    K.setFromTriplets(entries.begin(), entries.end());
+    solver.compute(K);
+  }
+  std::size_t node(std::size_t i, std::size_t j, std::size_t k) const { return (k * ny + j) * nx + i; }
+  std::size_t corner(std::size_t i, std::size_t j, std::size_t k, std::size_t n) const {
+    return node(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
+  }
+  /// Of a candidate's displacement along z.
+  int dof(std::size_t c) const {
+    const std::size_t width = m.ix1 - m.ix0;
+    return 3 * number[node(m.ix0 + c % width, m.iy0 + c / width, 0)] + 2;
+  }
+
+ private:
+  int number_nodes(double E, double nu) {
+    const double cx = 0.5 * (m.x[m.ix0] + m.x[m.ix1 - 1]), cy = 0.5 * (m.y[m.iy0] + m.y[m.iy1 - 1]);
+    int unknowns = 0;
+    for (std::size_t k = 0; k < nz; ++k)
+      for (std::size_t j = 0; j < ny; ++j)
+        for (std::size_t i = 0; i < nx; ++i) {
+          if (i > 0 && j > 0 && i + 1 < nx && j + 1 < ny && k + 1 < nz) {
+            number[node(i, j, k)] = unknowns++;
+            continue;
           }
+          const auto u = boussinesq(m.x[i] - cx, m.y[j] - cy, m.z[k], E, nu);
+          for (std::size_t c = 0; c < 3; ++c) given[3 * node(i, j, k) + c] = u[c];
         }
+    return unknowns;
+  }
+  void add_element(std::size_t i, std::size_t j, std::size_t k, double E, double nu,
+                   std::vector<Eigen::Triplet<double>>& entries) {
+    const Stiffness K = element_stiffness(m.x[i + 1] - m.x[i], m.y[j + 1] - m.y[j], m.z[k + 1] - m.z[k], E, nu);
+    for (std::size_t a = 0; a < 8; ++a) {
+      const int row = number[corner(i, j, k, a)];
+      if (row < 0) continue;
+      for (std::size_t b = 0; b < 8; ++b) {
+        const std::size_t other = corner(i, j, k, b);
+        for (std::size_t p = 0; p < 3; ++p)
+          for (std::size_t q = 0; q < 3; ++q) {
+            const double v = K(static_cast<Eigen::Index>(3 * a + p), static_cast<Eigen::Index>(3 * b + q));
+            const int r = 3 * row + static_cast<int>(p);
+            if (number[other] >= 0)
+              entries.emplace_back(r, 3 * number[other] + static_cast<int>(q), v);
+            else
+              far_load[r] -= v * given[3 * other + q];
+          }
       }
-  Eigen::SparseMatrix<double> K(3 * unknowns, 3 * unknowns);
-  K.setFromTriplets(entries.begin(), entries.end());
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(K);
+    }
+  }
+};
+
+}  // namespace
+
+Eigen::MatrixXd surface_flexibility(const BlockMesh& m, double E, double nu) {
+  const BlockSystem s(m, E, nu);
   const auto n = static_cast<Eigen::Index>(m.candidates());
   Eigen::MatrixXd W(n, n);
-  const auto dof = [&](Eigen::Index c) {
-    const auto k = static_cast<std::size_t>(c), width = m.ix1 - m.ix0;
-    return 3 * number[node(m.ix0 + k % width, m.iy0 + k / width, 0)] + 2;
-  };
-  const Eigen::VectorXd far = solver.solve(far_load);
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * unknowns);
+  const Eigen::VectorXd far = s.solver.solve(s.far_load);
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(s.far_load.size());
   for (Eigen::Index c = 0; c < n; ++c) {
-    load[dof(c)] = 1.0;
-    const Eigen::VectorXd u = solver.solve(load);
-    load[dof(c)] = 0.0;
-    for (Eigen::Index r = 0; r < n; ++r) W(r, c) = u[dof(r)] + far[dof(r)];
+    const int own = s.dof(static_cast<std::size_t>(c));
+    load[own] = 1.0;
+    const Eigen::VectorXd u = s.solver.solve(load);
+    load[own] = 0.0;
+    for (Eigen::Index r = 0; r < n; ++r) {
+      const int other = s.dof(static_cast<std::size_t>(r));
+      W(r, c) = u[other] + far[other];
+    }
   }
   return W;
+}
+
+BlockStress block_stresses(const BlockMesh& m, double E, double nu, const Eigen::VectorXd& force) {
+  const BlockSystem s(m, E, nu);
+  const double whole = force.sum();
+  Eigen::VectorXd load = whole * s.far_load;
+  for (Eigen::Index c = 0; c < force.size(); ++c) load[s.dof(static_cast<std::size_t>(c))] += force[c];
+  const Eigen::VectorXd u = s.solver.solve(load);
+  BlockStress out{m, {}, std::vector<std::array<double, 3>>(m.nodes())};
+  for (std::size_t k = 0; k < m.nodes(); ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      out.displacement[k][c] = s.number[k] >= 0 ? u[3 * s.number[k] + static_cast<int>(c)] : whole * s.given[3 * k + c];
+  const Eigen::Matrix<double, 6, 6> C = elasticity(E, nu);
+  for (std::size_t k = 0; k + 1 < s.nz; ++k)
+    for (std::size_t j = 0; j + 1 < s.ny; ++j)
+      for (std::size_t i = 0; i + 1 < s.nx; ++i) {
+        Eigen::Matrix<double, 24, 1> v;
+        for (std::size_t n = 0; n < 8; ++n)
+          for (std::size_t c = 0; c < 3; ++c)
+            v[static_cast<Eigen::Index>(3 * n + c)] = out.displacement[s.corner(i, j, k, n)][c];
+        const Eigen::Matrix<double, 6, 1> t =
+            C * strains_at({0.0, 0.0, 0.0}, {m.x[i + 1] - m.x[i], m.y[j + 1] - m.y[j], m.z[k + 1] - m.z[k]}) * v;
+        out.stress.push_back({t[0], t[1], t[2], t[3], t[4], t[5]});
+      }
+  return out;
+}
+
+double BlockStress::von_mises(std::size_t e) const {
+  const auto& t = stress[e];
+  const double x = t[0] - t[1], y = t[1] - t[2], z = t[2] - t[0];
+  return std::sqrt(0.5 * (x * x + y * y + z * z) + 3.0 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
 }
 
 Eigen::MatrixXd surface_mass(const BlockMesh& m) {

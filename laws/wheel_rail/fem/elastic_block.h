@@ -3,6 +3,7 @@
 /// without friction); far faces follow Boussinesq's half-space, so that the block's size costs little.
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -24,6 +25,23 @@ BlockMesh make_block_mesh(double cx, double cy, double ax, double ay, int across
 
 /// Inward displacement of the candidates per force on each of them [m/N], column by column.
 Eigen::MatrixXd surface_flexibility(const BlockMesh& mesh, double youngs_modulus, double poissons_ratio);
+
+/// Stresses inside the block: xx, yy, zz, yz, xz, xy [Pa], tension positive, in the middle of each element, elements
+/// row by row in x, then y, then z; displacements of the nodes [m] in the same order.
+struct BlockStress {
+  BlockMesh mesh;
+  std::vector<std::array<double, 6>> stress;
+  std::vector<std::array<double, 3>> displacement;
+
+  std::size_t element(std::size_t i, std::size_t j, std::size_t k) const {
+    return (k * (mesh.y.size() - 1) + j) * (mesh.x.size() - 1) + i;
+  }
+  double von_mises(std::size_t element) const;  ///< equivalent stress [Pa]
+};
+
+/// Under these forces on the candidates, into the block [N].
+BlockStress block_stresses(const BlockMesh& mesh, double youngs_modulus, double poissons_ratio,
+                           const Eigen::VectorXd& force);
 
 /// Mass matrix of the surface over the candidates: int phi_i phi_j [m^2].
 Eigen::MatrixXd surface_mass(const BlockMesh& mesh);

@@ -61,6 +61,10 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
   p.ellipse = {std::sqrt(5.0 * (sxx / s.force - p.centre_x * p.centre_x)),
                std::sqrt(5.0 * (syy / s.force - p.centre_y * p.centre_y))};
   p.normal_force = s.force, p.approach = s.approach, p.max_pressure = peak_pressure(grid, pressure);
+  if (in.stresses) {
+    const Eigen::VectorXd force = over_surface ? Eigen::VectorXd(M * s.p) : s.p;
+    p.stress = std::make_shared<const BlockStress>(block_stresses(mesh, E * (1.0 - nu * nu), nu, force));
+  }
   // measured against Hertz: 1 % in peak and approach from 8 elements on, 7 % in the peak over the surface on 8
   p.error_estimate = (over_surface ? 0.07 : 0.01) * std::max(1.0, 64.0 / (across * across));
   if (!s.report.converged)

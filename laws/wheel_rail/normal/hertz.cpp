@@ -36,6 +36,12 @@ void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, st
                       std::to_string(static_cast<int>(100.0 * d)) + " % of its edge value");
 }
 
+void check_second_region(const NormalInput& in, NormalPatch& patch) {
+  if (in.regions.size() > 1 && in.regions[1].offset < patch.approach)
+    patch.reasons.push_back("a second region would touch before this one is compressed by " +
+                            std::to_string(1e6 * patch.approach) + " um");
+}
+
 std::vector<RegionPatch> solve_hertz(const NormalInput& in) {
   const ContactRegion& r = in.regions.front();
   const double A = 0.5 * r.curvature_x, B = 0.5 * r.curvature_y;
@@ -52,9 +58,7 @@ std::vector<RegionPatch> solve_hertz(const NormalInput& in) {
   check_hertz_range(r, out.patch, out.patch.reasons);
   // measured against boundary elements on S1002/UIC60: the peak is off by about the distortion of the gap
   out.patch.error_estimate = std::min(1.0, distortion(r, out.patch.ellipse.b));
-  if (in.regions.size() > 1 && in.regions[1].offset < out.patch.approach)
-    out.patch.reasons.push_back("a second region would touch before this one is compressed by " +
-                                std::to_string(1e6 * out.patch.approach) + " um");
+  check_second_region(in, out.patch);
   return {out};
 }
 

@@ -62,6 +62,7 @@ std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in) {
   p.ellipse = {at.longest, at.area / (pi * at.longest)};
   p.is_ellipse = true;  // for creep laws: the ellipse of the same area and length
   check_hertz_range(r, p, p.reasons);
+  check_second_region(in, p);
   p.error_estimate = p.reasons.empty() ? 0.12 : 0.3;
   return {out};
 }

@@ -7,8 +7,10 @@ namespace epafi {
 std::vector<RegionPatch> solve_hertz(const NormalInput& in);           ///< hertz.cpp
 std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in);     ///< multi_hertz.cpp
 std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in);  ///< kik_piotrowski.cpp
-std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in);      ///< semi_hertz.cpp
-std::vector<RegionPatch> solve_fem(const NormalInput& in);             ///< fem.cpp: Lagrange multipliers at nodes
+std::vector<RegionPatch> solve_stripes(const NormalInput& in);         ///< strips_by_hertz.cpp
+std::vector<RegionPatch> solve_analyn(const NormalInput& in);
+std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in);  ///< semi_hertz.cpp
+std::vector<RegionPatch> solve_fem(const NormalInput& in);         ///< fem.cpp: Lagrange multipliers at nodes
 std::vector<RegionPatch> solve_fem_penalty(const NormalInput& in);
 std::vector<RegionPatch> solve_fem_augmented(const NormalInput& in);
 std::vector<RegionPatch> solve_fem_surface(
@@ -17,5 +19,7 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in);  ///< half_spa
 
 /// Where Hertz' theory leaves its range: conformal surfaces, curvature that changes over the patch.
 void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
+/// For models of one patch: another region that would touch before this one is compressed as far.
+void check_second_region(const NormalInput& in, NormalPatch& patch);
 
 }  // namespace epafi

@@ -50,10 +50,18 @@ GapAt gap_at(const ContactRegion& r, double y) {
 std::pair<double, double> overlap_range(const ContactRegion& r, double approach) {
   if (r.profile.size() == 0)
     return {-std::sqrt(2.0 * approach / r.curvature_y), std::sqrt(2.0 * approach / r.curvature_y)};
+  const GapProfile& g = r.profile;
+  const auto crossing = [&](std::size_t in, std::size_t out) {  // on the chord: strips must not jump as the wheel sinks
+    const double rise = g.gap[out] - g.gap[in];
+    return g.y(in) + (g.y(out) - g.y(in)) * (rise > 0.0 ? std::min(1.0, (approach - g.gap[in]) / rise) : 1.0);
+  };
   double low = 1e9, high = -1e9;
-  for (std::size_t k = 0; k < r.profile.size(); ++k)
-    if (r.profile.gap[k] < approach) low = std::min(low, r.profile.y(k)), high = std::max(high, r.profile.y(k));
-  return {low - r.profile.step, high + r.profile.step};
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    if (!(g.gap[k] < approach)) continue;
+    low = std::min(low, k > 0 ? crossing(k, k - 1) : g.y(k));
+    high = std::max(high, k + 1 < g.size() ? crossing(k, k + 1) : g.y(k));
+  }
+  return {low, high};
 }
 
 Strips cut(const ContactRegion& r, double low, double high, int count) {
@@ -76,10 +84,10 @@ double pressure_per_length(double k, Ellipse e, double modulus) {
   return modulus * 0.5 * k / (e.a > e.b ? ratio * I.D : I.B);
 }
 
-/// Axes of the ellipse with the second moments of the pressure.
-Ellipse moments(const Strips& s) {
+/// Axes of the ellipse with the second moments of the pressure on the strips [first, last).
+Ellipse moments(const Strips& s, std::size_t first, std::size_t last) {
   double n = 0.0, ny = 0.0, nyy = 0.0, nxx = 0.0;
-  for (std::size_t j = 0; j < s.y.size(); ++j) {
+  for (std::size_t j = first; j < last; ++j) {
     const double w = s.p[j] * s.a[j];
     n += w, ny += w * s.y[j], nyy += w * (s.y[j] * s.y[j] + s.width * s.width / 12.0),
         nxx += 0.25 * w * s.a[j] * s.a[j];
@@ -131,8 +139,7 @@ bool overlaps(const Strips& s, const std::vector<std::size_t>& active, std::size
 bool settle(Strips& s, double modulus, const NormalTarget& target) {
   std::vector<bool> in(s.y.size(), false);
   for (std::size_t j = 0; j < s.y.size(); ++j) in[j] = s.a[j] > 0.0;
-  const double k0 = s.curvature[s.y.size() / 2];
-  double last = 0.0;
+  double last_approach = 0.0;
   for (int round = 0; round < most_strip_rounds; ++round) {
     std::vector<std::size_t> active;
     for (std::size_t j = 0; j < s.y.size(); ++j)
@@ -143,29 +150,30 @@ bool settle(Strips& s, double modulus, const NormalTarget& target) {
     bool same = true;
     for (const std::size_t j : active)
       if (s.p[j] <= 0.0) in[j] = false, s.p[j] = 0.0, s.a[j] = 0.0, same = false;
-    const double c = pressure_per_length(k0, moments(s), modulus);
     double change = 0.0, longest = 0.0;
-    for (const std::size_t j : active) {
-      if (!in[j]) continue;
-      const double length = s.p[j] / (c * s.curvature[j] / k0);
-      change = std::max(change, std::abs(length - s.a[j])), longest = std::max(longest, length);
-      s.a[j] = 0.5 * (s.a[j] + length);
+    // each run of strips in contact has an ellipse of its own
+    for (std::size_t first = 0, last = 0; first < s.y.size(); first = last + 1) {
+      for (last = first; last < s.y.size() && in[last];) ++last;
+      if (last == first) continue;
+      const double k0 = s.curvature[(first + last) / 2], c = pressure_per_length(k0, moments(s, first, last), modulus);
+      for (std::size_t j = first; j < last; ++j) {
+        const double length = s.p[j] / (c * s.curvature[j] / k0);
+        change = std::max(change, std::abs(length - s.a[j])), longest = std::max(longest, length);
+        s.a[j] = 0.5 * (s.a[j] + length);
+      }
     }
-    // only neighbours of strips in contact can join, once a round
+    // whoever overlaps joins, a second region too
     std::vector<std::size_t> join;
-    for (std::size_t j = 0; j < s.y.size(); ++j) {
-      if (in[j] || !((j > 0 && in[j - 1]) || (j + 1 < s.y.size() && in[j + 1]) || s.gap[j] < 0.6 * s.approach))
-        continue;
-      if (same && overlaps(s, active, j, modulus)) join.push_back(j);
-    }
+    for (std::size_t j = 0; same && j < s.y.size(); ++j)
+      if (!in[j] && s.gap[j] < s.approach && overlaps(s, active, j, modulus)) join.push_back(j);
     for (const std::size_t j : join) in[j] = true, s.a[j] = 0.2 * longest, same = false;
-    if (same && change < 1e-3 * longest && std::abs(s.approach - last) < 1e-5 * s.approach) return true;
-    last = s.approach;
+    if (same && change < 1e-3 * longest && std::abs(s.approach - last_approach) < 1e-5 * s.approach) return true;
+    last_approach = s.approach;
   }
   return false;
 }
 
-NormalPatch patch_of(const Strips& s) {
+NormalPatch patch_of(const Strips& s, std::size_t along) {
   NormalPatch p;
   double longest = 0.0, left = 1e9, right = -1e9;
   for (std::size_t j = 0; j < s.y.size(); ++j) {
@@ -180,8 +188,7 @@ NormalPatch patch_of(const Strips& s) {
     }
     p.max_pressure = std::max(p.max_pressure, std::sqrt(peak));
   }
-  constexpr std::size_t along = 44;
-  p.grid = {along, s.y.size(), (right - left) / along, s.width};
+  p.grid = {along, s.y.size(), (right - left) / static_cast<double>(along), s.width};
   p.pressure.assign(p.grid.size(), 0.0);
   const double cx = 0.5 * (left + right), cy = 0.5 * (s.y.front() + s.y.back());
   for (std::size_t j = 0; j < s.y.size(); ++j) {
@@ -196,7 +203,7 @@ NormalPatch patch_of(const Strips& s) {
   double force = 0.0;
   for (std::size_t j = 0; j < s.y.size(); ++j) force += 0.5 * pi * s.a[j] * s.p[j] * s.width;
   p.normal_force = force;
-  p.ellipse = moments(s);
+  p.ellipse = moments(s, 0, s.y.size());
   p.approach = s.approach;
   return p;
 }
@@ -213,13 +220,25 @@ bool solve_strips(const NormalInput& in, double approach, bool fine, Strips& s) 
   const double b = std::sqrt(approach / (0.5 * std::max(r.curvature_y, 0.05 * r.curvature_x)));
   const int wished = static_cast<int>((fine ? 16.0 : 6.0) * (high - low) / b);
   s = cut(r, low, high,
-          (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 * 4);  // multiples of 4: coarser grids exist
+          in.strips > 0 && fine ? in.strips
+                                : (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 *
+                                      4);  // multiples of 4: coarser grids exist
+  const auto whole = [&](std::size_t j) {
+    return std::sqrt(2.0 * std::max(0.0, approach - s.gap[j]) / s.curvature[j]);
+  };
+  StripStart* start = fine ? in.start : nullptr;
   for (std::size_t j = 0; j < s.y.size(); ++j) {
     const double depth =
         0.55 * approach - s.gap[j];  // virtual penetration: the shape to start from (Kik, Piotrowski 1996)
     if (depth > 0.0) s.a[j] = std::sqrt(2.0 * depth / s.curvature[j]);
+    if (start && start->count == s.y.size()) s.a[j] = start->share[j] * whole(j);
   }
-  return settle(s, in.elastic.effective_modulus(), in.target);
+  const bool settled = settle(s, in.elastic.effective_modulus(), in.target);
+  if (start && s.y.size() <= StripStart::most) {
+    start->count = settled ? s.y.size() : 0;
+    for (std::size_t j = 0; j < s.y.size(); ++j) start->share[j] = whole(j) > 0.0 ? s.a[j] / whole(j) : 0.0;
+  }
+  return settled;
 }
 
 }  // namespace
@@ -239,7 +258,7 @@ std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in) {
   RegionPatch out;
   Strips s;
   const bool settled = solve_strips(in, in.approach > 0.0 ? in.approach : estimate_approach(in), true, s);
-  out.patch = patch_of(s);
+  out.patch = patch_of(s, static_cast<std::size_t>(in.along));
   out.patch.error_estimate = settled ? 0.01 : 0.1;
   if (!settled)
     out.patch.reasons.push_back("the strips did not settle within " + std::to_string(most_strip_rounds) + " rounds");

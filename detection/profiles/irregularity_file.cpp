@@ -1,0 +1,77 @@
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "detection/profiles/track.h"
+#include "engine/units.h"
+
+namespace epafi {
+namespace {
+
+std::vector<std::string> words_of(std::string line) {
+  std::replace(line.begin(), line.end(), ',', ' ');
+  std::replace(line.begin(), line.end(), ';', ' ');
+  std::istringstream in(line);
+  std::vector<std::string> out;
+  for (std::string w; in >> w;) out.push_back(w);
+  return out;
+}
+
+/// The column of the track that a header's word names; null for another word.
+std::vector<double>* column(MeasuredTrack& t, const std::string& word) {
+  return word == "s"             ? &t.distance
+         : word == "lateral"     ? &t.lateral
+         : word == "vertical"    ? &t.vertical
+         : word == "cross_level" ? &t.cross_level
+         : word == "gauge"       ? &t.gauge
+                                 : nullptr;
+}
+
+}  // namespace
+
+MeasuredFile read_irregularity(const std::string& text) {
+  MeasuredFile out;
+  std::istringstream in(text);
+  double unit = 0.0;
+  std::vector<std::vector<double>*> columns;
+  for (std::string line; std::getline(in, line);) {
+    ++out.line;
+    const auto words = words_of(line);
+    if (words.empty()) continue;
+    if (words[0][0] == '#') {
+      const auto at = std::find(words.begin(), words.end(), "unit:");
+      if (at == words.end() || at + 1 == words.end()) continue;
+      const QuantityResult q = read_quantity("1 " + *(at + 1), "m");
+      if (!q.value) return out.problem = "unit '" + *(at + 1) + "': " + q.problem, out;
+      unit = *q.value;
+      continue;
+    }
+    if (unit == 0.0) return out.problem = "the first line must state the unit, as in '# unit: mm'; s is in m", out;
+    if (columns.empty()) {
+      for (const auto& w : words) {
+        columns.push_back(column(out.track, w));
+        if (!columns.back())
+          return out.problem = "unknown column '" + w + "'; s, lateral, vertical, cross_level, gauge", out;
+      }
+      if (columns[0] != &out.track.distance) return out.problem = "the first column must be s", out;
+      continue;
+    }
+    if (words.size() != columns.size())
+      return out.problem =
+                 "expected " + std::to_string(columns.size()) + " numbers, found " + std::to_string(words.size()),
+             out;
+    for (std::size_t k = 0; k < words.size(); ++k) {
+      char* end = nullptr;
+      const double v = std::strtod(words[k].c_str(), &end);
+      if (*end != '\0' || !std::isfinite(v)) return out.problem = "'" + words[k] + "' is not a number", out;
+      columns[k]->push_back(k == 0 ? v : v * unit);
+    }
+    const auto& s = out.track.distance;
+    if (s.size() > 1 && !(s.back() > s[s.size() - 2])) return out.problem = "s does not increase", out;
+  }
+  if (out.track.distance.size() < 2) return out.problem = "a measured track has at least 2 lines of numbers", out;
+  out.line = 0;
+  return out;
+}
+
+}  // namespace epafi

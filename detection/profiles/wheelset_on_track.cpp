@@ -1,0 +1,115 @@
+#include "detection/profiles/wheelset_on_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace epafi {
+namespace {
+
+// the profile around a region is left where the wheel has risen so far: four times the deepest approach of 100 kN
+constexpr double deep_enough = 4e-4;
+constexpr double profile_step = 0.4e-3, profile_reach = 16e-3;
+constexpr double together = 14e-3, alike = 0.3;  // regions within one profile: distance [m], difference of angle [rad]
+// above the deepest region, vertically: a flange pressed in by 0.1 mm along its normal is so by 0.3 mm
+constexpr double near = 1e-3;
+
+}  // namespace
+
+double WheelDefect::drop(double angle, double radius) const {
+  double out = amplitude * std::sin(order * angle);
+  const double half = 0.5 * flat_length / radius;
+  const double from = std::abs(std::remainder(angle - flat_angle, 2.0 * std::numbers::pi));
+  if (from < half) out += radius * (1.0 - std::cos(half - from));
+  return out;
+}
+
+double WheelDefect::offset(double angle, double radius) const {
+  double out = amplitude * order * std::cos(order * angle);
+  const double half = 0.5 * flat_length / radius, from = std::remainder(angle - flat_angle, 2.0 * std::numbers::pi);
+  if (std::abs(from) < half) out -= std::copysign(radius * std::sin(half - std::abs(from)), from);
+  return out;
+}
+
+PlaceOnTrack place_on_track(const Wheelset& w, const Track& track, const Pose& body, const Pose& track_body) {
+  PlaceOnTrack out;
+  const Vec3 centre = track_body.to_local(body.position);
+  out.distance = track.distance_of(centre);
+  const Pose local = track.frame(out.distance);
+  out.frame = {track_body.to_world(local.position), track_body.orientation * local.orientation};
+  const Quat turn = out.frame.orientation.conjugate() * body.orientation;
+  const Vec3 at = local.to_local(centre), axle = turn * Vec3::UnitY(), mark = turn * Vec3::UnitZ();
+  out.position.lateral_shift = at.y();
+  out.position.height = at.z() + w.geometry.radius;
+  out.position.yaw = std::atan2(-axle.x(), axle.y());
+  out.position.roll = std::asin(std::clamp(axle.z(), -1.0, 1.0));
+  // the mark is straight down at the start and goes back under a wheel that rolls forwards
+  const Vec3 down = (Vec3::UnitZ() - axle.z() * axle).normalized();
+  out.angle = std::atan2(axle.dot(mark.cross(down)), mark.dot(down));
+  return out;
+}
+
+WheelsetOnTrack::WheelsetOnTrack(const Wheelset& wheelset, const Track& track)
+    : wheelset_(wheelset),
+      track_(track),
+      left_(wheelset.wheel, track.rail, wheelset.geometry, false),
+      right_(wheelset.wheel, track.rail, wheelset.geometry, true) {
+  for (WheelRailPair* pair : {&left_, &right_}) pair->sample_profiles({profile_step, profile_reach, deep_enough});
+}
+
+void WheelsetOnTrack::find(const Pose& body, const Pose& track_body, double reach, bool profiles,
+                           std::vector<RollingRegion>& out) {
+  const PlaceOnTrack at = place_on_track(wheelset_, track_, body, track_body);
+  find_on(false, at, reach, profiles, out);
+  find_on(true, at, reach, profiles, out);
+}
+
+void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, bool profiles,
+                              std::vector<RollingRegion>& out) {
+  WheelRailPair& pair = right ? right_ : left_;
+  WheelsetPosition position = at.position;
+  const RailShift rail = track_.shift(at.distance, right);
+  position.lateral_shift -= rail.y, position.height -= rail.z;
+  const Vec3 along = track_.direction(at.distance, right, pair.rail_axis());
+  position.yaw -= std::atan2(along.y(), along.x());
+  const WheelDefect& defect = wheelset_.defect;
+  double behind = 0.0;
+  if (defect.any() && (right ? defect.right : defect.left)) {
+    position.height -= defect.drop(at.angle, wheelset_.geometry.radius);
+    behind = defect.offset(at.angle, wheelset_.geometry.radius);
+  }
+  pair.place(position);
+  const double clearance = pair.touch(near, found_);
+  // the wheel is where it is: it came down along z, which matters between two regions (scenes/patch has the figures)
+  constexpr double flank = 0.75;
+  if (profiles && clearance < 0.0 && !found_.empty() && std::abs(found_.front().angle) < flank) pair.lower(-clearance);
+  const std::size_t first = out.size();
+  for (ContactRegion& r : found_) {
+    const double approach = -clearance * std::cos(r.angle) - r.offset;
+    if (approach <= -reach) continue;
+    RollingRegion region;
+    for (std::size_t k = first; k < out.size(); ++k)
+      region.within |=
+          std::abs(out[k].region.y_rail - r.y_rail) < together && std::abs(out[k].region.angle - r.angle) < alike;
+    if (profiles && !region.within) pair.add_profile(r);
+    // along the rail as it lies: its slope turns the normal, or an irregularity would do work out of nothing
+    const Vec3 across(0.0, std::cos(r.angle), std::sin(r.angle)), t = (across - across.dot(along) * along).normalized();
+    Mat3 axes;
+    axes << along, t, along.cross(t);
+    region.axes = at.frame.orientation.toRotationMatrix() * axes;
+    region.point = at.frame.to_world(r.point + Vec3(-behind, rail.y, rail.z));
+    region.mirrored = !right, region.approach = approach, region.source = &pair;
+    region.region = std::move(r);
+    out.push_back(std::move(region));
+  }
+  // named from the field side on, so that a second contact at the flange does not rename the first
+  std::vector<double> place;
+  for (std::size_t k = first; k < out.size(); ++k) place.push_back(out[k].region.y_rail);
+  std::sort(place.begin(), place.end());
+  for (std::size_t k = first; k < out.size(); ++k) {
+    const auto number = std::find(place.begin(), place.end(), out[k].region.y_rail) - place.begin();
+    out[k].name = (right ? 16u : 0u) + static_cast<std::uint32_t>(number);
+  }
+}
+
+}  // namespace epafi

@@ -1,0 +1,41 @@
+/// @file spring_forces.h  Springs with dampers between bodies, or between a body and a frame that moves along a way:
+/// suspensions. Linear, along the three axes of the second body or of the frame; relaxed as the scene starts.
+///
+/// Energies: springs store k d^2/2 along each axis, dampers dissipate (trapezoid over the step), the frame does the
+/// work of its motion at the place of the attachment. Smooth contact: forces of the moment of detection. Non-smooth
+/// contact: they kick the velocities before the impulses are found (second order in the springs, first in the dampers).
+/// Stable while dt < 2/omega of the stiffest body on its springs.
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/contact_layer.h"
+#include "engine/guideway.h"
+
+namespace epafi {
+
+struct SpringElement {
+  std::string name;
+  BodyId body{};
+  Vec3 attachment = Vec3::Zero();  ///< body axes [m]
+  std::optional<BodyId> to{};      ///< the other body; none: a frame on the way
+  double speed = 0.0;              ///< of the frame along the way [m/s]
+  Vec3 stiffness = Vec3::Zero();   ///< k along the axes of the other body or the frame [N/m], >= 0
+  Vec3 damping = Vec3::Zero();     ///< c [N s/m], >= 0
+  Vec3 preload = Vec3::Zero();     ///< force on the body as the scene starts, same axes [N]
+};
+
+/// smooth: forces are added to those of the contacts; else velocities are kicked before them.
+std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> springs,
+                                                 std::shared_ptr<const Guideway> way, bool smooth,
+                                                 std::unique_ptr<ContactModel> below);
+
+/// Largest omega^2 of springs on one free body at its attachments [1/s^2], and largest damping rate [1/s].
+struct SpringRates {
+  double square = 0.0, damping = 0.0;
+};
+SpringRates spring_rates(const std::vector<SpringElement>& springs, const World& world);
+
+}  // namespace epafi

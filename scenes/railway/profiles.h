@@ -1,0 +1,28 @@
+/// @file profiles.h  From the keys of a wheel_profile or rail_profile to the geometry: for scenes and patch cases
+/// alike.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "detection/profiles/track.h"
+#include "detection/profiles/wheelset.h"
+#include "engine/error.h"
+#include "engine/registry.h"
+
+namespace epafi {
+
+/// What the keys stand for, or what is wrong with them and where.
+template <class T>
+struct Built {
+  std::optional<T> value{};
+  std::string problem{};  ///< begins with the label
+  std::string key{};      ///< whose place to report; empty: the table's
+  Place place{};          ///< inside a file that was read; file empty: see key
+};
+
+/// `label` names the table in messages. File names are relative to the working directory.
+Built<Profile> build_profile(const Parameters& keys, bool is_wheel, const std::string& label);
+Built<Wheelset> build_wheelset(const Parameters& keys, const std::string& label);
+Built<Track> build_track(const Parameters& keys, const std::string& label);
+
+}  // namespace epafi

@@ -1,0 +1,115 @@
+#include "scenes/railway/rolling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/profiles/rolling_search.h"
+#include "scenes/contact_setup.h"
+
+namespace epafi {
+namespace {
+
+/// The track of a fixed body, in world axes.
+class LaidTrack final : public Guideway {
+ public:
+  LaidTrack(std::shared_ptr<const Track> track, const Pose& body) : track_(std::move(track)), body_(body) {}
+  Pose frame(double s) const override {
+    const Pose local = track_->frame(s);
+    return {body_.to_world(local.position), body_.orientation * local.orientation};
+  }
+  double distance_of(const Vec3& point) const override { return track_->distance_of(body_.to_local(point)); }
+
+ private:
+  std::shared_ptr<const Track> track_;
+  Pose body_;
+};
+
+std::shared_ptr<const Guideway> way_of(const Assembly& a) {
+  const World& w = a.simulation->world;
+  std::shared_ptr<const Guideway> way = std::make_shared<StraightWay>();
+  int tracks = 0;
+  for (Slot s = 0; s < w.size(); ++s) {
+    const ShapeRef ref{w.shape[s]};
+    if (ref.type() != ShapeStore::type_of<RailProfile>() || ++tracks > 1) continue;
+    way = std::make_shared<LaidTrack>(a.shapes->of<RailProfile>()[ref.index()].track, w.pose(s));
+  }
+  return tracks > 1 ? std::make_shared<StraightWay>() : way;
+}
+
+std::vector<SpringElement> springs_of(const Assembly& a) {
+  std::vector<SpringElement> out;
+  for (const SpringSpec& s : a.scene.springs) {
+    SpringElement e{s.name, a.body_ids[s.body], s.attachment, {}, s.speed, s.stiffness, s.damping, s.preload};
+    if (s.to) e.to = a.body_ids[*s.to];
+    out.push_back(e);
+  }
+  return out;
+}
+
+}  // namespace
+
+RollingSetup rolling_setup(const Scene& scene) {
+  const Parameters& p = scene.contact.wheel_rail;
+  RollingSetup setup;
+  setup.normal = p.text("normal"), setup.tangential = p.text("tangential");
+  setup.along = static_cast<int>(p.integer("along")), setup.across = static_cast<int>(p.integer("across"));
+  setup.friction_limit = p.number("friction_limit"), setup.friction_decay = p.number("friction_decay"),
+  setup.slowest = p.number("slowest");
+  setup.materials = material_table(scene);
+  return setup;
+}
+
+void add_rolling(Assembly& a) {
+  if (!a.plan.rolling) return;
+  a.rolling = std::make_unique<RollingRegions>();
+  Pipeline& p = a.simulation->pipeline;
+  p.narrow_phase = std::make_unique<RollingSearch>(*a.shapes, std::move(p.narrow_phase), *a.rolling);
+  p.contact_model = make_rolling_contact(rolling_setup(a.scene), *a.rolling, std::move(p.contact_model));
+}
+
+void add_springs(Assembly& a) {
+  if (a.scene.springs.empty()) return;
+  Pipeline& p = a.simulation->pipeline;
+  p.contact_model = make_spring_forces(springs_of(a), way_of(a), a.scene.contact.method.value == Method::smooth,
+                                       std::move(p.contact_model));
+}
+
+TimeStep railway_step(const Assembly& a) {
+  TimeStep out{infinity, infinity, ""};
+  const World& w = a.simulation->world;
+  const SpringRates springs = spring_rates(springs_of(a), w);
+  double square = springs.square, damping = springs.damping;
+  std::string what = "springs";
+  if (a.plan.rolling) {
+    const RollingSetup setup = rolling_setup(a.scene);
+    for (Slot s = 0; s < w.size(); ++s) {
+      const ShapeRef ref{w.shape[s]};
+      if (ref.type() != ShapeStore::type_of<WheelProfile>() || !w.is_movable(s)) continue;
+      const Wheelset& set = *a.shapes->of<WheelProfile>()[ref.index()].wheelset;
+      const double half = 0.5 * set.geometry.flange_back + set.geometry.tape_circle, r = set.geometry.radius;
+      const double load = std::max(1.0, 0.5 * w.free_acceleration(s).norm() / w.inverse_mass[s]);
+      for (Slot t = 0; t < w.size(); ++t) {
+        if (ShapeRef{w.shape[t]}.type() != ShapeStore::type_of<RailProfile>()) continue;
+        const MaterialPair& pair = setup.materials.of(w.material[s], w.material[t]);
+        const RollingLimits l = rolling_limits(setup, pair, load, r, w.velocity[s].norm());
+        const Vec3& i = w.inverse_inertia[s];
+        const double up = 2.0 * l.stiffness * std::max(w.inverse_mass[s], half * half * i.x());
+        const double creep = 2.0 * l.damping * std::max({w.inverse_mass[s], r * r * i.y(), half * half * i.z()});
+        if (up > square || creep > damping) what = "wheel on rail";
+        square = std::max(square, up + springs.square), damping = std::max(damping, creep + springs.damping);
+      }
+    }
+  }
+  if (square == 0.0 && damping == 0.0) return out;
+  const double omega = std::sqrt(square);
+  // velocity Verlet with velocities predicted over half a step: unstable beyond dt = 1/rate of a damper (roots of
+  // z^2 - (1 - 3h/2) z - h/2), 2/omega of a spring
+  out.limit = std::min(omega > 0.0 ? 2.0 / omega : infinity, damping > 0.0 ? 1.0 / damping : infinity);
+  out.value = std::min(omega > 0.0 ? 0.3 / omega : infinity, damping > 0.0 ? 0.5 / damping : infinity);
+  out.reason = fmt::format("{}: omega = {:.4g} /s, damping {:.4g} /s", what, omega, damping);
+  return out;
+}
+
+}  // namespace epafi

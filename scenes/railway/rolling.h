@@ -1,0 +1,19 @@
+/// @file rolling.h  Wheels on rails and springs in a scene: from their tables to the stages, and what a time step must
+/// resolve.
+#pragma once
+#include "laws/springs/spring_forces.h"
+#include "laws/wheel_rail/rolling_contact.h"
+#include "scenes/assemble.h"
+
+namespace epafi {
+
+RollingSetup rolling_setup(const Scene& scene);
+/// Puts the search for contact regions over the narrow phase and the laws of rolling contact over the contact model.
+void add_rolling(Assembly& assembly);
+/// Puts springs over the contact model; bodies must be there. Frames follow the track if the scene has one only, else
+/// x.
+void add_springs(Assembly& assembly);
+/// What wheels on rails and springs allow; infinite where there are none.
+TimeStep railway_step(const Assembly& assembly);
+
+}  // namespace epafi

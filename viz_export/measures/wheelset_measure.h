@@ -1,0 +1,37 @@
+/// @file wheelset_measure.h  A wheelset in the axes of the track: where it stands and what the rails do to each wheel.
+#pragma once
+#include "viz_export/measures/measure.h"
+
+namespace epafi {
+
+/// Displacements [m] and angles [rad]; forces of the rails on the wheels along x, y, z of the track [N].
+class WheelsetMeasure final : public Measure {
+ public:
+  explicit WheelsetMeasure(MeasureSetup setup) : setup_(std::move(setup)) {}
+  std::vector<std::string> components() const override {
+    return {"distance", "lateral", "vertical", "yaw",     "roll",    "left_x",
+            "left_y",   "left_z",  "right_x",  "right_y", "right_z", "contacts"};
+  }
+  void sample(const StepView& view, std::vector<double>& values) override;
+
+ private:
+  MeasureSetup setup_;
+};
+
+/// Half of the way that a wheelset swings across the track within the last `window` [m]: its hunting.
+class SwingMeasure final : public Measure {
+ public:
+  explicit SwingMeasure(MeasureSetup setup) : window_(setup.parameters.number("window")), place_(std::move(setup)) {}
+  std::vector<std::string> components() const override { return {"amplitude"}; }
+  void sample(const StepView& view, std::vector<double>& values) override;
+  void visit(StateVisitor& visitor, const std::string& prefix) override {
+    visitor.column(prefix + "/time", time_), visitor.column(prefix + "/lateral", lateral_);
+  }
+
+ private:
+  double window_;
+  WheelsetMeasure place_;
+  std::vector<double> time_, lateral_;  ///< of the last window
+};
+
+}  // namespace epafi
