@@ -7,6 +7,7 @@
 
 #include "engine/nearest.h"
 #include "scenes/reader/document.h"
+#include "viz_export/side_file.h"
 
 namespace epafi {
 namespace {

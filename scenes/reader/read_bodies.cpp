@@ -146,7 +146,8 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
     reading.error(v.place_of("continuous"), label + ": continuous is for free bodies; this one is " +
                                                 (body.fixed ? "fixed" : "driven by its motion"));
   if (body.moves()) let_move(draft, body.shape);
-  if (body.moves() && draft.scene.shapes[body.shape].type == "half_space") {
+  const std::string& form = draft.scene.shapes[body.shape].type;
+  if (body.moves() && form == "half_space") {
     reading.error(v.place, label + ": a half_space cannot move freely; write fixed = true or give it a motion");
   }
   if (!body.fixed && form == "rail_profile")
