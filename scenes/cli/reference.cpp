@@ -133,8 +133,7 @@ std::string keys_page(const Registry& registry) {
 
 std::string patch_page(const Registry& registry) {
   return std::string(origin) + "# Keys of a patch case (`epafi patch`)\n\n## [patch]\n" + field_table(patch_fields()) +
-         "\n## [shape.NAME] wheel_profile\n" + field_table(wheel_profile_fields()) + "\n## [shape.NAME] rail_profile\n" +
-         field_table(rail_profile_fields()) + "\n## [contact]\n" + field_table(patch_contact_fields()) + "\n## [material.NAME]\n" +
+         "\nThe profiles are shapes: [wheel_profile and rail_profile](shapes.md).\n\n## [contact]\n" + field_table(patch_contact_fields()) + "\n## [material.NAME]\n" +
          field_table(patch_material_fields()) + "\n## Normal models\n" + entries(registry.patch_normal_models) + "\n## Tangential models\n" +
          entries(registry.patch_tangential_models);
 }

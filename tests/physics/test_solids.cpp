@@ -101,10 +101,10 @@ TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass prop
     CHECK(volume == Approx(solid.volume).epsilon(1e-12));  // the parts come from exact cuts, rounded once to double
     CHECK(first.norm() < 1e-12 * volume * solid.radius);
     CHECK((inertia - solid.inertia).norm() < 1e-11 * solid.inertia.norm());
-    // independent: 20 000 random points of the box around it, by parity of a ray through the surface and by the parts' planes
+    // independent: 10 000 random points of the box around it, by parity of a ray through the surface and by the parts' planes
     Random random(7, 0);
     int inside = 0, differ = 0;
-    constexpr int points = 20000;
+    constexpr int points = 10000;
     Vec3 low = Vec3::Constant(infinity), high = -low;
     for (const Vec3& v : solid.surface.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
     for (int k = 0; k < points; ++k) {
