@@ -172,7 +172,7 @@ TEST_CASE("frictionless spheres jam at 0.639 with six contacts (case A35)", "[ph
 
 TEST_CASE("spheres with friction jam looser, with fewer contacts (case A35)", "[physics][granular][A35][slow]") {
   const Packing rough = compress("granular/jammed_spheres.toml", {"params.mu=0.3", "params.first=1e-5",
-                                                                  "params.ramp=1", "params.start=0.25"});
+                                                                  "params.ramp=1", "run.duration=16"});
   CHECK(rough.pressure == Approx(1.0).epsilon(1e-3));
   CHECK(rough.fraction == Approx(0.593).margin(0.01));
   CHECK(rough.contacts == Approx(4.5).margin(0.2));
