@@ -53,11 +53,11 @@ void append_part(std::string& out, const Part& part) {
 void append_pairs(std::string& out, const std::vector<Entry>& shapes) {
   out += (out.empty() ? "" : "\n") + std::string("pairs of shapes and how they are found (none: they never touch)\n");
   out += fmt::format("  {:<14}", "");
-  for (const auto& shape : shapes) out += fmt::format("{:<13}", shape.name);
+  for (const auto& shape : shapes) out += fmt::format("{:<15}", shape.name);
   out += "\n";
   for (const auto& a : shapes) {
     out += fmt::format("  {:<14}", a.name);
-    for (const auto& b : shapes) out += fmt::format("{:<13}", pair_method(a.name, b.name));
+    for (const auto& b : shapes) out += fmt::format("{:<15}", pair_method(a.name, b.name));
     out += "\n";
   }
 }
