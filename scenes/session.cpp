@@ -209,13 +209,17 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
     if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
   }
   wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;
+  // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes on
+  // must not tell that it was cut off.
+  const bool is_cut = sim.steps() < last_step && ending_ != Ending::failed && ending_ != Ending::bound_violated;
+  if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
   if (output_ == Output::least) {
     StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
     sim.show(last);
   }
   progress.finish(sim, *monitor_);
-  save_checkpoint_now();
+  if (!is_cut) save_checkpoint_now();
   return ending_;
 }
 

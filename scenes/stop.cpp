@@ -7,6 +7,7 @@ namespace epafi {
 
 namespace {
 volatile std::sig_atomic_t received_signal = 0;
+int watches = 0;  // alive, one within the other
 
 void on_signal(int number) {
   if (received_signal != 0) std::_Exit(128 + number);
@@ -15,12 +16,14 @@ void on_signal(int number) {
 }  // namespace
 
 SignalWatch::SignalWatch() {
+  if (watches++ > 0) return;
   received_signal = 0;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
 }
 
 SignalWatch::~SignalWatch() {
+  if (--watches > 0) return;
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }

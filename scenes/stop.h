@@ -7,6 +7,7 @@
 namespace epafi {
 
 /// Catches SIGINT and SIGTERM while it lives: the step is finished, a checkpoint written. A second signal ends at once.
+/// One within another adds nothing.
 class SignalWatch {
  public:
   SignalWatch();

@@ -157,6 +157,9 @@ struct Hdf5File::Impl {
 };
 
 Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::make_unique<Impl>()) {
+  // Every file is closed here. One that could not be (full disk) crashed the library when it closed it again at exit.
+  static const bool leaves_exit_alone = H5dont_atexit() >= 0;
+  static_cast<void>(leaves_exit_alone);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported once, by us
   impl_->path = path;
   std::error_code none;

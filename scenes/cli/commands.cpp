@@ -109,6 +109,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   if (!options.quiet)
     say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason,
                     assembly->steps));
+  const SignalWatch from_the_first_file_on;
   Session session(std::move(assembly), common.overrides, folder,
                   options.least_output ? Session::Output::least : Session::Output::all);
   return finish(session, folder, options, limits);
@@ -123,6 +124,7 @@ int command_resume(const std::string& directory, const RunOptions& options) {
   if (scene_hash(scene) != header.scene_hash)
     throw SceneError("the scene '" + header.scene_path +
                      "' has changed since the run was started; restore it, or start anew with `epafi run`");
+  const SignalWatch from_the_first_file_on;
   auto session = Session::resume(assemble(std::move(scene)), header.overrides, folder);
   return finish(*session, folder, options, limits);
 }

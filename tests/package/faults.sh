@@ -43,7 +43,7 @@ for scene in "$@"; do
       cuts=$((cuts + (code != 0)))
       case $signal-$code in *-0|INT-130|TERM-143|KILL-137) ;; *) fail "$what: exit code $code: $(tail -1 "$out.log")" ;; esac
       if [ ! -f "$out/checkpoint.h5" ]; then # killed before the first: says so, and a new run is needed
-        [ $signal = KILL ] || fail "$what: no checkpoint"
+        [ $signal = KILL ] || [ ! -f "$out/run.h5" ] || fail "$what: no checkpoint" # or cut while it was read
         "$program" resume "$out" --quiet > "$out.log" 2>&1 && fail "$what: resumed without a checkpoint"
         continue
       fi
