@@ -114,7 +114,8 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
     ++colour;
     if (!line.points.empty())
       add(block(line.points),
-          fmt::format("with linespoints lw 2 pt {} ps 1.2 lc rgb '{}' title {}", mark, rgb, quoted(line.label)));
+          fmt::format("with {} lw 2 pt {} ps 1.2 lc rgb '{}' title {}", plot.joined ? "linespoints" : "points", mark, rgb,
+                      quoted(line.label)));
     std::vector<PlotPoint> failed;
     for (const double x : line.failed) failed.push_back({x > 0 ? x : left, 2 * top});
     if (!failed.empty())

@@ -22,6 +22,7 @@ struct PlotLine {
 struct ScatterPlot {
   std::string title, x_label, y_label;
   std::vector<PlotLine> lines;
+  bool joined = true;                                  ///< the points of a line by lines
   std::vector<PlotPoint> front;                        ///< drawn bold
   std::vector<std::pair<std::string, double>> levels;  ///< horizontal lines with labels
   std::optional<PlotPoint> marked;                     ///< circled

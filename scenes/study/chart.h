@@ -35,6 +35,7 @@ struct Chart {
   std::optional<std::size_t> recommended;  ///< cheapest point inside [accuracy]
   std::string command;                     ///< of the first case, as an example
   std::string time_label = "processor seconds per simulated second";
+  bool one_question = true;  ///< points answer the same question: lines join them, the best make a front
 };
 
 /// Runs the study below `folder`. `say` is told of each case as it ends. Throws SceneError where a case is no valid

@@ -101,6 +101,7 @@ std::string recommended_scene(const Chart& chart, const fs::path& folder) {
 
 void draw_chart(const Chart& chart, const fs::path& folder) {
   ScatterPlot plot;
+  plot.joined = chart.one_question;
   plot.title = chart.study.title.empty() ? fs::path(chart.study.file).stem().string() : chart.study.title;
   plot.x_label = chart.time_label, plot.y_label = "error: " + chart.study.error.name;
   double least = INFINITY;
