@@ -16,7 +16,8 @@ bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<do
     return std::min(free_a, free_b);
   };
   const double deepest = block_max(contacts.size(), 0.0, [&](std::size_t i) {
-    const double size = arm(i);
+    // spheres in one place touch at their centres: then the overlap alone tells how large they are
+    const double size = std::max(arm(i), -0.5 * gaps[i]);
     still_.offset[i] = std::max(gaps[i], 0.0);
     if (!std::isfinite(size)) return 0.0;  // two bodies that cannot move
     const double excess = -gaps[i] - settings_.slop * size;

@@ -67,7 +67,7 @@ TEST_CASE("boundary elements on wheel and rail agree with the Manchester benchma
       // Gauge corner and tread, 10 mm apart, share the load 7 to 1. The corner's patch is 1.2 mm wide, six cells: on
       // cells of 0.1 mm its peak is 0.6 % less. The reference prints one place for both regions, by a rule of its own
       // that lies between the corner's (0.48 mm nearer to the gauge) and the mean of both overlaps (0.81 mm nearer to
-      // the tread).
+      // the tread). The benchmark's 0.1 mm and 2 % are NOT met here; what is held is where we stand.
       CHECK(c.point.y() == Approx(1e-3 * r.y).margin(0.5e-3));
       CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(0.03));
       CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(0.035));
