@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/targets.h"
+
 namespace epafi {
 namespace {
 
@@ -139,7 +141,6 @@ struct CrossingArcs {
 // Each kernel is inlined into the function that calls it here and follows that function's target.
 struct Baseline {
   static constexpr const char* name = "sse2";
-  static bool runs() { return true; }
   template <class Kernel, class Result, class... Arguments>
   static Result call(Arguments... arguments) {
     return Kernel::run(arguments...);
@@ -148,7 +149,6 @@ struct Baseline {
 #if defined(__x86_64__)
 struct Avx2 {
   static constexpr const char* name = "avx2";
-  static bool runs() { return __builtin_cpu_supports("avx2"); }
   template <class Kernel, class Result, class... Arguments>
   [[gnu::target("avx2")]] static Result call(Arguments... arguments) {
     return Kernel::run(arguments...);
@@ -156,10 +156,6 @@ struct Avx2 {
 };
 struct Avx512 {
   static constexpr const char* name = "avx512";
-  static bool runs() {
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-           __builtin_cpu_supports("avx512dq");
-  }
   template <class Kernel, class Result, class... Arguments>
   [[gnu::target("avx512f,avx512vl,avx512dq")]] static Result call(Arguments... arguments) {
     return Kernel::run(arguments...);
@@ -167,20 +163,21 @@ struct Avx512 {
 };
 #endif
 
-template <class Target>
-void add_kernels(std::vector<HullKernels>& out) {
-  if (Target::runs())
-    out.push_back({Target::name, &Target::template call<Farthest>, &Target::template call<Heights>,
-                   &Target::template call<HighFaces>, &Target::template call<PromisingEdges>,
-                   &Target::template call<CrossingArcs>});
+template <class Built>
+HullKernels kernels() {
+  return {Built::name,
+          &Built::template call<Farthest>,
+          &Built::template call<Heights>,
+          &Built::template call<HighFaces>,
+          &Built::template call<PromisingEdges>,
+          &Built::template call<CrossingArcs>};
 }
 
 std::vector<HullKernels> find_kernels() {
-  std::vector<HullKernels> out;
-  add_kernels<Baseline>(out);
+  std::vector<HullKernels> out{kernels<Baseline>()};
 #if defined(__x86_64__)
-  add_kernels<Avx2>(out);
-  add_kernels<Avx512>(out);
+  if (target() >= Target::avx2) out.push_back(kernels<Avx2>());
+  if (target() >= Target::avx512) out.push_back(kernels<Avx512>());
 #endif
   return out;
 }

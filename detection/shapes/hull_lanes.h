@@ -73,9 +73,9 @@ struct HullKernels {
   std::size_t (*crossing_arcs)(std::span<const ArcLanes>, const Arc& other, double least, std::uint32_t* out);
 };
 
-/// The widest that this processor runs.
+/// For engine/targets.h's target() at the first call.
 const HullKernels& hull_kernels();
-/// All that it runs, the narrowest first.
+/// Up to that one, the narrowest first.
 std::span<const HullKernels> all_hull_kernels();
 
 }  // namespace epafi
