@@ -11,14 +11,16 @@
 
 namespace epafi {
 
-struct VertexLanes {
+// alignas: the vector types alone are aligned for the target of the file that declares them, 16 bytes for SSE2, and loops for
+// AVX2 rely on 32.
+struct alignas(32) VertexLanes {
   Lanes3 at;  ///< the last vertex again where there are fewer than four [m]
 };
-struct FaceLanes {
+struct alignas(32) FaceLanes {
   Lanes3 normal;
   Lanes offset;  ///< infinite where there is no face: below everything [m]
 };
-struct EdgeLanes {
+struct alignas(32) EdgeLanes {
   std::array<std::uint32_t, 4> left, right;  ///< faces
   Lanes cosine;                              ///< of the angle between their normals
 };
@@ -27,7 +29,7 @@ struct Arc {
   Vec3 from, along, left, right;
 };
 /// Arcs in the same axes; an empty lane is 0 and crosses nothing.
-struct ArcLanes {
+struct alignas(32) ArcLanes {
   Lanes3 from, along, left, right;
   void set(std::size_t k, const Arc& arc);
 };

@@ -33,6 +33,9 @@ double separation_across(const Arc& a, const Arc& b) {
   return n.dot(b.from - a.from);
 }
 
+static_assert(alignof(VertexLanes) == 32 && alignof(FaceLanes) == 32);
+static_assert(alignof(EdgeLanes) == 32 && alignof(ArcLanes) == 32);
+
 }  // namespace
 
 TEST_CASE("the farthest vertex and the heights of faces are those of plain loops, to the bit", "[detection][lanes]") {

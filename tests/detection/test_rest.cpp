@@ -97,7 +97,7 @@ Body body_of(ShapeRef shape, const Vec3& position, const Quat& turn) {
   return b;
 }
 
-constexpr double overlap = 1e-6;  // of bodies of 0.2 m
+constexpr double sunk = 1e-6;  // of bodies of 0.2 m
 
 }  // namespace
 
@@ -115,7 +115,7 @@ TEST_CASE("bodies at rest on planes, tables and floors of triangles keep the nam
                              : kind == "fine mesh"   ? shapes.add(floor_mesh(40, 0.0))
                                                      : shapes.add(floor_mesh(30, 0.3));
       world.add(body_of(below, {0, 0, kind == "table" ? -0.25 : 0.0}, upright));
-      world.add(body_of(l.add(shapes), {0.137, -0.211, l.height - overlap}, l.turn));
+      world.add(body_of(l.add(shapes), {0.137, -0.211, l.height - sunk}, l.turn));
       tremble(world, shapes, l.points);
     }
 }
@@ -130,7 +130,7 @@ TEST_CASE("bodies at rest on their like keep the names of their points", "[detec
         World world{Columns{.rotation = true}};
         const ShapeRef shape = l.add(shapes);
         world.add(body_of(shape, {0, 0, -l.height}, over * l.turn));
-        world.add(body_of(shape, Vec3(0, 0, l.height - overlap) + aside,
+        world.add(body_of(shape, Vec3(0, 0, l.height - sunk) + aside,
                           Quat(Eigen::AngleAxisd(turn, Vec3::UnitZ())) * l.turn));
         tremble(world, shapes, 1);
       }
