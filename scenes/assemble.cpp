@@ -166,6 +166,29 @@ Pipeline make_pipeline(Assembly& a) {
   return p;
 }
 
+/// Far from the origin positions have few digits left for gaps (case B10).
+void warn_of_distance(Assembly& a) {
+  const World& world = a.simulation->world;
+  double smallest = infinity, farthest = 0.0;
+  Place place;
+  for (std::size_t k = 0; k < a.scene.bodies.size(); ++k) {
+    const Slot s = world.slot_of(a.body_ids[k]);
+    if (!(world.inverse_mass[s] > 0.0)) continue;
+    smallest = std::min(smallest, a.shapes->bounding_radius({world.shape[s]}));
+    const double distance = world.position[s].cwiseAbs().maxCoeff();
+    if (distance > farthest) farthest = distance, place = a.scene.groups[a.scene.bodies[k].group].place;
+  }
+  const double known = std::nextafter(farthest, infinity) - farthest;
+  constexpr double enough = 1e-11;  // of the radius: bodies at rest overlap by 1e-6 and more of it
+  if (!(known > enough * smallest)) return;
+  a.warnings.push_back(
+      {Problem::Level::warning, place,
+       fmt::format(
+           "bodies stand {:.3g} m from the origin, where positions are known to {:.2g} m: {:.1g} of the smallest "
+           "radius, which gaps and contact forces cannot be better than; move the scene to the origin",
+           farthest, known, known / smallest)});
+}
+
 }  // namespace
 
 std::vector<BodyId> Assembly::ids(const NamedBodies& named) const {
@@ -221,6 +244,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   add_springs(*a);
   add_removals(*a);
   a->warnings = builder.warnings();
+  warn_of_distance(*a);
   set_broad_phase(*a);
   a->time_step = choose_time_step(*a);
   sim.time_step = a->time_step.value;
