@@ -99,6 +99,11 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
 
 Session::~Session() = default;
 
+void Session::walk(StateVisitor& visitor) {
+  assembly_->simulation->visit(visitor);
+  files_->frames.visit(visitor);
+}
+
 void Session::add_observers() {
   const Scene& scene = assembly_->scene;
   Simulation& sim = *assembly_->simulation;

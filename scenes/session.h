@@ -50,7 +50,7 @@ class Session {
   void add_observers();
   void write_contact_problem() const;
   void save_checkpoint_now();
-  void walk(StateVisitor& visitor) { assembly_->simulation->visit(visitor); }
+  void walk(StateVisitor& visitor);
   std::optional<Ending> step_once(std::uint64_t last_step);
   std::optional<Ending> reason_to_stop(const SessionLimits& limits) const;
   double elapsed() const;
