@@ -175,6 +175,8 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step) {
   if (const auto failure = sim.advance(sim.steps() + 1 == last_step)) {
     trouble_ = fmt::format("{}: {}{}", failure->kind, failure->text,
                            failure->body ? " ('" + body_name(*assembly_, *failure->body) + "')" : "");
+    const ContactSettings& contact = assembly_->scene.contact;
+    trouble_ += contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
     lost_ = failure->kind == "lost body" ? 1 : 0;
     if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
     trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", sim.steps());

@@ -11,7 +11,7 @@ using namespace epafi::experiments;
 namespace {
 
 /// Twelve balls that collide for ever in a periodic cell, with friction: a closed system.
-const char* gas = R"(
+const char* gas = R"TOML(
 run = { duration = 100.0, time_step = 1e-5, output_interval = 10.0, seed = 5 }
 world = { domain = { min = [0, 0, 0], max = [0.05, 0.05, 0.05], periodic = ["x", "y", "z"] } }
 material.ball = { density = 1000.0, youngs_modulus = "1 MPa", poissons_ratio = 0.3 }
@@ -24,7 +24,7 @@ shape = { sphere = { radius = 0.006 } }
 material = "ball"
 position = ["= 0.0125 + 0.025*i", "= 0.0125 + 0.025*j + 0.001*k", "= 0.008 + 0.0166*k"]
 velocity = ["= 0.3*(i - 0.4)*(k + 0.5)", "= 0.2*(k - j) + 0.1*i", "= 0.25*(j - 0.5) - 0.1*k"]
-)";
+)TOML";
 
 struct Ending {
   std::string hash, failure;
