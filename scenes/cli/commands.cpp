@@ -151,6 +151,7 @@ int command_resume(const std::string& directory, const RunOptions& options) {
                      "' has changed since the run was started; restore it, or start anew with `epafi run`");
   const SignalWatch from_the_first_file_on;
   auto session = Session::resume(assemble(std::move(scene)), header.overrides, folder);
+  if (!session->note().empty()) say("epafi: warning: " + session->note());
   return finish(*session, folder, options, limits);
 }
 

@@ -55,6 +55,23 @@ TEST_CASE("equal boxes stacked exactly keep their features under jitter, whichev
   }
 }
 
+TEST_CASE("crossed edges and a tip touch in one point midway between the surfaces", "[detection][manifold]") {
+  const Box cube(Vec3::Constant(0.5));
+  const double half = std::sqrt(0.5), depth = 0.02;  // from the centre to an edge
+  const Quat about_x(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitX())), about_y(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitY()));
+  const Patch edges = patch_of(cube.hull, {{0, 0, 0}, about_x}, cube.hull, {{0, 0, 2 * half - depth}, about_y});
+  REQUIRE(edges.count == 1);
+  CHECK(edges.point[0].gap == Approx(-depth).epsilon(1e-12));
+  const Vec3 x = about_x * edges.point[0].position;  // world axes
+  CHECK((x - Vec3(0, 0, half - 0.5 * depth)).norm() < 1e-12);
+  const double tip = std::sqrt(0.75);  // a cube on its corner
+  const Quat on_corner = Quat::FromTwoVectors(Vec3(1, 1, 1), Vec3::UnitZ());
+  const Patch corner = patch_of(cube.hull, {}, cube.hull, {{0.1, -0.05, 0.5 + tip - depth}, on_corner});
+  REQUIRE(corner.count == 1);
+  CHECK(corner.point[0].gap == Approx(-depth).epsilon(1e-12));
+  CHECK((corner.point[0].position - Vec3(0.1, -0.05, 0.5 - 0.5 * depth)).norm() < 1e-12);
+}
+
 TEST_CASE("each point of a tilted contact has its own gap", "[detection][manifold]") {
   const Box floor(Vec3(2, 2, 0.5)), box(Vec3::Constant(0.5));
   const double angle = 1e-3;

@@ -43,7 +43,7 @@ for reader in ${*:-scene mesh problem run}; do
   seeds="$root/tests/data/fuzz/$reader"
   case $reader in scene) longest=6000 seeds="$seeds $root/scenes/library $root/tests/data/broken" ;; run) longest=70000 most=100000000 ;; problem) longest=20000 most=100000000 ;; *) longest=20000 ;; esac
   echo "== $reader"
-  FUZZ=$reader "$out/fuzz_readers" -runs="$runs" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=$most -max_len=$longest -print_final_stats=1 \
+  FUZZ=$reader nice -n 10 "$out/fuzz_readers" -runs="$runs" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=$most -max_len=$longest -print_final_stats=1 \
     -artifact_prefix="$out/$reader-" "$out/$reader" $seeds > "$out/$reader.log" 2>&1 ||
     { tail -40 "$out/$reader.log"; exit 1; }
   grep -E "stat::number_of_executed_units|stat::peak_rss|stat::average" "$out/$reader.log"
