@@ -4,6 +4,8 @@
 #include <set>
 
 #include "detection/narrow/half_space_pairs.h"
+#include "detection/narrow/sphere_pairs.h"
+#include "detection/shapes/half_space.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
@@ -70,6 +72,39 @@ TEST_CASE("crossed edges and a tip touch in one point midway between the surface
   REQUIRE(corner.count == 1);
   CHECK(corner.point[0].gap == Approx(-depth).epsilon(1e-12));
   CHECK((corner.point[0].position - Vec3(0.1, -0.05, 0.5 - 0.5 * depth)).norm() < 1e-12);
+}
+
+TEST_CASE("a rounded box meets a plane with its rounding", "[detection][manifold]") {
+  ConvexHull stone = Box(Vec3::Constant(0.5)).hull;
+  stone.sweep = 0.1;
+  const double depth = 0.01;
+  ContactSet contacts;
+  ContactSink sink(contacts);
+  sink.begin(0, 1);
+  collide_with_plane(stone.view(), stone.sweep, 1.0, HalfSpace{Vec3::UnitZ()},
+                     PairQuery{{{0.2, 0.3, 0.6 - depth}, upright}, {{0, 0, 0}, upright}}, sink);
+  sink.end();
+  REQUIRE(contacts.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(contacts.gap[i] == Approx(-depth).epsilon(1e-12));
+    CHECK(contacts.arm[i].z() == Approx(-0.6 + 0.5 * depth).epsilon(1e-12));  // midway between surface and plane
+    CHECK(contacts.normal[i] == Vec3(0, 0, -1));
+  }
+}
+
+TEST_CASE("a ball meets a rounded box with the rounding of both", "[detection][manifold]") {
+  ConvexHull stone = Box(Vec3::Constant(0.5)).hull;
+  stone.sweep = 0.1;
+  for (const Vec3& way : {Vec3(0, 0, 1), Vec3(0, 1, 1), Vec3(1, 1, 1)}) {  // over a face, an edge, a corner
+    const double depth = 0.01, reach = way.norm() * 0.5 + 0.2 + 0.1 - depth;
+    ContactSet contacts;
+    ContactSink sink(contacts);
+    sink.begin(0, 1);
+    collide_closed(Sphere{0.2}, stone, PairQuery{{reach * way.normalized(), upright}, {{0, 0, 0}, upright}}, sink);
+    sink.end();
+    REQUIRE(contacts.size() == 1);
+    CHECK(contacts.gap[0] == Approx(-depth).epsilon(1e-9));
+  }
 }
 
 TEST_CASE("each point of a tilted contact has its own gap", "[detection][manifold]") {
