@@ -26,8 +26,7 @@ void check_box(int n, double seconds) {
   SceneRun run = start_text("run = { duration = " + std::to_string(seconds) + R"(, time_step = 1e-3, output_interval = 1.0, seed = 3 }
 world = { gravity = [0, 0, -9.81] }
 material.stone = { density = 2500.0, youngs_modulus = "20 MPa", poissons_ratio = 0.3 }
-contact = { method = "nonsmooth", restitution = 0.3, friction = 0.4 }
-contact.nonsmooth = { solver = "pgs", iterations = 10 }
+contact = { method = "nonsmooth", restitution = 0.3, friction = 0.4, nonsmooth = { solver = "pgs", iterations = 10 } }
 [shape.stone]
 polyhedron = { random = { vertices = 14, seed = 3 } }
 scale_to_diameter = 0.01

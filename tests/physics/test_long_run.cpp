@@ -15,8 +15,7 @@ const char* gas = R"TOML(
 run = { duration = 100.0, time_step = 1e-5, output_interval = 10.0, seed = 5 }
 world = { domain = { min = [0, 0, 0], max = [0.05, 0.05, 0.05], periodic = ["x", "y", "z"] } }
 material.ball = { density = 1000.0, youngs_modulus = "1 MPa", poissons_ratio = 0.3 }
-contact = { method = "smooth", restitution = 1.0, friction = 0.3 }
-contact.smooth = { law = "hertz-mindlin" }
+contact = { method = "smooth", restitution = 1.0, friction = 0.3, smooth = { law = "hertz-mindlin" } }
 [[body]]
 name = "ball"
 repeat = [2, 2, 3]
