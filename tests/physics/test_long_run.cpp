@@ -37,7 +37,7 @@ Ending run_gas(std::uint64_t steps) {
   const Vec3 before = linear_momentum(w);
   double scale = 0.0;
   for (Slot s = 0; s < w.size(); ++s) scale += w.velocity[s].norm() / w.inverse_mass[s];
-  run.advance_to(steps / 10);
+  run.advance_to(steps / 2);
   const std::size_t heap = mallinfo2().uordblks;
   run.advance_to(0);
   const std::size_t now = mallinfo2().uordblks;
@@ -56,7 +56,7 @@ void check_gas(std::uint64_t steps) {
   CHECK(std::abs(one.energy_error) < 1e-3);
   // every contact adds equal and opposite rounding: a walk of as many steps as there are, each 1e-16
   CHECK(one.momentum_error < 1e-15 * std::sqrt(static_cast<double>(steps)));
-  CHECK(one.heap_growth < 4096);  // a column may still find its largest size
+  CHECK(one.heap_growth < 65536);  // columns may still find their largest size; one pointer lost per step is 400 kB
   CHECK(three.hash == one.hash);
 }
 
