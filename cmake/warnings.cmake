@@ -6,8 +6,11 @@ if(EPAFI_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(shadow -Wshadow=local)
 endif()
 add_library(epafi_warnings INTERFACE)
-target_compile_options(epafi_warnings INTERFACE -Wall -Wextra -Wpedantic ${shadow} -Wconversion -Wno-psabi -Wno-restrict
-  -Wno-stringop-overflow -Wno-array-bounds -ffp-contract=off)
+set(gcc_bugs -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds)
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(gcc_bugs -Wno-sign-conversion)  # Clang counts it to -Wconversion, GCC does not
+endif()
+target_compile_options(epafi_warnings INTERFACE -Wall -Wextra -Wpedantic ${shadow} -Wconversion -Wno-psabi ${gcc_bugs} -ffp-contract=off)
 if(EPAFI_WERROR)
   target_compile_options(epafi_warnings INTERFACE -Werror)
 endif()

@@ -46,7 +46,7 @@ std::optional<std::string> nearest(std::string_view word, const std::vector<std:
     return best;
   };
   // "Mpa" is MPa, not mPa: among words equal but for case the distance decides too
-  const auto same = closest([&](const std::string& c, std::size_t) { return folded(c) == folded(word); });
+  auto same = closest([&](const std::string& c, std::size_t) { return folded(c) == folded(word); });
   if (same) return same;
   return closest([&](const std::string& c, std::size_t d) { return 3 * d <= std::max(word.size(), c.size()); });
 }

@@ -1,9 +1,41 @@
 #include "engine/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <limits>
+#include <string>
 
 namespace epafi {
+
+namespace {
+
+/// "; of its 3 contacts that with body 7 has ...": where a body's trouble may come from. A force or gap that is not
+/// finite says it, else the deepest overlap does.
+std::string suspect_of(const World& world, const ContactSet& contacts, Slot slot) {
+  std::size_t count = 0, worst = 0;
+  double badness = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts.a[i] != slot && contacts.b[i] != slot) continue;
+    const bool sound = std::isfinite(contacts.gap[i]) && (i >= contacts.force.size() || contacts.force[i].allFinite());
+    const double bad = sound ? -contacts.gap[i] : std::numeric_limits<double>::infinity();
+    if (count++ == 0 || bad > badness) worst = i, badness = bad;
+  }
+  if (count == 0) return "; no contact";
+  const Slot other = contacts.a[worst] == slot ? contacts.b[worst] : contacts.a[worst];
+  char text[160];
+  std::snprintf(text, sizeof text, "; %zu contacts, the worst with body %u: gap %g m", count,
+                static_cast<unsigned>(world.id[other]), contacts.gap[worst]);
+  std::string out = text;
+  if (worst < contacts.force.size()) {
+    const Vec3& f = contacts.force[worst];
+    std::snprintf(text, sizeof text, ", force (%g, %g, %g) N", f.x(), f.y(), f.z());
+    out += text;
+  }
+  return out;
+}
+
+}  // namespace
 
 void Simulation::start() {
   sort_bodies();
@@ -91,7 +123,7 @@ std::optional<Failure> Simulation::watch() {
                     "body %u became non-finite in step %llu: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s",
                     static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(),
                     v.x(), v.y(), v.z());
-      return Failure{"non-finite state", steps_, world.id[s], text};
+      return Failure{"non-finite state", steps_, world.id[s], text + suspect_of(world, work.contacts, s)};
     }
     if (domain->outside == Domain::Outside::error) {
       std::snprintf(text, sizeof text,

@@ -135,6 +135,7 @@ Overlap RunMonitor::overlap() const {
 
 void RunMonitor::visit(StateVisitor& v) {
   v.value("monitor/totals", totals_), v.value("monitor/momentum", momentum_);
+  if (momentum_.started != 0) momentum_error_ = momentum_.error;
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
     const std::string name = "monitor/bound" + std::to_string(i);
     v.value(name + "/value", checks_[i].value), v.value(name + "/ok", checks_[i].ok),

@@ -17,6 +17,7 @@
 #include "viz_export/measures/all_measures.h"
 #include "viz_export/problem_file.h"
 #include "viz_export/side_file.h"
+#include "viz_export/stored_run.h"
 
 namespace epafi {
 
@@ -38,6 +39,19 @@ std::uint64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+/// The run file of a run that goes on. One that was torn is set aside: what it held up to now is lost to the new one, the
+/// state is not.
+RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& header, const CheckpointHeader& from,
+                      std::string& note) {
+  const std::string damage = damage_of(path);
+  if (damage.empty()) return {path, header, from.step, from.time};
+  const std::filesystem::path aside = path.string() + ".damaged";
+  std::error_code none;
+  std::filesystem::rename(path, aside, none);
+  note = damage + "; it is kept as " + aside.filename().string() + ", a new one begins at step " + std::to_string(from.step);
+  return {path, header};
 }
 
 }  // namespace
@@ -70,7 +84,7 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   const RunFileHeader header{EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
-                           RunFile(folder_ / "run.h5", header, from->step, from->time),
+                           continued_run(folder_ / "run.h5", header, *from, note_),
                            FrameWriter(folder_, from->time)});
   else
     files_.reset(
@@ -98,6 +112,11 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
 }
 
 Session::~Session() = default;
+
+void Session::walk(StateVisitor& visitor) {
+  assembly_->simulation->visit(visitor);
+  files_->frames.visit(visitor);
+}
 
 void Session::add_observers() {
   const Scene& scene = assembly_->scene;
@@ -170,6 +189,8 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step) {
   if (const auto failure = sim.advance(sim.steps() + 1 == last_step)) {
     trouble_ = fmt::format("{}: {}{}", failure->kind, failure->text,
                            failure->body ? " ('" + body_name(*assembly_, *failure->body) + "')" : "");
+    const ContactSettings& contact = assembly_->scene.contact;
+    trouble_ += contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
     lost_ = failure->kind == "lost body" ? 1 : 0;
     if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
     trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", sim.steps());

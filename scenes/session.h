@@ -39,6 +39,8 @@ class Session {
   Ending run(const SessionLimits& limits, bool quiet);
   /// Text of the failure or of the violated bound; empty when all is well.
   const std::string& trouble() const { return trouble_; }
+  /// What a resumed run has to say of the files it found; empty when nothing.
+  const std::string& note() const { return note_; }
   RunSummary summary() const;
   const Assembly& assembly() const { return *assembly_; }
 
@@ -50,7 +52,7 @@ class Session {
   void add_observers();
   void write_contact_problem() const;
   void save_checkpoint_now();
-  void walk(StateVisitor& visitor) { assembly_->simulation->visit(visitor); }
+  void walk(StateVisitor& visitor);
   std::optional<Ending> step_once(std::uint64_t last_step);
   std::optional<Ending> reason_to_stop(const SessionLimits& limits) const;
   double elapsed() const;
@@ -63,7 +65,7 @@ class Session {
   RunMonitor* monitor_ = nullptr;
   std::vector<MeasureRecorder*> recorders_;
   Ending ending_ = Ending::completed;
-  std::string trouble_;
+  std::string trouble_, note_;
   std::uint64_t first_step_ = 0;  ///< done before this session
   double first_body_steps_ = 0;
   std::uint64_t lost_ = 0;

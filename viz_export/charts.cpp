@@ -28,6 +28,13 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
+/// A file's name inside single quotes, where only the quote itself means anything.
+std::string single_quoted(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += c == '\'' ? "''" : std::string(1, c);
+  return out;
+}
+
 // eight colours told apart by people who do not see red and green alike (Okabe and Ito 2008)
 constexpr const char* colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00",
                                    "#56B4E9", "#000000", "#8C6D31", "#6A51A3", "#7F7F7F"};
@@ -54,7 +61,7 @@ bool run_gnuplot(const fs::path& script) {
 /// Draws the same plot twice: as a vector picture and as pixels.
 bool render(const fs::path& path, const std::string& data, const std::string& settings, const std::string& plot,
             const char* svg_size = "1000,680") {
-  const std::string stem = path.filename().string();
+  const std::string stem = single_quoted(path.filename().string());
   std::string script = "set encoding utf8\n" + settings;
   for (const auto& [terminal, ending] :
        {std::pair{fmt::format("svg size {} font 'Helvetica,14' background '#ffffff' noenhanced", svg_size), "svg"},
@@ -100,7 +107,7 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
   for (const auto& [label, level] : plot.levels) top = std::max(top, level), low = std::min(low, level);
   if (!(top > 0)) top = 1, low = 0.1;
   if (!(right > 0)) left = 0.1, right = 1;
-  const std::string name = path.filename().string() + ".dat";
+  const std::string name = single_quoted(path.filename().string()) + ".dat";
   std::string data, parts;
   std::size_t index = 0, colour = 0;
   const auto add = [&](const std::string& text, const std::string& style) {
@@ -137,7 +144,7 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
 }
 
 bool draw(const LinePlot& plot, const fs::path& path) {
-  const std::string name = path.filename().string() + ".dat";
+  const std::string name = single_quoted(path.filename().string()) + ".dat";
   std::string data, parts;
   for (std::size_t k = 0; k < plot.lines.size(); ++k) {
     data += block(plot.lines[k].points);
@@ -149,7 +156,7 @@ bool draw(const LinePlot& plot, const fs::path& path) {
 }
 
 bool draw(const KindMap& map, const fs::path& path) {
-  const std::string name = path.filename().string() + ".dat";
+  const std::string name = single_quoted(path.filename().string()) + ".dat";
   std::string data, parts;
   std::size_t index = 0;
   for (std::size_t kind = 0; kind < map.kinds.size(); ++kind) {

@@ -163,6 +163,14 @@ void FrameWriter::put_walls(const std::vector<const BodyRecord*>& walls, double 
   wall_poses_ = std::move(poses);
 }
 
+void FrameWriter::visit(StateVisitor& visitor) {
+  std::vector<char> file(wall_file_.begin(), wall_file_.end());
+  visitor.column("frames/walls", wall_poses_), visitor.column("frames/walls_file", file);
+  wall_file_.assign(file.begin(), file.end());
+  std::error_code none;
+  if (!wall_file_.empty() && !std::filesystem::exists(folder_ / wall_file_, none)) wall_file_.clear();
+}
+
 void FrameWriter::write(double time, const std::vector<BodyRecord>& bodies,
                         const std::vector<ContactRecord>& contacts) {
   if (!list_.entries().empty() && list_.entries().back().time >= time) return;

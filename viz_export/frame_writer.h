@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/state_visitor.h"
 #include "viz_export/body_record.h"
 #include "viz_export/vtp_writer.h"
 
@@ -22,12 +23,14 @@ class FrameWriter {
  public:
   /// Frames go to folder/frames, the list to folder/frames.pvd.
   explicit FrameWriter(std::filesystem::path folder);
-  /// Continues a run: frames later than `time` [s] leave the list and are overwritten; the walls are written anew.
+  /// Continues a run: frames later than `time` [s] leave the list and are overwritten.
   FrameWriter(std::filesystem::path folder, double time);
 
   /// A frame of the same time as the last one is not written again. Kinds without members get no file.
   void write(double time, const std::vector<BodyRecord>& bodies, const std::vector<ContactRecord>& contacts);
   std::size_t frames() const { return next_; }
+  /// Where the walls were last written: without it a run that goes on writes them once more.
+  void visit(StateVisitor& visitor);
 
  private:
   void put(int part, const std::string& kind, const PolyData& data, VtpEncoding encoding);
@@ -36,7 +39,7 @@ class FrameWriter {
   PvdFile list_;
   std::size_t next_ = 0;            ///< number of the next frame
   std::vector<double> wall_poses_;  ///< of the walls as last written
-  std::string wall_file_;
+  std::string wall_file_;           ///< "" before the first
 };
 
 }  // namespace epafi

@@ -3,6 +3,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -77,6 +78,7 @@ Handle text_type(std::size_t size) {
 }
 
 constexpr std::size_t deflate_ratio = 1032;              // the most that deflate can expand (zlib technical details)
+constexpr std::size_t spare = std::size_t{8} << 20;      // what HDF5 takes to open a file, with room
 constexpr std::size_t most_text = std::size_t{1} << 28;  // 256 MiB: no scene text is longer
 
 }  // namespace
@@ -162,6 +164,8 @@ Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::ma
   static_cast<void>(leaves_exit_alone);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported once, by us
   impl_->path = path;
+  // HDF5 1.10 crashes (H5AC_create) where it gets no memory while it opens a file: ask first, so that the door refuses
+  ::operator delete(::operator new(spare));
   std::error_code none;
   if (mode != Mode::create && !std::filesystem::is_regular_file(path, none))
     throw FileError(path.string() + ": cannot open: there is no such file");

@@ -1,5 +1,6 @@
 #include "viz_export/problem_file.h"
 
+#include <algorithm>
 #include <fstream>
 
 #include "viz_export/hdf5_file.h"
@@ -28,13 +29,15 @@ std::int64_t number(const Hdf5File& file, const std::string& name) {
   return value;
 }
 
-Sparse read_matrix(const Hdf5File& file, const std::string& name) {
+/// `rows`, `columns`: what the vectors of the problem leave it to be; a matrix that claims more takes no memory.
+Sparse read_matrix(const Hdf5File& file, const std::string& name, Index rows, Index columns) {
   const std::int64_t m = number(file, name + "/m"), n = number(file, name + "/n"), nz = number(file, name + "/nz");
+  if (m != rows || n != columns)
+    refuse(file.path(), "matrix '" + name + "' has " + std::to_string(m) + " x " + std::to_string(n) +
+                            " entries, the vectors ask for " + std::to_string(rows) + " x " + std::to_string(columns));
   const auto i = file.read<std::int64_t>(name + "/i"), p = file.read<std::int64_t>(name + "/p");
   const auto x = file.read<double>(name + "/x");
   const auto broken = [&](const std::string& why) { refuse(file.path(), "matrix '" + name + "' " + why); };
-  constexpr std::int64_t largest = 1 << 27;
-  if (m < 0 || n < 0 || m > largest || n > largest) broken("has an impossible extent");
   if (nz < -2) broken("has nz = " + std::to_string(nz) + "; allowed are -1 (columns), -2 (rows), >= 0 (triplets)");
   Triplets entries;
   const auto add = [&](std::int64_t row, std::int64_t col, std::size_t k) {
@@ -59,10 +62,10 @@ Sparse read_matrix(const Hdf5File& file, const std::string& name) {
   return to_matrix(m, n, entries);
 }
 
-Eigen::VectorXd read_vector(const Hdf5File& file, const std::string& name, Index size) {
-  Eigen::VectorXd v(size);
-  file.read_into(name, v.data(), static_cast<std::size_t>(size));
-  return v;
+Eigen::VectorXd read_vector(const Hdf5File& file, const std::string& name) {
+  const auto values = file.read<double>(name);
+  if (values.size() > std::size_t{1} << 27) refuse(file.path(), "'" + name + "' is too long");  // indices are 32 bits
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Index>(values.size()));
 }
 
 void check_friction(const std::filesystem::path& path, const Eigen::VectorXd& mu) {
@@ -83,18 +86,20 @@ Eigen::VectorXd read_friction(const Hdf5File& file, const std::string& name, Ind
 std::variant<GlobalForm, LocalForm> read_hdf5(const std::filesystem::path& path) {
   const Hdf5File file(path, Hdf5File::Mode::read);
   if (file.has("fclib_local")) {
-    LocalForm form{read_matrix(file, "fclib_local/W"), {}, {}};
-    form.mu = read_friction(file, "fclib_local/vectors/mu", form.W.rows());
-    if (form.W.rows() != form.W.cols()) refuse(path, "W is not square");
-    form.q = read_vector(file, "fclib_local/vectors/q", form.W.rows());
+    LocalForm form;
+    form.q = read_vector(file, "fclib_local/vectors/q");
+    const Index rows = form.q.size();
+    form.mu = read_friction(file, "fclib_local/vectors/mu", rows);
+    form.W = read_matrix(file, "fclib_local/W", rows, rows);
     return form;
   }
   if (!file.has("fclib_global")) refuse(path, "holds neither 'fclib_local' nor 'fclib_global'");
-  GlobalForm form{read_matrix(file, "fclib_global/M"), read_matrix(file, "fclib_global/H"), {}, {}, {}};
-  if (form.M.rows() != form.M.cols() || form.H.rows() != form.M.rows()) refuse(path, "M and H do not fit");
-  form.mu = read_friction(file, "fclib_global/vectors/mu", form.H.cols());
-  form.f = read_vector(file, "fclib_global/vectors/f", form.M.rows());
-  form.w = read_vector(file, "fclib_global/vectors/w", form.H.cols());
+  GlobalForm form;
+  form.f = read_vector(file, "fclib_global/vectors/f");
+  form.w = read_vector(file, "fclib_global/vectors/w");
+  form.mu = read_friction(file, "fclib_global/vectors/mu", form.w.size());
+  form.M = read_matrix(file, "fclib_global/M", form.f.size(), form.f.size());
+  form.H = read_matrix(file, "fclib_global/H", form.f.size(), form.w.size());
   return form;
 }
 
@@ -128,7 +133,8 @@ Sparse read_blocks(Numbers& in, Index rows, const std::filesystem::path& path) {
   std::vector<Index> start, column;
   for (Index k = 0; k < starts; ++k) start.push_back(in.count("row start"));
   for (Index k = 0; k < columns; ++k) column.push_back(in.count("block column"));
-  if (starts < 1 || start.back() > blocks || columns < blocks) refuse(path, "block pattern is inconsistent");
+  if (starts < 1 || start.back() > blocks || columns < blocks || !std::is_sorted(start.begin(), start.end()))
+    refuse(path, "block pattern is inconsistent");
   Triplets entries;
   for (Index row = 0; row + 1 < starts; ++row)
     for (Index k = start[static_cast<std::size_t>(row)]; k < start[static_cast<std::size_t>(row) + 1]; ++k) {

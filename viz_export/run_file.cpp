@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "viz_export/hdf5_file.h"
 #include "viz_export/run_layout.h"
@@ -45,6 +46,15 @@ std::string joined(const std::vector<std::string>& words, char separator) {
   std::string out;
   for (const std::string& w : words) out += (out.empty() ? "" : std::string(1, separator)) + w;
   return out;
+}
+
+/// The number that a group is named by.
+std::int32_t number_of(const std::filesystem::path& path, const std::string& name) {
+  std::int32_t number = -1;
+  const auto end = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (end.ec != std::errc{} || end.ptr != name.data() + name.size() || number < 0)
+    throw FileError(path.string() + ": is damaged: group 'shapes/" + name + "' is not a number");
+  return number;
 }
 
 void check_scene(const std::filesystem::path& path, const std::string& scene_hash) {
@@ -100,8 +110,10 @@ void RunFile::drop_after(std::uint64_t step, double time) {
     file.truncate("measures/" + name + "/time", kept), file.truncate("measures/" + name + "/value", kept);
   }
   for (const std::string& name : file.children("shapes"))
-    surfaces_[static_cast<std::uint32_t>(file.count_attribute("shapes/" + name, "shape"))] = std::stoi(name);
-  bodies_known_ = file.shape("bodies/shape").at(0);
+    surfaces_[static_cast<std::uint32_t>(file.count_attribute("shapes/" + name, "shape"))] = number_of(path_, name);
+  const auto rows = file.shape("bodies/shape");
+  if (rows.empty()) throw FileError(path_.string() + ": is damaged: 'bodies/shape' is no column");
+  bodies_known_ = rows[0];
   file.close();
 }
 

@@ -119,4 +119,20 @@ std::string StoredRun::title() const { return impl_->file.text_attribute("/", "t
 std::string StoredRun::scene_text() const { return impl_->file.read_text("scene"); }
 std::string StoredRun::overrides() const { return impl_->file.read_text("overrides"); }
 
+std::string damage_of(const std::filesystem::path& path) {
+  try {
+    {
+      const Hdf5File file(path, Hdf5File::Mode::read);
+      const bool ours = file.text_attribute("/", "kind") == run_layout::kind;
+      if (!ours || file.count_attribute("/", "format") != run_layout::format) return "";
+    }
+    const StoredRun run(path);
+    for (std::size_t k = 0; k < run.snapshots(); ++k) (void)run.snapshot(k);
+    (void)run.measures();
+  } catch (const FileError& e) {
+    return e.what();
+  }
+  return "";
+}
+
 }  // namespace epafi

@@ -36,4 +36,8 @@ class StoredRun {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Why the run file cannot be read through (torn by a crash of the machine, cut, not there); "" where it can, or where it
+/// is whole but of another kind or format, which its readers refuse.
+[[nodiscard]] std::string damage_of(const std::filesystem::path& path);
+
 }  // namespace epafi

@@ -1,6 +1,7 @@
 #include "detection/narrow/convex_pairs.h"
 
 #include "detection/narrow/epa.h"
+#include "detection/narrow/flat_patch.h"
 #include "detection/narrow/gjk.h"
 #include "detection/narrow/overlap_cells.h"
 
@@ -89,6 +90,27 @@ void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& s
     const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
     const Vec3 x = first ? p.position : Vec3(turn * p.position + difference.offset);
     sink.add({p.gap, to_world * c.normal, to_world * x, radius, p.feature});
+  }
+}
+
+void collide_flat_pair(const ConvexRef& a, const ConvexRef& b, const FlatSides& sides, const RoundedPair& r,
+                       const PairQuery& q, ContactSink& sink) {
+  if (bounds_apart(a, b, r, q)) return;
+  const MinkowskiDifference difference(a, b, q.a, q.b);
+  CoreContact c;
+  if (!find_nearest(difference, r, q, sink, c)) return;
+  FlatPair pair{sides.facing_a(a.shape, c.normal), sides.facing_b(b.shape, -(difference.rotation.transpose() * c.normal)),
+                difference.size(), r.sweep_a, r.sweep_b};
+  for (int k = 0; k < pair.b.count; ++k) {
+    Vec3& x = pair.b.corner[static_cast<std::size_t>(k)];
+    x = difference.rotation * x + difference.offset;
+  }
+  const Patch patch = flat_patch(pair, {c.middle, c.normal, c.gap}, q.reach);
+  const Mat3 to_world = q.a.orientation.toRotationMatrix();
+  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  for (int k = 0; k < patch.count; ++k) {
+    const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+    sink.add({p.gap, to_world * c.normal, to_world * p.position, radius, p.feature});
   }
 }
 

@@ -28,6 +28,14 @@ struct FlatCore {
 void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& sides, const RoundedPair& rounded,
                        const PairQuery& q, ContactSink& sink);
 
+/// The same where neither is a polyhedron and both have flat sides.
+struct FlatSides {
+  FlatSide (*facing_a)(const void* shape, const Vec3& d);
+  FlatSide (*facing_b)(const void* shape, const Vec3& d);
+};
+void collide_flat_pair(const ConvexRef& a, const ConvexRef& b, const FlatSides& sides, const RoundedPair& rounded,
+                       const PairQuery& q, ContactSink& sink);
+
 template <HasFlatSides S>
 FlatSide facing_of(const void* shape, const Vec3& d) {
   return static_cast<const S*>(shape)->facing(d);
@@ -53,6 +61,8 @@ void collide(const A& a, const B& b, const PairQuery& q, ContactSink& sink) {
   } else if constexpr (HasFlatSides<A> && PolyhedralShape<B>) {
     collide_flat_core(ConvexRef::to(a), ConvexRef::to(b), {b.view(), &a, facing_of<A>, false}, rounded_pair(a, b), q,
                       sink);
+  } else if constexpr (HasFlatSides<A> && HasFlatSides<B>) {
+    collide_flat_pair(ConvexRef::to(a), ConvexRef::to(b), {facing_of<A>, facing_of<B>}, rounded_pair(a, b), q, sink);
   } else {
     collide_cores(ConvexRef::to(a), ConvexRef::to(b), rounded_pair(a, b), q, sink);
   }

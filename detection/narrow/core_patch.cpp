@@ -2,14 +2,10 @@
 
 #include <cmath>
 
+#include "detection/narrow/side_clip.h"
+
 namespace epafi {
 namespace {
-
-/// A point of the core's side and its name: a corner, or an edge of the side cut by an edge of the face.
-struct SidePoint {
-  Vec3 x;
-  std::uint32_t corner, cut;  ///< cut: 1 + edge of the face; 0: the corner itself
-};
 
 std::uint32_t face_along(const PolyhedronView& p, const Vec3& n) {
   const std::uint32_t v = ConvexHull::support_vertex(p, n);
@@ -17,28 +13,6 @@ std::uint32_t face_along(const PolyhedronView& p, const Vec3& n) {
   for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
     if (p.face_normals[p.fans[k]].dot(n) > p.face_normals[best].dot(n)) best = p.fans[k];
   return best;
-}
-
-/// Cuts the side (2 corners: a segment, else a polygon) to the prism over the face (Sutherland and Hodgman 1974).
-void clip_to_face(const PolyhedronView& p, std::uint32_t face, double tolerance, std::vector<SidePoint>& side) {
-  static thread_local std::vector<SidePoint> next;  // keeps its size
-  const std::uint32_t begin = p.face_begin[face], count = p.face_begin[face + 1] - begin;
-  const bool segment = side.size() == 2;
-  for (std::uint32_t k = 0; k < count && !side.empty(); ++k) {
-    const Vec3& from = p.vertices[p.face_vertices[begin + k]];
-    const Vec3 along = p.vertices[p.face_vertices[begin + (k + 1) % count]] - from;
-    const Vec3 inward = p.face_normals[face].cross(along).normalized();
-    next.clear();
-    for (std::size_t i = 0; i < side.size(); ++i) {
-      const SidePoint &a = side[i], &b = side[(i + 1) % side.size()];
-      const double da = inward.dot(a.x - from), db = inward.dot(b.x - from);
-      if (da >= -tolerance) next.push_back(a);
-      if (segment && i == 1) break;  // a segment has no way back
-      if ((da >= -tolerance) != (db >= -tolerance))
-        next.push_back({a.x + std::clamp(da / (da - db), 0.0, 1.0) * (b.x - a.x), a.corner, 1 + k});
-    }
-    side.swap(next);
-  }
 }
 
 }  // namespace
@@ -57,7 +31,9 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
     for (int k = 0; k < flat.count; ++k)
       side.push_back(
           {pair.rotation * flat.corner[static_cast<std::size_t>(k)] + pair.offset, static_cast<std::uint32_t>(k), 0});
-    clip_to_face(p, face, 1e-9 * p.radius, side);
+    const std::uint32_t begin = p.face_begin[face];
+    clip_side([&](std::uint32_t k) -> const Vec3& { return p.vertices[p.face_vertices[begin + k]]; },
+              p.face_begin[face + 1] - begin, m, 1e-9 * p.radius, side);
   }
   double least = infinity;
   for (const SidePoint& s : side) {

@@ -62,6 +62,21 @@ Property read_property(MeshText& text) {
   return p;
 }
 
+/// Every element that the header announces needs its bytes: checked before any memory is taken.
+void check_counts(MeshText& text, const Header& header, std::size_t file_size) {
+  const std::size_t left = file_size - std::min(header.end, file_size);
+  double least = 0.0;
+  for (const Element& e : header.elements) {
+    if (e.count > 0 && e.properties.empty()) text.fail(fmt::format("element '{}' has no property", e.name));
+    std::size_t row = 0;
+    for (const Property& p : e.properties)  // a value in text is a digit and a blank
+      row += header.order == Order::text ? 2 : p.count_bytes > 0 ? p.count_bytes : p.bytes;
+    least += static_cast<double>(e.count) * static_cast<double>(row);
+  }
+  if (least > static_cast<double>(left) + 1.0)
+    text.fail(fmt::format("the header announces at least {:.0f} bytes of data, the file has {}", least, left));
+}
+
 Header read_header(std::string_view bytes, const std::string& file) {
   MeshText text(bytes, file);
   Header header;
@@ -73,6 +88,7 @@ Header read_header(std::string_view bytes, const std::string& file) {
     if (first == "end_header") {
       if (!has_format) text.fail("the header names no format");
       header.end = static_cast<std::size_t>(text.line().data() - bytes.data()) + text.line().size() + 1;
+      check_counts(text, header, bytes.size());
       return header;
     }
     if (first == "comment" || first == "obj_info" || first.empty()) continue;

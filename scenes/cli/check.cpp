@@ -1,9 +1,12 @@
 #include "scenes/cli/check.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 
+#include "detection/narrow/pair_query.h"
 #include "engine/parallel.h"
 #include "scenes/progress.h"
 
@@ -18,6 +21,35 @@ std::string solids_text(const Assembly& a) {
     out += fmt::format("  solid         {} triangles, {} convex parts, volume {:.9g} m^3, moments {:.6g} {:.6g} {:.6g} m^5\n",
                        s.surface.triangles.size(), s.parts.size(), s.volume, s.inertia(0, 0), s.inertia(1, 1), s.inertia(2, 2));
   return out;
+}
+
+bool polyhedra_move(const Scene& scene) {
+  const auto is_polyhedral = [&](std::size_t shape) {
+    const std::string& type = scene.shapes[shape].type;
+    return type == "box" || type == "polyhedron" || type == "solid";
+  };
+  return std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& b) { return b.moves() && is_polyhedral(b.shape); }) ||
+         std::any_of(scene.fills.begin(), scene.fills.end(), [&](const FillSpec& f) { return std::any_of(f.shapes.begin(), f.shapes.end(), is_polyhedral); });
+}
+
+/// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of the
+/// state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose.
+double peak_memory(Assembly& a, std::size_t free) {
+  Simulation& sim = *a.simulation;
+  ByteCounter state;
+  sim.visit(state);
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto hulls = static_cast<double>(a.shapes->of<ConvexHull>().size());
+  const bool polyhedra = polyhedra_move(a.scene);
+  const auto bodies = static_cast<double>(free);
+  // a packing has about six neighbours per body, each pair counted once; faces touch in up to four points
+  const double contacts = std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - static_cast<double>(sim.work.contacts.size()));
+  const double pairs = std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies - static_cast<double>(sim.work.pairs.pairs.size()));
+  const double output = 6e6 + 14e3 * hulls + (polyhedra ? 2000.0 : 300.0) * bodies;  // HDF5, shapes in it, a frame
+  return 1024.0 * static_cast<double>(usage.ru_maxrss) + static_cast<double>(state.total) + output +
+         contacts * 2.0 * static_cast<double>(a.plan.bytes_per_contact) +
+         pairs * static_cast<double>(3 * sizeof(Pair) + (polyhedra ? 2 * sizeof(PairCache) : 0));
 }
 
 }  // namespace
@@ -41,17 +73,6 @@ std::string check_text(Assembly& a) {
   out += solids_text(a);
   out += fmt::format("  time step     {:.6g} s: {}\n", a.time_step.value, a.time_step.reason);
   out += fmt::format("  steps         {}\n", a.steps);
-  ByteCounter bytes;
-  sim.visit(bytes);
-  // the state, its copy kept for failures, pairs and contacts (about six per body once packed), boxes of the broad
-  // phase
-  const double contacts =
-      std::max<double>(static_cast<double>(sim.work.contacts.size()), 6.0 * static_cast<double>(free));
-  const double memory = 2.0 * static_cast<double>(bytes.total) +
-                        contacts * static_cast<double>(a.plan.bytes_per_contact + 2 * sizeof(Pair)) +
-                        400.0 * static_cast<double>(w.size());
-  out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n", 30 + memory / 1e6,
-                     a.plan.bytes_per_body, a.plan.bytes_per_contact);
   const auto start = std::chrono::steady_clock::now();
   const std::uint64_t first = sim.steps();
   double elapsed = 0;
@@ -60,6 +81,8 @@ std::string check_text(Assembly& a) {
       return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
     elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
+  out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n", 1e-6 * peak_memory(a, free),
+                     a.plan.bytes_per_body, a.plan.bytes_per_contact);
   const double per_step = elapsed / static_cast<double>(std::max<std::uint64_t>(1, sim.steps() - first));
   return out + fmt::format("  wall time     about {} with {} threads, by the first steps (denser states cost more)\n",
                            clock_text(per_step * static_cast<double>(a.steps)), thread_count());

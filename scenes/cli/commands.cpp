@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
+#include <new>
+#include <stdexcept>
 
 #include "engine/parallel.h"
+#include "engine/start_threads.h"
 #include "scenes/cli/check.h"
 #include "scenes/cli/library.h"
 #include "scenes/cli/list.h"
@@ -23,6 +28,8 @@
 namespace epafi {
 
 namespace {
+
+constexpr const char* memory_message = "epafi: not enough memory; `epafi check` tells what the scene needs\n";
 
 void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
 void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
@@ -86,6 +93,24 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
 
 void set_threads(int threads) {
   if (threads > 0) set_thread_count(threads);
+  if (!start_threads())
+    throw FileError(fmt::format("cannot start {} threads: the limits of memory or processes of this shell are reached; "
+                                "run with -t 1 or raise them (ulimit -a)",
+                                thread_count()));
+}
+
+/// Where an exception cannot travel (inside a parallel loop) it ends here: a message, no abort. Checkpoints stand, they
+/// are written aside and renamed.
+[[noreturn]] void give_up() {
+  const char* text = "epafi: stopped by an error inside a parallel loop\n";
+  try {
+    if (std::current_exception()) std::rethrow_exception(std::current_exception());
+  } catch (const std::bad_alloc&) {
+    text = memory_message;
+  } catch (...) {
+  }
+  std::fputs(text, stderr);
+  std::_Exit(exit_file);
 }
 
 }  // namespace
@@ -126,6 +151,7 @@ int command_resume(const std::string& directory, const RunOptions& options) {
                      "' has changed since the run was started; restore it, or start anew with `epafi run`");
   const SignalWatch from_the_first_file_on;
   auto session = Session::resume(assemble(std::move(scene)), header.overrides, folder);
+  if (!session->note().empty()) say("epafi: warning: " + session->note());
   return finish(*session, folder, options, limits);
 }
 
@@ -179,6 +205,7 @@ int command_reference(const std::string& directory, const std::string& broken_sc
 }
 
 int guarded(const std::function<int()>& command) {
+  std::set_terminate(give_up);
   try {
     return command();
   } catch (const SceneError& e) {
@@ -191,8 +218,9 @@ int guarded(const std::function<int()>& command) {
     say(std::string("epafi: ") + e.what());
     return exit_file;
   } catch (const std::bad_alloc&) {
-    say("epafi: not enough memory; `epafi check` tells what the scene needs");
-    return exit_file;
+    return std::fputs(memory_message, stderr), exit_file;
+  } catch (const std::length_error&) {  // more than any memory holds
+    return std::fputs(memory_message, stderr), exit_file;
   }
 }
 

@@ -77,6 +77,19 @@ TEST_CASE("the interval holds the depth of random smooth bodies, and the directi
   CHECK(widest < 1e-4);
 }
 
+TEST_CASE("crossed segments a rounding apart are left along the way they are apart", "[detection][epa]") {
+  const Capsule rod(0.1, 1.0);  // its core: a segment along z
+  const Quat along_x(Eigen::AngleAxisd(std::acos(0.0), Vec3::UnitY()));
+  for (const double h : {2e-14, -2e-14}) {
+    const auto d = difference(rod, {{0, 0, 0}, along_x}, rod, {{0, h, 0}, upright});
+    const Penetration p = epa(d);
+    const Vec3 normal = along_x * p.normal;
+    CHECK(p.status == Penetration::Status::flat);
+    CHECK(p.upper == Approx(-2e-14).epsilon(1e-2));  // apart, not inside each other
+    CHECK(normal.y() * h > 0.99 * std::abs(h));       // from A to B
+  }
+}
+
 TEST_CASE("a difference without volume is named flat and left across at once", "[detection][epa]") {
   const Quat across(Eigen::AngleAxisd(2 * std::atan(1.0), Vec3::UnitX()));
   const auto p = epa(difference(Capsule(0.1, 2), {}, Capsule(0.1, 2), {Vec3::Zero(), across}));

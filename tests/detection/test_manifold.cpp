@@ -4,6 +4,8 @@
 #include <set>
 
 #include "detection/narrow/half_space_pairs.h"
+#include "detection/narrow/sphere_pairs.h"
+#include "detection/shapes/half_space.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
@@ -52,6 +54,56 @@ TEST_CASE("equal boxes stacked exactly keep their features under jitter, whichev
     const Quat tilt(Eigen::AngleAxisd(1e-8 * random.uniform(), testing::random_direction(random)));
     const Patch p = patch_of(box.hull, {}, box.hull, {Vec3(0, 0, 0.999) + slip, tilt});
     CHECK(features(p) == straight);
+  }
+}
+
+TEST_CASE("crossed edges and a tip touch in one point midway between the surfaces", "[detection][manifold]") {
+  const Box cube(Vec3::Constant(0.5));
+  const double half = std::sqrt(0.5), depth = 0.02;  // from the centre to an edge
+  const Quat about_x(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitX())), about_y(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitY()));
+  const Patch edges = patch_of(cube.hull, {{0, 0, 0}, about_x}, cube.hull, {{0, 0, 2 * half - depth}, about_y});
+  REQUIRE(edges.count == 1);
+  CHECK(edges.point[0].gap == Approx(-depth).epsilon(1e-12));
+  const Vec3 x = about_x * edges.point[0].position;  // world axes
+  CHECK((x - Vec3(0, 0, half - 0.5 * depth)).norm() < 1e-12);
+  const double tip = std::sqrt(0.75);  // a cube on its corner
+  const Quat on_corner = Quat::FromTwoVectors(Vec3(1, 1, 1), Vec3::UnitZ());
+  const Patch corner = patch_of(cube.hull, {}, cube.hull, {{0.1, -0.05, 0.5 + tip - depth}, on_corner});
+  REQUIRE(corner.count == 1);
+  CHECK(corner.point[0].gap == Approx(-depth).epsilon(1e-12));
+  CHECK((corner.point[0].position - Vec3(0.1, -0.05, 0.5 - 0.5 * depth)).norm() < 1e-12);
+}
+
+TEST_CASE("a rounded box meets a plane with its rounding", "[detection][manifold]") {
+  ConvexHull stone = Box(Vec3::Constant(0.5)).hull;
+  stone.sweep = 0.1;
+  const double depth = 0.01;
+  ContactSet contacts;
+  ContactSink sink(contacts);
+  sink.begin(0, 1);
+  collide_with_plane(stone.view(), stone.sweep, 1.0, HalfSpace{Vec3::UnitZ()},
+                     PairQuery{{{0.2, 0.3, 0.6 - depth}, upright}, {{0, 0, 0}, upright}}, sink);
+  sink.end();
+  REQUIRE(contacts.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(contacts.gap[i] == Approx(-depth).epsilon(1e-12));
+    CHECK(contacts.arm[i].z() == Approx(-0.6 + 0.5 * depth).epsilon(1e-12));  // midway between surface and plane
+    CHECK(contacts.normal[i] == Vec3(0, 0, -1));
+  }
+}
+
+TEST_CASE("a ball meets a rounded box with the rounding of both", "[detection][manifold]") {
+  ConvexHull stone = Box(Vec3::Constant(0.5)).hull;
+  stone.sweep = 0.1;
+  for (const Vec3& way : {Vec3(0, 0, 1), Vec3(0, 1, 1), Vec3(1, 1, 1)}) {  // over a face, an edge, a corner
+    const double depth = 0.01, reach = way.norm() * 0.5 + 0.2 + 0.1 - depth;
+    ContactSet contacts;
+    ContactSink sink(contacts);
+    sink.begin(0, 1);
+    collide_closed(Sphere{0.2}, stone, PairQuery{{reach * way.normalized(), upright}, {{0, 0, 0}, upright}}, sink);
+    sink.end();
+    REQUIRE(contacts.size() == 1);
+    CHECK(contacts.gap[0] == Approx(-depth).epsilon(1e-9));
   }
 }
 

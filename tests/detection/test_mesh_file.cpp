@@ -146,7 +146,12 @@ TEST_CASE("broken PLY files are refused with the reason", "[detection][mesh-file
       {"ply\nelement vertex 3\nend_header\n", "a.ply:3:1: error: the header names no format"},
       {"ply\nproperty float x\n", "a.ply:2:1: error: a property before the first element"},
       {"ply\nformat ascii 1.0\n", "a.ply:2:8: error: the file ends where 'end_header' is expected"},
-      {head + corners, "a.ply: error: the file ends before all elements of its header are read"},
+      {head + corners + "\n\n", "a.ply: error: the file ends before all elements of its header are read"},
+      {head + corners, "a.ply:9:1: error: the header announces at least 20 bytes of data, the file has 18"},
+      {"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nend_header\n",
+       "a.ply:4:1: error: element 'vertex' has no property"},  // would be 96 GB of corners
+      {"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n",
+       "a.ply:5:1: error: the header announces at least 16000000000 bytes of data, the file has 0"},
       {head + corners + "3 0 1 3\n", "a.ply: error: vertex index 3 is out of range: 3 vertices"},
       {head + corners + "2 0 1\n", "a.ply: error: a face needs at least 3 vertices, found 2"},
       {head + corners + "3 0 0 0\n", "a.ply: error: the mesh has no triangle with an area"}};

@@ -1,7 +1,8 @@
 #!/bin/bash
 # Runs that are cut off go on as if they had not been: faults.sh PROGRAM FOLDER STEPS SCENE...
 # Each scene is run for STEPS steps straight, and again with SIGINT, SIGTERM and SIGKILL at random times (three each), a
-# time limit and a full disk; every cut run is resumed to the end. State hash, energies and measures.csv must be equal.
+# time limit and a full disk; every cut run is resumed to the end. State hash, energies, measures.csv, the frames and the
+# snapshots of run.h5 must be equal.
 set -u
 program=$1 folder=$2 steps=$3; shift 3
 export OMP_WAIT_POLICY=passive
@@ -23,12 +24,20 @@ compare() { # what, folder
   [ "$(hash_of "$2")" = "$(hash_of "$folder/straight")" ] || { fail "$1: hash $(hash_of "$2"), straight $(hash_of "$folder/straight")"; return; }
   [ "$(energies_of "$2")" = "$(energies_of "$folder/straight")" ] || fail "$1: energies differ"
   [ ! -f "$folder/straight/measures.csv" ] || cmp -s "$2/measures.csv" "$folder/straight/measures.csv" || fail "$1: measures.csv differs"
+  diff -rq "$2/frames" "$folder/straight/frames" > "$2.diff" 2>&1 || fail "$1: frames differ: $(head -1 "$2.diff")"
+  cmp -s "$2/frames.pvd" "$folder/straight/frames.pvd" || fail "$1: frames.pvd differs"
+  "$program" export "$2" --format csv > "$2.log" 2>&1 || fail "$1: run.h5 cannot be read: $(tail -1 "$2.log")"
+  cmp -s "$2/snapshots.csv" "$folder/straight.csv" || fail "$1: the snapshots of run.h5 differ"
 }
 
 for scene in "$@"; do
   rm -rf "$folder"; mkdir -p "$folder"
   begin=$(date +%s%N)
   "$program" run "$scene" --steps "$steps" --quiet -o "$folder/straight" > "$folder/log" 2>&1 || { fail "$scene: straight run: $(tail -1 "$folder/log")"; continue; }
+  cp "$folder/straight/measures.csv" "$folder/kept.csv" 2>/dev/null
+  "$program" export "$folder/straight" --format csv > /dev/null 2>&1
+  mv "$folder/straight/snapshots.csv" "$folder/straight.csv"
+  mv "$folder/kept.csv" "$folder/straight/measures.csv" 2>/dev/null
   span=$((($(date +%s%N) - begin) / 1000000))
   dt=$(sed -n 's/.*"time_step": \([0-9.e+-]*\).*/\1/p' "$folder/straight/summary.json" | head -1)
   often=$(awk "BEGIN { print $dt * ($steps < 20 ? 1 : int($steps / 20)) }")

@@ -53,7 +53,20 @@ TEST_CASE("a state that becomes non-finite stops the run at that step, with body
     CHECK(failure->step == 8);
     CHECK(failure->body == static_cast<BodyId>(2));
     CHECK_THAT(failure->text, Catch::Contains("body 2 became non-finite in step 8"));
+    CHECK_THAT(failure->text, Catch::Contains("; no contact"));  // it fell free: nothing else is to blame
   }
+}
+
+TEST_CASE("a body that becomes non-finite in a contact names the contact", "[physics][failure]") {
+  SceneRun run = start_text(run_table + gravity + ground + bead + "position = [0, 0, 0.00499]\n");
+  run.advance_to(7);
+  REQUIRE(run.failure.empty());
+  World& w = run.simulation().world;
+  w.angular_velocity[w.slot_of(static_cast<BodyId>(1))].x() = std::numeric_limits<double>::quiet_NaN();
+  const auto failure = run.simulation().advance();
+  REQUIRE(failure);
+  CHECK(failure->body == static_cast<BodyId>(1));
+  CHECK_THAT(failure->text, Catch::Contains("1 contacts, the worst with body 0: gap -"));
 }
 
 TEST_CASE("a body that leaves the domain is reported with id, step and place, or taken out and counted",

@@ -1,6 +1,7 @@
 #include "viz_export/frame_writer.h"
 
 #include "engine/energy.h"
+#include "engine/state_snapshot.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
@@ -135,4 +136,25 @@ TEST_CASE("frames continued from a checkpoint are numbered as in an uninterrupte
   list.keep_until(1e9);
   REQUIRE(list.entries().size() == 10);
   CHECK((list.entries()[8].time == 0.1 * 4 && list.entries()[8].file == "frames/spheres_000004.vtp"));
+}
+
+TEST_CASE("a run that goes on with its state does not write its walls once more", "[viz_export][frames]") {
+  const TemporaryFolder folder;
+  SmallScene scene(3);
+  SurfaceCache surfaces(scene.shapes);
+  StateSnapshot state;
+  {
+    FrameWriter frames(folder.path());
+    for (int k = 0; k < 3; ++k) frames.write(0.1 * k, body_records(scene.world, surfaces), {});
+    state.save([&](StateVisitor& v) { frames.visit(v); });
+  }
+  FrameWriter resumed(folder.path(), 0.1 * 2);
+  state.restore([&](StateVisitor& v) { resumed.visit(v); });
+  for (int k = 3; k < 5; ++k) resumed.write(0.1 * k, body_records(scene.world, surfaces), {});
+  CHECK(count_files(folder / "frames") == 5 + 1);
+  std::filesystem::remove(folder / "frames/walls_000000.vtp");  // gone all the same: written again
+  FrameWriter third(folder.path(), 0.1 * 4);
+  state.restore([&](StateVisitor& v) { third.visit(v); });
+  third.write(0.5, body_records(scene.world, surfaces), {});
+  CHECK(std::filesystem::exists(folder / "frames/walls_000005.vtp"));
 }

@@ -6,6 +6,7 @@
 #include "engine/error.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "tests/support/catch.h"
+#include "viz_export/hdf5_file.h"
 
 using namespace epafi;
 
@@ -74,4 +75,37 @@ TEST_CASE("a problem file that is cut, of another dimension or without friction 
   CHECK(message("3\n1\n0\n3 3\n1 0 0 0 1 0 0 0 1\n-1 0 0\n0.5") == "accepted");
   std::filesystem::remove(path);
   CHECK_THROWS_AS(read_problem(folder / "README.md"), FileError);
+}
+
+TEST_CASE("a problem whose matrix claims more than its vectors hold is refused before memory is taken",
+          "[viz_export][problems]") {
+  const auto path = std::filesystem::temp_directory_path() / "epafi_problem_claims.hdf5";
+  const auto message = [&](const std::string& name, std::int32_t value) -> std::string {
+    std::filesystem::copy_file(folder / "stack_h005_mu05.hdf5", path, std::filesystem::copy_options::overwrite_existing);
+    {
+      Hdf5File file(path, Hdf5File::Mode::append);
+      file.remove(name);
+      file.write<std::int32_t>(name, std::span<const std::int32_t>(&value, 1));
+      file.close();
+    }
+    try {
+      (void)read_problem(path);
+    } catch (const FileError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  CHECK(message("fclib_global/M/nz", -1) == "accepted");
+  for (const std::int32_t claim : {1 << 30, -1, 7}) {
+    CHECK(message("fclib_global/M/n", claim).find("the vectors ask for 30 x 30") != std::string::npos);
+    CHECK(message("fclib_global/H/m", claim).find("the vectors ask for 30 x 60") != std::string::npos);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("a block matrix in text whose rows do not begin in order is refused", "[viz_export][problems]") {
+  const auto path = std::filesystem::temp_directory_path() / "epafi_problem_rows.dat";
+  std::ofstream(path) << "3\n2\n1\n6 6\n1 2 2\n3 6\n3 6\n3\n1\n0 7 1\n0\n3 1 0 0 0 1 0 0 0 1\n";
+  CHECK_THROWS_WITH(read_problem(path), Catch::Contains("block pattern is inconsistent"));
+  std::filesystem::remove(path);
 }
