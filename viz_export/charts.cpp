@@ -116,11 +116,16 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
       add(block(line.points),
           fmt::format("with {} lw 2 pt {} ps 1.2 lc rgb '{}' title {}", plot.joined ? "linespoints" : "points", mark, rgb,
                       quoted(line.label)));
+    std::string bars;
+    for (std::size_t k = 0; k < std::min(line.bars.size(), line.points.size()); ++k)
+      if (line.bars[k][1] > 1.02 * line.bars[k][0])  // a smaller one hides behind its mark
+        bars += fmt::format("{} {} {} {}\n", line.points[k][0], line.points[k][1], line.bars[k][0], line.bars[k][1]);
+    if (!bars.empty()) add(bars + "\n\n", fmt::format("with xerrorbars pt 0 lw 1 lc rgb '{}' notitle", rgb));
     std::vector<PlotPoint> failed;
     for (const double x : line.failed) failed.push_back({x > 0 ? x : left, 2 * top});
     if (!failed.empty())
-      add(block(failed),
-          fmt::format("with points pt 2 ps 1.6 lw 2 lc rgb '{}' title {}", rgb, quoted(line.label + ", failed")));
+      add(block(failed), fmt::format("with points pt 2 ps 1.6 lw 2 lc rgb '{}' {}", rgb,
+                                     line.points.empty() ? "title " + quoted(line.label + ", failed") : "notitle"));
   }
   if (plot.marked) add(block({*plot.marked}), "with points pt 6 ps 3 lw 2 lc rgb '#d00000' title 'recommended'");
   std::string settings = frame(plot.title, plot.x_label, plot.y_label) + "set logscale xy\nset format '%.0e'\n";
@@ -131,8 +136,8 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
     settings +=
         fmt::format("set label {} at graph 0.01, first {} offset 0,0.5 tc rgb '#666666'\n", quoted(label), level);
   }
-  // where a range holds less than two decades its tics are written out
-  if (right < 100 * left) settings += "set format x '%.3g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
+  // where a range holds no more than three decades its tics are written out
+  if (right <= 1000 * left) settings += "set format x '%.3g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
   return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
 }
 

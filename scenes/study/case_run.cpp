@@ -102,10 +102,11 @@ bool run_cases(const std::string& scene, const std::vector<Case>& cases, const C
                const std::function<void(std::size_t, const CaseResult&)>& done) {
   SignalWatch signals;  // the children of the terminal's group see the signal too, and save themselves
   std::map<pid_t, std::size_t> running;
-  std::size_t next = 0;
+  std::size_t next = 0;  // cases.size() where no other is to begin
   bool whole = true;
   while (next < cases.size() || !running.empty()) {
     whole = whole && SignalWatch::received() == 0;
+    if (limits.until && std::chrono::steady_clock::now() >= *limits.until) next = cases.size();
     while (whole && next < cases.size() && running.size() < static_cast<std::size_t>(std::max(1, jobs))) {
       running.emplace(start(scene, cases[next], limits), next);
       ++next;
