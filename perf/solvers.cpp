@@ -1,5 +1,5 @@
 /// @file solvers.cpp  Contact updates per second of every non-smooth solver, with the residual it reaches, on one core.
-/// Usage: perf_solvers [sweeps]. CPU time of the thread (the machine may be busy); median of five solves from r = 0.
+/// Usage: perf_solvers [sweeps [solver]]. CPU time of the thread (the machine may be busy); median of five solves from r = 0.
 /// A contact update is one contact's three rows solved once; packing and the residual are in the time.
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdlib>
 #include <ctime>
+#include <string>
 
 #include "engine/parallel.h"
 #include "laws/nonsmooth/coloring.h"
@@ -53,6 +54,7 @@ void row(const char* name, const ContactProblem& problem, const SolverEntry& ent
 
 int main(int argc, char** argv) {
   const int sweeps = argc > 1 ? std::atoi(argv[1]) : 100;
+  const std::string only = argc > 2 ? argv[2] : "";
   set_thread_count(1);
   fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "problem", "solver", "contacts",
              "pairs", "colours", "ms", "M/s", "best M/s", "residual", "pen. rate");
@@ -63,5 +65,6 @@ int main(int argc, char** argv) {
       {"27000 bodies, 1 point", test::lattice_problem(30, 0.5)},
   };
   for (const auto& [name, problem] : problems)
-    for (const SolverEntry& entry : all_solvers()) row(name, problem, entry, sweeps);
+    for (const SolverEntry& entry : all_solvers())
+      if (only.empty() || entry.entry.name == only) row(name, problem, entry, sweeps);
 }

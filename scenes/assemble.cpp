@@ -152,8 +152,10 @@ Pipeline make_pipeline(Assembly& a) {
   const auto scheme = std::find_if(schemes.begin(), schemes.end(),
                                    [&](const auto& s) { return s.entry.name == a.scene.run.scheme.value; });
   p.scheme = scheme->make();
-  p.narrow_phase =
+  auto narrow_phase =
       std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature, a.plan.needs.area);
+  a.narrow_phase = narrow_phase.get();
+  p.narrow_phase = std::move(narrow_phase);
   if (a.plan.fused_spheres) {
     auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.sphere_material);
     std::vector<bool> fixed;
@@ -224,6 +226,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   set_broad_phase(*a);
   a->time_step = choose_time_step(*a);
   sim.time_step = a->time_step.value;
+  if (a->plan.resting_reach < a->plan.reach) a->narrow_phase->follow_motion(sim.time_step, a->plan.resting_reach);
   sim.parts_of_step = a->time_step.parts;
   a->steps =
       static_cast<std::uint64_t>(std::max(1.0, std::ceil(a->scene.run.duration.value / sim.time_step * (1 - 1e-9))));

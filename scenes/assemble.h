@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "detection/narrow/narrow_phase.h"
 #include "engine/rolling_regions.h"
 #include "engine/simulation.h"
 #include "engine/sources.h"
@@ -34,6 +35,7 @@ struct Assembly {
   std::vector<BodyId> body_ids;               ///< of Scene::bodies, in order; bodies of fills follow
   std::vector<std::vector<BodyId>> fill_ids;  ///< of Scene::fills; those that are poured have no slot before they come
   std::vector<const PourBodies*> sources;
+  BatchNarrowPhase* narrow_phase = nullptr;  ///< of the pipeline
   std::vector<std::string> body_names;  ///< by body id
   std::vector<Problem> warnings;
 

@@ -206,11 +206,12 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
     for (const auto* list : {&use.free, &use.held})
       for (std::size_t s : *list)
         if (std::isfinite(shapes[s].radius)) largest = std::max(largest, shapes[s].radius);
-    plan.reach = smooth_reach(smooth_setup(scene), largest);
+    plan.reach = plan.resting_reach = smooth_reach(smooth_setup(scene), largest);
   } else {
     double smallest = infinity;
     for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
     plan.reach = std::isfinite(smallest) ? 0.02 * smallest : 0.0;
+    plan.resting_reach = 0.25 * plan.reach;
   }
   plan_fused_spheres(scene, shapes, plan);
   plan_railway(scene, use, plan);

@@ -25,6 +25,7 @@ struct StepPlan {
   Columns columns;                  ///< of the world
   Needs needs;                      ///< of laws or solver
   double reach = 0.0;               ///< contacts with gap < reach are handed to the contact model [m]
+  double resting_reach = 0.0;       ///< the same where nothing moves that far in a step [m]
   bool rolling = false;             ///< wheels on rails by laws of rolling contact
   bool fused_spheres = false;       ///< free spheres take the fused loop
   std::size_t sphere_material = 0;  ///< of all free spheres, where they take it

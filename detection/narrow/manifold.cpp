@@ -20,38 +20,44 @@ struct Corner {
 /// Buffers that keep their size: no allocation once the largest face was seen. Results do not depend on them.
 struct Buffers {
   std::vector<Corner> a, b, clipped, next;
+  std::vector<double> side;  ///< of the edge at hand, by corner
   std::vector<PatchPoint> points;
 };
 
-void project_face(const PolyhedronView& p, std::uint32_t face, const Mat3& rotation, const Vec3& offset,
-                  const ContactFrame& frame, bool reversed, std::vector<Corner>& out) {
+/// tangents: of the plane, in the body's own axes; at: where its centre lies in the plane.
+void project_face(const PolyhedronView& p, std::uint32_t face, const Vec3& tangent1, const Vec3& tangent2,
+                  const Eigen::Vector2d& at, bool reversed, std::vector<Corner>& out) {
   out.clear();
   const std::uint32_t begin = p.face_begin[face], end = p.face_begin[face + 1];
   for (std::uint32_t k = begin; k < end; ++k) {
     // A face that looks against the normal runs clockwise in the plane: take it backwards.
-    const std::uint32_t v = p.face_vertices[reversed ? begin + end - 1 - k : k];
-    const Vec3 x = rotation * p.vertices[v] + offset;
-    out.push_back({frame.tangent1.dot(x), frame.tangent2.dot(x), static_cast<std::uint32_t>(out.size()), false, 0, 0});
+    const Vec3& v = p.vertices[p.face_vertices[reversed ? begin + end - 1 - k : k]];
+    out.push_back({tangent1.dot(v) + at.x(), tangent2.dot(v) + at.y(), k - begin, false, 0, 0});
   }
 }
 
 /// Cuts polygon `subject` (B's face) by every edge of the counter-clockwise polygon `by` (A's face) (Sutherland,
-/// Hodgman 1974).
+/// Hodgman 1974). Edges that cut nothing are most: they copy nothing.
 void clip(Buffers& buf, double tolerance) {
   buf.clipped = buf.b;
   const auto n = static_cast<std::uint32_t>(buf.a.size());
   for (std::uint32_t k = 0; k < n && !buf.clipped.empty(); ++k) {
-    const Corner &p = buf.a[k], &q = buf.a[(k + 1) % n];
-    const double ex = q.x - p.x, ey = q.y - p.y, length = std::sqrt(ex * ex + ey * ey);
-    if (!(length > 0.0)) continue;
-    const auto inside = [&](const Corner& c) {
-      return (ex * (c.y - p.y) - ey * (c.x - p.x)) / length;
-    };  // distance, > 0 inside
+    const Corner &p = buf.a[k], &q = buf.a[k + 1 < n ? k + 1 : 0];
+    const double ex = q.x - p.x, ey = q.y - p.y, outside = -tolerance * std::sqrt(ex * ex + ey * ey);
+    if (!(outside < 0.0)) continue;
+    buf.side.clear();
+    bool cuts = false;
+    for (const Corner& c : buf.clipped) {  // distance times the edge's length, > 0 inside
+      buf.side.push_back(ex * (c.y - p.y) - ey * (c.x - p.x));
+      cuts = cuts || !(buf.side.back() >= outside);
+    }
+    if (!cuts) continue;
     buf.next.clear();
     for (std::size_t i = 0; i < buf.clipped.size(); ++i) {
-      const Corner &from = buf.clipped[i], &to = buf.clipped[(i + 1) % buf.clipped.size()];
-      const double d0 = inside(from), d1 = inside(to);
-      const bool in0 = d0 >= -tolerance, in1 = d1 >= -tolerance;
+      const std::size_t j = i + 1 < buf.clipped.size() ? i + 1 : 0;
+      const Corner &from = buf.clipped[i], &to = buf.clipped[j];
+      const double d0 = buf.side[i], d1 = buf.side[j];
+      const bool in0 = d0 >= outside, in1 = d1 >= outside;
       if (in0) buf.next.push_back(from);
       if (in0 == in1) continue;
       const double t = std::clamp(d0 / (d0 - d1), 0.0, 1.0);
@@ -82,25 +88,17 @@ struct FacingFaces {
 FacingFaces facing_faces(const PolyhedronPair& pair, const SeparatingAxis& axis) {
   using Kind = SeparatingAxis::Kind;
   const Vec3 into_b = -(pair.rotation.transpose() * axis.normal);
-  FacingFaces f{};
-  if (axis.kind == Kind::face_a)
-    f.a = axis.feature_a;
-  else
-    f.a =
-        facing_face(pair.a, axis.kind == Kind::edges ? pair.a.edges[axis.feature_a].from : pair.support_a(axis.normal),
-                    axis.normal);
-  if (axis.kind == Kind::face_b)
-    f.b = axis.feature_b;
-  else
-    f.b = facing_face(
-        pair.b, axis.kind == Kind::edges ? pair.b.edges[axis.feature_b].from : pair.support_b(axis.normal), into_b);
   if (axis.kind == Kind::edges) {  // only faces that hold the edge
     const HullEdge &ea = pair.a.edges[axis.feature_a], &eb = pair.b.edges[axis.feature_b];
-    f.a = pair.a.face_normals[ea.left].dot(axis.normal) >= pair.a.face_normals[ea.right].dot(axis.normal) ? ea.left
-                                                                                                          : ea.right;
-    f.b = pair.b.face_normals[eb.left].dot(into_b) >= pair.b.face_normals[eb.right].dot(into_b) ? eb.left : eb.right;
+    const auto better = [](const PolyhedronView& p, const HullEdge& e, const Vec3& n) {
+      return p.face_normals[e.left].dot(n) >= p.face_normals[e.right].dot(n) ? e.left : e.right;
+    };
+    return {better(pair.a, ea, axis.normal), better(pair.b, eb, into_b)};
   }
-  return f;
+  if (axis.kind == Kind::face_a) return {axis.feature_a, facing_face(pair.b, axis.feature_b, into_b)};
+  if (axis.kind == Kind::face_b) return {facing_face(pair.a, axis.feature_a, axis.normal), axis.feature_b};
+  return {facing_face(pair.a, pair.support_a(axis.normal), axis.normal),
+          facing_face(pair.b, pair.support_b(axis.normal), into_b)};
 }
 
 /// Name of a clipped corner by what lies there, the same whichever body was clipped.
@@ -176,8 +174,10 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
   const double size = std::min(pair.a.radius, pair.b.radius), tolerance = snap * size;
   if (cosine_a > facing_cosine && cosine_b < -facing_cosine) {
     const ContactFrame frame = contact_frame(n);
-    project_face(pair.a, f.a, Mat3::Identity(), Vec3::Zero(), frame, false, buf.a);
-    project_face(pair.b, f.b, pair.rotation, pair.offset, frame, true, buf.b);
+    const Vec3 &t1 = frame.tangent1, &t2 = frame.tangent2;
+    project_face(pair.a, f.a, t1, t2, {0.0, 0.0}, false, buf.a);
+    project_face(pair.b, f.b, pair.rotation.transpose() * t1, pair.rotation.transpose() * t2,
+                 {t1.dot(pair.offset), t2.dot(pair.offset)}, true, buf.b);
     clip(buf, tolerance);
     const double offset_b = pair.b.face_offsets[f.b] + nb.dot(pair.offset);
     for (const Corner& c : buf.clipped) {

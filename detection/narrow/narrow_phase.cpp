@@ -63,7 +63,7 @@ void BatchNarrowPhase::collide_block(const World& world, const PairList& list, B
   for (const Run& run : block.runs) {
     if (!run.cell->batch) continue;
     const std::size_t count = run.end - run.begin;
-    BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles, area_};
+    BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles, area_, motion_, least_reach_};
     if (run.cell->remembers) input.caches = std::span(block.caches).subspan(run.begin - begin, count);
     if (run.cell->candidates)
       input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin - begin, count + 1);
@@ -98,8 +98,20 @@ void BatchNarrowPhase::join(ContactSet& out) {
       1);
 }
 
+void BatchNarrowPhase::foresee_motion(const World& world) {
+  if (!(seconds_ > 0.0)) return;
+  motion_.resize(world.size());
+  parallel_for(world.size(), [&](std::size_t s) {
+    double speed = world.velocity[s].norm();
+    if (world.rotates() && !world.angular_velocity[s].isZero(0.0))
+      speed += world.angular_velocity[s].norm() * shapes_.bounding_radius(ShapeRef{world.shape[s]});
+    motion_[s] = 2.0 * seconds_ * speed;
+  });
+}
+
 void BatchNarrowPhase::collide(const World& world, const PairList& list, ContactSet& contacts) {
   const std::size_t n = list.pairs.size();
+  foresee_motion(world);
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
     keep_caches();

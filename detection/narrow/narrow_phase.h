@@ -15,6 +15,10 @@ class BatchNarrowPhase : public NarrowPhase {
   BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature, bool area = false)
       : shapes_(shapes), reach_(reach), curvature_(curvature), area_(area) {}
 
+  /// The reach of a pair shrinks to twice what its bodies move in `seconds`, not below `least`: at rest a pile of 1000
+  /// polyhedra has 4000 points within 0.005 of its smallest radius and 5400 within 0.02, of which 2900 carry load.
+  void follow_motion(double seconds, double least) { seconds_ = seconds, least_reach_ = least; }
+
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
   void reorder(const Reordering&) override { known_ = false; }
@@ -50,9 +54,11 @@ class BatchNarrowPhase : public NarrowPhase {
   void find_caches(Block& block) const;
   void collide_block(const World& world, const PairList& pairs, Block& block, std::size_t begin);
   void join(ContactSet& contacts);
+  void foresee_motion(const World& world);
 
   const ShapeStore& shapes_;
-  double reach_;
+  double reach_, least_reach_ = 0.0, seconds_ = 0.0;
+  std::vector<double> motion_;  ///< by slot; empty where the reach does not follow it
   bool curvature_, area_;
   bool known_ = false;  ///< the runs belong to `generation_`
   std::uint64_t generation_ = 0;

@@ -35,12 +35,18 @@ concept Compound = requires(const S& s, const Pose& pose) {
 struct BatchInput {
   const ShapeStore& shapes;
   const World& world;
-  double reach;
+  double reach;  ///< at most [m]
   bool curvature;
   std::span<PairCache> caches;                    ///< of the run's pairs, or empty
   std::span<const std::uint32_t> triangle_begin;  ///< CSR over the run's pairs, where the cell has candidates
   std::span<const std::uint32_t> triangles;
   bool area = false;
+  std::span<const double> motion = {};  ///< by slot: what a body may move in the step [m]; empty: the reach is the same for all
+  double least_reach = 0.0;             ///< [m], with motion
+
+  double reach_of(const Pair& p) const {
+    return motion.empty() ? reach : std::clamp(motion[p.a] + motion[p.b], least_reach, reach);
+  }
 };
 
 struct PairCell {
@@ -67,7 +73,7 @@ concept HasTriangles = MeshShape<B> &&
 inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
   PairQuery q{in.world.pose(p.a),
               in.world.pose(p.b),
-              in.reach,
+              in.reach_of(p),
               in.curvature,
               in.caches.empty() ? nullptr : &in.caches[k],
               in.area};

@@ -55,7 +55,7 @@ class NonsmoothContact final : public ContactModel {
 
   ContactProblem problem_;
   Impulses r_;
-  std::vector<Vec3> u_, u_before_;
+  std::vector<Vec3> u_, u_before_, u_after_;
   BodyVelocities before_, after_;
   std::vector<double> next_gap_, restitution_;
   WarmStart memory_;
@@ -143,7 +143,7 @@ void NonsmoothContact::account(const World& world, StepReport& report) const {
     return world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
   };
   const auto sums = block_sum<Sum3>(problem_.size(), [&](std::size_t i) {
-    const Vec3 mean = 0.5 * (u_before_[i] + problem_.relative_velocity(i, after_));
+    const Vec3 mean = 0.5 * (u_before_[i] + u_after_[i]);
     const Vec3 none = Vec3::Zero(), impulse = problem_.to_world(i, r_[i]);
     const Vec3 wall = driven(problem_.b[i], problem_.rotates ? problem_.arm_b[i] : none) -
                       driven(problem_.a[i], problem_.rotates ? problem_.arm_a[i] : none);
@@ -166,11 +166,13 @@ void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt)
   parallel_for(contacts.size(), [&](std::size_t i) { contacts.force[i] = -problem_.to_world(i, r_[i]) / dt; });
 }
 
-/// Gaps at the next detection, by the velocities just found.
+/// u_{k+1}, and by it the gaps at the next detection.
 void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
-  next_gap_.resize(contacts.size());
-  parallel_for(contacts.size(),
-               [&](std::size_t i) { next_gap_[i] = contacts.gap[i] + dt * problem_.relative_velocity(i, after_).x(); });
+  u_after_.resize(contacts.size()), next_gap_.resize(contacts.size());
+  parallel_for(contacts.size(), [&](std::size_t i) {
+    u_after_[i] = problem_.relative_velocity(i, after_);
+    next_gap_[i] = contacts.gap[i] + dt * u_after_[i].x();
+  });
 }
 
 void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
@@ -189,7 +191,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.solver.converged = report.solver.residual <= tolerance_;
   foresee(contacts, clock.dt);
   if (warm_start_)
-    memory_.remember(world, contacts, problem_, r_, next_gap_, after_);  // impacts do not recur: r_ without them
+    memory_.remember(world, contacts, problem_, r_, next_gap_, u_after_);  // impacts do not recur: r_ without them
   if (impact)
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
   account(world, report);

@@ -7,9 +7,9 @@
 
 namespace epafi {
 
-/// Fills still_.offset with minus the demanded normal displacements; false when none is demanded.
+/// Fills demand_ with minus the demanded normal displacements; false when none is demanded.
 bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<double>& gaps, const World& world) {
-  still_.offset.resize(contacts.size());
+  demand_.resize(contacts.size());
   const auto arm = [&](std::size_t i) {
     const double free_a = world.is_movable(contacts.a[i]) ? contacts.arm[i].norm() : infinity;
     const double free_b = world.is_movable(contacts.b[i]) ? contacts.arm_b(i, world).norm() : infinity;
@@ -18,26 +18,29 @@ bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<do
   const double deepest = block_max(contacts.size(), 0.0, [&](std::size_t i) {
     // spheres in one place touch at their centres: then the overlap alone tells how large they are
     const double size = std::max(arm(i), -0.5 * gaps[i]);
-    still_.offset[i] = std::max(gaps[i], 0.0);
+    demand_[i] = std::max(gaps[i], 0.0);
     if (!std::isfinite(size)) return 0.0;  // two bodies that cannot move
     const double excess = -gaps[i] - settings_.slop * size;
-    if (excess > 0.0) still_.offset[i] = -std::min(settings_.share * excess, settings_.largest * size);
+    if (excess > 0.0) demand_[i] = -std::min(settings_.share * excess, settings_.largest * size);
     return excess;
   });
   return deepest > 0.0;
 }
 
 template <class S>
-double PositionCorrection::move(S& sweep, World& world) {
-  zero_.assign(still_.size(), Vec3::Zero());
-  sweep.load(still_, coloring_, zero_, still_.free);
+double PositionCorrection::move(S& sweep, const ContactProblem& problem, World& world) {
+  nothing_.assign(problem.size(), Vec3::Zero());
+  still_.linear.assign(world.size(), Vec3::Zero());
+  still_.angular.assign(problem.free.angular.size(), Vec3::Zero());
+  coloring_.update(problem);
+  sweep.load(problem, demand_, {}, coloring_, nothing_, still_);
   double total = 0.0;  // sum of squared impulses so far: the last change is measured against it
   for (int k = 0; k < settings_.sweeps; ++k) {
     const double change = sweep.run(NormalRule{});
     total += change;
     if (change <= settings_.tolerance * settings_.tolerance * total) break;
   }
-  const bool rotates = still_.rotates && world.has_orientation();
+  const bool rotates = problem.rotates && world.has_orientation();
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     if (!world.is_movable(s)) return;
@@ -55,13 +58,7 @@ double PositionCorrection::move(S& sweep, World& world) {
 double PositionCorrection::apply(const ContactProblem& problem, const ContactSet& contacts,
                                  const std::vector<double>& gaps, World& world) {
   if (settings_.share <= 0.0 || contacts.size() == 0 || !demand(contacts, gaps, world)) return 0.0;
-  demand_.swap(still_.offset);  // aside while the rest is copied: both keep their memory
-  still_ = problem;
-  still_.offset.swap(demand_), still_.lag.clear();
-  still_.free.linear.assign(world.size(), Vec3::Zero());
-  still_.free.angular.assign(problem.free.angular.size(), Vec3::Zero());
-  coloring_.update(still_);
-  return problem.rotates ? move(with_rotation_, world) : move(without_rotation_, world);
+  return problem.rotates ? move(with_rotation_, problem, world) : move(without_rotation_, problem, world);
 }
 
 }  // namespace epafi

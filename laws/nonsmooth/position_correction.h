@@ -6,20 +6,10 @@
 /// by it is returned, so that the ledger shows it. Limit: a tall jammed pile corrects as slowly as the sweeps converge.
 #pragma once
 #include "laws/nonsmooth/coloring.h"
-#include "laws/nonsmooth/sweep.h"
+#include "laws/nonsmooth/lane_sweep.h"
+#include "laws/nonsmooth/normal_rule.h"
 
 namespace epafi {
-
-/// The normal row alone.
-struct NormalRule {
-  struct Data {
-    double step;  ///< 1/W_NN, 0 where nothing moves
-  };
-  static Data pack(const Mat3& w) { return {w(0, 0) > 0.0 ? 1.0 / w(0, 0) : 0.0}; }
-  Vec3 update(const Data& d, double, const Vec3& r, const Vec3& u) const {
-    return {std::max(0.0, r.x() - d.step * u.x()), 0.0, 0.0};
-  }
-};
 
 struct CorrectionSettings {
   double share = 0.2;       ///< beta in [0, 1], of the overlap beyond the slop, per step; 0 is off
@@ -41,15 +31,15 @@ class PositionCorrection {
  private:
   bool demand(const ContactSet& contacts, const std::vector<double>& gaps, const World& world);
   template <class S>
-  double move(S& sweep, World& world);
+  double move(S& sweep, const ContactProblem& problem, World& world);
 
   CorrectionSettings settings_;
-  ContactProblem still_;  ///< the problem with zero free velocity and displacements for velocities
-  std::vector<double> demand_;
+  std::vector<double> demand_;  ///< minus the normal displacement that each contact asks for [m]
+  BodyVelocities still_;        ///< zero: displacements take the place of velocities
+  Impulses nothing_;
   Coloring coloring_;
-  Impulses zero_;
-  Sweep<true, NormalRule> with_rotation_;
-  Sweep<false, NormalRule> without_rotation_;
+  LaneSweep<true, NormalRule> with_rotation_;
+  LaneSweep<false, NormalRule> without_rotation_;
 };
 
 }  // namespace epafi

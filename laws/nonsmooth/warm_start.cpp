@@ -78,14 +78,13 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
 }
 
 void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem,
-                         const Impulses& r, const std::vector<double>& next_gap, const BodyVelocities& v) {
+                         const Impulses& r, const std::vector<double>& next_gap, const std::vector<Vec3>& u) {
   a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
   arm_.resize(contacts.size()), impulse_.resize(contacts.size()), slip_.resize(contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
     arm_[i] = body_axes(world, a_[i], contacts.arm[i]);
     impulse_[i] = problem.to_world(i, r[i]);
-    const Vec3 u = problem.relative_velocity(i, v);
-    slip_[i] = problem.to_world(i, {0.0, u.y(), u.z()});
+    slip_[i] = problem.to_world(i, {0.0, u[i].y(), u[i].z()});
   });
   gap_ = next_gap;
 }

@@ -17,9 +17,10 @@ class WarmStart {
   /// against A, world axes). -infinity and nothing where there was none or where it carried no impulse.
   double foreseen(std::size_t i) const;
   std::optional<Vec3> slip(std::size_t i) const;
-  /// Remembers the impulses of these contacts, the gaps they are to have at the next detection and their slip velocities.
+  /// Remembers the impulses of these contacts, the gaps they are to have at the next detection and, of the velocities u
+  /// they ended with, the slip.
   void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r,
-                const std::vector<double>& next_gap, const BodyVelocities& v);
+                const std::vector<double>& next_gap, const std::vector<Vec3>& u);
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 

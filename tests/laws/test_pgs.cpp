@@ -1,8 +1,11 @@
 #include "engine/parallel.h"
+#include "engine/targets.h"
+#include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/nsgs.h"
 #include "laws/nonsmooth/solvers/pgs.h"
+#include "laws/nonsmooth/sweep.h"
 #include "tests/support/catch.h"
 #include "tests/support/contact_worlds.h"
 
@@ -141,4 +144,58 @@ TEST_CASE("the sweeps of a stack grow as Gauss-Seidel must: about 0.93 n^2 per d
   INFO("5: " << five << " 10: " << ten);
   CHECK(ten > 2 * five);
   CHECK(ten < 10 * five);
+}
+
+namespace {
+/// Takes the narrower loops, and gives the widest back.
+struct Narrower {
+  explicit Narrower(Target most) { limit_target(most); }
+  ~Narrower() { limit_target(Target::avx512); }
+};
+}  // namespace
+
+TEST_CASE("four contacts at a time give the bits of every instruction set", "[laws][pgs]") {
+  for (const bool rotates : {true, false}) {
+    const ContactProblem p = random_problem(60, 5, rotates, 0.4);
+    Impulses wide = zeros(p);
+    solver("pgs", 30, 0.0)->solve(p, wide);
+    for (const Target target : {Target::baseline, Target::avx2}) {
+      const Narrower narrower(target);
+      Impulses r = zeros(p);
+      solver("pgs", 30, 0.0)->solve(p, r);
+      CHECK(r == wide);
+    }
+  }
+}
+
+TEST_CASE("contacts four at a time are those one at a time", "[laws][pgs]") {
+  for (const bool rotates : {true, false}) {
+    const ContactProblem p = random_problem(60, 7, rotates, 0.4);
+    Coloring coloring;
+    coloring.update(p);
+    Impulses r = zeros(p), lanes_r = zeros(p);
+    BodyVelocities v;
+    p.velocities(r, v);
+    const PgsRule rule;
+    const auto compare = [&](auto one, auto four) {
+      one.load(p, coloring, r, v), four.load(p, coloring, r, v);
+      double change = 0.0, four_change = 0.0;
+      for (int k = 0; k < 20; ++k) change = one.run(rule), four_change = four.run(rule);
+      one.store(r), four.store(lanes_r);
+      CHECK(four_change == Approx(change).epsilon(1e-9));
+      double largest = 0.0;
+      for (const Vec3& x : r) largest = std::max(largest, x.norm());
+      REQUIRE(largest > 0.0);
+      for (std::size_t i = 0; i < r.size(); ++i) CHECK((r[i] - lanes_r[i]).norm() < 1e-12 * largest);
+      BodyVelocities after;
+      std::vector<Vec3> u;
+      const double rho = p.mean_effective_mass();
+      const double residual = measure_residual(p, lanes_r, rho, after, u).value;
+      double q2 = 0.0;
+      for (std::size_t i = 0; i < p.size(); ++i) q2 += p.free_relative_velocity(i).squaredNorm();
+      CHECK(four.natural_map(rho) / (rho * std::sqrt(q2)) == Approx(residual).epsilon(1e-9));
+    };
+    if (rotates) compare(Sweep<true, PgsRule>{}, LaneSweep<true, PgsRule>{});
+    else compare(Sweep<false, PgsRule>{}, LaneSweep<false, PgsRule>{});
+  }
 }

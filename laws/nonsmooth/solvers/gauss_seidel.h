@@ -7,11 +7,26 @@
 #include <cmath>
 
 #include "laws/nonsmooth/cone_sweep.h"
+#include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/solver.h"
 #include "laws/nonsmooth/sweep.h"
 
 namespace epafi {
+
+namespace gauss_seidel_detail {
+/// Four contacts at a time where the rule can.
+template <bool Rotates, class Rule>
+struct Chosen {
+  using type = Sweep<Rotates, Rule>;
+};
+template <bool Rotates, LaneRule Rule>
+struct Chosen<Rotates, Rule> {
+  using type = LaneSweep<Rotates, Rule>;
+};
+}  // namespace gauss_seidel_detail
+template <bool Rotates, class Rule>
+using SweepOf = typename gauss_seidel_detail::Chosen<Rotates, Rule>::type;
 
 template <LocalRule Rule>
 class GaussSeidel final : public ContactSolver {
@@ -28,8 +43,12 @@ class GaussSeidel final : public ContactSolver {
       problem.velocities(r, v_);
       sweep.load(problem, coloring_, r, v_);
       const auto measure = [&] {
-        sweep.store(r);
-        return measure_residual(problem, r, rho, v_, u_).value;
+        if constexpr (requires { sweep.natural_map(rho); }) {
+          return sweep.natural_map(rho) / scale;
+        } else {
+          sweep.store(r);
+          return measure_residual(problem, r, rho, v_, u_).value;
+        }
       };
       const SolverReport report = iterate(
           scale, r, [&](int) { return sweep.run(rule_); }, measure);
@@ -88,8 +107,8 @@ class GaussSeidel final : public ContactSolver {
   int iterations_;
   double tolerance_;
   Coloring coloring_;
-  Sweep<true, Rule> with_rotation_;
-  Sweep<false, Rule> without_rotation_;
+  SweepOf<true, Rule> with_rotation_;
+  SweepOf<false, Rule> without_rotation_;
   BodyVelocities v_;
   std::vector<Vec3> u_;
   ConeSweep<Rule> blocks_;

@@ -3,6 +3,7 @@
 /// (Jourdan, Alart and Jean 1998; Moreau's fixed point). w_T is the larger eigenvalue of W_TT: the step never
 /// overshoots.
 #pragma once
+#include "engine/lanes.h"
 #include "laws/nonsmooth/cone.h"
 
 namespace epafi {
@@ -25,6 +26,28 @@ struct PgsRule {
     const double change = normal - r.x(), step = relaxation * d.step_t;
     const double t1 = r.y() - step * (u.y() + d.coupling1 * change), t2 = r.z() - step * (u.z() + d.coupling2 * change);
     return project_disk({normal, t1, t2}, mu * normal);
+  }
+
+  // the same for four contacts
+  static constexpr int rows = 3;
+  struct LaneData {
+    Lanes step_n, step_t, coupling1, coupling2;
+  };
+  static void pack(const Mat3& w, LaneData& data, std::size_t lane) {
+    const Data d = pack(w);
+    data.step_n[lane] = d.step_n, data.step_t[lane] = d.step_t;
+    data.coupling1[lane] = d.coupling1, data.coupling2[lane] = d.coupling2;
+  }
+  EPAFI_LANES void update(const LaneData& d, Lanes mu, Lanes (&r)[3], const Lanes (&u)[3]) const {
+    const Lanes normal = max(Lanes{}, r[0] - relaxation * d.step_n * u[0]);
+    const Lanes change = normal - r[0], step = relaxation * d.step_t;
+    const Lanes t1 = r[1] - step * (u[1] + d.coupling1 * change), t2 = r[2] - step * (u[2] + d.coupling2 * change);
+    const Lanes radius = mu * normal, length2 = t1 * t1 + t2 * t2;
+    const LaneMask slides = length2 > radius * radius;
+    r[0] = normal, r[1] = t1, r[2] = t2;
+    if (!any(slides)) return;
+    const Lanes scale = select(slides, radius / sqrt(length2), lanes(1.0));
+    r[1] = scale * t1, r[2] = scale * t2;
   }
 };
 

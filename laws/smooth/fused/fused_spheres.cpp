@@ -1,6 +1,7 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
 #include "engine/parallel.h"
+#include "engine/targets.h"
 #include "laws/smooth/choose_law.h"
 #include "laws/smooth/fused/sphere_kernel.h"
 
@@ -39,32 +40,6 @@ struct BlockTask {
                                                             arrays);
   }
 };
-
-template <class Task>
-void run_baseline(const Task& task) {
-  task.run();
-}
-#if defined(__x86_64__)
-template <class Task>
-[[gnu::target("avx2")]] void run_avx2(const Task& task) {
-  task.run();
-}
-template <class Task>
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void run_avx512(const Task& task) {
-  task.run();
-}
-#endif
-
-/// The widest loop that this processor runs; the bits are the same.
-template <class Task>
-auto best_loop() -> void (*)(const Task&) {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
-    return run_avx512<Task>;
-  if (__builtin_cpu_supports("avx2")) return run_avx2<Task>;
-#endif
-  return run_baseline<Task>;
-}
 
 template <class Normal, class Tangential>
 class FusedModel final : public FusedSpheres {

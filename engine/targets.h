@@ -1,0 +1,42 @@
+/// @file targets.h  One loop compiled for several instruction sets, the widest that this processor runs chosen at run
+/// time. `Task::run() const` and all below it must be inlined (EPAFI_LANES): functions of their own keep the baseline.
+/// Contraction is off everywhere, so the bits are the same; tests/laws/test_pgs.cpp holds that. Include it in a
+/// .cpp that is compiled with -fno-math-errno: sqrt must be one instruction for four lanes.
+#pragma once
+
+namespace epafi {
+
+enum class Target { baseline, avx2, avx512 };
+
+/// The widest one of this processor, or the narrower one that the environment names: EPAFI_TARGET = baseline, avx2.
+Target target();
+/// Takes at most this one from now on; for tests and measurements.
+void limit_target(Target most);
+
+namespace target_detail {
+template <class Task>
+void run_baseline(const Task& task) {
+  task.run();
+}
+#if defined(__x86_64__)
+template <class Task>
+[[gnu::target("avx2")]] void run_avx2(const Task& task) {
+  task.run();
+}
+template <class Task>
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void run_avx512(const Task& task) {
+  task.run();
+}
+#endif
+}  // namespace target_detail
+
+template <class Task>
+auto best_loop() -> void (*)(const Task&) {
+#if defined(__x86_64__)
+  if (target() == Target::avx512) return target_detail::run_avx512<Task>;
+  if (target() == Target::avx2) return target_detail::run_avx2<Task>;
+#endif
+  return target_detail::run_baseline<Task>;
+}
+
+}  // namespace epafi

@@ -1,0 +1,295 @@
+#include "laws/nonsmooth/lane_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/parallel.h"
+#include "engine/targets.h"
+#include "laws/nonsmooth/normal_rule.h"
+#include "laws/nonsmooth/solvers/pgs.h"
+
+namespace epafi {
+
+namespace {
+
+constexpr std::size_t grain = 16;  // groups of four pairs: some 5 us, a fork costs 2 us
+constexpr std::uint32_t most_sorted = 8;
+
+/// Four bodies side by side.
+template <bool Rotates, class Rule>
+struct FourBodies {
+  using Body = typename LaneSweep<Rotates, Rule>::Body;
+  Lanes3 velocity, angular_velocity;
+  Lanes inverse_mass, xx, yy, zz, xy, xz, yz;
+
+  EPAFI_LANES void gather(const Body* bodies, const std::array<Slot, lane_count>& s) {
+    const Body &p = bodies[s[0]], &q = bodies[s[1]], &m = bodies[s[2]], &n = bodies[s[3]];
+    load(p.velocity, q.velocity, m.velocity, n.velocity, velocity.x, velocity.y, velocity.z, inverse_mass);
+    if constexpr (Rotates) {
+      Lanes none;
+      load(p.angular_velocity, q.angular_velocity, m.angular_velocity, n.angular_velocity, angular_velocity.x,
+           angular_velocity.y, angular_velocity.z, none);
+      load(p.inertia_diagonal, q.inertia_diagonal, m.inertia_diagonal, n.inertia_diagonal, xx, yy, zz, none);
+      load(p.inertia_rest, q.inertia_rest, m.inertia_rest, n.inertia_rest, xy, xz, yz, none);
+    }
+  }
+  EPAFI_LANES static void load(Lanes p, Lanes q, Lanes m, Lanes n, Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+    transpose(p, q, m, n);
+    a = p, b = q, c = m, d = n;
+  }
+
+  /// Bodies that cannot move are shared by the pairs of a colour and never written.
+  EPAFI_LANES void scatter(Body* bodies, const std::array<Slot, lane_count>& s) const {
+    Lanes v[lane_count] = {velocity.x, velocity.y, velocity.z, inverse_mass};
+    transpose(v[0], v[1], v[2], v[3]);
+    Lanes w[lane_count] = {};
+    if constexpr (Rotates) {
+      w[0] = angular_velocity.x, w[1] = angular_velocity.y, w[2] = angular_velocity.z;
+      transpose(w[0], w[1], w[2], w[3]);
+    }
+    for (std::size_t l = 0; l < lane_count; ++l) {
+      if (!(inverse_mass[l] > 0.0)) continue;
+      bodies[s[l]].velocity = v[l];
+      if constexpr (Rotates) bodies[s[l]].angular_velocity = w[l];
+    }
+  }
+
+  EPAFI_LANES void apply(const Lanes3& impulse, const Lanes3* arm) {
+    velocity = velocity + inverse_mass * impulse;
+    if constexpr (Rotates) {
+      const Lanes3 m = arm->cross(impulse);
+      angular_velocity = angular_velocity + Lanes3{xx * m.x + xy * m.y + xz * m.z, xy * m.x + yy * m.y + yz * m.z,
+                                                   xz * m.x + yz * m.y + zz * m.z};
+    }
+  }
+};
+
+/// u = H^T v + w.
+template <bool Rotates, class Rule>
+EPAFI_LANES void velocities(const typename LaneSweep<Rotates, Rule>::Row& row, const FourBodies<Rotates, Rule>& a,
+                            const FourBodies<Rotates, Rule>& b, Lanes (&u)[Rule::rows]) {
+  Lanes3 slip = b.velocity - a.velocity;
+  if constexpr (Rotates) slip = slip + b.angular_velocity.cross(row.arm_b) - a.angular_velocity.cross(row.arm_a);
+  for (int i = 0; i < Rule::rows; ++i) u[i] = row.offset[i] + row.axis[i].dot(slip);
+}
+
+/// The squared natural map of some groups (cone.h), each into a place of its own.
+template <bool Rotates, class Rule>
+struct NaturalMapTask {
+  using Sweep = LaneSweep<Rotates, Rule>;
+  const typename Sweep::Group *begin, *end;
+  const typename Sweep::Row* rows;
+  const typename Sweep::Body* bodies;
+  double* out;
+  double rho;
+
+  EPAFI_LANES void run() const {
+    double* to = out;
+    for (const auto* group = begin; group != end; ++group) {
+      FourBodies<Rotates, Rule> a, b;
+      a.gather(bodies, group->a), b.gather(bodies, group->b);
+      Lanes sum{};
+      for (std::uint32_t k = group->begin; k < group->end; ++k) sum += of_row(rows[k], a, b);
+      *to++ = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    }
+  }
+
+  EPAFI_LANES Lanes of_row(const typename Sweep::Row& row, const FourBodies<Rotates, Rule>& a,
+                           const FourBodies<Rotates, Rule>& b) const {
+    Lanes u[3];
+    velocities<Rotates, Rule>(row, a, b, u);
+    const Lanes mu = row.friction, slip = sqrt(u[1] * u[1] + u[2] * u[2]);
+    const Lanes n = row.r[0] - rho * (u[0] + mu * slip), t1 = row.r[1] - rho * u[1], t2 = row.r[2] - rho * u[2];
+    const Lanes t = sqrt(t1 * t1 + t2 * t2), foot = (n + mu * t) / (1.0 + mu * mu);
+    const LaneMask inside = (n >= Lanes{}) & (t <= mu * n), polar = mu * t <= -n;
+    const Lanes on = select(inside, n, foot), scale = select(inside, lanes(1.0), mu * foot / max(t, lanes(1e-300)));
+    const Lanes d0 = row.r[0] - select(polar, Lanes{}, on), d1 = row.r[1] - select(polar, Lanes{}, scale * t1),
+                d2 = row.r[2] - select(polar, Lanes{}, scale * t2);
+    return select(row.data.step_n > Lanes{}, d0 * d0 + d1 * d1 + d2 * d2, Lanes{});
+  }
+};
+
+/// Some groups of one colour, one after the other.
+template <bool Rotates, class Rule>
+struct ColorTask {
+  using Sweep = LaneSweep<Rotates, Rule>;
+  const typename Sweep::Group *begin, *end;
+  typename Sweep::Row* rows;
+  typename Sweep::Body* bodies;
+  double* change;
+  Rule rule;
+
+  EPAFI_LANES void run() const {
+    double* out = change;
+    for (const auto* group = begin; group != end; ++group) *out++ = update(*group);
+  }
+
+  EPAFI_LANES double update(const typename Sweep::Group& group) const {
+    FourBodies<Rotates, Rule> a, b;
+    a.gather(bodies, group.a), b.gather(bodies, group.b);
+    Lanes sum{};
+    for (std::uint32_t k = group.begin; k < group.end; ++k) update(rows[k], a, b, sum);
+    a.scatter(bodies, group.a), b.scatter(bodies, group.b);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+
+  EPAFI_LANES void update(typename Sweep::Row& row, FourBodies<Rotates, Rule>& a, FourBodies<Rotates, Rule>& b,
+                          Lanes& sum) const {
+    Lanes u[Rule::rows], r[Rule::rows];
+    velocities<Rotates, Rule>(row, a, b, u);
+    for (int i = 0; i < Rule::rows; ++i) r[i] = row.r[i];
+    rule.update(row.data, row.friction, r, u);
+    Lanes3 impulse{};
+    for (int i = 0; i < Rule::rows; ++i) {
+      const Lanes d = r[i] - row.r[i];
+      row.r[i] = r[i];
+      impulse = impulse + d * row.axis[i];
+      sum += d * d;
+    }
+    const Lanes3 *arm_a = nullptr, *arm_b = nullptr;
+    if constexpr (Rotates) arm_a = &row.arm_a, arm_b = &row.arm_b;
+    a.apply(-impulse, arm_a);
+    b.apply(impulse, arm_b);
+  }
+};
+
+void set(Lanes3& to, std::size_t lane, const Vec3& x) { to.x[lane] = x.x(), to.y[lane] = x.y(), to.z[lane] = x.z(); }
+
+template <class Row, class Rule>
+void load_lane(const ContactProblem& problem, std::size_t i, double offset, const Vec3* lag, const Vec3& r,
+               std::size_t lane, Row& row) {
+  const Vec3* axes[] = {&problem.frame[i].normal, &problem.frame[i].tangent1, &problem.frame[i].tangent2};
+  for (int k = 0; k < Rule::rows; ++k) {
+    set(row.axis[k], lane, *axes[k]);
+    row.offset[k][lane] = (lag != nullptr ? (*lag)[k] : 0.0) + (k == 0 ? offset : 0.0);
+    row.r[k][lane] = r[k];
+  }
+  row.friction[lane] = problem.friction[i];
+  Rule::pack(problem.diagonal[i], row.data, lane);
+  if constexpr (requires { row.arm_a; }) set(row.arm_a, lane, problem.arm_a[i]), set(row.arm_b, lane, problem.arm_b[i]);
+}
+
+}  // namespace
+
+template <bool Rotates, LaneRule Rule>
+void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const std::vector<double>& offset,
+                                    const std::vector<Vec3>& lag, const Coloring& coloring, const Impulses& r,
+                                    const BodyVelocities& v) {
+  load_bodies(problem, v);
+  form_groups(coloring);
+  rows_.resize(groups_.empty() ? 0 : groups_.back().end);
+  change_.resize(groups_.size());
+  parallel_for(
+      groups_.size(),
+      [&](std::size_t g) {
+        const Group& group = groups_[g];
+        for (std::uint32_t k = group.begin; k < group.end; ++k) {
+          if (const auto least = *std::min_element(group.count.begin(), group.count.end()); k - group.begin >= least)
+            rows_[k] = Row{};
+          for (std::size_t lane = 0; lane < lane_count; ++lane)
+            if (const std::size_t i = group.first[lane] + k - group.begin; k - group.begin < group.count[lane])
+              load_lane<Row, Rule>(problem, i, offset[i], lag.empty() ? nullptr : &lag[i], r[i], lane, rows_[k]);
+        }
+      },
+      grain);
+}
+
+template <bool Rotates, LaneRule Rule>
+void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const BodyVelocities& v) {
+  const std::size_t n = problem.inverse_mass.size();
+  bodies_.resize(n + 1);
+  bodies_[n] = Body{};
+  parallel_for(n, [&](std::size_t s) {
+    Body& body = bodies_[s];
+    const Vec3& x = v.linear[s];
+    body.velocity = Lanes{x.x(), x.y(), x.z(), problem.inverse_mass[s]};
+    if constexpr (Rotates) {
+      const Vec3& w = v.angular[s];
+      const Mat3& j = problem.inverse_inertia[s];
+      body.angular_velocity = Lanes{w.x(), w.y(), w.z(), 0.0};
+      body.inertia_diagonal = Lanes{j(0, 0), j(1, 1), j(2, 2), 0.0};
+      body.inertia_rest = Lanes{j(0, 1), j(0, 2), j(1, 2), 0.0};
+    }
+  });
+}
+
+/// Within a colour those of most points first; pairs of a colour that runs in sequence get a group each.
+template <bool Rotates, LaneRule Rule>
+void LaneSweep<Rotates, Rule>::form_groups(const Coloring& coloring) {
+  groups_.clear(), begin_.assign(1, 0);
+  for (std::size_t c = 0; c < coloring.colors(); ++c) {
+    const std::span pairs(coloring.groups().data() + coloring.begin(c), coloring.begin(c + 1) - coloring.begin(c));
+    has_sequence_ = coloring.in_sequence(c);
+    sorted_.clear();
+    for (std::uint32_t points = most_sorted; points >= 1; --points)
+      for (const ContactGroup& pair : pairs)
+        if (std::min(pair.count, most_sorted) == points) sorted_.push_back(&pair);
+    const std::size_t each = has_sequence_ ? 1 : lane_count;
+    for (std::size_t k = 0; k < sorted_.size(); k += each)
+      append(std::span(sorted_).subspan(k, std::min(each, sorted_.size() - k)));
+    begin_.push_back(groups_.size());
+  }
+}
+
+template <bool Rotates, LaneRule Rule>
+void LaneSweep<Rotates, Rule>::append(std::span<const ContactGroup* const> pairs) {
+  Group group{};
+  group.a.fill(static_cast<Slot>(bodies_.size() - 1)), group.b = group.a;
+  std::uint32_t rows = 0;
+  for (std::size_t lane = 0; lane < pairs.size(); ++lane) {
+    const ContactGroup& pair = *pairs[lane];
+    group.a[lane] = pair.a, group.b[lane] = pair.b, group.first[lane] = pair.first, group.count[lane] = pair.count;
+    rows = std::max(rows, pair.count);
+  }
+  group.begin = groups_.empty() ? 0 : groups_.back().end;
+  group.end = group.begin + rows;
+  groups_.push_back(group);
+}
+
+template <bool Rotates, LaneRule Rule>
+double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
+  const auto loop = best_loop<ColorTask<Rotates, Rule>>();
+  const auto some = [&](std::size_t begin, std::size_t end) {
+    loop({groups_.data() + begin, groups_.data() + end, rows_.data(), bodies_.data(), change_.data() + begin, rule});
+  };
+  for (std::size_t c = 0; c + 1 < begin_.size(); ++c) {
+    const std::size_t first = begin_[c], n = begin_[c + 1] - first;
+    if (has_sequence_ && c + 2 == begin_.size()) some(first, first + n);
+    else parallel_blocks(n, grain, [&](std::size_t b, std::size_t e, std::size_t) { some(first + b, first + e); });
+  }
+  double sum = 0.0;
+  for (const double change : change_) sum += change;
+  return sum;
+}
+
+template <bool Rotates, LaneRule Rule>
+void LaneSweep<Rotates, Rule>::store(Impulses& r) const {
+  parallel_for(
+      groups_.size(),
+      [&](std::size_t g) {
+        const Group& group = groups_[g];
+        for (std::size_t lane = 0; lane < lane_count; ++lane)
+          for (std::uint32_t k = 0; k < group.count[lane]; ++k)
+            for (int i = 0; i < Rule::rows; ++i) r[group.first[lane] + k][i] = rows_[group.begin + k].r[i][lane];
+      },
+      grain);
+}
+
+template <bool Rotates, LaneRule Rule>
+double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::rows == 3) {
+  const auto loop = best_loop<NaturalMapTask<Rotates, Rule>>();
+  squares_.resize(groups_.size());
+  parallel_blocks(groups_.size(), grain, [&](std::size_t b, std::size_t e, std::size_t) {
+    loop({groups_.data() + b, groups_.data() + e, rows_.data(), bodies_.data(), squares_.data() + b, rho});
+  });
+  double sum = 0.0;
+  for (const double square : squares_) sum += square;
+  return std::sqrt(sum);
+}
+
+template class LaneSweep<true, PgsRule>;
+template class LaneSweep<false, PgsRule>;
+template class LaneSweep<true, NormalRule>;
+template class LaneSweep<false, NormalRule>;
+
+}  // namespace epafi

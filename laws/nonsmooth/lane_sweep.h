@@ -1,0 +1,83 @@
+/// @file lane_sweep.h  The sweeps of sweep.h for rules that serve four contacts at a time: four pairs of a colour go
+/// side by side, both bodies of each in registers over the points of its manifold. Pairs of a colour are sorted by
+/// their number of points, so that few lanes stay empty. Rates: perf/solvers.cpp.
+#pragma once
+#include <array>
+#include <span>
+#include <type_traits>
+
+#include "engine/lanes.h"
+#include "laws/nonsmooth/coloring.h"
+#include "laws/nonsmooth/contact_problem.h"
+
+namespace epafi {
+
+/// A local rule for lanes: how many rows of a contact it has (1: normal; 3: and both tangents), what of W_ii it keeps
+/// and r from u. All 0 must leave r = 0: that is an empty lane.
+template <class R>
+concept LaneRule = requires(const R& rule, typename R::LaneData& data, const Mat3& block, Lanes mu,
+                            Lanes (&r)[R::rows], const Lanes (&u)[R::rows]) {
+  R::pack(block, data, 0);
+  rule.update(data, mu, r, u);  ///< changes r
+};
+
+template <bool Rotates, LaneRule Rule>
+class LaneSweep {
+ public:
+  /// Packs the problem; velocities start as v (those of r).
+  void load(const ContactProblem& problem, const Coloring& coloring, const Impulses& r, const BodyVelocities& v) {
+    load(problem, problem.offset, problem.lag, coloring, r, v);
+  }
+  /// With another w than that of the problem.
+  void load(const ContactProblem& problem, const std::vector<double>& offset, const std::vector<Vec3>& lag,
+            const Coloring& coloring, const Impulses& r, const BodyVelocities& v);
+  /// One update of every contact; returns the sum of |change of r|^2.
+  double run(const Rule& rule);
+  void store(Impulses& r) const;
+  /// || r - P_K(r - rho u~) || over all contacts, u from the velocities as the updates have left them (residual.h).
+  double natural_map(double rho) const requires(Rule::rows == 3);
+
+  /// What the rows have made of the velocities of body s.
+  Vec3 linear(Slot s) const { return {bodies_[s].velocity[0], bodies_[s].velocity[1], bodies_[s].velocity[2]}; }
+  Vec3 angular(Slot s) const requires Rotates {
+    const Lanes& w = bodies_[s].angular_velocity;
+    return {w[0], w[1], w[2]};
+  }
+
+  struct Nothing {};
+  struct Rotation {
+    Lanes angular_velocity, inertia_diagonal, inertia_rest;  ///< inverse: xx yy zz, xy xz yz
+  };
+  struct alignas(32) Body : std::conditional_t<Rotates, Rotation, Nothing> {
+    Lanes velocity;  ///< and the inverse mass
+  };
+  struct Arms {
+    Lanes3 arm_a, arm_b;
+  };
+  struct alignas(32) Row : std::conditional_t<Rotates, Arms, Nothing> {
+    Lanes3 axis[Rule::rows];
+    Lanes offset[Rule::rows], r[Rule::rows], friction;
+    typename Rule::LaneData data;
+  };
+  struct Group {
+    std::array<Slot, lane_count> a, b;
+    std::uint32_t begin, end;                      ///< rows
+    std::array<std::uint32_t, lane_count> first, count;  ///< contacts of row `begin`, and how many
+  };
+
+ private:
+  void load_bodies(const ContactProblem& problem, const BodyVelocities& v);
+  void form_groups(const Coloring& coloring);
+  void append(std::span<const ContactGroup* const> pairs);
+
+  std::vector<Body> bodies_;  ///< the last one is that of empty lanes
+  std::vector<Row> rows_;
+  std::vector<Group> groups_;
+  std::vector<std::size_t> begin_;  ///< of each colour in groups_
+  std::vector<double> change_;
+  mutable std::vector<double> squares_;
+  std::vector<const ContactGroup*> sorted_;
+  bool has_sequence_ = false;  ///< the last colour runs in sequence
+};
+
+}  // namespace epafi
