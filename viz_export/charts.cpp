@@ -163,18 +163,28 @@ bool draw(const KindMap& map, const fs::path& path) {
       if (c.kind == kind) text += fmt::format("{} {}\n", c.x, c.y);
     if (text.empty()) continue;
     data += text + "\n\n";
-    const char* rgb = kind == 0 ? "#009E73" : colours[(kind - 1) % std::size(colours)];
+    // green, vermilion, blue, then the rest in order
+    const char* rgb = colours[kind == 0 ? 2 : kind == 1 ? 1 : kind == 2 ? 0 : kind % std::size(colours)];
     parts += fmt::format("{}'{}' index {} with points pt {} ps 2 lc rgb '{}' title {}",
                          parts.empty() ? "plot " : ", \\\n  ", name, index++, kind == 0 ? 7 : 5,
-                         kind == 0 ? rgb : (kind == 1 ? "#D55E00" : rgb), quoted(map.kinds[kind]));
+                         rgb, quoted(map.kinds[kind]));
   }
   if (!map.curve.empty()) {
     data += block(map.curve);
     parts += fmt::format("{}'{}' index {} with lines lw 3 dt 2 lc rgb '#000000' title {}",
                          parts.empty() ? "plot " : ", \\\n  ", name, index++, quoted(map.curve_label));
   }
-  std::string settings =
-      frame(map.title, map.x_label, map.y_label) + "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n";
+  std::string settings = frame(map.title, map.x_label, map.y_label);
+  for (const std::size_t axis : {0, 1}) {  // a little beyond the outermost cells: gnuplot's own range ends at decades
+    double low = INFINITY, high = -INFINITY;
+    for (const auto& c : map.cells) low = std::min(low, axis == 0 ? c.x : c.y), high = std::max(high, axis == 0 ? c.x : c.y);
+    for (const auto& p : map.curve) low = std::min(low, p[axis]), high = std::max(high, p[axis]);
+    if (!(high > low)) continue;
+    const bool log = axis == 0 ? map.log_x : map.log_y;
+    const double room = log ? std::pow(high / low, 0.06) : 0.06 * (high - low);
+    settings += fmt::format("set {}range [{}:{}]\n", axis == 0 ? 'x' : 'y', log ? low / room : low - room,
+                            log ? high * room : high + room);
+  }
   if (!map.y_names.empty()) {
     settings += "set ytics (";
     for (std::size_t k = 0; k < map.y_names.size(); ++k)

@@ -42,7 +42,7 @@ def settle():
     """Positions and radii of the settled bed, and the side of its box."""
     folder = os.path.join(o.out, "settled_%d" % o.n)
     if not os.path.exists(os.path.join(folder, "snapshots.csv")):
-        subprocess.run([program, "run", scene, "--set", "params.n=%d" % o.n, "-q", "--force", "--least-output", "-o", folder], check=True)
+        subprocess.run([program, "run", scene, "--set", "params.n=%d" % o.n, "-t", "1", "-q", "--force", "--least-output", "-o", folder], check=True)
         subprocess.run([program, "export", folder, "--format", "csv"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     with open(os.path.join(folder, "snapshots.csv")) as file:  # walls have no radius
         rows = [r for r in csv.DictReader(file) if 0 < float(r["radius"]) < numpy.inf]

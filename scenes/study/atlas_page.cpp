@@ -65,7 +65,7 @@ std::string measured_text(const LimitMap& map, const std::string& stem, const st
   std::string out = head("limits", stem, map.study.title, pictures);
   const bool two = map.study.parameters.size() == 2, theory = !map.study.theory.empty();
   const std::string& what = map.study.parameters.back().label;
-  out += "| method | " + (two ? map.study.parameters.front().label + " | " : std::string{}) + what + ": last good | first failing | kind |" +
+  out += "| method | " + (two ? map.study.parameters.front().label + " | " : std::string{}) + what + ": good | failing | kind of failure |" +
          (theory ? " " + (map.study.theory_label.empty() ? "theory" : map.study.theory_label) + " |" : "") + "\n|---|---|---|---|" +
          (two ? "---|" : "") + (theory ? "---|" : "") + "\n";
   for (const Limit& l : map.limits) {

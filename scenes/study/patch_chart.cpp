@@ -85,7 +85,7 @@ LimitCase judge_patch_case(const Study& study, std::size_t method, const std::ve
     const double error = error_of(f.quantity, r, truth);
     c.detail = fmt::format("{} = {:.3g}", f.quantity, error);
     if (!(error > f.limit)) continue;
-    c.status = "failed", c.kind = r.reasons.empty() ? "wrong in silence" : "wrong, said so";
+    c.status = "failed", c.kind = r.reasons.empty() ? "wrong in silence" : "wrong but said so";
     break;
   }
   return c;

@@ -275,9 +275,9 @@ TEST_CASE("the limit of Gauss-Seidel on a column lies within a fifth of 0.93 n^2
     CHECK(l.kind == "did not converge");
   }
   const std::size_t cases = map.cases.size();
-  const auto before = std::filesystem::last_write_time(folder.path() / "method_00_5_1" / "summary.json");
+  const auto before = std::filesystem::last_write_time(folder.path() / "method_00_5_10" / "summary.json");
   CHECK(run_limits(study, folder.path(), 1, silent).cases.size() == cases);  // nothing is run again
-  CHECK(std::filesystem::last_write_time(folder.path() / "method_00_5_1" / "summary.json") == before);
+  CHECK(std::filesystem::last_write_time(folder.path() / "method_00_5_10" / "summary.json") == before);
 }
 
 TEST_CASE("a sweep lists its cases, skips finished ones and collects a row each", "[scenes][study]") {
