@@ -210,8 +210,9 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   } else {
     double smallest = infinity;
     for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
-    plan.reach = std::isfinite(smallest) ? 0.02 * smallest : 0.0;
-    plan.resting_reach = 0.25 * plan.reach;
+    // Impacts at their own times are foreseen: all that the bodies move in a step, to a quarter of the smallest.
+    plan.reach = std::isfinite(smallest) ? (locates_impacts(scene) ? 0.25 : 0.02) * smallest : 0.0;
+    plan.resting_reach = std::isfinite(smallest) ? 0.005 * smallest : 0.0;
   }
   plan_fused_spheres(scene, shapes, plan);
   plan_railway(scene, use, plan);

@@ -3,6 +3,7 @@
 #include <queue>
 
 #include "engine/parallel.h"
+#include "engine/rotation.h"
 #include "laws/nonsmooth/solvers/nsgs.h"
 
 namespace epafi {
@@ -107,12 +108,18 @@ void Impacts::sequential(const Step& step) {
   std::vector<double> gap = step.gap, since(n, 0.0);
   std::vector<std::uint32_t> stamp(n, 0);
   std::priority_queue<Event, std::vector<Event>, std::greater<>> queue;
+  const auto gravity = [&](std::size_t i) { return 2.0 * pull_[i] / step.dt; };  // closes the gap, [m/s^2]
   const auto expect = [&](std::uint32_t i, double now) {
     if (impact_.diagonal[i](0, 0) <= 0.0 || approach_[i] <= threshold_) return;
-    if (gap[i] > 0.0 && gap[i] >= (step.dt - now) * (approach_[i] + pull_[i])) return;
-    queue.push({now + std::max(0.0, gap[i]) / approach_[i], i, stamp[i]});
+    const double g = std::max(0.0, gap[i]), root = approach_[i] * approach_[i] + 2.0 * gravity(i) * g;
+    if (root < 0.0) return;  // turns round before it touches
+    const double later = 2.0 * g / (approach_[i] + std::sqrt(root));
+    if (now + later < step.dt) queue.push({now + later, i, stamp[i]});
   };
-  for (std::uint32_t i = 0; i < n; ++i) expect(i, 0.0);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (gap[i] > 0.0) gap[i] -= 0.25 * step.dt * pull_[i];  // bodies are found where v_k alone took them in half a step
+    expect(i, 0.0);
+  }
   std::uint64_t done = 0;
   while (!queue.empty() && done < most_events * n) {
     const Event event = queue.top();
@@ -120,16 +127,18 @@ void Impacts::sequential(const Step& step) {
     const std::uint32_t i = event.contact;
     if (event.stamp != stamp[i]) continue;
     Vec3 q = impact_.relative_velocity(i, v);
-    q.x() *= 1.0 + step.restitution[i];
+    q.x() = (1.0 + step.restitution[i]) * (q.x() - gravity(i) * event.time);
     const Vec3 r = NsgsRule::solve(NsgsRule::pack(impact_.diagonal[i]), impact_.friction[i], q);
     push(v, i, r);
+    push(shift_, i, -event.time * r);
     r_[i] += r, ++done;
     for (const Slot s : {impact_.a[i], impact_.b[i]}) {
       if (!impact_.is_free(s)) continue;
       impact_.incidence.for_each(s, [&](std::uint32_t k, double) {
-        gap[k] -= approach_[k] * (event.time - since[k]), since[k] = event.time;
+        const double passed = event.time - since[k];
+        gap[k] -= (approach_[k] + 0.5 * gravity(k) * passed) * passed, since[k] = event.time;
         if (k == i) gap[k] = std::min(gap[k], 0.0);  // closed, whatever rounding says
-        approach_[k] = -impact_.relative_velocity(k, v).x();
+        approach_[k] = -impact_.relative_velocity(k, v).x() + gravity(k) * event.time;
         ++stamp[k];
         expect(k, event.time);
       });
@@ -148,12 +157,27 @@ bool Impacts::apply(ContactProblem& problem, const Step& step, ContactSolver& so
   middle(impact_.free.linear, step.before.linear), middle(impact_.free.angular, step.before.angular);
   impact_.offset.assign(problem.size(), 0.0);
   r_.assign(problem.size(), Vec3::Zero());
+  shift_.linear.assign(problem.free.linear.size(), Vec3::Zero());
+  shift_.angular.assign(problem.free.angular.size(), Vec3::Zero());
   if (law_ == ImpactLaw::poisson)
     poisson(step, solver);
   else
     sequential(step);
   for (std::size_t i = 0; i < problem.size(); ++i) push(problem.free, i, r_[i]);
   return true;
+}
+
+double Impacts::move(World& world) const {
+  double work = 0.0;
+  for (std::size_t k = 0; k < world.size(); ++k) {
+    const auto s = static_cast<Slot>(k);
+    if (!world.is_movable(s)) continue;
+    world.position[s] += shift_.linear[k];
+    if (world.has_orientation() && !shift_.angular.empty() && !shift_.angular[k].isZero(0.0))
+      world.orientation[s] = turned(world.orientation[s], shift_.angular[k]);
+    work -= world.free_acceleration(s).dot(shift_.linear[k]) / world.inverse_mass[s];
+  }
+  return work;
 }
 
 }  // namespace epafi

@@ -12,6 +12,10 @@
 ///   sequential  one contact at a time in the order of closing within the drift to the next middle (event-driven;
 ///   Ivanov
 ///               1995): u_N+ = -e u_N-, friction on the exact cone, then the velocities of its neighbours are new.
+///               Impacts are located: with gravity until then in u_N-, and a body struck at time t after the middle is
+///               put where it would be, -t dv from where the step takes it: a ball falling freely bounces exactly, at any
+///               dt. Its place at the end of the step is on the parabola after the impact, even where that is still to
+///               come: below the floor by up to dt/2 times its speed.
 ///               Newton's cradle sends the last ball off; Galperin's billiard counts pi. Ties go by contact order, so
 ///               that a ball that strikes two touching ones at once is not treated symmetrically. With e < 1 chains of
 ///               ever smaller impacts end at the threshold; those left after `most_events` per contact are stopped
@@ -46,6 +50,9 @@ class Impacts {
   bool apply(ContactProblem& problem, const Step& step, ContactSolver& solver);
 
   const Impulses& impulses() const { return r_; }
+  /// Moves the bodies to where impacts at their own times have them at the next detection, and returns the potential
+  /// energy that they gain by it [J].
+  double move(World& world) const;
   std::uint64_t events() const {
     return events_;
   }                                             ///< impacts so far: contacts that closed (poisson), events (sequential)
@@ -61,6 +68,7 @@ class Impacts {
   ImpactLaw law_;
   ContactProblem impact_;  ///< of the middle of the step; contacts that stay open have W_ii = 0
   Impulses r_, r_c_;
+  BodyVelocities shift_;  ///< of positions, by impacts after the middle [m], [rad]
   std::vector<double> approach_;            ///< at the middle [m/s]
   std::vector<double> pull_;                ///< what half a step of gravity adds to it [m/s]
   double threshold_ = 0.0, fastest_ = 0.0;  ///< of this step [m/s]

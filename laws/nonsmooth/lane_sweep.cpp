@@ -254,8 +254,10 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
   };
   for (std::size_t c = 0; c + 1 < begin_.size(); ++c) {
     const std::size_t first = begin_[c], n = begin_[c + 1] - first;
-    if (has_sequence_ && c + 2 == begin_.size()) some(first, first + n);
-    else parallel_blocks(n, grain, [&](std::size_t b, std::size_t e, std::size_t) { some(first + b, first + e); });
+    if (has_sequence_ && c + 2 == begin_.size())
+      some(first, first + n);
+    else
+      parallel_blocks(n, grain, [&](std::size_t b, std::size_t e, std::size_t) { some(first + b, first + e); });
   }
   double sum = 0.0;
   for (const double change : change_) sum += change;

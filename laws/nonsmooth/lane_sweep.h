@@ -15,8 +15,8 @@ namespace epafi {
 /// A local rule for lanes: how many rows of a contact it has (1: normal; 3: and both tangents), what of W_ii it keeps
 /// and r from u. All 0 must leave r = 0: that is an empty lane.
 template <class R>
-concept LaneRule = requires(const R& rule, typename R::LaneData& data, const Mat3& block, Lanes mu,
-                            Lanes (&r)[R::rows], const Lanes (&u)[R::rows]) {
+concept LaneRule = requires(const R& rule, typename R::LaneData& data, const Mat3& block, Lanes mu, Lanes (&r)[R::rows],
+                            const Lanes (&u)[R::rows]) {
   R::pack(block, data, 0);
   rule.update(data, mu, r, u);  ///< changes r
 };
@@ -61,7 +61,7 @@ class LaneSweep {
   };
   struct Group {
     std::array<Slot, lane_count> a, b;
-    std::uint32_t begin, end;                      ///< rows
+    std::uint32_t begin, end;                            ///< rows
     std::array<std::uint32_t, lane_count> first, count;  ///< contacts of row `begin`, and how many
   };
 

@@ -196,6 +196,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
   account(world, report);
   write_back(world, contacts, clock.dt);
+  if (impact) report.dissipated -= impacts_.move(world);  // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
   report.correction = correction_.apply(problem_, contacts, next_gap_, world);
 }
 
