@@ -90,6 +90,20 @@ TEST_CASE("two cards stand or slide at 2 % of the friction of the floor (A29)", 
   }
 }
 
+TEST_CASE("two cards stand for a minute, and so does a house of three levels (A29)", "[physics][A29][slow]") {
+  for (const double beta : {10.0, 20.0, 30.0}) {
+    INFO("beta " << beta);
+    const double mu = 0.5 * (std::tan(beta * M_PI / 180.0) - 0.004);
+    CHECK(moved("stability/cards.toml", {set("params.beta", beta), set("params.mu_floor", 1.05 * mu)}, 60.0) < 1e-7);
+  }
+  CHECK(moved("stability/card_house.toml", {}, 60.0) < 1e-6);
+}
+
+TEST_CASE("a card house of three levels stands with friction 0.7 and falls with 0.15 (A29)", "[physics][A29]") {
+  CHECK(moved("stability/card_house.toml", {}, 4.0) < 1e-7);
+  CHECK(moved("stability/card_house.toml", {"params.mu=0.15"}, 2.0) > 0.1);
+}
+
 TEST_CASE("the harmonic overhang stands at 0.99 and falls at 1.01 of its blocks' offsets (A30)", "[physics][A30]") {
   for (const int n : {4, 5, 10}) {
     INFO(n << " blocks");
