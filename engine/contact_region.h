@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/gap_field.h"
+#include "engine/gap_operator.h"
 
 namespace epafi {
 
@@ -43,6 +44,12 @@ class GapSource {
   /// Cells dx by dy, centred on (x, y) of the region's tangent plane.
   virtual GapField field(const ContactRegion& region, double x, double y, double dx, double dy, std::size_t nx,
                          std::size_t ny) const = 0;
+  /// Gaps between two meshes of triangles over these nodes, outward counter-clockwise: of `second` to its projection on
+  /// `first`, up to `band` on either side [m].
+  virtual std::unique_ptr<GapOperator> gaps_between(GapMethod method, std::span<const Vec3> nodes,
+                                                    std::span<const std::array<std::uint32_t, 3>> first,
+                                                    std::span<const std::array<std::uint32_t, 3>> second,
+                                                    double band) const = 0;
 };
 
 }  // namespace epafi

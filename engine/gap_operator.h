@@ -2,6 +2,8 @@
 /// between surface search (node-to-surface, surface-to-surface) and the methods that enforce contact on finite
 /// elements.
 #pragma once
+#include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,8 +18,12 @@ struct GapRows {
   std::vector<Vec3> normal;                ///< unit, from the first surface to the second
   std::vector<std::uint32_t> begin, node;  ///< CSR over candidates
   std::vector<double> weight;
-  void clear() { gap.clear(), normal.clear(), begin.assign(1, 0), node.clear(), weight.clear(); }
+  std::vector<double> area;  ///< of the second surface that the candidate stands for [m^2]; empty: not told
+  void clear() { gap.clear(), normal.clear(), begin.assign(1, 0), node.clear(), weight.clear(), area.clear(); }
 };
+
+/// Candidates are the nodes of the second surface, or integration points of its triangles.
+enum class GapMethod { node_to_surface, surface_to_surface };
 
 class GapOperator {
  public:

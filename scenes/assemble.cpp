@@ -47,7 +47,6 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
 
 BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
   const BodyId id = a.simulation->world.add(make_body(a, shape, spec, place));
-  a.body_names.push_back(spec.name);
   auto& events = a.simulation->events;
   if (spec.motion) events.push_back(std::make_unique<DriveBody>(id, *spec.motion, spec.position));
   if (spec.servo) events.push_back(std::make_unique<ServoWall>(id, *spec.servo));
@@ -94,7 +93,6 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
     if (((fill.region.max - fill.region.min).array() < 2 * shape.radius).any())
       throw SceneError("[[fill]]: a body is larger than the region it is poured into", fill.place);
     ids.push_back(a.simulation->world.reserve());
-    a.body_names.push_back(spec.name);
     const Body body = make_body(a, shape, spec, fill.place);
     stream.setup.bodies.push_back({body, ids.back(), stream.time, shape.radius});
     stream.time += fill.rate > 0 ? 1.0 / fill.rate : body.mass / fill.mass_rate;
@@ -168,6 +166,29 @@ Pipeline make_pipeline(Assembly& a) {
   return p;
 }
 
+/// Far from the origin positions have few digits left for gaps (case B10).
+void warn_of_distance(Assembly& a) {
+  const World& world = a.simulation->world;
+  double smallest = infinity, farthest = 0.0;
+  Place place;
+  for (std::size_t k = 0; k < a.scene.bodies.size(); ++k) {
+    const Slot s = world.slot_of(a.body_ids[k]);
+    if (!(world.inverse_mass[s] > 0.0)) continue;
+    smallest = std::min(smallest, a.shapes->bounding_radius({world.shape[s]}));
+    const double distance = world.position[s].cwiseAbs().maxCoeff();
+    if (distance > farthest) farthest = distance, place = a.scene.groups[a.scene.bodies[k].group].place;
+  }
+  const double known = std::nextafter(farthest, infinity) - farthest;
+  constexpr double enough = 1e-11;  // of the radius: bodies at rest overlap by 1e-6 and more of it
+  if (!(known > enough * smallest)) return;
+  a.warnings.push_back(
+      {Problem::Level::warning, place,
+       fmt::format(
+           "bodies stand {:.3g} m from the origin, where positions are known to {:.2g} m: {:.1g} of the smallest "
+           "radius, which gaps and contact forces cannot be better than; move the scene to the origin",
+           farthest, known, known / smallest)});
+}
+
 }  // namespace
 
 std::vector<BodyId> Assembly::ids(const NamedBodies& named) const {
@@ -223,6 +244,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   add_springs(*a);
   add_removals(*a);
   a->warnings = builder.warnings();
+  warn_of_distance(*a);
   set_broad_phase(*a);
   a->time_step = choose_time_step(*a);
   sim.time_step = a->time_step.value;
@@ -235,7 +257,13 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
 
 std::string body_name(const Assembly& a, BodyId id) {
   const auto k = static_cast<std::size_t>(id);
-  return k < a.body_names.size() && !a.body_names[k].empty() ? a.body_names[k] : fmt::format("body {}", k);
+  if (k < a.body_ids.size() && a.body_ids[k] == id && !a.scene.bodies[k].name.empty()) return a.scene.bodies[k].name;
+  for (std::size_t f = 0; f < a.fill_ids.size(); ++f) {  // consecutive ids, in the order of the table
+    const auto& ids = a.fill_ids[f];
+    if (!ids.empty() && ids.front() <= id && id <= ids.back())
+      return fmt::format("{}[{}]", a.scene.fills[f].name, k - static_cast<std::size_t>(ids.front()));
+  }
+  return fmt::format("body {}", k);
 }
 
 }  // namespace epafi

@@ -48,10 +48,10 @@ bool collect_edges(const AxisSide& side, double threshold, const Support& suppor
   for (std::uint32_t k = 0; k < side.own.edges.size(); ++k) {
     const HullEdge& edge = side.own.edges[k];
     const Vec3 &l = side.own.face_normals[edge.left], &r = side.own.face_normals[edge.right];
-    if (!(std::max(side.height[edge.left], side.height[edge.right]) > threshold)) continue;
+    if (!(std::max(side.face.point[edge.left], side.face.point[edge.right]) > threshold)) continue;
     if (!side.sphere_may_exceed(edge, threshold)) continue;
     // One vertex deepest below both faces, now and later: no direction between them is better than these two.
-    const std::uint32_t below_l = side.deepest[edge.left], below_r = side.deepest[edge.right];
+    const std::uint32_t below_l = side.face.deepest[edge.left], below_r = side.face.deepest[edge.right];
     if (below_l == below_r && below_l != AxisSide::unknown && stays(l, below_l) && stays(r, below_r)) continue;
     if (!arc_exceeds(l, deepest(l), r, deepest(r), side.own.vertices[edge.from], threshold, deepest)) continue;
     if (count == most_edges) return false;
@@ -75,20 +75,20 @@ bool AxisSearch::keep_faces(double threshold, AxisReference& out) {
   const auto collect = [&](AxisSide& side, auto& list, std::uint8_t& count, const auto& separation) {
     count = 0;
     for (std::uint32_t f = 0; f < side.own.face_normals.size(); ++f) {
-      if (!(side.height[f] > threshold) || !(side.sphere_bound(f) > threshold)) continue;
+      if (!(side.face.point[f] > threshold) || !(side.sphere_bound(f) > threshold)) continue;
       if (!(separation(f) > threshold)) continue;
       if (count == AxisReference::most_faces) return false;
-      list[count++] = {static_cast<std::uint16_t>(f), static_cast<std::uint16_t>(side.deepest[f])};
+      list[count++] = {static_cast<std::uint16_t>(f), static_cast<std::uint16_t>(side.face.deepest[f])};
     }
     return true;
   };
   const auto on_a = [&](std::uint32_t f) {
-    side_a_.deepest[f] = pair_.support_b(pair_.a.face_normals[f]);
-    return tried_.try_face_a(f, side_a_.deepest[f]);
+    side_a_.face.deepest[f] = pair_.support_b(pair_.a.face_normals[f]);
+    return tried_.try_face_a(f, side_a_.face.deepest[f]);
   };
   const auto on_b = [&](std::uint32_t f) {
-    side_b_.deepest[f] = pair_.support_a(-(pair_.rotation * pair_.b.face_normals[f]));
-    return tried_.try_face_b(f, side_b_.deepest[f]);
+    side_b_.face.deepest[f] = pair_.support_a(-(pair_.rotation * pair_.b.face_normals[f]));
+    return tried_.try_face_b(f, side_b_.face.deepest[f]);
   };
   return collect(side_a_, out.face_a, out.faces_a, on_a) && collect(side_b_, out.face_b, out.faces_b, on_b);
 }
@@ -129,6 +129,7 @@ void AxisSearch::keep(double range, AxisReference& out) {
   const auto fits = [](const PolyhedronView& p) { return p.vertices.size() + p.edges.size() < largest_index; };
   if (!(best().gap < 0.0) || !fits(pair_.a) || !fits(pair_.b)) return;
   look_at_deepest();
+  side_a_.look_at_centre(), side_b_.look_at_centre();
   out.threshold = threshold, out.turn = range / std::max(pair_.a.radius, pair_.b.radius);
   out.rotation = pair_.rotation, out.offset = pair_.offset, out.offset_b = pair_.rotation.transpose() * pair_.offset;
   out.known = keep_faces(threshold, out) && keep_crossings(threshold, out);

@@ -8,37 +8,42 @@ using AxisKind = SeparatingAxis::Kind;
 
 namespace {
 
-std::vector<std::uint32_t>& deepest_of(std::size_t side) {
-  static thread_local std::array<std::vector<std::uint32_t>, 2> deepest;
-  return deepest[side];
-}
-
-std::vector<double>& heights_of(std::size_t side) {
-  static thread_local std::array<std::vector<double>, 2>
-      heights;  // keep their size: no allocation once the largest was seen
-  return heights[side];
+/// Of A and of B.
+std::array<FaceArrays, 2>& face_arrays() {
+  static thread_local std::array<FaceArrays, 2> arrays;
+  return arrays;
 }
 
 }  // namespace
 
-double AxisSide::look_at(const Vec3& x) {
-  height.resize(own.face_normals.size());
-  double highest = -infinity;
-  for (std::size_t f = 0; f < height.size(); ++f) {
-    height[f] = own.face_normals[f].dot(x) - own.face_offsets[f];
-    highest = std::max(highest, height[f]);
-  }
-  return highest;
+void FaceArrays::fit(const PolyhedronView& body) {
+  const std::size_t faces = lane_count * body.face_lanes.size(), edges = lane_count * body.edge_lanes.size();
+  if (point.size() < faces) point.resize(faces), centre.resize(faces), deepest.resize(faces);
+  if (chosen.size() < std::max(faces, edges)) chosen.resize(std::max(faces, edges));
+  std::fill_n(deepest.begin(), body.face_normals.size(), FaceHeights::unknown);
 }
 
-std::uint32_t AxisSide::most_promising() const {
-  std::uint32_t best = 0;
-  double highest = -infinity;
-  for (std::uint32_t f = 0; f < own.face_normals.size(); ++f) {
-    const double h = own.face_normals[f].dot(other_centre) - own.face_offsets[f];
-    if (h > highest) highest = h, best = f;
+void AxisSide::look_at_centre() {
+  if (!knows_centre) hull_kernels().heights(own.face_lanes, other_centre, face.centre.data());
+  knows_centre = true;
+}
+
+std::uint32_t AxisSide::most_promising() {
+  knows_centre = true;
+  return hull_kernels().heights(own.face_lanes, other_centre, face.centre.data());
+}
+
+std::span<const std::uint32_t> AxisSide::promising_edges(double best) {
+  // Heights above a face differ from those above its edges by what a hull's vertices may lie below its planes.
+  const double slack = 4e-12 * own.radius;
+  const std::size_t count =
+      hull_kernels().promising_edges(own.edge_lanes, face, best, other_inner, slack, face.chosen.data());
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint32_t e = face.chosen[k];
+    if (e < own.edges.size() && sphere_may_exceed(own.edges[e], best)) face.chosen[kept++] = e;
   }
-  return best;
+  return {face.chosen.data(), kept};
 }
 
 /// separation(n) <= n.w - inner radius of the other, w from the edge to the other's centre; the largest n.w over
@@ -58,11 +63,10 @@ bool AxisSide::sphere_may_exceed(const HullEdge& edge, double best) const {
 
 AxisSearch::AxisSearch(const PolyhedronPair& pair)
     : pair_(pair),
-      side_a_{pair.a, pair.offset, pair.b.inner_radius, heights_of(0), deepest_of(0)},
-      side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius, heights_of(1), deepest_of(1)},
+      side_a_{pair.a, pair.offset, pair.b.inner_radius, face_arrays()[0]},
+      side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius, face_arrays()[1]},
       tried_(pair) {
-  side_a_.deepest.assign(pair.a.face_normals.size(), AxisSide::unknown);
-  side_b_.deepest.assign(pair.b.face_normals.size(), AxisSide::unknown);
+  side_a_.face.fit(pair.a), side_b_.face.fit(pair.b);
 }
 
 void AxisSearch::start_from(const SeparatingAxis& axis) {
@@ -116,49 +120,62 @@ void AxisSearch::look_at_deepest() {
 }
 
 void AxisSearch::try_face_a(std::uint32_t f) {
-  side_a_.deepest[f] = pair_.support_b(pair_.a.face_normals[f]);
-  tried_.try_face_a(f, side_a_.deepest[f]);
+  side_a_.face.deepest[f] = pair_.support_b(pair_.a.face_normals[f]);
+  tried_.try_face_a(f, side_a_.face.deepest[f]);
 }
 
 void AxisSearch::try_face_b(std::uint32_t f) {
-  side_b_.deepest[f] = pair_.support_a(-(pair_.rotation * pair_.b.face_normals[f]));
-  tried_.try_face_b(f, side_b_.deepest[f]);
+  side_b_.face.deepest[f] = pair_.support_a(-(pair_.rotation * pair_.b.face_normals[f]));
+  tried_.try_face_b(f, side_b_.face.deepest[f]);
 }
 
 void AxisSearch::try_faces() {
-  const auto may_win = [&](const AxisSide& side, std::uint32_t f) {
+  side_a_.look_at_centre(), side_b_.look_at_centre();
+  const auto threshold = [&] {
     const double margin = tried_.margin();
-    const double threshold = std::max(floor_, std::max(tried_.face().gap, tried_.edge().gap - margin)) - margin;
-    return side.height[f] >= threshold && side.sphere_bound(f) >= threshold;
+    return std::max(floor_, std::max(tried_.face().gap, tried_.edge().gap - margin)) - margin;
   };
-  const auto known = [&](AxisKind kind, std::uint32_t f) {
-    const SeparatingAxis& face = tried_.face();
-    return face.kind == kind && f == (kind == AxisKind::face_a ? face.feature_a : face.feature_b);
+  const auto try_each = [&](AxisSide& side, AxisKind kind, const auto& attempt) {
+    const double least = threshold();
+    std::uint32_t* chosen = side.face.chosen.data();
+    const std::size_t count = hull_kernels().high_faces(side.face, side.own.face_normals.size(), least,
+                                                        least + side.other_inner - tried_.margin(), chosen);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t f = chosen[k];
+      const SeparatingAxis& face = tried_.face();
+      if (face.kind == kind && f == (kind == AxisKind::face_a ? face.feature_a : face.feature_b)) continue;
+      if (side.face.point[f] >= threshold() && side.sphere_bound(f) >= threshold() - tried_.margin()) attempt(f);
+    }
   };
-  for (std::uint32_t f = 0; f < pair_.a.face_normals.size(); ++f)
-    if (may_win(side_a_, f) && !known(AxisKind::face_a, f)) try_face_a(f);
-  for (std::uint32_t f = 0; f < pair_.b.face_normals.size(); ++f)
-    if (may_win(side_b_, f) && !known(AxisKind::face_b, f)) try_face_b(f);
+  try_each(side_a_, AxisKind::face_a, [&](std::uint32_t f) { try_face_a(f); });
+  try_each(side_b_, AxisKind::face_b, [&](std::uint32_t f) { try_face_b(f); });
 }
 
 void AxisSearch::try_edges() {
-  std::array<ArcEdge, chunk> held;
-  const auto edges = static_cast<std::uint32_t>(pair_.a.edges.size());
-  for (std::uint32_t k = 0; k < edges;) {
-    std::uint32_t count = 0;
-    const double threshold = tried_.edge_threshold(floor_);
-    for (; k < edges && count < chunk; ++k)
-      if (side_a_.edge_may_exceed(pair_.a.edges[k], threshold)) held[count++] = arc_of_a(pair_, k);
-    if (count > 0) try_against({held.data(), count});
+  const std::span<const std::uint32_t> promising = side_a_.promising_edges(tried_.edge_threshold(floor_));
+  std::array<ArcLanes, chunk / lane_count> held;
+  for (std::size_t begin = 0; begin < promising.size(); begin += chunk) {
+    const auto names = promising.subspan(begin, std::min(chunk, promising.size() - begin));
+    const std::size_t groups = (names.size() + lane_count - 1) / lane_count;
+    held[groups - 1] = ArcLanes{};
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const HullEdge& e = pair_.a.edges[names[k]];
+      const Vec3& from = pair_.a.vertices[e.from];
+      held[k / lane_count].set(k % lane_count, {from, pair_.a.vertices[e.to] - from, pair_.a.face_normals[e.left],
+                                                pair_.a.face_normals[e.right]});
+    }
+    try_against({held.data(), groups}, names);
   }
 }
 
-void AxisSearch::try_against(std::span<const ArcEdge> held) {
-  for (std::uint32_t k = 0; k < pair_.b.edges.size(); ++k) {
-    if (!side_b_.edge_may_exceed(pair_.b.edges[k], tried_.edge_threshold(floor_))) continue;
+void AxisSearch::try_against(std::span<const ArcLanes> held, std::span<const std::uint32_t> names) {
+  std::array<std::uint32_t, chunk> crossing;
+  for (const std::uint32_t k : side_b_.promising_edges(tried_.edge_threshold(floor_))) {
     const ArcEdge other = arc_of_b(pair_, k);
-    for (const ArcEdge& own : held)
-      if (arcs_cross(own, other)) tried_.try_edges(own, other, floor_);
+    const Arc arc{pair_.vertex_b(pair_.b.edges[k].from), other.direction, other.left, other.right};
+    const double least = tried_.edge_threshold(floor_) - 8.0 * tried_.margin();
+    const std::size_t count = hull_kernels().crossing_arcs(held, arc, least, crossing.data());
+    for (std::size_t i = 0; i < count; ++i) tried_.try_edges(arc_of_a(pair_, names[crossing[i]]), other, floor_);
   }
 }
 
@@ -174,54 +191,6 @@ void edge_points(const PolyhedronPair& pair, std::uint32_t edge_a, std::uint32_t
   };
   on_a = p + parameter(q - p, u, v.cross(normal)) * u;
   on_b = q + parameter(p - q, v, u.cross(normal)) * v;
-}
-
-SeparatingAxis box_axis(const PolyhedronPair& pair) {
-  const BoxFrame &a = *pair.a.box, &b = *pair.b.box;
-  std::array<Vec3, 3> u, v;
-  Vec3 t, tb;  // centre of B seen from that of A, along the axes of either
-  Mat3 r, abs_r;
-  const Vec3 between = pair.rotation * b.centre + pair.offset - a.centre;
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    u[k] = pair.a.face_normals[a.face[k][1]], v[k] = pair.rotation * pair.b.face_normals[b.face[k][1]];
-    t[i] = between.dot(u[k]), tb[i] = between.dot(v[k]);
-  }
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      r(i, j) = u[static_cast<std::size_t>(i)].dot(v[static_cast<std::size_t>(j)]), abs_r(i, j) = std::abs(r(i, j));
-  SeparatingAxis best;
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double on_a = std::abs(t[i]) - a.half[i] - abs_r.row(i).dot(b.half);
-    if (on_a > best.gap) best = {AxisKind::face_a, on_a, t[i] > 0.0 ? u[k] : Vec3(-u[k]), a.face[k][t[i] > 0.0], 0};
-    const double on_b = std::abs(tb[i]) - b.half[i] - abs_r.col(i).dot(a.half);
-    if (on_b > best.gap) best = {AxisKind::face_b, on_b, tb[i] > 0.0 ? v[k] : Vec3(-v[k]), 0, b.face[k][tb[i] < 0.0]};
-  }
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const double along = std::abs(t[i2] * r(i1, j) - t[i1] * r(i2, j)) - a.half[i1] * abs_r(i2, j) -
-                           a.half[i2] * abs_r(i1, j) - b.half[j1] * abs_r(i, j2) - b.half[j2] * abs_r(i, j1);
-      if (along < 0.0 && !(along > best.gap))
-        continue;  // the length of the axis is at most 1: dividing lowers it further
-      const double square = 1.0 - r(i, j) * r(i, j);
-      if (!(square > 1e-9)) continue;  // nearly parallel: faces say the same
-      const double gap = along / std::sqrt(square);
-      if (!(gap > best.gap)) continue;
-      Vec3 n = u[static_cast<std::size_t>(i)].cross(v[static_cast<std::size_t>(j)]);
-      if (n.dot(between) < 0.0) n = -n;
-      const auto edge_of = [](const BoxFrame& box, int axis, bool high1, bool high2) {
-        return box.edge[static_cast<std::size_t>(axis)][2u * high1 + high2];
-      };
-      const auto along_u = [&](int k) { return n.dot(u[static_cast<std::size_t>(k)]) > 0.0; };
-      const auto along_v = [&](int k) { return n.dot(v[static_cast<std::size_t>(k)]) < 0.0; };
-      best = {AxisKind::edges, gap, n / std::sqrt(square), edge_of(a, i, along_u(i1), along_u(i2)),
-              edge_of(b, j, along_v(j1), along_v(j2))};
-    }
-  }
-  return best;
 }
 
 }  // namespace epafi

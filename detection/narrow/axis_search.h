@@ -13,34 +13,36 @@
 
 namespace epafi {
 
+/// Arrays of a search by face of one body, up to a multiple of four; kept from search to search: no allocation once the
+/// largest body was seen.
+struct FaceArrays {
+  std::vector<double> point, centre;           ///< see FaceHeights
+  std::vector<std::uint32_t> deepest, chosen;  ///< chosen: faces or edges that a loop has let through
+  void fit(const PolyhedronView& body);
+  operator FaceHeights() const { return {point.data(), centre.data(), deepest.data()}; }
+};
+
 /// What is known of one polyhedron's features against the other, in its own axes.
 struct AxisSide {
-  static constexpr std::uint32_t unknown = 0xffffffffu;
+  static constexpr std::uint32_t unknown = FaceHeights::unknown;
   const PolyhedronView& own;
   Vec3 other_centre;
-  double other_inner;                   ///< radius of a sphere about other_centre that the other body surely fills [m]
-  std::vector<double>& height;          ///< by face: of one point of the other body above its plane [m]
-  std::vector<std::uint32_t>& deepest;  ///< by face: the other body's deepest vertex below it, or `unknown`
+  double other_inner;  ///< radius of a sphere about other_centre that the other body surely fills [m]
+  FaceArrays& face;
+  bool knows_centre = false;
 
   /// Takes the heights of x, a point of the other body; the largest of them.
-  double look_at(const Vec3& x);
-  /// No separation along the face's normal is larger.
-  double sphere_bound(std::uint32_t f) const {
-    return own.face_normals[f].dot(other_centre) - own.face_offsets[f] - other_inner;
-  }
+  double look_at(const Vec3& x) { return face.point[hull_kernels().heights(own.face_lanes, x, face.point.data())]; }
+  void look_at_centre();
   /// The face with the largest sphere bound.
-  std::uint32_t most_promising() const;
-  /// Can some direction between the normals of the edge's faces separate by more than `best`?
+  std::uint32_t most_promising();
+  /// No separation along the face's normal is larger.
+  double sphere_bound(std::uint32_t f) const { return face.centre[f] - other_inner; }
+  /// Edges between whose faces' normals some direction may separate by more than `best`.
   /// separation(n) <= n.x - n.vertex for any x of the other body; over the arc that is largest at an end unless
-  /// positive.
-  bool edge_may_exceed(const HullEdge& edge, double best) const {
-    if (best < 0.0) {
-      if (!(std::max(height[edge.left], height[edge.right]) > best)) return false;
-      // One vertex deepest below both faces: over the arc no direction is better than these two, which are not.
-      if (deepest[edge.left] == deepest[edge.right] && deepest[edge.left] != unknown) return false;
-    }
-    return sphere_may_exceed(edge, best);
-  }
+  /// positive. Where one vertex of the other body is deepest below both faces no direction between is better.
+  std::span<const std::uint32_t> promising_edges(double best);
+  /// The sphere alone, over the inside of the arc.
   bool sphere_may_exceed(const HullEdge& edge, double best) const;
 };
 
@@ -60,13 +62,13 @@ class AxisSearch {
   void keep(double range, AxisReference& out);
 
  private:
-  static constexpr std::uint32_t chunk = 64;  // edges of A held at a time: 5 kB of stack
+  static constexpr std::size_t chunk = 64;  // edges of A held at a time: 6 kB of stack
 
   void try_face_a(std::uint32_t f);
   void try_face_b(std::uint32_t f);
   void try_faces();
   void try_edges();
-  void try_against(std::span<const ArcEdge> held);
+  void try_against(std::span<const ArcLanes> held, std::span<const std::uint32_t> names);
   void look_at_deepest();
   bool keep_faces(double threshold, AxisReference& out);
   bool keep_crossings(double threshold, AxisReference& out);
@@ -85,7 +87,12 @@ bool recall_axis(const PolyhedronPair& pair, const AxisReference& reference, Sep
 void edge_points(const PolyhedronPair& pair, std::uint32_t edge_a, std::uint32_t edge_b, const Vec3& normal, Vec3& on_a,
                  Vec3& on_b);
 
-/// Best of the 15 axes of two boxes, as a start (Gottschalk, Lin and Manocha 1996). Both must have `box`.
-SeparatingAxis box_axis(const PolyhedronPair& pair);
+/// The largest of the 15 separations of two boxes (Gottschalk, Lin and Manocha 1996).
+struct BoxAxis {
+  SeparatingAxis axis;  ///< a start for the search
+  bool alone = false;   ///< no other axis comes near it: what the search would find
+};
+/// Both must have `box`.
+BoxAxis box_axis(const PolyhedronPair& pair);
 
 }  // namespace epafi

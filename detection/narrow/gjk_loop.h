@@ -103,9 +103,19 @@ void polish_normal(const Difference& difference, const Vec3& v, GjkResult& r) {
       n = (n - e * e.dot(n)).normalized();  // twice is enough, unless n was all along e
   }
   if (!(n.squaredNorm() > 0.0)) return;
-  n.normalize();
-  const double bound = -n.dot(difference.support(n).y);
-  if (bound > r.lower) r.lower = bound, r.normal = n;
+  const auto take = [&](const Vec3& d) -> Vec3 {
+    const MinkowskiVertex w = difference.support(d);
+    const double bound = -d.dot(w.y);
+    if (bound > r.lower) r.lower = bound, r.normal = d;
+    return w.y;
+  };
+  const Vec3 third = take(n = n.normalized());
+  // A face of which the simplex holds two vertices: rounding over the distance leaves the direction open by more than
+  // 1e-11 where they are 1e-5 apart. The vertex that stands out along it is a third of the face.
+  if (r.simplex.count != 2 || !(r.upper - r.lower > 1e-12 * difference.size())) return;
+  Vec3 plane = (y[1].y - y[0].y).cross(third - y[0].y);
+  if (plane.dot(n) < 0.0) plane = -plane;
+  if (plane.squaredNorm() > 0.0) take(plane.normalized());
 }
 
 inline Vec3 weighted_point(const Simplex& s) {

@@ -168,11 +168,13 @@ PolyhedronDistance search_distance(const PolyhedronPair& pair, double limit, con
     if (found.gap < certain) return at_axis(pair, found, limit);
   }
   AxisSearch search(pair);
+  BoxAxis boxes;
   if (pair.a.box && pair.b.box)
-    search.start_from(box_axis(pair));
+    search.start_from((boxes = box_axis(pair)).axis);
   else
     search.start_promising();
   const SeparatingAxis first = search.best();
+  if (boxes.alone && first.kind == boxes.axis.kind && first.gap < certain) return at_axis(pair, first, limit);
   if (first.gap > limit + 1e-12 * pair.size()) return at_axis(pair, first, limit);
   if (is_distance(pair, first)) {
     nearest = features_at(first);

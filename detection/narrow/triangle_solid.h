@@ -16,6 +16,7 @@ class TriangleSolid {
     const double offset = normal.dot(vertices_[0]);
     normals_ = {normal, -normal};
     offsets_ = {offset, -offset};
+    vertex_lanes_[0] = vertex_lanes(vertices_, 0), face_lanes_[0] = face_lanes(normals_, offsets_, 0);
   }
   TriangleSolid(const TriangleSolid&) = delete;  // views point into it
   TriangleSolid& operator=(const TriangleSolid&) = delete;
@@ -32,10 +33,13 @@ class TriangleSolid {
     static constexpr std::array<std::uint32_t, 3> face_begin{0, 3, 6};
     static constexpr std::array<std::uint32_t, 6> face_vertices{0, 1, 2, 0, 2, 1};
     static constexpr std::array<HullEdge, 3> edges{{{0, 1, 0, 1}, {1, 2, 0, 1}, {2, 0, 0, 1}}};
+    static const std::array<EdgeLanes, 1> lanes_of_edges{
+        edge_lanes(edges, std::array<Vec3, 2>{Vec3::UnitZ(), -Vec3::UnitZ()}, 0)};
     static constexpr std::array<std::uint32_t, 4> pairs_begin{0, 2, 4, 6};
     static constexpr std::array<std::uint32_t, 6> neighbours{1, 2, 0, 2, 0, 1}, fans{0, 1, 0, 1, 0, 1};
-    return {vertices_,   face_begin, face_vertices, normals_, offsets_, edges,
-            pairs_begin, neighbours, pairs_begin,   fans,     radius_,  0.0};
+    return {vertices_,   face_begin, face_vertices, normals_,    offsets_,      edges,
+            pairs_begin, neighbours, pairs_begin,   fans,        radius_,       0.0,
+            nullptr,     {},         vertex_lanes_, face_lanes_, lanes_of_edges};
   }
 
  private:
@@ -43,6 +47,8 @@ class TriangleSolid {
   std::array<Vec3, 3> vertices_;
   std::array<Vec3, 2> normals_;
   std::array<double, 2> offsets_{};
+  std::array<VertexLanes, 1> vertex_lanes_;
+  std::array<FaceLanes, 1> face_lanes_;
   double radius_ = 0.0;
 };
 static_assert(PolyhedralShape<TriangleSolid>);

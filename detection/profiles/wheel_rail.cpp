@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "detection/surfaces/surface_gap.h"
+
 namespace epafi {
 namespace {
 
@@ -230,6 +232,13 @@ GapField WheelRailPair::field(const ContactRegion& region, double cx, double cy,
     }
   }
   return f;
+}
+
+std::unique_ptr<GapOperator> WheelRailPair::gaps_between(GapMethod method, std::span<const Vec3> nodes,
+                                                         std::span<const std::array<std::uint32_t, 3>> first,
+                                                         std::span<const std::array<std::uint32_t, 3>> second,
+                                                         double band) const {
+  return make_gap_operator(method, nodes, first, second, band);
 }
 
 double WheelRailPair::angle_at(const ContactRegion& region, double y) const {

@@ -61,6 +61,10 @@ class WheelRailPair final : public GapSource {
                  std::size_t ny) const override;
   ContactRegion moved(const ContactRegion& region, double y, double angle) const override;
   double angle_at(const ContactRegion& region, double y) const override;
+  std::unique_ptr<GapOperator> gaps_between(GapMethod method, std::span<const Vec3> nodes,
+                                            std::span<const std::array<std::uint32_t, 3>> first,
+                                            std::span<const std::array<std::uint32_t, 3>> second,
+                                            double band) const override;
 
   double rail_axis() const { return axis_; }  ///< distance of the rail's axis from the middle of the track [m]
 

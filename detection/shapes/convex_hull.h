@@ -7,20 +7,17 @@
 #include <string>
 #include <vector>
 
+#include "detection/shapes/hull_lanes.h"
 #include "detection/shapes/shape_concept.h"
 
 namespace epafi {
-
-/// Edge of a convex polyhedron, listed once: `left` is the face that runs from -> to counter-clockwise.
-struct HullEdge {
-  std::uint32_t from, to, left, right;
-};
 
 /// A polyhedron that is a rectangular box, wherever its axes point: what its 15-axis test looks up.
 struct BoxFrame {
   Vec3 centre = Vec3::Zero(), half = Vec3::Zero();         ///< half: extent along each of its axes [m]
   std::array<std::array<std::uint32_t, 2>, 3> face{};      ///< of axis i, the lower [0] and the upper [1]; the axis is the upper's normal
   std::array<std::array<std::uint32_t, 4>, 3> edge{};      ///< along axis i at 2 (upper on axis i + 1) + (upper on axis i + 2)
+  double skew = 0.0;  ///< largest cosine between its axes, or sum of two opposite normals
 };
 
 /// What the algorithms over polyhedra need: a hull, a box or a single triangle (two faces back to back) can offer it.
@@ -37,6 +34,9 @@ struct PolyhedronView {
   double inner_radius = 0.0;                                   ///< of the sphere about the origin that it contains [m]
   const BoxFrame* box = nullptr;                               ///< where it is a box
   std::span<const std::uint32_t> starts = {};                  ///< of large hulls: farthest vertex by cell of directions
+  std::span<const VertexLanes> vertex_lanes;                   ///< the vertices again, four at a time
+  std::span<const FaceLanes> face_lanes;                       ///< the faces' planes
+  std::span<const EdgeLanes> edge_lanes;
 };
 
 struct ConvexHull {
@@ -56,6 +56,7 @@ struct ConvexHull {
   Mat3 inertia = Mat3::Zero();  ///< of the core about the origin at density 1 [kg m^2]
   std::vector<std::uint32_t> starts;  ///< farthest vertex along each cell of a cube of directions; empty for small hulls
   std::optional<BoxFrame> box_frame;  ///< where it is a box, to 1e-9 of the radius
+  HullLanes lanes;                    ///< the same four at a time
   double sweep = 0.0;           ///< `rounding` of the scene: radius of the sphere swept over the core [m]
 
   /// Builds topology and planes from outward counter-clockwise polygons (triangles or larger, at least 4).
@@ -76,7 +77,7 @@ struct ConvexHull {
   double equal_volume_radius = 0.0;
 
   /// Vertex farthest along d (body axes, any length > 0).
-  Vec3 support(const Vec3& d) const { return vertices[support_vertex(view(), d)]; }
+  Vec3 support(const Vec3& d) const;
   double rounding() const { return sweep; }
   PolyhedronView view() const;
 

@@ -97,17 +97,16 @@ NodeToSurface::NodeToSurface(std::span<const Vec3> positions, std::span<const Tr
 void NodeToSurface::evaluate(std::span<const Vec3> positions, GapRows& out, std::vector<GapSite>* sites) const {
   out.clear();
   master_.update(positions);
-  std::vector<double> area;
-  if (sites) {
-    sites->clear(), area.assign(positions.size(), 0.0);
-    for (const Triangle& t : slave_)
-      for (const std::uint32_t v : t) area[v] += area_vector(positions, t).norm() / 3.0;
-  }
+  std::vector<double> area(positions.size(), 0.0);
+  for (const Triangle& t : slave_)
+    for (const std::uint32_t v : t) area[v] += area_vector(positions, t).norm() / 3.0;
+  if (sites) sites->clear();
   for (const std::uint32_t node : nodes_) {
     const auto p = master_.project(positions, positions[node], band_);
     if (p.triangle == NearestOnSurface::none) continue;
     const double one = 1.0;
     append(out, p, master_.triangles()[p.triangle], {&node, 1}, {&one, 1});
+    out.area.push_back(area[node]);
     if (sites) sites->push_back({node, p.triangle, area[node]});
   }
 }
@@ -131,9 +130,17 @@ void SurfaceToSurface::evaluate(std::span<const Vec3> positions, GapRows& out, s
       const auto p = master_.project(positions, x, band_);
       if (p.triangle == NearestOnSurface::none) continue;
       append(out, p, master_.triangles()[p.triangle], slave, weight);
+      out.area.push_back(third);
       if (sites) sites->push_back({t, p.triangle, third});
     }
   }
+}
+
+std::unique_ptr<GapOperator> make_gap_operator(GapMethod method, std::span<const Vec3> nodes,
+                                               std::span<const Triangle> first, std::span<const Triangle> second,
+                                               double band) {
+  if (method == GapMethod::node_to_surface) return std::make_unique<NodeToSurface>(nodes, first, second, band);
+  return std::make_unique<SurfaceToSurface>(nodes, first, second, band);
 }
 
 }  // namespace epafi

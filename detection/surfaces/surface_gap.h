@@ -4,7 +4,7 @@
 /// outward normal of the first, g < 0 inside it. Over a face n is the face's; beside it, over an edge or a corner, it
 /// points from the projection to x, signed by the angle-weighted normal (Baerentzen and Aanaes 2005); so dg = n . (dx -
 /// dx_bar) with the weights of the projection held is exact to first order everywhere but where the projection jumps.
-/// Only candidates with |g| <= band are reported.
+/// Only candidates with |g| <= band are reported, each with the area that its site would have.
 #pragma once
 #include "detection/surfaces/surface_tree.h"
 #include "engine/gap_operator.h"
@@ -71,5 +71,10 @@ class SurfaceToSurface final : public GapOperator {
   std::vector<Triangle> slave_;
   double band_;
 };
+
+/// What GapSource::gaps_between gives.
+std::unique_ptr<GapOperator> make_gap_operator(GapMethod method, std::span<const Vec3> nodes,
+                                               std::span<const Triangle> first, std::span<const Triangle> second,
+                                               double band);
 
 }  // namespace epafi

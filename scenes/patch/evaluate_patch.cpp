@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 
+#include "detection/surfaces/surface_gap.h"
 #include "laws/wheel_rail/normal_models.h"
 
 namespace epafi {
@@ -40,6 +41,11 @@ class QuadraticGap final : public GapSource {
       }
     }
     return f;
+  }
+  std::unique_ptr<GapOperator> gaps_between(GapMethod method, std::span<const Vec3> nodes,
+                                            std::span<const Triangle> first, std::span<const Triangle> second,
+                                            double band) const override {
+    return make_gap_operator(method, nodes, first, second, band);
   }
 
  private:

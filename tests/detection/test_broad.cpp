@@ -117,7 +117,8 @@ TEST_CASE("planes list the bodies near them, immovable pairs are never listed", 
     const auto expected = pairs_by_definition(scene, scene.world);
     CHECK(list.pairs == expected);
     const Slot plane = 300;
-    const auto with_plane = std::count_if(expected.begin(), expected.end(), [&](const Pair& p) { return p.b == plane; });
+    const auto with_plane =
+        std::count_if(expected.begin(), expected.end(), [&](const Pair& p) { return p.b == plane; });
     CHECK(with_plane > 10);
     CHECK(with_plane < 290);
   }
@@ -135,10 +136,12 @@ TEST_CASE("a turned or moved plane lists the bodies it has come near", "[detecti
     PairList list;
     broad->find_pairs(scene.world, list);
     CHECK(list.pairs.empty());
-    scene.world.orientation[plane] = Quat(Eigen::AngleAxisd(0.6, Vec3::UnitY()).toRotationMatrix());  // n = (0.56, 0, 0.83)
+    scene.world.orientation[plane] =
+        Quat(Eigen::AngleAxisd(0.6, Vec3::UnitY()).toRotationMatrix());  // n = (0.56, 0, 0.83)
     broad->find_pairs(scene.world, list);
     CHECK(list.pairs.empty());  // 5 * 0.56 + 3 * 0.83 is far
-    scene.world.orientation[plane] = Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitY()).toRotationMatrix());  // n = (-0.48, 0, 0.88)
+    scene.world.orientation[plane] =
+        Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitY()).toRotationMatrix());  // n = (-0.48, 0, 0.88)
     broad->find_pairs(scene.world, list);
     CHECK(list.pairs == std::vector<Pair>{{side, plane}});  // 5 * -0.48 + 3 * 0.88 = 0.24 < 0.5
     scene.world.orientation[plane] = Quat(1, 0, 0, 0);
@@ -299,4 +302,41 @@ TEST_CASE("auto names its choice and the reason; unknown names give nothing", "[
   CHECK(make_broad_phase("auto", many.setup, many.world)->name() == std::string("spatial-hash"));
   CHECK(make_broad_phase("octree", many.setup, many.world) == nullptr);
   CHECK(std::set<std::string>{"spatial-hash", "aabb-tree", "sweep-and-prune", "all-pairs"}.size() == names().size());
+}
+
+TEST_CASE("sizes over 1:100 of equal volume per decade have few candidates, however many bodies (B11 d)",
+          "[detection][broad][B11]") {
+  for (const int n : {2000, 20000})
+    for (const std::string method : {"spatial-hash", "aabb-tree"}) {
+      BroadScene scene;
+      Random random(17, 0);
+      std::vector<double> radius;
+      double volume = 0.0;
+      for (int i = 0; i < n; ++i) {  // their number falls with the fourth power of the size: r^3 dN is even in log r
+        radius.push_back(0.5 / std::cbrt(1.0 - random.uniform() * (1.0 - 1e-6)));
+        volume += 4.18879 * radius.back() * radius.back() * radius.back();
+      }
+      const double edge = 0.5 * std::cbrt(volume / 0.6);
+      for (const double r : radius)
+        scene.add_sphere(random_point(random, edge), r, 0.01 * r * random_point(random, 1.0));
+      const auto broad = make_broad_phase(method, BroadSetup{&scene.shapes, 0.0, 0.0, {}}, scene.world);
+      PairList list;
+      for (int step = 0; step < 4; ++step) {
+        drift(scene.world);
+        broad->find_pairs(scene.world, list);
+      }
+      const auto touch = [&](const Pair& p) {
+        const double sum = scene.shapes.bounding_radius({scene.world.shape[p.a]}) +
+                           scene.shapes.bounding_radius({scene.world.shape[p.b]});
+        return (scene.world.position[p.a] - scene.world.position[p.b]).norm() <= sum;
+      };
+      const auto touching = static_cast<std::size_t>(std::count_if(list.pairs.begin(), list.pairs.end(), touch));
+      INFO(n << " bodies by " << method << ": " << list.pairs.size() << " candidates, " << touching << " touch");
+      CHECK(touching > static_cast<std::size_t>(n) / 2);
+      CHECK(list.pairs.size() < 10 * touching);
+      if (n == 2000) {
+        const std::vector<Pair> all = pairs_by_definition(scene, scene.world);  // margin 0: those that touch
+        CHECK(all.size() == touching);
+      }
+    }
 }
