@@ -10,6 +10,7 @@
 #include "engine/error.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/library.h"
+#include "scenes/stop.h"
 #include "scenes/study/atlas.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
