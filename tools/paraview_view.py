@@ -2,7 +2,11 @@
 contacts as lines by their force.
 
   EPAFI_RUN=out/hopper paraview --script=tools/paraview_view.py
-  EPAFI_RUN=out/hopper EPAFI_PNG=hopper.png xvfb-run -a -s "-screen 0 1280x1024x24" pvpython tools/paraview_view.py
+  EPAFI_RUN=out/hopper EPAFI_STATE=out/hopper/view.pvsm pvpython tools/paraview_view.py    # then: paraview out/hopper/view.pvsm
+  EPAFI_RUN=out/hopper EPAFI_PNG=hopper.png EPAFI_MOVIE=hopper.ogv xvfb-run -a -w 5 -s "-screen 0 1280x1024x24" pvpython tools/paraview_view.py
+
+EPAFI_STATE: a state file that opens the run (by its absolute path) with one click. EPAFI_PNG: a picture of the last frame.
+EPAFI_MOVIE: all frames (.ogv or .avi). pvpython draws into X11 windows: without a display, start it under xvfb-run as above.
 """
 import os
 
@@ -19,7 +23,6 @@ view.UseColorPaletteForBackground = 0
 frames.UpdatePipeline(scene.TimeKeeper.Time)
 
 # the blocks of a frame, told apart by the arrays they carry
-names = [b.GetNumberOfCells() for b in []]
 blocks = servermanager.Fetch(frames)
 found = {}
 for k in range(blocks.GetNumberOfBlocks() if hasattr(blocks, "GetNumberOfBlocks") else 1):
@@ -64,3 +67,7 @@ ResetCamera(view)
 Render(view)
 if os.environ.get("EPAFI_PNG"):
     SaveScreenshot(os.environ["EPAFI_PNG"], view, ImageResolution=[900, 900])
+if os.environ.get("EPAFI_STATE"):
+    SaveState(os.path.abspath(os.environ["EPAFI_STATE"]))
+if os.environ.get("EPAFI_MOVIE"):
+    SaveAnimation(os.environ["EPAFI_MOVIE"], view, ImageResolution=[800, 800], FrameRate=15)

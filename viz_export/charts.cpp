@@ -123,11 +123,16 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
       add(block(line.points),
           fmt::format("with {} lw 2 pt {} ps 1.2 lc rgb '{}' title {}", plot.joined ? "linespoints" : "points", mark, rgb,
                       quoted(line.label)));
+    std::string bars;
+    for (std::size_t k = 0; k < std::min(line.bars.size(), line.points.size()); ++k)
+      if (line.bars[k][1] > 1.02 * line.bars[k][0])  // a smaller one hides behind its mark
+        bars += fmt::format("{} {} {} {}\n", line.points[k][0], line.points[k][1], line.bars[k][0], line.bars[k][1]);
+    if (!bars.empty()) add(bars + "\n\n", fmt::format("with xerrorbars pt 0 lw 1 lc rgb '{}' notitle", rgb));
     std::vector<PlotPoint> failed;
     for (const double x : line.failed) failed.push_back({x > 0 ? x : left, 2 * top});
     if (!failed.empty())
-      add(block(failed),
-          fmt::format("with points pt 2 ps 1.6 lw 2 lc rgb '{}' title {}", rgb, quoted(line.label + ", failed")));
+      add(block(failed), fmt::format("with points pt 2 ps 1.6 lw 2 lc rgb '{}' {}", rgb,
+                                     line.points.empty() ? "title " + quoted(line.label + ", failed") : "notitle"));
   }
   if (plot.marked) add(block({*plot.marked}), "with points pt 6 ps 3 lw 2 lc rgb '#d00000' title 'recommended'");
   std::string settings = frame(plot.title, plot.x_label, plot.y_label) + "set logscale xy\nset format '%.0e'\n";
@@ -138,8 +143,8 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
     settings +=
         fmt::format("set label {} at graph 0.01, first {} offset 0,0.5 tc rgb '#666666'\n", quoted(label), level);
   }
-  // where a range holds less than two decades its tics are written out
-  if (right < 100 * left) settings += "set format x '%.3g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
+  // where a range holds no more than three decades its tics are written out
+  if (right <= 1000 * left) settings += "set format x '%.3g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
   return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
 }
 
@@ -165,18 +170,28 @@ bool draw(const KindMap& map, const fs::path& path) {
       if (c.kind == kind) text += fmt::format("{} {}\n", c.x, c.y);
     if (text.empty()) continue;
     data += text + "\n\n";
-    const char* rgb = kind == 0 ? "#009E73" : colours[(kind - 1) % std::size(colours)];
+    // green, vermilion, blue, then the rest in order
+    const char* rgb = colours[kind == 0 ? 2 : kind == 1 ? 1 : kind == 2 ? 0 : kind % std::size(colours)];
     parts += fmt::format("{}'{}' index {} with points pt {} ps 2 lc rgb '{}' title {}",
                          parts.empty() ? "plot " : ", \\\n  ", name, index++, kind == 0 ? 7 : 5,
-                         kind == 0 ? rgb : (kind == 1 ? "#D55E00" : rgb), quoted(map.kinds[kind]));
+                         rgb, quoted(map.kinds[kind]));
   }
   if (!map.curve.empty()) {
     data += block(map.curve);
     parts += fmt::format("{}'{}' index {} with lines lw 3 dt 2 lc rgb '#000000' title {}",
                          parts.empty() ? "plot " : ", \\\n  ", name, index++, quoted(map.curve_label));
   }
-  std::string settings =
-      frame(map.title, map.x_label, map.y_label) + "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n";
+  std::string settings = frame(map.title, map.x_label, map.y_label);
+  for (const std::size_t axis : {0, 1}) {  // a little beyond the outermost cells: gnuplot's own range ends at decades
+    double low = INFINITY, high = -INFINITY;
+    for (const auto& c : map.cells) low = std::min(low, axis == 0 ? c.x : c.y), high = std::max(high, axis == 0 ? c.x : c.y);
+    for (const auto& p : map.curve) low = std::min(low, p[axis]), high = std::max(high, p[axis]);
+    if (!(high > low)) continue;
+    const bool log = axis == 0 ? map.log_x : map.log_y;
+    const double room = log ? std::pow(high / low, 0.06) : 0.06 * (high - low);
+    settings += fmt::format("set {}range [{}:{}]\n", axis == 0 ? 'x' : 'y', log ? low / room : low - room,
+                            log ? high * room : high + room);
+  }
   if (!map.y_names.empty()) {
     settings += "set ytics (";
     for (std::size_t k = 0; k < map.y_names.size(); ++k)

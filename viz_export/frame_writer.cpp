@@ -178,7 +178,7 @@ void FrameWriter::write(double time, const std::vector<BodyRecord>& bodies,
   for (const BodyRecord& b : bodies) (b.surface == nullptr ? spheres : b.is_wall() ? walls : solids).push_back(&b);
   if (!spheres.empty()) put(0, "spheres", draw_spheres(spheres, time), VtpEncoding::plain);
   if (!solids.empty()) put(1, "bodies", draw_surfaces(solids, time), VtpEncoding::compressed);
-  if (!contacts.empty()) put(2, "contacts", draw_contacts(contacts, time), VtpEncoding::plain);
+  put(2, "contacts", draw_contacts(contacts, time), VtpEncoding::plain);  // also none: readers count the parts of a frame
   if (!walls.empty()) put_walls(walls, time);
   list_.write();
   ++next_;

@@ -111,7 +111,7 @@ const char* form_text(TableSchema::Form form) {
 }
 
 std::string keys_page(const Registry& registry) {
-  std::string out = std::string(origin) + "# Keys of a scene file\n\nNumbers are SI, a text with a unit (`\"10 mm\"`), or `\"= expression\"` over `[params]`. "
+  std::string out = std::string(origin) + "# Keys of a scene file\n\nNumbers are SI, a text with a unit (`\"10 mm\"`), or `\"= expression\"` over `[params]` (and `seed`, that of `[run]`). "
                     "Parameters of laws and solvers stand on their own pages. Top level: `title` (text), `include` (list of files merged below this one).\n";
   for (const TableSchema& t : make_schema(registry).tables) {
     const bool list = t.form == TableSchema::Form::list, named = t.form == TableSchema::Form::named;

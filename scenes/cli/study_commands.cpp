@@ -10,6 +10,7 @@
 #include "engine/error.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/library.h"
+#include "scenes/stop.h"
 #include "scenes/study/atlas.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
@@ -48,7 +49,9 @@ int command_atlas(const StudyOptions& o, bool charts) {
   const auto budget = parse_duration(o.budget);
   if (!budget) throw SceneError("--budget '" + o.budget + "' is no duration; write 90s, 30m or 3h50m");
   const fs::path work = o.out.empty() ? fs::path("out/atlas") : fs::path(o.out);
-  return draw_atlas({o.studies, o.atlas, work, *budget, o.jobs}, charts, speaker(o)) ? exit_done : exit_time_limit;
+  AtlasOrder order{o.studies, o.atlas, work, *budget, o.jobs};
+  for (const auto& file : o.files) order.only.push_back(fs::path(file).stem().string());
+  return draw_atlas(order, charts, speaker(o)) ? exit_done : exit_time_limit;
 }
 }  // namespace
 

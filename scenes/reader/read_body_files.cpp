@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "engine/nearest.h"
+#include "engine/random.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {
@@ -237,6 +238,15 @@ void read_rows(Rows& rows, std::istream& in, const std::string& file, const std:
     reading.error(place, "the file '" + file + "' has no body");
 }
 
+/// Displaces the bodies from `first` on by chance: a random start for bodies whose places stand in a file.
+void displace(Scene& scene, std::size_t first, double jitter) {
+  if (jitter == 0.0) return;
+  for (std::size_t k = first; k < scene.bodies.size(); ++k) {
+    Random random(scene.run.seed, k);
+    for (int axis = 0; axis < 3; ++axis) scene.bodies[k].position[axis] += random.uniform(-jitter, jitter);
+  }
+}
+
 void read_file(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("bodies", item);
@@ -262,13 +272,16 @@ void read_file(Draft& draft, const Node& item) {
   if (!std::filesystem::is_regular_file(path, failure))
     return reading.error(place, label + " file: there is no file '" + path + "'");
   draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place});
+  const std::size_t first = draft.scene.bodies.size();
   if (ending == ".polyset") {
     if (!rows.material) return reading.error(item.place, label + ": a .polyset needs a material");
-    return read_polyset(draft, {path, name, *rows.material, rows.fixed});
+    read_polyset(draft, {path, name, *rows.material, rows.fixed});
+  } else {
+    rows.format = is_dump ? Format::dump : ending == ".txt" ? Format::yade : Format::csv;
+    std::ifstream in(path);
+    read_rows(rows, in, path, name, place);
   }
-  rows.format = is_dump ? Format::dump : ending == ".txt" ? Format::yade : Format::csv;
-  std::ifstream in(path);
-  read_rows(rows, in, path, name, place);
+  displace(draft.scene, first, values.number("jitter"));
 }
 
 }  // namespace

@@ -38,6 +38,11 @@ NameValue Reading::look_up(std::string_view name) {
     if (index == name) return {Status::found, value};
   const Node* params = root.find("params");
   const Node* node = params ? params->find(name) : nullptr;
+  if (!node && name == "seed") {  // that of [run], where no parameter has the name
+    const Node* run = root.find("run");
+    const Node* seed = run ? run->find(name) : nullptr;
+    return {Status::found, seed && seed->is_number() ? seed->real : 1.0};
+  }
   if (!node) return {};
   Param& param = params_[std::string(name)];
   if (param.state == Param::State::waiting) {

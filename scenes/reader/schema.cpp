@@ -188,6 +188,9 @@ TableSchema bodies_table() {
            optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
            optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
            optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"),
+           with_default(required("jitter", "", "m", Kind::number, not_negative,
+                                 "each is displaced by chance (run.seed), at most this far along every axis"),
+                        Value(0.0)),
            with_default(required("fixed", "", "", Kind::boolean, {}, "never move"), Value(false))}};
 }
 

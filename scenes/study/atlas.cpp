@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "scenes/study/atlas_page.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
 #include "viz_export/side_file.h"
@@ -90,10 +91,11 @@ std::size_t cases_of(const Study& s) {
   return cases * (s.parameters.empty() ? static_cast<std::size_t>(s.repeats) : 1);
 }
 
-/// Tables and pictures of one study into the atlas; rows that moved are told.
-void store(const fs::path& atlas, const fs::path& work, const std::string& stem, const std::string& table,
-           const std::string& csv, const std::function<void(const std::string&)>& say) {
-  const fs::path file = atlas / (stem + ".csv");
+/// Table, pictures and page of one study into the atlas; rows that moved are told. command: chart or limits.
+template <class Result>
+void store(const AtlasOrder& order, const std::string& stem, const std::string& command, const std::string& csv,
+           const Result& result, const std::function<void(const std::string&)>& say) {
+  const fs::path file = order.atlas / (stem + ".csv"), page = order.atlas / (stem + ".md");
   if (fs::exists(file)) {
     const auto moved = moved_rows(read_whole_file(file), csv);
     for (const auto& line : moved) say("  " + line);
@@ -102,11 +104,19 @@ void store(const fs::path& atlas, const fs::path& work, const std::string& stem,
     say(stem + ": new in the atlas");
   }
   write_whole_file(file, {csv});
-  for (const auto& entry : fs::directory_iterator(work)) {
+  std::vector<std::string> pictures;
+  for (const auto& entry : fs::directory_iterator(order.work / stem)) {
     const std::string name = entry.path().filename().string();
     if (entry.path().extension() != ".svg") continue;
-    fs::copy_file(entry.path(), atlas / (stem + name.substr(table.size())), fs::copy_options::overwrite_existing);
+    pictures.push_back(stem + name.substr(command.size()));
+    fs::copy_file(entry.path(), order.atlas / pictures.back(), fs::copy_options::overwrite_existing);
   }
+  std::sort(pictures.begin(), pictures.end(), [](const std::string& a, const std::string& b) {
+    return std::pair(a.size(), a) < std::pair(b.size(), b);
+  });
+  const Study& study = result.study;
+  write_whole_file(page, {page_with(fs::exists(page) ? read_whole_file(page) : "", study.title.empty() ? stem : study.title,
+                                    measured_text(result, stem, pictures))});
 }
 
 }  // namespace
@@ -145,6 +155,10 @@ bool draw_atlas(const AtlasOrder& order, bool charts, const std::function<void(c
   const auto begin = Clock::now();
   const auto left = [&] { return order.budget - std::chrono::duration<double>(Clock::now() - begin).count(); };
   std::vector<Study> studies = studies_in(order.studies, charts);
+  std::erase_if(studies, [&](const Study& s) {
+    const std::string stem = fs::path(s.file).stem().string();
+    return !order.only.empty() && std::find(order.only.begin(), order.only.end(), stem) == order.only.end();
+  });
   std::size_t waiting = studies.size();
   fs::create_directories(order.atlas);
   bool whole = true;
@@ -157,20 +171,23 @@ bool draw_atlas(const AtlasOrder& order, bool charts, const std::function<void(c
       whole = false;
       continue;
     }
-    s.time_limit = std::min(s.time_limit, std::max(1.0, s.budget));
     const fs::path work = order.work / stem;
     fs::create_directories(work);
+    for (const auto& entry : fs::directory_iterator(work))  // pictures of an earlier state of the study
+      if (entry.path().extension() == ".svg") fs::remove(entry.path());
     say(fmt::format("{}: {} cases", stem, cases_of(s)));
     if (charts) {
       const Chart chart = chart_of(s, work, say);
       draw_chart(chart, work);
-      store(order.atlas, work, stem, "chart", chart_csv(chart), say);
+      store(order, stem, "chart", chart_csv(chart), chart, say);
     } else {
       const LimitMap map = run_limits(s, work, order.jobs, say);
       draw_limits(map, work);
-      store(order.atlas, work, stem, "limits", limits_csv(map), say);
+      whole = whole && map.whole;
+      store(order, stem, "limits", limits_csv(map), map, say);
     }
   }
+  write_whole_file(order.atlas / "README.md", {atlas_index(order.studies)});
   return whole;
 }
 

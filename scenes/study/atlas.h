@@ -16,6 +16,7 @@ struct AtlasOrder {
   std::filesystem::path work;              ///< for the runs
   double budget = 1800.0;                  ///< wall time of all studies [s]
   int jobs = 1;                            ///< cases at a time, limits only
+  std::vector<std::string> only = {};      ///< names of the studies (without .toml) that are drawn; empty: all
   std::string program = "/proc/self/exe";  ///< that runs the cases
 };
 

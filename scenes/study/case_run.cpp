@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -94,18 +95,23 @@ CaseResult collect(const Case& wanted, int wait_status) {
 
 CaseResult run_case(const std::string& scene, const Case& wanted, const CaseLimits& limits) {
   CaseResult result;
-  run_cases(scene, {wanted}, limits, 1, [&](std::size_t, const CaseResult& r) { result = r; });
+  const bool whole = run_cases(scene, {wanted}, limits, 1, [&](std::size_t, const CaseResult& r) { result = r; });
+  if (!whole) result.status = "interrupted";
   return result;
 }
 
 bool run_cases(const std::string& scene, const std::vector<Case>& cases, const CaseLimits& limits, int jobs,
                const std::function<void(std::size_t, const CaseResult&)>& done) {
-  SignalWatch signals;  // the children of the terminal's group see the signal too, and save themselves
+  SignalWatch signals;  // handed on to the children, which save themselves
   std::map<pid_t, std::size_t> running;
-  std::size_t next = 0;
+  std::size_t next = 0;  // cases.size() where no other is to begin
   bool whole = true;
   while (next < cases.size() || !running.empty()) {
-    whole = whole && SignalWatch::received() == 0;
+    if (whole && SignalWatch::received() != 0) {
+      whole = false;
+      for (const auto& [child, index] : running) kill(child, SIGTERM);
+    }
+    if (limits.until && std::chrono::steady_clock::now() >= *limits.until) next = cases.size();
     while (whole && next < cases.size() && running.size() < static_cast<std::size_t>(std::max(1, jobs))) {
       running.emplace(start(scene, cases[next], limits), next);
       ++next;

@@ -1,6 +1,7 @@
 /// @file case_run.h  Runs a scene with overrides as a process of its own, which is the command a user would type: a
 /// case that crashes, hangs or eats memory takes nothing else with it, and its processor time is its own.
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -21,6 +22,7 @@ struct CaseLimits {
   int threads = 1;
   double seconds = 0.0;      ///< wall time of the run [s]; 0: none
   bool least_output = true;  ///< no frames, no snapshot but the last
+  std::optional<std::chrono::steady_clock::time_point> until = {};  ///< no case is begun later
 };
 
 /// What a case came to.

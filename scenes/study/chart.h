@@ -16,9 +16,12 @@ struct ChartPoint {
   std::string trouble;       ///< why it is no good point, empty where it is
   double time = 0.0;         ///< median of the repeats: processor seconds per simulated second
   double time_spread = 0.0;  ///< largest - smallest
+  double least_time = 0.0;
   double ns_per_body_step = 0.0;
-  double error = 0.0;         ///< of the study's measure
-  double error_spread = 0.0;  ///< uncertainty of what it is compared with
+  double error = 0.0;               ///< of the study's measure
+  double error_spread = 0.0;        ///< uncertainty of what it is compared with
+  std::vector<double> more_errors;  ///< of the study's further measures; NaN where one cannot be had
+  std::optional<double> at;         ///< value of the study's axis
   std::optional<double> residual, energy_error, overlap_relative;
   std::string state_hash;
   bool accurate = false;      ///< every entry of the scene's [accuracy] holds
@@ -27,12 +30,23 @@ struct ChartPoint {
   bool good() const { return status == "completed"; }
 };
 
+/// What is recommended, run once more under the study's `again`.
+struct SecondOpinion {
+  std::string settings;  ///< the overrides of `again`
+  bool holds = false;    ///< inside [accuracy] there too
+  double error = 0.0;
+  std::string trouble;  ///< why it does not hold
+};
+
 struct Chart {
   Study study;
   std::vector<ChartPoint> points;
-  double reference_error = 0.0;            ///< of the reference run, estimated by halving its time step
-  bool asks_accuracy = false;              ///< the scene has [accuracy]
-  std::optional<std::size_t> recommended;  ///< cheapest point inside [accuracy]
+  double reference_error = 0.0;               ///< of the reference run, estimated by halving its time step
+  std::vector<double> more_reference_errors;  ///< of the study's further measures
+  bool asks_accuracy = false;                 ///< the scene has [accuracy], or the study `accuracy`
+  std::optional<double> accuracy;             ///< of the error: the study's, or the scene's of the same name
+  std::optional<std::size_t> recommended;     ///< cheapest point inside [accuracy]
+  std::optional<SecondOpinion> again;
   std::string command;                     ///< of the first case, as an example
   std::string time_label = "processor seconds per simulated second";
   bool one_question = true;  ///< points answer the same question: lines join them, the best make a front
@@ -61,7 +75,13 @@ Chart chart_of(const Study& study, const std::filesystem::path& folder,
 
 /// Median and spread of the repeats.
 void set_times(ChartPoint& point, const std::vector<double>& times);
-/// Marks the Pareto front and the cheapest point inside [accuracy].
+/// The first setting of every method, then the second of each, and so on: methods take turns, and where a budget ends
+/// the study each of them has been seen.
+std::vector<std::size_t> order_of_turns(const Study& study);
+/// Points that nothing measured beats in time and error at once, in order of time. measure: 0 the study's error, k the
+/// k-th further one.
+std::vector<std::size_t> front_of(const Chart& chart, std::size_t measure);
+/// Marks the front of the first error and the cheapest point inside [accuracy].
 void mark_front(Chart& chart);
 double median(std::vector<double> values);
 
@@ -71,7 +91,7 @@ std::string chart_json(const Chart& chart);
 std::string chart_verdict(const Chart& chart);
 /// A scene file that includes the study's scene and sets what is recommended; empty where nothing is.
 std::string recommended_scene(const Chart& chart, const std::filesystem::path& folder);
-/// chart.svg and chart.png.
+/// chart.svg and chart.png; chart_2 ... for further errors.
 void draw_chart(const Chart& chart, const std::filesystem::path& folder);
 
 }  // namespace epafi

@@ -14,17 +14,25 @@ namespace fs = std::filesystem;
 
 std::string number(const std::optional<double>& v) { return v ? fmt::format("{}", *v) : ""; }
 
+std::string name_of(const ErrorSpec& e) { return e.name + (e.component.empty() ? "" : "." + e.component); }
+
 }  // namespace
 
 std::string chart_csv(const Chart& chart) {
   std::string out =
       "method,settings,time,error,error_spread,status,residual,energy_error,overlap_relative,state_hash,pareto,time_"
-      "spread,ns_per_body_step,accurate\n";
-  for (const auto& p : chart.points)
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(p.method.name),
+      "spread,ns_per_body_step,accurate";
+  for (const ErrorSpec& e : chart.study.more_errors) out += ",error:" + name_of(e);
+  out += "\n";
+  for (const auto& p : chart.points) {
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_text(p.method.name),
                        csv_text(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "",
                        p.error_spread, p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative),
                        p.state_hash, p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
+    for (std::size_t k = 0; k < chart.study.more_errors.size(); ++k)
+      out += p.good() && k < p.more_errors.size() ? fmt::format(",{}", p.more_errors[k]) : ",";
+    out += "\n";
+  }
   return out;
 }
 
@@ -42,11 +50,14 @@ std::string chart_json(const Chart& chart) {
         .member("time", p.time)
         .member("time_spread", p.time_spread);
     if (p.good()) json.member("error", p.error);
+    for (std::size_t k = 0; p.good() && k < p.more_errors.size(); ++k)
+      json.member("error:" + name_of(chart.study.more_errors[k]), p.more_errors[k]);
     json.member("error_spread", p.error_spread).member("status", p.status);
     if (!p.trouble.empty()) json.member("trouble", p.trouble);
     json.member("residual", p.residual)
         .member("energy_error", p.energy_error)
-        .member("overlap_relative", p.overlap_relative);
+        .member("overlap_relative", p.overlap_relative)
+        .member("ns_per_body_step", p.ns_per_body_step);
     json.member("state_hash", p.state_hash).member("pareto", p.pareto).member("accurate", p.accurate).end_object();
   }
   json.end_array();
@@ -54,6 +65,10 @@ std::string chart_json(const Chart& chart) {
     json.key("recommended").begin_array();
     for (const auto& o : chart.points[*chart.recommended].method.overrides) json.value(o);
     json.end_array();
+  }
+  if (chart.again) {
+    json.key("again").begin_object().member("settings", chart.again->settings).member("holds", chart.again->holds);
+    json.member("error", chart.again->error).end_object();
   }
   json.end_object();
   return json.text() + "\n";
@@ -72,6 +87,7 @@ std::string chart_verdict(const Chart& chart) {
     out += fmt::format(
         "error floor: {} points lie below twice the reference's own error of {:.3g}; their order means nothing\n",
         below, chart.reference_error);
+  if (!chart.one_question && !chart.asks_accuracy) return out;
   if (!chart.asks_accuracy) return out + "the scene has no [accuracy]: no method can be recommended\n";
   if (!chart.recommended) return out + "no method of the study meets [accuracy]\n";
   const ChartPoint& best = chart.points[*chart.recommended];
@@ -81,6 +97,10 @@ std::string chart_verdict(const Chart& chart) {
       best.method.name, best.time, chart.time_label, best.time_spread, best.error);
   for (const auto& o : best.method.overrides)
     out += o.substr(0, o.find('=')) + " = " + o.substr(o.find('=') + 1) + "\n";
+  if (chart.again)
+    out += fmt::format("run again with [{}]: {} [accuracy], error {:.3g}{}{}\n", chart.again->settings,
+                       chart.again->holds ? "meets" : "does NOT meet", chart.again->error,
+                       chart.again->trouble.empty() ? "" : ": ", chart.again->trouble);
   return out;
 }
 
@@ -99,30 +119,66 @@ std::string recommended_scene(const Chart& chart, const fs::path& folder) {
   return out;
 }
 
-void draw_chart(const Chart& chart, const fs::path& folder) {
+namespace {
+
+/// Error over time, a line per method, by one of the study's measures.
+ScatterPlot error_over_time(const Chart& chart, std::size_t measure) {
+  const Study& study = chart.study;
+  const auto error = [&](const ChartPoint& p) { return measure == 0 ? p.error : p.more_errors[measure - 1]; };
+  const auto has_error = [&](const ChartPoint& p) { return p.good() && (measure == 0 || measure <= p.more_errors.size()); };
   ScatterPlot plot;
   plot.joined = chart.one_question;
-  plot.title = chart.study.title.empty() ? fs::path(chart.study.file).stem().string() : chart.study.title;
-  plot.x_label = chart.time_label, plot.y_label = "error: " + chart.study.error.name;
+  plot.x_label = chart.time_label, plot.y_label = (measure == 0 ? study.error : study.more_errors[measure - 1]).axis_label();
   double least = INFINITY;
   for (const auto& p : chart.points)
-    if (p.good() && p.error > 0) least = std::min(least, p.error);
+    if (has_error(p) && error(p) > 0) least = std::min(least, error(p));
   const double floor = std::isfinite(least) ? 0.5 * least : 1e-16;  // an error of exactly 0 has no place on a log axis
   for (const auto& p : chart.points) {
     auto line =
         std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == p.method.name; });
-    if (line == plot.lines.end()) line = plot.lines.insert(plot.lines.end(), PlotLine{p.method.name, {}, {}});
-    if (p.good())
-      line->points.push_back({p.time, std::max(p.error, floor)});
-    else
+    if (line == plot.lines.end()) line = plot.lines.insert(plot.lines.end(), PlotLine{p.method.name, {}, {}, {}});
+    if (has_error(p))
+      line->points.push_back({p.time, std::max(error(p), floor)}),
+          line->bars.push_back({p.least_time, p.least_time + p.time_spread});
+    else if (p.status != "not_run")
       line->failed.push_back(p.time);
-    if (p.pareto) plot.front.push_back({p.time, std::max(p.error, floor)});
   }
-  std::sort(plot.front.begin(), plot.front.end());
-  if (chart.reference_error > 0) plot.levels.push_back({"error of the reference", chart.reference_error});
-  if (chart.recommended)
+  if (chart.one_question)
+    for (const std::size_t k : front_of(chart, measure))
+      plot.front.push_back({chart.points[k].time, std::max(error(chart.points[k]), floor)});
+  const double own = measure == 0 ? chart.reference_error : chart.more_reference_errors[measure - 1];
+  if (own > 0) plot.levels.push_back({"error of the reference itself", own});
+  if (measure == 0 && chart.accuracy) plot.levels.push_back({"[accuracy]", *chart.accuracy});
+  if (measure == 0 && chart.recommended)
     plot.marked = {{chart.points[*chart.recommended].time, std::max(chart.points[*chart.recommended].error, floor)}};
-  draw(plot, folder / "chart");
+  return plot;
+}
+
+/// Time over the study's axis, a line per method.
+ScatterPlot time_over_axis(const Chart& chart) {
+  ScatterPlot plot;
+  plot.x_label = chart.study.axis_label, plot.y_label = chart.time_label;
+  for (const auto& p : chart.points) {
+    auto line =
+        std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == p.method.name; });
+    if (line == plot.lines.end()) line = plot.lines.insert(plot.lines.end(), PlotLine{p.method.name, {}, {}, {}});
+    if (p.good())
+      line->points.push_back({*p.at, p.time});
+    else if (p.status != "not_run")
+      line->failed.push_back(*p.at);
+  }
+  return plot;
+}
+
+}  // namespace
+
+void draw_chart(const Chart& chart, const fs::path& folder) {
+  const std::string title = chart.study.title.empty() ? fs::path(chart.study.file).stem().string() : chart.study.title;
+  for (std::size_t k = 0; k <= chart.study.more_errors.size(); ++k) {
+    ScatterPlot plot = chart.study.axis.empty() ? error_over_time(chart, k) : time_over_axis(chart);
+    plot.title = title;
+    draw(plot, folder / (k == 0 ? "chart" : fmt::format("chart_{}", k + 1)));
+  }
 }
 
 }  // namespace epafi

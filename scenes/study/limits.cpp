@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "scenes/full_registry.h"
@@ -20,26 +21,29 @@ std::string override_of(const ParameterSpec& p, double value) {
   return p.integer ? fmt::format("{}={}", p.key, std::llround(value)) : fmt::format("{}={:.17g}", p.key, value);
 }
 
-/// Which summary number a quantity of fails_when is, and what failing there is called.
-struct Quantity {
-  const char *name, *number, *kind;
-};
-constexpr Quantity quantities[] = {{"energy_error", "energy.relative_error", "energy grew"},
-                                   {"overlap_relative", "overlap.max_relative", "overlap beyond bound"},
-                                   {"momentum_error", "momentum_error", "momentum not kept"},
-                                   {"residual", "residual.max", "did not converge"},
-                                   {"iterations", "iterations.max", "did not converge"},
-                                   {"ns_per_body_step", "ns_per_body_step", "slower than budget"},
-                                   {"bodies_lost", "bodies_lost", "tunnelled"},
-                                   {"bodies_removed", "bodies_removed", "tunnelled"}};
+/// The limit of one method at one value of the first parameter, while it is sought.
+struct Search {
+  Limit limit;
+  double good = 0.0, bad = 0.0;  ///< of a bisection
+  bool begun = false, ended = false;
+  std::vector<double> waiting = {};     ///< of a scan: what has not been asked, coarse to fine
+  std::vector<LimitCase> answers = {};  ///< of a scan
 
-std::string kind_of_bound(const std::string& name) {
-  for (const auto& q : quantities)
-    if (name == q.name) return q.kind;
-  const std::string first = name.substr(0, name.find('.'));
-  if (first == "energy") return "energy grew";
-  if (name == "broad_phase_ns") return "slower than budget";
-  return first == "drift" || first == "sag" ? "drifted or fell" : "wrong answer";
+  std::vector<double> place(double last) const { return limit.at ? std::vector{*limit.at, last} : std::vector{last}; }
+};
+
+/// The ends, then what halves the gaps: 0 n-1, middle, quarters ...
+std::vector<double> coarse_to_fine(const std::vector<double>& values) {
+  std::vector<double> out;
+  std::vector<bool> taken(values.size(), false);
+  const auto take = [&](std::size_t k) {
+    if (!taken[k]) out.push_back(values[k]), taken[k] = true;
+  };
+  if (values.empty()) return out;
+  take(0), take(values.size() - 1);
+  for (std::size_t stride = values.size() / 2; stride > 0; stride /= 2)
+    for (std::size_t k = stride; k < values.size(); k += stride) take(k);
+  return out;
 }
 
 struct Seeker {
@@ -49,59 +53,31 @@ struct Seeker {
   std::function<void(const std::string&)> say;
   CaseLimits limits;
   LimitMap map;
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 
-  std::vector<std::string> overrides(std::size_t method, const std::vector<double>& at) const {
-    std::vector<std::string> all = study.fixed;
-    const auto& own = study.methods[method].overrides;
-    all.insert(all.end(), own.begin(), own.end());
+  double left() const {
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return study.budget > 0 ? study.budget - spent : INFINITY;
+  }
+
+  std::vector<std::string> settings_at(const std::vector<double>& at) const {
+    std::vector<std::string> all;
     for (std::size_t k = 0; k < at.size(); ++k) all.push_back(override_of(study.parameters[k], at[k]));
     return all;
   }
 
-  fs::path folder_of(std::size_t method, const std::vector<double>& at) const {
+  Case case_of(std::size_t method, const std::vector<double>& at) const {
+    std::vector<std::string> all = study.fixed;
+    for (const auto& more : {study.methods[method].overrides, settings_at(at)})
+      all.insert(all.end(), more.begin(), more.end());
     std::string name = fmt::format("method_{:02}", method);
     for (const double x : at) name += fmt::format("_{:.9g}", x);
-    return folder / name;
+    return {all, folder / name};
   }
 
-  /// In this process: an evaluation takes milliseconds.
-  std::vector<LimitCase> evaluate_patches(std::size_t method, const std::vector<std::vector<double>>& places) {
-    std::vector<LimitCase> out;
-    for (const auto& at : places) {
-      std::vector<std::string> parameters;
-      for (std::size_t k = 0; k < at.size(); ++k) parameters.push_back(override_of(study.parameters[k], at[k]));
-      out.push_back(judge_patch_case(study, method, parameters, at));
-      say(fmt::format("{} [{}] at {:.6g}: {}{}{} {}", study.methods[method].name, study.methods[method].settings(),
-                      fmt::join(at, ", "), out.back().status, out.back().kind.empty() ? "" : ": ", out.back().kind,
-                      out.back().detail));
-    }
-    map.cases.insert(map.cases.end(), out.begin(), out.end());
-    return out;
-  }
-
-  /// Runs what has not been run; results in the order asked.
-  std::vector<LimitCase> evaluate(std::size_t method, const std::vector<std::vector<double>>& places) {
-    if (is_patch_study(study)) return evaluate_patches(method, places);
-    std::vector<LimitCase> out(places.size());
-    std::vector<Case> todo;
-    std::vector<std::size_t> index;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const Case wanted{overrides(method, places[i]), folder_of(method, places[i])};
-      const ReadResult read = read_scene(study.scene, wanted.overrides, full_registry());
-      if (!read.scene) throw SceneError(read.problems);
-      if (const auto old = finished_case(wanted, scene_hash(*read.scene)))
-        out[i] = judge(method, places[i], *old);
-      else
-        todo.push_back(wanted), index.push_back(i);
-    }
-    const bool whole = run_cases(study.scene, todo, limits, jobs, [&](std::size_t k, const CaseResult& r) {
-      LimitCase& c = out[index[k]] = judge(method, places[index[k]], r);
-      say(fmt::format("{} [{}] at {:.6g}: {}{}{}", study.methods[method].name, study.methods[method].settings(),
-                      fmt::join(c.at, ", "), c.status, c.kind.empty() ? "" : ": ", c.kind));
-    });
-    if (!whole) throw FileError("interrupted; run the same command again to go on");
-    map.cases.insert(map.cases.end(), out.begin(), out.end());
-    return out;
+  void tell(const LimitCase& c) const {
+    say(fmt::format("{} [{}] at {:.6g}: {}{}{} {}", study.methods[c.method].name, study.methods[c.method].settings(),
+                    fmt::join(c.at, ", "), c.status, c.kind.empty() ? "" : ": ", c.kind, c.detail));
   }
 
   LimitCase judge(std::size_t method, const std::vector<double>& at, const CaseResult& r) const {
@@ -111,50 +87,103 @@ struct Seeker {
     return c;
   }
 
-  std::vector<double> place(std::optional<double> first, double last) const {
-    return first ? std::vector{*first, last} : std::vector{last};
-  }
+  using Question = std::pair<std::size_t, std::vector<double>>;  ///< method and place
 
-  void scan(std::size_t method, std::optional<double> first, Limit& limit) {
-    std::vector<std::vector<double>> places;
-    for (const double x : study.parameters.back().values) places.push_back(place(first, x));
-    for (const LimitCase& c : evaluate(method, places)) {
-      if (c.kind.empty()) {
-        if (!limit.first_failing) limit.last_good = c.at.back();
-        continue;
+  /// Answers in the order asked; empty for what the budget leaves out.
+  std::vector<std::optional<LimitCase>> evaluate(const std::vector<Question>& asked) {
+    std::vector<std::optional<LimitCase>> out(asked.size());
+    if (is_patch_study(study)) {  // in this process: an evaluation takes milliseconds
+      for (std::size_t i = 0; i < asked.size() && left() > 0; ++i) {
+        out[i] = judge_patch_case(study, asked[i].first, settings_at(asked[i].second), asked[i].second);
+        tell(*out[i]);
       }
-      if (!limit.first_failing) limit.first_failing = c.at.back(), limit.kind = c.kind;
+      return out;
     }
+    std::vector<Case> todo;
+    std::vector<std::size_t> index;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const Case wanted = case_of(asked[i].first, asked[i].second);
+      const ReadResult read = read_scene(study.scene, wanted.overrides, full_registry());
+      if (!read.scene) throw SceneError(read.problems);
+      if (const auto old = finished_case(wanted, scene_hash(*read.scene)))
+        out[i] = judge(asked[i].first, asked[i].second, *old);
+      else
+        todo.push_back(wanted), index.push_back(i);
+    }
+    CaseLimits cut = limits;
+    cut.seconds = std::min(limits.seconds, left());
+    cut.until = study.budget > 0 ? std::optional(begin + std::chrono::milliseconds(
+                                       static_cast<long>(1e3 * study.budget))) : std::nullopt;
+    const bool whole = run_cases(study.scene, todo, cut, jobs, [&](std::size_t k, const CaseResult& r) {
+      if (r.status == "over_budget" && cut.seconds < limits.seconds) return;  // of the study, not of the case
+      const auto& [method, at] = asked[index[k]];
+      out[index[k]] = judge(method, at, r);
+      tell(*out[index[k]]);
+    });
+    if (!whole) throw FileError("interrupted; run the same command again to go on");
+    return out;
   }
 
-  /// The ends first; then halves until the interval is narrower than the tolerance.
-  void bisect(std::size_t method, std::optional<double> first, Limit& limit) {
+  /// What a search asks next: the ends and the middle of a scan, then its other values; the ends of a bisection, then
+  /// the middle of what is left.
+  std::vector<double> next(Search& s) const {
     const ParameterSpec& p = study.parameters.back();
-    double good = p.values.front(), bad = p.values.back();
-    const auto ends = evaluate(method, {place(first, good), place(first, bad)});
-    bool falling = false;  // fails at the lower end, works at the upper
-    if (!ends[0].kind.empty() && ends[1].kind.empty())
-      std::swap(good, bad), falling = true;
-    else if (!ends[0].kind.empty()) {
-      limit.first_failing = p.values.front(), limit.kind = ends[0].kind;
-      return;
-    } else if (ends[1].kind.empty()) {
-      limit.last_good = p.values.back();
+    if (s.ended) return {};
+    if (!p.bisect) {
+      if (!s.begun) s.waiting = coarse_to_fine(p.values);
+      const std::size_t n = std::min(s.waiting.size(), s.begun ? 2 * s.answers.size() : std::size_t{3});
+      const std::vector<double> now(s.waiting.begin(), s.waiting.begin() + static_cast<std::ptrdiff_t>(n));
+      s.waiting.erase(s.waiting.begin(), s.waiting.begin() + static_cast<std::ptrdiff_t>(n));
+      return now;
+    }
+    if (!s.begun) return {p.values.front(), p.values.back()};
+    const bool close = std::abs(s.bad - s.good) <= p.tolerance * std::max(std::abs(s.good), std::abs(s.bad));
+    if (close || (p.integer && std::abs(s.bad - s.good) <= 1)) return {};
+    double middle = p.log ? std::sqrt(s.good * s.bad) : 0.5 * (s.good + s.bad);
+    if (p.integer) middle = std::round(middle);
+    if (middle == s.good || middle == s.bad) return {};
+    return {middle};
+  }
+
+  void learn(Search& s, const std::vector<LimitCase>& answers) const {
+    const bool first = !s.begun;
+    s.begun = true;
+    if (!study.parameters.back().bisect) {
+      s.answers.insert(s.answers.end(), answers.begin(), answers.end());
       return;
     }
-    limit.kind = (falling ? ends[0] : ends[1]).kind;
-    while (std::abs(bad - good) > p.tolerance * std::max(std::abs(good), std::abs(bad)) &&
-           !(p.integer && std::abs(bad - good) <= 1)) {
-      double middle = p.log ? std::sqrt(good * bad) : 0.5 * (good + bad);
-      if (p.integer) middle = std::round(middle);
-      if (middle == good || middle == bad) break;
-      const auto c = evaluate(method, {place(first, middle)});
-      if (c[0].kind.empty())
-        good = middle;
+    if (!first) {
+      const LimitCase& c = answers.front();
+      if (c.kind.empty())
+        s.good = c.at.back();
       else
-        bad = middle, limit.kind = c[0].kind;
+        s.bad = c.at.back(), s.limit.kind = c.kind;
+      s.limit.last_good = s.good, s.limit.first_failing = s.bad;
+      return;
     }
-    limit.last_good = good, limit.first_failing = bad;
+    const LimitCase &low = answers[0], &high = answers[1];
+    s.ended = low.kind.empty() == high.kind.empty();
+    const bool falling = !low.kind.empty();  // fails at the lower end, works at the upper
+    s.good = falling ? high.at.back() : low.at.back(), s.bad = falling ? low.at.back() : high.at.back();
+    s.limit.kind = falling ? low.kind : high.kind;
+    if (s.ended && falling)
+      s.limit.first_failing = low.at.back();
+    else if (s.ended)
+      s.limit.last_good = high.at.back();
+    else
+      s.limit.last_good = s.good, s.limit.first_failing = s.bad;
+  }
+
+  /// The limit that a scan has shown: the last value before its first failure.
+  static void conclude(Search& s) {
+    std::sort(s.answers.begin(), s.answers.end(), [](const LimitCase& a, const LimitCase& b) { return a.at < b.at; });
+    for (const LimitCase& c : s.answers) {
+      if (!c.kind.empty()) {
+        s.limit.first_failing = c.at.back(), s.limit.kind = c.kind;
+        return;
+      }
+      s.limit.last_good = c.at.back();
+    }
   }
 
   std::optional<double> theory_at(std::optional<double> x) const {
@@ -163,63 +192,39 @@ struct Seeker {
                         return name == "x" ? NameValue{NameValue::Status::found, x.value_or(0.0)} : NameValue{};
                       },
                       [] { return std::vector<std::string>{"x"}; }};
-    const ExpressionResult r = evaluate_expression(study.theory, names);
+    const ExpressionResult r = epafi::evaluate(study.theory, names);
     if (!r.value) throw SceneError(study.file + ": theory = \"" + study.theory + "\": " + r.problem);
     return r.value;
   }
-  static ExpressionResult evaluate_expression(std::string_view text, const Names& names) {
-    return epafi::evaluate(text, names);
-  }
 
-  void seek(std::size_t method, std::optional<double> first) {
-    Limit limit{method, first, {}, {}, {}, theory_at(first)};
-    if (study.parameters.back().bisect)
-      bisect(method, first, limit);
-    else
-      scan(method, first, limit);
-    map.limits.push_back(limit);
+  /// One round: what every search asks next, all at once. False where nothing was left to ask or to spend.
+  bool round(std::vector<Search>& searches) {
+    std::vector<Question> asked;
+    std::vector<std::size_t> count;
+    for (Search& s : searches) {
+      const auto values = next(s);
+      count.push_back(values.size());
+      for (const double x : values) asked.emplace_back(s.limit.method, s.place(x));
+    }
+    if (asked.empty()) return false;
+    const auto answers = evaluate(asked);
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < searches.size(); at += count[k++]) {
+      std::vector<LimitCase> own;
+      for (std::size_t i = at; i < at + count[k]; ++i)
+        if (answers[i]) own.push_back(*answers[i]), map.cases.push_back(*answers[i]);
+      map.whole = map.whole && own.size() == count[k];
+      const bool all_there = own.size() == count[k] && count[k] > 0;
+      if (all_there || (!study.parameters.back().bisect && !own.empty()))
+        learn(searches[k], own);
+      else
+        searches[k].ended = true;
+    }
+    return true;
   }
 };
 
 }  // namespace
-
-std::string kind_of_failure(const std::vector<FailureSpec>& fails_when, const CaseResult& result, std::string& detail) {
-  detail = result.trouble;
-  if (result.status == "over_budget") return "slower than budget";
-  if (result.status == "crashed") return "crashed";
-  if (result.status == "wrong_scene") return "refused";
-  if (result.status == "failed")
-    return result.trouble.find("lost body") != std::string::npos ? "tunnelled" : "non-finite";
-  if (result.status == "bound_violated") {
-    for (const auto& [name, ok] : result.summary.numbers)
-      if (name.compare(0, 7, "checks.") == 0 && name.compare(name.size() - 3, 3, ".ok") == 0 && ok == 0)
-        return kind_of_bound(name.substr(7, name.size() - 10));
-    return "wrong answer";
-  }
-  for (const auto& f : fails_when) {
-    std::optional<double> worst;
-    for (const auto& q : quantities)
-      if (f.quantity == q.name) worst = std::abs(result.number(q.number, 0.0));
-    if (f.quantity == "broad_phase_ns")
-      worst = 1e9 * result.number("stage_seconds.broad_phase", 0.0) /
-              std::max(1.0, result.number("steps", 0.0) * result.number("bodies", 0.0));
-    if (!worst) {
-      const std::string before = "measures." + f.quantity + ".";
-      worst = result.summary.number("measures." + f.quantity);  // NAME.component.max
-      if (worst) worst = std::abs(*worst);
-      for (const auto& [name, value] : result.summary.numbers)
-        if (name.compare(0, before.size(), before) == 0 && name.compare(name.size() - 5, 5, ".last") == 0)
-          worst = std::max(worst.value_or(0.0), std::abs(value));
-    }
-    if (!worst)
-      throw SceneError("fails_when: '" + f.quantity +
-                       "' is neither a quantity of every run nor a measure of the scene");
-    if (*worst <= f.limit) continue;
-    detail = fmt::format("{} = {:.6g} > {:.6g}", f.quantity, *worst, f.limit);
-    return kind_of_bound(f.quantity);
-  }
-  return {};
-}
 
 LimitMap run_limits(const Study& study, const fs::path& folder, int jobs,
                     const std::function<void(const std::string&)>& say) {
@@ -230,12 +235,24 @@ LimitMap run_limits(const Study& study, const fs::path& folder, int jobs,
   if (whole.methods.empty()) whole.methods.push_back({"scene", {}});
   Seeker seeker{whole, folder, jobs, say, {study.program, study.threads, study.time_limit, true}, {}};
   seeker.map.study = whole;
+  std::vector<Search> searches;
   for (std::size_t m = 0; m < whole.methods.size(); ++m) {
     if (whole.parameters.size() == 1)
-      seeker.seek(m, std::nullopt);
+      searches.push_back({{m, {}, {}, {}, {}, seeker.theory_at({})}});
     else
-      for (const double x : whole.parameters.front().values) seeker.seek(m, x);
+      for (const double x : whole.parameters.front().values)
+        searches.push_back({{m, x, {}, {}, {}, seeker.theory_at(x)}});
   }
+  bool finished = false;
+  while (!finished && seeker.left() > 0) finished = !seeker.round(searches);
+  seeker.map.whole = seeker.map.whole && finished;
+  for (Search& s : searches) {
+    if (!whole.parameters.back().bisect) Seeker::conclude(s);
+    seeker.map.limits.push_back(s.limit);
+  }
+  std::stable_sort(seeker.map.cases.begin(), seeker.map.cases.end(), [](const LimitCase& a, const LimitCase& b) {
+    return std::tie(a.method, a.at) < std::tie(b.method, b.at);
+  });
   return std::move(seeker.map);
 }
 

@@ -34,6 +34,7 @@ struct LimitMap {
   Study study;
   std::vector<LimitCase> cases;
   std::vector<Limit> limits;
+  bool whole = true;  ///< false where the budget ended it: bisections are coarser than asked, values of scans missing
 };
 
 /// The kind of failure of a finished case under a study's `fails_when`; empty where it is good. `detail` says the
@@ -46,6 +47,8 @@ std::string kind_of_failure(const std::vector<FailureSpec>& fails_when, const Ca
 LimitCase judge_patch_case(const Study& study, std::size_t method, const std::vector<std::string>& parameters,
                            const std::vector<double>& at);
 
+/// In rounds, coarse to fine: each asks the next values of every search, `jobs` cases at a time, until study.budget is
+/// spent.
 LimitMap run_limits(const Study& study, const std::filesystem::path& folder, int jobs,
                     const std::function<void(const std::string&)>& say);
 

@@ -64,6 +64,7 @@ std::string limits_verdict(const LimitMap& map) {
       out += fmt::format("; {} {:.6g}", map.study.theory_label.empty() ? "theory" : map.study.theory_label, *l.theory);
     out += "\n";
   }
+  if (!map.whole) out += "the budget was spent: bisections end coarser than asked, values of scans are missing\n";
   return out;
 }
 

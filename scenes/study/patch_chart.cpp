@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "scenes/patch/evaluate_patch.h"
@@ -40,6 +41,20 @@ double error_of(const std::string& name, const PatchResult& r, const PatchResult
   return std::max({pressure, area, force});
 }
 
+/// The recommended models under the study's `again`, against the reference there.
+SecondOpinion evaluate_again(const Study& study, const ChartPoint& best) {
+  const auto there = [&](std::vector<std::string> settings) {
+    settings.insert(settings.end(), study.again.begin(), study.again.end());
+    return single(study, settings);
+  };
+  const PatchResult r = there(best.method.overrides);
+  SecondOpinion opinion{StudyMethod{"", study.again}.settings(), false, 0.0, {}};
+  opinion.error = error_of(study.error.name, r, there(study.reference));
+  opinion.holds = r.reasons.empty() && opinion.error <= *study.accuracy;
+  if (!opinion.holds) opinion.trouble = r.reasons.empty() ? "outside the accuracy asked for" : r.reasons.front();
+  return opinion;
+}
+
 std::string join(const std::vector<std::string>& parts) {
   std::string all;
   for (const auto& p : parts) all += (all.empty() ? "" : "; ") + p;
@@ -70,7 +85,7 @@ LimitCase judge_patch_case(const Study& study, std::size_t method, const std::ve
     const double error = error_of(f.quantity, r, truth);
     c.detail = fmt::format("{} = {:.3g}", f.quantity, error);
     if (!(error > f.limit)) continue;
-    c.status = "failed", c.kind = r.reasons.empty() ? "wrong in silence" : "wrong, said so";
+    c.status = "failed", c.kind = r.reasons.empty() ? "wrong in silence" : "wrong but said so";
     break;
   }
   return c;
@@ -89,23 +104,34 @@ Chart run_patch_chart(const Study& study, const std::function<void(const std::st
   chart.reference_error = reference.error_estimate;
   say(fmt::format("reference: its own error is {:.3g}", chart.reference_error));
   std::vector<std::vector<double>> times(study.methods.size());
+  chart.asks_accuracy = study.accuracy.has_value(), chart.accuracy = study.accuracy;
+  for (const StudyMethod& m : study.methods) chart.points.emplace_back().method = m;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto spent = [&] {
+    return study.budget > 0 &&
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() > study.budget;
+  };
   for (int round = 0; round < study.repeats; ++round)
-    for (std::size_t k = 0; k < study.methods.size(); ++k) {
+    for (const std::size_t k : order_of_turns(study)) {
+      ChartPoint& p = chart.points[k];
+      if (spent()) {
+        if (round == 0) p.status = "not_run", p.trouble = "the budget of the study was spent";
+        continue;
+      }
       const PatchResult r = single(study, study.methods[k].overrides);
       times[k].push_back(1e-3 * r.milliseconds);
       if (round > 0) continue;
-      ChartPoint p;
-      p.method = study.methods[k];
       p.status = r.reasons.empty() ? "completed" : "outside_its_range";
       p.trouble = join(r.reasons);
       p.error = error_of(study.error.name, r, reference), p.error_spread = chart.reference_error;
       p.is_reference = p.method.overrides == study.reference;
+      p.accurate = !study.accuracy || p.error <= *study.accuracy;
       say(fmt::format("{}/{} {} [{}]: {}, {:.3g} ms, error {:.3g}", k + 1, study.methods.size(), p.method.name,
                       p.method.settings(), p.status, r.milliseconds, p.error));
-      chart.points.push_back(std::move(p));
     }
   for (std::size_t k = 0; k < times.size(); ++k) set_times(chart.points[k], times[k]);
   mark_front(chart);
+  if (chart.recommended && study.has_again) chart.again = evaluate_again(study, chart.points[*chart.recommended]);
   chart.command = "epafi patch " + study.scene + " --json";
   return chart;
 }

@@ -24,7 +24,7 @@ Field field(std::string name, Kind kind, std::string help, std::optional<Value> 
 /// Keys read here by hand, because their names are the user's; the rest by fields.
 bool is_free_table(const std::string& key) {
   static const std::vector<std::string> free{"vary",      "reference",  "set",  "fails_when",
-                                             "parameter", "parameters", "error"};
+                                             "parameter", "parameters", "error", "axis", "again"};
   return std::find(free.begin(), free.end(), key) != free.end();
 }
 
@@ -96,9 +96,17 @@ struct StudyReader {
       study.methods.push_back({name.empty() ? method_name(overrides) : name, std::move(overrides)});
   }
 
-  void read_error(const Node& node) {
+  void read_errors(const Node& node) {
+    if (node.type != Node::Type::array) return read_error(node, study.error);
+    if (node.items.empty()) return reading.error(node.place, "error: the list is empty");
+    study.more_errors.resize(node.items.size() - 1);
+    for (std::size_t k = 0; k < node.items.size(); ++k)
+      read_error(node.items[k], k == 0 ? study.error : study.more_errors[k - 1]);
+  }
+
+  void read_error(const Node& node, ErrorSpec& error) {
     if (node.type == Node::Type::text) {
-      study.error.name = node.text;
+      error.name = node.text;
       return;
     }
     if (node.type != Node::Type::table)
@@ -110,11 +118,21 @@ struct StudyReader {
     const TableValues v =
         read_table(node, "error",
                    {name, field("component", Kind::text, ""), statistic, field("exact", Kind::number, ""),
-                    field("relative", Kind::boolean, "", Value(false))},
+                    field("relative", Kind::boolean, "", Value(false)), field("label", Kind::text, "")},
                    reading);
     if (!v.has("measure")) return;
-    study.error = {v.text("measure"), v.has("component") ? v.text("component") : "", v.text("statistic"),
-                   v.optional_number("exact"), v.boolean("relative")};
+    const auto word = [&](const char* key) { return v.has(key) ? v.text(key) : std::string{}; };
+    error = {v.text("measure"),          word("component"),     v.text("statistic"),
+             v.optional_number("exact"), v.boolean("relative"), word("label")};
+  }
+
+  void read_axis(const Node& node) {
+    if (node.type != Node::Type::table)
+      return reading.error(node.place, std::string("axis: expected a table, found ") + type_name(node.type));
+    Field key = field("key", Kind::text, "");
+    key.optional = false;
+    const TableValues v = read_table(node, "axis", {key, field("label", Kind::text, "")}, reading);
+    if (v.has("key")) study.axis = v.text("key"), study.axis_label = v.text(v.has("label") ? "label" : "key");
   }
 
   void read_parameter(const Node& node) {
@@ -173,15 +191,20 @@ struct StudyReader {
     Field repeats = field("repeats", Kind::integer, "", Value(3.0)),
           threads = field("threads", Kind::integer, "", Value(1.0));
     repeats.range = {1, 100}, threads.range = {1, 4096};
+    Field cost = field("cost", Kind::text, "", Value(std::string("run")));
+    cost.choices = {"run", "broad-phase"};
     const TableValues v = read_table(
         plain, "study",
         {scene, field("title", Kind::text, ""), field("theory", Kind::text, ""), field("theory_label", Kind::text, ""),
-         field("time_limit", Kind::text, "", Value(std::string("60s"))), repeats, threads},
+         field("time_limit", Kind::text, "", Value(std::string("60s"))), repeats, threads, cost,
+         field("accuracy", Kind::number, "")},
         reading);
     if (!v.has("scene")) return;
     study.scene = resolve_path(v.text("scene"), v.place_of("scene"), study.file);
     const auto text = [&](const char* key) { return v.has(key) ? v.text(key) : std::string{}; };
     study.title = text("title"), study.theory = text("theory"), study.theory_label = text("theory_label");
+    study.accuracy = v.optional_number("accuracy");
+    study.cost = v.text("cost") == "run" ? Study::Cost::run : Study::Cost::broad_phase;
     study.repeats = static_cast<int>(v.integer("repeats")), study.threads = static_cast<int>(v.integer("threads"));
     if (const auto limit = parse_duration(v.text("time_limit")))
       study.time_limit = *limit;
@@ -189,7 +212,9 @@ struct StudyReader {
       reading.error(v.place_of("time_limit"),
                     "time_limit '" + v.text("time_limit") + "' is no duration; write 90s, 30m or 3h50m");
     for (const auto& [key, place, value] : root.members) {
-      if (key == "error") read_error(value);
+      if (key == "error") read_errors(value);
+      if (key == "axis") read_axis(value);
+      if (key == "again") study.again = overrides_of(value), study.has_again = true;
       if (key == "reference") study.reference = overrides_of(value), study.has_reference = true;
       if (key == "set") study.fixed = overrides_of(value);
       if (key == "fails_when") read_failures(value);
@@ -210,6 +235,17 @@ struct StudyReader {
 std::string csv_text(std::string text) {
   for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, "\"");
   return "\"" + text + "\"";
+}
+
+std::string ErrorSpec::axis_label() const {
+  if (!label.empty()) return label;
+  if (name == "overlap") return "deepest overlap / bounding radius";
+  if (name == "energy") return "error of the energy balance / energy";
+  if (name == "residual") return "largest residual";
+  if (name == "momentum") return "change of momentum / momentum";
+  if (name == "distance") return "distance of the bodies from the reference [m]";
+  if (name == "depth") return "error of distance or depth / size and coordinates";
+  return std::string(relative ? "relative error: " : "error: ") + name + (component.empty() ? "" : ", " + component);
 }
 
 std::string StudyMethod::settings() const {

@@ -23,6 +23,8 @@ struct ErrorSpec {
   std::string statistic = "last";  ///< last, min, max
   std::optional<double> exact;     ///< closed form or published value; else the reference run, else 0
   bool relative = false;           ///< divided by the exact or reference value
+  std::string label;               ///< of the axis, with the unit; empty: made from the rest
+  std::string axis_label() const;
 };
 
 /// A value of `limits` that is scanned, or bisected for its last good value.
@@ -47,6 +49,14 @@ struct Study {
   std::vector<std::string> fixed;  ///< overrides of every case: `set`
   std::vector<StudyMethod> methods;
   ErrorSpec error;
+  std::vector<ErrorSpec> more_errors;  ///< of the same runs: a column and a picture each
+  std::optional<double> accuracy;      ///< largest error that is good enough, beside the scene's [accuracy]
+  std::vector<std::string> again;      ///< overrides under which the recommended method is run once more: another seed
+  bool has_again = false;
+  enum class Cost { run, broad_phase };
+  Cost cost = Cost::run;  ///< what time means: of the run per simulated second, or of a stage per body and step
+  std::string axis;       ///< key whose value stands on the x axis, time on the y axis; empty: error over time
+  std::string axis_label;
   std::vector<std::string> reference;  ///< overrides of the reference run; empty: none
   bool has_reference = false;
   std::vector<ParameterSpec> parameters;  ///< one or two; of two the first is scanned
@@ -55,7 +65,7 @@ struct Study {
   std::string theory_label;
   int repeats = 3;           ///< timings of each point
   double time_limit = 60.0;  ///< wall time of one case [s]
-  double budget = 0.0;       ///< of all cases of a chart [s]: what is not reached is not run; 0: none
+  double budget = 0.0;       ///< of all cases [s]: what is not reached is not run; 0: none
   int threads = 1;
   std::string program = "/proc/self/exe";  ///< that runs the cases
 };

@@ -1,8 +1,10 @@
+#include <cmath>
 #include <numbers>
 
 #include "scenes/reader/scene_reader.h"
 
 #include "scenes/cli/new_scene.h"
+#include "scenes/full_registry.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_registry.h"
 
@@ -37,6 +39,30 @@ const std::string ball_scene =
     "radius = 1 } }\n";
 
 }  // namespace
+
+TEST_CASE("expressions know the seed of the run, and jitter displaces bodies of a file by it", "[scenes][reader]") {
+  const std::string scene = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/pile/polyhedra.toml";
+  const auto places = [&](const std::vector<std::string>& overrides) {
+    const ReadResult read = read_scene(scene, overrides, full_registry());
+    REQUIRE(read.scene);
+    std::vector<Vec3> out;
+    for (const BodySpec& b : read.scene->bodies)
+      if (!b.fixed) out.push_back(b.position);
+    return out;
+  };
+  const auto written = places({}), some = places({"params.jitter=0.02"}), other = places({"params.jitter=0.02", "run.seed=7"}),
+             named = places({"params.jitter=\"= 0.01*seed\"", "run.seed=2"});
+  REQUIRE(written.size() == 1000);
+  double largest = 0.0, sum = 0.0;
+  for (std::size_t k = 0; k < written.size(); ++k) {
+    largest = std::max(largest, (some[k] - written[k]).cwiseAbs().maxCoeff()), sum += (some[k] - written[k]).sum();
+    CHECK(some[k] != other[k]);
+    CHECK((named[k] - written[k]).cwiseAbs().maxCoeff() <= 0.02);
+  }
+  CHECK(largest <= 0.02);
+  CHECK(largest > 0.0199);  // of 3000 draws
+  CHECK(std::abs(sum / 3000) < 4 * 0.02 / std::sqrt(3.0 * 3000));  // mean 0 within four deviations
+}
 
 TEST_CASE("the settings of a scene arrive in SI", "[scenes][reader]") {
   const Scene s = read();

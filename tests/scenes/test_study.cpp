@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "scenes/study/atlas.h"
+#include "scenes/study/atlas_page.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
@@ -106,6 +107,91 @@ vary = [ { "run.time_step" = [4e-6, 4e-7, 4e-8] }, { name = "wrong", "run.time_s
   CHECK(run.number("accuracy.energy_error.ok", 0.0) == 1.0);
 }
 
+TEST_CASE("methods take turns, and several errors of a run have a column and a front each", "[scenes][study]") {
+  const TemporaryFolder folder;
+  Study study = read_study(write(folder, "scene = \"" + library + R"(stacking/stack.toml"
+error = [ { measure = "drift", component = "distance" }, { measure = "drift", component = "sag" } ]
+repeats = 1
+set = { "params.n" = 3, "params.jitter" = 0.002, "run.duration" = 0.2 }
+reference = { "contact.nonsmooth.solver" = "newton", "contact.nonsmooth.tolerance" = 1e-12 }
+again = { "run.seed" = 7 }
+vary = [ { "contact.nonsmooth.solver" = "pgs", "contact.nonsmooth.iterations" = [5, 100] }, { "contact.nonsmooth.solver" = "newton" } ]
+)"),
+                           {});
+  CHECK(order_of_turns(study) == std::vector<std::size_t>{0, 2, 1});
+  study.program = program;
+  const Chart chart = run_chart(study, folder.path(), silent);
+  REQUIRE(chart.points.size() == 3);
+  for (const ChartPoint& p : chart.points) REQUIRE(p.more_errors.size() == 1);
+  CHECK(chart.points[0].more_errors[0] > chart.points[1].more_errors[0]);  // sags less with more sweeps
+  CHECK_THAT(chart_csv(chart), Catch::Contains(",accurate,error:drift.sag\n"));
+  REQUIRE(chart.accuracy);
+  CHECK(*chart.accuracy == 0.005);  // of the scene: drift
+  REQUIRE(chart.again);
+  CHECK(chart.again->holds);
+  CHECK_THAT(chart_verdict(chart), Catch::Contains("run again with [run.seed=7]: meets [accuracy]"));
+  const auto hash = [&](const char* run) { return read_json(folder / run / "summary.json").text("state_hash"); };
+  CHECK(hash("again") != chart.points[*chart.recommended].state_hash);  // another start, not the same run
+}
+
+TEST_CASE("every broad phase finds the pairs that looking at all of them finds, over the axis of a chart", "[scenes][study]") {
+  const TemporaryFolder folder;
+  Study study = read_study(library + "studies/broad_phase.toml", {"set.params.n=300", "repeats=1"});
+  std::erase_if(study.methods, [](const StudyMethod& m) {
+    return m.settings().find("ratio=1\0") == std::string::npos && m.settings().find("ratio=10") == std::string::npos;
+  });
+  study.program = program;
+  const Chart chart = run_chart(study, folder.path(), silent);
+  REQUIRE(chart.points.size() == 12);
+  for (const ChartPoint& p : chart.points) {
+    INFO(p.method.settings() << ' ' << p.trouble);
+    CHECK(p.good());
+    REQUIRE(p.at);
+    CHECK(p.error == 0.0);
+    CHECK((p.time > 1e-9 && p.time < 1e-3));
+  }
+}
+
+TEST_CASE("a budget ends a study coarse, and says so", "[scenes][study]") {
+  const TemporaryFolder folder;
+  Study study = read_study(library + "studies/stack_height_iterations.toml", {"parameters.0.values=[5]"});
+  study.program = program, study.budget = 1e-6;
+  const LimitMap map = run_limits(study, folder.path(), 1, silent);
+  CHECK_FALSE(map.whole);
+  CHECK(map.cases.empty());
+  CHECK_THAT(limits_verdict(map), Catch::Contains("the budget was spent"));
+  Study chart_study = read_study(library + "studies/impact_laws.toml", {});
+  chart_study.program = program, chart_study.budget = 1e-6;
+  const Chart chart = run_chart(chart_study, folder.path(), silent);
+  for (const ChartPoint& p : chart.points) CHECK(p.status == "not_run");
+  CHECK_FALSE(chart.recommended);
+}
+
+TEST_CASE("every study has a page with its picture, its table and what they say", "[scenes][study]") {
+  const std::filesystem::path atlas = std::string(EPAFI_SOURCE_DIR) + "/docs/atlas";
+  CHECK(read_whole_file(atlas / "README.md") == atlas_index(library + "studies"));
+  for (const auto& entry : std::filesystem::directory_iterator(library + "studies")) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string stem = entry.path().stem().string();
+    INFO(stem);
+    REQUIRE(std::filesystem::exists(atlas / (stem + ".md")));
+    const std::string page = read_whole_file(atlas / (stem + ".md"));
+    CHECK(page.find("](" + stem + ".csv)") != std::string::npos);
+    std::size_t pictures = 0, words = 0;
+    for (std::size_t at = page.find("!["); at != std::string::npos; at = page.find("![", at + 1)) {
+      const std::size_t from = page.find("](", at) + 2, to = page.find(')', from);
+      INFO(page.substr(from, to - from));
+      CHECK(std::filesystem::exists(atlas / page.substr(from, to - from)));
+      ++pictures;
+    }
+    CHECK(pictures > 0);
+    const std::string said = page.substr(0, page.find("<!-- measured"));  // two paragraphs by hand, below the title
+    for (std::size_t at = said.find("\n\n"); at != std::string::npos; at = said.find("\n\n", at + 2)) ++words;
+    CHECK(words >= 3);
+    CHECK(page_with(page, "", "new\n").find("](" + stem + ".csv)") == std::string::npos);
+  }
+}
+
 TEST_CASE("the longest stable step is 2/omega within 2 %", "[scenes][study]") {
   const TemporaryFolder folder;
   Study study = read_study(library + "studies/time_step_stiffness.toml", {"parameters.0.values=[1e4]"});
@@ -189,9 +275,9 @@ TEST_CASE("the limit of Gauss-Seidel on a column lies within a fifth of 0.93 n^2
     CHECK(l.kind == "did not converge");
   }
   const std::size_t cases = map.cases.size();
-  const auto before = std::filesystem::last_write_time(folder.path() / "method_00_5_1" / "summary.json");
+  const auto before = std::filesystem::last_write_time(folder.path() / "method_00_5_10" / "summary.json");
   CHECK(run_limits(study, folder.path(), 1, silent).cases.size() == cases);  // nothing is run again
-  CHECK(std::filesystem::last_write_time(folder.path() / "method_00_5_1" / "summary.json") == before);
+  CHECK(std::filesystem::last_write_time(folder.path() / "method_00_5_10" / "summary.json") == before);
 }
 
 TEST_CASE("a sweep lists its cases, skips finished ones and collects a row each", "[scenes][study]") {

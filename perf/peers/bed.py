@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""The bed of spheres side by side with LAMMPS and LIGGGHTS, from one settled state, on this machine, taking turns.
+
+  /usr/bin/python3 perf/peers/bed.py [--n 10000] [--steps 1000] [--repeats 3] [--out out/peers_bed] [--program ./epafi]
+
+Settles scenes/library/bed/bed.toml with Epafi, writes its last snapshot as bodies.csv (Epafi), bed.data and bed.lammps,
+bed.liggghts (those two), and times the same number of steps of 5e-5 s on one thread from there: Hertz-Mindlin with history, double
+precision, five plane walls. A code that is not installed has no row. Prints, and writes to table.md: nanoseconds of processor time per
+sphere and step (median, smallest, largest), and as a check that all did the same work the touching neighbours (Epafi counts walls,
+the others do not). Needs numpy; of Debian: lammps, liggghts.
+"""
+import argparse
+import csv
+import json
+import os
+import re
+import resource
+import shutil
+import statistics
+import subprocess
+
+import numpy
+
+SCENE = "scenes/library/bed/bed.toml"
+E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--n", type=int, default=10000)
+parser.add_argument("--steps", type=int, default=1000)
+parser.add_argument("--warm", type=int, default=200, help="steps before the timed ones, not counted")
+parser.add_argument("--repeats", type=int, default=3)
+parser.add_argument("--skin", type=float, default=2e-4, help="of the neighbour lists of the other codes [m]; 2e-4 is their best")
+parser.add_argument("--out", default="out/peers_bed")
+parser.add_argument("--program", default="./epafi")
+o = parser.parse_args()
+program = os.path.abspath(o.program)
+scene = os.path.abspath(SCENE)
+os.makedirs(o.out, exist_ok=True)
+
+
+def settle():
+    """Positions and radii of the settled bed, and the side of its box."""
+    folder = os.path.join(o.out, "settled_%d" % o.n)
+    if not os.path.exists(os.path.join(folder, "snapshots.csv")):
+        subprocess.run([program, "run", scene, "--set", "params.n=%d" % o.n, "-t", "1", "-q", "--force", "--least-output", "-o", folder], check=True)
+        subprocess.run([program, "export", folder, "--format", "csv"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    with open(os.path.join(folder, "snapshots.csv")) as file:  # walls have no radius
+        rows = [r for r in csv.DictReader(file) if 0 < float(r["radius"]) < numpy.inf]
+    last = max(float(r["time"]) for r in rows)
+    bed = numpy.array([[float(r[c]) for c in ("x", "y", "z", "radius")] for r in rows if float(r["time"]) == last])
+    assert len(bed) == o.n, "%d spheres in the last snapshot, not %d" % (len(bed), o.n)
+    return bed, (o.n * numpy.pi / 6 * 0.005**3 / 0.6) ** (1 / 3)
+
+
+def write_inputs(bed, side):
+    with open(os.path.join(o.out, "bodies.csv"), "w") as f:
+        f.write("x,y,z,radius\n")
+        for b in bed:
+            f.write("%.17g,%.17g,%.17g,%.17g\n" % tuple(b))
+    with open(os.path.join(o.out, "bed.toml"), "w") as f:
+        f.write('title = "Settled bed"\nrun = { duration = %.9g, time_step = %g, output_interval = 1.0 }\nworld = { gravity = [0, 0, -9.81] }\n'
+                % ((o.steps + 0.5) * STEP, STEP))
+        f.write("material.bead = { density = %g, youngs_modulus = %g, poissons_ratio = %g }\n" % (DENSITY, E, NU))
+        f.write('contact = { method = "smooth", restitution = %g, friction = %g, smooth = { law = "hertz-mindlin" } }\n' % (RESTITUTION, FRICTION))
+        planes = [((0, 0, 0), (0, 0, 1)), ((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((side, 0, 0), (-1, 0, 0)), ((0, side, 0), (0, -1, 0))]
+        for p, n in planes:
+            f.write('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "bead"\nfixed = true\n' % n)
+            f.write("position = [%.17g, %.17g, %.17g]\n" % p)
+        f.write('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n[[measure]]\nname = "contacts"\nkind = "coordination"\ninterval = 0.01\n')
+    with open(os.path.join(o.out, "bed.data"), "w") as f:
+        f.write("settled bed\n\n%d atoms\n1 atom types\n\n" % len(bed))
+        f.write("%.9g %.9g xlo xhi\n%.9g %.9g ylo yhi\n-0.01 %.9g zlo zhi\n\nAtoms\n\n" % (-0.01, side + 0.01, -0.01, side + 0.01, bed[:, 2].max() + 0.05))
+        for k, (x, y, z, r) in enumerate(bed):
+            f.write("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z))
+    common = """units si
+boundary f f f
+read_data bed.data
+neighbor %g bin
+neigh_modify delay 0 every 1 check yes
+%%s
+fix gravity all gravity 9.81 vector 0 0 -1
+fix motion all nve/sphere
+timestep %g
+compute touching all contact/atom
+compute neighbours all reduce ave c_touching
+compute top all reduce max z
+thermo_style custom step atoms c_neighbours c_top
+thermo %d
+run %d
+run ${steps}
+""" % (o.skin, STEP, o.warm + o.steps, o.warm)
+    # LAMMPS, style "granular": the same laws as ours (Mindlin's spring rescaled, Tsuji's damping from the restitution)
+    law = "hertz/material %g %g %g tangential mindlin NULL 1.0 %g damping tsuji" % (E, RESTITUTION, NU, FRICTION)
+    walls = "\n".join("fix wall%s all wall/gran %%s %splane 0 %s" % (a, a, "NULL" if a == "z" else "%.17g" % side) for a in "xyz")
+    begin = "atom_style sphere\natom_modify map array sort 1000 0.006\nnewton on\ncomm_modify vel yes\n"
+    write("granular.lammps", begin + common % ("pair_style granular\npair_coeff * * %s\n" % law + walls % (("granular " + law,) * 3)))
+    # style "gran/hertz/history": its quickest; constants 4/3 E*, 8 G*, a damping that gives about the same restitution
+    shear = E / (2 * (1 + NU))
+    law = "%.6g %.6g 3e5 3e5 %g 1" % (4 / 3 * E / (2 * (1 - NU**2)), 8 * shear / (2 * (2 - NU)), FRICTION)
+    write("history.lammps", begin + common % ("pair_style gran/hertz/history %s\npair_coeff * *\n" % law + walls % (("hertz/history " + law,) * 3)))
+    properties = "".join("fix m%d all property/global %s\n" % (k, p) for k, p in enumerate(
+        ("youngsModulus peratomtype %g" % E, "poissonsRatio peratomtype %g" % NU, "coefficientRestitution peratomtypepair 1 %g" % RESTITUTION,
+         "coefficientFriction peratomtypepair 1 %g" % FRICTION)))
+    planes = [("x", 0.0), ("x", side), ("y", 0.0), ("y", side), ("z", 0.0)]
+    walls = "\n".join("fix wall%d all wall/gran model hertz tangential history primitive type 1 %splane %.17g" % (k, a, at)
+                      for k, (a, at) in enumerate(planes))
+    begin = "atom_style granular\natom_modify map array sort 1000 0.006\nnewton off\ncommunicate single vel yes\n"
+    write("bed.liggghts", begin + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls))
+
+
+def write(name, text):
+    # LIGGGHTS asks for its units after the atoms' style, LAMMPS for either order
+    lines = text.split("\n")
+    units = lines.index("units si")
+    lines.insert(0, lines.pop(units)) if name.endswith("lammps") else None
+    with open(os.path.join(o.out, name), "w") as f:
+        f.write("\n".join(lines))
+
+
+def processor_time(command, steps):
+    """Of the whole process [s], and what it printed."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = command + ["-var", "steps", str(steps)]
+    text = subprocess.run(command, cwd=o.out, env=dict(os.environ, OMP_NUM_THREADS="1"), capture_output=True, text=True).stdout
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, text
+
+
+def run_peer(command):
+    """Processor ns per sphere and step, neighbours. They print wall time only: the same run without the timed steps is subtracted."""
+    start, _ = processor_time(command, 0)
+    whole, text = processor_time(command, o.steps)
+    rows = re.findall(r"^\s*\d+\s+%d\s+(\S+)\s+\S+\s*$" % o.n, text, re.M)
+    if not rows:
+        print("%s failed:\n%s" % (command[0], text[-1500:]))
+        return None
+    return 1e9 * (whole - start) / o.steps / o.n, float(rows[-1])
+
+
+def run_epafi():
+    command = [program, "run", os.path.join(o.out, "bed.toml"), "-q", "--force", "--json", "--least-output", "-t", "1", "-o", os.path.join(o.out, "epafi")]
+    s = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    return 1e9 * s["cpu_time"] / s["steps"] / o.n, s["measures"]["contacts"]["number"]["last"]
+
+
+bed, side = settle()
+write_inputs(bed, side)
+codes = [("Epafi", run_epafi)]
+if shutil.which("lmp"):
+    codes += [("LAMMPS gran/hertz/history", lambda: run_peer(["lmp", "-log", "none", "-in", "history.lammps"])),
+              ("LAMMPS granular (Mindlin, Tsuji)", lambda: run_peer(["lmp", "-log", "none", "-in", "granular.lammps"]))]
+if shutil.which("liggghts"):
+    codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "bed.liggghts"])))
+seen = {name: [] for name, _ in codes}
+for k in range(o.repeats):
+    for name, run in codes:
+        result = run()
+        if result:
+            seen[name].append(result)
+lines = ["| %d spheres, one thread | ns per sphere and step | smallest, largest | over Epafi | neighbours |" % o.n, "|---|---|---|---|---|"]
+ours = statistics.median(r[0] for r in seen["Epafi"])
+for name, results in seen.items():
+    if results:
+        ns = [r[0] for r in results]
+        lines.append("| %s | %.0f | %.0f, %.0f | %.2f | %.2f |" % (name, statistics.median(ns), min(ns), max(ns), statistics.median(ns) / ours, results[-1][1]))
+text = "\n".join(lines) + "\n"
+print(text + "load of the machine: %.1f" % os.getloadavg()[0])
+with open(os.path.join(o.out, "table.md"), "w") as f:
+    f.write(text)
