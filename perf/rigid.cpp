@@ -212,8 +212,10 @@ int main(int argc, char** argv) {
       for (const char* law : {"newton", "sequential"}) bounce(e, law, dt);
   for (const Workload& w : work) {
     row(w, "pgs", 50, 1e-6);
+    if (w.pile) row(w, "soft-step", 4, 1e-6);
     if (w.pile) continue;
     for (const double tolerance : {1e-6, 1e-3}) row(w, "newton", 100, tolerance);
     row(w, "auto", 1000, 1e-6);
+    row(w, "soft-step", 4, 1e-6);
   }
 }

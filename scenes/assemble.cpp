@@ -47,7 +47,6 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
 
 BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
   const BodyId id = a.simulation->world.add(make_body(a, shape, spec, place));
-  a.body_names.push_back(spec.name);
   auto& events = a.simulation->events;
   if (spec.motion) events.push_back(std::make_unique<DriveBody>(id, *spec.motion, spec.position));
   if (spec.servo) events.push_back(std::make_unique<ServoWall>(id, *spec.servo));
@@ -94,7 +93,6 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
     if (((fill.region.max - fill.region.min).array() < 2 * shape.radius).any())
       throw SceneError("[[fill]]: a body is larger than the region it is poured into", fill.place);
     ids.push_back(a.simulation->world.reserve());
-    a.body_names.push_back(spec.name);
     const Body body = make_body(a, shape, spec, fill.place);
     stream.setup.bodies.push_back({body, ids.back(), stream.time, shape.radius});
     stream.time += fill.rate > 0 ? 1.0 / fill.rate : body.mass / fill.mass_rate;
@@ -259,7 +257,13 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
 
 std::string body_name(const Assembly& a, BodyId id) {
   const auto k = static_cast<std::size_t>(id);
-  return k < a.body_names.size() && !a.body_names[k].empty() ? a.body_names[k] : fmt::format("body {}", k);
+  if (k < a.body_ids.size() && a.body_ids[k] == id && !a.scene.bodies[k].name.empty()) return a.scene.bodies[k].name;
+  for (std::size_t f = 0; f < a.fill_ids.size(); ++f) {  // consecutive ids, in the order of the table
+    const auto& ids = a.fill_ids[f];
+    if (!ids.empty() && ids.front() <= id && id <= ids.back())
+      return fmt::format("{}[{}]", a.scene.fills[f].name, k - static_cast<std::size_t>(ids.front()));
+  }
+  return fmt::format("body {}", k);
 }
 
 }  // namespace epafi

@@ -36,7 +36,6 @@ struct Assembly {
   std::vector<std::vector<BodyId>> fill_ids;  ///< of Scene::fills; those that are poured have no slot before they come
   std::vector<const PourBodies*> sources;
   BatchNarrowPhase* narrow_phase = nullptr;  ///< of the pipeline
-  std::vector<std::string> body_names;  ///< by body id
   std::vector<Problem> warnings;
 
   std::vector<BodyId> ids(const NamedBodies& named) const;

@@ -75,7 +75,8 @@ void refuse_volumeless(const Scene& scene, const ShapesInUse& use) {
   for (const auto* list : {&use.free, &use.held}) {
     for (std::size_t s : *list) {
       const ShapeSpec& shape = scene.shapes[s];
-      const bool known = shape.type == "polyhedron" || shape.type == "solid" || shape.type == "box" || shape.type == "half_space";
+      const bool known =
+          shape.type == "polyhedron" || shape.type == "solid" || shape.type == "box" || shape.type == "half_space";
       if (known && !(shape.rounding > 0.0)) continue;
       Problem p;
       p.place = shape.place;
@@ -154,6 +155,78 @@ std::string StepPlan::reason(const std::string& cost) const {
   return "not paid";
 }
 
+namespace {
+
+/// Notes what the scene pays for and what not.
+struct Bill {
+  StepPlan& plan;
+  void pay(bool needed, const char* name, const char* why, const Place& where) const {
+    if (needed)
+      plan.costs.push_back({name, why, where});
+    else
+      plan.not_paid.push_back(name);
+  }
+};
+
+void plan_laws(const Scene& scene, const Bill& bill, bool smooth) {
+  const StepPlan& plan = bill.plan;
+  const ContactSettings& c = scene.contact;
+  bill.pay(plan.needs.memory, smooth ? "tangential history" : "warm start",
+           smooth ? "the friction spring is carried by contact" : "impulses of the last step start the solver",
+           smooth ? c.friction.place : c.method.place);
+  bill.pay(plan.needs.curvature, "curvature", "the law needs the radius of the contact", c.law.place);
+  bill.pay(plan.needs.area, "overlap volume", "the law takes the volume of the overlap", c.law.place);
+  bill.pay(plan.needs.contact_moment, "contact moment", "rolling friction", c.rolling_friction.place);
+}
+
+/// What single bodies ask for.
+void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
+  StepPlan& plan = bill.plan;
+  const auto find = [&](const auto& asks) -> const Place* {
+    const auto b = std::find_if(scene.bodies.begin(), scene.bodies.end(), asks);
+    return b == scene.bodies.end() ? nullptr : &scene.groups[b->group].place;
+  };
+  const auto pay = [&](const Place* where, const char* name, const char* why) {
+    bill.pay(where != nullptr, name, why, where != nullptr ? *where : Place{});
+    return where != nullptr;
+  };
+  plan.columns.external_force = pay(find([](const BodySpec& b) { return b.force.squaredNorm() > 0; }), "external force",
+                                    "a body has a constant force");
+  plan.columns.periodic = pay(scene.cell ? &scene.cell->place : nullptr, "images",
+                              "the domain repeats: images of bodies at its faces, cells passed by each body");
+  plan.columns.held_force = pay(find([](const BodySpec& b) { return b.servo.has_value(); }), "force on walls",
+                                "a servo feels what it presses on");
+  pay(scene.run.adaptive ? &scene.run.time_step.place : nullptr, "speed of all bodies",
+      "time_step = \"adaptive\" looks at it before every step");
+  const Place* swift = find([](const BodySpec& b) { return b.continuous; });
+  pay(swift, "continuous", "a body is watched along its way within a step");
+  if (smooth && swift != nullptr)
+    throw SceneError(
+        "continuous = true holds bodies at impulses, a smooth law needs steps within its contact; leave it out with "
+        "time_step = \"auto\", or take contact.method = \"nonsmooth\"",
+        *swift);
+}
+
+void plan_reach(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, bool smooth,
+                StepPlan& plan) {
+  if (smooth) {
+    double largest = 0.0;
+    for (const auto* list : {&use.free, &use.held})
+      for (std::size_t s : *list)
+        if (std::isfinite(shapes[s].radius)) largest = std::max(largest, shapes[s].radius);
+    plan.reach = plan.resting_reach = smooth_reach(smooth_setup(scene), largest);
+    return;
+  }
+  double smallest = infinity;
+  for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
+  if (!std::isfinite(smallest)) return;
+  // Impacts at their own times are foreseen: all that the bodies move in a step, to a quarter of the smallest.
+  plan.reach = (locates_impacts(scene) ? 0.25 : 0.02) * smallest;
+  plan.resting_reach = 0.005 * smallest;
+}
+
+}  // namespace
+
 StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   StepPlan plan;
   const bool smooth = scene.contact.method.value == Method::smooth;
@@ -161,59 +234,13 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   plan.needs = contact_needs(scene);
   plan.columns.force = smooth;
   plan_rotation(scene, shapes, use, plan);
-  const auto pay = [&](bool needed, const char* name, const char* why, const Place& where) {
-    if (needed)
-      plan.costs.push_back({name, why, where});
-    else
-      plan.not_paid.push_back(name);
-  };
   if (!plan.columns.rotation) plan.not_paid.push_back("rotation");
   if (!plan.columns.orientation) plan.not_paid.push_back("orientation");
   if (!plan.columns.anisotropy) plan.not_paid.push_back("angular momentum");
-  const ContactSettings& c = scene.contact;
-  pay(plan.needs.memory, smooth ? "tangential history" : "warm start",
-      smooth ? "the friction spring is carried by contact" : "impulses of the last step start the solver",
-      smooth ? c.friction.place : c.method.place);
-  pay(plan.needs.curvature, "curvature", "the law needs the radius of the contact", c.law.place);
-  pay(plan.needs.area, "overlap volume", "the law takes the volume of the overlap", c.law.place);
-  pay(plan.needs.contact_moment, "contact moment", "rolling friction", c.rolling_friction.place);
-  const auto pushed =
-      std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.force.squaredNorm() > 0; });
-  plan.columns.external_force = pushed != scene.bodies.end();
-  pay(plan.columns.external_force, "external force", "a body has a constant force",
-      pushed != scene.bodies.end() ? scene.groups[pushed->group].place : Place{});
-  const auto swift = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.continuous; });
-  plan.columns.periodic = scene.cell.has_value();
-  pay(plan.columns.periodic, "images", "the domain repeats: images of bodies at its faces, cells passed by each body",
-      scene.cell ? scene.cell->place : Place{});
-  const auto servo =
-      std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.servo.has_value(); });
-  plan.columns.held_force = servo != scene.bodies.end();
-  pay(plan.columns.held_force, "force on walls", "a servo feels what it presses on",
-      servo != scene.bodies.end() ? scene.groups[servo->group].place : Place{});
-  pay(scene.run.adaptive, "speed of all bodies", "time_step = \"adaptive\" looks at it before every step",
-      scene.run.time_step.place);
-  pay(swift != scene.bodies.end(), "continuous", "a body is watched along its way within a step",
-      swift != scene.bodies.end() ? scene.groups[swift->group].place : Place{});
-  if (smooth && swift != scene.bodies.end())
-    throw SceneError(
-        "continuous = true holds bodies at impulses, a smooth law needs steps within its contact; leave it out with "
-        "time_step = \"auto\", or take contact.method = \"nonsmooth\"",
-        scene.groups[swift->group].place);
+  plan_laws(scene, {plan}, smooth);
+  plan_bodies(scene, {plan}, smooth);
   plan_pairs(scene, shapes, use, plan);
-  if (smooth) {
-    double largest = 0.0;
-    for (const auto* list : {&use.free, &use.held})
-      for (std::size_t s : *list)
-        if (std::isfinite(shapes[s].radius)) largest = std::max(largest, shapes[s].radius);
-    plan.reach = plan.resting_reach = smooth_reach(smooth_setup(scene), largest);
-  } else {
-    double smallest = infinity;
-    for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
-    // Impacts at their own times are foreseen: all that the bodies move in a step, to a quarter of the smallest.
-    plan.reach = std::isfinite(smallest) ? (locates_impacts(scene) ? 0.25 : 0.02) * smallest : 0.0;
-    plan.resting_reach = std::isfinite(smallest) ? 0.005 * smallest : 0.0;
-  }
+  plan_reach(scene, shapes, use, smooth, plan);
   plan_fused_spheres(scene, shapes, plan);
   plan_railway(scene, use, plan);
   World world(plan.columns);

@@ -111,10 +111,11 @@ void RunFile::append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodie
       bodies.empty() ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies.back().id + 1u);
   const std::size_t fresh = known - bodies_known_;
   if (fresh == 0) return;
-  std::vector<BodyRecord> rows(fresh);
+  static const BodyRecord nobody{};
+  std::vector<const BodyRecord*> rows(fresh, &nobody);
   for (const BodyRecord& b : bodies) {
     if (b.id < bodies_known_) continue;
-    rows[b.id - bodies_known_] = b;
+    rows[b.id - bodies_known_] = &b;
     if (b.surface == nullptr || surfaces_.count(b.shape) != 0) continue;
     const auto number = static_cast<std::int32_t>(surfaces_.size());
     const std::string group = numbered("shapes", static_cast<std::size_t>(number));
@@ -125,13 +126,13 @@ void RunFile::append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodie
     file.set_attribute(group, "shape", std::uint64_t{b.shape});
     surfaces_[b.shape] = number;
   }
-  append_column<std::uint32_t>(file, "bodies/shape", fresh, [&](std::size_t k) { return rows[k].shape; });
+  append_column<std::uint32_t>(file, "bodies/shape", fresh, [&](std::size_t k) { return rows[k]->shape; });
   append_column<std::int32_t>(file, "bodies/surface", fresh, [&](std::size_t k) {
-    return rows[k].surface == nullptr ? -1 : surfaces_.at(rows[k].shape);
+    return rows[k]->surface == nullptr ? -1 : surfaces_.at(rows[k]->shape);
   });
-  append_column<std::uint16_t>(file, "bodies/material", fresh, [&](std::size_t k) { return rows[k].material; });
-  append_column<double>(file, "bodies/mass", fresh, [&](std::size_t k) { return rows[k].mass; });
-  append_column<double>(file, "bodies/radius", fresh, [&](std::size_t k) { return rows[k].radius; });
+  append_column<std::uint16_t>(file, "bodies/material", fresh, [&](std::size_t k) { return rows[k]->material; });
+  append_column<double>(file, "bodies/mass", fresh, [&](std::size_t k) { return rows[k]->mass; });
+  append_column<double>(file, "bodies/radius", fresh, [&](std::size_t k) { return rows[k]->radius; });
   bodies_known_ = known;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "detection/surfaces/surface_gap.h"
@@ -9,7 +10,15 @@
 namespace epafi {
 namespace {
 
-constexpr double scan_step = 0.4e-3;  // the jump regions of S1002 on UIC60 are 5 mm apart
+constexpr double scan_step = 0.4e-3;    // the jump regions of S1002 on UIC60 are 5 mm apart
+constexpr double table_step = 0.05e-3;  // of the rail's heights in the scan
+
+constexpr int most_steps = 12;
+constexpr double nowhere = 1.0;  // gap where one of the surfaces is not met [m]
+constexpr double steepest =
+    0.03;  // square of the cosine to the plane's normal: beyond 80 degrees it is no height above it
+constexpr double not_met = std::numeric_limits<double>::quiet_NaN();
+constexpr double small_step = 1e-9;  // of a Newton iteration [m]: the next would be below 1e-16 on a radius of 10 mm
 
 }  // namespace
 
@@ -23,7 +32,38 @@ WheelRailPair::WheelRailPair(const Profile& wheel, const Profile& rail, const Tr
   }
   axis_ = 0.5 * track.gauge + low;
   tape_ = 0.5 * track.flange_back + track.tape_circle;
+  make_tables();
   place({});
+}
+
+void WheelRailPair::make_tables() {
+  for (double y = wheel_.y_min(); y <= wheel_.y_max();
+       y = wheel_.y_min() + scan_step * static_cast<double>(wheel_places_.size())) {
+    const Profile::Value w = wheel_.at(y);
+    wheel_places_.push_back({track_.radius + w.z, w.slope});
+  }
+  const auto count = static_cast<std::size_t>((rail_.y_max() - rail_.y_min()) / table_step) + 2;
+  for (std::size_t k = 0; k < count; ++k)
+    rail_heights_.push_back(rail_.at(rail_.y_min() + table_step * static_cast<double>(k)).z);
+}
+
+std::vector<double> WheelRailPair::scan(double& from) const {
+  const auto first = static_cast<std::size_t>(std::max(0.0, std::ceil((scan_from_ - wheel_.y_min()) / scan_step)));
+  from = wheel_.y_min() + scan_step * static_cast<double>(first);
+  std::vector<double> gap;
+  for (std::size_t k = first; k < wheel_places_.size(); ++k) {
+    const double y = wheel_.y_min() + scan_step * static_cast<double>(k);
+    if (y > scan_to_) break;
+    const auto& [R, slope] = wheel_places_[k];
+    const double t = slope * tan_yaw_, c = 1.0 / std::sqrt(1.0 + t * t), x = -R * t * c, z = R * c, side = tape_ + y;
+    const double py = centre_.y() + turn_(1, 0) * x + turn_(1, 1) * side + turn_(1, 2) * z,
+                 pz = centre_.z() + turn_(2, 1) * side + turn_(2, 2) * z;
+    const double at = (axis_ - py - rail_.y_min()) / table_step,
+                 inside = std::clamp(at, 0.0, static_cast<double>(rail_heights_.size()) - 1.000001);
+    const auto m = static_cast<std::size_t>(inside);
+    gap.push_back(rail_heights_[m] + (at - static_cast<double>(m)) * (rail_heights_[m + 1] - rail_heights_[m]) - pz);
+  }
+  return gap;
 }
 
 void WheelRailPair::place(const WheelsetPosition& p) {
@@ -49,29 +89,39 @@ WheelRailPair::Locus WheelRailPair::locus(double y) const {
   const Profile::Value w = wheel_.at(y);
   const double R = track_.radius + w.z, t = w.slope * tan_yaw_, c = 1.0 / std::sqrt(1.0 + t * t);
   const Vec3 p = centre_ + turn_ * Vec3(-R * t * c, tape_ + y, R * c);
-  return {p, rail_.at(axis_ - p.y()).z - p.z()};
+  const double dt = w.second * tan_yaw_, dc = -t * dt * c * c * c;
+  const Vec3 dp = turn_ * Vec3(-w.slope * t * c - R * (dt * c + t * dc), 1.0, w.slope * c + R * dc);
+  const Profile::Value r = rail_.at(axis_ - p.y());
+  return {p, r.z - p.z(), -r.slope * dp.y() - dp.z()};
 }
 
-double WheelRailPair::refine(double y, double step) const {
-  double low = y - step, high = y + step;
-  const double golden = 0.61803398874989485;
-  double a = high - golden * (high - low), b = low + golden * (high - low), fa = locus(a).gap, fb = locus(b).gap;
-  for (int k = 0; k < 40 && high - low > 1e-9; ++k) {
-    if (fa < fb)
-      high = b, b = a, fb = fa, a = high - golden * (high - low), fa = locus(a).gap;
-    else
-      low = a, a = b, fa = fb, b = low + golden * (high - low), fb = locus(b).gap;
+double WheelRailPair::refine(double y) const {
+  // where the slope passes zero, by secants kept between the ends (Illinois); the ends rise on both sides of a minimum
+  double low = y - scan_step, high = y + scan_step, f_low = locus(low).slope, f_high = locus(high).slope;
+  if (f_low >= 0.0 || f_high <= 0.0) return f_low >= 0.0 ? low : high;
+  int side = 0;
+  for (int k = 0; k < 60 && high - low > 1e-12; ++k) {
+    const double middle = (f_low * high - f_high * low) / (f_low - f_high), f = locus(middle).slope;
+    if (f == 0.0 || middle <= low || middle >= high) return middle;
+    if (f < 0.0) {
+      low = middle, f_low = f;
+      if (side == -1) f_high *= 0.5;
+      side = -1;
+    } else {
+      high = middle, f_high = f;
+      if (side == 1) f_low *= 0.5;
+      side = 1;
+    }
+    if (std::abs(f) < 1e-12) return middle;
   }
   return 0.5 * (low + high);
 }
 
 double WheelRailPair::clearance() const {
-  double best = 1e9, where = scan_from_;
-  for (double y = scan_from_; y <= scan_to_; y += scan_step) {
-    const double gap = locus(y).gap;
-    if (gap < best) best = gap, where = y;
-  }
-  return locus(refine(where, scan_step)).gap;
+  double from = 0.0;
+  const std::vector<double> gap = scan(from);
+  const auto lowest = static_cast<double>(std::min_element(gap.begin(), gap.end()) - gap.begin());
+  return locus(refine(from + lowest * scan_step)).gap;
 }
 
 void WheelRailPair::touch() { centre_.z() += clearance(); }
@@ -105,35 +155,55 @@ WheelRailPair::Plane WheelRailPair::plane_of(const ContactRegion& r) const {
 
 double WheelRailPair::rail_height(const Plane& plane, double s, double z) const {
   const auto& [o, t, n] = plane;
-  for (int k = 0; k < 8; ++k) {
+  for (int k = 0; k < most_steps; ++k) {
     const Vec3 p = o + s * t + z * n;
     const Profile::Value r = rail_.at(axis_ - p.y());
     const double f = p.z() - r.z, df = n.z() + r.slope * n.y();
+    if (!(df * std::abs(df) > steepest * (1.0 + r.slope * r.slope))) break;
     const double step = f / df;
     z -= step;
-    if (std::abs(step) < 1e-13) break;
+    if (std::abs(step) < small_step) return z;
   }
-  return z;
+  return not_met;
 }
 
 double WheelRailPair::wheel_height(const Plane& plane, double x, double s, double z) const {
   const auto& [o, t, n] = plane;
   const Vec3 base = turn_.transpose() * (o + x * Vec3::UnitX() + s * t - centre_), d = turn_.transpose() * n;
-  for (int k = 0; k < 8; ++k) {
+  for (int k = 0; k < most_steps; ++k) {
     const Vec3 p = base + z * d;
     const Profile::Value w = wheel_.at(p.y() - tape_);
     const double rho = std::hypot(p.x(), p.z());
     const double f = rho - track_.radius - w.z, df = (p.x() * d.x() + p.z() * d.z()) / rho - w.slope * d.y();
+    if (!(df * std::abs(df) > steepest * (1.0 + w.slope * w.slope))) break;
     const double step = f / df;
     z -= step;
-    if (std::abs(step) < 1e-13) break;
+    if (std::abs(step) < small_step) return z;
   }
-  return z;
+  return not_met;
+}
+
+bool WheelRailPair::sample(const Plane& plane, std::size_t k, Sample& last, GapProfile& g) const {
+  const auto& [o, t, n] = plane;
+  const double s = g.y(k);
+  const double zr = rail_height(plane, s, last.rail);
+  // the lowest point along x: where the wheel's normal has no x part; x follows the slope of the wheel's profile
+  double zw = wheel_height(plane, last.x, s, last.wheel);
+  if (std::isnan(zr) || std::isnan(zw)) return false;
+  const Vec3 p = turn_.transpose() * (o + last.x * Vec3::UnitX() + s * t + zw * n - centre_);
+  const Profile::Value w = wheel_.at(p.y() - tape_);
+  const double rho = std::hypot(p.x(), p.z());
+  const Vec3 normal = turn_ * Vec3(p.x() / rho, -w.slope, p.z() / rho);
+  const double x = last.x - normal.x() * rho;
+  zw = wheel_height(plane, x, s, zw);
+  if (std::isnan(zw)) return false;
+  last = {zr, zw, x};
+  g.curvature_x[k] = 1.0 / (rho * normal.dot(n)), g.centre_x[k] = x, g.gap[k] = zr - zw + depth_ * n.z();
+  return true;
 }
 
 void WheelRailPair::add_profile(ContactRegion& region) const {
   const Plane plane = plane_of(region);
-  const auto& [o, t, n] = plane;
   GapProfile& g = region.profile;
   const auto count = static_cast<std::size_t>(2.0 * sampling_.reach / sampling_.step) + 1;
   g.start = -sampling_.reach, g.step = sampling_.step;
@@ -141,44 +211,29 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
   // walk both ways from the middle: the last heights are good guesses
   const std::size_t middle = count / 2;
   for (const int way : {1, -1}) {
-    double zr = 0.0, zw = -region.offset, x = 0.0;
-    for (std::size_t m = 0; m <= middle; ++m) {
-      const std::size_t k = way > 0 ? middle + m : middle - m;
-      const double s = g.y(k);
-      zr = rail_height(plane, s, zr);
-      // the lowest point along x: where the wheel's normal has no x part; x follows the slope of the wheel's profile
-      for (int again = 0; again < 1; ++again) {
-        zw = wheel_height(plane, x, s, zw);
-        const Vec3 p = turn_.transpose() * (o + x * Vec3::UnitX() + s * t + zw * n - centre_);
-        const Profile::Value w = wheel_.at(p.y() - tape_);
-        const double rho = std::hypot(p.x(), p.z());
-        const Vec3 normal = turn_ * Vec3(p.x() / rho, -w.slope, p.z() / rho);
-        g.curvature_x[k] = 1.0 / (rho * normal.dot(n));
-        x -= normal.x() * rho;
-      }
-      zw = wheel_height(plane, x, s, zw);
-      g.centre_x[k] = x;
-      g.gap[k] = zr - zw + depth_ * n.z();
-      if (g.gap[k] < sampling_.until) continue;
-      for (std::size_t rest = m + 1; rest <= middle; ++rest) {
-        const std::size_t q = way > 0 ? middle + rest : middle - rest;
-        g.gap[q] = g.gap[k] * (1.0 + 0.1 * static_cast<double>(rest - m)), g.curvature_x[q] = g.curvature_x[k],
-        g.centre_x[q] = x;
-      }
-      break;
+    Sample last{0.0, -region.offset, 0.0};
+    const auto place = [&](std::size_t m) { return way > 0 ? middle + m : middle - m; };
+    std::size_t m = 0;
+    while (m <= middle && sample(plane, place(m), last, g) && g.gap[place(m)] < sampling_.until) ++m;
+    // from there on it goes on as it was, opening
+    for (std::size_t rest = m; rest <= middle; ++rest) {
+      const std::size_t q = place(rest), from = place(rest > 0 ? rest - 1 : 0);
+      if (rest == m && g.gap[q] >= sampling_.until) continue;
+      g.gap[q] = 1.1 * std::max(g.gap[from], sampling_.step), g.curvature_x[q] = g.curvature_x[from],
+      g.centre_x[q] = g.centre_x[from];
     }
   }
 }
 
 std::vector<std::pair<double, double>> WheelRailPair::minima(double reach) const {
-  std::vector<double> gap;
-  const auto count = static_cast<std::size_t>(std::max(0.0, (scan_to_ - scan_from_) / scan_step)) + 1;
-  for (std::size_t k = 0; k < count; ++k) gap.push_back(locus(scan_from_ + static_cast<double>(k) * scan_step).gap);
-  const double lowest = *std::min_element(gap.begin(), gap.end());
+  double from = 0.0;
+  const std::vector<double> gap = scan(from);
   std::vector<std::pair<double, double>> out;  // refined gap and place
-  for (std::size_t k = 1; k + 1 < count; ++k) {
+  if (gap.empty()) return out;
+  const double lowest = *std::min_element(gap.begin(), gap.end());
+  for (std::size_t k = 1; k + 1 < gap.size(); ++k) {
     if (!(gap[k] <= gap[k - 1] && gap[k] < gap[k + 1]) || gap[k] > lowest + 2.0 * reach) continue;
-    const double y = refine(scan_from_ + static_cast<double>(k) * scan_step, scan_step);
+    const double y = refine(from + static_cast<double>(k) * scan_step);
     out.emplace_back(locus(y).gap, y);
   }
   std::sort(out.begin(), out.end());
@@ -219,16 +274,30 @@ GapField WheelRailPair::field(const ContactRegion& region, double cx, double cy,
   GapField f;
   f.dx = dx, f.dy = dy, f.nx = nx, f.ny = ny, f.origin = region.point;
   f.curvature_x = region.curvature_x, f.curvature_y = region.curvature_y;
-  f.gap.resize(nx * ny);
+  f.gap.assign(nx * ny, nowhere);
   const Plane plane = plane_of(region);
-  double zr = 0.0;
-  for (std::size_t j = 0; j < ny; ++j) {
-    const double s = cy + f.y(j);
-    zr = rail_height(plane, s, zr);
-    double zw = zr;
-    for (std::size_t i = 0; i < nx; ++i) {
-      zw = wheel_height(plane, cx + f.x(i), s, zw);
-      f.gap[j * nx + i] = zr - zw + depth_ * plane.n.z();
+  // rows from the one nearest to the origin outwards, cells likewise: the last heights are good guesses
+  const auto nearest = [](double middle, double step, std::size_t n) {
+    return static_cast<std::size_t>(
+        std::clamp(-middle / step + 0.5 * static_cast<double>(n), 0.0, static_cast<double>(n) - 1.0));
+  };
+  const std::size_t i0 = nearest(cx, dx, nx), j0 = nearest(cy, dy, ny);
+  for (const bool up : {true, false}) {
+    double zr = 0.0, first = 0.0;
+    for (std::size_t j = up ? j0 : j0 - 1; j < ny; up ? ++j : --j) {
+      const double s = cy + f.y(j);
+      zr = rail_height(plane, s, zr);
+      if (std::isnan(zr)) break;
+      first = wheel_height(plane, cx + f.x(i0), s, first);
+      if (std::isnan(first)) break;
+      for (const bool right : {true, false}) {
+        double zw = first;
+        for (std::size_t i = right ? i0 : i0 - 1; i < nx; right ? ++i : --i) {
+          zw = wheel_height(plane, cx + f.x(i), s, zw);
+          if (std::isnan(zw)) break;
+          f.gap[j * nx + i] = zr - zw + depth_ * plane.n.z();
+        }
+      }
     }
   }
   return f;
@@ -251,11 +320,12 @@ ContactRegion WheelRailPair::moved(const ContactRegion& region, double y, double
   ContactRegion out = region;
   const Plane plane = plane_of(region);
   Vec3 p = plane.origin + y * plane.t + rail_height(plane, y, 0.0) * plane.n;
-  const auto x = region.profile.size() > 0
-                     ? static_cast<std::size_t>(std::clamp((y - region.profile.start) / region.profile.step, 0.0,
-                                                           static_cast<double>(region.profile.size() - 1)))
-                     : 0;
-  if (region.profile.size() > 0) p.x() += region.profile.centre_x[x];
+  const GapProfile& g = region.profile;
+  if (g.size() > 1) {
+    const double at = std::clamp((y - g.start) / g.step, 0.0, static_cast<double>(g.size()) - 1.000001);
+    const auto k = static_cast<std::size_t>(at);
+    p.x() += g.centre_x[k] + (at - static_cast<double>(k)) * (g.centre_x[k + 1] - g.centre_x[k]);
+  }
   const Vec3 q = turn_.transpose() * (p - centre_);
   out.point = Vec3(p.x(), mirror_ * p.y(), p.z());
   out.y_rail = axis_ - p.y(), out.y_wheel = q.y() - tape_;
@@ -281,10 +351,7 @@ WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const
 }
 
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude) {
-  // y'' = -delta_r(y) / (2 b0 r0): time to swing from the amplitude to the other side follows from the energy of the
-  // oscillator
   constexpr int n = 60;
-  const double base = track.flange_back + 2.0 * track.tape_circle;  // nominal distance of the contact points, 1.5 m
   std::vector<double> difference(2 * n + 1);
   for (int k = -n; k <= n; ++k) {
     // the standard counts displacements at the rails, where rolling about the axle's middle moves the wheels sideways
@@ -300,6 +367,12 @@ double equivalent_conicity(const Profile& wheel, const Profile& rail, const Trac
     }
     difference[static_cast<std::size_t>(k + n)] = g.rolling_radius_difference();
   }
+  return conicity_of(difference, amplitude, track);
+}
+
+double conicity_of(const std::vector<double>& difference, double amplitude, const TrackGeometry& track) {
+  // y'' = -delta_r(y) / (2 b0 r0), nominal distance of the contact points 1.5 m
+  const double base = track.flange_back + 2.0 * track.tape_circle, n = 0.5 * static_cast<double>(difference.size() - 1);
   const auto delta_r = [&](double y) {
     const double x = std::clamp((y / amplitude + 1.0) * n, 0.0, 2.0 * n - 1e-9);
     const auto k = static_cast<std::size_t>(x);

@@ -72,10 +72,14 @@ class WheelRailPair final : public GapSource {
   /// A point of the wheel where it is lowest along x for its lateral place, in the frame of the right side.
   struct Locus {
     Vec3 point;
-    double gap;  ///< vertical, to the rail below [m]
+    double gap;    ///< vertical, to the rail below [m]
+    double slope;  ///< of that over y_wheel
   };
   Locus locus(double y_wheel) const;
-  double refine(double y_wheel, double step) const;
+  double refine(double y_wheel) const;
+  void make_tables();
+  /// Gaps at the scan's places from the tables, first place in `from` [m]; 0.03 um off at a curvature of 100 /m.
+  std::vector<double> scan(double& from) const;
   ContactRegion region_at(double y_wheel, double deepest) const;
   std::vector<std::pair<double, double>> minima(double reach) const;
   std::vector<ContactRegion> regions_at(const std::vector<std::pair<double, double>>& minima, double reach) const;
@@ -84,8 +88,14 @@ class WheelRailPair final : public GapSource {
     Vec3 origin, t, n;
   };
   Plane plane_of(const ContactRegion& region) const;
+  /// Heights over the plane; NaN where a surface stands steeper than 80 degrees on it or is not met.
   double rail_height(const Plane& plane, double s, double guess) const;
   double wheel_height(const Plane& plane, double x, double s, double guess) const;
+  struct Sample {
+    double rail, wheel, x;
+  };
+  /// One place of a profile from the last one; false where a surface is not met.
+  bool sample(const Plane& plane, std::size_t k, Sample& last, GapProfile& profile) const;
 
   const Profile& wheel_;
   const Profile& rail_;
@@ -97,6 +107,11 @@ class WheelRailPair final : public GapSource {
   double tan_yaw_ = 0.0;          ///< of that turn
   double depth_ = 0.0;            ///< lowered from touching [m]
   double scan_from_ = 0.0, scan_to_ = 0.0;
+  struct WheelPlace {
+    double radius, slope;
+  };
+  std::vector<WheelPlace> wheel_places_;  ///< from the wheel's first point in steps of the scan
+  std::vector<double> rail_heights_;      ///< finely from the rail's first point
   Sampling sampling_;
 };
 
@@ -112,5 +127,7 @@ WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const
 /// Equivalent conicity at this amplitude [m]: wavelength of the wheelset's free kinematic motion y'' = -delta_r(y) /
 /// (r0 s), integrated over a whole period (EN 15302), put into Klingel's formula.
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude);
+/// The same from rolling radius differences [m] at an odd number of equal steps over [-amplitude, amplitude].
+double conicity_of(const std::vector<double>& difference, double amplitude, const TrackGeometry& track);
 
 }  // namespace epafi

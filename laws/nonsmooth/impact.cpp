@@ -3,7 +3,6 @@
 #include <queue>
 
 #include "engine/parallel.h"
-#include "engine/rotation.h"
 #include "laws/nonsmooth/solvers/nsgs.h"
 
 namespace epafi {
@@ -165,19 +164,6 @@ bool Impacts::apply(ContactProblem& problem, const Step& step, ContactSolver& so
     sequential(step);
   for (std::size_t i = 0; i < problem.size(); ++i) push(problem.free, i, r_[i]);
   return true;
-}
-
-double Impacts::move(World& world) const {
-  double work = 0.0;
-  for (std::size_t k = 0; k < world.size(); ++k) {
-    const auto s = static_cast<Slot>(k);
-    if (!world.is_movable(s)) continue;
-    world.position[s] += shift_.linear[k];
-    if (world.has_orientation() && !shift_.angular.empty() && !shift_.angular[k].isZero(0.0))
-      world.orientation[s] = turned(world.orientation[s], shift_.angular[k]);
-    work -= world.free_acceleration(s).dot(shift_.linear[k]) / world.inverse_mass[s];
-  }
-  return work;
 }
 
 }  // namespace epafi

@@ -50,9 +50,8 @@ class Impacts {
   bool apply(ContactProblem& problem, const Step& step, ContactSolver& solver);
 
   const Impulses& impulses() const { return r_; }
-  /// Moves the bodies to where impacts at their own times have them at the next detection, and returns the potential
-  /// energy that they gain by it [J].
-  double move(World& world) const;
+  /// What takes the bodies to where impacts at their own times have them at the next detection [m], [rad].
+  const BodyVelocities& displacement() const { return shift_; }
   std::uint64_t events() const {
     return events_;
   }                                             ///< impacts so far: contacts that closed (poisson), events (sequential)

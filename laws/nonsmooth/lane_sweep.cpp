@@ -7,6 +7,7 @@
 #include "engine/targets.h"
 #include "laws/nonsmooth/normal_rule.h"
 #include "laws/nonsmooth/solvers/pgs.h"
+#include "laws/nonsmooth/solvers/soft_step.h"
 
 namespace epafi {
 
@@ -165,7 +166,7 @@ void load_lane(const ContactProblem& problem, std::size_t i, double offset, cons
     row.r[k][lane] = r[k];
   }
   row.friction[lane] = problem.friction[i];
-  Rule::pack(problem.diagonal[i], row.data, lane);
+  Rule::pack(problem, i, row.data, lane);
   if constexpr (requires { row.arm_a; }) set(row.arm_a, lane, problem.arm_a[i]), set(row.arm_b, lane, problem.arm_b[i]);
 }
 
@@ -289,6 +290,18 @@ double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::ro
   return std::sqrt(sum);
 }
 
+template <bool Rotates, LaneRule Rule>
+void LaneSweep<Rotates, Rule>::add(const BodyVelocities& v) {
+  parallel_for(v.linear.size(), [&](std::size_t s) {
+    for (int k = 0; k < 3; ++k) {
+      bodies_[s].velocity[k] += v.linear[s][k];
+      if constexpr (Rotates) bodies_[s].angular_velocity[k] += v.angular[s][k];
+    }
+  });
+}
+
+template class LaneSweep<true, SoftRule>;
+template class LaneSweep<false, SoftRule>;
 template class LaneSweep<true, PgsRule>;
 template class LaneSweep<false, PgsRule>;
 template class LaneSweep<true, NormalRule>;

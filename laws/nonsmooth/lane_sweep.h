@@ -15,9 +15,9 @@ namespace epafi {
 /// A local rule for lanes: how many rows of a contact it has (1: normal; 3: and both tangents), what of W_ii it keeps
 /// and r from u. All 0 must leave r = 0: that is an empty lane.
 template <class R>
-concept LaneRule = requires(const R& rule, typename R::LaneData& data, const Mat3& block, Lanes mu, Lanes (&r)[R::rows],
-                            const Lanes (&u)[R::rows]) {
-  R::pack(block, data, 0);
+concept LaneRule = requires(const R& rule, typename R::LaneData& data, const ContactProblem& problem, Lanes mu,
+                            Lanes (&r)[R::rows], const Lanes (&u)[R::rows]) {
+  R::pack(problem, 0, data, 0);
   rule.update(data, mu, r, u);  ///< changes r
 };
 
@@ -34,6 +34,8 @@ class LaneSweep {
   /// One update of every contact; returns the sum of |change of r|^2.
   double run(const Rule& rule);
   void store(Impulses& r) const;
+  /// Adds to the velocities of the bodies.
+  void add(const BodyVelocities& v);
   /// || r - P_K(r - rho u~) || over all contacts, u from the velocities as the updates have left them (residual.h).
   double natural_map(double rho) const requires(Rule::rows == 3);
 

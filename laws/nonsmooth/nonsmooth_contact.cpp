@@ -4,6 +4,7 @@
 
 #include "engine/error.h"
 #include "engine/parallel.h"
+#include "laws/nonsmooth/displacement.h"
 #include "laws/nonsmooth/impact.h"
 #include "laws/nonsmooth/position_correction.h"
 #include "laws/nonsmooth/residual.h"
@@ -186,6 +187,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   const double threshold = impact_threshold * world.gravity.norm() * clock.dt;
   const bool impact = impacts_.separate() &&
                       impacts_.apply(problem_, {contacts.gap, restitution_, before_, threshold, clock.dt}, *solver_);
+  solver_->see(world, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
   report.solver.residual = measure_residual(problem_, r_, rho, after_, u_).value;
   report.solver.converged = report.solver.residual <= tolerance_;
@@ -196,8 +198,9 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
   account(world, report);
   write_back(world, contacts, clock.dt);
-  if (impact) report.dissipated -= impacts_.move(world);  // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
-  report.correction = correction_.apply(problem_, contacts, next_gap_, world);
+  if (impact) report.dissipated -= displace(world, impacts_.displacement());  // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
+  const BodyVelocities* own = solver_->displacement();
+  report.correction = own ? displace(world, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 /// @file normal_rule.h  The local rule of a frictionless contact: r_N = max(0, r_N - u_N / W_NN), four at a time.
 #pragma once
 #include "engine/lanes.h"
-#include "engine/types.h"
+#include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
 
@@ -10,7 +10,8 @@ struct NormalRule {
   struct LaneData {
     Lanes step;  ///< 1/W_NN, 0 where nothing moves
   };
-  static void pack(const Mat3& w, LaneData& data, std::size_t lane) {
+  static void pack(const ContactProblem& problem, std::size_t i, LaneData& data, std::size_t lane) {
+    const Mat3& w = problem.diagonal[i];
     data.step[lane] = w(0, 0) > 0.0 ? 1.0 / w(0, 0) : 0.0;
   }
   EPAFI_LANES void update(const LaneData& d, Lanes, Lanes (&r)[1], const Lanes (&u)[1]) const {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/registry.h"
-#include "engine/rotation.h"
+#include "laws/nonsmooth/displacement.h"
 
 namespace epafi {
 
@@ -30,29 +30,21 @@ bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<do
 template <class S>
 double PositionCorrection::move(S& sweep, const ContactProblem& problem, World& world) {
   nothing_.assign(problem.size(), Vec3::Zero());
-  still_.linear.assign(world.size(), Vec3::Zero());
-  still_.angular.assign(problem.free.angular.size(), Vec3::Zero());
+  moved_.linear.assign(world.size(), Vec3::Zero());
+  moved_.angular.assign(problem.free.angular.size(), Vec3::Zero());
   coloring_.update(problem);
-  sweep.load(problem, demand_, {}, coloring_, nothing_, still_);
+  sweep.load(problem, demand_, {}, coloring_, nothing_, moved_);
   double total = 0.0;  // sum of squared impulses so far: the last change is measured against it
   for (int k = 0; k < settings_.sweeps; ++k) {
     const double change = sweep.run(NormalRule{});
     total += change;
     if (change <= settings_.tolerance * settings_.tolerance * total) break;
   }
-  const bool rotates = problem.rotates && world.has_orientation();
   parallel_for(world.size(), [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    if (!world.is_movable(s)) return;
-    world.position[s] += sweep.linear(s);
-    if constexpr (requires { sweep.angular(s); }) {
-      if (rotates) world.orientation[s] = turned(world.orientation[s], sweep.angular(s));
-    }
+    moved_.linear[i] = sweep.linear(static_cast<Slot>(i));
+    if constexpr (requires { sweep.angular(0); }) moved_.angular[i] = sweep.angular(static_cast<Slot>(i));
   });
-  return -block_sum<double>(world.size(), [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    return world.is_movable(s) ? world.free_acceleration(s).dot(sweep.linear(s)) / world.inverse_mass[s] : 0.0;
-  });
+  return displace(world, moved_);
 }
 
 double PositionCorrection::apply(const ContactProblem& problem, const ContactSet& contacts,

@@ -35,7 +35,7 @@ class PositionCorrection {
 
   CorrectionSettings settings_;
   std::vector<double> demand_;  ///< minus the normal displacement that each contact asks for [m]
-  BodyVelocities still_;        ///< zero: displacements take the place of velocities
+  BodyVelocities moved_;        ///< displacements take the place of velocities; zero at first
   Impulses nothing_;
   Coloring coloring_;
   LaneSweep<true, NormalRule> with_rotation_;

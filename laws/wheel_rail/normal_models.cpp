@@ -21,15 +21,21 @@ const std::vector<NormalModel>& all_normal_models() {
         {},
         {},
         "Kik, Piotrowski 1996"},
-       solve_kik_piotrowski},
+       solve_kik_piotrowski,
+       false,
+       true},
       {{"stripes",
         "strips of local curvature, share of the approach by Hertz at the rigid point",
         {},
         {},
         "Ayasse, Chollet 2005"},
-       solve_stripes},
+       solve_stripes,
+       false,
+       true},
       {{"analyn", "every strip from the Hertz contact of its mean curvature", {}, {}, "Sichani, Enblom, Berg 2014"},
-       solve_analyn},
+       solve_analyn,
+       false,
+       true},
       {{"semi-hertz",
         "strips: Hertz along the track, exact influence of strip on strip across it",
         {},
@@ -55,19 +61,13 @@ PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, 
   PatchPlace out{0.0, region.angle};
   const GapProfile& g = region.profile;
   double w = 0.0, wy = 0.0, wa = 0.0;
-  // of the overlap that holds the region's point: another one beside it would draw the plane to where nothing touches
-  std::size_t first = g.size(), last = 0;
-  if (g.size() > 0) {
-    first = last =
-        static_cast<std::size_t>(std::clamp(-g.start / g.step + 0.5, 0.0, static_cast<double>(g.size() - 1)));
-    while (first > 0 && g.gap[first - 1] < approach) --first;
-    while (last + 1 < g.size() && g.gap[last + 1] < approach) ++last;
-  }
-  for (std::size_t k = first; k <= last && k < g.size(); ++k) {
+  for (std::size_t k = 0; k < g.size(); ++k) {
     const double depth = (approach - g.gap[k]) / approach;
     if (depth <= 0.0) continue;
-    const double one = depth * depth * std::sqrt(depth / g.curvature_x[k]);  // depth^2 over the strip's length
-    w += one, wy += one * g.y(k), wa += one * source.angle_at(region, g.y(k));
+    // depths are along the plane's normal; along z, and per width of the track, they are steeper by `rise` and `width`
+    const double angle = source.angle_at(region, g.y(k)), rise = std::cos(angle - region.angle) / std::cos(angle);
+    const double along_z = depth * rise, one = along_z * along_z * std::sqrt(along_z / g.curvature_x[k]) / rise;
+    w += one, wy += one * g.y(k), wa += one * angle;
   }
   if (w > 0.0) out.y = wy / w, out.angle = wa / w;
   return out;

@@ -32,6 +32,8 @@ struct NormalInput {
   int along = 44;               ///< cells of a strip
   bool stresses = false;        ///< finite elements keep those inside the body
   StripStart* start = nullptr;  ///< strips to start from; left as they ended
+  InfluenceRange influence{};   ///< between regions apart, for models of the whole gap
+  double penalty = 100.0;       ///< stiffness of a node of finite elements over E* a, where contact is by penalty
 };
 
 struct RegionPatch {
@@ -43,10 +45,11 @@ struct NormalModel {
   Entry entry;
   std::vector<RegionPatch> (*solve)(const NormalInput&);
   bool whole_gap = false;  ///< takes the gap over the patch, not the curvatures at the rigid contact point
+  bool strips = false;     ///< takes both: its patch lies where the overlap does
 };
 
-/// Where a patch lies: mean place and angle of the undeformed overlap at this approach, weighted by the square of its
-/// depth over the area (the reference position that CONTACT prints).
+/// Where a patch lies: mean place and angle of all that overlaps undeformed at this approach, weighted by the square of
+/// its vertical depth over the area (the reference position that CONTACT prints; of two regions it lies between them).
 struct PatchPlace {
   double y = 0.0, angle = 0.0;  ///< in the region's tangent plane [m]; track axes [rad]
 };

@@ -126,7 +126,7 @@ int command_bench(const StudyOptions& o, const BenchOptions& b) {
     const fs::path folder = fs::temp_directory_path() / fmt::format("epafi-bench-{}", getpid());
     run_bench({scene, o.overrides, b.threads, b.repeats, folder, "/proc/self/exe"}, [&](const std::string& row) {
       print(row), std::fflush(stdout);
-      csv += row;
+      if (!row.starts_with("#")) csv += row;
     });
     fs::remove_all(folder);
   }

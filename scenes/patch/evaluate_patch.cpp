@@ -65,9 +65,11 @@ struct NormalSolver {
   std::vector<ContactRegion> rigid;   ///< at the rigid contact points
   std::vector<ContactRegion> seated;  ///< the deepest one at the middle of the patch
   double approach = 0.0;              ///< estimated [m]
+  double depth = 0.0, lowered = 0.0;  ///< that the load brings the wheel down by, and that it is brought down by [m]
   double mean_radius = 0.0;           ///< speed over angular velocity of the wheelset [m]
   double seconds = 0.0;
-  bool stresses = false;  ///< finite elements keep those inside the body
+  bool stresses = false;      ///< finite elements keep those inside the body
+  mutable StripStart strips;  ///< of the last solution, for the next round on the same load
 
   explicit NormalSolver(const PatchCase& patch, bool keep_stresses = false) : c(patch), stresses(keep_stresses) {
     if (c.profiles) place_wheel(*c.profiles);
@@ -91,31 +93,68 @@ struct NormalSolver {
     auto owned = std::make_unique<WheelRailPair>(p.wheel, p.rail, p.track, p.right);
     WheelRailPair& pair = *owned;
     source = std::move(owned);
+    constexpr double deepest = 1e-3;  // gap beyond which no model looks at any load of a railway
+    pair.sample_profiles({0.2e-3, 16e-3, deepest});
     pair.place(position);
     pair.touch();
     rigid = pair.regions();
     if (rigid.empty()) return;
-    NormalTarget normal = c.target;
-    if (normal.by_force) normal.value /= std::cos(rigid.front().angle);
-    approach = estimate_approach({*source, rigid, c.elastic, normal});
-    // Held sideways, the wheel comes down along z and not along the normal: at the gauge corner the place, angle and
-    // peak of CONTACT are those of the lowered wheel (6 mm: -0.8 % to 0.3 % of the peak, 3 mrad to none), on the flank
-    // those of the touching one (7 to 10 mm: none to 2 mrad and 0.2 mm along the track if lowered).
-    constexpr double flank = 0.75;
-    if (std::abs(rigid.front().angle) < flank) {
-      pair.lower(approach / std::cos(rigid.front().angle));
-      pair.add_profile(rigid.front());
-      approach = estimate_approach({*source, rigid, c.elastic, normal});
-    }
-    const PatchPlace at = place_of_patch(*source, rigid.front(), approach);
+    const double N = c.target.by_force ? c.target.value / std::cos(rigid.front().angle) : c.target.value;
+    depth = estimate(rigid, N, 0.0) / steepness(rigid.front());
+    if (!on_flank()) pair.lower(depth), pair.add_profile(rigid.front());
     seated = rigid;
-    seated.front() = source->moved(rigid.front(), at.y, at.angle);
+    for (int round = 0; round < 2; ++round) {  // as deep as its load brings it, in the plane of its own patch
+      seat(depth);
+      const double here = c.target.by_force ? c.target.value / std::cos(seated.front().angle) : c.target.value;
+      approach = estimate(seated, here, depth * steepness(seated.front()));
+      depth = approach / steepness(seated.front());
+    }
+    seat(depth);
     seconds = cpu_seconds() - start;
+  }
+
+  /// Approach along the normal over the way down. Held sideways, the wheel comes down along z and not along the normal:
+  /// at the gauge corner the place, angle and peak of CONTACT are those of the lowered wheel (6 mm: -0.8 % to 0.3 % of
+  /// the peak, 3 mrad to none), on the flank those of the touching one (7 to 10 mm: none to 2 mrad and 0.2 mm along the
+  /// track if lowered).
+  double steepness(const ContactRegion& r) const { return on_flank() ? 1.0 : std::cos(r.angle); }
+  bool on_flank() const { return std::abs(rigid.front().angle) > 0.75; }
+
+  /// The wheel `down` from where it touches, and the deepest region seen from the middle of its overlap there.
+  void seat(double down) {
+    WheelRailPair& pair = static_cast<WheelRailPair&>(*source);
+    ContactRegion& r = seated.front();
+    if (!on_flank()) pair.lower(down), pair.add_profile(r);
+    const PatchPlace at = place_of_patch(pair, r, down * steepness(r));
+    if (std::abs(at.y) > 1e-6 || std::abs(at.angle - r.angle) > 1e-5) r = pair.moved(r, at.y, at.angle);
+    lowered = down;
+  }
+
+  /// Seats the wheel anew where a model of the whole gap has found another approach. False: it stands there already.
+  bool follow(const std::string& model, double found) {
+    if (!model_named(all_normal_models(), model).whole_gap || !(found > 0.0)) return false;
+    const double down = found / steepness(seated.front());
+    if (std::abs(down - lowered) < 1e-3 * down) return false;
+    seat(down);
+    approach = found;
+    return true;
+  }
+
+  double estimate(const std::vector<ContactRegion>& regions, double value, double known) const {
+    NormalInput in{*source, regions, c.elastic, {c.target.by_force, value}};
+    in.influence = c.influence, in.approach = known;
+    return estimate_approach(in);
   }
 
   /// Regions a model works on.
   const std::vector<ContactRegion>& regions(const std::string& model) const {
     return model_named(all_normal_models(), model).whole_gap ? seated : rigid;
+  }
+
+  /// Where its patches lie: creepages are those of there.
+  const std::vector<ContactRegion>& places(const std::string& model) const {
+    const NormalModel& m = model_named(all_normal_models(), model);
+    return m.whole_gap || m.strips ? seated : rigid;
   }
 
   std::vector<RegionPatch> solve(const std::string& model, const NormalTarget& target) const {
@@ -133,7 +172,8 @@ struct NormalSolver {
     }
     if (!source) return {line(model, target)};
     NormalInput in{*source, regions(model), c.elastic, target, c.dx, c.dy, approach};
-    in.stresses = stresses;
+    in.start = &strips;
+    in.stresses = stresses, in.influence = c.influence, in.penalty = c.penalty;
     return model_named(all_normal_models(), model).solve(in);
   }
 
@@ -249,7 +289,7 @@ PatchResult evaluate_pair(const PatchCase& c, const NormalSolver& solver, const 
                           const std::string& tangential, const std::vector<RegionPatch>& patches, bool maps) {
   PatchResult out;
   out.normal = normal, out.tangential = tangential, out.friction = !tangential.empty();
-  const auto& regions = solver.regions(normal);
+  const auto& regions = solver.places(normal);
   for (const RegionPatch& rp : patches) {
     add_normal(out, rp, regions);
     if (tangential.empty() || !(rp.patch.normal_force > 0.0)) continue;
@@ -267,18 +307,22 @@ double vertical_force(const PatchResult& r) {
   return sum;
 }
 
-/// With profiles the load is vertical: the normal force follows from the inclination of the contact and from friction.
-PatchResult meet_load(const PatchCase& c, const NormalSolver& solver, const std::string& normal,
+/// With profiles the load is vertical: the normal force follows from the inclination of the contact and from friction,
+/// and with it how deep the wheel stands, which moves load between regions beside each other.
+PatchResult meet_load(const PatchCase& c, NormalSolver& solver, const std::string& normal,
                       const std::string& tangential, bool maps) {
   NormalTarget target = c.target;
+  if (solver.lowered != solver.depth) solver.seat(solver.depth);
+  solver.strips = {};
   const bool inclined = c.profiles && target.by_force && !solver.rigid.empty();
-  if (inclined) target.value /= std::cos(solver.regions(normal).front().angle);
+  if (inclined) target.value /= std::cos(solver.places(normal).front().angle);
   PatchResult out = evaluate_pair(c, solver, normal, tangential, solver.solve(normal, target), maps);
   if (!inclined) return out;
   double last_force = 0.0, last_error = 0.0;
   for (int k = 0; k < 12; ++k) {
     const double error = vertical_force(out) - c.target.value, force = target.value;
-    if (std::abs(error) < 1e-4 * c.target.value) return out;
+    const bool seated = !solver.follow(normal, out.approach);
+    if (seated && std::abs(error) < 1e-4 * c.target.value) return out;
     // secant; the first step as if the vertical force were proportional
     const double slope =
         k > 0 && force != last_force ? (error - last_error) / (force - last_force) : (error + c.target.value) / force;
@@ -294,7 +338,7 @@ PatchResult meet_load(const PatchCase& c, const NormalSolver& solver, const std:
 }  // namespace
 
 std::vector<PatchResult> evaluate_patch(const PatchCase& c, bool maps) {
-  const NormalSolver solver(c, maps);
+  NormalSolver solver(c, maps);
   std::vector<PatchResult> all;
   for (const std::string& normal : c.normal) {
     std::vector<std::string> tangential = c.tangential;

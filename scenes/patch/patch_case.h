@@ -39,7 +39,9 @@ struct PatchCase {
   std::optional<ProfileCase> profiles;
   std::optional<double> length;  ///< of a line contact [m]
   std::vector<std::string> normal, tangential;
-  double dx = 0.0, dy = 0.0;  ///< cells [m]; 0: the shorter axis has 32
+  double dx = 0.0, dy = 0.0;   ///< cells [m]; 0: the shorter axis has 32
+  InfluenceRange influence{};  ///< between regions that lie apart
+  double penalty = 100.0;      ///< stiffness of finite elements' contact over E* a
 };
 
 struct PatchReading {

@@ -59,6 +59,12 @@ std::vector<Field> patch_fields() {
       table(
           "grid", "cells; the shorter axis has 32 where not written",
           {needed(number("dx", "dx", "m", positive, "along x")), needed(number("dy", "dy", "m", positive, "along y"))}),
+      table("influence", "of regions that lie apart on each other, by the distance between their edges",
+            {with_default(infinite(number("full", "", "m", not_negative, "up to here as of one half-space")), 4e-3),
+             with_default(infinite(number("none", "", "m", not_negative, "from here on none")), 8e-3)}),
+      with_default(number("penalty", "epsilon_N / (E* a)", "", positive,
+                          "stiffness of a node of fem-penalty and fem-augmented over E* a"),
+                   100.0),
       with_default(number("lateral_shift", "y", "m", any_number, "of the wheelset to the right"), 0.0),
       with_default(number("yaw", "psi", "rad", {-0.2, 0.2}, "of the wheelset, x towards y"), 0.0),
       number("roll", "phi", "rad", {-0.2, 0.2},

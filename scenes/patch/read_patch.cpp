@@ -210,6 +210,11 @@ PatchReading read_document(Document document, const std::string& file) {
       if (v.has("normal")) out.normal = v.texts("normal");
       if (v.has("tangential")) out.tangential = v.texts("tangential");
       out.dx = v.number_or("grid.dx", 0.0), out.dy = v.number_or("grid.dy", 0.0);
+      out.influence = {v.number_or("influence.full", out.influence.full),
+                       v.number_or("influence.none", out.influence.none)};
+      out.penalty = v.number_or("penalty", out.penalty);
+      if (out.influence.none < out.influence.full)
+        reading.error(v.place_of("influence"), "[patch] influence: none must not be smaller than full");
       set_materials(reading, v, out);
       set_geometry(reading, v, out);
       set_load(reading, v, out);

@@ -40,6 +40,42 @@ std::string row(const std::string& scene, const std::string& size, int threads, 
   return line;
 }
 
+/// Amdahl's serial fraction of a stage from its times on 1 and n threads: t_n = t_1 (s + (1 - s) / n).
+double serial_fraction(double one, double many, int threads) {
+  return (threads * many / one - 1.0) / (threads - 1.0);
+}
+
+/// One line per stage that takes a hundredth of the time of one thread or more, each a comment of the table: share of
+/// the time, speed-up and serial fraction for every number of threads beside 1.
+std::string amdahl_table(const std::vector<const CaseResult*>& medians, const std::vector<int>& threads) {
+  const auto first = std::find(threads.begin(), threads.end(), 1);
+  if (first == threads.end() || threads.size() < 2) return {};
+  const CaseResult& one = *medians[static_cast<std::size_t>(first - threads.begin())];
+  const auto seconds = [](const CaseResult& r, const char* stage) {
+    return r.number(std::string("stage_seconds.") + stage, 0.0);
+  };
+  const auto total = [&](const CaseResult& r) {
+    double sum = 0.0;
+    for (const char* stage : stage_names) sum += seconds(r, stage);
+    return sum;
+  };
+  std::string table;
+  const auto add = [&](const char* name, auto&& of) {
+    table += fmt::format("# {:>12} {:5.1f} %", name, 100.0 * of(one) / total(one));
+    for (std::size_t k = 0; k < threads.size(); ++k) {
+      if (threads[k] == 1) continue;
+      const double many = of(*medians[k]);
+      table += fmt::format("  {} threads: {:.2f}x, serial fraction {:+.3f}", threads[k], of(one) / many,
+                           serial_fraction(of(one), many, threads[k]));
+    }
+    table += "\n";
+  };
+  for (const char* stage : stage_names)
+    if (seconds(one, stage) >= 0.01 * total(one)) add(stage, [&](const CaseResult& r) { return seconds(r, stage); });
+  add("all", total);
+  return table;
+}
+
 }  // namespace
 
 std::string bench_header() {
@@ -70,6 +106,7 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
                                        results[k].back().trouble));
       }
     const std::string hash = results[0][0].summary.text("state_hash");
+    std::vector<const CaseResult*> medians;
     for (std::size_t k = 0; k < cases.size(); ++k) {
       auto& all = results[k];
       for (const auto& r : all)
@@ -79,8 +116,10 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
       std::sort(all.begin(), all.end(), [](const CaseResult& a, const CaseResult& b) {
         return a.number("ns_per_body_step", 0) < b.number("ns_per_body_step", 0);
       });
-      print(row(setup.scene, label, setup.threads[k], error, all[all.size() / 2], cases[k].folder));
+      medians.push_back(&all[all.size() / 2]);
+      print(row(setup.scene, label, setup.threads[k], error, *medians.back(), cases[k].folder));
     }
+    if (const std::string table = amdahl_table(medians, setup.threads); !table.empty()) print(table);
   }
 }
 

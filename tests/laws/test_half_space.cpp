@@ -115,6 +115,61 @@ TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and app
   }
 }
 
+TEST_CASE("regions apart press on each other with the share of their distance", "[laws][wheel_rail]") {
+  // two balls side by side on one plane, 10 mm apart, the second 4 um behind the first
+  const PatchGrid g{48, 112, 0.2e-3, 0.2e-3};
+  const auto ball = [&](std::size_t k, double y, double behind) {
+    const double dx = g.x(k % g.nx), dy = g.y(k / g.nx) - y;
+    return (dx * dx + dy * dy) / 0.6 + behind;
+  };
+  std::vector<double> gap(g.size()), first(g.size()), second(g.size());
+  for (std::size_t k = 0; k < gap.size(); ++k) {
+    first[k] = ball(k, -5e-3, 0.0), second[k] = ball(k, 5e-3, 4e-6);
+    gap[k] = std::min(first[k], second[k]);
+    (g.y(k / g.nx) < 0.0 ? second : first)[k] = 1.0;
+  }
+  GapProfile line{g.y(0), g.dy, {}, {}, {}};
+  for (std::size_t j = 0; j < g.ny; ++j) line.gap.push_back(std::min(gap[j * g.nx + 23], gap[j * g.nx + 24]));
+  const double approach = 20e-6;
+  const std::vector<OverlapRange> overlaps = overlaps_of(line, approach);
+  REQUIRE(overlaps.size() == 2);
+  const double apart = overlaps[1].low - overlaps[0].high;
+  CHECK(apart == Approx(10e-3 - std::sqrt(0.6 * 20e-6) - std::sqrt(0.6 * 16e-6)).margin(1e-5));
+  const NormalTarget target{false, approach};
+  const auto solve = [&](const InfluenceRange& range) {
+    return solve_half_space_normal(g, gap, steel, target, 1e-9, Separation(overlaps, range));
+  };
+  // nearer than `full`: one half-space; farther than `none`: each for itself
+  const auto whole = solve_half_space_normal(g, gap, steel, target, 1e-9), near = solve({apart + 1e-6, 1.0});
+  CHECK(near.normal_force == whole.normal_force);
+  const double alone = solve_half_space_normal(g, first, steel, target, 1e-9).normal_force +
+                       solve_half_space_normal(g, second, steel, target, 1e-9).normal_force;
+  CHECK(solve({0.0, 0.5 * apart}).normal_force == Approx(alone).epsilon(1e-7));
+  CHECK(alone > 1.02 * whole.normal_force);
+  // between: the share as a gap that the other region's pressures have closed, to and fro
+  const InfluenceRange range{0.5 * apart, 1.5 * apart};
+  const double share = std::pow(0.5, 0.8);
+  const HalfSpaceNormal part = solve(range);
+  PressureKernel kernel(g, steel);
+  std::vector<double> u(g.size()), p(g.size(), 0.0), one(g.size()), seen(g.size());
+  for (int round = 0; round < 30; ++round) {
+    const std::vector<double> before = p;
+    for (const bool upper : {false, true}) {
+      for (std::size_t k = 0; k < p.size(); ++k) one[k] = (g.y(k / g.nx) > 0.0) != upper ? share * before[k] : 0.0;
+      kernel.apply(one, u);
+      for (std::size_t k = 0; k < p.size(); ++k) seen[k] = (upper ? second : first)[k] + u[k];
+      const auto s = solve_half_space_normal(g, seen, steel, target, 1e-10);
+      for (std::size_t k = 0; k < p.size(); ++k)
+        if ((g.y(k / g.nx) > 0.0) == upper) p[k] = s.pressure[k];
+    }
+  }
+  double difference = 0.0, sum = 0.0;
+  for (std::size_t k = 0; k < p.size(); ++k) difference += std::abs(p[k] - part.pressure[k]), sum += p[k];
+  CHECK(difference < 1e-6 * sum);
+  CHECK(part.normal_force < alone);
+  CHECK(part.normal_force > whole.normal_force);
+}
+
 TEST_CASE("shifted bodies stick inside Cattaneo's circle", "[laws][wheel_rail]") {
   // c/a = (1 - Q/(mu N))^(1/3), shift = 3 mu N (2 - nu) / (8 G a) (1 - (1 - Q/(mu N))^(2/3)) for two like spheres.
   // Exact for nu = 0. Otherwise displacements turn out of the line of the shift and the ring's slip is not opposite to

@@ -35,23 +35,24 @@ std::vector<Row> rows() {
   return out;
 }
 
-PatchResult evaluate(const Row& r, const std::string& normal, const std::string& tangential) {
-  const std::string text = fmt::format(
-      "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n"
-      "[shape.wheel]\nwheel_profile = {{ name = \"s1002\", radius = 0.46 }}\n[shape.rail]\nrail_profile = {{ name = "
-      "\"uic60\", cant = {:.17g} }}\n"
-      "[patch]\nload = 10e3\nlateral_shift = {:.17g}\nyaw = {:.17g}\nroll = {:.17g}\nrolling_radius = {:.17g}\nside = "
-      "\"{}\"\nnormal = \"{}\"\ntangential = \"{}\"\ngrid = {{ dx = 2e-4, dy = 2e-4 }}\n",
-      std::atan(1.0 / 40.0), 1e-3 * r.shift, r.yaw, r.roll, -2.0 / r.pitch_rate, r.side, normal, tangential);
+PatchResult evaluate(const Row& r, const std::string& normal, const std::string& tangential,
+                     const std::string& more = "") {
+  const std::string text =
+      fmt::format(
+          "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n"
+          "[shape.wheel]\nwheel_profile = {{ name = \"s1002\", radius = 0.46 }}\n[shape.rail]\nrail_profile = {{ name "
+          "= "
+          "\"uic60\", cant = {:.17g} }}\n"
+          "[patch]\nload = 10e3\nlateral_shift = {:.17g}\nyaw = {:.17g}\nroll = {:.17g}\nrolling_radius = "
+          "{:.17g}\nside = "
+          "\"{}\"\nnormal = \"{}\"\ntangential = \"{}\"\ngrid = {{ dx = 2e-4, dy = 2e-4 }}\n",
+          std::atan(1.0 / 40.0), 1e-3 * r.shift, r.yaw, r.roll, -2.0 / r.pitch_rate, r.side, normal, tangential) +
+      more;
   const PatchReading reading = read_patch_text(text, "case.toml", {});
   for (const auto& p : reading.problems) UNSCOPED_INFO(p.to_string());
   REQUIRE(reading.patch);
   return evaluate_patch(*reading.patch).front();
 }
-
-/// The right wheel at 5 mm stands within 0.4 mm of the joint of 80 and 13 mm radii, where a micrometre of the profile
-/// moves load from one place to the other; the benchmark's own rail file is not this one.
-bool on_the_joint(const Row& r) { return r.side == "right" && r.shift == 5.0; }
 
 }  // namespace
 
@@ -63,40 +64,52 @@ TEST_CASE("boundary elements on wheel and rail agree with the Manchester benchma
     const PatchResult q = evaluate(r, "half-space", "half-space");
     REQUIRE(q.contacts.size() == 1);
     const PatchContact& c = q.contacts.front();
-    if (on_the_joint(r)) {
-      // Gauge corner and tread, 10 mm apart, share the load 7 to 1. The corner's patch is 1.2 mm wide, six cells: on
-      // cells of 0.1 mm its peak is 0.6 % less. The reference prints one place for both regions, by a rule of its own
-      // that lies between the corner's (0.48 mm nearer to the gauge) and the mean of both overlaps (0.81 mm nearer to
-      // the tread). The benchmark's 0.1 mm and 2 % are NOT met here; what is held is where we stand.
-      CHECK(c.point.y() == Approx(1e-3 * r.y).margin(0.5e-3));
-      CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(0.03));
-      CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(0.035));
-      CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < 0.01 * 0.3 * r.N);
-      continue;
-    }
-    CHECK(q.normal_force == Approx(r.N).epsilon(0.002));
-    CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(0.01));
-    CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(0.005));
-    CHECK(c.point.y() == Approx(1e-3 * r.y).margin(0.05e-3));
-    CHECK(c.point.x() == Approx(1e-3 * r.x).margin(0.06e-3));
-    CHECK(c.angle == Approx(r.angle).margin(0.004));
-    // on the flange the patch is 1.6 mm wide: 8 cells of 0.2 mm
-    CHECK(q.area == Approx(0.04e-6 * r.cells).epsilon(r.shift >= 6.5 ? 0.09 : 0.03));
+    // On the tread far inside the 2 % and 0.1 mm that are asked for. On the gauge corner at 5 mm a tenth of a
+    // micrometre of the approach moves a percent of the load between two regions; on the flange the patch is 1.6 mm
+    // wide, eight cells, and five of 200 cells more or less are in its edge.
+    const bool flange = r.shift > 5.5, corner = r.side == "right" && r.shift == 5.0;
+    CHECK(q.normal_force == Approx(r.N).epsilon(0.004));
+    CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(corner ? 0.016 : flange ? 0.012 : 0.002));
+    CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(corner ? 0.011 : flange ? 0.008 : 0.002));
+    CHECK(c.point.y() == Approx(1e-3 * r.y).margin(corner || flange ? 0.03e-3 : 0.004e-3));
+    CHECK(c.point.x() == Approx(1e-3 * r.x).margin(corner || flange ? 0.05e-3 : 0.004e-3));
+    CHECK(c.angle == Approx(r.angle).margin(corner || flange ? 0.0012 : 0.0002));
+    CHECK(q.area == Approx(0.04e-6 * r.cells).epsilon(flange ? 0.032 : corner ? 0.01 : 0.004));
     // forces over mu N; where part of the patch sticks (0 and 0.5 mm) the reference itself is 1.5 % from its limit
-    CHECK(std::abs(q.force.fx - r.fx) < 0.013 * 0.3 * r.N);
-    CHECK(std::abs(q.force.fy - r.fs) < 0.016 * 0.3 * r.N);
+    CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < (flange ? 0.013 : 0.009) * 0.3 * r.N);
   }
 }
 
-TEST_CASE("strips keep within 1 % of the peak pressure, 3 % at the jump", "[physics][wheel_rail]") {
+TEST_CASE("gauge corner and tread, 10 mm apart, share the load by the influence between them",
+          "[physics][wheel_rail]") {
+  // The right wheel at 5 mm. The reference lets regions whose edges are 6.7 mm apart press on each other with 39 % of
+  // the half-space's influence; the tread's part bears the more, and the corner's peak is lower, the less influence.
+  const auto all = rows();
+  const Row& r =
+      *std::find_if(all.begin(), all.end(), [](const Row& o) { return o.side == "right" && o.shift == 5.0; });
+  const PatchResult shared = evaluate(r, "half-space", "coulomb"),
+                    whole = evaluate(r, "half-space", "coulomb", "influence = { full = inf, none = inf }\n"),
+                    apart = evaluate(r, "half-space", "coulomb", "influence = { full = 0, none = 1e-3 }\n");
+  CHECK(whole.max_pressure > 1.005 * shared.max_pressure);
+  CHECK(apart.max_pressure < shared.max_pressure);
+  CHECK(whole.approach > 1.02 * shared.approach);
+  CHECK(apart.approach < 0.99 * shared.approach);
+  // so does the place that counts both overlaps: the more the tread bears, the nearer
+  CHECK(whole.contacts.front().point.y() > shared.contacts.front().point.y() + 0.05e-3);
+}
+
+TEST_CASE("strips keep within 0.5 % of the peak pressure, 1.5 % at the jump", "[physics][wheel_rail]") {
   for (const Row& r : rows()) {
-    if (r.shift > 6.0 || on_the_joint(r)) continue;
+    if (r.shift > 6.0) continue;
     INFO(r.side << " " << r.shift << " mm");
     const PatchResult q = evaluate(r, "semi-hertz", "fastsim");
-    CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(r.shift == 0.0 ? 0.03 : r.shift < 6.0 ? 0.005 : 0.012));
+    // the corner at 5 mm against our own boundary elements, which stand 1.5 % above the reference there
+    const bool corner = r.side == "right" && r.shift == 5.0;
+    const double p0 = corner ? evaluate(r, "half-space", "fastsim").max_pressure : 1e6 * r.p0;
+    CHECK(q.max_pressure == Approx(p0).epsilon(r.shift == 0.0 ? 0.015 : corner ? 0.008 : 0.005));
     CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(0.012));
-    if (r.shift >= 1.0)
-      CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < 0.024 * 0.3 * r.N);  // KPEC + FASTSIM: 0.024
+    if (r.shift >= 1.0 && !corner)  // FASTSIM takes one ellipse for two regions there, and says so
+      CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < 0.017 * 0.3 * r.N);  // KPEC + FASTSIM: 0.024
   }
 }
 
@@ -104,7 +117,7 @@ TEST_CASE("creepages of a rolling wheelset are those of the benchmark", "[physic
   // Kalker's linear theory is linear: tiny friction-free creepages would do, but the forces of Coulomb's law show the
   // direction
   for (const Row& r : rows()) {
-    if (r.shift < 1.0 || on_the_joint(r)) continue;
+    if (r.shift < 1.0 || (r.side == "right" && r.shift == 5.0)) continue;  // forces of two places add up there
     INFO(r.side << " " << r.shift << " mm");
     const PatchResult q = evaluate(r, "semi-hertz", "coulomb");
     // the reference position is not the centre of pressure: spin times 0.2 mm
@@ -114,11 +127,22 @@ TEST_CASE("creepages of a rolling wheelset are those of the benchmark", "[physic
 
 TEST_CASE("models that need a parabola say so at the jump and are silent away from it", "[physics][wheel_rail]") {
   for (const Row& r : rows()) {
-    if (r.side != "left" || (r.shift != 0.0 && r.shift < 2.0)) continue;
+    if (r.side != "left" || (r.shift != 0.0 && r.shift < 1.0)) continue;
     INFO(r.shift << " mm");
     for (const char* model : {"hertz", "kik-piotrowski"})
       CHECK(evaluate(r, model, "fastsim").reasons.empty() == (r.shift > 0.0));
     CHECK(evaluate(r, "half-space", "half-space").reasons.empty());
+  }
+}
+
+TEST_CASE("virtual penetration is within 1 % or says why not", "[physics][wheel_rail]") {
+  for (const Row& r : rows()) {
+    INFO(r.side << " " << r.shift << " mm");
+    const PatchResult q = evaluate(r, "kik-piotrowski", "fastsim");
+    const double error =
+        std::max(std::abs(q.max_pressure / (1e6 * r.p0) - 1.0), std::abs(q.approach / (1e-3 * r.approach) - 1.0));
+    if (q.reasons.empty()) CHECK(error < (r.shift < 5.5 ? 0.01 : 0.03));  // flange: 1.6 mm wide
+    if (r.shift < 5.5) CHECK(q.reasons.empty() == (error < 0.02));
   }
 }
 

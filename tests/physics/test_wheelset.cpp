@@ -25,6 +25,7 @@ constexpr double r0 = 0.46, wheel_load = 0.5 * (1500 * 9.81 + 50e3);
 struct WheelsetCase {
   std::string wheel = "name = \"cone\"", normal = "hertz", tangential = "fastsim", method = "smooth";
   double speed = 10.0, start = 1e-3, dt = 2e-4, duration = 1.0, kx = 0.0, ky = 0.0, yaw = 0.0;
+  double scale = 1.0;  ///< of all masses and loads
   std::string more = "";
 };
 
@@ -36,13 +37,14 @@ Profile rail_of_all() { return Profile(canted_rail(*built_in_profile("uic60"), s
 
 std::string text_of(const WheelsetCase& c) {
   // pressed into the rails by what the load does to a cone on the crown of 300 mm
-  const double height = stand_on_rails(wheel_of(c), rail_of_all(), {}, {c.start, 0.0, 0.0, 0.0}).position.height +
-                        hertz_of_force(0.5 / r0, 0.5 / 0.3, 210e9 / (2.0 * (1.0 - 0.28 * 0.28)), wheel_load).approach;
+  const double height =
+      stand_on_rails(wheel_of(c), rail_of_all(), {}, {c.start, 0.0, 0.0, 0.0}).position.height +
+      hertz_of_force(0.5 / r0, 0.5 / 0.3, 210e9 / (2.0 * (1.0 - 0.28 * 0.28)), c.scale * wheel_load).approach;
   const auto spring = [&](const char* name, double at) {
     return fmt::format(
         "[[spring]]\nname = \"{}\"\nbody = \"wheelset\"\nspeed = {:.17g}\nattachment = [0, {}, 0]\n"
-        "stiffness = [{}, {}, 1e5]\ndamping = [0, 0, 1e4]\n",
-        name, c.speed, at, c.kx, c.ky);
+        "stiffness = [{}, {}, {}]\ndamping = [0, 0, {}]\n",
+        name, c.speed, at, c.kx, c.ky, c.scale * 1e5, c.scale * 1e4);
   };
   return fmt::format(
              "[run]\nduration = {:.17g}\ntime_step = {:.17g}\n[world]\ngravity = [0, 0, 9.81]\n"
@@ -50,16 +52,18 @@ std::string text_of(const WheelsetCase& c) {
              "[contact]\nmethod = \"{}\"\nfriction = 0.3\nrestitution = 0.0\n"
              "[contact.wheel_rail]\nnormal = \"{}\"\ntangential = \"{}\"\n"
              "[contact.nonsmooth]\nsolver = \"nsgs\"\niterations = 200\ntolerance = 1e-9\n"
-             "[shape.wheelset]\nwheel_profile = {{ {}, radius = 0.46, mass = 1500, inertia = [950, 120, 950] }}\n"
+             "[shape.wheelset]\nwheel_profile = {{ {}, radius = 0.46, mass = {:.17g}, inertia = [{:.17g}, {:.17g}, "
+             "{:.17g}] }}\n"
              "[shape.track]\nrail_profile = {{ name = \"uic60\", cant = \"= atan(1/40)\" }}\n"
              "[[body]]\nname = \"track\"\nshape = \"track\"\nmaterial = \"steel\"\nfixed = true\n"
              "[[body]]\nname = \"wheelset\"\nshape = \"wheelset\"\nmaterial = \"steel\"\n"
              "position = [0, {:.17g}, {:.17g}]\neuler_deg = [0, 0, {:.17g}]\n",
-             c.duration, c.dt, c.method, c.normal, c.tangential, c.wheel, c.start, -r0 + height, c.yaw * 180.0 / pi) +
+             c.duration, c.dt, c.method, c.normal, c.tangential, c.wheel, 1500 * c.scale, 950 * c.scale, 120 * c.scale,
+             950 * c.scale, c.start, -r0 + height, c.yaw * 180.0 / pi) +
          fmt::format(
-             "velocity = [{0:.17g}, 0, 0]\nangular_velocity = [0, {1:.17g}, 0]\nforce = [0, 0, 50e3]\n"
+             "velocity = [{0:.17g}, 0, 0]\nangular_velocity = [0, {1:.17g}, 0]\nforce = [0, 0, {2:.17g}]\n"
              "[[measure]]\nname = \"run\"\nkind = \"wheelset\"\nbody = \"wheelset\"\ninterval = 0\n",
-             c.speed, -c.speed / r0) +
+             c.speed, -c.speed / r0, 50e3 * c.scale) +
          spring("right", 1.0) + spring("left", -1.0) + c.more;
 }
 
@@ -79,12 +83,18 @@ Trace trace_of(const WheelsetCase& c) {
   return t;
 }
 
-/// Times at which the yaw angle passes zero.
+/// Times at which the yaw angle passes zero on its way from one side to the other (a tenth of its largest).
 std::vector<double> crossings(const Trace& t) {
   std::vector<double> out;
-  for (std::size_t k = 1; k < t.yaw.size(); ++k)
+  double most = 0.0, side = 0.0, passed = 0.0;
+  for (const double y : t.yaw) most = std::max(most, std::abs(y));
+  for (std::size_t k = 1; k < t.yaw.size(); ++k) {
     if (t.yaw[k - 1] * t.yaw[k] < 0.0)
-      out.push_back(t.time[k - 1] + (t.time[k] - t.time[k - 1]) * t.yaw[k - 1] / (t.yaw[k - 1] - t.yaw[k]));
+      passed = t.time[k - 1] + (t.time[k] - t.time[k - 1]) * t.yaw[k - 1] / (t.yaw[k - 1] - t.yaw[k]);
+    if (std::abs(t.yaw[k]) < 0.1 * most || side * t.yaw[k] > 0.0) continue;
+    if (side != 0.0) out.push_back(passed);
+    side = t.yaw[k];
+  }
   return out;
 }
 
@@ -104,6 +114,18 @@ double growth(const Trace& t, double from) {
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
+/// Acceleration of a scene's wheelset and its angular one, of the engine's own forces.
+Eigen::Matrix<double, 6, 1> accelerations(Simulation& sim, Slot s) {
+  World& w = sim.world;
+  evaluate_forces(w, sim.pipeline, sim.work);
+  const Mat3 R = w.orientation[s].toRotationMatrix(),
+             I = R * w.inverse_inertia[s].cwiseInverse().asDiagonal() * R.transpose();
+  const Vec3 turn = w.angular_velocity[s];
+  Eigen::Matrix<double, 6, 1> a;
+  a << w.acceleration(s), I.inverse() * (w.torque[s] - turn.cross(I * turn));
+  return a;
+}
+
 /// The equations of motion of a scene's wheelset linearised about its present state, by central differences of the
 /// engine's own forces: the matrix of displacement, turn, velocity and angular velocity.
 Eigen::Matrix<double, 12, 12> linearised(SceneRun& run) {
@@ -112,15 +134,6 @@ Eigen::Matrix<double, 12, 12> linearised(SceneRun& run) {
   const Slot s = w.slot_of(BodyId{1});
   const Vec3 x0 = w.position[s], v0 = w.velocity[s], w0 = w.angular_velocity[s];
   const Quat q0 = w.orientation[s];
-  const auto accelerations = [&] {
-    evaluate_forces(w, sim.pipeline, sim.work);
-    const Mat3 R = w.orientation[s].toRotationMatrix(),
-               I = R * w.inverse_inertia[s].cwiseInverse().asDiagonal() * R.transpose();
-    const Vec3 turn = w.angular_velocity[s];
-    Eigen::Matrix<double, 6, 1> a;
-    a << w.acceleration(s), I.inverse() * (w.torque[s] - turn.cross(I * turn));
-    return a;
-  };
   Eigen::Matrix<double, 12, 12> A = Eigen::Matrix<double, 12, 12>::Zero();
   const double steps[4] = {2e-6, 2e-6, 2e-4, 2e-4};
   for (int k = 0; k < 12; ++k) {
@@ -132,7 +145,7 @@ Eigen::Matrix<double, 12, 12> linearised(SceneRun& run) {
       w.orientation[s] = k / 3 == 1 ? Quat(turned(q0, d)) : q0;
       w.velocity[s] = v0 + (k / 3 == 2 ? d : Vec3(Vec3::Zero()));
       w.angular_velocity[s] = w0 + (k / 3 == 3 ? d : Vec3(Vec3::Zero()));
-      side[sign] = accelerations();
+      side[sign] = accelerations(sim, s);
     }
     A.block<6, 1>(6, k) = (side[1] - side[0]) / (2.0 * h);
   }
@@ -181,34 +194,79 @@ WheelsetCase hunting() {
 
 namespace {
 
+/// Rolling radius difference of the elastic contact, for a wheelset that stands at y without yaw: with height, roll,
+/// lateral velocity, turning and yaw rate such that the rails accelerate it in no direction, it yaws by
+/// -delta_r V / (r0 s).
+double elastic_difference(SceneRun& run, double y, Eigen::Matrix<double, 5, 1>& q) {
+  Simulation& sim = run.simulation();
+  World& w = sim.world;
+  const Slot s = w.slot_of(BodyId{1});
+  const double speed = w.velocity[s].x();
+  const Vec3 x0(w.position[s].x(), y, w.position[s].z()), turning = w.angular_velocity[s];
+  using Five = Eigen::Matrix<double, 5, 1>;
+  const auto rest = [&](const Five& u) {
+    w.position[s] = x0 + u[0] * Vec3::UnitZ();
+    w.orientation[s] = Quat(Eigen::AngleAxisd(u[1], Vec3::UnitX()));
+    w.velocity[s] = Vec3(speed, u[2], 0.0), w.angular_velocity[s] = Vec3(0.0, turning.y() + u[3], u[4]);
+    const auto a = accelerations(sim, s);
+    return Five(a[0], a[1], a[2], a[3], a[5]);
+  };
+  const double steps[5] = {1e-6, 1e-6, 1e-3, 1e-3, 1e-3};
+  for (int round = 0; round < 30; ++round) {
+    const Five r = rest(q);
+    Eigen::Matrix<double, 5, 5> J;
+    for (int k = 0; k < 5; ++k)
+      J.col(k) = (rest(q + steps[k] * Five::Unit(k)) - rest(q - steps[k] * Five::Unit(k))) / (2.0 * steps[k]);
+    const Five step = J.fullPivLu().solve(r);
+    q -= step;
+    if (std::abs(step[4]) < 1e-6 * speed) break;
+  }
+  return -r0 * 1.5 * q[4] / speed;
+}
+
 struct KlingelRow {
   const char *name, *normal;
-  double start, duration;
+  double start, duration, scale = 1.0, dt = 2e-4;
+  bool elastic = false;  ///< conicity of the loaded contact instead of the rigid points
+  double within = 0.01, ledger = 1e-5;
 };
 
-void check_klingel(std::initializer_list<KlingelRow> rows) {
-  // L = 2 pi sqrt(r0 s / (2 lambda)), lambda the equivalent conicity of the rigid geometry at the wave's amplitude.
-  // Below 1.3 mm on S1002 the elastic patch spreads over the jump of the rigid contact: 5 % longer at 0.94 mm.
+/// Conicity at this amplitude of the axle [m]: EN 15302 on rigid points, or the same from the elastic contact.
+double conicity_at(const WheelsetCase& c, double axle, bool elastic) {
   const Profile rail = rail_of_all();
+  // the conicity counts the amplitude at the rails
+  const double at_rails = axle - r0 * stand_on_rails(wheel_of(c), rail, {}, {axle, 0.0, 0.0, 0.0}).position.roll;
+  if (!elastic) return equivalent_conicity(wheel_of(c), rail, {}, at_rails);
+  constexpr int n = 24;
+  std::vector<double> difference(2 * n + 1, 0.0);
+  WheelsetCase still = c;
+  still.start = 0.0;
+  SceneRun run = start_text(text_of(still));
+  run.advance_to(200);  // it has come to rest on its springs nearly; the rest is solved for
+  Eigen::Matrix<double, 5, 1> start = Eigen::Matrix<double, 5, 1>::Zero();
+  for (int k = 0; k <= n; ++k)
+    difference[n + k] = elastic_difference(run, axle * k / n, start), difference[n - k] = -difference[n + k];
+  return conicity_of(difference, at_rails, {});
+}
+
+void check_klingel(std::initializer_list<KlingelRow> rows) {
+  // L = 2 pi sqrt(r0 s / (2 lambda)), lambda the equivalent conicity at the wave's amplitude
   for (const KlingelRow& row : rows) {
     WheelsetCase c;
     c.wheel = fmt::format("name = \"{}\"", row.name), c.normal = row.normal, c.start = row.start,
-    c.duration = row.duration;
+    c.duration = row.duration, c.scale = row.scale, c.dt = row.dt;
     Trace t = trace_of(c);
     const auto x = crossings(t);
     REQUIRE(x.size() > 2);
     double high = -1.0, low = 1.0;
     for (std::size_t k = 0; k < t.time.size(); ++k)
       if (t.time[k] > x[0] && t.time[k] < x[2]) high = std::max(high, t.lateral[k]), low = std::min(low, t.lateral[k]);
-    const double axle = 0.5 * (high - low);
-    // the conicity counts the amplitude at the rails
-    const double roll = stand_on_rails(wheel_of(c), rail, {}, {axle, 0.0, 0.0, 0.0}).position.roll;
-    const double lambda = equivalent_conicity(wheel_of(c), rail, {}, axle - roll * r0);
+    const double axle = 0.5 * (high - low), lambda = conicity_at(c, axle, row.elastic);
     const double wave = c.speed * (x[2] - x[0]), klingel = 2.0 * pi * std::sqrt(r0 * 1.5 / (2.0 * lambda));
     INFO(row.name << " " << row.normal << " amplitude " << axle << ": wave " << wave << " m, Klingel " << klingel
                   << " m");
-    CHECK(wave == Approx(klingel).epsilon(0.01));
-    CHECK(std::abs(t.run.energy_error()) < 1e-5);
+    CHECK(wave == Approx(klingel).epsilon(row.within));
+    CHECK(std::abs(t.run.energy_error()) < row.ledger);
   }
 }
 
@@ -220,6 +278,20 @@ TEST_CASE("a free wheelset rolls on Klingel's wave", "[physics][wheelset]") {
 
 TEST_CASE("Klingel's wave of strips on a cone and of a smaller swing", "[physics][wheelset][slow]") {
   check_klingel({{"cone", "semi-hertz", 1e-3, 2.5}, {"s1002", "semi-hertz", 1.5e-3, 1.2}});
+}
+
+TEST_CASE("a swing smaller than the patch is wide is Klingel's under a light load", "[physics][wheelset][slow]") {
+  // Rigid points of S1002 on UIC60 jump by 10 mm at 0.25 mm. Under a thousandth of the load the patch is small against
+  // that and the wave is that of the rigid points (6.022 m, 6.033 m at 0.95 mm). Under 32 kN it spreads over the jump:
+  // rigid points would make the wave 5.95 m at 0.92 mm and 4.57 m at 0.45 mm.
+  check_klingel({{"s1002", "semi-hertz", 1e-3, 1.2, 1e-3, 2e-5, false, 0.01, 1e-3}});
+}
+
+TEST_CASE("a small swing under load has the conicity of the elastic contact", "[physics][wheelset][slow]") {
+  // 6.36 m for 6.76 m at 0.92 mm, 6.08 m for 6.43 m at 0.45 mm: 33 % from rigid points, 6 % from the contact of a
+  // wheelset that stands still; what its turning and sliding to and fro make of the other 6 % is not traced.
+  check_klingel({{"s1002", "semi-hertz", 1e-3, 1.2, 1.0, 2e-4, true, 0.065, 1e-5},
+                 {"s1002", "semi-hertz", 0.5e-3, 1.2, 1.0, 2e-4, true, 0.065, 1e-5}});
 }
 
 TEST_CASE("hunting begins where the linear analysis of the same model says", "[physics][wheelset][slow]") {
@@ -294,10 +366,10 @@ TEST_CASE("in a curve a cone moves outwards until both wheels roll", "[physics][
   text.replace(text.find(rail), rail.size(),
                rail + fmt::format(", curve = {{ radius = {}, start = 10, transition = 80, superelevation = {:.6g} }}",
                                   R, 1.505 * c.speed * c.speed / (9.81 * R)));
-  for (std::size_t at; (at = text.find("damping = [0, 0, 1e4]")) != std::string::npos;)
-    text.replace(at, 21, "damping = [5e4, 3e4, 1e4]");  // or Klingel's wave goes on for ever
+  for (std::size_t at; (at = text.find("damping = [0, 0, 10000]")) != std::string::npos;)
+    text.replace(at, 23, "damping = [5e4, 3e4, 1e4]");  // or Klingel's wave goes on for ever
   // the load leans with the frame, or its part along the sleepers pushes the wheelset aside
-  text.replace(text.find("force = [0, 0, 50e3]"), 20, "");
+  text.replace(text.find("force = [0, 0, 50000]"), 21, "");
   for (std::size_t at = 0; (at = text.find("[[spring]]\n", at)) != std::string::npos; at += 20)
     text.insert(at + 11, "preload = [0, 0, 25e3]\n");
   const double lambda = equivalent_conicity(wheel_of(c), rail_of_all(), {}, 3e-3);
@@ -359,6 +431,57 @@ TEST_CASE("a flat strikes with the speed of its edges", "[physics][wheelset][slo
   INFO("static " << before << " N, peak " << peak << " N");
   CHECK(peak == Approx(C * d * std::sqrt(d)).epsilon(0.03));
   CHECK(peak > 2.0 * before);
+}
+
+TEST_CASE("a cylinder that slides rolls on with two thirds of its speed", "[physics][wheelset]") {
+  // About the line of contact m r v + I omega stays: v = v0 / (1 + I / (m r^2)), after v0 / (mu g (1 + m r^2 / I));
+  // with I = m r^2 / 2 that is 2/3 v0 after v0 / (3 mu g), and a third of the energy is lost.
+  const double v0 = 1.0, r = 0.1, mu = 0.3, stop = v0 / (3.0 * mu * 9.81);
+  for (const char* method : {"smooth", "nonsmooth"}) {
+    INFO(method);
+    SceneRun run = prepare_scene(library("wheel_rail/cylinder.toml"), {fmt::format("contact.method=\"{}\"", method)});
+    Simulation& sim = run.simulation();
+    sim.start();
+    while (sim.world.time < 0.5 * stop) REQUIRE_FALSE(sim.advance());
+    CHECK(sim.world.velocity[sim.world.slot_of(BodyId{1})].x() ==
+          Approx(v0 - mu * 9.81 * sim.world.time).epsilon(1e-4));
+    // a spring of friction without damper swings on by 1 %; the momentum about the line of contact stays all the way
+    double sum = 0.0, count = 0.0;
+    while (sim.steps() < run.assembly->steps) {
+      REQUIRE_FALSE(sim.advance());
+      const Slot s = sim.world.slot_of(BodyId{1});
+      const double v = sim.world.velocity[s].x(), turning = sim.world.angular_velocity[s].y();
+      if (sim.world.time > 1.5 * stop) sum += v, count += 1.0;
+      if (sim.steps() % 1000 == 0) CHECK(v + 0.5 * r * turning == Approx(v0).epsilon(1e-4));
+    }
+    CHECK(sum / count == Approx(2.0 / 3.0 * v0).epsilon(1e-3));
+    const Energy e = sim.ledger.measure(sim.world);
+    CHECK(e.kinetic == Approx(2.0 * e.dissipated).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a wheelset of two cylinders that slides rolls on by the same balance", "[physics][wheelset]") {
+  // whatever the creep law: the rails' forces act at the tread
+  WheelsetCase c;
+  c.wheel = "name = \"cone\", conicity = 0", c.tangential = "shen-hedrick-elkins", c.start = 0.0, c.duration = 0.6;
+  std::string text = text_of(c);
+  const std::string turning = fmt::format("angular_velocity = [0, {:.17g}, 0]", -c.speed / r0);
+  text.replace(text.find(turning), turning.size(), "angular_velocity = [0, 0, 0]");
+  const double ratio = 1500.0 * r0 * r0 / 120.0, g = 2.0 * wheel_load / 1500.0;
+  SceneRun run = start_text(text);
+  Simulation& sim = run.simulation();
+  const double stop = c.speed / (0.3 * g * (1.0 + ratio));
+  REQUIRE(stop < 0.5 * c.duration);
+  while (sim.world.time < 0.3 * stop) REQUIRE_FALSE(sim.advance());
+  const double from = sim.world.time, first = sim.world.velocity[sim.world.slot_of(BodyId{1})].x();
+  while (sim.world.time < 0.8 * stop) REQUIRE_FALSE(sim.advance());
+  CHECK(first - sim.world.velocity[sim.world.slot_of(BodyId{1})].x() ==
+        Approx(0.3 * g * (sim.world.time - from)).epsilon(0.01));
+  run.advance_to(0);
+  const double v = c.speed / (1.0 + 1.0 / ratio);
+  const Slot s = sim.world.slot_of(BodyId{1});
+  CHECK(sim.world.velocity[s].x() == Approx(v).epsilon(1e-3));
+  CHECK(-sim.world.angular_velocity[s].y() * r0 == Approx(v).epsilon(1e-3));
 }
 
 TEST_CASE("rigid contact takes the same way as the laws of rolling contact", "[physics][wheelset]") {
@@ -439,8 +562,8 @@ TEST_CASE("what is wrong with wheels, tracks and springs is said with place and 
              Contains("unknown body 'wheelsets'") && Contains("wheelset"));
   CHECK_THAT(problems("body = \"wheelset\"\nspeed", "body = \"track\"\nspeed"), Contains("does not move freely"));
   CHECK_THAT(problems("attachment =", "to = \"track\"\nattachment ="), Contains("leave out `to` or speed"));
-  CHECK_THAT(problems("stiffness = [0, 0, 1e5]", "stiffness = [0, 0, -1]"), Contains("stiffness"));
-  CHECK_THAT(problems("stiffness = [0, 0, 1e5]", "stifness = [0, 0, 1]"), Contains("did you mean 'stiffness'"));
+  CHECK_THAT(problems("stiffness = [0, 0, 100000]", "stiffness = [0, 0, -1]"), Contains("stiffness"));
+  CHECK_THAT(problems("stiffness = [0, 0, 100000]", "stifness = [0, 0, 1]"), Contains("did you mean 'stiffness'"));
   CHECK_THAT(problems("method = \"smooth\"", "method = \"nonsmooth\""), Contains("[contact.wheel_rail] is not used"));
   // a step that the creep forces cannot bear
   std::string slow = whole;

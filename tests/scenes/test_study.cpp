@@ -213,7 +213,8 @@ TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "
   std::vector<std::string> rows;
   run_bench({library + "stacking/column.toml", {}, {1, 2}, 1, folder / "b", program},
             [&](const std::string& row) { rows.push_back(row); });
-  REQUIRE(rows.size() == 2);
+  REQUIRE(rows.size() == 3);
+  CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial fraction"));
   const auto cell = [](const std::string& row, int k) {
     std::size_t at = 0;
     while (k-- > 0) at = row.find(',', at) + 1;

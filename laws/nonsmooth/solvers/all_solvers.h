@@ -21,6 +21,7 @@ SolverEntry dantzig_entry();
 SolverEntry conjugate_projected_gradient_entry();
 SolverEntry newton_min_entry();
 SolverEntry fischer_burmeister_entry();
+SolverEntry soft_step_entry();
 
 inline const std::vector<SolverEntry>& all_solvers() {
   static const std::vector<SolverEntry> list{
@@ -41,6 +42,7 @@ inline const std::vector<SolverEntry>& all_solvers() {
       conjugate_projected_gradient_entry(),
       newton_min_entry(),
       fischer_burmeister_entry(),
+      soft_step_entry(),
   };
   return list;
 }

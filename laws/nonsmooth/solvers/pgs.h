@@ -5,6 +5,7 @@
 #pragma once
 #include "engine/lanes.h"
 #include "laws/nonsmooth/cone.h"
+#include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
 
@@ -33,8 +34,8 @@ struct PgsRule {
   struct LaneData {
     Lanes step_n, step_t, coupling1, coupling2;
   };
-  static void pack(const Mat3& w, LaneData& data, std::size_t lane) {
-    const Data d = pack(w);
+  static void pack(const ContactProblem& problem, std::size_t i, LaneData& data, std::size_t lane) {
+    const Data d = pack(problem.diagonal[i]);
     data.step_n[lane] = d.step_n, data.step_t[lane] = d.step_t;
     data.coupling1[lane] = d.coupling1, data.coupling2[lane] = d.coupling2;
   }

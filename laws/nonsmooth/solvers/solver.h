@@ -19,6 +19,11 @@ class ContactSolver {
   /// residual.
   virtual SolverReport solve(const ConeProblem&, Impulses&) { return {false, 0, infinity}; }
 
+  /// Shown before the solve of a step, for solvers that look beyond the problem.
+  virtual void see(const World&, const ContactSet&, double) {}
+  /// What bodies are to move beside dt v_{k+1} [m], [rad]; null: the position correction decides.
+  virtual const BodyVelocities* displacement() const { return nullptr; }
+
   /// Asked now and then; true ends the solve with what there is. Empty in a run: steps must not depend on clocks.
   std::function<bool()> interrupted;
 

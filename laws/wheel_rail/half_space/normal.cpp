@@ -88,9 +88,45 @@ bool move_pressures(ActiveSet& a, double tau) {
   return same;
 }
 
-void solve_on(const PatchGrid& grid, std::span<const double> gap, const ElasticPair& pair, const NormalTarget& target,
-              double tolerance, HalfSpaceNormal& out) {
-  PressureKernel kernel(grid, pair);
+/// The convolution, group by group where regions press on each other with a share of it.
+class Yielding {
+ public:
+  Yielding(const PatchGrid& grid, const ElasticPair& pair, const Separation& apart)
+      : grid_(grid), kernel_(grid, pair), apart_(apart) {
+    if (apart.whole()) return;
+    for (std::size_t j = 0; j < grid.ny; ++j) group_.push_back(apart.group(grid.y(j)));
+    one_.resize(grid.size()), part_.resize(grid.size());
+  }
+  double self() const { return kernel_.self(); }
+  void apply(std::span<const double> p, std::span<double> u) {
+    if (apart_.whole()) return kernel_.apply(p, u);
+    std::fill(u.begin(), u.end(), 0.0);
+    for (std::size_t g = 0; g < apart_.groups(); ++g) {
+      for (std::size_t k = 0; k < p.size(); ++k) one_[k] = group_[k / grid_.nx] == g ? p[k] : 0.0;
+      kernel_.apply(one_, part_);
+      for (std::size_t k = 0; k < p.size(); ++k) u[k] += apart_.share(group_[k / grid_.nx], g) * part_[k];
+    }
+  }
+
+ private:
+  PatchGrid grid_;
+  PressureKernel kernel_;
+  const Separation& apart_;
+  std::vector<std::size_t> group_;  ///< of each row
+  std::vector<double> one_, part_;
+};
+
+/// What is the same on all grids.
+struct ElasticTask {
+  const ElasticPair& pair;
+  const NormalTarget& target;
+  const Separation& apart;
+};
+
+void solve_on(const PatchGrid& grid, std::span<const double> gap, const ElasticTask& task, double tolerance,
+              HalfSpaceNormal& out) {
+  const NormalTarget& target = task.target;
+  Yielding kernel(grid, task.pair, task.apart);
   ActiveSet a(grid.size());
   a.p = std::move(out.pressure);
   const double cell = grid.cell();
@@ -121,8 +157,9 @@ void solve_on(const PatchGrid& grid, std::span<const double> gap, const ElasticP
   out.pressure = std::move(a.p);
 }
 
-void start_pressures(const PatchGrid& grid, std::span<const double> gap, const ElasticPair& pair,
-                     const NormalTarget& target, double tolerance, HalfSpaceNormal& out) {
+void start_pressures(const PatchGrid& grid, std::span<const double> gap, const ElasticTask& task, double tolerance,
+                     HalfSpaceNormal& out) {
+  const NormalTarget& target = task.target;
   if (std::min(grid.nx, grid.ny) / 2 < coarsest || grid.nx % 2 || grid.ny % 2) {
     out.pressure.assign(grid.size(),
                         target.by_force ? target.value / (grid.cell() * static_cast<double>(grid.size())) : 0.0);
@@ -131,8 +168,8 @@ void start_pressures(const PatchGrid& grid, std::span<const double> gap, const E
   const PatchGrid half{grid.nx / 2, grid.ny / 2, 2.0 * grid.dx, 2.0 * grid.dy};
   const std::vector<double> gap_half = coarse_gap(grid, gap);
   HalfSpaceNormal coarse;
-  start_pressures(half, gap_half, pair, target, tolerance, coarse);
-  solve_on(half, gap_half, pair, target, std::max(tolerance, 1e-4), coarse);
+  start_pressures(half, gap_half, task, tolerance, coarse);
+  solve_on(half, gap_half, task, std::max(tolerance, 1e-4), coarse);
   out.pressure.resize(grid.size());
   for (std::size_t j = 0; j < grid.ny; ++j) {
     for (std::size_t i = 0; i < grid.nx; ++i) {  // bilinear: 9 3 3 1 sixteenths
@@ -151,12 +188,13 @@ void start_pressures(const PatchGrid& grid, std::span<const double> gap, const E
 }  // namespace
 
 HalfSpaceNormal solve_half_space_normal(const PatchGrid& grid, std::span<const double> gap, const ElasticPair& pair,
-                                        const NormalTarget& target, double tolerance) {
+                                        const NormalTarget& target, double tolerance, const Separation& apart) {
   EPAFI_REQUIRE(gap.size() == grid.size(), "one gap per cell");
   HalfSpaceNormal out;
   out.grid = grid;
-  start_pressures(grid, gap, pair, target, tolerance, out);
-  solve_on(grid, gap, pair, target, tolerance, out);
+  const ElasticTask task{pair, target, apart};
+  start_pressures(grid, gap, task, tolerance, out);
+  solve_on(grid, gap, task, tolerance, out);
   out.normal_force = grid.cell() * sum_of(out.pressure);
   out.max_pressure = peak_pressure(grid, out.pressure);
   out.area = contact_area(grid, out.pressure);

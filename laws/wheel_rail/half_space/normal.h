@@ -7,6 +7,7 @@
 
 #include "engine/report.h"
 #include "laws/wheel_rail/half_space/pressure_kernel.h"
+#include "laws/wheel_rail/separation.h"
 
 namespace epafi {
 
@@ -26,9 +27,12 @@ struct NormalTarget {
   double value = 0.0;  ///< force [N] or approach [m]
 };
 
-/// gap[i]: undeformed distance of the surfaces [m] at the cells of the grid, any origin of height when by force.
+/// gap[i]: undeformed distance of the surfaces [m] at the cells of the grid, any origin of height when by force. Rows
+/// of cells that `apart` puts into different groups (y from the grid's middle) press on each other with its share;
+/// every group costs a convolution.
 HalfSpaceNormal solve_half_space_normal(const PatchGrid& grid, std::span<const double> gap, const ElasticPair& pair,
-                                        const NormalTarget& target, double tolerance = 1e-8);
+                                        const NormalTarget& target, double tolerance = 1e-8,
+                                        const Separation& apart = {});
 
 /// The peak of a field of pressures and the area of contact, to second order in the cell size.
 double peak_pressure(const PatchGrid& grid, std::span<const double> pressure);

@@ -40,10 +40,18 @@ std::size_t cells_over(double length, double cell) {
   return std::max<std::size_t>(2 * multiple, (n + multiple - 1) / multiple * multiple);
 }
 
-HalfSpaceNormal solve_in(const NormalInput& in, const Window& w, double dx, double dy) {
+HalfSpaceNormal solve_in(const NormalInput& in, const Window& w, double dx, double dy, const Separation& apart) {
   const std::size_t nx = cells_over(w.x1 - w.x0, dx), ny = cells_over(w.y1 - w.y0, dy);
-  const GapField f = in.source.field(in.regions.front(), 0.5 * (w.x0 + w.x1), 0.5 * (w.y0 + w.y1), dx, dy, nx, ny);
-  return solve_half_space_normal({nx, ny, dx, dy}, f.gap, in.elastic, in.target, 1e-6);
+  const double cx = 0.5 * (w.x0 + w.x1), cy = 0.5 * (w.y0 + w.y1);
+  const GapField f = in.source.field(in.regions.front(), cx, cy, dx, dy, nx, ny);
+  return solve_half_space_normal({nx, ny, dx, dy}, f.gap, in.elastic, in.target, 1e-6, apart.shifted(cy));
+}
+
+/// Shifted by less than a cell, so that one cell has its middle in the plane's origin: narrow patches then count their
+/// cells as the reference does, and alike from both sides of the track.
+double aligned(double low, double high, double cell) {
+  const double middle = 0.5 * (low + high);
+  return (std::round(middle / cell - 0.5) + 0.5) * cell - middle;
 }
 
 /// Box of the cells in contact with one cell around; false if it meets the edge of the grid.
@@ -69,13 +77,15 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   const double B = std::max(0.5 * r.curvature_y, 0.02 * r.curvature_x), E = in.elastic.effective_modulus();
   double approach =
       in.target.by_force ? hertz_of_force(0.5 * r.curvature_x, B, E, in.target.value).approach : in.target.value;
+  // without deformation regions are nearer: their distance is that at the approach of this load, not of the window
+  const Separation apart(overlaps_of(r.profile, in.approach > 0.0 ? in.approach : approach), in.influence);
   Window w = interpenetration(in, approach);
   HalfSpaceNormal coarse;
   bool inside = false;
   for (int n = 0; n < 4 && !inside; ++n) {
     const double dx = (w.x1 - w.x0) / 24.0, dy = (w.y1 - w.y0) / 24.0, cx = 0.5 * (w.x0 + w.x1),
                  cy = 0.5 * (w.y0 + w.y1);
-    coarse = solve_in(in, w, dx, dy);
+    coarse = solve_in(in, w, dx, dy, apart);
     Window box = w;
     inside = contact_box(coarse, cx, cy, box);
     if (inside)
@@ -86,7 +96,9 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   }
   const double shorter = std::min(w.x1 - w.x0, w.y1 - w.y0) * (1.0 - 3.0 / 26.0);
   const double dx = in.dx > 0.0 ? in.dx : shorter / default_cells, dy = in.dy > 0.0 ? in.dy : shorter / default_cells;
-  const HalfSpaceNormal s = solve_in(in, w, dx, dy);
+  const double sx = aligned(w.x0, w.x1, dx), sy = aligned(w.y0, w.y1, dy);
+  w = {w.x0 + sx, w.x1 + sx, w.y0 + sy, w.y1 + sy};
+  const HalfSpaceNormal s = solve_in(in, w, dx, dy, apart);
 
   RegionPatch out;
   NormalPatch& p = out.patch;

@@ -22,7 +22,7 @@ double distortion(const ContactRegion& region, double half_width) {
 
 }  // namespace
 
-void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons) {
+void check_conformal(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons) {
   const double b = patch.ellipse.b,
                steepest = std::max(std::abs(region.wheel_curvature), std::abs(region.rail_curvature));
   // the tangent turns by b / R over half the patch: beyond 0.1 rad the bodies are no half-spaces there
@@ -30,7 +30,11 @@ void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, st
     reasons.push_back(
         "conformal contact: the surface turns by more than 0.1 rad over half the patch; width and area come out too "
         "large");
-  const double d = distortion(region, b);
+}
+
+void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons) {
+  check_conformal(region, patch, reasons);
+  const double d = distortion(region, patch.ellipse.b);
   if (d > 0.2)
     reasons.push_back("the curvature changes over the patch: the gap leaves its parabola by " +
                       std::to_string(static_cast<int>(100.0 * d)) + " % of its edge value");

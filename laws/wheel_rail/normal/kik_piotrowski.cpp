@@ -1,7 +1,7 @@
 // Virtual penetration (Kik and Piotrowski 1996): the patch is where the undeformed surfaces overlap at 0.55 of the
-// approach; pressures are half ellipses along the track, scaled so that the displacement at the rigid contact point is
-// the approach. No iteration over the patch. Where the gap is a parabola the patch is wider than Hertz' and the peak
-// 6 % low (axes 1.3 to 1; 11 % at 3, 19 % at 10); the authors' later correction of its shape is left out.
+// approach, its axes corrected to those of Hertz for the curvature that this overlap is wide (in the spirit of
+// Piotrowski and Kik 2008); pressures are half ellipses along the track, scaled so that the displacement at the rigid
+// contact point is the approach. No iteration over the patch. Exact where the gap is a parabola.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,25 +15,55 @@ namespace {
 using std::numbers::pi;
 constexpr double share = 0.55;  // of the approach, as the authors chose it
 
+// S1002 on UIC60: 0.153 at the jump (approach 5 %, area 11 % off), 0.087 at 1 mm on the flange's side (peak 4 % off);
+// at all other places of the tread below 0.042 with the peak within 0.8 %
+constexpr double most_misfit = 0.06;
+
 struct Penetration {
-  double force, peak, area, longest;
+  double force = 0.0, peak = 0.0, area = 0.0, longest = 0.0;
+  double misfit = 0.0;  ///< area between the overlap and the ellipse that it is taken for, over its own
 };
 
-/// Strips of the gap profile (or of a parabola cut as finely) at this approach.
-Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
-  Penetration out{0.0, 0.0, 0.0, 0.0};
+struct Strip {
+  double y, half_length;
+};
+
+/// Strips where the surfaces overlap (a parabola is cut as finely as a profile) and their width.
+std::vector<Strip> overlap(const ContactRegion& r, double depth, double& step) {
   const bool sampled = r.profile.size() > 0;
-  const double half = sampled ? 0.0 : std::sqrt(2.0 * share * approach / r.curvature_y);
+  const double half = sampled ? 0.0 : std::sqrt(2.0 * depth / r.curvature_y);
   const std::size_t n = sampled ? r.profile.size() : 200;
-  const double step = sampled ? r.profile.step : 2.0 * half / static_cast<double>(n);
-  double n1 = 0.0, u1 = 0.0;
+  step = sampled ? r.profile.step : 2.0 * half / static_cast<double>(n);
+  std::vector<Strip> out;
   for (std::size_t k = 0; k < n; ++k) {
     const double y = sampled ? r.profile.y(k) : -half + (static_cast<double>(k) + 0.5) * step;
-    const double depth = share * approach - (sampled ? r.profile.gap[k] : 0.5 * r.curvature_y * y * y);
-    if (depth <= 0.0) continue;
-    const double a = std::sqrt(2.0 * depth / (sampled ? r.profile.curvature_x[k] : r.curvature_x));
-    out.longest = std::max(out.longest, a);
-    out.area += 2.0 * a * step;
+    const double deep = depth - (sampled ? r.profile.gap[k] : 0.5 * r.curvature_y * y * y);
+    if (deep > 0.0) out.push_back({y, std::sqrt(2.0 * deep / (sampled ? r.profile.curvature_x[k] : r.curvature_x))});
+  }
+  return out;
+}
+
+Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
+  Penetration out;
+  double step = 0.0, area = 0.0;
+  const std::vector<Strip> strips = overlap(r, share * approach, step);
+  double middle = 0.0;
+  for (const Strip& s : strips)
+    out.longest = std::max(out.longest, s.half_length), area += 2.0 * s.half_length * step,
+    middle += 2.0 * s.half_length * step * s.y;
+  if (!(area > 0.0)) return out;
+  middle /= area;
+  // the ellipse of this area and length, and Hertz' own for the curvatures that would overlap so
+  const double wide = area / (pi * out.longest), A = 0.5 * r.curvature_x, B = share * approach / (wide * wide);
+  const Ellipse hertz = hertz_of_approach(A, B, modulus, approach).ellipse;
+  const double along = hertz.a / std::sqrt(share * approach / A), across = hertz.b / wide;
+  out.longest *= along, out.area = area * along * across;
+  step *= across;
+  double n1 = 0.0, u1 = 0.0;
+  for (const Strip& s : strips) {
+    const double a = along * s.half_length, y = across * s.y;
+    const double inside = 1.0 - std::pow((s.y - middle) / wide, 2);
+    out.misfit += 2.0 * std::abs(a - out.longest * std::sqrt(std::max(0.0, inside))) * step / out.area;
     n1 += 0.5 * pi * a * a * step;  // force and displacement per (peak pressure / longest)
     u1 += a * a / (pi * modulus) * (strip_integral((y + 0.5 * step) / a) - strip_integral((y - 0.5 * step) / a));
   }
@@ -61,9 +91,12 @@ std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in) {
   p.normal_force = at.force, p.approach = approach, p.max_pressure = at.peak, p.area = at.area;
   p.ellipse = {at.longest, at.area / (pi * at.longest)};
   p.is_ellipse = true;  // for creep laws: the ellipse of the same area and length
-  check_hertz_range(r, p, p.reasons);
+  check_conformal(r, p, p.reasons);
+  if (at.misfit > most_misfit)
+    p.reasons.push_back("the overlap leaves the ellipse of a parabola by " +
+                        std::to_string(static_cast<int>(100.0 * at.misfit)) + " % of its area");
   check_second_region(in, p);
-  p.error_estimate = p.reasons.empty() ? 0.12 : 0.3;
+  p.error_estimate = p.reasons.empty() ? 0.03 : 0.15;
   return {out};
 }
 

@@ -17,6 +17,8 @@ std::vector<RegionPatch> solve_fem_surface(
     const NormalInput& in);  ///< augmented Lagrangian, integrated over the surface
 std::vector<RegionPatch> solve_half_space(const NormalInput& in);  ///< half_space_patch.cpp
 
+/// Surfaces that turn over the patch: no half-spaces.
+void check_conformal(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
 /// Where Hertz' theory leaves its range: conformal surfaces, curvature that changes over the patch.
 void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
 /// For models of one patch: another region that would touch before this one is compressed as far.

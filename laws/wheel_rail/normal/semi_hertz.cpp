@@ -24,6 +24,10 @@ struct Strips {
   std::vector<double> y, gap, curvature, centre;  ///< given
   std::vector<double> p, a;                       ///< peak pressure [Pa] and half-length [m]
   double approach = 0.0;
+  double hills = 0.0;              ///< how much of two patches a run is, as found in the last round
+  Separation apart;                ///< of regions that lie apart
+  std::vector<std::size_t> group;  ///< the region of each strip
+  double share(std::size_t i, std::size_t j) const { return apart.whole() ? 1.0 : apart.share(group[i], group[j]); }
 };
 
 /// Gap and curvature of the region at y, from its profile or its parabola.
@@ -46,22 +50,11 @@ GapAt gap_at(const ContactRegion& r, double y) {
   return {h, mix(g.curvature_x), mix(g.centre_x)};
 }
 
-/// Range of y where the undeformed surfaces overlap at this approach.
-std::pair<double, double> overlap_range(const ContactRegion& r, double approach) {
-  if (r.profile.size() == 0)
-    return {-std::sqrt(2.0 * approach / r.curvature_y), std::sqrt(2.0 * approach / r.curvature_y)};
-  const GapProfile& g = r.profile;
-  const auto crossing = [&](std::size_t in, std::size_t out) {  // on the chord: strips must not jump as the wheel sinks
-    const double rise = g.gap[out] - g.gap[in];
-    return g.y(in) + (g.y(out) - g.y(in)) * (rise > 0.0 ? std::min(1.0, (approach - g.gap[in]) / rise) : 1.0);
-  };
-  double low = 1e9, high = -1e9;
-  for (std::size_t k = 0; k < g.size(); ++k) {
-    if (!(g.gap[k] < approach)) continue;
-    low = std::min(low, k > 0 ? crossing(k, k - 1) : g.y(k));
-    high = std::max(high, k + 1 < g.size() ? crossing(k, k + 1) : g.y(k));
-  }
-  return {low, high};
+/// Ranges of y where the undeformed surfaces overlap at this approach.
+std::vector<OverlapRange> overlaps_at(const ContactRegion& r, double approach) {
+  if (r.profile.size() > 0) return overlaps_of(r.profile, approach);
+  const double half = std::sqrt(2.0 * approach / r.curvature_y);
+  return {{-half, half}};
 }
 
 Strips cut(const ContactRegion& r, double low, double high, int count) {
@@ -109,7 +102,7 @@ void solve_pressures(Strips& s, const std::vector<std::size_t>& active, double m
     for (std::size_t m = 0; m <= farthest; ++m) edge[m] = strip_integral((static_cast<double>(m) + 0.5) * w);
     for (Eigen::Index i = 0; i < n; ++i) {
       const std::size_t I = active[static_cast<std::size_t>(i)], m = I > J ? I - J : J - I;
-      K(i, j) = scale * (m == 0 ? 2.0 * edge[0] : edge[m] - edge[m - 1]);
+      K(i, j) = s.share(I, J) * scale * (m == 0 ? 2.0 * edge[0] : edge[m] - edge[m - 1]);
     }
     rhs(j, 0) = 1.0, rhs(j, 1) = s.gap[J];
   }
@@ -128,10 +121,54 @@ bool overlaps(const Strips& s, const std::vector<std::size_t>& active, std::size
   double u = 0.0;
   for (const std::size_t j : active) {
     const double d = s.y[i] - s.y[j], a = s.a[j];
-    u += s.p[j] * a / (pi * modulus) *
+    u += s.share(i, j) * s.p[j] * a / (pi * modulus) *
          (strip_integral((d + 0.5 * s.width) / a) - strip_integral((d - 0.5 * s.width) / a));
   }
   return u + s.gap[i] < s.approach;
+}
+
+/// Where the strips [first, last) have two hills of pressure: the valley between them, and how much of two patches they
+/// are, from 0 where it is a tenth lower than the lesser hill to 1 at three tenths.
+struct Valley {
+  std::size_t at = 0;
+  double share = 0.0;
+};
+Valley valley_of(const Strips& s, std::size_t first, std::size_t last) {
+  std::vector<double> behind(last - first);  // the highest from each strip on
+  double top = 0.0;
+  for (std::size_t j = last; j-- > first;) behind[j - first] = top = std::max(top, s.p[j]);
+  Valley out;
+  double before = 0.0, least = 1.0;
+  for (std::size_t j = first; j < last; ++j) {
+    before = std::max(before, s.p[j]);
+    const double ratio = s.p[j] / std::min(before, behind[j - first]);
+    if (ratio < least) least = ratio, out.at = j;
+  }
+  constexpr std::size_t few = 3;  // strips of a hill that is one: on fewer the pressure of an edge may waver
+  if (out.at < first + few || out.at + few >= last) return {};
+  out.share = std::clamp((0.9 - least) / 0.2, 0.0, 1.0);
+  return out;
+}
+
+/// Half-lengths of a run of strips in contact, half the way to those of its pressures in the ellipse of their moments;
+/// each hill has an ellipse of its own (S1002 on UIC60 at 0 to 0.5 mm, flange side: the peak 7 % low with one, 1 to 4 %
+/// with two). The largest change.
+double relax_lengths(Strips& s, std::size_t first, std::size_t last, double modulus, double& longest) {
+  const auto rate = [&](std::size_t from, std::size_t to) {
+    const double k = s.curvature[(from + to) / 2];
+    return pressure_per_length(k, moments(s, from, to), modulus) / k;
+  };
+  const Valley v = valley_of(s, first, last);
+  s.hills = std::max(s.hills, v.share);
+  const double whole = rate(first, last), left = v.share > 0.0 ? rate(first, v.at) : whole,
+               right = v.share > 0.0 ? rate(v.at, last) : whole;
+  double change = 0.0;
+  for (std::size_t j = first; j < last; ++j) {
+    const double c = whole + v.share * ((j < v.at ? left : right) - whole), length = s.p[j] / (c * s.curvature[j]);
+    change = std::max(change, std::abs(length - s.a[j])), longest = std::max(longest, length);
+    s.a[j] = 0.5 * (s.a[j] + length);
+  }
+  return change;
 }
 
 /// Rounds of pressures for given lengths, lengths for given pressures, and strips that join or leave. True when they
@@ -151,16 +188,10 @@ bool settle(Strips& s, double modulus, const NormalTarget& target) {
     for (const std::size_t j : active)
       if (s.p[j] <= 0.0) in[j] = false, s.p[j] = 0.0, s.a[j] = 0.0, same = false;
     double change = 0.0, longest = 0.0;
-    // each run of strips in contact has an ellipse of its own
+    s.hills = 0.0;
     for (std::size_t first = 0, last = 0; first < s.y.size(); first = last + 1) {
       for (last = first; last < s.y.size() && in[last];) ++last;
-      if (last == first) continue;
-      const double k0 = s.curvature[(first + last) / 2], c = pressure_per_length(k0, moments(s, first, last), modulus);
-      for (std::size_t j = first; j < last; ++j) {
-        const double length = s.p[j] / (c * s.curvature[j] / k0);
-        change = std::max(change, std::abs(length - s.a[j])), longest = std::max(longest, length);
-        s.a[j] = 0.5 * (s.a[j] + length);
-      }
+      if (last > first) change = std::max(change, relax_lengths(s, first, last, modulus, longest));
     }
     // whoever overlaps joins, a second region too
     std::vector<std::size_t> join;
@@ -212,17 +243,32 @@ NormalPatch patch_of(const Strips& s, std::size_t along) {
 
 namespace {
 
+/// Equal strips from the first region to the last, so many that a region narrower than the others still has its own:
+/// with 7 instead of 18 across the gauge corner its peak is 2 % off. Those between the regions cost nothing.
+int strips_of_regions(const std::vector<OverlapRange>& ranges, bool fine) {
+  double widest = 0.0;
+  for (const OverlapRange& o : ranges) widest = std::max(widest, o.high - o.low);
+  double narrowest = widest;
+  for (const OverlapRange& o : ranges)
+    if (o.high - o.low > 0.2 * widest) narrowest = std::min(narrowest, o.high - o.low);
+  return std::min(fine ? static_cast<int>(StripStart::most) : 32,
+                  static_cast<int>((fine ? 18.0 : 8.0) * (ranges.back().high - ranges.front().low) / narrowest));
+}
+
 /// Strips over the overlap at this approach, which holds the patch with a margin; as many as it is wide in units of the
 /// ellipse that the curvature at the rigid point would give.
 bool solve_strips(const NormalInput& in, double approach, bool fine, Strips& s) {
   const ContactRegion& r = in.regions.front();
-  const auto [low, high] = overlap_range(r, approach);
+  const std::vector<OverlapRange> ranges = overlaps_at(r, approach);
+  if (ranges.empty()) return false;
+  const double low = ranges.front().low, high = ranges.back().high;
   const double b = std::sqrt(approach / (0.5 * std::max(r.curvature_y, 0.05 * r.curvature_x)));
-  const int wished = static_cast<int>((fine ? 16.0 : 6.0) * (high - low) / b);
-  s = cut(r, low, high,
-          in.strips > 0 && fine ? in.strips
-                                : (std::clamp(wished, fine ? 28 : 12, fine ? 40 : 20) + 3) / 4 *
-                                      4);  // multiples of 4: coarser grids exist
+  int wished = std::clamp(static_cast<int>((fine ? 16.0 : 6.0) * (high - low) / b), fine ? 28 : 12, fine ? 40 : 20);
+  if (ranges.size() > 1) wished = strips_of_regions(ranges, fine);
+  // multiples of 4: coarser grids exist
+  s = cut(r, low, high, in.strips > 0 && fine ? in.strips : (wished + 3) / 4 * 4);
+  s.apart = Separation(ranges, in.influence);
+  for (const double y : s.y) s.group.push_back(s.apart.group(y));
   const auto whole = [&](std::size_t j) {
     return std::sqrt(2.0 * std::max(0.0, approach - s.gap[j]) / s.curvature[j]);
   };
@@ -247,7 +293,10 @@ double estimate_approach(const NormalInput& in) {
   if (!in.target.by_force) return in.target.value;
   const ContactRegion& r = in.regions.front();
   const double B = std::max(0.5 * r.curvature_y, 0.05 * r.curvature_x);
-  const double guess = hertz_of_force(0.5 * r.curvature_x, B, in.elastic.effective_modulus(), in.target.value).approach;
+  const double guess =
+      in.approach > 0.0
+          ? in.approach
+          : hertz_of_force(0.5 * r.curvature_x, B, in.elastic.effective_modulus(), in.target.value).approach;
   Strips s;
   solve_strips(in, guess, false, s);
   return s.approach > 0.0 ? s.approach : guess;
@@ -259,7 +308,7 @@ std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in) {
   Strips s;
   const bool settled = solve_strips(in, in.approach > 0.0 ? in.approach : estimate_approach(in), true, s);
   out.patch = patch_of(s, static_cast<std::size_t>(in.along));
-  out.patch.error_estimate = settled ? 0.01 : 0.1;
+  out.patch.error_estimate = settled ? 0.01 + 0.02 * s.hills : 0.1;
   if (!settled)
     out.patch.reasons.push_back("the strips did not settle within " + std::to_string(most_strip_rounds) + " rounds");
   const double steepest = std::max(std::abs(r.wheel_curvature), std::abs(r.rail_curvature));

@@ -1,0 +1,12 @@
+/// @file displacement.h  Moves bodies without touching their velocities.
+#pragma once
+#include "engine/world.h"
+#include "laws/nonsmooth/contact_problem.h"
+
+namespace epafi {
+
+/// Moves the free bodies by `by` [m], [rad]; returns the potential energy of gravity and external forces that it puts
+/// in [J].
+double displace(World& world, const BodyVelocities& by);
+
+}  // namespace epafi
