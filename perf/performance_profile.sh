@@ -26,5 +26,5 @@ while read -r solver; do
   plot="$plot${plot:+, }'$work/$solver.dat' with steps linewidth 2 dashtype $((k / 8 + 1)) title '$solver'"
   k=$((k + 1))  # eight colours, then the next dash
 done < "$work/solvers"
-gnuplot -e "set terminal svg size 900,600 background 'white'; set output '$out.svg'; set logscale x; set xrange [1:1e5]; set yrange [0:1]; set key outside right; set grid; set xlabel 'time / time of the quickest'; set ylabel 'share of $total problems solved to $tolerance'; plot $plot"
+gnuplot -e "set terminal svg size 900,600 background 'white'; set output '$out.svg'; set logscale x; set xrange [1:1e5]; set yrange [0:1]; set key outside right noenhanced; set grid; set xlabel 'time / time of the quickest'; set ylabel 'share of $total problems solved to $tolerance'; plot $plot"
 echo "$out.svg: $total problems"

@@ -23,5 +23,5 @@ for p in $problems; do
     sort -k3,3g -k1,1 > "$work/$p.dat"
   plots="$plots set title '$p' noenhanced; plot '$work/$p.dat' using (\$0-0.15):2 with impulses linewidth 5 linecolor rgb '#9ecae1' title 'after 1 s', '' using (\$0+0.15):3:xtic(1) with impulses linewidth 5 linecolor rgb '#08519c' title 'after 10 s';"
 done
-gnuplot -e "set terminal svg size 900,$((380 * n)) background 'white'; set output '$out.svg'; set multiplot layout $n,1; set logscale y; set yrange [1e-13:1]; set format y '10^{%L}'; set xtics rotate by -40 noenhanced; set grid y; set ylabel 'residual (lower is better)'; set key top left; $plots"
+gnuplot -e "set terminal svg size 950,$((420 * n)) background 'white'; set output '$out.svg'; set multiplot layout $n,1; set logscale y; set xrange [-0.7:17.7]; set bmargin 9; set rmargin 8; set yrange [1e-13:1]; set format y '10^{%L}'; set xtics rotate by -40 noenhanced; set grid y; set ylabel 'residual (lower is better)'; set key top left opaque; $plots"
 echo "$out.svg"
