@@ -17,22 +17,28 @@ constexpr double narrow_enough = 1e-6;  // of the size: a wider interval than th
 enum class Verdict {
   free,  ///< n is in the normal cone of the surface there
   flat,  ///< a triangle in the same plane reaches out along n: an inner edge that the body cannot feel, the plane holds
-  bent   ///< only triangles of other planes reach out along n: the contact is theirs
+  bent,  ///< only triangles of other planes reach out along n: the contact is theirs
+  concave  ///< the same, and they rise to the body's side: the planes hold, each its own
 };
 
+/// face: the normal of the triangle towards the body.
 Verdict judge(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, std::uint32_t own, const Vec3& point,
-              const Vec3& n, double tolerance) {
+              const Vec3& n, const Vec3& face, double tolerance) {
   Verdict verdict = Verdict::free;
   for (const auto t : triangles) {
     if (t == own || !lies_on(mesh, t, point, tolerance)) continue;
-    bool reaches_out = false;
+    bool reaches_out = false, rises = false;
     for (const Vec3& c : mesh.corners(t)) {
       const Vec3 w = c - point;  // flat within 1e-6 rad is not reaching out
       reaches_out = reaches_out || n.dot(w) > 1e-3 * tolerance + 0.1 * along_face * w.norm();
+      rises = rises || face.dot(w) > tolerance + along_face * w.norm();
     }
     if (!reaches_out) continue;
     if (mesh.normals[t].cross(mesh.normals[own]).squaredNorm() <= along_face * along_face) return Verdict::flat;
-    verdict = Verdict::bent;
+    if (!rises)
+      verdict = Verdict::bent;
+    else if (verdict == Verdict::free)
+      verdict = Verdict::concave;
   }
   return verdict;
 }
@@ -113,8 +119,11 @@ class PolyhedronOnMesh {
     const bool face =
         d.axis.kind == SeparatingAxis::Kind::face_b || n.cross(face_normal).squaredNorm() <= along_face * along_face;
     const Verdict verdict =
-        face ? Verdict::flat : judge(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, tolerance_);
-    if (verdict == Verdict::flat) return collide_face(t, corner, face_normal, out);
+        face ? Verdict::flat
+             : judge(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, face_normal, tolerance_);
+    // In a concave edge the least direction leans on both faces, and each would leave the contact to the other (a hull
+    // sank through the floor beside a wall).
+    if (verdict == Verdict::flat || verdict == Verdict::concave) return collide_face(t, corner, face_normal, out);
     if (verdict == Verdict::bent) return;
     const Patch patch = contact_patch(pair, d, reach_, sweep_, 0.0);
     for (int k = 0; k < patch.count; ++k) {
@@ -239,7 +248,8 @@ class CoreOnMesh {
     // Away from its sides a triangle knows no direction but its own: what else EPA says there is its own uncertainty.
     const bool is_face = d.normal.cross(face_normal).norm() <= along_face ||
                          projects_into(corner, mesh_.normals[t], d.on_mesh, -tolerance_);
-    const Verdict verdict = is_face ? Verdict::flat : judge(mesh_, triangles_, t, d.on_mesh, d.normal, tolerance_);
+    const Verdict verdict =
+        is_face ? Verdict::flat : judge(mesh_, triangles_, t, d.on_mesh, d.normal, face_normal, tolerance_);
     if (verdict == Verdict::bent) return;
     if (verdict == Verdict::free) {
       const double gap = d.gap - sweep_;

@@ -1,5 +1,5 @@
-// A closed box keeps its bodies. The walls are triangles, the bodies hulls, and the box is shaken. Not held yet: near the
-// edge where two walls meet a hull that lies on the floor loses all its contacts for some 25 steps and falls through.
+// A closed box keeps its bodies. The walls are triangles, the bodies hulls, and the box is shaken. Near the edge where two walls
+// meet a hull once lost all its contacts, each wall leaving it to the other, and fell through.
 #include <fstream>
 
 #include "tests/support/catch.h"
@@ -58,8 +58,8 @@ region = { box = { min = [-)" + size + ", -" + size + ", -" + size + "], max = [
 
 }  // namespace
 
-TEST_CASE("a shaken closed box of triangles loses none of its hulls", "[.open][physics][closed-box]") { check_box(60, 2.0); }
+TEST_CASE("a shaken closed box of triangles loses none of its hulls", "[physics][closed-box]") { check_box(60, 2.0); }
 
-TEST_CASE("a shaken closed box of triangles loses none of 10000 hulls", "[.open][physics][closed-box]") { check_box(10000, 2.0); }
+TEST_CASE("a shaken closed box of triangles loses none of 10000 hulls", "[.night][closed-box]") { check_box(10000, 2.0); }
 
 TEST_CASE("a closed box loses none of 10000 hulls in 100 s", "[.night][closed-box]") { check_box(10000, 100.0); }
