@@ -1,5 +1,5 @@
 /// @file siconos.cpp  Friction-contact problems solved by Epafi and, on the same machine in the same minute, by the numerics of Siconos
-/// (Debian: libsiconos-numerics-dev): perf_siconos [RESIDUAL] FILE...
+/// (Debian: libsiconos-numerics-dev): OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 perf_siconos [RESIDUAL] FILE...
 /// One row per problem: the least processor time of one cold solve whose residual, measured here (laws/nonsmooth/residual.h), is at most
 /// RESIDUAL (1e-6). Every method of Siconos is asked with its own tolerances of 1e-3 to 1e-10, three times each, because they are scaled
 /// otherwise; each solve is a process of its own that may take 2 s. Methods in W form get sparse blocks, ADMM a sparse matrix.
@@ -14,6 +14,7 @@
 #include <functional>
 #include <optional>
 
+#include "engine/parallel.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "viz_export/problem_file.h"
 
@@ -49,9 +50,10 @@ struct Answer {
   double ms = 0.0, residual = INFINITY;
 };
 
+/// Of this thread: the clock of a process under RLIMIT_CPU advances by whole ticks of 4 ms only.
 double processor_ms() {
   timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
@@ -158,6 +160,7 @@ void row(const std::string& path, double wanted) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  set_thread_count(1);  // the clock is that of one thread
   int first = 1;
   double wanted = 1e-6;
   if (argc > 1) {

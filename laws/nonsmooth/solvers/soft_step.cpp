@@ -46,8 +46,7 @@ SolverReport SoftStep::solve(const ContactProblem& problem, Impulses& r) {
     take_parts(with_rotation_, problem, r);
   else
     take_parts(without_rotation_, problem, r);
-  std::vector<Vec3>& u = first_;  // no longer needed
-  const double residual = measure_residual(problem, r, problem.mean_effective_mass(), after_, u).value;
+  const double residual = measure_residual(problem, r, problem.mean_effective_mass(), after_, u_).value;
   finish(problem, r);
   return {false, parts_, residual};
 }

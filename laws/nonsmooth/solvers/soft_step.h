@@ -55,6 +55,7 @@ class SoftStep final : public ContactSolver {
   std::vector<double> gap_;
   BodyVelocities before_, gained_, still_, moved_, after_;  ///< v_k; h a; 0; displacements beside dt v_{k+1}; v_{k+1}
   Impulses first_;
+  std::vector<Vec3> u_;
   Coloring coloring_;
   LaneSweep<true, SoftRule> with_rotation_;
   LaneSweep<false, SoftRule> without_rotation_;
