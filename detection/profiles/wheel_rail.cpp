@@ -18,7 +18,7 @@ constexpr double nowhere = 1.0;  // gap where one of the surfaces is not met [m]
 constexpr double steepest =
     0.03;  // square of the cosine to the plane's normal: beyond 80 degrees it is no height above it
 constexpr double not_met = std::numeric_limits<double>::quiet_NaN();
-constexpr double small_step = 1e-9;  // of a Newton iteration [m]: the next would be below 1e-16 on a radius of 10 mm
+constexpr double small_step = 1e-7;  // of a Newton iteration [m]: the next would be below 1e-12 on a radius of 10 mm
 
 }  // namespace
 
@@ -183,22 +183,23 @@ double WheelRailPair::wheel_height(const Plane& plane, double x, double s, doubl
   return not_met;
 }
 
-bool WheelRailPair::sample(const Plane& plane, std::size_t k, Sample& last, GapProfile& g) const {
+bool WheelRailPair::sample(const Plane& plane, std::size_t k, Sample& here, GapProfile& g) const {
   const auto& [o, t, n] = plane;
   const double s = g.y(k);
-  const double zr = rail_height(plane, s, last.rail);
+  const double zr = rail_height(plane, s, here.rail);
   // the lowest point along x: where the wheel's normal has no x part; x follows the slope of the wheel's profile
-  double zw = wheel_height(plane, last.x, s, last.wheel);
+  double zw = wheel_height(plane, here.x, s, here.wheel);
   if (std::isnan(zr) || std::isnan(zw)) return false;
-  const Vec3 p = turn_.transpose() * (o + last.x * Vec3::UnitX() + s * t + zw * n - centre_);
+  const Vec3 p = turn_.transpose() * (o + here.x * Vec3::UnitX() + s * t + zw * n - centre_);
   const Profile::Value w = wheel_.at(p.y() - tape_);
   const double rho = std::hypot(p.x(), p.z());
   const Vec3 normal = turn_ * Vec3(p.x() / rho, -w.slope, p.z() / rho);
-  const double x = last.x - normal.x() * rho;
-  zw = wheel_height(plane, x, s, zw);
+  const double step = -normal.x() * rho, x = here.x + step, curvature = 1.0 / (rho * normal.dot(n));
+  constexpr double parabola = 2e-5;  // a step along x [m] up to which the wheel's height follows its curvature to 1e-15
+  zw = std::abs(step) < parabola ? zw + 0.5 * curvature * step * step : wheel_height(plane, x, s, zw);
   if (std::isnan(zw)) return false;
-  last = {zr, zw, x};
-  g.curvature_x[k] = 1.0 / (rho * normal.dot(n)), g.centre_x[k] = x, g.gap[k] = zr - zw + depth_ * n.z();
+  here = {zr, zw, x};
+  g.curvature_x[k] = curvature, g.centre_x[k] = x, g.gap[k] = zr - zw + depth_ * n.z();
   return true;
 }
 
@@ -208,13 +209,19 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
   const auto count = static_cast<std::size_t>(2.0 * sampling_.reach / sampling_.step) + 1;
   g.start = -sampling_.reach, g.step = sampling_.step;
   g.gap.resize(count), g.curvature_x.resize(count), g.centre_x.resize(count);
-  // walk both ways from the middle: the last heights are good guesses
+  // walk both ways from the middle: a parabola through the last three heights is a good guess of the next
   const std::size_t middle = count / 2;
   for (const int way : {1, -1}) {
-    Sample last{0.0, -region.offset, 0.0};
+    Sample here{0.0, -region.offset, 0.0}, last = here, before = here;
     const auto place = [&](std::size_t m) { return way > 0 ? middle + m : middle - m; };
     std::size_t m = 0;
-    while (m <= middle && sample(plane, place(m), last, g) && g.gap[place(m)] < sampling_.until) ++m;
+    while (m <= middle && sample(plane, place(m), here, g) && g.gap[place(m)] < sampling_.until) {
+      if (m == 0) last = before = here;
+      const Sample next{3.0 * (here.rail - last.rail) + before.rail, 3.0 * (here.wheel - last.wheel) + before.wheel,
+                        3.0 * (here.x - last.x) + before.x};
+      before = last, last = here, ++m;
+      if (m > 2) here = next;
+    }
     // from there on it goes on as it was, opening
     for (std::size_t rest = m; rest <= middle; ++rest) {
       const std::size_t q = place(rest), from = place(rest > 0 ? rest - 1 : 0);
@@ -256,6 +263,8 @@ std::vector<ContactRegion> WheelRailPair::find_regions(double reach) const {
   if (!out.empty()) add_profile(out.front());
   return out;
 }
+
+ContactRegion WheelRailPair::deepest() const { return regions_at(minima(2e-4), 0.0).front(); }
 
 double WheelRailPair::touch(double reach, std::vector<ContactRegion>& regions) {
   auto places = minima(reach);
@@ -347,7 +356,7 @@ WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const
     if (std::abs(gl) + std::abs(gr) < 1e-12) break;
   }
   left.place(p), right.place(p);
-  return {p, left.find_regions(2e-4).front(), right.find_regions(2e-4).front()};
+  return {p, left.deepest(), right.deepest()};
 }
 
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude) {

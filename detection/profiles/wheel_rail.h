@@ -55,6 +55,8 @@ class WheelRailPair final : public GapSource {
   /// Regions nearer than `reach` to touching when the deepest touches, the deepest first.
   std::vector<ContactRegion> regions() const override { return find_regions(2e-4); }
   std::vector<ContactRegion> find_regions(double reach) const;
+  /// The region that touches first, without its profile.
+  ContactRegion deepest() const;
   /// Smallest vertical gap over the track: how far the wheel may sink before it touches [m].
   double clearance() const;
   GapField field(const ContactRegion& region, double x, double y, double dx, double dy, std::size_t nx,
@@ -94,8 +96,8 @@ class WheelRailPair final : public GapSource {
   struct Sample {
     double rail, wheel, x;
   };
-  /// One place of a profile from the last one; false where a surface is not met.
-  bool sample(const Plane& plane, std::size_t k, Sample& last, GapProfile& profile) const;
+  /// One place of a profile from a guess of it; false where a surface is not met.
+  bool sample(const Plane& plane, std::size_t k, Sample& here, GapProfile& profile) const;
 
   const Profile& wheel_;
   const Profile& rail_;

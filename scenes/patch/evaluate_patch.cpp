@@ -142,7 +142,7 @@ struct NormalSolver {
 
   double estimate(const std::vector<ContactRegion>& regions, double value, double known) const {
     NormalInput in{*source, regions, c.elastic, {c.target.by_force, value}};
-    in.influence = c.influence, in.approach = known;
+    in.influence = c.influence, in.approach = known, in.start = &strips;
     return estimate_approach(in);
   }
 
@@ -313,7 +313,6 @@ PatchResult meet_load(const PatchCase& c, NormalSolver& solver, const std::strin
                       const std::string& tangential, bool maps) {
   NormalTarget target = c.target;
   if (solver.lowered != solver.depth) solver.seat(solver.depth);
-  solver.strips = {};
   const bool inclined = c.profiles && target.by_force && !solver.rigid.empty();
   if (inclined) target.value /= std::cos(solver.places(normal).front().angle);
   PatchResult out = evaluate_pair(c, solver, normal, tangential, solver.solve(normal, target), maps);

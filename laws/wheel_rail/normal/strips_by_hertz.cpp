@@ -7,9 +7,11 @@
 // from the rigid point to the strip, B = h / y^2, so that a wide flat part beyond a jump touches as wide as it is.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include "laws/wheel_rail/normal/models.h"
+#include "laws/wheel_rail/normal/strip_influence.h"
 
 namespace epafi {
 namespace {
@@ -46,6 +48,18 @@ StripSum press(const std::vector<Line>& lines, double step, double approach) {
     s.first += f * l.y, s.moment_y += f * l.y * l.y, s.moment_x += 0.25 * f * a * a;
   }
   return s;
+}
+
+/// What the pressures of `press` lack of closing the gap, over the approach.
+double misfit(const std::vector<Line>& lines, double step, double approach, double modulus) {
+  std::vector<PressedStrip> strips;
+  for (const Line& l : lines) {
+    const double rest = 1.0 - l.gap / (l.hertz.share * approach);
+    if (!(rest > 0.0)) continue;
+    const double root = std::sqrt(approach * rest);
+    strips.push_back({l.y, l.gap, l.hertz.p0 * root, l.hertz.a * root});
+  }
+  return misfit_of(strips, step, approach, modulus);
 }
 
 /// Curvature across the track from the rigid point to each line, or of each line smoothed over half the patch of
@@ -136,6 +150,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
   } else {
     p.error_estimate = p.reasons.empty() ? 0.03 : 0.3;
   }
+  if (std::getenv("MIS")) p.error_estimate = misfit(lines, step, approach, E);
   return {out};
 }
 
