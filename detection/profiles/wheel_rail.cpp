@@ -331,9 +331,14 @@ ContactRegion WheelRailPair::moved(const ContactRegion& region, double y, double
   Vec3 p = plane.origin + y * plane.t + rail_height(plane, y, 0.0) * plane.n;
   const GapProfile& g = region.profile;
   if (g.size() > 1) {
-    const double at = std::clamp((y - g.start) / g.step, 0.0, static_cast<double>(g.size()) - 1.000001);
-    const auto k = static_cast<std::size_t>(at);
-    p.x() += g.centre_x[k] + (at - static_cast<double>(k)) * (g.centre_x[k + 1] - g.centre_x[k]);
+    const auto value = [&](const std::vector<double>& v, double place) {
+      const double at = std::clamp((place - g.start) / g.step, 0.0, static_cast<double>(g.size()) - 1.000001);
+      const auto k = static_cast<std::size_t>(at);
+      return v[k] + (at - static_cast<double>(k)) * (v[k + 1] - v[k]);
+    };
+    // x is where the wheel's point below that of the rail is lowest
+    const double deep = std::max(0.0, depth_ * plane.n.z() - value(g.gap, y)), lean = -plane.n.y() / plane.n.z();
+    p.x() += value(g.centre_x, y + lean * deep);
   }
   const Vec3 q = turn_.transpose() * (p - centre_);
   out.point = Vec3(p.x(), mirror_ * p.y(), p.z());

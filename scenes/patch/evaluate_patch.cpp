@@ -101,7 +101,7 @@ struct NormalSolver {
     if (rigid.empty()) return;
     const double N = c.target.by_force ? c.target.value / std::cos(rigid.front().angle) : c.target.value;
     depth = estimate(rigid, N, 0.0) / steepness(rigid.front());
-    if (!on_flank()) pair.lower(depth), pair.add_profile(rigid.front());
+    pair.lower(depth), pair.add_profile(rigid.front());
     seated = rigid;
     for (int round = 0; round < 2; ++round) {  // as deep as its load brings it, in the plane of its own patch
       seat(depth);
@@ -113,18 +113,14 @@ struct NormalSolver {
     seconds = cpu_seconds() - start;
   }
 
-  /// Approach along the normal over the way down. Held sideways, the wheel comes down along z and not along the normal:
-  /// at the gauge corner the place, angle and peak of CONTACT are those of the lowered wheel (6 mm: -0.8 % to 0.3 % of
-  /// the peak, 3 mrad to none), on the flank those of the touching one (7 to 10 mm: none to 2 mrad and 0.2 mm along the
-  /// track if lowered).
-  double steepness(const ContactRegion& r) const { return on_flank() ? 1.0 : std::cos(r.angle); }
-  bool on_flank() const { return std::abs(rigid.front().angle) > 0.75; }
+  /// Approach along the normal over the way down: held sideways, the wheel comes down along z and not along the normal.
+  double steepness(const ContactRegion& r) const { return std::cos(r.angle); }
 
   /// The wheel `down` from where it touches, and the deepest region seen from the middle of its overlap there.
   void seat(double down) {
     WheelRailPair& pair = static_cast<WheelRailPair&>(*source);
     ContactRegion& r = seated.front();
-    if (!on_flank()) pair.lower(down), pair.add_profile(r);
+    pair.lower(down), pair.add_profile(r);
     const PatchPlace at = place_of_patch(pair, r, down * steepness(r));
     if (std::abs(at.y) > 1e-6 || std::abs(at.angle - r.angle) > 1e-5) r = pair.moved(r, at.y, at.angle);
     lowered = down;
