@@ -7,7 +7,6 @@
 // from the rigid point to the strip, B = h / y^2, so that a wide flat part beyond a jump touches as wide as it is.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 
 #include "laws/wheel_rail/normal/models.h"
@@ -17,6 +16,7 @@ namespace epafi {
 namespace {
 
 using std::numbers::pi;
+constexpr double most_left_open = 0.03;  // of the approach, beyond which the law is out of its range
 
 /// Hertz of approach 1: what a strip takes from it. h(b) = share * approach on the edge across; a and p0 grow as the
 /// root of the approach.
@@ -142,15 +142,18 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
     p.centre_y = centre;
     p.ellipse = {std::sqrt(5.0 * s.moment_x / s.force), std::sqrt(5.0 * across)};
   }
-  check_hertz_range(r, p, p.reasons);
+  // An estimate of its own: over 112 cases (both wheels, 0 to 7 mm, 1 to 100 kN) the peak is off by less than the
+  // misfit where that is below 3 % of the approach, by up to 4.2 times the misfit, 38 % of the peak, where it is more.
+  const double off = misfit(lines, step, approach, E);
+  if (mean_curvature)
+    check_conformal(r, p, p.reasons);
+  else
+    check_hertz_range(r, p, p.reasons);
   if (!mean_curvature || overlaps(lines, approach) > 1) check_second_region(in, p);
-  if (mean_curvature) {  // it is made for gaps that leave their parabola; conformal and far regions stay
-    std::erase_if(p.reasons, [](const std::string& text) { return text.find("parabola") != std::string::npos; });
-    p.error_estimate = p.reasons.empty() ? 0.06 : 0.15;
-  } else {
-    p.error_estimate = p.reasons.empty() ? 0.03 : 0.3;
-  }
-  if (std::getenv("MIS")) p.error_estimate = misfit(lines, step, approach, E);
+  p.error_estimate = std::max(off > most_left_open ? 4.2 * off : off + 0.002, p.reasons.empty() ? 0.0 : 0.15);
+  if (off > most_left_open)
+    p.reasons.push_back("the pressures of the strips do not close the gap: " +
+                        std::to_string(static_cast<int>(100.0 * off)) + " % of the approach is left");
   return {out};
 }
 
