@@ -37,31 +37,41 @@ WheelRailPair::WheelRailPair(const Profile& wheel, const Profile& rail, const Tr
 }
 
 void WheelRailPair::make_tables() {
+  auto tables = std::make_shared<Tables>();
   for (double y = wheel_.y_min(); y <= wheel_.y_max();
-       y = wheel_.y_min() + scan_step * static_cast<double>(wheel_places_.size())) {
+       y = wheel_.y_min() + scan_step * static_cast<double>(tables->wheel.size())) {
     const Profile::Value w = wheel_.at(y);
-    wheel_places_.push_back({track_.radius + w.z, w.slope});
+    tables->wheel.push_back({track_.radius + w.z, w.slope});
   }
   const auto count = static_cast<std::size_t>((rail_.y_max() - rail_.y_min()) / table_step) + 2;
   for (std::size_t k = 0; k < count; ++k)
-    rail_heights_.push_back(rail_.at(rail_.y_min() + table_step * static_cast<double>(k)).z);
+    tables->rail.push_back(rail_.at(rail_.y_min() + table_step * static_cast<double>(k)).z);
+  tables_ = std::move(tables);
+}
+
+WheelRailPair WheelRailPair::on_side(bool right) const {
+  WheelRailPair out = *this;
+  out.mirror_ = right ? 1.0 : -1.0;
+  out.place({});
+  return out;
 }
 
 std::vector<double> WheelRailPair::scan(double& from) const {
   const auto first = static_cast<std::size_t>(std::max(0.0, std::ceil((scan_from_ - wheel_.y_min()) / scan_step)));
   from = wheel_.y_min() + scan_step * static_cast<double>(first);
+  const std::vector<double>& rail = tables_->rail;
   std::vector<double> gap;
-  for (std::size_t k = first; k < wheel_places_.size(); ++k) {
+  for (std::size_t k = first; k < tables_->wheel.size(); ++k) {
     const double y = wheel_.y_min() + scan_step * static_cast<double>(k);
     if (y > scan_to_) break;
-    const auto& [R, slope] = wheel_places_[k];
+    const auto& [R, slope] = tables_->wheel[k];
     const double t = slope * tan_yaw_, c = 1.0 / std::sqrt(1.0 + t * t), x = -R * t * c, z = R * c, side = tape_ + y;
     const double py = centre_.y() + turn_(1, 0) * x + turn_(1, 1) * side + turn_(1, 2) * z,
                  pz = centre_.z() + turn_(2, 1) * side + turn_(2, 2) * z;
     const double at = (axis_ - py - rail_.y_min()) / table_step,
-                 inside = std::clamp(at, 0.0, static_cast<double>(rail_heights_.size()) - 1.000001);
+                 inside = std::clamp(at, 0.0, static_cast<double>(rail.size()) - 1.000001);
     const auto m = static_cast<std::size_t>(inside);
-    gap.push_back(rail_heights_[m] + (at - static_cast<double>(m)) * (rail_heights_[m + 1] - rail_heights_[m]) - pz);
+    gap.push_back(rail[m] + (at - static_cast<double>(m)) * (rail[m + 1] - rail[m]) - pz);
   }
   return gap;
 }
@@ -351,7 +361,11 @@ ContactRegion WheelRailPair::moved(const ContactRegion& region, double y, double
 
 WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const TrackGeometry& track,
                                 WheelsetPosition p) {
-  WheelRailPair left(wheel, rail, track, false), right(wheel, rail, track, true);
+  return stand_on_rails(WheelRailPair(wheel, rail, track, true), p);
+}
+
+WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition p) {
+  WheelRailPair left = side.on_side(false), right = side.on_side(true);
   for (int k = 0; k < 30; ++k) {
     left.place(p), right.place(p);
     const double gl = left.clearance(), gr = right.clearance();

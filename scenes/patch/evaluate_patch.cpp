@@ -70,6 +70,7 @@ struct NormalSolver {
   double seconds = 0.0;
   bool stresses = false;      ///< finite elements keep those inside the body
   mutable StripStart strips;  ///< of the last solution, for the next round on the same load
+  bool rough = false;         ///< strips need not settle yet: the wheel will be seated anew
 
   explicit NormalSolver(const PatchCase& patch, bool keep_stresses = false) : c(patch), stresses(keep_stresses) {
     if (c.profiles) place_wheel(*c.profiles);
@@ -82,17 +83,17 @@ struct NormalSolver {
   }
 
   void place_wheel(const ProfileCase& p) {
-    WheelsetPosition position = p.position;
-    mean_radius = p.rolling_radius.value_or(0.0);
-    if (!p.roll_given || !p.rolling_radius) {
-      const WheelsetGeometry g = stand_on_rails(p.wheel, p.rail, p.track, position);
-      if (!p.roll_given) position.roll = g.position.roll;
-      if (!p.rolling_radius) mean_radius = 0.5 * (g.left.rolling_radius + g.right.rolling_radius);
-    }
     const double start = cpu_seconds();
     auto owned = std::make_unique<WheelRailPair>(p.wheel, p.rail, p.track, p.right);
     WheelRailPair& pair = *owned;
     source = std::move(owned);
+    WheelsetPosition position = p.position;
+    mean_radius = p.rolling_radius.value_or(0.0);
+    if (!p.roll_given || !p.rolling_radius) {
+      const WheelsetGeometry g = stand_on_rails(pair, position);
+      if (!p.roll_given) position.roll = g.position.roll;
+      if (!p.rolling_radius) mean_radius = 0.5 * (g.left.rolling_radius + g.right.rolling_radius);
+    }
     constexpr double deepest = 1e-3;  // gap beyond which no model looks at any load of a railway
     pair.sample_profiles({0.2e-3, 16e-3, deepest});
     pair.place(position);
@@ -169,6 +170,7 @@ struct NormalSolver {
     if (!source) return {line(model, target)};
     NormalInput in{*source, regions(model), c.elastic, target, c.dx, c.dy, approach};
     in.start = &strips;
+    if (rough) in.settle = 0.02;
     in.stresses = stresses, in.influence = c.influence, in.penalty = c.penalty;
     return model_named(all_normal_models(), model).solve(in);
   }
@@ -311,13 +313,16 @@ PatchResult meet_load(const PatchCase& c, NormalSolver& solver, const std::strin
   if (solver.lowered != solver.depth) solver.seat(solver.depth);
   const bool inclined = c.profiles && target.by_force && !solver.rigid.empty();
   if (inclined) target.value /= std::cos(solver.places(normal).front().angle);
+  solver.rough = inclined;
   PatchResult out = evaluate_pair(c, solver, normal, tangential, solver.solve(normal, target), maps);
   if (!inclined) return out;
+  const bool strips = normal == "semi-hertz";
   double last_force = 0.0, last_error = 0.0;
   for (int k = 0; k < 12; ++k) {
     const double error = vertical_force(out) - c.target.value, force = target.value;
     const bool seated = !solver.follow(normal, out.approach);
-    if (seated && std::abs(error) < 1e-4 * c.target.value) return out;
+    if (seated && std::abs(error) < 1e-4 * c.target.value && !(strips && solver.rough)) return out;
+    solver.rough = false;
     // secant; the first step as if the vertical force were proportional
     const double slope =
         k > 0 && force != last_force ? (error - last_error) / (force - last_force) : (error + c.target.value) / force;
