@@ -59,7 +59,7 @@ template <int N>
 void BlockCholesky<N>::analyse(std::size_t n, const std::vector<BlockPattern::Edge>& edges) {
   pattern_.analyse(n, edges);
   diagonal.resize(n), off_diagonal.resize(edges.size());
-  l_.resize(pattern_.blocks()), pivot_.resize(n), row_.resize(n), place_.resize(n), y_.resize(n);
+  l_.resize(pattern_.blocks() + 1), pivot_.resize(n), row_.resize(n), place_.resize(n), y_.resize(n);
 }
 
 /// Columns of A on and below the diagonal, into the panel.
@@ -67,7 +67,7 @@ template <int N>
 void BlockCholesky<N>::gather(const BlockPattern::Supernode& panel) {
   const std::uint32_t* rows = pattern_.row.data() + panel.rows;
   Block* l = l_.data() + panel.blocks;
-  std::fill_n(l, panel.height() * panel.width, Block::Zero());
+  std::fill_n(l->data(), panel.height() * panel.width * N * N, 0.0);
   for (std::uint32_t i = 0; i < panel.height(); ++i) row_[rows[i]] = i;
   for (std::uint32_t i = 0; i < panel.width; ++i) l[i * panel.width + i] = diagonal[pattern_.at[panel.first + i]];
   for (std::size_t k = panel.edges; k < panel.edges_end; ++k) {

@@ -4,19 +4,22 @@ namespace epafi {
 
 namespace {
 
-/// c -= a b^T for 3 x 3 blocks: running sums stay in registers.
-[[gnu::always_inline]] inline void subtract_3(double* __restrict c, const double* __restrict a,
-                                              const double* __restrict b, std::size_t depth) {
-  double s[9];
-  for (int i = 0; i < 9; ++i) s[i] = c[i];
-  for (std::size_t k = 0; k < depth; ++k)
-    for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t i = 0; i < 3; ++i) s[3 * j + i] -= a[3 * k + i] * b[3 * k + j];
-  for (int i = 0; i < 9; ++i) c[i] = s[i];
-}
-
 using Four = double __attribute__((vector_size(32), aligned(8), may_alias));
 using Two = double __attribute__((vector_size(16), aligned(8), may_alias));
+
+/// c -= a b^T for 3 x 3 blocks, a column as four lanes: the last holds what follows and is thrown away, so that `a`
+/// must be readable for one number more.
+[[gnu::always_inline]] inline void subtract_3(double* __restrict c, const double* __restrict a,
+                                              const double* __restrict b, std::size_t depth) {
+  Four column[3] = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}};
+  for (std::size_t k = 0; k < depth; ++k) {
+    const Four a4 = *reinterpret_cast<const Four*>(a + 3 * k);
+#pragma GCC unroll 3
+    for (std::size_t j = 0; j < 3; ++j) column[j] -= a4 * b[3 * k + j];
+  }
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) c[3 * j + i] = column[j][i];
+}
 
 /// The same for 6 x 6, a column as four and two lanes: twelve sums in registers.
 [[gnu::always_inline]] inline void subtract_6(double* __restrict c, const double* __restrict a,

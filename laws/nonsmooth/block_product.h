@@ -8,7 +8,7 @@
 namespace epafi {
 
 /// For k in [first, last): block place[k] of `work` -= a_k b^T with rows of `depth` blocks of N x N, each stored by
-/// columns: a_k starts at block k * stride of `a`, b at its own beginning.
+/// columns: a_k starts at block k * stride of `a`, b at its own beginning. One number beyond the last block is read.
 struct PanelProduct {
   double* work;
   const std::uint32_t* place;
