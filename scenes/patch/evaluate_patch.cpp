@@ -107,8 +107,10 @@ struct NormalSolver {
     for (int round = 0; round < 2; ++round) {  // as deep as its load brings it, in the plane of its own patch
       seat(depth);
       const double here = c.target.by_force ? c.target.value / std::cos(seated.front().angle) : c.target.value;
-      approach = estimate(seated, here, depth * steepness(seated.front()));
+      const double last = depth * steepness(seated.front());
+      approach = estimate(seated, here, last);
       depth = approach / steepness(seated.front());
+      if (std::abs(approach - last) < 0.01 * last) break;  // the model itself brings it nearer, if it can
     }
     seat(depth);
     seconds = cpu_seconds() - start;

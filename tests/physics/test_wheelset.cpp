@@ -104,7 +104,8 @@ TEST_CASE("a free wheelset rolls on Klingel's wave", "[physics][wheelset]") {
 }
 
 TEST_CASE("Klingel's wave of strips on a cone and of a smaller swing", "[physics][wheelset][slow]") {
-  check_klingel({{"cone", "semi-hertz", 1e-3, 2.5}, {"s1002", "semi-hertz", 1.5e-3, 1.2}});
+  // at 1.3 mm the loaded contact still has 3 % more wave than rigid points (6.98 m, 6.79 m)
+  check_klingel({{"cone", "semi-hertz", 1e-3, 2.5}, {"s1002", "semi-hertz", 1.5e-3, 1.2, 1.0, 2e-4, true}});
 }
 
 TEST_CASE("a swing smaller than the patch is wide is Klingel's under a light load", "[physics][wheelset][slow]") {
@@ -181,7 +182,7 @@ TEST_CASE("above the critical speed the wheelset swings in a limit cycle", "[phy
   std::vector<double> amplitude;
   for (const double start : {2e-3, 5e-3}) {
     SceneRun run = prepare_scene(library("wheel_rail/wheelset.toml"),
-                                 {"params.wave=0", "params.v=40", "params.kx=5e5", "params.ky=2e5", "run.duration=14",
+                                 {"params.wave=0", "params.v=40", "params.kx=5e5", "params.ky=2e5", "run.duration=20",
                                   fmt::format("params.start={}", start)});
     Simulation& sim = run.simulation();
     sim.start();
@@ -189,8 +190,8 @@ TEST_CASE("above the critical speed the wheelset swings in a limit cycle", "[phy
     while (sim.steps() < run.assembly->steps) {
       REQUIRE_FALSE(sim.advance());
       const double y = std::abs(sim.world.position[sim.world.slot_of(BodyId{1})].y());
-      if (sim.world.time > 12.0 && sim.world.time < 13.0) late = std::max(late, y);
-      if (sim.world.time >= 13.0) last = std::max(last, y);
+      if (sim.world.time > 18.0 && sim.world.time < 19.0) late = std::max(late, y);
+      if (sim.world.time >= 19.0) last = std::max(last, y);
     }
     CHECK(last == Approx(late).epsilon(0.02));
     amplitude.push_back(last);
