@@ -143,6 +143,21 @@ TEST_CASE("where two hills of pressure part, strips are within 1 % of boundary e
   }
 }
 
+TEST_CASE("strips settle at every place and load", "[physics][wheel_rail]") {
+  Row r = rows().front();
+  for (const char* side : {"left", "right"}) {
+    r.side = side;
+    for (const double load : {1e3, 1e4, 4e4, 1e5}) {
+      for (const double shift : {0.0, 0.1, 0.2, 0.3, 0.5, 1.0, 3.0, 5.0, 6.0, 7.0}) {
+        INFO(side << " " << shift << " mm " << load << " N");
+        r.shift = shift, r.yaw = 2.4e-3 * shift, r.roll = shift < 6.5 ? -6e-5 * shift : -0.0064;
+        for (const std::string& reason : evaluate(r, "semi-hertz", "", "", 2e-4, load).reasons)
+          CHECK(reason.find("conformal") != std::string::npos);
+      }
+    }
+  }
+}
+
 TEST_CASE("analyn knows its error: silent within 1.5 %, said where it is more", "[physics][wheel_rail]") {
   Row r = rows().front();
   for (const char* side : {"left", "right"}) {

@@ -201,6 +201,7 @@ bool settle(Strips& s, double modulus, const NormalTarget& target, double tolera
   Mixing mixing;
   Influences by;
   std::vector<std::size_t> active, outside;
+  std::vector<int> times_left(s.y.size(), 0);
   for (int round = 0; round < most_strip_rounds; ++round) {
     active.clear(), outside.clear();
     for (std::size_t j = 0; j < s.y.size(); ++j) (s.a[j] > 0.0 ? active : outside).push_back(j);
@@ -209,19 +210,20 @@ bool settle(Strips& s, double modulus, const NormalTarget& target, double tolera
     solve_pressures(s, active, by, target);
     const std::size_t left = std::erase_if(active, [&](std::size_t j) {
       if (s.p[j] > 0.0) return false;
-      s.a[j] = 0.0;
+      s.a[j] = 0.0, ++times_left[j];
       return true;
     });
     if (active.empty()) return false;
     if (left > 0) mixing.forget();
     const double change = relax_lengths(s, active, mixing);
     if (left > 0) continue;
-    // whoever overlaps joins: those beside the patch at once, others when all else has settled
+    // whoever overlaps joins: those beside the patch at once, others when all else has settled; a strip that has left
+    // twice is the edge between in and out
     const bool settled = change < tolerance && std::abs(s.approach - last_approach) < 0.01 * tolerance * s.approach;
     const double longest = *std::max_element(s.a.begin(), s.a.end());
     std::erase_if(outside, [&](std::size_t j) {
       const bool beside = (j > 0 && s.p[j - 1] > 0.0) || (j + 1 < s.p.size() && s.p[j + 1] > 0.0);
-      return !(beside || settled) || s.gap[j] >= s.approach || !overlaps(s, active, j, modulus);
+      return times_left[j] > 1 || !(beside || settled) || s.gap[j] >= s.approach || !overlaps(s, active, j, modulus);
     });
     for (const std::size_t j : outside) s.a[j] = 0.2 * longest;
     if (!outside.empty()) mixing.forget();
