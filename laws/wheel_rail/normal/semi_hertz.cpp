@@ -17,7 +17,7 @@ namespace epafi {
 namespace {
 
 using std::numbers::pi;
-constexpr int most_strip_rounds = 40;
+constexpr int most_strip_rounds = 80;  // 10 to 20 on the tread, 30 on the flange under 200 kN
 
 /// Strips across the patch and what is found on them.
 struct Strips {
