@@ -40,7 +40,7 @@ struct NormalInput {
   int along = 44;               ///< cells of a strip
   bool stresses = false;        ///< finite elements keep those inside the body
   StripStart* start = nullptr;  ///< strips to start from; left as they ended
-  double settle = 3e-3;         ///< change of the strips' lengths, over the longest, at which they are settled
+  double settle = 1e-3;         ///< change of the strips' lengths, over the longest, at which they are settled
   InfluenceRange influence{};   ///< between regions apart, for models of the whole gap
   double penalty = 100.0;       ///< stiffness of a node of finite elements over E* a, where contact is by penalty
 };

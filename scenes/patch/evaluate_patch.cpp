@@ -172,7 +172,7 @@ struct NormalSolver {
     if (!source) return {line(model, target)};
     NormalInput in{*source, regions(model), c.elastic, target, c.dx, c.dy, approach};
     in.start = &strips;
-    if (rough) in.settle = 0.02;
+    in.settle = rough ? 0.02 : 3e-3;
     in.stresses = stresses, in.influence = c.influence, in.penalty = c.penalty;
     return model_named(all_normal_models(), model).solve(in);
   }
