@@ -14,8 +14,8 @@ def settled(program, scene, folder, *settings):
         sets = [word for s in settings for word in ("--set", s)]
         subprocess.run([program, "run", scene, *sets, "-t", "1", "-q", "--force", "--least-output", "-o", folder], check=True)
         subprocess.run([program, "export", folder, "--format", "csv"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    with open(os.path.join(folder, "snapshots.csv")) as file:  # walls have no radius
-        rows = [r for r in csv.DictReader(file) if 0 < float(r["radius"] or 0) < numpy.inf]
+    with open(os.path.join(folder, "snapshots.csv")) as file:  # walls have no mass
+        rows = [r for r in csv.DictReader(file) if float(r["mass"]) > 0]
     last = max(float(r["time"]) for r in rows)
     return numpy.array([[float(r[c]) for c in ("x", "y", "z", "radius")] for r in rows if float(r["time"]) == last])
 
