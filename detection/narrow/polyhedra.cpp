@@ -57,25 +57,28 @@ struct PolyhedraDifference {
   double size() const { return pair.size(); }
 };
 
-bool over_face(const PolyhedronView& p, std::uint32_t f, const Vec3& x) {
+/// beside: how far off the face x may be [m].
+bool over_face(const PolyhedronView& p, std::uint32_t f, const Vec3& x, double beside) {
   for (std::uint32_t k = p.face_begin[f], last = p.face_begin[f + 1] - 1, previous = last; k <= last; previous = k++) {
     const Vec3 &from = p.vertices[p.face_vertices[previous]], &to = p.vertices[p.face_vertices[k]];
-    if (!(p.face_normals[f].dot((to - from).cross(x - from)) > 0.0)) return false;
+    const Vec3 e = to - from;
+    if (!(p.face_normals[f].dot(e.cross(x - from)) > -beside * e.cwiseAbs().sum())) return false;
   }
   return true;
 }
 
 /// The point of the axis' vertex lies over its face, not beside it.
-bool over_own_face(const PolyhedronPair& pair, const SeparatingAxis& axis) {
-  if (axis.kind == AxisKind::face_a) return over_face(pair.a, axis.feature_a, pair.vertex_b(axis.feature_b));
-  return over_face(pair.b, axis.feature_b, pair.rotation.transpose() * (pair.a.vertices[axis.feature_a] - pair.offset));
+bool over_own_face(const PolyhedronPair& pair, const SeparatingAxis& axis, double beside) {
+  if (axis.kind == AxisKind::face_a) return over_face(pair.a, axis.feature_a, pair.vertex_b(axis.feature_b), beside);
+  return over_face(pair.b, axis.feature_b, pair.rotation.transpose() * (pair.a.vertices[axis.feature_a] - pair.offset),
+                   beside);
 }
 
 /// The separation along an axis is the distance where its points lie on the features, not beside them: then two points
 /// are that far apart, and no two are nearer.
 bool is_distance(const PolyhedronPair& pair, const SeparatingAxis& axis) {
   if (!(axis.gap > 0.0) || (axis.kind != AxisKind::face_a && axis.kind != AxisKind::face_b)) return false;
-  return over_own_face(pair, axis);
+  return over_own_face(pair, axis, 0.0);
 }
 
 /// Of parallel faces the deepest vertex is any of the one's, and its foot may lie beside the other: the nearest points
@@ -94,7 +97,8 @@ PolyhedronDistance at_axis(const PolyhedronPair& pair, const SeparatingAxis& axi
   axis_witnesses(pair, d);
   d.beyond = axis.gap > limit;
   const bool face = axis.kind == AxisKind::face_a || axis.kind == AxisKind::face_b;
-  if (!d.beyond && face && axis.gap < 1e-6 * pair.size() && !over_own_face(pair, axis)) push_apart(pair, d);
+  const double size = pair.size();
+  if (!d.beyond && face && axis.gap < 1e-6 * size && !over_own_face(pair, axis, 1e-9 * size)) push_apart(pair, d);
   return d;
 }
 

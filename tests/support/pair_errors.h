@@ -19,8 +19,7 @@ struct PairError {
   std::size_t pairs = 0, degenerate = 0;
 };
 
-inline TriangleMesh random_mesh(Random& random) {
-  const ConvexHull h = random_hull(random, 6 + static_cast<std::size_t>(random.uniform() * 20));
+inline TriangleMesh surface_of(const ConvexHull& h) {
   TriangleSurface surface{h.vertices, {}};
   for (std::size_t f = 0; f + 1 < h.face_begin.size(); ++f)
     for (std::uint32_t k = h.face_begin[f] + 1; k + 1 < h.face_begin[f + 1]; ++k)
@@ -38,7 +37,7 @@ S random_shape(Random& random) {
   else if constexpr (std::is_same_v<S, ConvexHull>)
     return random_hull(random, 6 + static_cast<std::size_t>(random.uniform() * 20));
   else if constexpr (std::is_same_v<S, TriangleMesh>)
-    return random_mesh(random);
+    return surface_of(random_hull(random, 6 + static_cast<std::size_t>(random.uniform() * 20)));
   else if constexpr (std::is_same_v<S, Superquadric>)
     return Superquadric(Vec3(size(), size(), size()), 2 + static_cast<int>(random.uniform() * 7),
                         2 + static_cast<int>(random.uniform() * 7));
