@@ -1,5 +1,6 @@
 #include "laws/nonsmooth/block_cholesky.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "laws/nonsmooth/block_product.h"
@@ -58,51 +59,92 @@ template <int N>
 void BlockCholesky<N>::analyse(std::size_t n, const std::vector<BlockPattern::Edge>& edges) {
   pattern_.analyse(n, edges);
   diagonal.resize(n), off_diagonal.resize(edges.size());
-  lower_.resize(pattern_.row.size()), pivot_.resize(n), work_.resize(n), y_.resize(n);
+  l_.resize(pattern_.blocks() + 1), pivot_.resize(n), row_.resize(n), place_.resize(n), y_.resize(n);
+}
+
+/// Columns of A on and below the diagonal, into the panel.
+template <int N>
+void BlockCholesky<N>::gather(const BlockPattern::Supernode& panel) {
+  const std::uint32_t* rows = pattern_.row.data() + panel.rows;
+  Block* l = l_.data() + panel.blocks;
+  std::fill_n(l->data(), panel.height() * panel.width * N * N, 0.0);
+  for (std::uint32_t i = 0; i < panel.height(); ++i) row_[rows[i]] = i;
+  for (std::uint32_t i = 0; i < panel.width; ++i) l[i * panel.width + i] = diagonal[pattern_.at[panel.first + i]];
+  for (std::size_t k = panel.edges; k < panel.edges_end; ++k) {
+    const std::uint32_t e = pattern_.edge_of[k];
+    const std::uint32_t a = pattern_.place[pattern_.edges[e].first], b = pattern_.place[pattern_.edges[e].second];
+    Block& to = l[row_[std::max(a, b)] * panel.width + (std::min(a, b) - panel.first)];
+    if (a > b)
+      to = off_diagonal[e];  // rows of the later one
+    else
+      to = off_diagonal[e].transpose();
+  }
+}
+
+/// What earlier panels take from this one.
+template <int N>
+void BlockCholesky<N>::update(const BlockPattern::Supernode& panel) {
+  for (std::size_t k = panel.updates; k < panel.updates_end; ++k) {
+    const BlockPattern::Update& from = pattern_.updates[k];
+    const BlockPattern::Supernode& other = pattern_.supernodes[from.supernode];
+    const std::uint32_t* rows = pattern_.row.data() + other.rows;
+    const Block* l = l_.data() + other.blocks;
+    for (std::size_t i = from.first; i < other.height(); ++i) place_[i] = row_[rows[i]] * panel.width;
+    for (std::size_t j = from.first; j < from.last; ++j)
+      subtract_panels<N>({l_[panel.blocks + rows[j] - panel.first].data(), place_.data(), l->data(),
+                          l[j * other.width].data(), j, other.height(), other.width, other.width});
+  }
+}
+
+/// The panel itself, column by column.
+template <int N>
+bool BlockCholesky<N>::factor(const BlockPattern::Supernode& panel) {
+  const std::size_t width = panel.width, height = panel.height();
+  Block* l = l_.data() + panel.blocks;
+  for (std::size_t i = 0; i < height; ++i) place_[i] = static_cast<std::uint32_t>(i * width);
+  for (std::size_t j = 0; j < width; ++j) {
+    subtract_panels<N>({l[j].data(), place_.data(), l->data(), l[j * width].data(), j, height, width, j});
+    Block& pivot = pivot_[panel.first + j];
+    pivot = l[j * width + j];
+    if (!cholesky(pivot)) return false;
+    for (std::size_t i = j + 1; i < height; ++i) solve_right(pivot, l[i * width + j]);
+  }
+  return true;
 }
 
 template <int N>
 bool BlockCholesky<N>::factor() {
-  const std::size_t n = pattern_.at.size();
-  for (std::uint32_t j = 0; j < n; ++j) {
-    work_[j] = diagonal[pattern_.at[j]];
-    for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p) work_[pattern_.row[p]].setZero();
-    for (std::size_t k = pattern_.edges_begin[j]; k < pattern_.edges_begin[j + 1]; ++k) {
-      const std::uint32_t e = pattern_.edge_of[k];
-      const std::uint32_t a = pattern_.place[pattern_.edges[e].first], b = pattern_.place[pattern_.edges[e].second];
-      if (a > b)
-        work_[a] = off_diagonal[e];  // rows of the later one
-      else
-        work_[b] = off_diagonal[e].transpose();
-    }
-    for (std::size_t k = pattern_.entries_begin[j]; k < pattern_.entries_begin[j + 1]; ++k) {
-      const BlockPattern::Entry& entry = pattern_.entries[k];
-      subtract_products<N>(work_[0].data(), pattern_.row.data(), lower_[0].data(), lower_[entry.position].data(),
-                           entry.position, pattern_.begin[entry.column + 1]);
-    }
-    pivot_[j] = work_[j];
-    if (!cholesky(pivot_[j])) return false;
-    for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p) {
-      lower_[p] = work_[pattern_.row[p]];
-      solve_right(pivot_[j], lower_[p]);
-    }
+  for (const BlockPattern::Supernode& panel : pattern_.supernodes) {
+    gather(panel);
+    update(panel);
+    if (!factor(panel)) return false;
   }
   return true;
 }
 
 template <int N>
 void BlockCholesky<N>::solve(std::vector<Vector>& x) {
-  const std::size_t n = pattern_.at.size();
+  const std::size_t n = pattern_.size();
   for (std::size_t j = 0; j < n; ++j) y_[j] = x[pattern_.at[j]];
-  for (std::size_t j = 0; j < n; ++j) {
-    solve_lower(pivot_[j], y_[j]);
-    for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p)
-      y_[pattern_.row[p]].noalias() -= lower_[p] * y_[j];
+  for (const BlockPattern::Supernode& panel : pattern_.supernodes) {
+    const std::uint32_t* rows = pattern_.row.data() + panel.rows;
+    const Block* l = l_.data() + panel.blocks;
+    for (std::size_t j = 0; j < panel.width; ++j) {
+      const Vector& y = y_[panel.first + j];
+      solve_lower(pivot_[panel.first + j], y_[panel.first + j]);
+      for (std::size_t i = j + 1; i < panel.height(); ++i) y_[rows[i]].noalias() -= l[i * panel.width + j] * y;
+    }
   }
-  for (std::size_t j = n; j-- > 0;) {
-    for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p)
-      y_[j].noalias() -= lower_[p].transpose() * y_[pattern_.row[p]];
-    solve_upper(pivot_[j], y_[j]);
+  for (std::size_t s = pattern_.supernodes.size(); s-- > 0;) {
+    const BlockPattern::Supernode& panel = pattern_.supernodes[s];
+    const std::uint32_t* rows = pattern_.row.data() + panel.rows;
+    const Block* l = l_.data() + panel.blocks;
+    for (std::size_t j = panel.width; j-- > 0;) {
+      Vector& y = y_[panel.first + j];
+      for (std::size_t i = j + 1; i < panel.height(); ++i)
+        y.noalias() -= l[i * panel.width + j].transpose() * y_[rows[i]];
+      solve_upper(pivot_[panel.first + j], y);
+    }
   }
   for (std::size_t j = 0; j < n; ++j) x[pattern_.at[j]] = y_[j];
 }

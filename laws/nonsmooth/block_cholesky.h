@@ -27,9 +27,13 @@ class BlockCholesky {
   double products() const { return pattern_.products; }
 
  private:
+  void gather(const BlockPattern::Supernode& panel);
+  void update(const BlockPattern::Supernode& panel);
+  bool factor(const BlockPattern::Supernode& panel);
+
   BlockPattern pattern_;
-  std::vector<Block> lower_, pivot_;  ///< L off and on the diagonal
-  std::vector<Block> work_;
+  std::vector<Block> l_, pivot_;            ///< L in panels, and its diagonal
+  std::vector<std::uint32_t> row_, place_;  ///< of a place in the panel at work; of rows of another in its storage
   std::vector<Vector> y_;
 };
 

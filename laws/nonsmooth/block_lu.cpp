@@ -1,6 +1,7 @@
 #include "laws/nonsmooth/block_lu.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "laws/nonsmooth/block_product.h"
 
@@ -10,43 +11,71 @@ template <int N>
 void BlockLu<N>::analyse(std::size_t n, const std::vector<BlockPattern::Edge>& edges) {
   pattern_.analyse(n, edges);
   diagonal.resize(n), lower.resize(edges.size()), upper.resize(edges.size());
-  l_.resize(pattern_.row.size()), u_.resize(pattern_.row.size()), pivot_.resize(n), y_.resize(n);
-  work_l_.resize(n), work_u_.resize(n);
+  l_.resize(pattern_.blocks() + 1), u_.resize(pattern_.blocks() + 1), pivot_.resize(n), y_.resize(n);
+  row_.resize(n), place_.resize(n);
 }
 
-/// Column j of A below the diagonal and row j right of it, into the work columns.
+/// Columns of A on and below the diagonal and rows right of it, into the panel.
 template <int N>
-void BlockLu<N>::gather(std::uint32_t j) {
-  work_l_[j] = diagonal[pattern_.at[j]];
-  for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p)
-    work_l_[pattern_.row[p]].setZero(), work_u_[pattern_.row[p]].setZero();
-  for (std::size_t k = pattern_.edges_begin[j]; k < pattern_.edges_begin[j + 1]; ++k) {
+void BlockLu<N>::gather(const BlockPattern::Supernode& panel) {
+  const std::uint32_t* rows = pattern_.row.data() + panel.rows;
+  Block *l = l_.data() + panel.blocks, *u = u_.data() + panel.blocks;
+  std::fill_n(l->data(), panel.height() * panel.width * N * N, 0.0),
+      std::fill_n(u->data(), panel.height() * panel.width * N * N, 0.0);
+  for (std::uint32_t i = 0; i < panel.height(); ++i) row_[rows[i]] = i;
+  for (std::uint32_t i = 0; i < panel.width; ++i) l[i * panel.width + i] = diagonal[pattern_.at[panel.first + i]];
+  for (std::size_t k = panel.edges; k < panel.edges_end; ++k) {
     const std::uint32_t e = pattern_.edge_of[k];
     const std::uint32_t a = pattern_.place[pattern_.edges[e].first], b = pattern_.place[pattern_.edges[e].second];
-    if (a > b)
-      work_l_[a] = lower[e], work_u_[a] = upper[e].transpose();
-    else
-      work_l_[b] = upper[e], work_u_[b] = lower[e].transpose();
+    const std::size_t to = row_[std::max(a, b)] * panel.width + (std::min(a, b) - panel.first);
+    l[to] = a > b ? lower[e] : upper[e];
+    u[to] = a > b ? upper[e].transpose() : lower[e].transpose();
   }
+}
+
+/// What earlier panels take from this one.
+template <int N>
+void BlockLu<N>::update(const BlockPattern::Supernode& panel) {
+  for (std::size_t k = panel.updates; k < panel.updates_end; ++k) {
+    const BlockPattern::Update& from = pattern_.updates[k];
+    const BlockPattern::Supernode& other = pattern_.supernodes[from.supernode];
+    const std::uint32_t* rows = pattern_.row.data() + other.rows;
+    const Block *l = l_.data() + other.blocks, *u = u_.data() + other.blocks;
+    for (std::size_t i = from.first; i < other.height(); ++i) place_[i] = row_[rows[i]] * panel.width;
+    for (std::size_t j = from.first; j < from.last; ++j) {
+      const std::size_t to = panel.blocks + rows[j] - panel.first;
+      const Block *l_j = l + j * other.width, *u_j = u + j * other.width;
+      subtract_panels<N>(
+          {l_[to].data(), place_.data(), l->data(), u_j->data(), j, other.height(), other.width, other.width});
+      subtract_panels<N>(
+          {u_[to].data(), place_.data(), u->data(), l_j->data(), j + 1, other.height(), other.width, other.width});
+    }
+  }
+}
+
+/// The panel itself, column by column.
+template <int N>
+bool BlockLu<N>::factor(const BlockPattern::Supernode& panel) {
+  const std::size_t width = panel.width, height = panel.height();
+  Block *l = l_.data() + panel.blocks, *u = u_.data() + panel.blocks;
+  for (std::size_t i = 0; i < height; ++i) place_[i] = static_cast<std::uint32_t>(i * width);
+  for (std::size_t j = 0; j < width; ++j) {
+    subtract_panels<N>({l[j].data(), place_.data(), l->data(), u[j * width].data(), j, height, width, j});
+    subtract_panels<N>({u[j].data(), place_.data(), u->data(), l[j * width].data(), j + 1, height, width, j});
+    Block& pivot = pivot_[panel.first + j];
+    pivot = Eigen::PartialPivLU<Block>(l[j * width + j]).inverse();
+    if (!pivot.allFinite()) return false;
+    for (std::size_t i = j + 1; i < height; ++i) l[i * width + j] = (l[i * width + j] * pivot).eval();
+  }
+  return true;
 }
 
 template <int N>
 bool BlockLu<N>::factor() {
-  for (std::uint32_t j = 0; j < pattern_.size(); ++j) {
-    gather(j);
-    for (std::size_t k = pattern_.entries_begin[j]; k < pattern_.entries_begin[j + 1]; ++k) {
-      const BlockPattern::Entry& entry = pattern_.entries[k];
-      const double *l_jk = l_[entry.position].data(), *u_kj = u_[entry.position].data();
-      const std::size_t end = pattern_.begin[entry.column + 1];
-      subtract_products<N>(work_l_[0].data(), pattern_.row.data(), l_[0].data(), u_kj, entry.position, end);
-      subtract_products<N>(work_u_[0].data(), pattern_.row.data(), u_[0].data(), l_jk, entry.position + 1, end);
-    }
-    pivot_[j] = Eigen::PartialPivLU<Block>(work_l_[j]).inverse();
-    if (!pivot_[j].allFinite()) return false;
-    for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p) {
-      l_[p].noalias() = work_l_[pattern_.row[p]] * pivot_[j];
-      u_[p] = work_u_[pattern_.row[p]];
-    }
+  for (const BlockPattern::Supernode& panel : pattern_.supernodes) {
+    gather(panel);
+    update(panel);
+    if (!factor(panel)) return false;
   }
   return true;
 }
@@ -55,13 +84,23 @@ template <int N>
 void BlockLu<N>::solve(std::vector<Vector>& x) {
   const std::size_t n = pattern_.size();
   for (std::size_t j = 0; j < n; ++j) y_[j] = x[pattern_.at[j]];
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p)
-      y_[pattern_.row[p]].noalias() -= l_[p] * y_[j];
-  for (std::size_t j = n; j-- > 0;) {
-    for (std::size_t p = pattern_.begin[j]; p < pattern_.begin[j + 1]; ++p)
-      y_[j].noalias() -= u_[p].transpose() * y_[pattern_.row[p]];
-    y_[j] = (pivot_[j] * y_[j]).eval();
+  for (const BlockPattern::Supernode& panel : pattern_.supernodes) {
+    const std::uint32_t* rows = pattern_.row.data() + panel.rows;
+    const Block* l = l_.data() + panel.blocks;
+    for (std::size_t i = 1; i < panel.height(); ++i)
+      for (std::size_t j = 0; j < std::min<std::size_t>(i, panel.width); ++j)
+        y_[rows[i]].noalias() -= l[i * panel.width + j] * y_[panel.first + j];
+  }
+  for (std::size_t s = pattern_.supernodes.size(); s-- > 0;) {
+    const BlockPattern::Supernode& panel = pattern_.supernodes[s];
+    const std::uint32_t* rows = pattern_.row.data() + panel.rows;
+    const Block* u = u_.data() + panel.blocks;
+    for (std::size_t j = panel.width; j-- > 0;) {
+      Vector& y = y_[panel.first + j];
+      for (std::size_t i = j + 1; i < panel.height(); ++i)
+        y.noalias() -= u[i * panel.width + j].transpose() * y_[rows[i]];
+      y = (pivot_[panel.first + j] * y).eval();
+    }
   }
   for (std::size_t j = 0; j < n; ++j) x[pattern_.at[j]] = y_[j];
 }

@@ -27,12 +27,14 @@ class BlockLu {
   double products() const { return 2.0 * pattern_.products; }
 
  private:
-  void gather(std::uint32_t j);
+  void gather(const BlockPattern::Supernode& panel);
+  void update(const BlockPattern::Supernode& panel);
+  bool factor(const BlockPattern::Supernode& panel);
 
   BlockPattern pattern_;
-  std::vector<Block> l_, u_;  ///< L below the diagonal; U right of it, each block transposed
-  std::vector<Block> pivot_;  ///< inverse of the pivot blocks
-  std::vector<Block> work_l_, work_u_;
+  std::vector<Block> l_, u_;                ///< L on and below the diagonal; U right of it, each block transposed
+  std::vector<Block> pivot_;                ///< inverse of the pivot blocks
+  std::vector<std::uint32_t> row_, place_;  ///< of a place in the panel at work; of rows of another in its storage
   std::vector<Vector> y_;
 };
 

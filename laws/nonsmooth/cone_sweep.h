@@ -12,8 +12,11 @@ class ConeSweep {
  public:
   void load(const ConeProblem& problem) {
     problem_ = &problem;
-    data_.resize(problem.size());
-    for (std::size_t i = 0; i < problem.size(); ++i) data_[i] = Rule::pack(problem.diagonal[i]);
+    data_.resize(problem.size()), moving_.clear();
+    for (std::uint32_t i = 0; i < problem.size(); ++i) {
+      data_[i] = Rule::pack(problem.diagonal[i]);
+      if (problem.moves(i)) moving_.push_back(i);
+    }
   }
   /// Velocities of r; needed before the first run and after r was changed by others.
   void start(const Impulses& r) {
@@ -23,10 +26,9 @@ class ConeSweep {
   /// One update of every contact, upwards or downwards; returns the sum of |change of r|^2.
   double run(const Rule& rule, Impulses& r, bool upwards = true) {
     double sum = 0.0;
-    const std::size_t n = problem_->size();
+    const std::size_t n = moving_.size();
     for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t i = upwards ? k : n - 1 - k;
-      if (!problem_->moves(i)) continue;
+      const std::size_t i = moving_[upwards ? k : n - 1 - k];
       sum += problem_->has_bodies() ? in_bodies(rule, i, r[i]) : in_row(rule, i, r);
     }
     return sum;
@@ -56,6 +58,7 @@ class ConeSweep {
 
   const ConeProblem* problem_ = nullptr;
   std::vector<typename Rule::Data> data_;
+  std::vector<std::uint32_t> moving_;  ///< contacts that an impulse moves
   std::vector<Vec6> v_;
 };
 

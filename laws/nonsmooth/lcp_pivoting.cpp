@@ -140,6 +140,38 @@ struct Principal {
     for (Index j = 0; j < k; ++j) dz[basic[static_cast<std::size_t>(j)]] = x[j];
     return true;
   }
+
+  /// Moves along dz as far as the signs allow, w_i up to 0; the first that blocks changes sides. False when nothing
+  /// does.
+  bool advance(Index i, const VectorXd& dz, const std::vector<char>& settled) {
+    const VectorXd dw = p.M * dz;
+    // a semidefinite M with redundant rows: w_i can no longer move and stays below 0 only if infeasible
+    double step = dw[i] > 1e-14 * std::abs(p.M(i, i)) ? -w[i] / dw[i] : -1.0;
+    Index blocking = -1;
+    bool leaves = false;
+    const auto block = [&](double t, Index j, bool out) {
+      if (step < 0.0 || t < step) step = t, blocking = j, leaves = out;
+    };
+    for (const Index j : basic)
+      if (dz[j] < -1e-14) block(std::max(0.0, -z[j] / dz[j]), j, true);
+    for (Index j = 0; j < i; ++j)
+      if (settled[static_cast<std::size_t>(j)] && z[j] == 0.0 && dw[j] < -1e-14 &&
+          std::find(basic.begin(), basic.end(), j) == basic.end())
+        block(std::max(0.0, -w[j] / dw[j]), j, false);
+    if (step < 0.0) return false;
+    z += step * dz, w += step * dw;
+    if (blocking < 0) {
+      w[i] = 0.0;
+      basic.push_back(i);
+    } else if (leaves) {
+      z[blocking] = 0.0;
+      basic.erase(std::find(basic.begin(), basic.end(), blocking));
+    } else {
+      w[blocking] = 0.0;
+      basic.push_back(blocking);
+    }
+    return true;
+  }
 };
 
 }  // namespace
@@ -161,34 +193,9 @@ LcpReport dantzig(const LcpProblem& p, const LcpSettings& s, VectorXd& z) {
         report.status = LcpStatus::stalled;
         break;
       }
-      const VectorXd dw = p.M * dz;
-      // a semidefinite M with redundant rows: w_i can no longer move and stays below 0 only if infeasible
-      double step = dw[i] > 1e-14 * std::abs(p.M(i, i)) ? -state.w[i] / dw[i] : -1.0;
-      Index blocking = -1;
-      bool leaves = false;
-      const auto block = [&](double t, Index j, bool out) {
-        if (step < 0.0 || t < step) step = t, blocking = j, leaves = out;
-      };
-      for (const Index j : state.basic)
-        if (dz[j] < -1e-14) block(std::max(0.0, -state.z[j] / dz[j]), j, true);
-      for (Index j = 0; j < i; ++j)
-        if (settled[static_cast<std::size_t>(j)] && state.z[j] == 0.0 && dw[j] < -1e-14 &&
-            std::find(state.basic.begin(), state.basic.end(), j) == state.basic.end())
-          block(std::max(0.0, -state.w[j] / dw[j]), j, false);
-      if (step < 0.0) {
+      if (!state.advance(i, dz, settled)) {
         report.status = LcpStatus::ray;
         break;
-      }
-      state.z += step * dz, state.w += step * dw;
-      if (blocking < 0) {
-        state.w[i] = 0.0;
-        state.basic.push_back(i);
-      } else if (leaves) {
-        state.z[blocking] = 0.0;
-        state.basic.erase(std::find(state.basic.begin(), state.basic.end(), blocking));
-      } else {
-        state.w[blocking] = 0.0;
-        state.basic.push_back(blocking);
       }
     }
     settled[static_cast<std::size_t>(i)] = 1;

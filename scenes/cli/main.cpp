@@ -1,7 +1,11 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <algorithm>
+#include <functional>
 #include <iostream>
 
+#include "engine/nearest.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"
@@ -52,8 +56,8 @@ epafi::ProgramText described(const CLI::App& app) {
     epafi::CommandText text{command->get_name(), command->get_description(), {}};
     for (const CLI::Option* option : command->get_options())
       if (option->get_name(false, true) != "--help,-h" && option->get_name(false, true) != "-h,--help")
-        text.options.push_back({option->get_name(true, true), option->get_description(), option->get_items_expected_max() > 0,
-                                option->get_positional()});
+        text.options.push_back({option->get_name(true, true), option->get_description(),
+                                option->get_items_expected_max() > 0, option->get_positional()});
     program.commands.push_back(std::move(text));
   }
   return program;
@@ -67,126 +71,156 @@ void add_atlas_flags(CLI::App* command, epafi::StudyOptions& o) {
   command->add_option("--atlas", o.atlas, "folder of the atlas (default docs/atlas)");
 }
 
+/// What the commands read, and the one that was asked for.
+struct Program {
+  CLI::App app{"Epafi, a many-body contact engine", "epafi"};
+  epafi::CommonOptions common;
+  epafi::RunOptions run;
+  epafi::PatchOptions patch;
+  epafi::SolveOptions solve;
+  epafi::NarrowOptions narrow;
+  epafi::StudyOptions study;
+  epafi::SweepOptions sweep;
+  epafi::BenchOptions bench;
+  std::string directory, kind, page, format = "vtk";
+  std::function<int()> chosen;
+
+  CLI::App* add(const char* name, const char* description, std::function<int()> what) {
+    CLI::App* command = app.add_subcommand(name, description);
+    command->callback([this, what = std::move(what)] { chosen = what; });
+    return command;
+  }
+};
+
+void add_runs(Program& p) {
+  auto* run = p.add("run", "simulate headlessly", [&p] { return epafi::command_run(p.common, p.run); });
+  add_scene_flags(run, p.common);
+  add_run_flags(run, p.run);
+  run->add_option("-o,--out", p.run.out, "output folder (default out/<scene name>)");
+  run->add_flag("--least-output", p.run.least_output, "no frames, no snapshot but the last");
+  run->add_flag("--force", p.run.force, "use an output folder that is not empty");
+  auto* resume = p.add("resume", "continue a run from its last good checkpoint",
+                       [&p] { return epafi::command_resume(p.directory, p.run); });
+  resume->add_option("dir", p.directory, "output folder of the run")->required();
+  add_run_flags(resume, p.run);
+  add_scene_flags(p.add("check", "everything wrong with a scene, its time step, memory and time; writes nothing",
+                        [&p] { return epafi::command_check(p.common); }),
+                  p.common);
+  add_scene_flags(p.add("explain", "what the scene makes the engine do, and which line asked",
+                        [&p] { return epafi::command_explain(p.common); }),
+                  p.common);
+}
+
+void add_lists(Program& p) {
+  auto* list = p.add("list", "shapes, laws, solvers, broad phases, schemes, measures, scenes, pairs",
+                     [&p] { return epafi::command_list(p.kind); });
+  list->add_option("kind", p.kind, "one list only");
+  auto* narrow = p.add("narrow", "distance or depth, normal and points of listed convex pairs, ns per query",
+                       [&p] { return epafi::command_narrow(p.narrow); });
+  narrow->add_option("corpus", p.narrow.corpus, "file of convex pairs (CXP1)")->required();
+  narrow->add_option("--method", p.narrow.method, "auto, sat, gjk-epa");
+  narrow->add_flag("--json", p.narrow.json, "JSON instead of CSV");
+  narrow->add_option("-o,--out", p.narrow.out, "write to this file");
+  p.add("schema", "the JSON Schema of scene files", [] { return epafi::command_schema(); });
+  auto* starter = p.add("new", "a commented starter scene on stdout", [&p] { return epafi::command_new(p.kind); });
+  starter->add_option("kind", p.kind, "hopper, stack, impact, pile")->required();
+  add_solve_flags(p.add("solve", "solve friction-contact problems from files (FCLIB HDF5, Siconos .dat)",
+                        [&p] { return epafi::command_solve(p.solve); }),
+                  p.solve);
+}
+
+void add_pages(Program& p) {
+  auto* vtk = p.add("export", "snapshots of a run to VTK or CSV",
+                    [&p] { return epafi::command_export(p.directory, p.format); });
+  vtk->add_option("dir", p.directory, "output folder of the run")->required();
+  vtk->add_option("--format", p.format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
+  auto* report = p.add("report", "one HTML page of a finished run: balance, measures, pictures",
+                       [&p] { return epafi::command_report(p.directory, p.page); });
+  report->add_option("dir", p.directory, "output folder of the run")->required();
+  report->add_option("-o,--out", p.page, "the page (default DIR/report.html)");
+  auto* reference = p.add("reference", "writes the reference pages and the schema: everything the registry knows",
+                          [&p] { return epafi::command_reference(p.directory, p.page); });
+  reference->add_option("dir", p.directory, "folder of the pages")->required();
+  reference->add_option("--messages", p.page, "folder of scenes that are wrong on purpose: a page of messages too");
+  p.add("man", "the manual page (roff) on stdout: epafi man | man -l -",
+        [&p] { return epafi::command_manual(described(p.app)); });
+  p.add("completion", "completion for bash on stdout: source <(epafi completion)",
+        [&p] { return epafi::command_completion(described(p.app)); });
+}
+
+void add_patch(Program& p) {
+  auto* patch = p.add("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model",
+                      [&p] { return epafi::command_patch(p.common, p.patch); });
+  add_scene_flags(patch, p.common);
+  patch->add_flag("--json", p.patch.json, "print the results as JSON on stdout");
+  patch->add_flag("--geometry", p.patch.geometry,
+                  "contact places, rolling radius difference and conicity as CSV instead");
+  patch->add_option("--maps", p.patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
+}
+
+void add_studies(Program& p) {
+  auto* chart = p.add("chart", "speed against accuracy: every method of a study on one scene",
+                      [&p] { return epafi::command_chart(p.study); });
+  add_study_flags(chart, p.study, "study");
+  chart->add_flag("--json", p.study.json, "the points on stdout");
+  add_atlas_flags(chart, p.study);
+  auto* limits = p.add("limits", "where methods fail: scans or bisects the parameters of a study",
+                       [&p] { return epafi::command_limits(p.study); });
+  add_study_flags(limits, p.study, "study");
+  limits->add_flag("--json", p.study.json, "the limits on stdout");
+  add_atlas_flags(limits, p.study);
+  limits->add_option("-j,--jobs", p.study.jobs, "cases at a time")->check(CLI::PositiveNumber);
+  auto* sweep = p.add("sweep", "the cases of a scene's [sweep]; finished ones are skipped",
+                      [&p] { return epafi::command_sweep(p.study, p.sweep); });
+  add_study_flags(sweep, p.study, "scene");
+  sweep->add_option("-j,--jobs", p.study.jobs, "cases at a time")->check(CLI::PositiveNumber);
+  sweep->add_option("-t,--threads", p.sweep.threads, "threads of each case")->check(CLI::PositiveNumber);
+  sweep->add_flag("--list", p.sweep.list, "number, state and values of every case");
+  sweep->add_flag("--collect", p.sweep.collect, "one CSV row per case on stdout");
+  sweep->add_option("--case", p.sweep.one, "this case only, counted from 0")->check(CLI::NonNegativeNumber);
+}
+
+void add_bench(Program& p) {
+  auto* bench = p.add("bench", "scaling over sizes and threads; each row has time, error and state hash",
+                      [&p] { return epafi::command_bench(p.study, p.bench); });
+  bench->add_option("scene", p.study.files, "scenes; all of the library with a [benchmark] where none is given");
+  bench->add_option("--set", p.study.overrides, "override a value, KEY.PATH=VALUE (repeatable)")
+      ->allow_extra_args(false);
+  bench->add_option("--threads", p.bench.threads, "numbers of threads, as 1,2,4")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  bench->add_option("--repeats", p.bench.repeats, "runs of each row; the median is printed")
+      ->check(CLI::PositiveNumber);
+  bench->add_option("-o,--out", p.bench.out_file, "also write the rows to this file");
+}
+
+/// Says what is wrong with the name of a command; empty if there is a command of this name, or none was given.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return {};
+  const auto close = epafi::nearest(argv[1], names);
+  return fmt::format("error: unknown command '{}'; {}there are: {}\n", argv[1],
+                     close ? "did you mean '" + *close + "'? " : "", fmt::join(names, ", "));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace epafi;
-  CLI::App app{"Epafi, a many-body contact engine", "epafi"};
-  app.set_version_flag("--version", std::string(EPAFI_VERSION));
-  app.require_subcommand(1);
-  CommonOptions common;
-  RunOptions run;
-  PatchOptions patch;
-  SolveOptions solve;
-  std::string directory, kind, format = "vtk";
-
-  auto* run_command = app.add_subcommand("run", "simulate headlessly");
-  add_scene_flags(run_command, common);
-  add_run_flags(run_command, run);
-  run_command->add_option("-o,--out", run.out, "output folder (default out/<scene name>)");
-  run_command->add_flag("--least-output", run.least_output, "no frames, no snapshot but the last");
-  run_command->add_flag("--force", run.force, "use an output folder that is not empty");
-  auto* resume_command = app.add_subcommand("resume", "continue a run from its last good checkpoint");
-  resume_command->add_option("dir", directory, "output folder of the run")->required();
-  add_run_flags(resume_command, run);
-  auto* check_command =
-      app.add_subcommand("check", "everything wrong with a scene, its time step, memory and time; writes nothing");
-  add_scene_flags(check_command, common);
-  auto* explain_command = app.add_subcommand("explain", "what the scene makes the engine do, and which line asked");
-  add_scene_flags(explain_command, common);
-  auto* list_command =
-      app.add_subcommand("list", "shapes, laws, solvers, broad phases, schemes, measures, scenes, pairs");
-  list_command->add_option("kind", kind, "one list only");
-  NarrowOptions narrow;
-  auto* narrow_command =
-      app.add_subcommand("narrow", "distance or depth, normal and points of listed convex pairs, ns per query");
-  narrow_command->add_option("corpus", narrow.corpus, "file of convex pairs (CXP1)")->required();
-  narrow_command->add_option("--method", narrow.method, "auto, sat, gjk-epa");
-  narrow_command->add_flag("--json", narrow.json, "JSON instead of CSV");
-  narrow_command->add_option("-o,--out", narrow.out, "write to this file");
-  auto* schema_command = app.add_subcommand("schema", "the JSON Schema of scene files");
-  auto* new_command = app.add_subcommand("new", "a commented starter scene on stdout");
-  new_command->add_option("kind", kind, "hopper, stack, impact, pile")->required();
-  auto* solve_command =
-      app.add_subcommand("solve", "solve friction-contact problems from files (FCLIB HDF5, Siconos .dat)");
-  add_solve_flags(solve_command, solve);
-  auto* export_command = app.add_subcommand("export", "snapshots of a run to VTK or CSV");
-  export_command->add_option("dir", directory, "output folder of the run")->required();
-  export_command->add_option("--format", format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
-  std::string page;
-  auto* report_command = app.add_subcommand("report", "one HTML page of a finished run: balance, measures, pictures");
-  report_command->add_option("dir", directory, "output folder of the run")->required();
-  report_command->add_option("-o,--out", page, "the page (default DIR/report.html)");
-  auto* reference_command =
-      app.add_subcommand("reference", "writes the reference pages and the schema: everything the registry knows");
-  reference_command->add_option("dir", directory, "folder of the pages")->required();
-  reference_command->add_option("--messages", page, "folder of scenes that are wrong on purpose: a page of messages too");
-  auto* man_command = app.add_subcommand("man", "the manual page (roff) on stdout: epafi man | man -l -");
-  auto* completion_command = app.add_subcommand("completion", "completion for bash on stdout: source <(epafi completion)");
-  auto* patch_command =
-      app.add_subcommand("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model");
-  add_scene_flags(patch_command, common);
-  patch_command->add_flag("--json", patch.json, "print the results as JSON on stdout");
-  patch_command->add_flag("--geometry", patch.geometry,
-                          "contact places, rolling radius difference and conicity as CSV instead");
-  patch_command->add_option("--maps", patch.maps, "folder for maps of pressure, traction, slip (CSV and .vti)");
-  StudyOptions study;
-  SweepOptions sweep;
-  BenchOptions bench;
-  auto* chart_command = app.add_subcommand("chart", "speed against accuracy: every method of a study on one scene");
-  add_study_flags(chart_command, study, "study");
-  chart_command->add_flag("--json", study.json, "the points on stdout");
-  add_atlas_flags(chart_command, study);
-  auto* limits_command = app.add_subcommand("limits", "where methods fail: scans or bisects the parameters of a study");
-  add_study_flags(limits_command, study, "study");
-  limits_command->add_flag("--json", study.json, "the limits on stdout");
-  add_atlas_flags(limits_command, study);
-  limits_command->add_option("-j,--jobs", study.jobs, "cases at a time")->check(CLI::PositiveNumber);
-  auto* sweep_command = app.add_subcommand("sweep", "the cases of a scene's [sweep]; finished ones are skipped");
-  add_study_flags(sweep_command, study, "scene");
-  sweep_command->add_option("-j,--jobs", study.jobs, "cases at a time")->check(CLI::PositiveNumber);
-  sweep_command->add_option("-t,--threads", sweep.threads, "threads of each case")->check(CLI::PositiveNumber);
-  sweep_command->add_flag("--list", sweep.list, "number, state and values of every case");
-  sweep_command->add_flag("--collect", sweep.collect, "one CSV row per case on stdout");
-  sweep_command->add_option("--case", sweep.one, "this case only, counted from 0")->check(CLI::NonNegativeNumber);
-  auto* bench_command =
-      app.add_subcommand("bench", "scaling over sizes and threads; each row has time, error and state hash");
-  bench_command->add_option("scene", study.files, "scenes; all of the library with a [benchmark] where none is given");
-  bench_command->add_option("--set", study.overrides, "override a value, KEY.PATH=VALUE (repeatable)")
-      ->allow_extra_args(false);
-  bench_command->add_option("--threads", bench.threads, "numbers of threads, as 1,2,4")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber);
-  bench_command->add_option("--repeats", bench.repeats, "runs of each row; the median is printed")
-      ->check(CLI::PositiveNumber);
-  bench_command->add_option("-o,--out", bench.out_file, "also write the rows to this file");
-
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    const int code = app.exit(e, std::cout, std::cerr);
-    return code == 0 ? exit_done : exit_usage;
+  Program p;
+  p.app.set_version_flag("--version", std::string(EPAFI_VERSION));
+  p.app.require_subcommand(1);
+  for (const auto add : {add_runs, add_lists, add_pages, add_patch, add_studies, add_bench}) add(p);
+  if (const std::string wrong = unknown_command(p.app, argc, argv); !wrong.empty()) {
+    std::cerr << wrong;
+    return epafi::exit_usage;
   }
-  return guarded([&] {
-    if (*run_command) return command_run(common, run);
-    if (*resume_command) return command_resume(directory, run);
-    if (*check_command) return command_check(common);
-    if (*explain_command) return command_explain(common);
-    if (*list_command) return command_list(kind);
-    if (*narrow_command) return command_narrow(narrow);
-    if (*schema_command) return command_schema();
-    if (*new_command) return command_new(kind);
-    if (*report_command) return command_report(directory, page);
-    if (*reference_command) return command_reference(directory, page);
-    if (*man_command) return command_manual(described(app));
-    if (*completion_command) return command_completion(described(app));
-    if (*patch_command) return command_patch(common, patch);
-    if (*solve_command) return command_solve(solve);
-    if (*export_command) return command_export(directory, format);
-    if (*chart_command) return command_chart(study);
-    if (*limits_command) return command_limits(study);
-    if (*sweep_command) return command_sweep(study, sweep);
-    if (*bench_command) return command_bench(study, bench);
-    return static_cast<int>(exit_usage);
-  });
+  try {
+    p.app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    const int code = p.app.exit(e, std::cout, std::cerr);
+    return code == 0 ? epafi::exit_done : epafi::exit_usage;
+  }
+  return epafi::guarded(p.chosen);
 }

@@ -1,4 +1,5 @@
 #include <Eigen/Dense>
+#include <algorithm>
 
 #include "engine/random.h"
 #include "laws/nonsmooth/block_cholesky.h"
@@ -19,6 +20,17 @@ std::vector<BlockPattern::Edge> ring(std::uint32_t n) {
   return edges;
 }
 
+/// A cubic lattice: its last separators fill to wide panels.
+std::vector<BlockPattern::Edge> lattice(std::uint32_t side) {
+  std::vector<BlockPattern::Edge> edges;
+  for (std::uint32_t i = 0; i < side * side * side; ++i) {
+    if (i % side > 0) edges.push_back({i, i - 1});
+    if (i / side % side > 0) edges.push_back({i, i - side});
+    if (i >= side * side) edges.push_back({i, i - side * side});
+  }
+  return edges;
+}
+
 template <int N>
 Eigen::Matrix<double, N, N> random_block(Random& random) {
   Eigen::Matrix<double, N, N> m;
@@ -35,9 +47,8 @@ double error(const Eigen::MatrixXd& a, std::vector<Eigen::Matrix<double, N, 1>> 
 
 /// Both factors on one pattern: the symmetric positive definite matrix, and an unsymmetric one with heavy diagonal.
 template <int N>
-void check_factors(std::uint32_t n) {
+void check_factors(std::uint32_t n, const std::vector<BlockPattern::Edge>& edges) {
   Random random(N, n);
-  const auto edges = ring(n);
   BlockCholesky<N> cholesky;
   BlockLu<N> lu;
   cholesky.analyse(n, edges), lu.analyse(n, edges);
@@ -73,8 +84,24 @@ void check_factors(std::uint32_t n) {
 
 }  // namespace
 
+TEST_CASE("a lattice's factor is stored in few wide panels, each row of L once", "[laws][factor]") {
+  BlockPattern pattern;
+  pattern.analyse(125, lattice(5));
+  std::size_t columns = 0;
+  for (const auto& panel : pattern.supernodes) {
+    CHECK(panel.first == columns);
+    columns += panel.width;
+    CHECK(std::is_sorted(pattern.row.begin() + static_cast<std::ptrdiff_t>(panel.rows),
+                         pattern.row.begin() + static_cast<std::ptrdiff_t>(panel.rows_end)));
+  }
+  CHECK(columns == 125);
+  CHECK(pattern.supernodes.size() < 100);
+  CHECK(pattern.supernodes.back().width > 10);  // the last separator has 25 nodes
+}
+
 TEST_CASE("block Cholesky and LU solve what the dense matrix says", "[laws][factor]") {
-  for (const std::uint32_t n : {3u, 20u, 61u}) check_factors<6>(n), check_factors<3>(n);
+  for (const std::uint32_t n : {3u, 20u, 61u}) check_factors<6>(n, ring(n)), check_factors<3>(n, ring(n));
+  check_factors<6>(64, lattice(4)), check_factors<3>(125, lattice(5));
 }
 
 TEST_CASE("a matrix that is not positive definite is refused, a singular one too", "[laws][factor]") {

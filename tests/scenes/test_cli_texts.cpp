@@ -1,4 +1,7 @@
 // What `epafi list` and `epafi schema` print.
+#include <sys/wait.h>
+
+#include <cstdio>
 #include <fstream>
 
 #include "engine/error.h"
@@ -34,6 +37,15 @@ TEST_CASE("every entry of every list is listed", "[scenes][list]") {
                            &r.schemes, &r.measures})
     for (const auto& entry : *list) CHECK(text.find("\n  " + entry.name + " ") != std::string::npos);
   CHECK_THROWS_WITH(list_text(r, "shape"), "error: unknown kind 'shape'; did you mean 'shapes'?");
+}
+
+TEST_CASE("a command that does not exist is answered with its name and the nearest one", "[scenes][list]") {
+  FILE* pipe = popen((std::string(EPAFI_BINARY_DIR) + "/bin/epafi rum scene.toml 2>&1").c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::string said(200, '\0');
+  said.resize(fread(said.data(), 1, said.size(), pipe));
+  CHECK(WEXITSTATUS(pclose(pipe)) == 2);
+  CHECK(said.find("error: unknown command 'rum'; did you mean 'run'?") == 0);
 }
 
 TEST_CASE("the JSON Schema names every table and key, and its brackets close", "[scenes][schema]") {
@@ -74,7 +86,8 @@ TEST_CASE("a value printed as TOML reads back as the same value", "[scenes][docu
 }
 
 TEST_CASE("the reference pages and the schema in the tree are those of the registry", "[scenes][reference]") {
-  // they are written by: epafi reference docs/reference --messages tests/data/broken; epafi schema > scenes/scene.schema.json
+  // they are written by: epafi reference docs/reference --messages tests/data/broken; epafi schema >
+  // scenes/scene.schema.json
   const std::string root = EPAFI_SOURCE_DIR;
   const auto text_of = [](const std::string& path) {
     std::ifstream in(path);
@@ -90,7 +103,8 @@ TEST_CASE("the reference pages and the schema in the tree are those of the regis
 }
 
 TEST_CASE("manual and completion name every command and option", "[scenes]") {
-  const ProgramText program{"x", {{"run", "simulate", {{"scene", "file", true, true}, {"-t,--threads", "how many", true, false}}}}};
+  const ProgramText program{
+      "x", {{"run", "simulate", {{"scene", "file", true, true}, {"-t,--threads", "how many", true, false}}}}};
   const std::string manual = manual_page(program), completion = bash_completion(program);
   CHECK(manual.find("\"epafi run \\fIscene\\fR\"") != std::string::npos);
   CHECK(manual.find("\\fB\\-t, \\-\\-threads\\fR \\fIvalue\\fR") != std::string::npos);
