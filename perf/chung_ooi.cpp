@@ -155,7 +155,10 @@ void oblique_tests(const std::string& figures, Errors& errors) {
                      {slip, converged, coarse, full},
                      {},
                      {},
-                     {}},
+                     {},
+                     true,
+                     false,
+                     false},
          figures + "/chung_ooi_4");
   struct Recoil {
     double psi, spin;
@@ -216,6 +219,9 @@ int main(int argc, char** argv) {
                    {{"micro-slip at 100 steps: 2 %", 0.02},
                     {"micro-slip at 4000 steps: 0.3 %", 3e-3},
                     {"full slip, normal: 0.1 %", 1e-3}},
-                   {}},
+                   {},
+                   false,
+                   false,
+                   true},
        figures + "/chung_ooi");
 }

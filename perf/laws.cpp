@@ -179,6 +179,7 @@ int main(int argc, char** argv) {
                      lines,
                      {},
                      {},
-                     {}},
+                     {},
+                     false},
          std::string(argv[1]) + "/laws");
 }

@@ -15,7 +15,7 @@ namespace {
 /// Error over time, one mark per pair of shapes, one colour per method.
 void draw_cells(const std::vector<support::PairError>& cells, const char* path) {
   ScatterPlot plot{"Every pair of shapes: worst error of 400 random pairs", "processor seconds per cold query with contact points",
-                   "error of the gap / larger bounding radius", {}, false, {}, {}, {}};
+                   "error of the gap / larger bounding radius", {}, {}, {}, {}, false};
   for (const auto& e : cells) {
     auto line = std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == e.method; });
     if (line == plot.lines.end()) line = plot.lines.insert(plot.lines.end(), PlotLine{e.method, {}, {}});

@@ -124,13 +124,13 @@ std::optional<BoundCheck> RunMonitor::violated() const {
 std::vector<BoundCheck> RunMonitor::accuracy() const {
   std::vector<BoundCheck> all(checks_.begin() + static_cast<std::ptrdiff_t>(stopping_), checks_.end());
   for (BoundCheck& c : all)
-    if (c.name == "overlap_relative") c.value = totals_.overlap_relative, c.ok = c.value <= c.bound;
+    if (c.name == "overlap_relative") c.value = overlap().max_relative, c.ok = c.value <= c.bound;
   return all;
 }
 
 Overlap RunMonitor::overlap() const {
-  const double looks = std::max(1.0, totals_.overlap_looks);
-  return {totals_.overlap_max, totals_.overlap_mean / looks, totals_.overlap_relative, 0};
+  if (totals_.overlap_looks == 0) return last_overlap_;
+  return {totals_.overlap_max, totals_.overlap_mean / totals_.overlap_looks, totals_.overlap_relative, 0};
 }
 
 void RunMonitor::visit(StateVisitor& v) {

@@ -42,7 +42,7 @@ class RunMonitor final : public Observer {
   std::vector<BoundCheck> checks() const {
     return {checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_)};
   }
-  /// Of [accuracy]: what came out beside what the scene needs. The overlap is that of the last tenth of the run.
+  /// Of [accuracy]: what came out beside what the scene needs. The overlap is that of overlap().
   std::vector<BoundCheck> accuracy() const;
   double contacts_mean() const { return totals_.steps > 0 ? totals_.contacts / totals_.steps : 0.0; }
   double residual_max() const { return totals_.residual_max; }
@@ -52,6 +52,7 @@ class RunMonitor final : public Observer {
   std::uint64_t not_converged() const { return static_cast<std::uint64_t>(totals_.not_converged); }
   double body_steps() const { return totals_.body_steps; }
   std::optional<double> momentum_error() const { return momentum_error_; }
+  /// Of the last tenth; of the last look where the run ended before.
   Overlap overlap() const;
   Overlap last_overlap() const { return last_overlap_; }
 

@@ -72,14 +72,25 @@ bool render(const fs::path& path, const std::string& data, const std::string& se
   return run_gnuplot(fs::path(path) += ".gp");
 }
 
-/// 1, 2 and 5 times powers of ten inside a range.
-std::string tics(double from, double to) {
+/// 1, 2 and 5 times powers of ten inside a range that holds no more than three decades; else nothing.
+std::string written_tics(char axis, double from, double to) {
+  if (!(to <= 2000 * from)) return "";
   std::string out;
   for (double decade = std::pow(10.0, std::floor(std::log10(from))); decade <= to; decade *= 10)
     for (const double step : {1.0, 2.0, 5.0})
       if (const double x = step * decade; x >= from && x <= to)
         out += (out.empty() ? "" : ", ") + fmt::format("{:.6g}", x);
-  return out;
+  return fmt::format("set format {0} '%.3g'\nset {0}tics ({1})\n", axis, out);
+}
+
+/// Of one axis: its range with some room, its scale and its tics.
+std::string axis_settings(char axis, double low, double high, bool log, double below, double above) {
+  if (!log) {
+    const double room = 0.06 * (high > low ? high - low : 1.0);
+    return fmt::format("set {}range [{}:{}]\n", axis, low - room, high + room);
+  }
+  return fmt::format("set logscale {0}\nset format {0} '%.0e'\nset {0}range [{1}:{2}]\n", axis, below * low, above * high) +
+         written_tics(axis, below * low, above * high);
 }
 
 std::string block(const std::vector<PlotPoint>& points) {
@@ -91,7 +102,7 @@ std::string block(const std::vector<PlotPoint>& points) {
 std::string frame(const std::string& title, const std::string& x, const std::string& y) {
   return "set title " + quoted(title) + "\nset xlabel " + quoted(x) + "\nset ylabel " + quoted(y) +
          "\nset border 3 lc rgb '#444444'\nset tics nomirror out\nset grid back lc rgb '#dddddd' lt 1\nset key bottom "
-         "center outside horizontal samplen 2 spacing 1.3\nset format '%g'\n";
+         "center outside horizontal height 1 samplen 2 spacing 1.3\nset format '%g'\n";
 }
 
 }  // namespace
@@ -135,16 +146,15 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
                                      line.points.empty() ? "title " + quoted(line.label + ", failed") : "notitle"));
   }
   if (plot.marked) add(block({*plot.marked}), "with points pt 6 ps 3 lw 2 lc rgb '#d00000' title 'recommended'");
-  std::string settings = frame(plot.title, plot.x_label, plot.y_label) + "set logscale xy\nset format '%.0e'\n";
-  settings += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", 0.7 * left, 1.5 * right, 0.5 * low, 4 * top);
+  std::string settings = frame(plot.title, plot.x_label, plot.y_label) +
+                         axis_settings('x', left, right, plot.log_x, 0.7, 1.5) +
+                         axis_settings('y', low, top, plot.log_y, 0.5, 4.0);
   for (const auto& [label, level] : plot.levels) {
     settings +=
         fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead dt 2 lc rgb '#888888'\n", level);
     settings +=
         fmt::format("set label {} at graph 0.01, first {} offset 0,0.5 tc rgb '#666666'\n", quoted(label), level);
   }
-  // where a range holds no more than three decades its tics are written out
-  if (right <= 1000 * left) settings += "set format x '%.3g'\nset xtics (" + tics(0.7 * left, 1.5 * right) + ")\n";
   return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
 }
 
@@ -188,9 +198,8 @@ bool draw(const KindMap& map, const fs::path& path) {
     for (const auto& p : map.curve) low = std::min(low, p[axis]), high = std::max(high, p[axis]);
     if (!(high > low)) continue;
     const bool log = axis == 0 ? map.log_x : map.log_y;
-    const double room = log ? std::pow(high / low, 0.06) : 0.06 * (high - low);
-    settings += fmt::format("set {}range [{}:{}]\n", axis == 0 ? 'x' : 'y', log ? low / room : low - room,
-                            log ? high * room : high + room);
+    const double room = log ? std::pow(high / low, 0.06) : 1.0;
+    settings += axis_settings(axis == 0 ? 'x' : 'y', low, high, log, 1.0 / room, room);
   }
   if (!map.y_names.empty()) {
     settings += "set ytics (";
@@ -198,8 +207,6 @@ bool draw(const KindMap& map, const fs::path& path) {
       settings += (k > 0 ? ", " : "") + quoted(map.y_names[k]) + " " + std::to_string(k);
     settings += fmt::format(")\nset yrange [-0.7:{}]\n", static_cast<double>(map.y_names.size()) - 0.3);
   }
-  if (map.log_x) settings += "set logscale x\n";
-  if (map.log_y) settings += "set logscale y\n";
   return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
 }
 

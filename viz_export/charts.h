@@ -1,4 +1,4 @@
-/// @file charts.h  Pictures of numbers: points on two logarithmic axes, and maps of what failed. Drawn by gnuplot,
+/// @file charts.h  Pictures of numbers: points on two axes, and maps of what failed. Drawn by gnuplot,
 /// which runs as a program; where it is not installed the data and the script are left beside the place of the picture.
 #pragma once
 #include <array>
@@ -19,14 +19,15 @@ struct PlotLine {
   std::vector<PlotPoint> bars = {};  ///< least and largest x of each point; may be empty
 };
 
-/// Points and lines on logarithmic axes; all coordinates > 0.
+/// Points and lines; coordinates on logarithmic axes are > 0.
 struct ScatterPlot {
   std::string title, x_label, y_label;
   std::vector<PlotLine> lines;
-  bool joined = true;                                  ///< the points of a line by lines
   std::vector<PlotPoint> front;                        ///< drawn bold
   std::vector<std::pair<std::string, double>> levels;  ///< horizontal lines with labels
   std::optional<PlotPoint> marked;                     ///< circled
+  bool joined = true;                                  ///< the points of a line by lines
+  bool log_x = true, log_y = true;
 };
 
 /// Curves on plain axes.

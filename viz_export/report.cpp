@@ -83,7 +83,7 @@ void head(Page& p) {
   p.card(p.number("bodies", "{:.0f}"), "bodies, " + p.number("bodies_lost", "{:.0f}") + " lost");
   p.card(p.number("contacts_mean"), "contacts in the mean");
   p.card(p.number("energy.relative_error", "{:.2g}"), "energy error");
-  p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, last tenth");
+  p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, last tenth of the run");
   if (p.summary.number("residual.max")) p.card(p.number("residual.max", "{:.2g}"), "residual, worst step");
   p.html += "</div>";
   if (const std::string failure = p.summary.text("failure"); !failure.empty())
@@ -109,7 +109,7 @@ void pictures(Page& p) {
 
 /// A curve per component that moves; nothing where none does.
 void curves(Page& p, const std::string& name, const std::string& title, const StoredMeasure& m) {
-  LinePlot plot{title, "time [s]", m.name + " [SI units]", {}};
+  LinePlot plot{title, "time [s]", m.name.ends_with(']') ? m.name : m.name + " [SI units]", {}};
   for (std::size_t c = 0; c < m.components.size() && plot.lines.size() < 8; ++c) {
     PlotLine line{m.components[c], {}, {}};
     const std::size_t width = m.components.size(), stride = std::max<std::size_t>(1, m.times.size() / 2000);
