@@ -42,8 +42,9 @@ void gather(const CoreNearMesh& body, const TriangleMesh& mesh, std::span<const 
   const Vec3& x = body.pose.position;
   for (const auto t : triangles) {
     const bool own = t == at.triangle;
-    if (!own && (!share_a_corner(mesh.triangles[t], mesh.triangles[at.triangle]) ||
-                 !falls_away(mesh, at.triangle, t, x, body.tolerance) || !falls_away(mesh, t, at.triangle, x, body.tolerance)))
+    if (!own &&
+        (!share_a_corner(mesh.triangles[t], mesh.triangles[at.triangle]) ||
+         !falls_away(mesh, at.triangle, t, x, body.tolerance) || !falls_away(mesh, t, at.triangle, x, body.tolerance)))
       continue;
     for (const Vec3& c : mesh.corners(t)) ridge.corners.push_back(c - at.point);
   }

@@ -1,7 +1,7 @@
-/// @file mesh_ridge.h  Contacts at convex edges and corners of a mesh that no triangle knows of. A body that overlaps both
-/// sides of a ridge leaves each triangle on a way of its own that the other bars: each would leave the contact to the other
-/// (1 of 80 boxes less than a hundredth of their size inside a hull's surface). The way out of both is that out of their
-/// convex hull.
+/// @file mesh_ridge.h  Contacts at convex edges and corners of a mesh that no triangle knows of. A body that overlaps
+/// both sides of a ridge leaves each triangle on a way of its own that the other bars: each would leave the contact to
+/// the other (1 of 80 boxes less than a hundredth of their size inside a hull's surface). The way out of both is that
+/// out of their convex hull.
 #pragma once
 #include "detection/narrow/mesh_contact.h"
 #include "detection/narrow/minkowski.h"

@@ -26,16 +26,8 @@ Way hull_answer(const A& a, const Pose& pa, const ConvexHull& b, const Pose& pb)
 /// Deepest contact of the body, slot 0, with the mesh, slot 1; infinite where there is none.
 template <class A>
 double deepest(const ShapeStore& shapes, const World& world, double reach) {
-  const PairCell& cell = pair_table()[ShapeStore::type_of<A>()][ShapeStore::type_of<TriangleMesh>()];
   ContactSet contacts;
-  ContactSink sink(contacts);
-  BatchInput in{.shapes = shapes, .world = world, .reach = reach, .curvature = false, .caches = {}, .triangle_begin = {}, .triangles = {}};
-  const Pair pair{0, 1};
-  std::vector<std::uint32_t> triangles, begin{0, 0};
-  cell.candidates(in, pair, 0.0, triangles);
-  begin[1] = static_cast<std::uint32_t>(triangles.size());
-  in.triangles = triangles, in.triangle_begin = begin;
-  cell.batch(in, {&pair, 1}, sink);
+  support::ask_cell<A, TriangleMesh>(shapes, world, reach, contacts);
   return contacts.size() == 0 ? infinity : *std::min_element(contacts.gap.begin(), contacts.gap.end());
 }
 

@@ -54,7 +54,8 @@ GapField plane_at(const Vec3& origin, const Vec3& normal) {
 
 }  // namespace
 
-TEST_CASE("the gap projected between two meshed balls is x^2/2R, wherever they are", "[physics][wheel_rail][surfaces]") {
+TEST_CASE("the gap projected between two meshed balls is x^2/2R, wherever they are",
+          "[physics][wheel_rail][surfaces]") {
   Random random(401, 0);
   for (const double other : {0.3, 0.1}) {
     GapField field = plane_at(5.0 * testing::random_direction(random), testing::random_direction(random));

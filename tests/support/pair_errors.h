@@ -103,11 +103,30 @@ double gap_error(const A& a, const B& b, const World& world, const ContactSet& c
   return std::max(std::abs(gap - found), best - gap);
 }
 
+/// The contacts of A, slot 0, with B, slot 1, from nothing: with the search for candidates where one is a mesh. Returns how
+/// many were uncertain.
+template <class A, class B>
+std::size_t ask_cell(const ShapeStore& shapes, const World& world, double reach, ContactSet& contacts) {
+  static const PairCell& cell = pair_table()[ShapeStore::type_of<A>()][ShapeStore::type_of<B>()];
+  static std::vector<std::uint32_t> triangles, begin{0, 0};  // keep their size
+  contacts.clear(), triangles.clear();
+  ContactSink sink(contacts);
+  BatchInput in{.shapes = shapes, .world = world, .reach = reach, .curvature = false, .caches = {}, .triangle_begin = {}, .triangles = {}};
+  const Pair pair{0, 1};
+  if constexpr (MeshShape<A> || MeshShape<B>) {
+    cell.candidates(in, pair, 0.0, triangles);
+    begin[1] = static_cast<std::uint32_t>(triangles.size());
+    in.triangles = triangles, in.triangle_begin = begin;
+  }
+  cell.batch(in, {&pair, 1}, sink);
+  return sink.degenerate();
+}
+
 /// `count` random pairs, from deep overlap to a radius apart. timed: also ns.
 template <class A, class B>
 PairError measure_cell(Random& random, int count, bool timed) {
-  const PairCell& cell = pair_table()[ShapeStore::type_of<A>()][ShapeStore::type_of<B>()];
-  PairError out{A::name, B::name, cell.method, 0.0, 0.0, 0, 0};
+  const char* method = pair_table()[ShapeStore::type_of<A>()][ShapeStore::type_of<B>()].method;
+  PairError out{A::name, B::name, method, 0.0, 0.0, 0, 0};
   for (int k = 0; k < count; ++k) {
     ShapeStore shapes;
     World world(Columns{.rotation = true, .force = false});
@@ -126,34 +145,15 @@ PairError measure_cell(Random& random, int count, bool timed) {
     constexpr bool mesh = MeshShape<A> || MeshShape<B>;
     if constexpr (mesh) lift_off(a, b, std::min(ra, rb), world, random);
     ContactSet contacts;
-    ContactSink sink(contacts);
-    BatchInput input{.shapes = shapes,
-                     .world = world,
-                     .reach = mesh ? 10.0 : 100.0,
-                     .curvature = false,
-                     .caches = {},
-                     .triangle_begin = {},
-                     .triangles = {}};
-    const Pair pair{0, 1};
-    std::vector<std::uint32_t> triangles, begin{0, 0};
-    const auto ask = [&] {
-      contacts.clear(), triangles.clear();
-      if constexpr (mesh) {
-        cell.candidates(input, pair, 0.0, triangles);
-        begin[1] = static_cast<std::uint32_t>(triangles.size());
-        input.triangles = triangles, input.triangle_begin = begin;
-      }
-      cell.batch(input, {&pair, 1}, sink);
-    };
-    ask();
-    out.degenerate += sink.degenerate();
+    const double reach = mesh ? 10.0 : 100.0;
+    out.degenerate += ask_cell<A, B>(shapes, world, reach, contacts);
     out.worst = std::max(out.worst, gap_error(a, b, world, contacts, random) / std::max(ra, rb));
     ++out.pairs;
     if (!timed) continue;
     double least = infinity;
     for (int repeat = 0; repeat < 3; ++repeat) {
       const auto start = std::chrono::steady_clock::now();
-      for (int j = 0; j < 8; ++j) ask();
+      for (int j = 0; j < 8; ++j) ask_cell<A, B>(shapes, world, reach, contacts);
       least = std::min(least,
                        std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / 8);
     }
