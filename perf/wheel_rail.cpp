@@ -1,9 +1,13 @@
 /// @file wheel_rail.cpp  Price and error of the patch models, one thread, processor time, best of many calls. Errors:
 /// laws against the half-space solution of the 8 by 4 mm ellipse on 176 x 176 cells, extrapolated; normal contact
-/// against Hertz.
+/// against Hertz; whole evaluations of S1002 on UIC60 (`perf_wheel_rail whole` for these alone) against boundary
+/// elements on 0.2 mm.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 
 #include "engine/parallel.h"
@@ -13,6 +17,7 @@
 #include "laws/wheel_rail/tangential/shen_hedrick_elkins.h"
 #include "laws/wheel_rail/tangential/strip_theory.h"
 #include "laws/wheel_rail/tangential/vermeulen_johnson.h"
+#include "scenes/patch/evaluate_patch.h"
 
 using namespace epafi;
 
@@ -120,11 +125,39 @@ void normal() {
   }
 }
 
+/// Search, normal and tangential model of the benchmark's wheelset, profiles kept: milliseconds and error of the peak.
+void whole() {
+  std::printf("%-6s %6s %-16s %10s %10s %10s\n", "side", "mm", "model", "ms", "peak", "approach");
+  for (const char* side : {"left", "right"}) {
+    for (const double shift : {0.0, 0.2, 0.5, 0.75, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
+      const std::string text = fmt::format(
+          "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n[shape.wheel]\n"
+          "wheel_profile = {{ name = \"s1002\", radius = 0.46 }}\n[shape.rail]\nrail_profile = {{ name = \"uic60\", "
+          "cant "
+          "= \"= atan(1/40)\" }}\n[patch]\nload = 10e3\nlateral_shift = {}e-3\nyaw = {}\nside = \"{}\"\n"
+          "tangential = \"fastsim\"\ngrid = {{ dx = 2e-4, dy = 2e-4 }}\n",
+          shift, 2.4e-3 * shift, side);
+      PatchCase c = *read_patch_text(text, "case.toml", {}).patch;
+      c.normal = {"half-space"};
+      const PatchResult truth = evaluate_patch(c).front();
+      for (const char* model : {"semi-hertz", "analyn", "kik-piotrowski"}) {
+        c.normal = {model};
+        PatchResult r;
+        const double seconds = best_seconds(7, 10, [&] { r = evaluate_patch(c).front(); });
+        std::printf("%-6s %6.2f %-16s %10.3f %9.2f%% %9.2f%%\n", side, shift, model, 1e3 * seconds,
+                    100.0 * (r.max_pressure / truth.max_pressure - 1.0), 100.0 * (r.approach / truth.approach - 1.0));
+      }
+    }
+  }
+}
+
 }  // namespace
 
-int main() {
+int main(int count, char** words) {
   set_thread_count(1);
+  if (count > 1 && std::strcmp(words[1], "whole") == 0) return whole(), 0;
   normal();
   std::printf("%-20s %-28s %12s %10s\n", "creepage", "law", "seconds", "error/muN");
   laws();
+  whole();
 }

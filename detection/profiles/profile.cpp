@@ -90,12 +90,18 @@ Profile::Profile(const ProfilePoints& points, double tolerance) : y_(points.y) {
 }
 
 void Profile::make_index() {
+  for (std::size_t k = 0; k + 1 < y_.size(); ++k) {
+    const double h = y_[k + 1] - y_[k], s0 = second_[k], s1 = second_[k + 1];
+    pieces_.push_back(
+        {y_[k], {z_[k], (z_[k + 1] - z_[k]) / h - h / 6.0 * (2.0 * s0 + s1), 0.5 * s0, (s1 - s0) / (6.0 * h)}});
+  }
   const std::size_t buckets = 2 * y_.size();
-  bucket_ = (y_.back() - y_.front()) / static_cast<double>(buckets);
+  const double width = (y_.back() - y_.front()) / static_cast<double>(buckets);
+  per_bucket_ = 1.0 / width;
   first_.resize(buckets + 1);
   std::uint32_t k = 0;
   for (std::size_t b = 0; b <= buckets; ++b) {
-    const double y = y_.front() + static_cast<double>(b) * bucket_;
+    const double y = y_.front() + static_cast<double>(b) * width;
     while (k + 2 < y_.size() && y_[k + 1] <= y) ++k;
     first_[b] = k;
   }
@@ -103,22 +109,61 @@ void Profile::make_index() {
 
 Profile::Value Profile::at(double y) const {
   const double clamped = std::clamp(y, y_.front(), y_.back());
-  auto k = static_cast<std::size_t>(
-      first_[std::min(first_.size() - 1, static_cast<std::size_t>((clamped - y_.front()) / bucket_))]);
-  while (k + 2 < y_.size() && y_[k + 1] < clamped) ++k;
-  const double h = y_[k + 1] - y_[k], b = (clamped - y_[k]) / h, a = 1.0 - b, s0 = second_[k], s1 = second_[k + 1];
-  Value v;
-  v.z = a * z_[k] + b * z_[k + 1] + h * h / 6.0 * ((a * a * a - a) * s0 + (b * b * b - b) * s1);
-  v.slope = (z_[k + 1] - z_[k]) / h + h / 6.0 * ((3.0 * b * b - 1.0) * s1 - (3.0 * a * a - 1.0) * s0);
-  v.second = a * s0 + b * s1;
+  const auto bucket = static_cast<std::size_t>((clamped - y_.front()) * per_bucket_);
+  std::size_t k = first_[std::min(first_.size() - 1, bucket)];
+  while (k + 1 < pieces_.size() && pieces_[k + 1].y < clamped) ++k;
+  const Piece& p = pieces_[k];
+  const double t = clamped - p.y;
+  Value v{p.c[0] + t * (p.c[1] + t * (p.c[2] + t * p.c[3])), p.c[1] + t * (2.0 * p.c[2] + t * 3.0 * p.c[3]),
+          2.0 * p.c[2] + 6.0 * t * p.c[3]};
   v.z += (y - clamped) * v.slope;
   return v;
 }
 
+namespace {
+
+/// Unit in metres that a comment states, 0 if it states none.
+double unit_of_comment(const std::string& line, std::string& problem) {
+  const std::size_t colon = line.find("unit:");
+  if (colon == std::string::npos) return 0.0;
+  const std::size_t word = line.find_first_not_of(" \t", colon + 5);
+  const std::string name = word == std::string::npos ? "" : line.substr(word, line.find_last_not_of(" \t") + 1 - word);
+  const QuantityResult q = read_quantity("1 " + name, "m");
+  if (!q.value) problem = "unit '" + name + "': " + q.problem;
+  return q.value.value_or(0.0);
+}
+
+/// The first two numbers of a line, separated by comma, semicolon or space; false if there are none.
+bool two_numbers(std::string line, double& y, double& z) {
+  std::replace(line.begin(), line.end(), ',', ' ');
+  std::replace(line.begin(), line.end(), ';', ' ');
+  char *end = nullptr, *last = nullptr;
+  y = std::strtod(line.c_str(), &end);
+  z = std::strtod(end, &last);
+  return end != line.c_str() && last != end && std::isfinite(y) && std::isfinite(z);
+}
+
+/// In the order of y, points that are one merged; what is wrong with them otherwise.
+std::string sort_out(std::vector<std::pair<double, double>>& points) {
+  if (points.size() < 4) return "a profile has at least 4 points, found " + std::to_string(points.size());
+  if (points.front().first > points.back().first) std::reverse(points.begin(), points.end());
+  // joints of zones are often written twice: points nearer than a micrometre in y are one
+  const auto one = [](const auto& a, const auto& b) {
+    return std::abs(a.first - b.first) < 1e-6 && std::abs(a.second - b.second) < 2e-6;
+  };
+  points.erase(std::unique(points.begin(), points.end(), one), points.end());
+  for (std::size_t k = 1; k < points.size(); ++k)
+    if (points[k].first <= points[k - 1].first + 1e-9)
+      return "point " + std::to_string(k + 1) + ": y does not increase; an undercut profile is not a function of y";
+  return "";
+}
+
+}  // namespace
+
 ProfileFile read_profile(const std::string& text) {
   ProfileFile out;
   std::istringstream in(text);
-  double unit = 0.0;
+  double unit = 0.0, y = 0.0, z = 0.0;
   std::vector<std::pair<double, double>> points;
   bool header = true;
   for (std::string line; std::getline(in, line);) {
@@ -126,48 +171,21 @@ ProfileFile read_profile(const std::string& text) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.find_first_not_of(" \t") == std::string::npos) continue;
     if (line[0] == '#') {
-      const std::size_t colon = line.find("unit:");
-      if (colon == std::string::npos) continue;
-      const std::size_t word = line.find_first_not_of(" \t", colon + 5);
-      const std::string name =
-          word == std::string::npos ? "" : line.substr(word, line.find_last_not_of(" \t") + 1 - word);
-      const QuantityResult q = read_quantity("1 " + name, "m");
-      if (!q.value) return out.problem = "unit '" + name + "': " + q.problem, out;
-      unit = *q.value;
-      continue;
-    }
-    if (unit == 0.0) return out.problem = "the first line must state the unit, as in '# unit: mm'", out;
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::replace(line.begin(), line.end(), ';', ' ');
-    char* end = nullptr;
-    const double y = std::strtod(line.c_str(), &end);
-    char* last = nullptr;
-    const double z = std::strtod(end, &last);
-    if (end == line.c_str() || last == end || !std::isfinite(y) || !std::isfinite(z)) {
-      if (header && points.empty()) {
-        header = false;  // one line of column names
-        continue;
-      }
+      if (const double stated = unit_of_comment(line, out.problem); stated > 0.0) unit = stated;
+      if (!out.problem.empty()) return out;
+    } else if (unit == 0.0) {
+      return out.problem = "the first line must state the unit, as in '# unit: mm'", out;
+    } else if (two_numbers(line, y, z)) {
+      points.emplace_back(y * unit, z * unit);
+    } else if (header && points.empty()) {
+      header = false;  // one line of column names
+    } else {
       return out.problem = "expected two numbers y, z, found '" + line + "'", out;
     }
-    points.emplace_back(y * unit, z * unit);
   }
-  if (points.size() < 4)
-    return out.problem = "a profile has at least 4 points, found " + std::to_string(points.size()), out;
-  if (points.front().first > points.back().first) std::reverse(points.begin(), points.end());
-  // joints of zones are often written twice: points nearer than a micrometre in y are one
-  points.erase(std::unique(points.begin(), points.end(),
-                           [](const auto& a, const auto& b) {
-                             return std::abs(a.first - b.first) < 1e-6 && std::abs(a.second - b.second) < 2e-6;
-                           }),
-               points.end());
-  for (std::size_t k = 1; k < points.size(); ++k) {
-    if (points[k].first <= points[k - 1].first + 1e-9)
-      return out.problem =
-                 "point " + std::to_string(k + 1) + ": y does not increase; an undercut profile is not a function of y",
-             out;
-  }
-  for (const auto& [y, z] : points) out.points.y.push_back(y), out.points.z.push_back(z);
+  out.problem = sort_out(points);
+  if (!out.problem.empty()) return out;
+  for (const auto& [at, height] : points) out.points.y.push_back(at), out.points.z.push_back(height);
   out.line = 0;
   return out;
 }

@@ -30,9 +30,15 @@ class Profile {
 
  private:
   void make_index();
+  /// z = c[0] + t (c[1] + t (c[2] + t c[3])), t from y: without a division, for contact searches spend a quarter of
+  /// their time here.
+  struct Piece {
+    double y, c[4];
+  };
   std::vector<double> y_, z_, second_;
+  std::vector<Piece> pieces_;
   std::vector<std::uint32_t> first_;  ///< last knot at or before each of equal buckets
-  double bucket_ = 0.0;
+  double per_bucket_ = 0.0;           ///< 1 / width
 };
 
 /// Either the points or what is wrong, with the line.

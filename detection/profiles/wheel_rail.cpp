@@ -18,7 +18,7 @@ constexpr double nowhere = 1.0;  // gap where one of the surfaces is not met [m]
 constexpr double steepest =
     0.03;  // square of the cosine to the plane's normal: beyond 80 degrees it is no height above it
 constexpr double not_met = std::numeric_limits<double>::quiet_NaN();
-constexpr double small_step = 1e-9;  // of a Newton iteration [m]: the next would be below 1e-16 on a radius of 10 mm
+constexpr double small_step = 1e-7;  // of a Newton iteration [m]: the next would be below 1e-12 on a radius of 10 mm
 
 }  // namespace
 
@@ -37,31 +37,41 @@ WheelRailPair::WheelRailPair(const Profile& wheel, const Profile& rail, const Tr
 }
 
 void WheelRailPair::make_tables() {
+  auto tables = std::make_shared<Tables>();
   for (double y = wheel_.y_min(); y <= wheel_.y_max();
-       y = wheel_.y_min() + scan_step * static_cast<double>(wheel_places_.size())) {
+       y = wheel_.y_min() + scan_step * static_cast<double>(tables->wheel.size())) {
     const Profile::Value w = wheel_.at(y);
-    wheel_places_.push_back({track_.radius + w.z, w.slope});
+    tables->wheel.push_back({track_.radius + w.z, w.slope});
   }
   const auto count = static_cast<std::size_t>((rail_.y_max() - rail_.y_min()) / table_step) + 2;
   for (std::size_t k = 0; k < count; ++k)
-    rail_heights_.push_back(rail_.at(rail_.y_min() + table_step * static_cast<double>(k)).z);
+    tables->rail.push_back(rail_.at(rail_.y_min() + table_step * static_cast<double>(k)).z);
+  tables_ = std::move(tables);
+}
+
+WheelRailPair WheelRailPair::on_side(bool right) const {
+  WheelRailPair out = *this;
+  out.mirror_ = right ? 1.0 : -1.0;
+  out.place({});
+  return out;
 }
 
 std::vector<double> WheelRailPair::scan(double& from) const {
   const auto first = static_cast<std::size_t>(std::max(0.0, std::ceil((scan_from_ - wheel_.y_min()) / scan_step)));
   from = wheel_.y_min() + scan_step * static_cast<double>(first);
+  const std::vector<double>& rail = tables_->rail;
   std::vector<double> gap;
-  for (std::size_t k = first; k < wheel_places_.size(); ++k) {
+  for (std::size_t k = first; k < tables_->wheel.size(); ++k) {
     const double y = wheel_.y_min() + scan_step * static_cast<double>(k);
     if (y > scan_to_) break;
-    const auto& [R, slope] = wheel_places_[k];
+    const auto& [R, slope] = tables_->wheel[k];
     const double t = slope * tan_yaw_, c = 1.0 / std::sqrt(1.0 + t * t), x = -R * t * c, z = R * c, side = tape_ + y;
     const double py = centre_.y() + turn_(1, 0) * x + turn_(1, 1) * side + turn_(1, 2) * z,
                  pz = centre_.z() + turn_(2, 1) * side + turn_(2, 2) * z;
     const double at = (axis_ - py - rail_.y_min()) / table_step,
-                 inside = std::clamp(at, 0.0, static_cast<double>(rail_heights_.size()) - 1.000001);
+                 inside = std::clamp(at, 0.0, static_cast<double>(rail.size()) - 1.000001);
     const auto m = static_cast<std::size_t>(inside);
-    gap.push_back(rail_heights_[m] + (at - static_cast<double>(m)) * (rail_heights_[m + 1] - rail_heights_[m]) - pz);
+    gap.push_back(rail[m] + (at - static_cast<double>(m)) * (rail[m + 1] - rail[m]) - pz);
   }
   return gap;
 }
@@ -183,22 +193,23 @@ double WheelRailPair::wheel_height(const Plane& plane, double x, double s, doubl
   return not_met;
 }
 
-bool WheelRailPair::sample(const Plane& plane, std::size_t k, Sample& last, GapProfile& g) const {
+bool WheelRailPair::sample(const Plane& plane, std::size_t k, Sample& here, GapProfile& g) const {
   const auto& [o, t, n] = plane;
   const double s = g.y(k);
-  const double zr = rail_height(plane, s, last.rail);
+  const double zr = rail_height(plane, s, here.rail);
   // the lowest point along x: where the wheel's normal has no x part; x follows the slope of the wheel's profile
-  double zw = wheel_height(plane, last.x, s, last.wheel);
+  double zw = wheel_height(plane, here.x, s, here.wheel);
   if (std::isnan(zr) || std::isnan(zw)) return false;
-  const Vec3 p = turn_.transpose() * (o + last.x * Vec3::UnitX() + s * t + zw * n - centre_);
+  const Vec3 p = turn_.transpose() * (o + here.x * Vec3::UnitX() + s * t + zw * n - centre_);
   const Profile::Value w = wheel_.at(p.y() - tape_);
   const double rho = std::hypot(p.x(), p.z());
   const Vec3 normal = turn_ * Vec3(p.x() / rho, -w.slope, p.z() / rho);
-  const double x = last.x - normal.x() * rho;
-  zw = wheel_height(plane, x, s, zw);
+  const double step = -normal.x() * rho, x = here.x + step, curvature = 1.0 / (rho * normal.dot(n));
+  constexpr double parabola = 2e-5;  // a step along x [m] up to which the wheel's height follows its curvature to 1e-15
+  zw = std::abs(step) < parabola ? zw + 0.5 * curvature * step * step : wheel_height(plane, x, s, zw);
   if (std::isnan(zw)) return false;
-  last = {zr, zw, x};
-  g.curvature_x[k] = 1.0 / (rho * normal.dot(n)), g.centre_x[k] = x, g.gap[k] = zr - zw + depth_ * n.z();
+  here = {zr, zw, x};
+  g.curvature_x[k] = curvature, g.centre_x[k] = x, g.gap[k] = zr - zw + depth_ * n.z();
   return true;
 }
 
@@ -208,13 +219,19 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
   const auto count = static_cast<std::size_t>(2.0 * sampling_.reach / sampling_.step) + 1;
   g.start = -sampling_.reach, g.step = sampling_.step;
   g.gap.resize(count), g.curvature_x.resize(count), g.centre_x.resize(count);
-  // walk both ways from the middle: the last heights are good guesses
+  // walk both ways from the middle: a parabola through the last three heights is a good guess of the next
   const std::size_t middle = count / 2;
   for (const int way : {1, -1}) {
-    Sample last{0.0, -region.offset, 0.0};
+    Sample here{0.0, -region.offset, 0.0}, last = here, before = here;
     const auto place = [&](std::size_t m) { return way > 0 ? middle + m : middle - m; };
     std::size_t m = 0;
-    while (m <= middle && sample(plane, place(m), last, g) && g.gap[place(m)] < sampling_.until) ++m;
+    while (m <= middle && sample(plane, place(m), here, g) && g.gap[place(m)] < sampling_.until) {
+      if (m == 0) last = before = here;
+      const Sample next{3.0 * (here.rail - last.rail) + before.rail, 3.0 * (here.wheel - last.wheel) + before.wheel,
+                        3.0 * (here.x - last.x) + before.x};
+      before = last, last = here, ++m;
+      if (m > 2) here = next;
+    }
     // from there on it goes on as it was, opening
     for (std::size_t rest = m; rest <= middle; ++rest) {
       const std::size_t q = place(rest), from = place(rest > 0 ? rest - 1 : 0);
@@ -256,6 +273,8 @@ std::vector<ContactRegion> WheelRailPair::find_regions(double reach) const {
   if (!out.empty()) add_profile(out.front());
   return out;
 }
+
+ContactRegion WheelRailPair::deepest() const { return regions_at(minima(2e-4), 0.0).front(); }
 
 double WheelRailPair::touch(double reach, std::vector<ContactRegion>& regions) {
   auto places = minima(reach);
@@ -322,9 +341,14 @@ ContactRegion WheelRailPair::moved(const ContactRegion& region, double y, double
   Vec3 p = plane.origin + y * plane.t + rail_height(plane, y, 0.0) * plane.n;
   const GapProfile& g = region.profile;
   if (g.size() > 1) {
-    const double at = std::clamp((y - g.start) / g.step, 0.0, static_cast<double>(g.size()) - 1.000001);
-    const auto k = static_cast<std::size_t>(at);
-    p.x() += g.centre_x[k] + (at - static_cast<double>(k)) * (g.centre_x[k + 1] - g.centre_x[k]);
+    const auto value = [&](const std::vector<double>& v, double place) {
+      const double at = std::clamp((place - g.start) / g.step, 0.0, static_cast<double>(g.size()) - 1.000001);
+      const auto k = static_cast<std::size_t>(at);
+      return v[k] + (at - static_cast<double>(k)) * (v[k + 1] - v[k]);
+    };
+    // x is where the wheel's point below that of the rail is lowest
+    const double deep = std::max(0.0, depth_ * plane.n.z() - value(g.gap, y)), lean = -plane.n.y() / plane.n.z();
+    p.x() += value(g.centre_x, y + lean * deep);
   }
   const Vec3 q = turn_.transpose() * (p - centre_);
   out.point = Vec3(p.x(), mirror_ * p.y(), p.z());
@@ -337,7 +361,11 @@ ContactRegion WheelRailPair::moved(const ContactRegion& region, double y, double
 
 WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const TrackGeometry& track,
                                 WheelsetPosition p) {
-  WheelRailPair left(wheel, rail, track, false), right(wheel, rail, track, true);
+  return stand_on_rails(WheelRailPair(wheel, rail, track, true), p);
+}
+
+WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition p) {
+  WheelRailPair left = side.on_side(false), right = side.on_side(true);
   for (int k = 0; k < 30; ++k) {
     left.place(p), right.place(p);
     const double gl = left.clearance(), gr = right.clearance();
@@ -347,7 +375,7 @@ WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const
     if (std::abs(gl) + std::abs(gr) < 1e-12) break;
   }
   left.place(p), right.place(p);
-  return {p, left.find_regions(2e-4).front(), right.find_regions(2e-4).front()};
+  return {p, left.deepest(), right.deepest()};
 }
 
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude) {

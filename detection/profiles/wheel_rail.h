@@ -32,6 +32,8 @@ class WheelRailPair final : public GapSource {
   /// `right`: which side of the track; the left one is its mirror image and answers in track axes all the same.
   WheelRailPair(const Profile& wheel, const Profile& rail, const TrackGeometry& track, bool right);
   void place(const WheelsetPosition& position);
+  /// The same wheel and rail on the left or right, with the tables of this one; to be placed.
+  WheelRailPair on_side(bool right) const;
 
   /// Lowers or lifts the wheel until it just touches: gaps are meant from there, for on a steep flank sinking also
   /// closes them sideways.
@@ -55,6 +57,8 @@ class WheelRailPair final : public GapSource {
   /// Regions nearer than `reach` to touching when the deepest touches, the deepest first.
   std::vector<ContactRegion> regions() const override { return find_regions(2e-4); }
   std::vector<ContactRegion> find_regions(double reach) const;
+  /// The region that touches first, without its profile.
+  ContactRegion deepest() const;
   /// Smallest vertical gap over the track: how far the wheel may sink before it touches [m].
   double clearance() const;
   GapField field(const ContactRegion& region, double x, double y, double dx, double dy, std::size_t nx,
@@ -94,8 +98,8 @@ class WheelRailPair final : public GapSource {
   struct Sample {
     double rail, wheel, x;
   };
-  /// One place of a profile from the last one; false where a surface is not met.
-  bool sample(const Plane& plane, std::size_t k, Sample& last, GapProfile& profile) const;
+  /// One place of a profile from a guess of it; false where a surface is not met.
+  bool sample(const Plane& plane, std::size_t k, Sample& here, GapProfile& profile) const;
 
   const Profile& wheel_;
   const Profile& rail_;
@@ -107,11 +111,14 @@ class WheelRailPair final : public GapSource {
   double tan_yaw_ = 0.0;          ///< of that turn
   double depth_ = 0.0;            ///< lowered from touching [m]
   double scan_from_ = 0.0, scan_to_ = 0.0;
-  struct WheelPlace {
-    double radius, slope;
+  struct Tables {
+    struct WheelPlace {
+      double radius, slope;
+    };
+    std::vector<WheelPlace> wheel;  ///< from the wheel's first point in steps of the scan
+    std::vector<double> rail;       ///< heights, finely from the rail's first point
   };
-  std::vector<WheelPlace> wheel_places_;  ///< from the wheel's first point in steps of the scan
-  std::vector<double> rail_heights_;      ///< finely from the rail's first point
+  std::shared_ptr<const Tables> tables_;  ///< of the profiles: the same on both sides of the track
   Sampling sampling_;
 };
 
@@ -123,6 +130,9 @@ struct WheelsetGeometry {
 };
 WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const TrackGeometry& track,
                                 WheelsetPosition start);
+
+/// The same for the wheelset of which this is one side.
+WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition start);
 
 /// Equivalent conicity at this amplitude [m]: wavelength of the wheelset's free kinematic motion y'' = -delta_r(y) /
 /// (r0 s), integrated over a whole period (EN 15302), put into Klingel's formula.

@@ -80,9 +80,8 @@ void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, 
   }
   pair.place(position);
   const double clearance = pair.touch(near, found_);
-  // the wheel is where it is: it came down along z, which matters between two regions (scenes/patch has the figures)
-  constexpr double flank = 0.75;
-  if (profiles && clearance < 0.0 && !found_.empty() && std::abs(found_.front().angle) < flank) pair.lower(-clearance);
+  // the wheel is where it is: it came down along z, which matters on flanks and between regions (scenes/patch)
+  if (profiles && clearance < 0.0) pair.lower(-clearance);
   const std::size_t first = out.size();
   for (ContactRegion& r : found_) {
     const double approach = -clearance * std::cos(r.angle) - r.offset;

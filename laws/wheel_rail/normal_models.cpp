@@ -61,13 +61,19 @@ PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, 
   PatchPlace out{0.0, region.angle};
   const GapProfile& g = region.profile;
   double w = 0.0, wy = 0.0, wa = 0.0;
+  const double lean = std::tan(region.point.y() < 0.0 ? -region.angle : region.angle);
   for (std::size_t k = 0; k < g.size(); ++k) {
     const double depth = (approach - g.gap[k]) / approach;
     if (depth <= 0.0) continue;
-    // depths are along the plane's normal; along z, and per width of the track, they are steeper by `rise` and `width`
-    const double angle = source.angle_at(region, g.y(k)), rise = std::cos(angle - region.angle) / std::cos(angle);
-    const double along_z = depth * rise, one = along_z * along_z * std::sqrt(along_z / g.curvature_x[k]) / rise;
-    w += one, wy += one * g.y(k), wa += one * angle;
+    // the rail's point above this one of the wheel: on a flank of 0.8 rad 0.03 mm beside it, a sixth of a cell
+    const std::size_t before = k > 0 ? k - 1 : k, after = k + 1 < g.size() ? k + 1 : k;
+    const double opening = (g.gap[after] - g.gap[before]) / (g.y(after) - g.y(before));
+    const double y = g.y(k) - lean * (approach - g.gap[k]);
+    // depths are along the plane's normal; along z they are steeper by `rise`; sums go over the track's width
+    const double angle = source.angle_at(region, y), rise = std::cos(angle - region.angle) / std::cos(angle);
+    const double along_z = depth * rise, width = (1.0 + lean * opening) / rise;
+    const double one = along_z * along_z * std::sqrt(along_z / g.curvature_x[k]) * width;
+    w += one, wy += one * y, wa += one * angle;
   }
   if (w > 0.0) out.y = wy / w, out.angle = wa / w;
   return out;

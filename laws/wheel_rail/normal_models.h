@@ -19,6 +19,14 @@ struct StripStart {
   static constexpr std::size_t most = 64;
   std::uint64_t count = 0;  ///< 0: nothing is known
   std::array<double, most> share{};
+  /// Share at this part of the way from the first strip's edge to the last one's, in [0, 1].
+  double at(double part) const {
+    const double x = part * static_cast<double>(count) - 0.5, last = static_cast<double>(count - 1);
+    const double inside = x < 0.0 ? 0.0 : x > last ? last : x;
+    const auto k = static_cast<std::uint64_t>(inside);
+    const double f = inside - static_cast<double>(k);
+    return k + 1 < count ? (1.0 - f) * share[k] + f * share[k + 1] : share[k];
+  }
 };
 
 struct NormalInput {
@@ -32,6 +40,7 @@ struct NormalInput {
   int along = 44;               ///< cells of a strip
   bool stresses = false;        ///< finite elements keep those inside the body
   StripStart* start = nullptr;  ///< strips to start from; left as they ended
+  double settle = 1e-3;         ///< change of the strips' lengths, over the longest, at which they are settled
   InfluenceRange influence{};   ///< between regions apart, for models of the whole gap
   double penalty = 100.0;       ///< stiffness of a node of finite elements over E* a, where contact is by penalty
 };

@@ -41,8 +41,8 @@ std::vector<PatchResult> evaluate_patch(const PatchCase& patch, bool maps = fals
 
 /// The list as `patch --json` prints it.
 std::string patch_json(const std::vector<PatchResult>& results);
-/// Writes pressures, tractions, slips and stick or slip of every solved patch to FOLDER/NORMAL_TANGENTIAL.csv and .vti,
-/// stresses and displacements inside the body of finite elements to FOLDER/NORMAL_stress.vtr.
+/// Writes pressures, tractions, slips and stick or slip of every solved patch to FOLDER/NORMAL_TANGENTIAL.csv, .vti and
+/// .svg, stresses and displacements inside the body of finite elements to FOLDER/NORMAL_stress.vtr.
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results);
 /// Rigid geometry of the case's wheelset at shifts of 0 to 8 mm as CSV: roll, contact places, rolling radius
 /// difference, equivalent conicity (EN 15302).

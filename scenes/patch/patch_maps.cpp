@@ -91,6 +91,43 @@ std::string vti_of(const TractionMap& m) {
   return out + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
 }
 
+/// Where the patch sticks (dark) and slips (light), the tractions as lines from dots, at most 24 in a row; x to the
+/// right is forwards, y down to the right of the track.
+std::string svg_of(const TractionMap& m) {
+  const Image g = image_of(m);
+  const double wide = static_cast<double>(g.nx) * g.dx, high = static_cast<double>(g.ny) * g.dy;
+  const double scale = 640.0 / std::max(wide, high), cw = g.dx * scale, ch = g.dy * scale, margin = 24.0;
+  double most = 0.0;
+  for (std::size_t k = 0; k < m.x.size(); ++k) most = std::max(most, std::hypot(m.traction_x[k], m.traction_y[k]));
+  std::string cells, arrows;
+  const std::size_t each = std::max<std::size_t>(1, std::max(g.nx, g.ny) / 24);
+  for (std::size_t c = 0; c < g.source.size(); ++c) {
+    if (g.source[c] < 0) continue;
+    const auto k = static_cast<std::size_t>(g.source[c]);
+    const std::size_t i = c % g.nx, j = c / g.nx;
+    const double x = margin + static_cast<double>(i) * cw, y = margin + static_cast<double>(j) * ch;
+    cells += fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" class=\"{}\"/>\n", x, y,
+                         cw + 0.3, ch + 0.3, state_of(m, k) == 1 ? "stick" : "slip");
+    if (i % each || j % each || !(most > 0.0)) continue;
+    const double length = 0.9 * static_cast<double>(each) * std::max(cw, ch) / most;
+    arrows += fmt::format(
+        "<circle cx=\"{0:.2f}\" cy=\"{1:.2f}\" r=\"1.5\"/><line x1=\"{0:.2f}\" y1=\"{1:.2f}\" x2=\"{2:.2f}\" "
+        "y2=\"{3:.2f}\"/>\n",
+        x + 0.5 * cw, y + 0.5 * ch, x + 0.5 * cw + length * m.traction_x[k], y + 0.5 * ch + length * m.traction_y[k]);
+  }
+  return fmt::format(
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
+             "font-family=\"sans-serif\" "
+             "font-size=\"13\">\n<style>.stick{{fill:#30638e}}.slip{{fill:#f4c98a}}line{{stroke:#111;stroke-width:1.2}}"
+             "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+             wide * scale + 2.0 * margin, high * scale + 2.0 * margin + 24.0) +
+         cells + arrows +
+         fmt::format(
+             "<text x=\"{0}\" y=\"{1:.0f}\">stick dark, slip light; longest traction {2:.3g} MPa; {3:.3g} by {4:.3g} "
+             "mm</text>\n</svg>\n",
+             margin, high * scale + 2.0 * margin + 10.0, 1e-6 * most, 1e3 * wide, 1e3 * high);
+}
+
 /// VTK XML RectilinearGrid: the graded block with displacements at nodes, stresses and their equivalent in elements.
 std::string vtr_of(const BlockStress& b) {
   const auto last = [](const std::vector<double>& v) { return v.size() - 1; };
@@ -137,6 +174,7 @@ void write_patch_maps(const std::string& folder, const std::vector<PatchResult>&
       const std::string name = r.normal + "_" + r.tangential + (r.contacts.size() > 1 ? "_" + std::to_string(k) : "");
       write_whole_file(std::filesystem::path(folder) / (name + ".csv"), {csv_of(m)});
       write_whole_file(std::filesystem::path(folder) / (name + ".vti"), {vti_of(m)});
+      write_whole_file(std::filesystem::path(folder) / (name + ".svg"), {svg_of(m)});
     }
   }
 }

@@ -36,17 +36,19 @@ std::vector<Row> rows() {
 }
 
 PatchResult evaluate(const Row& r, const std::string& normal, const std::string& tangential,
-                     const std::string& more = "") {
+                     const std::string& more = "", double cell = 2e-4, double load = 10e3) {
+  const std::string friction = tangential.empty() ? "" : fmt::format("tangential = \"{}\"\n", tangential);
   const std::string text =
       fmt::format(
           "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n"
           "[shape.wheel]\nwheel_profile = {{ name = \"s1002\", radius = 0.46 }}\n[shape.rail]\nrail_profile = {{ name "
           "= "
           "\"uic60\", cant = {:.17g} }}\n"
-          "[patch]\nload = 10e3\nlateral_shift = {:.17g}\nyaw = {:.17g}\nroll = {:.17g}\nrolling_radius = "
+          "[patch]\nload = {:.17g}\nlateral_shift = {:.17g}\nyaw = {:.17g}\nroll = {:.17g}\nrolling_radius = "
           "{:.17g}\nside = "
-          "\"{}\"\nnormal = \"{}\"\ntangential = \"{}\"\ngrid = {{ dx = 2e-4, dy = 2e-4 }}\n",
-          std::atan(1.0 / 40.0), 1e-3 * r.shift, r.yaw, r.roll, -2.0 / r.pitch_rate, r.side, normal, tangential) +
+          "\"{}\"\nnormal = \"{}\"\n{}grid = {{ dx = {:.17g}, dy = {:.17g} }}\n",
+          std::atan(1.0 / 40.0), load, 1e-3 * r.shift, r.yaw, r.roll, -2.0 / r.pitch_rate, r.side, normal, friction,
+          cell, cell) +
       more;
   const PatchReading reading = read_patch_text(text, "case.toml", {});
   for (const auto& p : reading.problems) UNSCOPED_INFO(p.to_string());
@@ -64,19 +66,33 @@ TEST_CASE("boundary elements on wheel and rail agree with the Manchester benchma
     const PatchResult q = evaluate(r, "half-space", "half-space");
     REQUIRE(q.contacts.size() == 1);
     const PatchContact& c = q.contacts.front();
-    // On the tread far inside the 2 % and 0.1 mm that are asked for. On the gauge corner at 5 mm a tenth of a
-    // micrometre of the approach moves a percent of the load between two regions; on the flange the patch is 1.6 mm
-    // wide, eight cells, and five of 200 cells more or less are in its edge.
+    // Far inside the 2 % and 0.1 mm that are asked for. On the gauge corner at 5 mm a tenth of a micrometre of the
+    // approach moves a percent of the load between two regions; at 6 mm the patch moves by three times what a profile
+    // does; from 7 mm on it is 1 mm wide, five cells (the case below says what their number means).
     const bool flange = r.shift > 5.5, corner = r.side == "right" && r.shift == 5.0;
-    CHECK(q.normal_force == Approx(r.N).epsilon(0.004));
-    CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(corner ? 0.016 : flange ? 0.012 : 0.002));
+    CHECK(q.normal_force == Approx(r.N).epsilon(0.002));
+    CHECK(q.max_pressure == Approx(1e6 * r.p0).epsilon(corner ? 0.016 : flange ? 0.009 : 0.002));
     CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(corner ? 0.011 : flange ? 0.008 : 0.002));
-    CHECK(c.point.y() == Approx(1e-3 * r.y).margin(corner || flange ? 0.03e-3 : 0.004e-3));
-    CHECK(c.point.x() == Approx(1e-3 * r.x).margin(corner || flange ? 0.05e-3 : 0.004e-3));
-    CHECK(c.angle == Approx(r.angle).margin(corner || flange ? 0.0012 : 0.0002));
-    CHECK(q.area == Approx(0.04e-6 * r.cells).epsilon(flange ? 0.032 : corner ? 0.01 : 0.004));
+    CHECK(c.point.y() == Approx(1e-3 * r.y).margin(corner ? 0.03e-3 : flange ? 0.011e-3 : 0.003e-3));
+    CHECK(c.point.x() == Approx(1e-3 * r.x).margin(corner ? 0.05e-3 : flange ? 0.02e-3 : 0.003e-3));
+    CHECK(c.angle == Approx(r.angle).margin(corner || flange ? 0.0005 : 0.0001));
+    CHECK(q.area == Approx(0.04e-6 * r.cells).epsilon(flange ? 0.013 : corner ? 0.01 : 0.003));
     // forces over mu N; where part of the patch sticks (0 and 0.5 mm) the reference itself is 1.5 % from its limit
-    CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < (flange ? 0.013 : 0.009) * 0.3 * r.N);
+    CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < (flange ? 0.012 : 0.006) * 0.3 * r.N);
+  }
+}
+
+TEST_CASE("on the flange the number of cells agrees, though it is not yet the area", "[physics][wheel_rail]") {
+  // Five cells across: moved by half a cell, the same grid has a tenth more of them, so that the count of the case
+  // above agrees only where both grids have their middle on the same place of the rail within 0.01 mm. A grid of a
+  // quarter has 4 to 8 % less area; Hertz' own from force and peak, 3 N / (2 p0), is less by 8 to 11 %.
+  for (const Row& r : rows()) {
+    if (r.shift < 6.5) continue;
+    INFO(r.shift << " mm");
+    const PatchResult fine = evaluate(r, "half-space", "coulomb", "", 5e-5);
+    CHECK(fine.area < 0.97 * 0.04e-6 * r.cells);
+    CHECK(fine.area > 0.92 * 0.04e-6 * r.cells);
+    CHECK(fine.max_pressure == Approx(1e6 * r.p0).epsilon(0.02));
   }
 }
 
@@ -98,18 +114,66 @@ TEST_CASE("gauge corner and tread, 10 mm apart, share the load by the influence 
   CHECK(whole.contacts.front().point.y() > shared.contacts.front().point.y() + 0.05e-3);
 }
 
-TEST_CASE("strips keep within 0.5 % of the peak pressure, 1.5 % at the jump", "[physics][wheel_rail]") {
+TEST_CASE("strips keep within 0.2 % of the peak pressure, 0.8 % on the gauge corner", "[physics][wheel_rail]") {
   for (const Row& r : rows()) {
     if (r.shift > 6.0) continue;
     INFO(r.side << " " << r.shift << " mm");
     const PatchResult q = evaluate(r, "semi-hertz", "fastsim");
     // the corner at 5 mm against our own boundary elements, which stand 1.5 % above the reference there
-    const bool corner = r.side == "right" && r.shift == 5.0;
-    const double p0 = corner ? evaluate(r, "half-space", "fastsim").max_pressure : 1e6 * r.p0;
-    CHECK(q.max_pressure == Approx(p0).epsilon(r.shift == 0.0 ? 0.015 : corner ? 0.008 : 0.005));
-    CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(0.012));
-    if (r.shift >= 1.0 && !corner)  // FASTSIM takes one ellipse for two regions there, and says so
+    const bool two = r.side == "right" && r.shift == 5.0, corner = r.side == "right" && r.shift >= 5.0;
+    const double p0 = two ? evaluate(r, "half-space", "fastsim").max_pressure : 1e6 * r.p0;
+    CHECK(q.max_pressure == Approx(p0).epsilon(corner ? 0.008 : 0.002));
+    CHECK(q.approach == Approx(1e-3 * r.approach).epsilon(corner ? 0.012 : 0.002));
+    if (r.shift >= 1.0 && !two)  // FASTSIM takes one ellipse for two regions there, and says so
       CHECK(std::hypot(q.force.fx - r.fx, q.force.fy - r.fs) < 0.017 * 0.3 * r.N);  // KPEC + FASTSIM: 0.024
+  }
+}
+
+TEST_CASE("where two hills of pressure part, strips are within 1 % of boundary elements", "[physics][wheel_rail]") {
+  // the right wheel between the jump and 1 mm, of which the benchmark has no row: the patch is 17 mm wide
+  Row r = rows().front();
+  r.side = "right";
+  for (const double shift : {0.2, 0.3, 0.4, 0.5, 0.6, 0.75}) {
+    INFO(shift << " mm");
+    r.shift = shift, r.yaw = 2.4e-3 * shift, r.roll = -4.6e-5 * shift;
+    const PatchResult truth = evaluate(r, "half-space", "coulomb"), q = evaluate(r, "semi-hertz", "coulomb");
+    CHECK(q.max_pressure == Approx(truth.max_pressure).epsilon(0.01));
+    CHECK(q.approach == Approx(truth.approach).epsilon(0.003));
+    CHECK(q.area == Approx(truth.area).epsilon(0.03));
+  }
+}
+
+TEST_CASE("strips settle at every place and load", "[physics][wheel_rail]") {
+  Row r = rows().front();
+  for (const char* side : {"left", "right"}) {
+    r.side = side;
+    for (const double load : {1e3, 1e4, 4e4, 1e5}) {
+      for (const double shift : {0.0, 0.1, 0.2, 0.3, 0.5, 1.0, 3.0, 5.0, 6.0, 7.0}) {
+        INFO(side << " " << shift << " mm " << load << " N");
+        r.shift = shift, r.yaw = 2.4e-3 * shift, r.roll = shift < 6.5 ? -6e-5 * shift : -0.0064;
+        for (const std::string& reason : evaluate(r, "semi-hertz", "", "", 2e-4, load).reasons)
+          CHECK(reason.find("conformal") != std::string::npos);
+      }
+    }
+  }
+}
+
+TEST_CASE("analyn knows its error: silent within 1.5 %, said where it is more", "[physics][wheel_rail]") {
+  Row r = rows().front();
+  for (const char* side : {"left", "right"}) {
+    r.side = side;
+    for (const double load : {1e3, 1e4, 4e4, 1e5}) {
+      for (const double shift : {0.0, 0.2, 0.5, 1.0, 2.0, 4.0}) {
+        INFO(side << " " << shift << " mm " << load << " N");
+        r.shift = shift, r.yaw = 2.4e-3 * shift, r.roll = -5.6e-5 * shift;
+        const double truth = evaluate(r, "semi-hertz", "", "", 2e-4, load).max_pressure;
+        const PatchResult q = evaluate(r, "analyn", "", "", 2e-4, load);
+        const double error = std::abs(q.max_pressure / truth - 1.0);
+        if (q.reasons.empty()) CHECK(error < 0.015);
+        if (error > 0.04) CHECK_FALSE(q.reasons.empty());
+        CHECK(error < q.error_estimate + 0.012);  // of the strips that stand for the truth here
+      }
+    }
   }
 }
 
@@ -167,10 +231,12 @@ TEST_CASE("where a law leaves its range it says why, and elsewhere it is silent"
   const std::string spin = ellipse(8e-3, 4e-3, 0.0, 0.0, 2.0), large_spin = ellipse(8e-3, 4e-3, 0.0, 0.0, 6.94),
                     pure = ellipse(8e-3, 4e-3, 0.001, 0.0, 0.0), tiny = ellipse(8e-3, 4e-3, 1e-5, 0.0, 0.0),
                     circle = ellipse(5e-3, 5e-3, 0.001, 0.0, 0.0), slender = ellipse(1e-3, 8e-3, 0.001, 0.0, 0.0),
-                    jump = wheel(0.0, 0.0, 0.0, "left"), tread = wheel(3e-3, 0.0072, -0.0001803, "left"),
-                    corner = wheel(5e-3, 0.012, -0.0003554, "right"),
+                    jump = wheel(0.0, 0.0, 0.0, "left"), beside = wheel(0.2e-3, 0.48e-3, -1e-5, "right"),
+                    tread = wheel(3e-3, 0.0072, -0.0001803, "left"), corner = wheel(5e-3, 0.012, -0.0003554, "right"),
                     coarse = wheel(0.5e-3, 0.0012, -2.5e-5, "left", "grid = { dx = 8e-4, dy = 8e-4 }\n"),
                     fine = wheel(0.5e-3, 0.0012, -2.5e-5, "left", "grid = { dx = 2e-4, dy = 2e-4 }\n");
+  std::string heavy = jump;
+  heavy.replace(heavy.find("load = 10e3"), 11, "load = 40e3");
   const std::string conformal =
       steel + "[patch]\nradii = { x1 = 0.46, x2 = inf, y1 = 0.013, y2 = -0.0145 }\nload = 80e3\n";
   std::string plastic = pure;
@@ -198,7 +264,12 @@ TEST_CASE("where a law leaves its range it says why, and elsewhere it is silent"
                       {&jump, "kik-piotrowski", "", "parabola"},
                       {&jump, "stripes", "", "parabola"},
                       {&jump, "multi-hertz", "", "parabola"},
-                      {&jump, "analyn", "", ""},
+                      {&jump, "analyn", "", "do not close the gap"},
+                      {&beside, "analyn", "", "do not close the gap"},
+                      {&heavy, "analyn", "", "do not close the gap"},
+                      {&beside, "stripes", "", "do not close the gap"},
+                      {&beside, "semi-hertz", "", ""},
+                      {&heavy, "semi-hertz", "", ""},
                       {&jump, "semi-hertz", "", ""},
                       {&jump, "half-space", "", ""},
                       {&jump, "semi-hertz", "fastsim", "not an ellipse"},

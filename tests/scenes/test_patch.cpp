@@ -1,7 +1,12 @@
 // `epafi patch`: cases read, problems named with their place, results and validity.
+#include <unistd.h>
+
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <set>
+#include <sstream>
 
 #include "scenes/patch/evaluate_patch.h"
 #include "tests/support/catch.h"
@@ -91,6 +96,50 @@ TEST_CASE("a line contact is Carter's problem", "[scenes][wheel_rail]") {
   const double q = 1.0 - 0.0002 * 0.5 / (0.3 * a);  // 1 - xi R / (mu a)
   CHECK(r[0].force.fx / 15e3 == Approx(1.0 - q * q).epsilon(1e-3));
   CHECK(r[0].reasons.empty());
+}
+
+TEST_CASE("maps of a patch hold its force, and its picture the cells that stick", "[scenes][wheel_rail]") {
+  const PatchReading r = read_patch_text(
+      head +
+          "[patch]\nload = 82e3\nsemi_axes = { a = 8e-3, b = 4e-3 }\ncreepage = { lateral = 0.0005, spin = 0.3 }\n"
+          "tangential = \"fastsim\"\ngrid = { dx = 4e-4, dy = 4e-4 }\n",
+      "case.toml", {});
+  REQUIRE(r.patch);
+  const auto results = evaluate_patch(*r.patch, true);
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("epafi-maps-" + std::to_string(::getpid()));
+  write_patch_maps(folder.string(), results);
+  std::ifstream in(folder / "hertz_fastsim.csv");
+  std::string line;
+  std::getline(in, line);
+  CHECK(line == "x,y,pressure,traction_x,traction_y,slip_x,slip_y,state");
+  std::size_t cells = 0, stick = 0;
+  double worst = 0.0, fy = 0.0;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    double v[8] = {};
+    char comma;
+    for (double& value : v) words >> value >> comma;
+    ++cells, stick += v[7] == 1.0, fy += v[4];
+    worst = std::max(worst, std::hypot(v[3], v[4]) / (0.3 * v[2]));
+  }
+  CHECK(cells == results[0].contacts[0].map.x.size());
+  CHECK(static_cast<double>(stick) / static_cast<double>(cells) == Approx(results[0].stick_share).margin(0.1));
+  CHECK(worst < 4.0 / 3.0);  // parabolic bound over elliptic pressure
+  CHECK(fy * results[0].force.fy > 0.0);
+  std::stringstream picture;
+  picture << std::ifstream(folder / "hertz_fastsim.svg").rdbuf();
+  const auto count = [text = picture.str()](const std::string& word) {
+    std::size_t n = 0;
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; ++at) ++n;
+    return n;
+  };
+  // one square for each cell of the image, strips of one length each in theirs
+  const std::size_t sticks = count("class=\"stick\""), slips = count("class=\"slip\"");
+  CHECK(static_cast<double>(sticks) / static_cast<double>(sticks + slips) ==
+        Approx(results[0].stick_share).margin(0.1));
+  CHECK(std::filesystem::exists(folder / "hertz_fastsim.vti"));
+  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("what is wrong with a case is named with its place", "[scenes][wheel_rail]") {

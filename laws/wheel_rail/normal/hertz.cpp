@@ -4,9 +4,7 @@
 #include "laws/wheel_rail/normal/models.h"
 
 namespace epafi {
-namespace {
 
-/// Largest change of the gap against its osculating parabola over the patch, relative to the gap at the patch's edge.
 double distortion(const ContactRegion& region, double half_width) {
   const GapProfile& g = region.profile;
   if (g.size() < 2) return 0.0;
@@ -19,8 +17,6 @@ double distortion(const ContactRegion& region, double half_width) {
   }
   return edge > 0.0 ? worst / edge : 0.0;
 }
-
-}  // namespace
 
 void check_conformal(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons) {
   const double b = patch.ellipse.b,

@@ -65,7 +65,8 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
     const double inside = 1.0 - std::pow((s.y - middle) / wide, 2);
     out.misfit += 2.0 * std::abs(a - out.longest * std::sqrt(std::max(0.0, inside))) * step / out.area;
     n1 += 0.5 * pi * a * a * step;  // force and displacement per (peak pressure / longest)
-    u1 += a * a / (pi * modulus) * (strip_integral((y + 0.5 * step) / a) - strip_integral((y - 0.5 * step) / a));
+    u1 += a * a / (pi * modulus) *
+          (strip_influence((y + 0.5 * step) / a).displacement - strip_influence((y - 0.5 * step) / a).displacement);
   }
   if (u1 > 0.0) out.peak = approach / u1 * out.longest, out.force = approach / u1 * n1;
   return out;

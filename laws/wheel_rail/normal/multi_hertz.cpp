@@ -34,10 +34,14 @@ std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in) {
     RegionPatch p{k, patch_of_hertz(contact(k, approach))};
     p.patch.approach = approach;
     check_hertz_range(in.regions[k], p.patch, p.patch.reasons);
+    p.patch.error_estimate = std::min(1.0, distortion(in.regions[k], p.patch.ellipse.b));
     for (const RegionPatch& other : out) {
       const double apart = std::abs(in.regions[k].point.y() - in.regions[other.region].point.y());
       if (apart < p.patch.ellipse.b + other.patch.ellipse.b)
         p.patch.reasons.push_back("two ellipses overlap: the regions are one patch");
+      else if (apart - p.patch.ellipse.b - other.patch.ellipse.b < in.influence.none)
+        p.patch.reasons.push_back(
+            "two regions near enough to press on each other, which ellipses of their own leave out");
     }
     out.push_back(std::move(p));
   }

@@ -10,11 +10,13 @@
 #include <numbers>
 
 #include "laws/wheel_rail/normal/models.h"
+#include "laws/wheel_rail/normal/strip_influence.h"
 
 namespace epafi {
 namespace {
 
 using std::numbers::pi;
+constexpr double most_left_open = 0.03;  // of the approach, beyond which the law is out of its range
 
 /// Hertz of approach 1: what a strip takes from it. h(b) = share * approach on the edge across; a and p0 grow as the
 /// root of the approach.
@@ -46,6 +48,18 @@ StripSum press(const std::vector<Line>& lines, double step, double approach) {
     s.first += f * l.y, s.moment_y += f * l.y * l.y, s.moment_x += 0.25 * f * a * a;
   }
   return s;
+}
+
+/// What the pressures of `press` lack of closing the gap, over the approach.
+double misfit(const std::vector<Line>& lines, double step, double approach, double modulus) {
+  std::vector<PressedStrip> strips;
+  for (const Line& l : lines) {
+    const double rest = 1.0 - l.gap / (l.hertz.share * approach);
+    if (!(rest > 0.0)) continue;
+    const double root = std::sqrt(approach * rest);
+    strips.push_back({l.y, l.gap, l.hertz.p0 * root, l.hertz.a * root});
+  }
+  return misfit_of(strips, step, approach, modulus);
 }
 
 /// Curvature across the track from the rigid point to each line, or of each line smoothed over half the patch of
@@ -128,14 +142,18 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
     p.centre_y = centre;
     p.ellipse = {std::sqrt(5.0 * s.moment_x / s.force), std::sqrt(5.0 * across)};
   }
-  check_hertz_range(r, p, p.reasons);
+  // An estimate of its own: over 112 cases (both wheels, 0 to 7 mm, 1 to 100 kN) the peak is off by less than the
+  // misfit where that is below 3 % of the approach, by up to 4.2 times the misfit, 38 % of the peak, where it is more.
+  const double off = misfit(lines, step, approach, E);
+  if (mean_curvature)
+    check_conformal(r, p, p.reasons);
+  else
+    check_hertz_range(r, p, p.reasons);
   if (!mean_curvature || overlaps(lines, approach) > 1) check_second_region(in, p);
-  if (mean_curvature) {  // it is made for gaps that leave their parabola; conformal and far regions stay
-    std::erase_if(p.reasons, [](const std::string& text) { return text.find("parabola") != std::string::npos; });
-    p.error_estimate = p.reasons.empty() ? 0.06 : 0.15;
-  } else {
-    p.error_estimate = p.reasons.empty() ? 0.03 : 0.3;
-  }
+  p.error_estimate = std::max(off > most_left_open ? 4.2 * off : off + 0.002, p.reasons.empty() ? 0.0 : 0.15);
+  if (off > most_left_open)
+    p.reasons.push_back("the pressures of the strips do not close the gap: " +
+                        std::to_string(static_cast<int>(100.0 * off)) + " % of the approach is left");
   return {out};
 }
 
