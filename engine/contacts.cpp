@@ -44,10 +44,18 @@ void ContactSet::append(const ContactSet& other) {
 }
 
 void ContactSet::sort() {
-  const auto key = [&](std::uint32_t k) { return std::tuple(a[k], b[k], feature[k]); };
-  std::vector<std::uint32_t> order(size());
-  for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+  if (a.empty()) return;
+  // by A first: slots are few and dense, so counting does it; what is left are runs of a handful
+  std::vector<std::uint32_t> begin(std::size_t{*std::max_element(a.begin(), a.end())} + 2, 0), order(size());
+  for (const Slot s : a) ++begin[s + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  for (std::uint32_t k = 0; k < order.size(); ++k) order[begin[a[k]]++] = k;
+  const auto key = [&](std::uint32_t k) { return std::tuple(b[k], feature[k]); };
+  for (auto run = order.begin(); run != order.end();) {
+    const auto end = order.begin() + begin[a[*run]];
+    std::sort(run, end, [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+    run = end;
+  }
   permute(order, a, b, feature, gap, normal, arm, effective_radius, area, force);
 }
 

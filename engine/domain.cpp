@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "engine/lanes.h"
 #include "engine/parallel.h"
 
 namespace epafi {
@@ -18,7 +20,38 @@ bool is_finite(const World& world, Slot s) {
   return world.position[s].allFinite() && world.velocity[s].allFinite() && turns && stands;
 }
 
+namespace {
+
+/// x*0 is 0 for every finite number and NaN for all others: their sum says of all at once.
+bool all_finite(const std::vector<Vec3>& column) {
+  constexpr std::size_t rows = 512;
+  return block_max<char>((column.size() + rows - 1) / rows, 0, [&](std::size_t block) {
+           const std::size_t begin = block * rows, end = std::min(column.size(), begin + rows);
+           const double* x = column[begin].data();
+           const std::size_t n = 3 * (end - begin);
+           Lanes sum{}, other{};
+           std::size_t k = 0;
+           for (; k + 2 * lane_count <= n; k += 2 * lane_count) {
+             Lanes a, b;
+             std::memcpy(&a, x + k, sizeof a), std::memcpy(&b, x + k + lane_count, sizeof b);
+             sum += 0.0 * a, other += 0.0 * b;
+           }
+           double rest = 0.0;
+           for (; k < n; ++k) rest += 0.0 * x[k];
+           sum += other;
+           return static_cast<char>(!((sum[0] + sum[1]) + (sum[2] + sum[3]) + rest == 0.0));
+         }) == 0;
+}
+
+bool all_finite(const World& world) {
+  return all_finite(world.position) && all_finite(world.velocity) &&
+         (!world.rotates() || all_finite(world.angular_velocity)) && !world.has_orientation();
+}
+
+}  // namespace
+
 std::vector<Slot> find_strays(const World& world, const std::optional<Domain>& domain) {
+  if (!domain && all_finite(world)) return {};
   const auto astray = [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     if (!world.is_movable(s)) return false;

@@ -9,13 +9,6 @@
 
 namespace epafi {
 
-/// What a stage that acts needs to know about the step.
-struct StepClock {
-  double dt = 0.0;  ///< [s]
-  double velocity_lag =
-      0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
-};
-
 /// What all stages share.
 class StepStage {
  public:
@@ -32,9 +25,21 @@ class Scheme : public StepStage {
  public:
   virtual void first_half(World& world, double dt) = 0;
   virtual void second_half(World& world, double dt) = 0;
+  /// The same for the bodies of slots [begin, end) alone, where has_ranges.
+  virtual bool has_ranges() const { return false; }
+  virtual void first_half(World&, double, std::size_t, std::size_t) {}
+  virtual void second_half(World&, double, std::size_t, std::size_t) {}
   virtual double velocity_lag() const { return 0.0; }
   /// The contact forces of time 0 must be known before the first step.
   virtual bool needs_initial_forces() const { return false; }
+};
+
+/// What a stage that acts needs to know about the step.
+struct StepClock {
+  double dt = 0.0;  ///< [s]
+  double velocity_lag =
+      0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
+  Scheme* scheme = nullptr;  ///< whose second half is the contact model's to call; null: somebody else's
 };
 
 /// Finds the pairs of bodies that may touch.
@@ -54,6 +59,9 @@ class NarrowPhase : public StepStage {
 class ContactModel : public StepStage {
  public:
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
+  /// Runs the first half of clock.scheme, and in `act` its second, along with its own passes over the bodies: what it
+  /// reads or has written is in cache then. False: it does neither.
+  virtual bool move(World&, const StepClock&) { return false; }
   /// Completes the set for observers where the model has found contacts of its own.
   virtual void publish(const World&, ContactSet&) const {}
 };

@@ -17,15 +17,20 @@ double watched(World& world, Pipeline& stage, double dt, const Half& half) {
 
 void step(World& world, Pipeline& stage, Workspace& work, double dt) {
   StageTimer timer(work.report.seconds);
-  double held = watched(world, stage, dt, [&] { stage.scheme->first_half(world, dt); });
+  StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get()};
+  double held = 0.0;
+  if (stage.guard || !stage.contact_model->move(world, clock)) {
+    clock.scheme = nullptr;
+    held = watched(world, stage, dt, [&] { stage.scheme->first_half(world, dt); });
+  }
   timer.lap(Stage::integrate);
   stage.broad_phase->find_pairs(world, work.pairs);
   timer.lap(Stage::broad_phase);
   stage.narrow_phase->collide(world, work.pairs, work.contacts);
   timer.lap(Stage::narrow_phase);
-  stage.contact_model->act(world, work.contacts, {dt, stage.scheme->velocity_lag()}, work.report);
+  stage.contact_model->act(world, work.contacts, clock, work.report);
   timer.lap(Stage::contact);
-  held += watched(world, stage, dt, [&] { stage.scheme->second_half(world, dt); });
+  if (!clock.scheme) held += watched(world, stage, dt, [&] { stage.scheme->second_half(world, dt); });
   work.report.correction += held;
   world.time += dt;
   timer.lap(Stage::integrate);

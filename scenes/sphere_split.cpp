@@ -22,19 +22,21 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
     plane_of[s] = static_cast<std::int32_t>(walls.size());
     walls.push_back({s, world.pose(s).orientation * planes[ref.index()].normal, world.position[s]});
   }
-  rest_.pairs.clear(), spheres_.clear();
+  rest_.pairs.clear();
+  std::vector<SpherePair> between;
+  between.reserve(pairs.pairs.size());
   rest_.margin = pairs.margin, ++rest_.generation;
   for (const Pair& p : pairs.pairs) {
     if (radius[p.a] > 0 && radius[p.b] > 0)
-      spheres_.push_back({p.a, p.b, -1, p.image});
+      between.push_back({p.a, p.b, -1, p.image});
     else if (radius[p.a] > 0 && plane_of[p.b] >= 0)
-      spheres_.push_back({p.a, p.b, plane_of[p.b]});
+      between.push_back({p.a, p.b, plane_of[p.b]});
     else if (radius[p.b] > 0 && plane_of[p.a] >= 0)
-      spheres_.push_back({p.b, p.a, plane_of[p.a]});
+      between.push_back({p.b, p.a, plane_of[p.a]});
     else
       rest_.pairs.push_back(p);
   }
-  model_.set_pairs(world, spheres_, std::move(walls), radius);
+  model_.set_pairs(world, std::move(between), std::move(walls), radius);
   known_ = true, generation_ = pairs.generation;
 }
 

@@ -30,7 +30,6 @@ class SphereSplit final : public NarrowPhase {
   bool known_ = false;
   std::uint64_t generation_ = 0;
   PairList rest_;
-  std::vector<SpherePair> spheres_;
 };
 
 }  // namespace epafi

@@ -77,13 +77,16 @@ void collide_closed(const Cylinder& a, const HalfSpace& b, const PairQuery& q, C
   const double across = std::sqrt(local.x() * local.x() + local.y() * local.y());
   const Vec3 down = across > 0.0 ? Vec3(-a.radius * local.x() / across, -a.radius * local.y() / across, 0.0)
                                  : Vec3(a.radius, 0.0, 0.0);
-  const auto add = [&](const Vec3& p, Feature feature) {
-    const double gap = height + local.dot(p);
+  const auto add_at = [&](const Vec3& p, double gap, Feature feature) {
     if (gap < q.reach) sink.add({gap, -outward, q.a.orientation * p - 0.5 * gap * outward, contact_radius(a), feature});
   };
+  const auto add = [&](const Vec3& p, Feature feature) { add_at(p, height + local.dot(p), feature); };
   const Vec3 end(0.0, 0.0, lower);
   const double side = 0.86602540378443864676 * a.radius;  // sin 120 deg
-  add(end + down, 0);
+  // Upright to within rounding, the lowest point of the rim is anywhere: it comes from the middle of the end. Its depth
+  // is that of the rim, to the last bit.
+  constexpr double upright = 1e-6;
+  add_at(end + std::min(1.0, across / upright) * down, height + local.dot(end + down), 0);
   if (across >= 0.02 && across < 0.5) {
     // it rolls on its rim: points that go round with the lowest one. Points fixed in the body pass through it three
     // times a turn, take its impulse and with it the memory of the contact (Euler's disk lost 22 % of its energy in 10

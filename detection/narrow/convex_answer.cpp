@@ -10,17 +10,9 @@ namespace {
 
 constexpr double wide = 1e-12;  // of the size: an interval that is wider is named
 
-MinkowskiDifference difference_of(const PolyhedronPair& pair) {
-  const auto support = [](const void* p, const Vec3& d) {
-    const auto& view = *static_cast<const PolyhedronView*>(p);
-    return view.vertices[ConvexHull::support_vertex(view, d)];
-  };
-  return {{&pair.a, support, pair.a.radius}, {&pair.b, support, pair.b.radius}, pair.rotation, pair.offset};
-}
-
 /// witness_b still relative to A's position, both in A's axes.
 ConvexAnswer by_supports(const PolyhedronPair& pair) {
-  const MinkowskiDifference difference = difference_of(pair);
+  const MinkowskiDifference difference(core_of(pair.a), core_of(pair.b), pair.rotation, pair.offset);
   const GjkResult g = gjk(difference);
   if (g.status != GjkResult::Status::overlapping)
     return {"ok", g.lower, g.upper - g.lower, g.normal, g.witness_a, g.witness_b};

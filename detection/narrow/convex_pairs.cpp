@@ -59,6 +59,10 @@ bool bounds_apart(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, 
   return spheres_apart(q, a.radius + b.radius + q.reach + r.sweep_a + r.sweep_b);
 }
 
+double smaller(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r) {
+  return std::min(a.radius + r.sweep_a, b.radius + r.sweep_b);
+}
+
 }  // namespace
 
 void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q,
@@ -80,7 +84,7 @@ void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& s
   const Mat3 &turn = difference.rotation, back = turn.transpose();
   const CoreAndPolyhedron pair{sides.polyhedron, first ? turn : back,
                                first ? difference.offset : Vec3(-(back * difference.offset)), sides.shape,
-                               sides.facing};
+                               sides.facing, smaller(a, b, r)};
   const NearestPoint nearest = first ? NearestPoint{c.middle, c.normal, c.gap}
                                      : NearestPoint{back * (c.middle - difference.offset), -(back * c.normal), c.gap};
   const Patch patch = core_patch(pair, nearest, q.reach, first ? r.sweep_a : r.sweep_b, first ? r.sweep_b : r.sweep_a);
@@ -100,7 +104,7 @@ void collide_flat_pair(const ConvexRef& a, const ConvexRef& b, const FlatSides& 
   CoreContact c;
   if (!find_nearest(difference, r, q, sink, c)) return;
   FlatPair pair{sides.facing_a(a.shape, c.normal), sides.facing_b(b.shape, -(difference.rotation.transpose() * c.normal)),
-                difference.size(), r.sweep_a, r.sweep_b};
+                smaller(a, b, r), r.sweep_a, r.sweep_b};
   for (int k = 0; k < pair.b.count; ++k) {
     Vec3& x = pair.b.corner[static_cast<std::size_t>(k)];
     x = difference.rotation * x + difference.offset;

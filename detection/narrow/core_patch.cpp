@@ -33,23 +33,19 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
           {pair.rotation * flat.corner[static_cast<std::size_t>(k)] + pair.offset, static_cast<std::uint32_t>(k), 0});
     const std::uint32_t begin = p.face_begin[face];
     clip_side([&](std::uint32_t k) -> const Vec3& { return p.vertices[p.face_vertices[begin + k]]; },
-              p.face_begin[face + 1] - begin, m, 1e-9 * p.radius, side);
+              p.face_begin[face + 1] - begin, m, side_snap * pair.size, side);
   }
-  double least = infinity;
   for (const SidePoint& s : side) {
     // never below the nearest: along a normal that is not the face's, a point beside the face may seem so
     const double gap =
         std::max(nearest.gap, (m.dot(s.x) - p.face_offsets[face]) / m.dot(n) - sweep_polyhedron - sweep_core);
-    least = std::min(least, gap);
     if (!(gap < reach)) continue;
     const Feature name = s.cut == 0 ? make_feature(FeatureKind::vertex_b, 0, s.corner)
                                     : make_feature(FeatureKind::edges, s.cut, s.corner);
     points.push_back({s.x - (sweep_core + 0.5 * gap) * n, gap, name});
   }
-  if (!(least <= nearest.gap + 1e-9 * p.radius))
-    points.push_back({nearest.position, nearest.gap, make_feature(FeatureKind::single, 0, 0)});
   Patch out;
-  keep_four(points, n, out);
+  keep_with_nearest(points, nearest, pair.size, out);
   return out;
 }
 

@@ -14,15 +14,10 @@ struct CoreAndPolyhedron {
   Vec3 offset;    ///< core's centre in the polyhedron's axes [m]
   const void* shape;
   FlatSide (*facing)(const void* shape, const Vec3& d);
+  double size;  ///< of the smaller body [m]
 };
 
-/// The pair's nearest (deepest) point and what belongs to it, in the polyhedron's axes relative to its centre.
-struct NearestPoint {
-  Vec3 position;  ///< midway between the surfaces [m]
-  Vec3 normal;    ///< unit, from the polyhedron to the core
-  double gap;     ///< sweeps taken off [m]
-};
-
+/// nearest: in the polyhedron's axes relative to its centre, the normal from the polyhedron to the core.
 /// Points with gap < reach along the common normal: the corners of the flat side over the face and, where none of them
 /// is the nearest (a tilted disk, a round end), the nearest point. That alone where nothing flat faces.
 Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, double reach, double sweep_polyhedron,

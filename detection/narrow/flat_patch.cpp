@@ -46,7 +46,7 @@ Patch flat_patch(const FlatPair& pair, const NearestPoint& nearest, double reach
   const bool table_is_b = pair.b.count > pair.a.count;
   const FlatSide &table = table_is_b ? pair.b : pair.a, &laid = table_is_b ? pair.a : pair.b;
   const Vec3 up = table_is_b ? Vec3(-n) : n;  // away from the table's body
-  const double sweep = table_is_b ? pair.sweep_a : pair.sweep_b, tolerance = 1e-9 * pair.size;
+  const double sweep = table_is_b ? pair.sweep_a : pair.sweep_b, tolerance = side_snap * pair.size;
   if (table.count > 0)
     for (int k = 0; k < laid.count; ++k)
       side.push_back({laid.corner[static_cast<std::size_t>(k)], static_cast<std::uint32_t>(k), 0});
@@ -60,19 +60,15 @@ Patch flat_patch(const FlatPair& pair, const NearestPoint& nearest, double reach
     const FlatSide end = ordered(table, m);
     clip_side([&](std::uint32_t k) -> const Vec3& { return end.corner[k]; }, static_cast<std::uint32_t>(end.count), m, tolerance, side);
   }
-  double least = infinity;
   for (const SidePoint& s : side) {
     // never below the nearest: along a normal that is not the end's, a point beside it may seem so
     const double gap = std::max(nearest.gap, m.dot(s.x - table.corner[0]) / m.dot(up) - pair.sweep_a - pair.sweep_b);
-    least = std::min(least, gap);
     if (!(gap < reach)) continue;
     const FeatureKind kind = s.cut != 0 ? FeatureKind::edges : table_is_b ? FeatureKind::vertex_a : FeatureKind::vertex_b;
     points.push_back({s.x - (sweep + 0.5 * gap) * up, gap, make_feature(kind, s.cut, s.corner)});
   }
-  if (!(least <= nearest.gap + 1e-9 * pair.size))
-    points.push_back({nearest.position, nearest.gap, make_feature(FeatureKind::single, 0, 0)});
   Patch out;
-  keep_four(points, n, out);
+  keep_with_nearest(points, nearest, pair.size, out);
   return out;
 }
 

@@ -8,7 +8,7 @@ namespace epafi {
 /// The sides that face each other, both in A's axes relative to A's centre.
 struct FlatPair {
   FlatSide a, b;
-  double size;  ///< of the pair [m]
+  double size;  ///< of the smaller body [m]
   double sweep_a, sweep_b;
 };
 

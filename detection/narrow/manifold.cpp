@@ -7,7 +7,8 @@
 namespace epafi {
 namespace {
 
-constexpr double snap = 1e-6;    // of the size: closer vertices and edges are one, so that equal boxes do not flicker
+constexpr double snap = 1e-6;  // of the size: closer vertices and edges are one, so that equal boxes do not flicker
+constexpr double equal_gap = 1e-7;  // of the size: points as deep as each other; above what a body at rest trembles by
 
 /// Corner of a polygon in the plane across the normal. source: vertex of its polygon from which the next edge starts.
 struct Corner {
@@ -133,31 +134,50 @@ void single_point(const PolyhedronPair& pair, const PolyhedronDistance& d, doubl
 
 }  // namespace
 
-void keep_four(std::span<PatchPoint> points, const Vec3& normal, Patch& out) {
+void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double size, Patch& out) {
   out.count = 0;
+  if (points.empty()) return;
   const auto take = [&](std::size_t i) { out.point[static_cast<std::size_t>(out.count++)] = points[i]; };
+  const auto lowest = [](const auto& p, const auto& q) { return p.gap < q.gap; };
   if (points.size() <= 4) {
     for (std::size_t i = 0; i < points.size(); ++i) take(i);
     return;
   }
-  const auto best_by = [&](const auto& value) {
-    std::size_t best = 0;
-    double high = value(points[0]);
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      if (const double v = value(points[i]); v > high) high = v, best = i;
-    }
+  constexpr std::size_t none = ~std::size_t{0};
+  // Of the values within `tie` of the highest: the lowest feature. None where even the highest is not above `least`.
+  const auto best_by = [&](const auto& value, double tie, double least) {
+    double high = -infinity;
+    for (const PatchPoint& p : points) high = std::max(high, value(p));
+    std::size_t best = none;
+    for (std::size_t i = 0; i < points.size() && high > least; ++i)
+      if (value(points[i]) >= high - tie && (best == none || points[i].feature < points[best].feature)) best = i;
     return best;
   };
-  const std::size_t first = best_by([](const PatchPoint& p) { return -p.gap; });
+  const std::size_t first = best_by([](const PatchPoint& p) { return -p.gap; }, equal_gap * size, -infinity);
+  if (first == none) return;  // positions that are no numbers
   const Vec3 p0 = points[first].position;
-  const std::size_t second = best_by([&](const PatchPoint& p) { return (p.position - p0).squaredNorm(); });
-  const Vec3 across = normal.cross(points[second].position - p0);
-  const std::size_t left = best_by([&](const PatchPoint& p) { return across.dot(p.position - p0); });
-  const std::size_t right = best_by([&](const PatchPoint& p) { return -across.dot(p.position - p0); });
-  take(first);
-  if (second != first) take(second);
-  if (left != first && left != second) take(left);
-  if (right != first && right != second && right != left) take(right);
+  const double far = snap * size * size;  // of squared distances and areas
+  const std::size_t second = best_by([&](const PatchPoint& p) { return (p.position - p0).squaredNorm(); }, far, 0.0);
+  const Vec3 across = second == none ? Vec3(Vec3::Zero()) : normal.cross(points[second].position - p0);
+  const std::size_t left = best_by([&](const PatchPoint& p) { return across.dot(p.position - p0); }, far, far);
+  const std::size_t right = best_by([&](const PatchPoint& p) { return -across.dot(p.position - p0); }, far, far);
+  for (const std::size_t i : {first, second, left, right})
+    if (i != none) take(i);
+  const auto kept = std::min_element(out.point.begin(), out.point.begin() + out.count, lowest);
+  kept->gap = std::min(kept->gap, std::min_element(points.begin(), points.end(), lowest)->gap);
+}
+
+void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out) {
+  double least = infinity;
+  for (const PatchPoint& p : points) least = std::min(least, p.gap);
+  const bool on_corner = least <= nearest.gap + equal_gap * size;
+  if (!on_corner) points.push_back({nearest.position, nearest.gap, make_feature(FeatureKind::single, 0, 0)});
+  keep_four(points, nearest.normal, size, out);
+  if (!on_corner) return;
+  for (int k = 0; k < out.count; ++k) {  // the deepest corners stand for the rim between them
+    double& gap = out.point[static_cast<std::size_t>(k)].gap;
+    if (gap <= least) gap = std::min(gap, nearest.gap);
+  }
 }
 
 Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, double reach, double sweep_a,
@@ -190,7 +210,7 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
       buf.points.push_back({x + 0.5 * (on_a + sweep_a + on_b - sweep_b) * n, on_b - on_a - sweeps, name});
     }
   }
-  keep_four(buf.points, n, out);
+  keep_four(buf.points, n, size, out);
   // The patch must hold the pair's deepest point; where it does not (tip, crossed edges), that point alone is the
   // contact.
   double deepest = infinity;

@@ -5,6 +5,7 @@
 /// they stay while the contact does. Vertices closer than 1e-6 of the size to each other or to an edge count as on it.
 #pragma once
 #include <array>
+#include <vector>
 
 #include "detection/narrow/pair_query.h"
 #include "detection/narrow/polyhedra.h"
@@ -39,8 +40,20 @@ constexpr std::uint32_t feature_vertex_a(Feature f) { return static_cast<std::ui
 Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& distance, double reach, double sweep_a,
                     double sweep_b);
 
+/// The pair's nearest (deepest) point, in the axes of the patch.
+struct NearestPoint {
+  Vec3 position;  ///< midway between the surfaces [m]
+  Vec3 normal;    ///< unit, from A to B
+  double gap;     ///< sweeps taken off [m]
+};
+
 /// Keeps 4 of the points: the deepest, the farthest from it, the two that span the largest area with them on either
-/// side.
-void keep_four(std::span<PatchPoint> points, const Vec3& normal, Patch& out);
+/// side. Of points that are equal to within rounding the one with the lowest feature is taken, so that a body that
+/// trembles by 1e-8 of its size keeps its points. The deepest of those kept carries the least gap of all. size: of the
+/// smaller body [m].
+void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double size, Patch& out);
+
+/// The same for corners of flat sides, with the nearest point itself where no corner is as deep.
+void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out);
 
 }  // namespace epafi

@@ -73,7 +73,7 @@ void reduce(std::vector<MeshPoint>& points, double size) {
       if (is_parallel(points[k].normal, n)) group.push_back({points[k].position, points[k].gap, points[k].feature});
     keep_outline(group, n, same * size);
     Patch patch;
-    keep_four(group, n, patch);
+    keep_four(group, n, size, patch);
     for (int k = 0; k < patch.count; ++k) {
       const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
       out.push_back({p.position, n, p.gap, p.feature});

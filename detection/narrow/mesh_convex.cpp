@@ -3,6 +3,7 @@
 
 #include "detection/narrow/epa.h"
 #include "detection/narrow/mesh_pairs.h"
+#include "detection/narrow/mesh_ridge.h"
 #include "detection/narrow/triangle_solid.h"
 
 namespace epafi {
@@ -21,17 +22,19 @@ enum class Verdict {
   concave  ///< the same, and they rise to the body's side: the planes hold, each its own
 };
 
-/// face: the normal of the triangle towards the body.
+/// face: the normal of the triangle towards the body's centre. Where n leads through it, it holds nobody: a body beside a
+/// convex edge, its centre behind the plane of the far side (1 of 400 cylinders: a depth of half its size).
 Verdict judge(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, std::uint32_t own, const Vec3& point,
               const Vec3& n, const Vec3& face, double tolerance) {
   Verdict verdict = Verdict::free;
+  const bool holds = n.dot(face) > 0.0;
   for (const auto t : triangles) {
     if (t == own || !lies_on(mesh, t, point, tolerance)) continue;
     bool reaches_out = false, rises = false;
     for (const Vec3& c : mesh.corners(t)) {
       const Vec3 w = c - point;  // flat within 1e-6 rad is not reaching out
       reaches_out = reaches_out || n.dot(w) > 1e-3 * tolerance + 0.1 * along_face * w.norm();
-      rises = rises || face.dot(w) > tolerance + along_face * w.norm();
+      rises = rises || (holds && face.dot(w) > tolerance + along_face * w.norm());
     }
     if (!reaches_out) continue;
     if (mesh.normals[t].cross(mesh.normals[own]).squaredNorm() <= along_face * along_face) return Verdict::flat;
@@ -103,7 +106,9 @@ class PolyhedronOnMesh {
     }
   }
 
-  void collide(std::uint32_t t, std::vector<MeshPoint>& out, ContactSink& sink) const {
+  CoreNearMesh core() const { return {core_of(body_), sweep_, pose_, reach_, tolerance_}; }
+
+  void collide(std::uint32_t t, std::vector<MeshPoint>& out, std::vector<BarredTriangle>& barred, ContactSink& sink) const {
     const double limit = reach_ + sweep_;
     const Vec3 face_normal = normal_towards(mesh_, t, centre());
     const auto corner = mesh_.corners(t);
@@ -118,13 +123,16 @@ class PolyhedronOnMesh {
     // where the direction belongs to an inner edge or vertex; towards the side of the body's centre.
     const bool face =
         d.axis.kind == SeparatingAxis::Kind::face_b || n.cross(face_normal).squaredNorm() <= along_face * along_face;
+    const Vec3 on_mesh = centre() + turn_ * d.witness_b;
     const Verdict verdict =
-        face ? Verdict::flat
-             : judge(mesh_, triangles_, t, pose_.position + turn_ * d.witness_b, n, face_normal, tolerance_);
+        face ? Verdict::flat : judge(mesh_, triangles_, t, on_mesh, n, face_normal, tolerance_);
     // In a concave edge the least direction leans on both faces, and each would leave the contact to the other (a hull
     // sank through the floor beside a wall).
     if (verdict == Verdict::flat || verdict == Verdict::concave) return collide_face(t, corner, face_normal, out);
-    if (verdict == Verdict::bent) return;
+    if (verdict == Verdict::bent) {
+      if (d.axis.gap < sweep_) barred.push_back({t, on_mesh});
+      return;
+    }
     const Patch patch = contact_patch(pair, d, reach_, sweep_, 0.0);
     for (int k = 0; k < patch.count; ++k) {
       const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
@@ -235,10 +243,12 @@ class CoreOnMesh {
 
   /// The closed form against the plane of t.
   void collide_plain(std::uint32_t t, std::vector<MeshPoint>& out) const {
-    on_plane(t, mesh_.corners(t), normal_towards(mesh_, t, centre()), out, infinity);
+    on_plane(t, mesh_.corners(t), normal_towards(mesh_, t, centre()), out, infinity, -infinity);
   }
 
-  void collide(std::uint32_t t, std::vector<MeshPoint>& out, ContactSink& sink) const {
+  CoreNearMesh core() const { return {body_.core, sweep_, pose_, reach_, tolerance_}; }
+
+  void collide(std::uint32_t t, std::vector<MeshPoint>& out, std::vector<BarredTriangle>& barred, ContactSink& sink) const {
     const auto corner = mesh_.corners(t);
     const Vec3 face_normal = normal_towards(mesh_, t, centre());
     if (face_normal.dot(centre() - corner[0]) - body_.core.radius > reach_ + sweep_) return;
@@ -250,13 +260,17 @@ class CoreOnMesh {
                          projects_into(corner, mesh_.normals[t], d.on_mesh, -tolerance_);
     const Verdict verdict =
         is_face ? Verdict::flat : judge(mesh_, triangles_, t, d.on_mesh, d.normal, face_normal, tolerance_);
-    if (verdict == Verdict::bent) return;
+    if (verdict == Verdict::bent) {
+      if (d.gap < sweep_) barred.push_back({t, d.on_mesh});
+      return;
+    }
     if (verdict == Verdict::free) {
       const double gap = d.gap - sweep_;
       out.push_back({d.on_mesh + 0.5 * gap * d.normal, d.normal, gap, mesh_feature(t, 1u << 24)});
       return;
     }
-    if (on_plane(t, corner, face_normal, out, tolerance_) || !is_face) return;
+    const double nearest = d.gap > 0.0 ? d.gap - sweep_ - tolerance_ : -infinity;
+    if (on_plane(t, corner, face_normal, out, tolerance_, nearest) || !is_face) return;
     // The triangle lies under the middle of a flat side, where the plane's own points do not reach: its point nearest
     // to the axis is surely under the side.
     const Vec3 deepest = centre() + turn_ * body_.core.support(turn_.transpose() * -face_normal);
@@ -285,9 +299,9 @@ class CoreOnMesh {
     return {true, -p.upper, normal, sound ? on_mesh : nearest_on_triangle(centre(), corner).point};
   }
   /// The closed form against the triangle's plane, those of its points that lie over the triangle or less than `beside`
-  /// [m] off.
+  /// [m] off, and no nearer than `least` [m]: a body beside the triangle reaches behind its plane without touching it.
   bool on_plane(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n, std::vector<MeshPoint>& out,
-                double beside) const {
+                double beside, double least) const {
     static thread_local ContactSet set;  // keeps its size
     set.clear();
     ContactSink sink(set);
@@ -295,7 +309,7 @@ class CoreOnMesh {
     bool any = false;
     for (std::size_t k = 0; k < set.size(); ++k) {
       const Vec3 x = centre() + set.arm[k];
-      if (!projects_into(corner, mesh_.normals[t], x, beside)) continue;
+      if (set.gap[k] < least || !projects_into(corner, mesh_.normals[t], x, beside)) continue;
       const auto name = static_cast<std::uint32_t>((set.feature[k] >> 44 & 3u) << 22 |
                                                    (set.feature[k] >> 22 & 0xffu) << 8 | (set.feature[k] & 0xffu));
       out.push_back({x, n, set.gap[k], mesh_feature(mesh_.flat_group[t], name)});
@@ -317,12 +331,20 @@ class CoreOnMesh {
 template <class BodyOnMesh>
 void collide_all(const BodyOnMesh& body, std::span<const std::uint32_t> triangles, double size, double radius,
                  const PairQuery& q, ContactSink& sink) {
-  static thread_local std::vector<MeshPoint> points;
-  points.clear();
-  if (is_plain(body.mesh(), triangles))
+  static thread_local std::vector<MeshPoint> points;  // keep their size
+  static thread_local std::vector<BarredTriangle> barred;
+  static thread_local std::vector<char> spoke;
+  points.clear(), barred.clear(), spoke.clear();
+  if (is_plain(body.mesh(), triangles)) {
     body.collide_plain(triangles.front(), points);
-  else
-    for (const auto t : triangles) body.collide(t, points, sink);
+  } else {
+    for (const auto t : triangles) {
+      const std::size_t before = points.size();
+      body.collide(t, points, barred, sink);
+      spoke.push_back(points.size() > before);
+    }
+    if (!barred.empty()) collide_ridges(body.core(), body.mesh(), triangles, spoke, barred, points, sink);
+  }
   reduce(points, size);
   emit(points, body.centre(), radius, q, sink);
 }

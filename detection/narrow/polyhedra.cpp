@@ -45,14 +45,6 @@ namespace {
 
 using AxisKind = SeparatingAxis::Kind;
 
-PolyhedronDistance at_axis(const PolyhedronPair& pair, const SeparatingAxis& axis, double limit) {
-  PolyhedronDistance d;
-  d.axis = axis;
-  axis_witnesses(pair, d);
-  d.beyond = axis.gap > limit;
-  return d;
-}
-
 /// The difference of two polyhedra with the supports in the loop.
 struct PolyhedraDifference {
   const PolyhedronPair& pair;
@@ -65,21 +57,49 @@ struct PolyhedraDifference {
   double size() const { return pair.size(); }
 };
 
+/// beside: how far off the face x may be [m].
+bool over_face(const PolyhedronView& p, std::uint32_t f, const Vec3& x, double beside) {
+  for (std::uint32_t k = p.face_begin[f], last = p.face_begin[f + 1] - 1, previous = last; k <= last; previous = k++) {
+    const Vec3 &from = p.vertices[p.face_vertices[previous]], &to = p.vertices[p.face_vertices[k]];
+    const Vec3 e = to - from;
+    if (!(p.face_normals[f].dot(e.cross(x - from)) > -beside * e.cwiseAbs().sum())) return false;
+  }
+  return true;
+}
+
+/// The point of the axis' vertex lies over its face, not beside it.
+bool over_own_face(const PolyhedronPair& pair, const SeparatingAxis& axis, double beside) {
+  if (axis.kind == AxisKind::face_a) return over_face(pair.a, axis.feature_a, pair.vertex_b(axis.feature_b), beside);
+  return over_face(pair.b, axis.feature_b, pair.rotation.transpose() * (pair.a.vertices[axis.feature_a] - pair.offset),
+                   beside);
+}
+
 /// The separation along an axis is the distance where its points lie on the features, not beside them: then two points
 /// are that far apart, and no two are nearer.
 bool is_distance(const PolyhedronPair& pair, const SeparatingAxis& axis) {
-  const auto over_face = [](const PolyhedronView& p, std::uint32_t f, const Vec3& x) {
-    for (std::uint32_t k = p.face_begin[f], last = p.face_begin[f + 1] - 1, previous = last; k <= last;
-         previous = k++) {
-      const Vec3 &from = p.vertices[p.face_vertices[previous]], &to = p.vertices[p.face_vertices[k]];
-      if (!(p.face_normals[f].dot((to - from).cross(x - from)) > 0.0)) return false;
-    }
-    return true;
-  };
-  if (!(axis.gap > 0.0)) return false;
-  if (axis.kind == AxisKind::face_a) return over_face(pair.a, axis.feature_a, pair.vertex_b(axis.feature_b));
-  if (axis.kind != AxisKind::face_b) return false;
-  return over_face(pair.b, axis.feature_b, pair.rotation.transpose() * (pair.a.vertices[axis.feature_a] - pair.offset));
+  if (!(axis.gap > 0.0) || (axis.kind != AxisKind::face_a && axis.kind != AxisKind::face_b)) return false;
+  return over_own_face(pair, axis, 0.0);
+}
+
+/// Of parallel faces the deepest vertex is any of the one's, and its foot may lie beside the other: the nearest points
+/// of the bodies with B pushed out along the axis and a little further lie on both.
+void push_apart(const PolyhedronPair& pair, PolyhedronDistance& d) {
+  PolyhedronPair apart = pair;
+  apart.offset += (1e-3 * pair.size() - d.axis.gap) * d.axis.normal;
+  const GjkResult g = gjk_detail::run(PolyhedraDifference{apart, apart.offset}, {infinity, 1e-15, d.axis.normal});
+  if (g.status == GjkResult::Status::overlapping) return;
+  d.witness_a = g.witness_a, d.witness_b = g.witness_a + d.axis.gap * d.axis.normal;
+}
+
+PolyhedronDistance at_axis(const PolyhedronPair& pair, const SeparatingAxis& axis, double limit) {
+  PolyhedronDistance d;
+  d.axis = axis;
+  axis_witnesses(pair, d);
+  d.beyond = axis.gap > limit;
+  const bool face = axis.kind == AxisKind::face_a || axis.kind == AxisKind::face_b;
+  const double size = pair.size();
+  if (!d.beyond && face && axis.gap < 1e-6 * size && !over_own_face(pair, axis, 1e-9 * size)) push_apart(pair, d);
+  return d;
 }
 
 /// Overlapping by more than rounding is certain whoever finds it.

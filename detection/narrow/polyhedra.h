@@ -9,6 +9,15 @@
 
 namespace epafi {
 
+/// As GJK and EPA take it; the view must live as long.
+inline ConvexRef core_of(const PolyhedronView& view) {
+  const auto support = [](const void* p, const Vec3& d) {
+    const auto& v = *static_cast<const PolyhedronView*>(p);
+    return v.vertices[ConvexHull::support_vertex(v, d)];
+  };
+  return {&view, support, view.radius};
+}
+
 /// B is placed in A's axes: the world's origin plays no part.
 struct PolyhedronPair {
   PolyhedronView a, b;

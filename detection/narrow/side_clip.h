@@ -7,6 +7,9 @@
 
 namespace epafi {
 
+/// Of the size: corners closer to an edge than this are on it (as in the manifold).
+inline constexpr double side_snap = 1e-6;
+
 /// A point of the side and its name: a corner, or an edge of the side cut by an edge of the polygon.
 struct SidePoint {
   Vec3 x;

@@ -10,16 +10,14 @@ sphere and step (median, smallest, largest), and as a check that all did the sam
 the others do not). Needs numpy; of Debian: lammps, liggghts.
 """
 import argparse
-import csv
 import json
 import os
 import re
-import resource
 import shutil
-import statistics
 import subprocess
 
 import numpy
+from runs import print_table, processor_time, settled, take_turns, write_csv
 
 SCENE = "scenes/library/bed/bed.toml"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
@@ -40,23 +38,13 @@ os.makedirs(o.out, exist_ok=True)
 
 def settle():
     """Positions and radii of the settled bed, and the side of its box."""
-    folder = os.path.join(o.out, "settled_%d" % o.n)
-    if not os.path.exists(os.path.join(folder, "snapshots.csv")):
-        subprocess.run([program, "run", scene, "--set", "params.n=%d" % o.n, "-t", "1", "-q", "--force", "--least-output", "-o", folder], check=True)
-        subprocess.run([program, "export", folder, "--format", "csv"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    with open(os.path.join(folder, "snapshots.csv")) as file:  # walls have no radius
-        rows = [r for r in csv.DictReader(file) if 0 < float(r["radius"]) < numpy.inf]
-    last = max(float(r["time"]) for r in rows)
-    bed = numpy.array([[float(r[c]) for c in ("x", "y", "z", "radius")] for r in rows if float(r["time"]) == last])
+    bed = settled(program, scene, os.path.join(o.out, "settled_%d" % o.n), "params.n=%d" % o.n)
     assert len(bed) == o.n, "%d spheres in the last snapshot, not %d" % (len(bed), o.n)
     return bed, (o.n * numpy.pi / 6 * 0.005**3 / 0.6) ** (1 / 3)
 
 
 def write_inputs(bed, side):
-    with open(os.path.join(o.out, "bodies.csv"), "w") as f:
-        f.write("x,y,z,radius\n")
-        for b in bed:
-            f.write("%.17g,%.17g,%.17g,%.17g\n" % tuple(b))
+    write_csv(os.path.join(o.out, "bodies.csv"), bed)
     with open(os.path.join(o.out, "bed.toml"), "w") as f:
         f.write('title = "Settled bed"\nrun = { duration = %.9g, time_step = %g, output_interval = 1.0 }\nworld = { gravity = [0, 0, -9.81] }\n'
                 % ((o.steps + 0.5) * STEP, STEP))
@@ -117,19 +105,10 @@ def write(name, text):
         f.write("\n".join(lines))
 
 
-def processor_time(command, steps):
-    """Of the whole process [s], and what it printed."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = command + ["-var", "steps", str(steps)]
-    text = subprocess.run(command, cwd=o.out, env=dict(os.environ, OMP_NUM_THREADS="1"), capture_output=True, text=True).stdout
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, text
-
-
 def run_peer(command):
     """Processor ns per sphere and step, neighbours. They print wall time only: the same run without the timed steps is subtracted."""
-    start, _ = processor_time(command, 0)
-    whole, text = processor_time(command, o.steps)
+    start, _ = processor_time(command + ["-var", "steps", "0"], o.out)
+    whole, text = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
     rows = re.findall(r"^\s*\d+\s+%d\s+(\S+)\s+\S+\s*$" % o.n, text, re.M)
     if not rows:
         print("%s failed:\n%s" % (command[0], text[-1500:]))
@@ -151,19 +130,4 @@ if shutil.which("lmp"):
               ("LAMMPS granular (Mindlin, Tsuji)", lambda: run_peer(["lmp", "-log", "none", "-in", "granular.lammps"]))]
 if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "bed.liggghts"])))
-seen = {name: [] for name, _ in codes}
-for k in range(o.repeats):
-    for name, run in codes:
-        result = run()
-        if result:
-            seen[name].append(result)
-lines = ["| %d spheres, one thread | ns per sphere and step | smallest, largest | over Epafi | neighbours |" % o.n, "|---|---|---|---|---|"]
-ours = statistics.median(r[0] for r in seen["Epafi"])
-for name, results in seen.items():
-    if results:
-        ns = [r[0] for r in results]
-        lines.append("| %s | %.0f | %.0f, %.0f | %.2f | %.2f |" % (name, statistics.median(ns), min(ns), max(ns), statistics.median(ns) / ours, results[-1][1]))
-text = "\n".join(lines) + "\n"
-print(text + "load of the machine: %.1f" % os.getloadavg()[0])
-with open(os.path.join(o.out, "table.md"), "w") as f:
-    f.write(text)
+print_table("%d spheres, one thread" % o.n, "neighbours", take_turns(codes, o.repeats), o.out)

@@ -53,32 +53,38 @@ std::vector<std::pair<Slot, Slot>> touching_pairs(const ContactSet& c) {
   return pairs;
 }
 
-/// Contacts per body over the bodies that are `in`.
-std::vector<int> degrees(const World& w, const std::vector<std::pair<Slot, Slot>>& pairs, const std::vector<char>& in) {
-  std::vector<int> degree(w.size(), 0);
-  for (const auto& [a, b] : pairs) {
-    const bool wall_a = !w.is_movable(a), wall_b = !w.is_movable(b);
-    if ((in[a] || wall_a) && (in[b] || wall_b)) ++degree[a], ++degree[b];
+/// The bodies that each touches: those of body s are list[begin[s]] to list[begin[s + 1]].
+struct Neighbours {
+  std::vector<std::uint32_t> begin;
+  std::vector<Slot> list;
+  Neighbours(std::size_t bodies, const std::vector<std::pair<Slot, Slot>>& pairs) : begin(bodies + 2, 0), list(2 * pairs.size()) {
+    for (const auto& [a, b] : pairs) ++begin[a + 2], ++begin[b + 2];
+    for (std::size_t s = 2; s < begin.size(); ++s) begin[s] += begin[s - 1];
+    for (const auto& [a, b] : pairs) list[begin[a + 1]++] = b, list[begin[b + 1]++] = a;
   }
-  return degree;
-}
+};
 
 }  // namespace
 
 void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  const auto pairs = touching_pairs(view.contacts);
+  const Neighbours touched(w.size(), touching_pairs(view.contacts));
   std::vector<char> in(w.size(), 0);
+  std::vector<int> degree(w.size(), 0);
+  std::vector<Slot> leaving;
   double bodies = 0, sum = 0;
-  for (Slot s = 0; s < w.size(); ++s) in[s] = w.is_movable(s), bodies += in[s];
-  auto degree = degrees(w, pairs, in);
-  for (Slot s = 0; s < w.size(); ++s) sum += in[s] ? degree[s] : 0;
+  for (Slot s = 0; s < w.size(); ++s) {
+    if (!w.is_movable(s)) continue;
+    degree[s] = static_cast<int>(touched.begin[s + 1] - touched.begin[s]);
+    in[s] = 1, bodies += 1, sum += degree[s];
+    if (degree[s] < least_) leaving.push_back(s);
+  }
   values = {bodies > 0 ? sum / bodies : 0.0, 0.0, 0.0};
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (Slot s = 0; s < w.size(); ++s)
-      if (in[s] && degree[s] < least_) in[s] = 0, changed = true;
-    if (changed) degree = degrees(w, pairs, in);
+  while (!leaving.empty()) {  // whoever loses its last needed neighbour leaves after it
+    const Slot s = leaving.back();
+    leaving.pop_back(), in[s] = 0;
+    for (std::uint32_t k = touched.begin[s]; k < touched.begin[s + 1]; ++k)
+      if (const Slot other = touched.list[k]; in[other] && degree[other]-- == least_) leaving.push_back(other);
   }
   double kept = 0, kept_sum = 0;
   for (Slot s = 0; s < w.size(); ++s) kept += in[s], kept_sum += in[s] ? degree[s] : 0;

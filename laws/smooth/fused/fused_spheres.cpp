@@ -14,37 +14,38 @@ struct BlockTask {
   SphereBlocks::Block& block;
   const SphereLaw<Normal, Tangential>& law;
   const std::vector<SphereLaw<Normal, Tangential>>& wall_laws;  ///< by plane
-  SphereArrays arrays;
+  const SphereArrays& arrays;
 
   EPAFI_LANES void run() const {
     if (block.images.empty())
-      run_groups<false>();
+      sweep_runs<false>();
     else
-      run_groups<true>();
+      sweep_runs<true>();
   }
 
   template <bool periodic>
-  EPAFI_LANES void run_groups() const {
-    SphereGroup* g = block.groups.data();
-    const SphereImages* image = block.images.data();
-    const auto at = [&](std::size_t k) { return periodic ? image + k : nullptr; };
-    const auto of_wall = [&](const SphereGroup& group) -> const auto& {
-      return wall_laws[static_cast<std::size_t>(group.plane)];
-    };
-    const auto of_pair = [&](const SphereGroup&) -> const auto& { return law; };
-    const std::size_t inside = block.inside, across = block.across;
-    block.touching =
-        evaluate<Normal, Tangential, true, false, periodic>(g, g + inside, at(0), of_wall, arrays) +
-        evaluate<Normal, Tangential, false, false, periodic>(g + inside, g + across, at(inside), of_pair, arrays) +
-        evaluate<Normal, Tangential, false, true, periodic>(g + across, g + block.groups.size(), at(across), of_pair,
-                                                            arrays);
+  EPAFI_LANES void sweep_runs() const {
+    SphereTotals total;
+    for (const SphereBlocks::Run& run : block.runs) {
+      if (run.plane >= 0)
+        sweep<Normal, Tangential, true, false, periodic>(block, run, wall_laws[static_cast<std::size_t>(run.plane)],
+                                                         arrays, total);
+      else if (!run.across)
+        sweep<Normal, Tangential, false, false, periodic>(block, run, law, arrays, total);
+      else
+        sweep<Normal, Tangential, false, true, periodic>(block, run, law, arrays, total);
+    }
+    const auto sum = [](const Lanes& x) EPAFI_INLINED { return (x[0] + x[1]) + (x[2] + x[3]); };
+    block.touching = total.touching, block.elastic = sum(total.elastic), block.viscous = sum(total.viscous);
+    block.slipped = sum(total.slipped) + total.released;
+    block.virial = {sum(total.virial.x), sum(total.virial.y), sum(total.virial.z)};
   }
 };
 
 template <class Normal, class Tangential>
 class FusedModel final : public FusedSpheres {
-  using Law = SphereLaw<Normal, Tangential>;
-  using Task = BlockTask<Normal, Tangential>;
+  using Law = SphereLaw<Loop<Normal>, Loop<Tangential>>;
+  using Task = BlockTask<Loop<Normal>, Loop<Tangential>>;
 
  public:
   FusedModel(const SmoothSetup& setup, std::size_t material)
@@ -57,42 +58,45 @@ class FusedModel final : public FusedSpheres {
   const char* name() const override { return "fused spheres"; }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
 
-  void set_pairs(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes,
+  void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
                  std::span<const double> radius) override {
     wall_laws_.clear();
     for (const SpherePlane& p : planes) wall_laws_.push_back(law_of(world.material[p.slot]));
-    blocks_.rebuild(world, pairs, std::move(planes), radius);
+    blocks_.rebuild(world, std::move(pairs), std::move(planes), radius, Tangential::is_present);
+  }
+
+  bool move(World& world, const StepClock& clock) override {
+    if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return false;
+    each_range(world.size(), [&](std::size_t begin, std::size_t end) {
+      clock.scheme->first_half(world, clock.dt, begin, end);
+      blocks_.pack(world, lag(clock), begin, end);
+    });
+    packed_ = true;
+    return true;
   }
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     published_ = false;
     const bool others = contacts.size() > 0 || others_;
-    blocks_.pack(world, damped_ ? clock.velocity_lag * clock.dt
-                                : 0.0);  // reads the force of the last step: before the generic loop writes
+    // reads the force of the last step: before the generic loop writes
+    if (!packed_)
+      each_range(world.size(), [&](std::size_t begin, std::size_t end) { blocks_.pack(world, lag(clock), begin, end); });
+    packed_ = false;
     if (others)
       generic_->act(world, contacts, clock, report);
     else
       report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0,
       report.losses = {}, report.has_solver = false;
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
-    auto& all = blocks_.blocks();
-    const auto loop = best_loop<Task>();
-    SphereArrays arrays{blocks_.planes().data(),  blocks_.states().data(),  blocks_.sums().data(),
-                        blocks_.records().data(), blocks_.viscous().data(), clock.dt,
-                        damped_,                  Vec3::Zero(),             Vec3::Zero(),
-                        blocks_.virials().data()};
-    if (world.cell) arrays.cell_size = world.cell->size, arrays.strain_rate = world.cell->strain_rate;
-    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      loop({all[i], law_, wall_laws_, arrays});
-    });
-    blocks_.unpack(world, others);
+    run_blocks(world, clock, others);
     count(clock.dt, report);
     if (world.cell) deform(*world.cell, others, clock.dt, report);
   }
 
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
-    blocks_.publish(world, contacts);
+    contacts.force.resize(contacts.size());
+    blocks_.each_touching([&](const auto& block, const auto& run, std::uint32_t k) { append(world, contacts, block, run, k); });
     contacts.sort();
     published_ = true;
   }
@@ -101,18 +105,64 @@ class FusedModel final : public FusedSpheres {
   void visit(StateVisitor& visitor) override {
     generic_->visit(visitor), blocks_.visit(visitor);
     visitor.value("spheres/others", others_);
+    visitor.value("spheres/viscous_power", viscous_power_);
     visitor.value("spheres/driven_power", driven_power_);
   }
 
  private:
+  /// Later than the velocities of the world by this are those the dampers see [s].
+  double lag(const StepClock& clock) const { return damped_ ? clock.velocity_lag * clock.dt : 0.0; }
+
+  /// f(begin, end): two passes over a range that the first cache holds cost little more than one.
+  template <class F>
+  static void each_range(std::size_t n, const F& f) {
+    constexpr std::size_t range = 64;
+    parallel_blocks(n, SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+      for (std::size_t i = begin; i < end; i += range) f(i, std::min(end, i + range));
+    });
+  }
+
+  /// All blocks through the loop, then what they found for each other, and the second half of the step with it.
+  void run_blocks(World& world, const StepClock& clock, bool add) {
+    auto& all = blocks_.blocks();
+    const auto loop = best_loop<Task>();
+    SphereArrays arrays{blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(),
+                        blocks_.records().data(), clock.dt, damped_, Lanes{}, Lanes{}};
+    if (world.cell) {
+      const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
+      arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
+      arrays.strain_rate = Lanes{rate.x(), rate.y(), rate.z(), 0.0};
+    }
+    const auto find = [&](std::size_t i) { loop({all[i], law_, wall_laws_, arrays}); };
+    const auto finish = [&](std::size_t i) {
+      blocks_.receive(i);
+      const std::size_t last = std::min(world.size(), (i + 1) * SphereBlocks::block_size);
+      for (std::size_t s = i * SphereBlocks::block_size; s < last; s += 64) {
+        const std::size_t end = std::min(last, s + 64);
+        blocks_.unpack(world, add, s, end);
+        if (clock.scheme) clock.scheme->second_half(world, clock.dt, s, end);
+      }
+    };
+    if (thread_count() == 1) {  // records go to later blocks only: all for block i are there when its turn comes
+      for (std::size_t i = 0; i < all.size(); ++i) find(i), finish(i);
+      return;
+    }
+    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { find(i); });
+    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { finish(i); });
+  }
+
   /// Adds what the blocks found to the report of the generic loop.
   void count(double dt, StepReport& report) {
     report.contacts += blocks_.pairs();
     Losses lost;
+    double viscous_power = 0.0;
     for (const auto& block : blocks_.blocks()) {
-      report.touching += block.touching, report.elastic += block.stored;
-      if (dt > 0.0) lost.viscous += block.viscous, lost.frictional += block.frictional;
+      report.touching += block.touching, report.elastic += block.elastic;
+      viscous_power += block.viscous;
+      if (dt > 0.0) lost.frictional += block.slipped;
     }
+    lost.viscous = 0.5 * dt * (viscous_power_ + viscous_power);
+    viscous_power_ = viscous_power;
     report.losses += lost;
     report.dissipated += lost.viscous + lost.frictional;
   }
@@ -128,6 +178,62 @@ class FusedModel final : public FusedSpheres {
     cell.virial = others ? Vec3(cell.virial + virial) : virial;
   }
 
+  /// Normal force of contact k of a block at the last call [N], by the formulas of the loop.
+  double normal_force(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                      std::uint32_t k) const {
+    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+    const bool wall = run.plane >= 0;
+    const SphereState &a = blocks_.states()[block.pairs[k].a], &b = blocks_.states()[wall ? block.pairs[k].a : block.pairs[k].b];
+    const double radius_a = a.position[3], radius_b = b.position[3];
+    KinematicsOf<double> at;
+    if (wall) {
+      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
+      at.overlap = radius_a - plane.normal.dot(xyz(a.position) - plane.point);
+      at.approach_velocity = -plane.normal.dot(xyz(a.predicted));
+      at.effective_mass = 1.0 / a.velocity[3], at.effective_radius = radius_a;
+    } else {
+      Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
+      if (world.cell) d += world.cell->size.cwiseProduct(xyz(block.images[k].cells)), later += world.cell->strain_rate.cwiseProduct(d);
+      const double distance = d.norm();
+      at.overlap = std::max(0.0, radius_a + radius_b - distance);
+      at.approach_velocity = distance > 0.0 ? -later.dot(d) / distance : -later.z();
+      at.effective_mass = 1.0 / (a.velocity[3] + b.velocity[3]);
+      at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
+    }
+    return Loop<Normal>::respond((wall ? wall_laws_[static_cast<std::size_t>(run.plane)] : law_).normal, at).force;
+  }
+
+  /// Contact k of a block as the generic path would have it.
+  void append(const World& world, ContactSet& contacts, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+              std::uint32_t k) const {
+    const bool wall = run.plane >= 0;
+    const Slot a = block.pairs[k].a, b = block.pairs[k].b;
+    const double radius_a = blocks_.states()[a].position[3], radius_b = wall ? 0.0 : blocks_.states()[b].position[3];
+    std::uint32_t key = 0;  // that of a plane follows the cells the sphere has passed: it is with the plane itself
+    if (world.cell) key = wall ? image_code(world.wraps[a] - world.wraps[b]) : block.images[k].key;
+    const Vec3 d = world.branch(a, b, Feature{key} << 56);
+    ContactPoint c;
+    if (wall) {
+      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
+      c.gap = plane.normal.dot(world.position[a] - plane.point) - radius_a, c.normal = -plane.normal;
+      c.effective_radius = radius_a, c.arm = radius_a * c.normal;
+    } else {
+      const double distance = d.norm(), sum = radius_a + radius_b;
+      c.gap = distance - sum, c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+      c.effective_radius = radius_a * radius_b / sum, c.arm = radius_a / sum * distance * c.normal;
+    }
+    Vec3 force = -normal_force(world, block, run, k) * c.normal;
+    if constexpr (Tangential::is_present) {
+      const Lanes& load = block.springs[k].load;
+      force += Vec3(load[0], load[1], load[2]);
+    }
+    const bool in_order = world.id[a] < world.id[b];
+    c.feature = Feature{in_order ? key : opposite_image(key << 8) >> 8} << 56;
+    if (!in_order) c.arm -= d, c.normal = -c.normal, force = -force;
+    contacts.append(in_order ? a : b, in_order ? b : a, c);
+    contacts.force.push_back(force);
+  }
+
   Law law_of(std::size_t other) const {
     const MaterialPair& pair = table_.pairs[material_ * table_.materials + other];
     return {Normal::parameters(pair), Tangential::parameters(pair)};
@@ -139,6 +245,8 @@ class FusedModel final : public FusedSpheres {
   Law law_;
   std::vector<Law> wall_laws_;
   bool damped_ = false, others_ = true;
+  bool packed_ = false;  ///< the blocks hold the bodies as they are
+  double viscous_power_ = 0.0;  ///< of the dampers at the last call [W]
   double driven_power_ = 0.0;  ///< of the cell's strain on the fused contacts at the last call [W]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   SphereBlocks blocks_;

@@ -14,7 +14,7 @@ namespace epafi {
 class FusedSpheres : public ContactModel {
  public:
   /// The pairs that this model detects itself, whenever the list changes. radius: by slot.
-  virtual void set_pairs(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes,
+  virtual void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
                          std::span<const double> radius) = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;

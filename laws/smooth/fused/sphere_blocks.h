@@ -12,20 +12,16 @@
 
 namespace epafi {
 
-/// What the loop reads of a body: 128 bytes, two cache lines.
-struct alignas(32) SphereState {
-  Lanes position, velocity, spin,
-      predicted;  ///< x y z, fourth unused; predicted: velocity at the time of the detection
+/// What the loop reads of a body: 128 bytes, two cache lines. The fourth numbers stay from one layout to the next.
+struct alignas(64) SphereState {
+  Lanes position;   ///< x y z [m], radius [m]
+  Lanes velocity;   ///< x y z [m/s], 1/mass [1/kg]
+  Lanes spin;       ///< x y z [rad/s], radius [m]
+  Lanes predicted;  ///< velocity at the time of the detection [m/s], 0
 };
-/// What it writes: force and, in its fourth, the energy stored in the contacts the body owns; torque and what their
-/// springs lost.
+/// What it writes. The torque over the radius: both bodies of a contact feel the same one.
 struct alignas(32) SphereSum {
-  Lanes force, torque;
-};
-
-/// Force on A times branch, by axis, of the contacts a body owns [N m].
-struct alignas(32) SphereVirial {
-  Lanes sum;
+  Lanes force, pull;  ///< x y z [N], unused
 };
 
 /// A fixed plane.
@@ -42,66 +38,82 @@ struct SpherePair {
   std::uint32_t image = 0;  ///< as Pair::image; 0 with planes, which repeat in themselves
 };
 
-/// Four contacts. Of a padding lane radius_sum is -1, so that it never touches.
-struct alignas(32) SphereGroup {
-  Lanes share;                   ///< of the line of centres that belongs to A; 1 for planes
-  Lanes radius_sum;              ///< [m]
-  Lanes radius, mass;            ///< effective [m], [kg]
-  Lanes load_x, load_y, load_z;  ///< friction on A [N]
-  Lanes stiffness;               ///< of the friction spring [N/m], 0: not loaded
-  Lanes energy;                  ///< of the friction spring [J]
-  Lanes viscous;                 ///< power lost in the damper [W]
-  Lanes normal_force;            ///< [N]; < 0: does not touch
-  Slot a[lane_count], b[lane_count];
-  std::int32_t plane = -1;   ///< all four against this plane
-  std::uint32_t record = 0;  ///< first of four places in `records`, for groups between blocks
-  bool loaded = false;       ///< some lane touched in the last step
+/// Two spheres, a < b, or a sphere and the slot of a plane.
+struct SphereSlots {
+  Slot a, b;
 };
 
-/// Beside a group in a periodic cell: which images its B are.
-struct alignas(32) SphereImages {
-  Lanes x, y, z;                      ///< cells from B to the image, -1, 0 or 1
-  std::uint32_t key[lane_count] = {};  ///< image code of the contact's key
+/// The friction spring of a contact: 32 bytes.
+struct alignas(32) SphereSpring {
+  Lanes load;  ///< x y z on A [N], 1/stiffness [m/N]; 0: not loaded
 };
+
+/// Beside a pair in a periodic cell: which image its B is.
+struct alignas(32) SphereImage {
+  Lanes cells;             ///< from B to the image, -1, 0 or 1, by axis; 0
+  std::uint32_t key = 0;  ///< image code of the contact's key
+};
+
+/// The same pair seen from B: both codes, of Pair::image, turn their sign.
+std::uint32_t opposite_image(std::uint32_t image);
 
 class SphereBlocks {
  public:
   static constexpr std::size_t block_size = 1024;
 
+  /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of four, sorted by (a, b, key).
+  struct Run {
+    std::uint32_t begin = 0, end = 0;
+    std::int32_t plane = -1;
+    bool across = false;
+  };
+
   struct Block {
-    std::vector<SphereGroup> groups;     ///< planes, then inside the block, then across blocks
-    std::vector<SphereImages> images;    ///< by group, in a periodic cell only
-    std::size_t inside = 0, across = 0;  ///< where the second and third kind begin
+    std::vector<Run> runs;             ///< planes in order, then inside the block, then across blocks
+    std::vector<SphereSlots> pairs;    ///< every run filled up to whole fours with copies of its last one
+    std::vector<SphereSpring> springs;  ///< by pair, where there is friction
+    std::vector<SphereImage> images;   ///< by pair, in a periodic cell
+    std::vector<std::uint8_t> touched;  ///< by four pairs: those that touched at the last call, one bit each
+    std::uint32_t record = 0;           ///< of the first pair across blocks in `records`
     std::vector<std::pair<std::uint32_t, Slot>>
-        incoming;  ///< records for bodies of this block, in the order of their owners
-    double stored = 0.0, frictional = 0.0, viscous = 0.0;  ///< energy in contacts, lost by slip, by dampers [J]
+        incoming;          ///< records for bodies of this block, in the order of their owners
+    double elastic = 0.0;  ///< stored in the contacts [J]
+    double slipped = 0.0;  ///< lost by slip in the step [J]
+    double viscous = 0.0;  ///< power lost in the dampers [W]
     Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
   };
 
   /// Lays out the pairs anew; springs of contacts that go on are kept. radius: by slot.
-  void rebuild(const World& world, std::span<const SpherePair> pairs, std::vector<SpherePlane> planes,
-               std::span<const double> radius);
+  void rebuild(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
+               std::span<const double> radius, bool friction);
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
-  /// Reads the bodies, with velocities `lag` later.
-  void pack(const World& world, double lag);
-  /// Adds what other blocks found for a block's bodies, and writes force and torque (added where `add`).
-  void unpack(World& world, bool add);
-  /// Appends the contacts that touch, as the generic path would have them.
-  void publish(const World& world, ContactSet& contacts) const;
+  /// Reads the bodies of slots [begin, end), with velocities `lag` later.
+  void pack(const World& world, double lag, std::size_t begin, std::size_t end);
+  /// Adds what other blocks found for the bodies of block i.
+  void receive(std::size_t i);
+  /// Writes force and torque of slots [begin, end), added where `add`; the sums are 0 again then.
+  void unpack(World& world, bool add, std::size_t begin, std::size_t end);
+  /// Whether `pack` can read that many bodies.
+  bool holds(std::size_t bodies) const { return states_.size() == bodies; }
+
+  /// f(block, run, pair) for all pairs that touched at the last call, in the order of the layout.
+  template <class F>
+  void each_touching(const F& f) const {
+    for (const Block& block : blocks_)
+      for (const Run& run : block.runs)
+        for (std::uint32_t k = run.begin; k < run.end; ++k)
+          if (block.touched[k / lane_count] >> (k % lane_count) & 1u) f(block, run, k);
+  }
 
   std::vector<Block>& blocks() { return blocks_; }
   const std::vector<SpherePlane>& planes() const { return planes_; }
   std::span<const SphereState> states() const { return states_; }
   std::span<SphereSum> sums() { return sums_; }
   std::span<SphereSum> records() { return records_; }
-  /// By slot; in a periodic cell only.
-  std::span<SphereVirial> virials() { return virials_; }
-  /// By slot.
-  std::span<double> viscous() { return viscous_; }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
   bool laid_out() const { return laid_out_; }
@@ -111,12 +123,13 @@ class SphereBlocks {
   struct Kept {
     Slot a, b;
     std::uint32_t key;
-    double load[3], stiffness, energy, viscous, normal_force;
+    double load[4];
   };
   std::vector<Kept> springs() const;
   void restore(std::vector<Kept>& kept, std::size_t slots);
-  void place(const World& world, std::span<const SpherePair> pairs, std::span<const double> radius);
-  void fill_block(const World& world, std::span<SpherePair> pairs, Slot index, std::span<const double> radius);
+  void place(const World& world, std::vector<SpherePair> pairs, std::span<const double> radius, bool friction);
+  void fill_block(std::span<SpherePair> pairs, Slot index, bool friction, bool periodic);
+  void address_records();
   /// Sorts by the first slot, keeping the order among equals; first_[s] is then where those of slot s begin.
   template <class T>
   void by_first_slot(std::vector<T>& list, std::size_t slots);
@@ -125,9 +138,6 @@ class SphereBlocks {
   std::vector<SpherePlane> planes_;
   std::vector<SphereState> states_;
   std::vector<SphereSum> sums_, records_;
-  std::vector<SphereVirial> virials_;
-  std::vector<double> viscous_;
-  std::vector<SpherePair> sorted_;
   std::vector<Slot> first_;
   std::vector<Kept> kept_;  ///< springs while the layout waits
   bool laid_out_ = false;

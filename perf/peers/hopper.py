@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""A flowing hopper side by side with LAMMPS and LIGGGHTS, from one settled state, on this machine, taking turns.
+
+  /usr/bin/python3 perf/peers/hopper.py [--steps 4000] [--repeats 1] [--out out/peers_hopper] [--program ./epafi]
+
+Settles scenes/library/hopper/hopper.toml with Epafi up to the opening of its gate and lets 20 000 spheres flow out of the
+orifice of 40 mm: `warm` steps first, then the timed ones, on one thread, in double precision, Hertz-Mindlin with history.
+Epafi and LIGGGHTS take the walls as the same triangles, LAMMPS as a cylinder and a cone. Prints, and writes to table.md:
+nanoseconds of processor time per sphere of the start and timed step, and the mass flow in them [kg/s]. A code that is not
+installed has no row. Needs numpy; of Debian: lammps, liggghts.
+"""
+import argparse
+import json
+import os
+import re
+import shutil
+
+import numpy
+from runs import print_table, processor_time, settled, take_turns, write_csv
+
+SCENES = "scenes/library/hopper"
+E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--warm", type=int, default=2000, help="steps from the opening to the timed ones")
+parser.add_argument("--steps", type=int, default=4000)
+parser.add_argument("--repeats", type=int, default=1)
+parser.add_argument("--skin", type=float, default=5e-4, help="of the neighbour lists of the other codes [m]; 5e-4 is their best")
+parser.add_argument("--out", default="out/peers_hopper")
+parser.add_argument("--program", default="./epafi")
+o = parser.parse_args()
+program = os.path.abspath(o.program)
+os.makedirs(o.out, exist_ok=True)
+
+
+def write(name, text):
+    with open(os.path.join(o.out, name), "w") as f:
+        f.write(text)
+
+
+def write_stl():
+    """The walls of the scene as LIGGGHTS reads them."""
+    points, lines = [], ["solid hopper"]
+    with open(os.path.join(SCENES, "hopper.obj")) as file:
+        text = file.read()
+    write("hopper.obj", text)
+    for words in map(str.split, text.splitlines()):
+        if words[:1] == ["v"]:
+            points.append(words[1:4])
+        elif words[:1] == ["f"]:
+            corners = [int(w.split("/")[0]) - 1 for w in words[1:]]
+            for k in range(1, len(corners) - 1):
+                lines += ["facet normal 0 0 0", "outer loop"]
+                lines += ["vertex " + " ".join(points[corners[c]]) for c in (0, k, k + 1)] + ["endloop", "endfacet"]
+    write("hopper.stl", "\n".join(lines + ["endsolid hopper\n"]))
+
+
+def write_inputs(bodies):
+    write_csv(os.path.join(o.out, "bodies.csv"), bodies)
+    write_stl()
+    write("hopper.toml", """title = "Open hopper"
+run = { duration = 1.0, time_step = %g, output_interval = 1.0 }
+world = { gravity = [0, 0, -9.81], domain = { min = [-0.1, -0.1, -0.1], max = [0.1, 0.1, 1.0], outside = "delete" } }
+material.bead = { density = %g, youngs_modulus = %g, poissons_ratio = %g }
+contact = { method = "smooth", restitution = %g, friction = %g, smooth = { law = "hertz-mindlin" } }
+[[body]]
+name = "hopper"
+fixed = true
+material = "bead"
+shape = { mesh = { file = "hopper.obj" } }
+[[bodies]]
+name = "beads"
+file = "bodies.csv"
+material = "bead"
+[[measure]]
+name = "outflow"
+kind = "mass_flow"
+plane = { point = [0, 0, 0], normal = [0, 0, -1] }
+interval = %.9g
+""" % (STEP, DENSITY, E, NU, RESTITUTION, FRICTION, o.warm * STEP))
+    top = bodies[:, 2].max() + 0.05
+    atoms = "".join("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z) for k, (x, y, z, r) in enumerate(bodies))
+    write("hopper.data", "settled hopper\n\n%d atoms\n1 atom types\n\n-0.076 0.076 xlo xhi\n-0.076 0.076 ylo yhi\n-0.3 %.9g zlo zhi\n\nAtoms\n\n%s"
+          % (len(bodies), top, atoms))
+    common = """read_data hopper.data
+neighbor %g bin
+neigh_modify delay 0 every 1 check yes
+%%s
+fix gravity all gravity 9.81 vector 0 0 -1
+fix motion all nve/sphere
+timestep %g
+%%s
+compute above all reduce sum v_inside
+thermo_style custom step c_above
+thermo_modify lost ignore norm no
+thermo %d
+run %d
+run ${steps}
+""" % (o.skin, STEP, o.warm + o.steps, o.warm)
+    shear = E / (2 * (1 + NU))
+    law = "%.6g %.6g 3e5 3e5 %g 1" % (4 / 3 * E / (2 * (1 - NU**2)), 8 * shear / (2 * (2 - NU)), FRICTION)
+    walls = "region cyl cylinder z 0 0 0.07 0.05 %.9g side in units box open 1 open 2\nregion con cone z 0 0 0.02 0.07 0.0 0.05 side in units box open 1 open 2\n" % top
+    walls += "".join("fix %s all wall/gran/region hertz/history %s region %s\n" % (r, law, r) for r in ("cyl", "con"))
+    write("hopper.lammps", "units si\natom_style sphere\natom_modify map array sort 500 0.006\nboundary f f m\nnewton on\ncomm_modify vel yes\n"
+          + common % ("pair_style gran/hertz/history %s\npair_coeff * *\n%s" % (law, walls), 'variable inside atom "mass*(z > 0.0)"'))
+    properties = "".join("fix m%d all property/global %s\n" % (k, p) for k, p in enumerate(
+        ("youngsModulus peratomtype %g" % E, "poissonsRatio peratomtype %g" % NU, "coefficientRestitution peratomtypepair 1 %g" % RESTITUTION,
+         "coefficientFriction peratomtypepair 1 %g" % FRICTION)))
+    walls = "fix mesh all mesh/surface file hopper.stl type 1\nfix wall all wall/gran model hertz tangential history mesh n_meshes 1 meshes mesh"
+    write("hopper.liggghts", "atom_style granular\natom_modify map array sort 500 0.006\nboundary f f m\nnewton off\ncommunicate single vel yes\nunits si\n"
+          + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls, "variable inside atom mass*(z>0.0)"))
+
+
+def run_peer(command):
+    """Processor ns per sphere and timed step, mass flow [kg/s]: the same run without the timed steps is subtracted."""
+    start, before = processor_time(command + ["-var", "steps", "0"], o.out)
+    whole, after = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
+
+    def inside(text, step):
+        return [float(m) for m in re.findall(r"^\s*%d\s+(\S+)\s*$" % step, text, re.M)]
+
+    first, last = inside(before, o.warm), inside(after, o.warm + o.steps)
+    if not first or not last:
+        print("%s failed:\n%s" % (command[0], after[-1500:]))
+        return None
+    return 1e9 * (whole - start) / o.steps / n, (first[-1] - last[-1]) / (o.steps * STEP)
+
+
+def run_epafi():
+    def until(steps):
+        command = [program, "run", "hopper.toml", "--until", "%.9g" % ((steps + 0.5) * STEP), "-q", "--force", "--json", "--least-output", "-t", "1", "-o", "epafi"]
+        seconds, text = processor_time(command, o.out)
+        return seconds, json.loads(text)["measures"]["outflow"]
+
+    (start, before), (whole, after) = until(o.warm), until(o.warm + o.steps)
+    return 1e9 * (whole - start) / o.steps / n, (after["mass"]["last"] - before["mass"]["last"]) / (o.steps * STEP)
+
+
+bodies = settled(program, os.path.abspath(SCENES + "/hopper.toml"), os.path.join(o.out, "settled"), "run.duration=0.5", "params.open_at=1.0")
+n = len(bodies)
+write_inputs(bodies)
+codes = [("Epafi", run_epafi)]
+if shutil.which("lmp"):
+    codes.append(("LAMMPS gran/hertz/history", lambda: run_peer(["lmp", "-log", "none", "-in", "hopper.lammps"])))
+if shutil.which("liggghts"):
+    codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "hopper.liggghts"])))
+print_table("hopper, %d spheres, one thread" % n, "mass flow [kg/s]", take_turns(codes, o.repeats), o.out)

@@ -1,0 +1,61 @@
+"""What the comparisons of perf/peers share: a settled state, the processor time of a program, the table. Needs numpy."""
+import csv
+import os
+import resource
+import statistics
+import subprocess
+
+import numpy
+
+
+def settled(program, scene, folder, *settings):
+    """Rows x y z radius [m] of the spheres in the last snapshot of a run of `scene`, made unless `folder` holds it."""
+    if not os.path.exists(os.path.join(folder, "snapshots.csv")):
+        sets = [word for s in settings for word in ("--set", s)]
+        subprocess.run([program, "run", scene, *sets, "-t", "1", "-q", "--force", "--least-output", "-o", folder], check=True)
+        subprocess.run([program, "export", folder, "--format", "csv"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    with open(os.path.join(folder, "snapshots.csv")) as file:  # walls have no mass
+        rows = [r for r in csv.DictReader(file) if float(r["mass"]) > 0]
+    last = max(float(r["time"]) for r in rows)
+    return numpy.array([[float(r[c]) for c in ("x", "y", "z", "radius")] for r in rows if float(r["time"]) == last])
+
+
+def write_csv(name, bodies):
+    with open(name, "w") as f:
+        f.write("x,y,z,radius\n")
+        for b in bodies:
+            f.write("%.17g,%.17g,%.17g,%.17g\n" % tuple(b))
+
+
+def processor_time(command, folder):
+    """Of the whole process [s], and what it printed."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    text = subprocess.run(command, cwd=folder, env=dict(os.environ, OMP_NUM_THREADS="1"), capture_output=True, text=True).stdout
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, text
+
+
+def take_turns(codes, repeats):
+    """codes: pairs of a name and a function that gives (nanoseconds, check) or None. All results by name."""
+    seen = {name: [] for name, _ in codes}
+    for _ in range(repeats):
+        for name, run in codes:
+            result = run()
+            if result:
+                seen[name].append(result)
+    return seen
+
+
+def print_table(title, check, seen, folder):
+    """Medians, over that of the first code, and the check of the last repeat; also to table.md."""
+    lines = ["| %s | ns per sphere and step | smallest, largest | over Epafi | %s |" % (title, check), "|---|---|---|---|---|"]
+    ours = statistics.median(r[0] for r in seen["Epafi"])
+    for name, results in seen.items():
+        if results:
+            ns = [r[0] for r in results]
+            median = statistics.median(ns)
+            lines.append("| %s | %.0f | %.0f, %.0f | %.2f | %.4g |" % (name, median, min(ns), max(ns), median / ours, results[-1][1]))
+    text = "\n".join(lines) + "\n"
+    print(text + "load of the machine: %.1f" % os.getloadavg()[0])
+    with open(os.path.join(folder, "table.md"), "w") as f:
+        f.write(text)
