@@ -177,7 +177,7 @@ class Mixing {
 /// Lengths nearer to where the pressures give the surface the gap's own curvature along the track: a strip that is bent
 /// more than that is too short. The largest change over the longest of them.
 double relax_lengths(Strips& s, const std::vector<std::size_t>& active, Mixing& mixing) {
-  constexpr double most = 1.5;  // by which a length changes in one round
+  constexpr double most = 2.0;  // by which a length changes in one round
   double longest = 0.0;
   Eigen::VectorXd x(static_cast<Eigen::Index>(active.size())), f(x.size());
   for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -195,7 +195,7 @@ double relax_lengths(Strips& s, const std::vector<std::size_t>& active, Mixing& 
 }
 
 /// Rounds of pressures for given lengths, lengths for given pressures, and strips that join or leave. True when lengths
-/// settle to `tolerance` of the longest (1e-3: the peak to 1e-4) and the approach to a hundredth of that. Strips below
+/// settle to `tolerance` of the longest (3e-3: the peak to 1e-4) and the approach to a hundredth of that. Strips below
 /// `shortest` of the longest leave.
 bool settle_once(Strips& s, double modulus, const NormalTarget& target, double tolerance, double shortest) {
   double last_approach = 0.0;
@@ -220,11 +220,13 @@ bool settle_once(Strips& s, double modulus, const NormalTarget& target, double t
     if (left > 0) mixing.forget();
     const double change = relax_lengths(s, active, mixing);
     if (left > 0) continue;
-    // whoever overlaps joins, a second region too; a strip that has left so often is the edge between in and out
+    // whoever overlaps joins: those beside the patch at once, others when all else has settled; a strip that has left
+    // twice is the edge between in and out
     const bool settled = change < tolerance && std::abs(s.approach - last_approach) < 0.01 * tolerance * s.approach;
     const double longest = *std::max_element(s.a.begin(), s.a.end());
     std::erase_if(outside, [&](std::size_t j) {
-      return times_left[j] > 5 || s.gap[j] >= s.approach || !overlaps(s, active, j, modulus);
+      const bool beside = (j > 0 && s.p[j - 1] > 0.0) || (j + 1 < s.p.size() && s.p[j + 1] > 0.0);
+      return times_left[j] > 1 || !(beside || settled) || s.gap[j] >= s.approach || !overlaps(s, active, j, modulus);
     });
     for (const std::size_t j : outside) s.a[j] = 0.2 * longest;
     if (!outside.empty()) mixing.forget();
