@@ -133,7 +133,8 @@ bool recall(const PolyhedronPair& pair, double limit, PairMemory& memory, Polyhe
   return found;
 }
 
-/// GJK from the last direction. Only features that certify are taken: on the others the way there would leave its trace.
+/// GJK from the last direction. Only features that certify are taken: on the others the way there would leave its
+/// trace.
 bool follow(const PolyhedronPair& pair, double limit, PairMemory& memory, PolyhedronDistance& out) {
   if (memory.nearest.kind == NearestFeatures::Kind::none) return false;
   const GjkResult g = gjk_detail::run(PolyhedraDifference{pair, pair.offset}, {infinity, 1e-15, memory.normal});
@@ -145,8 +146,8 @@ bool follow(const PolyhedronPair& pair, double limit, PairMemory& memory, Polyhe
   return true;
 }
 
-/// Making a reference costs about as much as a search; a pair that moves too fast to use it, or is too even to have one,
-/// waits twice as long each time.
+/// Making a reference costs about as much as a search; a pair that moves too fast to use it, or is too even to have
+/// one, waits twice as long each time.
 void make_reference(const PolyhedronPair& pair, const SeparatingAxis& axis, PairMemory& memory) {
   if (memory.wait > 0) {
     --memory.wait;
@@ -172,6 +173,41 @@ void remember(const PolyhedronPair& pair, const PolyhedronDistance& d, PairMemor
   memory.normal = d.axis.normal;
   if (seen && d.axis.gap < certain_overlap(pair) && d.axis.kind != AxisKind::points)
     make_reference(pair, d.axis, memory);
+}
+
+/// GJK from a direction; where the pair is closer than it can tell, what search() finds over the features.
+template <class Search>
+PolyhedronDistance distance_by_gjk(const PolyhedronPair& pair, double limit, const Vec3& direction,
+                                   NearestFeatures& nearest, const Search& search) {
+  const GjkResult g =
+      gjk_detail::run(PolyhedraDifference{pair, pair.offset}, {limit + 1e-12 * pair.size(), 1e-15, direction});
+  PolyhedronDistance d;
+  d.axis = {AxisKind::points, g.lower, g.normal, 0, 0};
+  d.uncertainty = g.upper - g.lower;
+  d.beyond = g.status == GjkResult::Status::beyond;
+  if (d.beyond) return d;
+  d.witness_a = g.witness_a, d.witness_b = g.witness_b;
+  const bool separated = g.status == GjkResult::Status::separated, apart = g.status == GjkResult::Status::capped;
+  PolyhedronDistance certified;
+  if ((separated || apart) && find_nearest_features(pair, g, nearest, certified)) {
+    certified.beyond = certified.axis.gap > limit;
+    return certified;
+  }
+  nearest.kind = NearestFeatures::Kind::none;
+  if (separated) return d;
+  // Closer than GJK can tell: the features decide. Apart, they may still not exceed what GJK certified.
+  const SeparatingAxis found = search();
+  if (found.gap < certain_overlap(pair)) return at_axis(pair, found, limit);
+  nearest = features_at(found);
+  if (certify(pair, nearest, certified)) {
+    certified.beyond = certified.axis.gap > limit;
+    return certified;
+  }
+  nearest.kind = NearestFeatures::Kind::none;
+  if (apart && !(found.gap > g.lower)) return d;
+  d = at_axis(pair, found, limit);
+  d.uncertainty = apart ? std::max(0.0, g.upper - found.gap) : 0.0;
+  return d;
 }
 
 /// The search from nothing. start: an axis of an earlier pose, which the answer does not depend on. nearest: the
@@ -207,35 +243,7 @@ PolyhedronDistance search_distance(const PolyhedronPair& pair, double limit, con
     found = search.run(), searched = true;
     if (found.gap < certain) return at_axis(pair, found, limit);
   }
-  const GjkResult g =
-      gjk_detail::run(PolyhedraDifference{pair, pair.offset}, {limit + 1e-12 * pair.size(), 1e-15, first.normal});
-  PolyhedronDistance d;
-  d.axis = {AxisKind::points, g.lower, g.normal, 0, 0};
-  d.uncertainty = g.upper - g.lower;
-  d.beyond = g.status == GjkResult::Status::beyond;
-  if (d.beyond) return d;
-  d.witness_a = g.witness_a, d.witness_b = g.witness_b;
-  const bool separated = g.status == GjkResult::Status::separated, apart = g.status == GjkResult::Status::capped;
-  PolyhedronDistance certified;
-  if ((separated || apart) && find_nearest_features(pair, g, nearest, certified)) {
-    certified.beyond = certified.axis.gap > limit;
-    return certified;
-  }
-  nearest.kind = NearestFeatures::Kind::none;
-  if (separated) return d;
-  // Closer than GJK can tell: the features decide. Apart, they may still not exceed what GJK certified.
-  if (!searched) found = search.run();
-  if (found.gap < certain) return at_axis(pair, found, limit);
-  nearest = features_at(found);
-  if (certify(pair, nearest, certified)) {
-    certified.beyond = certified.axis.gap > limit;
-    return certified;
-  }
-  nearest.kind = NearestFeatures::Kind::none;
-  if (apart && !(found.gap > g.lower)) return d;
-  d = at_axis(pair, found, limit);
-  d.uncertainty = apart ? std::max(0.0, g.upper - found.gap) : 0.0;
-  return d;
+  return distance_by_gjk(pair, limit, first.normal, nearest, [&] { return searched ? found : search.run(); });
 }
 
 }  // namespace

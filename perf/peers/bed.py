@@ -9,7 +9,6 @@ precision, five plane walls. A code that is not installed has no row. Prints, an
 sphere and step (median, smallest, largest), and as a check that all did the same work the touching neighbours (Epafi counts walls,
 the others do not). Needs numpy; of Debian: lammps, liggghts.
 """
-import argparse
 import json
 import os
 import re
@@ -17,19 +16,13 @@ import shutil
 import subprocess
 
 import numpy
-from runs import print_table, processor_time, settled, take_turns, write_csv
+from runs import options, print_table, processor_time, settled, take_turns, write_csv
 
 SCENE = "scenes/library/bed/bed.toml"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
 
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser = options(__doc__, steps=1000, warm=200, repeats=3, skin=2e-4, out="out/peers_bed")
 parser.add_argument("--n", type=int, default=10000)
-parser.add_argument("--steps", type=int, default=1000)
-parser.add_argument("--warm", type=int, default=200, help="steps before the timed ones, not counted")
-parser.add_argument("--repeats", type=int, default=3)
-parser.add_argument("--skin", type=float, default=2e-4, help="of the neighbour lists of the other codes [m]; 2e-4 is their best")
-parser.add_argument("--out", default="out/peers_bed")
-parser.add_argument("--program", default="./epafi")
 o = parser.parse_args()
 program = os.path.abspath(o.program)
 scene = os.path.abspath(SCENE)

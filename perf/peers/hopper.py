@@ -9,25 +9,18 @@ Epafi and LIGGGHTS take the walls as the same triangles, LAMMPS as a cylinder an
 nanoseconds of processor time per sphere of the start and timed step, and the mass flow in them [kg/s]. A code that is not
 installed has no row. Needs numpy; of Debian: lammps, liggghts.
 """
-import argparse
 import json
 import os
 import re
 import shutil
 
 import numpy
-from runs import print_table, processor_time, settled, take_turns, write_csv
+from runs import options, print_table, processor_time, settled, take_turns, write_csv
 
 SCENES = "scenes/library/hopper"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
 
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("--warm", type=int, default=2000, help="steps from the opening to the timed ones")
-parser.add_argument("--steps", type=int, default=4000)
-parser.add_argument("--repeats", type=int, default=1)
-parser.add_argument("--skin", type=float, default=5e-4, help="of the neighbour lists of the other codes [m]; 5e-4 is their best")
-parser.add_argument("--out", default="out/peers_hopper")
-parser.add_argument("--program", default="./epafi")
+parser = options(__doc__, steps=4000, warm=2000, repeats=1, skin=5e-4, out="out/peers_hopper")
 o = parser.parse_args()
 program = os.path.abspath(o.program)
 os.makedirs(o.out, exist_ok=True)

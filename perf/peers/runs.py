@@ -1,4 +1,5 @@
 """What the comparisons of perf/peers share: a settled state, the processor time of a program, the table. Needs numpy."""
+import argparse
 import csv
 import os
 import resource
@@ -6,6 +7,18 @@ import statistics
 import subprocess
 
 import numpy
+
+
+def options(doc, steps, warm, repeats, skin, out):
+    """The options of a comparison, with its defaults; the caller may add more before it parses."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--steps", type=int, default=steps)
+    parser.add_argument("--warm", type=int, default=warm, help="steps before the timed ones, not counted")
+    parser.add_argument("--repeats", type=int, default=repeats)
+    parser.add_argument("--skin", type=float, default=skin, help="of the neighbour lists of the other codes [m]; the default is their best")
+    parser.add_argument("--out", default=out)
+    parser.add_argument("--program", default="./epafi")
+    return parser
 
 
 def settled(program, scene, folder, *settings):

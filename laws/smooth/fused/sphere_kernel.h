@@ -44,19 +44,20 @@ struct SphereTile {
   std::uint32_t pair[size * lane_count];
   std::size_t count = 0, groups = 0;  ///< of contacts, of groups that hold them
   LaneMask used[size];
-  Lanes3 branch[size];  ///< from centre to centre [m]
-  Lanes square[size];   ///< its length squared [m^2]; of the spring's load: [N^2]
-  Lanes radii[size];    ///< sum of both [m]
+  Lanes3 branch[size];   ///< from centre to centre [m]
+  Lanes square[size];    ///< its length squared [m^2]; of the spring's load: [N^2]
+  Lanes radii[size];     ///< sum of both [m]
   Lanes distance[size];  ///< of centres [m]
   Lanes lever[size];     ///< distance over sum of radii
   Lanes3 normal[size];   ///< from A to B; of walls: into the wall
   Lanes overlap[size], approach[size], mass[size], radius[size];
-  Lanes3 displacement[size];                         ///< slip of the step [m]
-  Lanes twist[size];                                 ///< about the normal in the step [rad]
-  Lanes force[size];                                 ///< [N]
+  Lanes3 displacement[size];                             ///< slip of the step [m]
+  Lanes twist[size];                                     ///< about the normal in the step [rad]
+  Lanes force[size];                                     ///< [N]
   Lanes stiffness[size], compliance[size], limit[size];  ///< of the spring [N/m], [m/N], [N]
-  Lanes before[size], energy[size], shrink[size];    ///< of the spring: load squared, energy [J], old compliance times stiffness
-  Lanes3 start[size], load[size];                    ///< of the spring, as it comes into the step and now [N]
+  // of the spring: load squared, energy [J], old compliance times stiffness
+  Lanes before[size], energy[size], shrink[size];
+  Lanes3 start[size], load[size];  ///< of the spring, as it comes into the step and now [N]
 };
 
 EPAFI_LANES Lanes flip_fourth(Lanes x) {
@@ -136,13 +137,38 @@ EPAFI_LANES void find_normal(SphereTile& t, std::size_t g) {
   t.lever[g] = distance * t.radius[g];
 }
 
+/// Radius of the contact, and with friction how far the surfaces move on each other in the step.
+template <bool friction, bool wall>
+EPAFI_LANES void find_radii(SphereTile& t, std::size_t g, const SphereState* const (&a)[lane_count],
+                            const SphereState* const (&b)[lane_count], const Lanes3& velocity, double dt) {
+  if constexpr (friction) {
+    Lanes3 spin_a, spin_b{};
+    Lanes radius_a, radius_b{};
+    read_columns([&](int l) EPAFI_INLINED { return a[l]->spin; }, spin_a.x, spin_a.y, spin_a.z, radius_a);
+    if constexpr (!wall) {
+      read_columns([&](int l) EPAFI_INLINED { return b[l]->spin; }, spin_b.x, spin_b.y, spin_b.z, radius_b);
+      t.radius[g] = radius_a * radius_b * t.radius[g];
+    }
+    const Lanes3& n = t.normal[g];
+    t.twist[g] = 0.5 * dt * n.dot(spin_a + spin_b);
+    const Lanes3 turning = t.lever[g] * (radius_a * spin_a + radius_b * spin_b);
+    t.displacement[g] = dt * (velocity - velocity.dot(n) * n - turning.cross(n));
+  } else if constexpr (!wall) {
+    const auto radius = [](const SphereState* const* s) EPAFI_INLINED {
+      return Lanes{s[0]->spin[3], s[1]->spin[3], s[2]->spin[3], s[3]->spin[3]};
+    };
+    t.radius[g] = radius(a) * radius(b) * t.radius[g];
+  }
+}
+
 /// How they move against each other.
 template <bool friction, bool wall, bool periodic>
 EPAFI_LANES void find_motion(SphereTile& t, std::size_t g, const SphereBlocks::Block& block, const SphereArrays& with) {
   const std::uint32_t* k = t.pair + g * lane_count;
   const SphereSlots* pairs = block.pairs.data();
   const SphereState *a[lane_count], *b[lane_count];
-  for (int l = 0; l < lane_count; ++l) a[l] = with.states + pairs[k[l]].a, b[l] = wall ? a[l] : with.states + pairs[k[l]].b;
+  for (int l = 0; l < lane_count; ++l)
+    a[l] = with.states + pairs[k[l]].a, b[l] = wall ? a[l] : with.states + pairs[k[l]].b;
   Lanes3 velocity, later;
   Lanes inverse_mass, none;
   const Lanes3& n = t.normal[g];
@@ -173,23 +199,7 @@ EPAFI_LANES void find_motion(SphereTile& t, std::size_t g, const SphereBlocks::B
   }
   t.mass[g] = 1.0 / inverse_mass;
   t.approach[g] = -later.dot(n);
-  if constexpr (friction) {
-    Lanes3 spin_a, spin_b{};
-    Lanes radius_a, radius_b{};
-    read_columns([&](int l) EPAFI_INLINED { return a[l]->spin; }, spin_a.x, spin_a.y, spin_a.z, radius_a);
-    if constexpr (!wall) {
-      read_columns([&](int l) EPAFI_INLINED { return b[l]->spin; }, spin_b.x, spin_b.y, spin_b.z, radius_b);
-      t.radius[g] = radius_a * radius_b * t.radius[g];
-    }
-    t.twist[g] = 0.5 * with.dt * n.dot(spin_a + spin_b);
-    const Lanes3 turning = t.lever[g] * (radius_a * spin_a + radius_b * spin_b);
-    t.displacement[g] = with.dt * (velocity - velocity.dot(n) * n - turning.cross(n));
-  } else if constexpr (!wall) {
-    const auto radius = [](const SphereState* const* s) EPAFI_INLINED {
-      return Lanes{s[0]->spin[3], s[1]->spin[3], s[2]->spin[3], s[3]->spin[3]};
-    };
-    t.radius[g] = radius(a) * radius(b) * t.radius[g];
-  }
+  find_radii<friction, wall>(t, g, a, b, velocity, with.dt);
 }
 
 template <class Normal, class Tangential>
@@ -322,7 +332,8 @@ EPAFI_LANES void evaluate(SphereTile& t, SphereBlocks::Block& block, const Spher
   for (std::size_t g = 0; g < t.groups; ++g) find_motion<friction, wall, periodic>(t, g, block, with);
   for (std::size_t g = 0; g < t.groups; ++g) find_response<Normal, Tangential>(t, g, law, total);
   if constexpr (friction) pull(t, block.springs.data(), with.dt > 0.0, total);
-  for (std::size_t g = 0; g < t.groups; ++g) add_forces<friction, wall, across, periodic>(t, g, block, run, with, total);
+  for (std::size_t g = 0; g < t.groups; ++g)
+    add_forces<friction, wall, across, periodic>(t, g, block, run, with, total);
   total.touching += t.count;
 }
 

@@ -249,7 +249,8 @@ bool has_spike(const Strips& s) {
 }
 
 /// As settle_once; where that fails or leaves a spike, again without short strips, which hold small patches in place
-/// and keep those between two hills from settling (centred wheels at 8 to 8.6 kN).
+/// and keep those between two hills from settling (a centred wheel at 8.4 kN, some steps of a wheelset under a
+/// thousandth of its load).
 bool settle(Strips& s, double modulus, const NormalTarget& target, double tolerance) {
   const Strips start = s;
   if (settle_once(s, modulus, target, tolerance, 0.0) && !has_spike(s)) return true;
