@@ -25,7 +25,8 @@ class Scheme : public StepStage {
  public:
   virtual void first_half(World& world, double dt) = 0;
   virtual void second_half(World& world, double dt) = 0;
-  /// The same for the bodies of slots [begin, end) alone, where has_ranges.
+  /// The same for the bodies of slots [begin, end) alone, where has_ranges: the first is then half a kick and the
+  /// drift, the second half a kick, and a contact model may do both itself.
   virtual bool has_ranges() const { return false; }
   virtual void first_half(World&, double, std::size_t, std::size_t) {}
   virtual void second_half(World&, double, std::size_t, std::size_t) {}
@@ -54,6 +55,8 @@ class NarrowPhase : public StepStage {
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
 };
 
+struct Extent;
+
 /// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular
 /// velocity) and includes gravity and external forces of the step. Writes contacts.force.
 class ContactModel : public StepStage {
@@ -62,6 +65,8 @@ class ContactModel : public StepStage {
   /// Runs the first half of clock.scheme, and in `act` its second, along with its own passes over the bodies: what it
   /// reads or has written is in cache then. False: it does neither.
   virtual bool move(World&, const StepClock&) { return false; }
+  /// What the model has seen of the bodies on its way through the step; null: nothing.
+  virtual const Extent* extent() const { return nullptr; }
   /// Completes the set for observers where the model has found contacts of its own.
   virtual void publish(const World&, ContactSet&) const {}
 };

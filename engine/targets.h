@@ -1,5 +1,6 @@
 /// @file targets.h  One loop compiled for several instruction sets, the widest that this processor runs chosen at run
-/// time. `Task::run() const` and all below it must be inlined (EPAFI_LANES): functions of their own keep the baseline.
+/// time. `Task::run() const`, or `Task::run<lanes>() const` for 2, 4 or 8 numbers a register, and all below it must be
+/// inlined (EPAFI_LANES): functions of their own keep the baseline.
 /// Contraction is off everywhere, so the bits are the same; tests/laws/test_pgs.cpp holds that. Include it in a
 /// .cpp that is compiled with -fno-math-errno: sqrt must be one instruction for four lanes.
 #pragma once
@@ -14,18 +15,25 @@ Target target();
 void limit_target(Target most);
 
 namespace target_detail {
+template <int lanes, class Task>
+[[gnu::always_inline]] inline void run(const Task& task) {
+  if constexpr (requires { task.template run<lanes>(); })
+    task.template run<lanes>();
+  else
+    task.run();
+}
 template <class Task>
 void run_baseline(const Task& task) {
-  task.run();
+  run<2>(task);
 }
 #if defined(__x86_64__)
 template <class Task>
 [[gnu::target("avx2")]] void run_avx2(const Task& task) {
-  task.run();
+  run<4>(task);
 }
 template <class Task>
 [[gnu::target("avx512f,avx512vl,avx512dq")]] void run_avx512(const Task& task) {
-  task.run();
+  run<8>(task);
 }
 #endif
 }  // namespace target_detail

@@ -9,14 +9,15 @@ namespace epafi {
 
 namespace {
 constexpr double least_margin =
-    0.1;  // of the bounding radius: what a body at rest may creep; 0.05-0.2 cost the same within 10 %
+    0.06;  // of the bounding radius: what a body at rest may creep; 0.04-0.2 cost the same within 10 %
 constexpr double most_margin =
-    0.5;  // of the bounding radius: beyond, the longer list costs more than the rebuilds it saves
+    2.0;  // of the bounding radius: for the few fast ones; with 0.5 what falls from a hopper asks for a list every
+          // 14 steps, with 6 bodies near a mesh look at too many triangles
 constexpr double giant_ratio =
     16.0;  // of the median radius: above, one box test per body is cheaper than one more grid level
 constexpr std::size_t most_giants = 16;
 constexpr double headroom = 1.25;                       // bodies speed up between rebuilds
-constexpr double least_steps = 4.0, most_steps = 64.0;  // of one list
+constexpr double least_steps = 4.0, most_steps = 512.0;  // of one list
 
 /// Distance by which a point of the body moves per second, at most [m/s].
 double surface_speed(const World& world, Slot s, double turning_radius) {
@@ -78,14 +79,15 @@ void FatBodies::choose_margins(const World& world, const BroadSetup& setup, doub
     margin.assign(world.size(), setup.margin);
     return;
   }
-  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 0.8/sqrt(e), e the mean motion
-  // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two.
+  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
+  // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
+  // margin whatever K is, so that only the fast ones make the list longer.
   const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
     if (immovable[i] || !(radius[i] > 0.0)) return Sum3{};
     return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]) / radius[i], 1.0, 0.0};
   });
   const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
-  const double steps = motion > 0.0 ? std::clamp(0.8 / std::sqrt(motion), least_steps, most_steps) : most_steps;
+  const double steps = motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps;
   const double small = 4.0 * median_radius();
   parallel_for(world.size(), [&](std::size_t i) {
     const double step = step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]);

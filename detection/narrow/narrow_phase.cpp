@@ -8,31 +8,29 @@ namespace epafi {
 
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {
-  block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear();
+  block.pairs.clear(), block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear(), block.known.clear();
   const PairTable& table = pair_table();
-  bool has_candidates = false, remembers = false;
+  const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
+  bool remembers = false;
   for (std::size_t i = begin; i < end; ++i) {
     const Pair& p = list.pairs[i];
     const PairCell* cell = &table[ShapeRef{world.shape[p.a]}.type()][ShapeRef{world.shape[p.b]}.type()];
-    if (block.runs.empty() || block.runs.back().cell != cell) block.runs.push_back({i, i, cell});
-    block.runs.back().end = i + 1;
-    has_candidates = has_candidates || cell->candidates;
+    const std::size_t first = block.triangles.size();
+    if (cell->candidates) {
+      cell->candidates(input, p, list.margin, block.triangles);
+      if (block.triangles.size() == first) continue;  // 17 000 of 20 000 spheres in a hopper are near no triangle
+    }
+    const std::size_t k = block.pairs.size();
+    if (block.runs.empty() || block.runs.back().cell != cell) block.runs.push_back({k, k, cell});
+    block.runs.back().end = k + 1;
+    block.pairs.push_back(p), block.triangle_begin.push_back(static_cast<std::uint32_t>(first));
     remembers = remembers || cell->remembers;
   }
-  block.caches.assign(remembers ? end - begin : 0, PairCache{});
-  block.known.clear();
-  for (std::size_t i = begin; remembers && i < end; ++i)
-    block.known.push_back({list.pairs[i], world.shape[list.pairs[i].a], world.shape[list.pairs[i].b]});
+  block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
+  block.caches.assign(remembers ? block.pairs.size() : 0, PairCache{});
+  if (remembers)
+    for (const Pair& p : block.pairs) block.known.push_back({p, world.shape[p.a], world.shape[p.b]});
   find_caches(block);
-  if (!has_candidates) return;
-  const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
-  block.triangle_begin.push_back(0);
-  for (const Run& run : block.runs) {
-    for (std::size_t i = run.begin; i < run.end; ++i) {
-      if (run.cell->candidates) run.cell->candidates(input, list.pairs[i], list.margin, block.triangles);
-      block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
-    }
-  }
 }
 
 void BatchNarrowPhase::keep_caches() {
@@ -56,7 +54,7 @@ void BatchNarrowPhase::find_caches(Block& block) const {
   }
 }
 
-void BatchNarrowPhase::collide_block(const World& world, const PairList& list, Block& block, std::size_t begin) {
+void BatchNarrowPhase::collide_block(const World& world, Block& block) {
   block.contacts.clear();
   block.contacts.with_curvature = curvature_, block.contacts.with_area = area_;
   ContactSink sink(block.contacts);
@@ -64,10 +62,10 @@ void BatchNarrowPhase::collide_block(const World& world, const PairList& list, B
     if (!run.cell->batch) continue;
     const std::size_t count = run.end - run.begin;
     BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles, area_, motion_, least_reach_};
-    if (run.cell->remembers) input.caches = std::span(block.caches).subspan(run.begin - begin, count);
+    if (run.cell->remembers) input.caches = std::span(block.caches).subspan(run.begin, count);
     if (run.cell->candidates)
-      input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin - begin, count + 1);
-    run.cell->batch(input, std::span(list.pairs).subspan(run.begin, count), sink);
+      input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin, count + 1);
+    run.cell->batch(input, std::span(block.pairs).subspan(run.begin, count), sink);
   }
   block.degenerate = sink.degenerate();
 }
@@ -120,7 +118,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
   }
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
     if (fresh) prepare(world, list, blocks_[b], begin, end);
-    collide_block(world, list, blocks_[b], begin);
+    collide_block(world, blocks_[b]);
   });
   join(contacts);
 }

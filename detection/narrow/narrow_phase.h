@@ -30,7 +30,7 @@ class BatchNarrowPhase : public NarrowPhase {
   static constexpr std::size_t block_size = 1024;
 
   struct Run {
-    std::size_t begin, end;  ///< indices of pairs
+    std::size_t begin, end;  ///< of the block's pairs
     const PairCell* cell;
   };
   struct Known {
@@ -40,6 +40,7 @@ class BatchNarrowPhase : public NarrowPhase {
   };
   /// What is derived from the pair list lasts until its next generation; the contacts last one step.
   struct Block {
+    std::vector<Pair> pairs;  ///< those of the list but bodies near no triangle of a mesh
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
     std::vector<PairCache> caches;  ///< of the block's pairs, where a cell remembers; shortcuts only, so not state
@@ -52,7 +53,7 @@ class BatchNarrowPhase : public NarrowPhase {
   void prepare(const World& world, const PairList& pairs, Block& block, std::size_t begin, std::size_t end);
   void keep_caches();
   void find_caches(Block& block) const;
-  void collide_block(const World& world, const PairList& pairs, Block& block, std::size_t begin);
+  void collide_block(const World& world, Block& block);
   void join(ContactSet& contacts);
   void foresee_motion(const World& world);
 

@@ -3,6 +3,7 @@
 #include "engine/parallel.h"
 #include "engine/targets.h"
 #include "laws/smooth/choose_law.h"
+#include "laws/smooth/fused/body_pass.h"
 #include "laws/smooth/fused/sphere_kernel.h"
 
 namespace epafi {
@@ -16,29 +17,29 @@ struct BlockTask {
   const std::vector<SphereLaw<Normal, Tangential>>& wall_laws;  ///< by plane
   const SphereArrays& arrays;
 
+  template <int n>
   EPAFI_LANES void run() const {
     if (block.images.empty())
-      sweep_runs<false>();
+      sweep_runs<n, false>();
     else
-      sweep_runs<true>();
+      sweep_runs<n, true>();
   }
 
-  template <bool periodic>
+  template <int n, bool periodic>
   EPAFI_LANES void sweep_runs() const {
-    SphereTotals total;
+    SphereTotals<n> total;
     for (const SphereBlocks::Run& run : block.runs) {
       if (run.plane >= 0)
-        sweep<Normal, Tangential, true, false, periodic>(block, run, wall_laws[static_cast<std::size_t>(run.plane)],
-                                                         arrays, total);
+        sweep<n, Normal, Tangential, true, false, periodic>(block, run, wall_laws[static_cast<std::size_t>(run.plane)],
+                                                            arrays, total);
       else if (!run.across)
-        sweep<Normal, Tangential, false, false, periodic>(block, run, law, arrays, total);
+        sweep<n, Normal, Tangential, false, false, periodic>(block, run, law, arrays, total);
       else
-        sweep<Normal, Tangential, false, true, periodic>(block, run, law, arrays, total);
+        sweep<n, Normal, Tangential, false, true, periodic>(block, run, law, arrays, total);
     }
-    const auto sum = [](const Lanes& x) EPAFI_INLINED { return (x[0] + x[1]) + (x[2] + x[3]); };
-    block.touching = total.touching, block.elastic = sum(total.elastic), block.viscous = sum(total.viscous);
-    block.slipped = sum(total.slipped) + total.released;
-    block.virial = {sum(total.virial.x), sum(total.virial.y), sum(total.virial.z)};
+    block.touching = total.touching, block.elastic = total.elastic.total(), block.viscous = total.viscous.total();
+    block.slipped = total.slipped.total() + total.released;
+    block.virial = {total.virial[0].total(), total.virial[1].total(), total.virial[2].total()};
   }
 };
 
@@ -67,9 +68,10 @@ class FusedModel final : public FusedSpheres {
 
   bool move(World& world, const StepClock& clock) override {
     if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return false;
-    each_range(world.size(), [&](std::size_t begin, std::size_t end) {
-      clock.scheme->first_half(world, clock.dt, begin, end);
-      blocks_.pack(world, lag(clock), begin, end);
+    extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
+    const auto loop = best_loop<FirstHalf>();
+    parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t i) {
+      loop({pass(world, clock, false, begin, end, extents_[i])});
     });
     packed_ = true;
     return true;
@@ -80,8 +82,10 @@ class FusedModel final : public FusedSpheres {
     const bool others = contacts.size() > 0 || others_;
     // reads the force of the last step: before the generic loop writes
     if (!packed_)
-      each_range(world.size(), [&](std::size_t begin, std::size_t end) { blocks_.pack(world, lag(clock), begin, end); });
-    packed_ = false;
+      parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+        pack_bodies(world, lag(clock), blocks_.states().data(), begin, end);
+      });
+    has_extent_ = packed_ && clock.scheme, packed_ = false;
     if (others)
       generic_->act(world, contacts, clock, report);
     else
@@ -91,7 +95,11 @@ class FusedModel final : public FusedSpheres {
     run_blocks(world, clock, others);
     count(clock.dt, report);
     if (world.cell) deform(*world.cell, others, clock.dt, report);
+    extent_ = Extent{};
+    for (const Extent& part : extents_) extent_ += part;
   }
+
+  const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
 
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
@@ -113,13 +121,10 @@ class FusedModel final : public FusedSpheres {
   /// Later than the velocities of the world by this are those the dampers see [s].
   double lag(const StepClock& clock) const { return damped_ ? clock.velocity_lag * clock.dt : 0.0; }
 
-  /// f(begin, end): two passes over a range that the first cache holds cost little more than one.
-  template <class F>
-  static void each_range(std::size_t n, const F& f) {
-    constexpr std::size_t range = 64;
-    parallel_blocks(n, SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
-      for (std::size_t i = begin; i < end; i += range) f(i, std::min(end, i + range));
-    });
+  BodyPass pass(World& world, const StepClock& clock, bool add, std::size_t begin, std::size_t end, Extent& extent) {
+    return {world,    blocks_.states().data(), blocks_.sums().data(), blocks_.plain(), *clock.scheme,
+            clock.dt, lag(clock),              add,                   begin,           end,
+            extent};
   }
 
   /// All blocks through the loop, then what they found for each other, and the second half of the step with it.
@@ -134,14 +139,15 @@ class FusedModel final : public FusedSpheres {
       arrays.strain_rate = Lanes{rate.x(), rate.y(), rate.z(), 0.0};
     }
     const auto find = [&](std::size_t i) { loop({all[i], law_, wall_laws_, arrays}); };
+    const auto second_half = best_loop<SecondHalf>();
     const auto finish = [&](std::size_t i) {
       blocks_.receive(i);
-      const std::size_t last = std::min(world.size(), (i + 1) * SphereBlocks::block_size);
-      for (std::size_t s = i * SphereBlocks::block_size; s < last; s += 64) {
-        const std::size_t end = std::min(last, s + 64);
-        blocks_.unpack(world, add, s, end);
-        if (clock.scheme) clock.scheme->second_half(world, clock.dt, s, end);
-      }
+      const std::size_t begin = i * SphereBlocks::block_size;
+      const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
+      if (clock.scheme)
+        second_half({pass(world, clock, add, begin, end, extents_[i])});
+      else
+        unpack_bodies(world, blocks_.states().data(), blocks_.sums().data(), add, begin, end);
     };
     if (thread_count() == 1) {  // records go to later blocks only: all for block i are there when its turn comes
       for (std::size_t i = 0; i < all.size(); ++i) find(i), finish(i);
@@ -183,7 +189,8 @@ class FusedModel final : public FusedSpheres {
                       std::uint32_t k) const {
     const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
     const bool wall = run.plane >= 0;
-    const SphereState &a = blocks_.states()[block.pairs[k].a], &b = blocks_.states()[wall ? block.pairs[k].a : block.pairs[k].b];
+    const SphereState &a = blocks_.states()[block.pairs[k].a.slot()],
+                      &b = blocks_.states()[(wall ? block.pairs[k].a : block.pairs[k].b).slot()];
     const double radius_a = a.position[3], radius_b = b.position[3];
     KinematicsOf<double> at;
     if (wall) {
@@ -207,7 +214,7 @@ class FusedModel final : public FusedSpheres {
   void append(const World& world, ContactSet& contacts, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
               std::uint32_t k) const {
     const bool wall = run.plane >= 0;
-    const Slot a = block.pairs[k].a, b = block.pairs[k].b;
+    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
     const double radius_a = blocks_.states()[a].position[3], radius_b = wall ? 0.0 : blocks_.states()[b].position[3];
     std::uint32_t key = 0;  // that of a plane follows the cells the sphere has passed: it is with the plane itself
     if (world.cell) key = wall ? image_code(world.wraps[a] - world.wraps[b]) : block.images[k].key;
@@ -246,6 +253,9 @@ class FusedModel final : public FusedSpheres {
   std::vector<Law> wall_laws_;
   bool damped_ = false, others_ = true;
   bool packed_ = false;  ///< the blocks hold the bodies as they are
+  std::vector<Extent> extents_;  ///< of this step, by block
+  Extent extent_;
+  bool has_extent_ = false;
   double viscous_power_ = 0.0;  ///< of the dampers at the last call [W]
   double driven_power_ = 0.0;  ///< of the cell's strain on the fused contacts at the last call [W]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already

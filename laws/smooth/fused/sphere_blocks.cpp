@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <tuple>
 
+#include "engine/error.h"
 #include "engine/parallel.h"
+#include "laws/smooth/fused/body_pass.h"
 
 namespace epafi {
 
@@ -26,7 +28,7 @@ class RunWriter {
     block_.runs.push_back({at, at, plane, across});
   }
   void add(const SpherePair& p) {
-    block_.pairs.push_back({p.a, p.b});
+    block_.pairs.push_back({SpherePlace(p.a), SpherePlace(p.b)});
     ++block_.runs.back().end;
     if (!periodic_) return;
     const auto step = [&](int k) { return static_cast<double>(image_step(p.image >> k)); };
@@ -35,7 +37,7 @@ class RunWriter {
   }
   void close() {
     if (block_.runs.back().begin == block_.runs.back().end) return block_.runs.pop_back();
-    while (block_.pairs.size() % lane_count != 0) {
+    while (block_.pairs.size() % SphereBlocks::pairs_per_byte != 0) {
       block_.pairs.push_back(block_.pairs.back());
       if (periodic_) block_.images.push_back(block_.images.back());
     }
@@ -71,19 +73,23 @@ void SphereBlocks::by_first_slot(std::vector<T>& list, std::size_t slots) {
 
 void SphereBlocks::place(const World& world, std::vector<SpherePair> pairs, std::span<const double> radius,
                          bool friction) {
+  EPAFI_REQUIRE(world.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
   const std::size_t count = (world.size() + block_size - 1) / block_size;
+  plain_.resize((world.size() + 3) / 4);
   blocks_.resize(count);
   states_.resize(world.size()), sums_.resize(world.size());  // unpack leaves the sums at zero
   pairs_ = pairs.size();
   for (SpherePair& p : pairs)
     if (p.plane < 0 && p.b < p.a) std::swap(p.a, p.b), p.image = opposite_image(p.image);
   by_first_slot(pairs, world.size());
+  const bool may_be_plain = has_plain_bodies(world);
   parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
     const std::size_t last = std::min(world.size(), (i + 1) * block_size);
     for (std::size_t s = i * block_size; s < last; ++s) {
       const double r = std::max(radius[s], 0.0);  // of others, which no pair names
       states_[s].position[3] = states_[s].spin[3] = r;
       states_[s].velocity[3] = world.inverse_mass[s];
+      if (s % 4 == 0) plain_[s / 4] = may_be_plain && are_plain(world, s);
     }
     const Slot begin = first_[i * block_size], end = first_[last];
     fill_block({pairs.data() + begin, pairs.data() + end}, static_cast<Slot>(i), friction, world.cell.has_value());
@@ -117,7 +123,7 @@ void SphereBlocks::fill_block(std::span<SpherePair> pairs, Slot index, bool fric
     writer.close();
   }
   block.springs.assign(friction ? block.pairs.size() : 0, SphereSpring{});
-  block.touched.assign(block.pairs.size() / lane_count, 0);
+  block.touched.assign(block.pairs.size() / pairs_per_byte, 0);
 }
 
 /// Gives every pair across blocks a place in `records`, and tells the block of its B.
@@ -127,8 +133,10 @@ void SphereBlocks::address_records() {
     if (block.runs.empty() || !block.runs.back().across) continue;
     const Run& run = block.runs.back();
     block.record = record;
-    for (std::uint32_t k = run.begin; k < run.end; ++k, ++record)
-      blocks_[block.pairs[k].b / block_size].incoming.emplace_back(record, block.pairs[k].b);
+    for (std::uint32_t k = run.begin; k < run.end; ++k, ++record) {
+      const Slot b = block.pairs[k].b.slot();
+      blocks_[b / block_size].incoming.emplace_back(record, b);
+    }
   }
   records_.assign(record, SphereSum{});
 }
@@ -140,9 +148,9 @@ std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
   each_touching([&](const Block& block, const Run& run, std::uint32_t k) {
     if (block.springs.empty()) return;
     const Lanes& load = block.springs[k].load;
-    const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b;
+    const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
     kept.push_back(
-        {block.pairs[k].a, b, block.images.empty() ? 0u : block.images[k].key, {load[0], load[1], load[2], load[3]}});
+        {block.pairs[k].a.slot(), b, block.images.empty() ? 0u : block.images[k].key, {load[0], load[1], load[2], load[3]}});
   });
   return kept;
 }
@@ -153,20 +161,21 @@ void SphereBlocks::restore(std::vector<Kept>& kept, std::size_t slots) {
     Block& block = blocks_[i];
     for (const Run& run : block.runs)
       for (std::uint32_t k = run.begin; k < run.end; ++k) {
-        const SphereSlots pair = block.pairs[k];
-        const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : pair.b;
+        const Slot a = block.pairs[k].a.slot();
+        const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
         const std::uint32_t key = block.images.empty() ? 0u : block.images[k].key;
-        const auto end = kept.begin() + first_[pair.a + 1];
-        const auto at = std::find_if(kept.begin() + first_[pair.a], end,
+        const auto end = kept.begin() + first_[a + 1];
+        const auto at = std::find_if(kept.begin() + first_[a], end,
                                      [b, key](const Kept& s) { return s.b == b && s.key == key; });
         if (at == end) continue;
         block.springs[k].load = Lanes{at->load[0], at->load[1], at->load[2], at->load[3]};
-        block.touched[k / lane_count] |= static_cast<std::uint8_t>(1u << (k % lane_count));
+        block.touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
       }
   });
 }
 
 void SphereBlocks::reorder(const Reordering& change) {
+  std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});
   if (laid_out_) kept_ = springs(), laid_out_ = false;
   std::vector<bool> is_plane(change.new_slot.size(), false);
   for (SpherePlane& p : planes_) is_plane[p.slot] = true, p.slot = change.new_slot[p.slot];
@@ -189,6 +198,7 @@ void SphereBlocks::reorder(const Reordering& change) {
 }
 
 void SphereBlocks::visit(StateVisitor& visitor) {
+  std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
   if (laid_out_) kept_ = springs(), laid_out_ = false;
   std::vector<Slot> a, b;
   std::vector<std::uint32_t> key;
@@ -206,43 +216,10 @@ void SphereBlocks::visit(StateVisitor& visitor) {
   }
 }
 
-// --- from the world and back
-
-void SphereBlocks::pack(const World& world, double lag, std::size_t begin, std::size_t end) {
-  const bool rotates = world.rotates();
-  static constexpr double still[3] = {0.0, 0.0, 0.0};
-  for (std::size_t i = begin; i < end; ++i) {
-    const auto s = static_cast<Slot>(i);
-    const double *x = world.position[s].data(), *v = world.velocity[s].data(),
-                 *w = rotates ? world.angular_velocity[s].data() : still;
-    double* to =
-        reinterpret_cast<double*>(&states_[i]);  // number by number: a row of lanes would go through the stack
-    for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
-    if (lag == 0.0) continue;
-    const Vec3 change = lag * world.acceleration(s);
-    for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
-  }
-}
-
 void SphereBlocks::receive(std::size_t i) {
   for (const auto& [record, slot] : blocks_[i].incoming) {
     sums_[slot].force += records_[record].force;
     sums_[slot].pull += records_[record].pull;
-  }
-}
-
-void SphereBlocks::unpack(World& world, bool add, std::size_t begin, std::size_t end) {
-  const bool rotates = world.rotates();
-  for (std::size_t s = begin; s < end; ++s) {
-    double* from = reinterpret_cast<double*>(&sums_[s]);
-    double* force = world.force[s].data();
-    for (int k = 0; k < 3; ++k) force[k] = add ? force[k] + from[k] : from[k];
-    if (rotates) {
-      double* torque = world.torque[s].data();
-      const double radius = states_[s].position[3];
-      for (int k = 0; k < 3; ++k) torque[k] = (add ? torque[k] : 0.0) + radius * from[4 + k];
-    }
-    for (int k = 0; k < 8; ++k) from[k] = 0.0;
   }
 }
 

@@ -1,5 +1,5 @@
 /// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over
-/// four at a time. Slots are cut into blocks of 1024; a block owns the contacts whose lower slot it holds and adds
+/// several at a time. Slots are cut into blocks of 1024; a block owns the contacts whose lower slot it holds and adds
 /// their forces to its own bodies; what it finds for bodies of later blocks it writes down, and those blocks add it in
 /// a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on which pairs
 /// that do not touch are listed.
@@ -20,7 +20,7 @@ struct alignas(64) SphereState {
   Lanes predicted;  ///< velocity at the time of the detection [m/s], 0
 };
 /// What it writes. The torque over the radius: both bodies of a contact feel the same one.
-struct alignas(32) SphereSum {
+struct alignas(64) SphereSum {
   Lanes force, pull;  ///< x y z [N], unused
 };
 
@@ -38,9 +38,19 @@ struct SpherePair {
   std::uint32_t image = 0;  ///< as Pair::image; 0 with planes, which repeat in themselves
 };
 
+/// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies less.
+struct SpherePlace {
+  static constexpr std::uint32_t unit = sizeof(SphereSum);
+  std::uint32_t offset = 0;
+  SpherePlace() = default;
+  explicit SpherePlace(Slot s) : offset(unit * s) {}
+  Slot slot() const { return offset / unit; }
+};
+static_assert(sizeof(SphereState) % SpherePlace::unit == 0);
+
 /// Two spheres, a < b, or a sphere and the slot of a plane.
-struct SphereSlots {
-  Slot a, b;
+struct SpherePlaces {
+  SpherePlace a, b;
 };
 
 /// The friction spring of a contact: 32 bytes.
@@ -60,8 +70,10 @@ std::uint32_t opposite_image(std::uint32_t image);
 class SphereBlocks {
  public:
   static constexpr std::size_t block_size = 1024;
+  static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
+  static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit;
 
-  /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of four, sorted by (a, b, key).
+  /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of eight, sorted by (a, b, key).
   struct Run {
     std::uint32_t begin = 0, end = 0;
     std::int32_t plane = -1;
@@ -70,10 +82,10 @@ class SphereBlocks {
 
   struct Block {
     std::vector<Run> runs;             ///< planes in order, then inside the block, then across blocks
-    std::vector<SphereSlots> pairs;    ///< every run filled up to whole fours with copies of its last one
+    std::vector<SpherePlaces> pairs;    ///< every run filled up to whole eights with copies of its last one
     std::vector<SphereSpring> springs;  ///< by pair, where there is friction
     std::vector<SphereImage> images;   ///< by pair, in a periodic cell
-    std::vector<std::uint8_t> touched;  ///< by four pairs: those that touched at the last call, one bit each
+    std::vector<std::uint8_t> touched;  ///< by eight pairs: those that touched at the last call, one bit each
     std::uint32_t record = 0;           ///< of the first pair across blocks in `records`
     std::vector<std::pair<std::uint32_t, Slot>>
         incoming;          ///< records for bodies of this block, in the order of their owners
@@ -91,13 +103,9 @@ class SphereBlocks {
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
-  /// Reads the bodies of slots [begin, end), with velocities `lag` later.
-  void pack(const World& world, double lag, std::size_t begin, std::size_t end);
   /// Adds what other blocks found for the bodies of block i.
   void receive(std::size_t i);
-  /// Writes force and torque of slots [begin, end), added where `add`; the sums are 0 again then.
-  void unpack(World& world, bool add, std::size_t begin, std::size_t end);
-  /// Whether `pack` can read that many bodies.
+  /// Whether there is room for that many bodies.
   bool holds(std::size_t bodies) const { return states_.size() == bodies; }
 
   /// f(block, run, pair) for all pairs that touched at the last call, in the order of the layout.
@@ -106,12 +114,15 @@ class SphereBlocks {
     for (const Block& block : blocks_)
       for (const Run& run : block.runs)
         for (std::uint32_t k = run.begin; k < run.end; ++k)
-          if (block.touched[k / lane_count] >> (k % lane_count) & 1u) f(block, run, k);
+          if (block.touched[k / pairs_per_byte] >> (k % pairs_per_byte) & 1u) f(block, run, k);
   }
 
   std::vector<Block>& blocks() { return blocks_; }
   const std::vector<SpherePlane>& planes() const { return planes_; }
   std::span<const SphereState> states() const { return states_; }
+  std::span<SphereState> states() { return states_; }
+  /// By four bodies: laws/smooth/fused/body_pass.h may take them together.
+  const std::uint8_t* plain() const { return plain_.data(); }
   std::span<SphereSum> sums() { return sums_; }
   std::span<SphereSum> records() { return records_; }
   std::size_t pairs() const { return pairs_; }
@@ -138,6 +149,7 @@ class SphereBlocks {
   std::vector<SpherePlane> planes_;
   std::vector<SphereState> states_;
   std::vector<SphereSum> sums_, records_;
+  std::vector<std::uint8_t> plain_;
   std::vector<Slot> first_;
   std::vector<Kept> kept_;  ///< springs while the layout waits
   bool laid_out_ = false;

@@ -1,16 +1,12 @@
-/// @file sphere_kernel.h  Hertz-like contact of spheres with a friction spring, four contacts at a time. A first pass
-/// looks at all pairs of a run and names those that touch; these alone, closed up, go through gap, motion, law, spring
-/// and sums, eight groups of four together: each of these loops is short, so that the processor works at several groups
-/// at once. The formulas are those of the law parts (respond, stiffness, friction) and of laws/smooth/spring.h; the
-/// result equals the generic loop to rounding (tests/physics/test_fused_spheres.cpp).
+/// @file sphere_kernel.h  Hertz-like contact of spheres with a friction spring, n contacts at a time. A first pass
+/// looks at all pairs of a run and hands on those that touch; these alone, closed up, go through motion, law, spring
+/// and sums, 32 together: each of these loops is short, so that the processor works at several groups at once. The
+/// formulas are those of the law parts (respond, stiffness, friction) and of laws/smooth/spring.h; the result equals
+/// the generic loop to rounding (tests/physics/test_fused_spheres.cpp), and is the same bits for every n.
 #pragma once
-#include <array>
-
 #include "laws/contact_law.h"
 #include "laws/smooth/fused/sphere_blocks.h"
-
-/// Behind the parameters of a lambda that works on lanes: a function of its own keeps the baseline (engine/targets.h).
-#define EPAFI_INLINED __attribute__((always_inline))
+#include "laws/smooth/fused/sphere_lanes.h"
 
 namespace epafi {
 
@@ -28,190 +24,218 @@ struct SphereArrays {
   double dt;
   bool damped;
   Lanes cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]; fourth 0
+
+  EPAFI_LANES const SphereState& state(SpherePlace p) const {
+    return *reinterpret_cast<const SphereState*>(reinterpret_cast<const char*>(states) +
+                                                 sizeof(SphereState) / SpherePlace::unit * std::size_t{p.offset});
+  }
+  EPAFI_LANES SphereSum& sum(SpherePlace p) const {
+    return *reinterpret_cast<SphereSum*>(reinterpret_cast<char*>(sums) + std::size_t{p.offset});
+  }
 };
 
-/// What a run found, by lane: sums in the order of the contacts that touch.
+/// What a run found: sums in the order of the contacts that touch.
+template <int n>
 struct SphereTotals {
-  Lanes elastic{}, slipped{}, viscous{};  ///< [J], [J], [W]
-  Lanes3 virial{};
+  LaneSum<n> elastic, slipped, viscous;  ///< [J], [J], [W]
+  LaneSum<n> virial[3];
   double released = 0.0;  ///< energy of the springs of contacts that opened [J]
   std::size_t touching = 0;
 };
 
 /// Contacts on their way through the loops. Lanes behind the last contact repeat it and add nothing.
+template <int n>
 struct SphereTile {
-  static constexpr std::size_t size = 8;
-  std::uint32_t pair[size * lane_count];
-  std::size_t count = 0, groups = 0;  ///< of contacts, of groups that hold them
-  LaneMask used[size];
-  Lanes3 branch[size];   ///< from centre to centre [m]
-  Lanes square[size];    ///< its length squared [m^2]; of the spring's load: [N^2]
-  Lanes radii[size];     ///< sum of both [m]
-  Lanes distance[size];  ///< of centres [m]
-  Lanes lever[size];     ///< distance over sum of radii
-  Lanes3 normal[size];   ///< from A to B; of walls: into the wall
-  Lanes overlap[size], approach[size], mass[size], radius[size];
-  Lanes3 displacement[size];                             ///< slip of the step [m]
-  Lanes twist[size];                                     ///< about the normal in the step [rad]
-  Lanes force[size];                                     ///< [N]
-  Lanes stiffness[size], compliance[size], limit[size];  ///< of the spring [N/m], [m/N], [N]
+  using V = typename LanesOf<n>::Real;
+  using V3 = VectorsOf<V>;
+  static constexpr std::size_t most = 32, size = most / n;
+  static constexpr std::size_t room = most + 16;  ///< a look at eight pairs may write that far
+  std::size_t count = 0, groups = 0;              ///< of contacts, of groups that hold them
+  alignas(64) double x[room], y[room], z[room];   ///< from centre to centre [m]; of walls: x, how far above
+  alignas(64) double radii[room];                 ///< sum of both [m]
+  alignas(64) SpherePlaces bodies[room];
+  alignas(64) std::uint32_t pair[room];
+  V lever[size];      ///< distance over sum of radii
+  V3 normal[size];    ///< from A to B; of walls: into the wall
+  V distance[size];   ///< of centres [m]
+  V overlap[size], approach[size], mass[size], radius[size];
+  V3 displacement[size];                             ///< slip of the step [m]
+  V twist[size];                                     ///< about the normal in the step [rad]
+  V force[size];                                     ///< [N]
+  V stiffness[size], compliance[size], limit[size];  ///< of the spring [N/m], [m/N], [N]
+  V square[size];                                    ///< of the spring's load [N^2]
   // of the spring: load squared, energy [J], old compliance times stiffness
-  Lanes before[size], energy[size], shrink[size];
-  Lanes3 start[size], load[size];  ///< of the spring, as it comes into the step and now [N]
+  V before[size], energy[size], shrink[size];
+  V3 start[size], load[size];  ///< of the spring, as it comes into the step and now [N]
+
+  EPAFI_LANES V column(const double* c, std::size_t g) const {
+    V out;
+    std::memcpy(&out, c + g * n, sizeof out);
+    return out;
+  }
+  /// All but the lanes behind the last contact.
+  EPAFI_LANES MaskOf<V> used(std::size_t g) const {
+    MaskOf<V> lane{};
+    for (int l = 0; l < n; ++l) lane[l] = l;
+    return lane < static_cast<long long>(count - g * n) + MaskOf<V>{};
+  }
 };
 
-EPAFI_LANES Lanes flip_fourth(Lanes x) {
-  constexpr LaneMask sign{0, 0, 0, static_cast<long long>(1ull << 63)};
-  return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(x) ^ sign);
+template <int n>
+EPAFI_LANES typename LanesOf<n>::Real filled(double x) {
+  return typename LanesOf<n>::Real{} + x;
 }
 
-/// From A to B, and in the fourth the sum of both instead of the difference.
-EPAFI_LANES Lanes between(Lanes a, Lanes b) { return b - flip_fourth(a); }
-
-/// Pairs of four lanes: the rows f(lane) as columns.
-template <class F>
-EPAFI_LANES void read_columns(const F& f, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
-  x = f(0), y = f(1), z = f(2), w = f(3);
-  transpose(x, y, z, w);
-}
-
-/// Lanes of the four pairs from `k` on that touch, one bit each.
-template <bool wall, bool periodic>
-EPAFI_LANES unsigned find_touching(const SphereBlocks::Block& block, std::size_t k, const SpherePlane* plane,
-                                   const SphereArrays& with) {
-  const SphereSlots* pair = block.pairs.data() + k;
-  const SphereState* s = with.states;
-  Lanes3 d;
-  Lanes reach;
-  LaneMask touching;
+/// Adds those of the n pairs from `k` on that touch, and returns one bit for each. valid: bits of the run's own.
+template <int n, bool wall, bool periodic>
+EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, std::uint32_t k, unsigned valid,
+                          const SpherePlane* plane, const SphereArrays& with) {
+  using V = typename LanesOf<n>::Real;
+  const SpherePlaces* pair = block.pairs.data() + k;
+  VectorsOf<V> d;
+  V radii;
+  unsigned bits;
   if constexpr (wall) {
-    read_columns([&](int l) EPAFI_INLINED { return s[pair[l].a].position; }, d.x, d.y, d.z, reach);
-    const Vec3 &n = plane->normal, &p = plane->point;
-    touching = n.x() * (d.x - p.x()) + n.y() * (d.y - p.y()) + n.z() * (d.z - p.z()) < reach;
-  } else {
-    read_columns(
-        [&](int l) EPAFI_INLINED {
-          const Lanes row = between(s[pair[l].a].position, s[pair[l].b].position);
-          return periodic ? row + with.cell_size * block.images[k + static_cast<std::size_t>(l)].cells : row;
-        },
-        d.x, d.y, d.z, reach);
-    touching = d.dot(d) < reach * reach;
-  }
-  const LaneMask bits = touching & LaneMask{1, 2, 4, 8};
-  return static_cast<unsigned>((bits[0] | bits[1]) | (bits[2] | bits[3]));
-}
-
-/// Where the bodies are.
-template <bool wall, bool periodic>
-EPAFI_LANES void find_branch(SphereTile& t, std::size_t g, const SphereBlocks::Block& block, const SpherePlane* plane,
-                             const SphereArrays& with) {
-  const std::uint32_t* k = t.pair + g * lane_count;
-  const SphereState* s = with.states;
-  Lanes3 d;
-  if constexpr (wall) {
-    read_columns([&](int l) EPAFI_INLINED { return s[block.pairs[k[l]].a].position; }, d.x, d.y, d.z, t.radii[g]);
+    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(pair[l].a).position); }, d.x, d.y, d.z, radii);
     const Vec3 &out = plane->normal, &p = plane->point;
-    t.normal[g] = {lanes(-out.x()), lanes(-out.y()), lanes(-out.z())};
-    const Lanes above = out.x() * (d.x - p.x()) + out.y() * (d.y - p.y()) + out.z() * (d.z - p.z());
-    t.overlap[g] = -(above - t.radii[g]), t.distance[g] = t.radii[g], t.lever[g] = lanes(1.0), t.radius[g] = t.radii[g];
+    d.x = out.x() * (d.x - p.x()) + out.y() * (d.y - p.y()) + out.z() * (d.z - p.z());
+    bits = less_bits<n>(d.x, radii) & valid;
   } else {
     read_columns(
-        [&](int l) EPAFI_INLINED {
-          const Lanes row = between(s[block.pairs[k[l]].a].position, s[block.pairs[k[l]].b].position);
-          return periodic ? row + with.cell_size * block.images[k[l]].cells : row;
+        [&](int l) EPAFI_INLINED {  // in the fourth the sum of both instead of the difference
+          const auto apart =
+              row<n>(with.state(pair[l].b).position) - flip_fourth(row<n>(with.state(pair[l].a).position));
+          if constexpr (periodic)
+            return apart + row<n>(with.cell_size) * row<n>(block.images[k + static_cast<std::uint32_t>(l)].cells);
+          else
+            return apart;
         },
-        d.x, d.y, d.z, t.radii[g]);
-    t.branch[g] = d, t.square[g] = d.dot(d);
+        d.x, d.y, d.z, radii);
+    bits = less_bits<n>(d.dot(d), radii * radii) & valid;
   }
+  for (int l = 0; l < n; ++l)  // those that touch want them soon; A's lines are those of the pair before
+    __builtin_prefetch(&with.state(pair[l].b).spin), __builtin_prefetch(&with.sum(pair[l].b));
+  const std::size_t at = t.count;
+  compress<n>(d.x, bits, t.x + at);
+  if constexpr (!wall) compress<n>(d.y, bits, t.y + at), compress<n>(d.z, bits, t.z + at);
+  compress<n>(radii, bits, t.radii + at);
+  V places;
+  static_assert(sizeof(SpherePlaces) == sizeof(double));
+  std::memcpy(&places, pair, sizeof places);
+  compress<n>(places, bits, t.bodies + at);
+  for (std::uint32_t l = 0; l < n; ++l) t.pair[at + l] = k + bit_places.at[bits][l];
+  t.count = at + bit_places.count[bits];
+  return bits;
 }
 
-/// Roots and divisions in a loop of their own: they queue for one unit, and no other work waits in between.
-EPAFI_LANES void find_normal(SphereTile& t, std::size_t g) {
-  const Lanes distance = sqrt(t.square[g]), radii = t.radii[g];
-  const LaneMask apart = distance > Lanes{};
-  const Lanes length = select(apart, distance, lanes(1.0)), both = 1.0 / (length * radii), inverse = radii * both;
-  const Lanes3 d = t.branch[g];
-  t.normal[g] = {inverse * d.x, inverse * d.y, select(apart, inverse * d.z, lanes(1.0))};
-  t.overlap[g] = radii - distance, t.distance[g] = distance;
-  t.radius[g] = length * both;  // 1/sum of radii for now
-  t.lever[g] = distance * t.radius[g];
+/// Where the bodies are. Roots and divisions in a loop of their own: they queue for one unit, and no other work waits
+/// in between.
+template <int n, bool wall>
+EPAFI_LANES void find_normal(SphereTile<n>& t, std::size_t g, const SpherePlane* plane) {
+  using V = typename LanesOf<n>::Real;
+  const V radii = t.column(t.radii, g);
+  if constexpr (wall) {
+    const Vec3& out = plane->normal;
+    t.normal[g] = {filled<n>(-out.x()), filled<n>(-out.y()), filled<n>(-out.z())};
+    t.overlap[g] = -(t.column(t.x, g) - radii), t.distance[g] = radii, t.lever[g] = filled<n>(1.0);
+    t.radius[g] = radii;
+  } else {
+    const VectorsOf<V> d{t.column(t.x, g), t.column(t.y, g), t.column(t.z, g)};
+    const V distance = sqrt(d.dot(d));
+    const MaskOf<V> apart = distance > V{};
+    const V length = select(apart, distance, filled<n>(1.0)), both = 1.0 / (length * radii), inverse = radii * both;
+    t.normal[g] = {inverse * d.x, inverse * d.y, select(apart, inverse * d.z, filled<n>(1.0))};
+    t.overlap[g] = radii - distance, t.distance[g] = distance;
+    t.radius[g] = length * both;  // 1/sum of radii for now
+    t.lever[g] = distance * t.radius[g];
+  }
 }
 
 /// Radius of the contact, and with friction how far the surfaces move on each other in the step.
-template <bool friction, bool wall>
-EPAFI_LANES void find_radii(SphereTile& t, std::size_t g, const SphereState* const (&a)[lane_count],
-                            const SphereState* const (&b)[lane_count], const Lanes3& velocity, double dt) {
+template <int n, bool friction, bool wall>
+EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays& with,
+                            const VectorsOf<typename LanesOf<n>::Real>& velocity) {
+  using V = typename LanesOf<n>::Real;
+  const SpherePlaces* bodies = t.bodies + g * n;
+  VectorsOf<V> spin_a, spin_b{};
+  V radius_a, radius_b{};
+  read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(bodies[l].a).spin); }, spin_a.x, spin_a.y, spin_a.z,
+               radius_a);
+  if constexpr (!wall) {
+    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(bodies[l].b).spin); }, spin_b.x, spin_b.y,
+                 spin_b.z, radius_b);
+    t.radius[g] = radius_a * radius_b * t.radius[g];
+  }
   if constexpr (friction) {
-    Lanes3 spin_a, spin_b{};
-    Lanes radius_a, radius_b{};
-    read_columns([&](int l) EPAFI_INLINED { return a[l]->spin; }, spin_a.x, spin_a.y, spin_a.z, radius_a);
-    if constexpr (!wall) {
-      read_columns([&](int l) EPAFI_INLINED { return b[l]->spin; }, spin_b.x, spin_b.y, spin_b.z, radius_b);
-      t.radius[g] = radius_a * radius_b * t.radius[g];
-    }
-    const Lanes3& n = t.normal[g];
-    t.twist[g] = 0.5 * dt * n.dot(spin_a + spin_b);
-    const Lanes3 turning = t.lever[g] * (radius_a * spin_a + radius_b * spin_b);
-    t.displacement[g] = dt * (velocity - velocity.dot(n) * n - turning.cross(n));
-  } else if constexpr (!wall) {
-    const auto radius = [](const SphereState* const* s) EPAFI_INLINED {
-      return Lanes{s[0]->spin[3], s[1]->spin[3], s[2]->spin[3], s[3]->spin[3]};
-    };
-    t.radius[g] = radius(a) * radius(b) * t.radius[g];
+    const VectorsOf<V>& normal = t.normal[g];
+    t.twist[g] = 0.5 * with.dt * normal.dot(spin_a + spin_b);
+    const VectorsOf<V> turning = t.lever[g] * (radius_a * spin_a + radius_b * spin_b);
+    t.displacement[g] = with.dt * (velocity - velocity.dot(normal) * normal - turning.cross(normal));
   }
 }
 
 /// How they move against each other.
-template <bool friction, bool wall, bool periodic>
-EPAFI_LANES void find_motion(SphereTile& t, std::size_t g, const SphereBlocks::Block& block, const SphereArrays& with) {
-  const std::uint32_t* k = t.pair + g * lane_count;
-  const SphereSlots* pairs = block.pairs.data();
-  const SphereState *a[lane_count], *b[lane_count];
-  for (int l = 0; l < lane_count; ++l)
-    a[l] = with.states + pairs[k[l]].a, b[l] = wall ? a[l] : with.states + pairs[k[l]].b;
-  Lanes3 velocity, later;
-  Lanes inverse_mass, none;
-  const Lanes3& n = t.normal[g];
+template <int n, bool friction, bool wall, bool periodic>
+EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
+                             const SphereArrays& with) {
+  using V = typename LanesOf<n>::Real;
+  const SpherePlaces* bodies = t.bodies + g * n;
+  VectorsOf<V> velocity, later;
+  V inverse_mass, none;
+  const VectorsOf<V>& normal = t.normal[g];
   if constexpr (wall) {
-    read_columns([&](int l) EPAFI_INLINED { return -flip_fourth(a[l]->velocity); }, velocity.x, velocity.y, velocity.z,
-                 inverse_mass);
-    read_columns([&](int l) EPAFI_INLINED { return -a[l]->predicted; }, later.x, later.y, later.z, none);
+    read_columns([&](int l) EPAFI_INLINED { return -flip_fourth(row<n>(with.state(bodies[l].a).velocity)); },
+                 velocity.x, velocity.y, velocity.z, inverse_mass);
+    read_columns([&](int l) EPAFI_INLINED { return -row<n>(with.state(bodies[l].a).predicted); }, later.x, later.y,
+                 later.z, none);
   } else {
     // the flow of a deforming cell comes on top
     const auto flow = [&](int l) EPAFI_INLINED {
-      const Lanes apart = b[l]->position - a[l]->position + with.cell_size * block.images[k[l]].cells;
-      return with.strain_rate * apart;
+      const auto apart = row<n>(with.state(bodies[l].b).position) - row<n>(with.state(bodies[l].a).position) +
+                         row<n>(with.cell_size) *
+                             row<n>(block.images[t.pair[g * n + static_cast<std::size_t>(l)]].cells);
+      return row<n>(with.strain_rate) * apart;
     };
     read_columns(
         [&](int l) EPAFI_INLINED {
-          const Lanes row = between(a[l]->velocity, b[l]->velocity);
-          return periodic ? row + flow(l) : row;
+          const auto apart =
+              row<n>(with.state(bodies[l].b).velocity) - flip_fourth(row<n>(with.state(bodies[l].a).velocity));
+          if constexpr (periodic)
+            return apart + flow(l);
+          else
+            return apart;
         },
         velocity.x, velocity.y, velocity.z, inverse_mass);
     later = velocity;
     if (with.damped)
       read_columns(
           [&](int l) EPAFI_INLINED {
-            const Lanes row = b[l]->predicted - a[l]->predicted;
-            return periodic ? row + flow(l) : row;
+            const auto apart =
+                row<n>(with.state(bodies[l].b).predicted) - row<n>(with.state(bodies[l].a).predicted);
+            if constexpr (periodic)
+              return apart + flow(l);
+            else
+              return apart;
           },
           later.x, later.y, later.z, none);
   }
   t.mass[g] = 1.0 / inverse_mass;
-  t.approach[g] = -later.dot(n);
-  find_radii<friction, wall>(t, g, a, b, velocity, with.dt);
+  t.approach[g] = -later.dot(normal);
+  if constexpr (friction || !wall) find_radii<n, friction, wall>(t, g, with, velocity);
 }
 
-template <class Normal, class Tangential>
-EPAFI_LANES void find_response(SphereTile& t, std::size_t g, const SphereLaw<Normal, Tangential>& law,
-                               SphereTotals& total) {
-  KinematicsOf<Lanes> at;
+template <int n, class Normal, class Tangential>
+EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential>& law,
+                               SphereTotals<n>& total) {
+  using V = typename LanesOf<n>::Real;
+  KinematicsOf<V> at;
   at.overlap = t.overlap[g], at.approach_velocity = t.approach[g];
   at.effective_mass = t.mass[g], at.effective_radius = t.radius[g];
-  const ResponseOf<Lanes> r = Normal::respond(law.normal, at);
+  const ResponseOf<V> r = Normal::respond(law.normal, at);
+  const MaskOf<V> used = t.used(g);
   t.force[g] = r.force;
-  total.elastic += keep(t.used[g], r.energy);
-  total.viscous += keep(t.used[g], (r.force - r.elastic_force) * at.approach_velocity);
+  total.elastic.add(g, keep(used, r.energy));
+  total.viscous.add(g, keep(used, (r.force - r.elastic_force) * at.approach_velocity));
   if constexpr (Tangential::is_present)
     t.stiffness[g] = Tangential::stiffness(law.tangential, r.stiffness),
     t.limit[g] = Tangential::friction(law.tangential) * r.force;
@@ -220,126 +244,160 @@ EPAFI_LANES void find_response(SphereTile& t, std::size_t g, const SphereLaw<Nor
 /// laws/smooth/spring.h: the old load turns with the plane, shrinks with the stiffness, follows the slip and stays
 /// below the limit. Remembered beside it is 1/stiffness: one division serves the energy now and, in the next step, the
 /// energy before and the shrinking.
-EPAFI_LANES void turn_springs(SphereTile& t, std::size_t g, const SphereSpring* springs) {
-  const std::uint32_t* pair = t.pair + g * lane_count;
-  const Lanes3& n = t.normal[g];
-  Lanes3 old;
-  Lanes compliance;
-  read_columns([&](int l) EPAFI_INLINED { return springs[pair[l]].load; }, old.x, old.y, old.z, compliance);
-  const Lanes3 load = old + t.twist[g] * n.cross(old);
-  t.start[g] = load - n.dot(load) * n;
+template <int n>
+EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSpring* springs) {
+  using V = typename LanesOf<n>::Real;
+  const std::uint32_t* pair = t.pair + g * n;
+  const VectorsOf<V>& normal = t.normal[g];
+  VectorsOf<V> old;
+  V compliance;
+  read_columns([&](int l) EPAFI_INLINED { return row<n>(springs[pair[l]].load); }, old.x, old.y, old.z, compliance);
+  const VectorsOf<V> load = old + t.twist[g] * normal.cross(old);
+  t.start[g] = load - normal.dot(load) * normal;
   t.before[g] = old.dot(old), t.square[g] = t.start[g].dot(t.start[g]);
   t.energy[g] = 0.5 * t.before[g] * compliance;
   t.shrink[g] = compliance * t.stiffness[g];
 }
 
 /// The turned load has its old length, and 1/stiffness: by one division.
-EPAFI_LANES void scale_springs(SphereTile& t, std::size_t g) {
-  const Lanes after = t.square[g], stiffness = t.stiffness[g];
-  const LaneMask turns = after > lanes(1e-200), stiff = stiffness > Lanes{};  // loads below 1e-100 N are none
-  const Lanes some = select(turns, after, lanes(1.0)), k = select(stiff, stiffness, lanes(1.0));
-  const Lanes both = 1.0 / (some * k);
+template <int n>
+EPAFI_LANES void scale_springs(SphereTile<n>& t, std::size_t g) {
+  using V = typename LanesOf<n>::Real;
+  const V after = t.square[g], stiffness = t.stiffness[g];
+  const MaskOf<V> turns = after > filled<n>(1e-200), stiff = stiffness > V{};  // loads below 1e-100 N are none
+  const V some = select(turns, after, filled<n>(1.0)), k = select(stiff, stiffness, filled<n>(1.0));
+  const V both = 1.0 / (some * k);
   t.start[g] = keep(turns, sqrt(t.before[g] * (k * both))) * t.start[g];
   t.compliance[g] = keep(stiff, some * both);
 }
 
 /// True where some lane slides.
-EPAFI_LANES bool stretch_springs(SphereTile& t, std::size_t g) {
-  const Lanes shrink = t.shrink[g];  // below 1 where the contact has become softer; a new one has no load
-  t.load[g] = select(shrink < lanes(1.0), shrink, lanes(1.0)) * t.start[g] + t.stiffness[g] * t.displacement[g];
+template <int n>
+EPAFI_LANES bool stretch_springs(SphereTile<n>& t, std::size_t g) {
+  using V = typename LanesOf<n>::Real;
+  const V shrink = t.shrink[g];  // below 1 where the contact has become softer; a new one has no load
+  t.load[g] = select(shrink < filled<n>(1.0), shrink, filled<n>(1.0)) * t.start[g] + t.stiffness[g] * t.displacement[g];
   t.square[g] = t.load[g].dot(t.load[g]);
-  return any(t.square[g] > t.limit[g] * t.limit[g]);
+  return less_bits<n>(t.limit[g] * t.limit[g], t.square[g]) != 0;
 }
 
-EPAFI_LANES void slide(SphereTile& t, std::size_t g) {
-  const Lanes square = t.square[g], limit = t.limit[g];
-  const LaneMask slides = square > limit * limit;
-  t.load[g] = select(slides, limit / sqrt(select(slides, square, lanes(1.0))), lanes(1.0)) * t.load[g];
+template <int n>
+EPAFI_LANES void slide(SphereTile<n>& t, std::size_t g) {
+  using V = typename LanesOf<n>::Real;
+  const V square = t.square[g], limit = t.limit[g];
+  const MaskOf<V> slides = square > limit * limit;
+  t.load[g] = select(slides, limit / sqrt(select(slides, square, filled<n>(1.0))), filled<n>(1.0)) * t.load[g];
   t.square[g] = t.load[g].dot(t.load[g]);
 }
 
-EPAFI_LANES void settle_springs(SphereTile& t, std::size_t g, SphereSpring* springs, bool remember,
-                                SphereTotals& total) {
-  const std::uint32_t* pair = t.pair + g * lane_count;
-  const Lanes energy = 0.5 * t.square[g] * t.compliance[g];
-  const Lanes work = 0.5 * (t.start[g] + t.load[g]).dot(t.displacement[g]);
-  total.elastic += keep(t.used[g], energy);
-  total.slipped += keep(t.used[g], work - (energy - t.energy[g]));
+template <int n>
+EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* springs, bool remember,
+                                SphereTotals<n>& total) {
+  using V = typename LanesOf<n>::Real;
+  const std::uint32_t* pair = t.pair + g * n;
+  const V energy = 0.5 * t.square[g] * t.compliance[g];
+  const V work = 0.5 * (t.start[g] + t.load[g]).dot(t.displacement[g]);
+  const MaskOf<V> used = t.used(g);
+  total.elastic.add(g, keep(used, energy));
+  total.slipped.add(g, keep(used, work - (energy - t.energy[g])));
   if (!remember) return;
-  Lanes x = t.load[g].x, y = t.load[g].y, z = t.load[g].z, w = t.compliance[g];
-  transpose(x, y, z, w);
-  springs[pair[0]].load = x, springs[pair[1]].load = y, springs[pair[2]].load = z, springs[pair[3]].load = w;
+  RowOf<n> rows[n];
+  write_rows(t.load[g].x, t.load[g].y, t.load[g].z, t.compliance[g], rows);
+  for (int l = 0; l < n; ++l) store<n>(springs[pair[l]].load, rows[l]);
 }
 
-EPAFI_LANES void pull(SphereTile& t, SphereSpring* springs, bool remember, SphereTotals& total) {
-  bool slides[SphereTile::size];
-  for (std::size_t g = 0; g < t.groups; ++g) turn_springs(t, g, springs);
-  for (std::size_t g = 0; g < t.groups; ++g) scale_springs(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g) slides[g] = stretch_springs(t, g);
+template <int n>
+EPAFI_LANES void pull(SphereTile<n>& t, SphereSpring* springs, bool remember, SphereTotals<n>& total) {
+  bool slides[SphereTile<n>::size];
+  for (std::size_t g = 0; g < t.groups; ++g) turn_springs<n>(t, g, springs);
+  for (std::size_t g = 0; g < t.groups; ++g) scale_springs<n>(t, g);
+  for (std::size_t g = 0; g < t.groups; ++g) slides[g] = stretch_springs<n>(t, g);
   for (std::size_t g = 0; g < t.groups; ++g)
-    if (slides[g]) slide(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g) settle_springs(t, g, springs, remember, total);
+    if (slides[g]) slide<n>(t, g);
+  for (std::size_t g = 0; g < t.groups; ++g) settle_springs<n>(t, g, springs, remember, total);
+}
+
+/// Adds force and pull to what A has found and -force and pull to B's (not of walls and of other blocks), lane by
+/// lane, A and B: the order of a body's sum must not depend on which contacts share a group.
+template <int n, bool friction, bool b_too>
+EPAFI_LANES void scatter(const SpherePlaces* bodies, const RowOf<n>* force, const RowOf<n>* pull,
+                         const SphereArrays& with) {
+  for (int l = 0; l < n; ++l) {
+    SphereSum& a = with.sum(bodies[l].a);
+    if constexpr (n == 8 && friction) {
+      using Eight = LanesOf<8>::Real;
+      constexpr long long sign = static_cast<long long>(1ull << 63);
+      const Eight both = __builtin_shufflevector(force[l], pull[l], 0, 1, 2, 3, 4, 5, 6, 7);
+      reinterpret_cast<Eight&>(a) += both;
+      if constexpr (b_too)
+        reinterpret_cast<Eight&>(with.sum(bodies[l].b)) += reinterpret_cast<Eight>(
+            reinterpret_cast<LanesOf<8>::Mask>(both) ^ LanesOf<8>::Mask{sign, sign, sign, sign, 0, 0, 0, 0});
+    } else {
+      store<n>(a.force, row<n>(a.force) + force[l]);
+      if constexpr (friction) store<n>(a.pull, row<n>(a.pull) + pull[l]);
+      if constexpr (b_too) {
+        SphereSum& b = with.sum(bodies[l].b);
+        store<n>(b.force, row<n>(b.force) - force[l]);
+        if constexpr (friction) store<n>(b.pull, row<n>(b.pull) + pull[l]);
+      }
+    }
+  }
 }
 
 /// Adds to sums; of B to records where it lies in another block.
-template <bool friction, bool wall, bool across, bool periodic>
-EPAFI_LANES void add_forces(const SphereTile& t, std::size_t g, const SphereBlocks::Block& block,
-                            const SphereBlocks::Run& run, const SphereArrays& with, SphereTotals& total) {
-  const std::uint32_t* pair = t.pair + g * lane_count;
-  SphereSum* sums = with.sums;
-  const Lanes3 &n = t.normal[g], &load = t.load[g];
-  Lanes3 f = -(t.force[g] * n), moment{};
-  if constexpr (friction) f = f + load, moment = t.lever[g] * n.cross(load);
-  const LaneMask used = t.used[g];
+template <int n, bool friction, bool wall, bool across, bool periodic>
+EPAFI_LANES void add_forces(const SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
+                            const SphereBlocks::Run& run, const SphereArrays& with, SphereTotals<n>& total) {
+  using V = typename LanesOf<n>::Real;
+  const VectorsOf<V>&normal = t.normal[g], &load = t.load[g];
+  VectorsOf<V> f = -(t.force[g] * normal), moment{};
+  if constexpr (friction) f = f + load, moment = t.lever[g] * normal.cross(load);
+  const MaskOf<V> used = t.used(g);
   if constexpr (periodic && !wall) {
-    const Lanes arm = keep(used, t.distance[g]);
-    total.virial = total.virial + Lanes3{arm * n.x * f.x, arm * n.y * f.y, arm * n.z * f.z};
+    const V arm = keep(used, t.distance[g]);
+    total.virial[0].add(g, arm * normal.x * f.x), total.virial[1].add(g, arm * normal.y * f.y);
+    total.virial[2].add(g, arm * normal.z * f.z);
   }
-  Lanes force[4] = {keep(used, f.x), keep(used, f.y), keep(used, f.z), Lanes{}};
-  Lanes pull[4] = {keep(used, moment.x), keep(used, moment.y), keep(used, moment.z), Lanes{}};
-  transpose(force[0], force[1], force[2], force[3]);
-  if constexpr (friction) transpose(pull[0], pull[1], pull[2], pull[3]);
-  // lane by lane, A and B: the order of a body's sum must not depend on which contacts share a group
-  for (std::size_t l = 0; l < lane_count; ++l) {
-    const SphereSlots slots = block.pairs[pair[l]];
-    sums[slots.a].force += force[l];
-    if constexpr (friction) sums[slots.a].pull += pull[l];
-    if constexpr (!wall && !across) {
-      sums[slots.b].force -= force[l];
-      if constexpr (friction) sums[slots.b].pull += pull[l];
+  RowOf<n> force[n], pull[n];
+  write_rows(keep(used, f.x), keep(used, f.y), keep(used, f.z), V{}, force);
+  if constexpr (friction) write_rows(keep(used, moment.x), keep(used, moment.y), keep(used, moment.z), V{}, pull);
+  scatter<n, friction, !wall && !across>(t.bodies + g * n, force, pull, with);
+  if constexpr (across) {
+    const std::uint32_t* pair = t.pair + g * n;
+    for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
+      SphereSum& record = with.records[block.record + pair[l] - run.begin];
+      store<n>(record.force, -force[l]);
+      if constexpr (friction) store<n>(record.pull, pull[l]);
+      else record.pull = Lanes{};
     }
-    if constexpr (across)
-      if (used[static_cast<int>(l)] != 0)
-        with.records[block.record + pair[l] - run.begin] = {-force[l], friction ? pull[l] : Lanes{}};
   }
 }
 
-/// The contacts of a tile through all loops; `count` of them.
-template <class Normal, class Tangential, bool wall, bool across, bool periodic>
-EPAFI_LANES void evaluate(SphereTile& t, SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                          const SphereLaw<Normal, Tangential>& law, const SphereArrays& with, SphereTotals& total) {
+/// The first contacts of a tile through all loops; `count` of them, at most `most`.
+template <int n, class Normal, class Tangential, bool wall, bool across, bool periodic>
+EPAFI_LANES void evaluate(SphereTile<n>& t, SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                          const SphereLaw<Normal, Tangential>& law, const SphereArrays& with,
+                          SphereTotals<n>& total) {
   constexpr bool friction = Tangential::is_present;
   const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
-  t.groups = (t.count + lane_count - 1) / lane_count;
-  for (std::size_t k = t.count; k < t.groups * lane_count; ++k) t.pair[k] = t.pair[t.count - 1];
-  for (std::size_t g = 0; g < t.groups; ++g) {
-    const auto left = static_cast<long long>(t.count - g * lane_count);
-    t.used[g] = LaneMask{0, 1, 2, 3} < LaneMask{left, left, left, left};
+  t.groups = (t.count + n - 1) / n;
+  for (std::size_t k = t.count; k < t.groups * n; ++k) {
+    t.x[k] = t.x[t.count - 1], t.y[k] = t.y[t.count - 1], t.z[k] = t.z[t.count - 1], t.radii[k] = t.radii[t.count - 1];
+    t.bodies[k] = t.bodies[t.count - 1], t.pair[k] = t.pair[t.count - 1];
   }
-  for (std::size_t g = 0; g < t.groups; ++g) find_branch<wall, periodic>(t, g, block, plane, with);
-  if constexpr (!wall)
-    for (std::size_t g = 0; g < t.groups; ++g) find_normal(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g) find_motion<friction, wall, periodic>(t, g, block, with);
-  for (std::size_t g = 0; g < t.groups; ++g) find_response<Normal, Tangential>(t, g, law, total);
-  if constexpr (friction) pull(t, block.springs.data(), with.dt > 0.0, total);
+  for (std::size_t g = 0; g < t.groups; ++g) find_normal<n, wall>(t, g, plane);
+  for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
+  for (std::size_t g = 0; g < t.groups; ++g) find_response<n, Normal, Tangential>(t, g, law, total);
+  if constexpr (friction) pull<n>(t, block.springs.data(), with.dt > 0.0, total);
   for (std::size_t g = 0; g < t.groups; ++g)
-    add_forces<friction, wall, across, periodic>(t, g, block, run, with, total);
+    add_forces<n, friction, wall, across, periodic>(t, g, block, run, with, total);
   total.touching += t.count;
 }
 
 /// What contacts that have opened leave behind.
+template <int n>
 EPAFI_LANES void release(SphereBlocks::Block& block, const SphereBlocks::Run& run, std::size_t first, unsigned opened,
-                         SphereSum* records, SphereTotals& total) {
+                         SphereSum* records, SphereTotals<n>& total) {
   for (std::size_t k = first; opened != 0; opened >>= 1, ++k) {
     if ((opened & 1u) == 0) continue;
     if (run.across) records[block.record + k - run.begin] = SphereSum{};
@@ -350,55 +408,37 @@ EPAFI_LANES void release(SphereBlocks::Block& block, const SphereBlocks::Run& ru
   }
 }
 
-/// Places of the set bits of four, and how many they are.
-struct BitPlaces {
-  using Four = std::uint32_t __attribute__((vector_size(16)));
-  std::array<Four, 16> at{};
-  std::array<std::uint32_t, 16> count{};
-};
-inline constexpr BitPlaces bit_places = [] {
-  BitPlaces out;
-  for (std::uint32_t bits = 0; bits < 16; ++bits) {
-    std::uint32_t at[4] = {}, n = 0;
-    for (std::uint32_t l = 0; l < 4; ++l)
-      if (bits >> l & 1u) at[n++] = l;
-    out.at[bits] = BitPlaces::Four{at[0], at[1], at[2], at[3]}, out.count[bits] = n;
-  }
-  return out;
-}();
-
 /// All pairs of a run: those that touch act, those that touched let their springs go.
-template <class Normal, class Tangential, bool wall, bool across, bool periodic>
+template <int n, class Normal, class Tangential, bool wall, bool across, bool periodic>
 EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                       const SphereLaw<Normal, Tangential>& law, const SphereArrays& with, SphereTotals& total) {
-  constexpr std::uint32_t full = SphereTile::size * lane_count;
+                       const SphereLaw<Normal, Tangential>& law, const SphereArrays& with, SphereTotals<n>& total) {
+  constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte;
+  constexpr std::size_t full = SphereTile<n>::most;
   const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
-  SphereTile t;
-  std::uint32_t found[full + lane_count];
-  std::uint32_t n = 0;
-  for (std::uint32_t k = run.begin; k < run.end; k += lane_count) {
-    unsigned now = find_touching<wall, periodic>(block, k, plane, with);
-    if (k + lane_count > run.end) now &= (1u << (run.end - k)) - 1u;
-    std::uint8_t& before = block.touched[k / lane_count];
+  SphereTile<n> t;
+  for (std::uint32_t k = run.begin; k < run.end; k += eight) {
+    const unsigned valid = run.end - k < eight ? (1u << (run.end - k)) - 1u : 255u;
+    unsigned now = 0;
+    for (std::uint32_t l = 0; l < eight; l += n)
+      now |= look<n, wall, periodic>(t, block, k + l, valid >> l & ((1u << n) - 1u), plane, with) << l;
+    std::uint8_t& before = block.touched[k / eight];
     if (const unsigned opened = before & ~now; with.dt > 0.0) {
       if (opened != 0) release(block, run, k, opened, with.records, total);
       before = static_cast<std::uint8_t>(now);
     } else {
       before = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
     }
-    const BitPlaces::Four places = bit_places.at[now] + BitPlaces::Four{k, k, k, k};
-    __builtin_memcpy(found + n, &places, sizeof places);
-    n += bit_places.count[now];
-    if (n < full) continue;
-    __builtin_memcpy(t.pair, found, sizeof t.pair), t.count = full;
-    evaluate<Normal, Tangential, wall, across, periodic>(t, block, run, law, with, total);
-    n -= full;
-    for (std::uint32_t l = 0; l < lane_count; ++l) found[l] = found[full + l];
+    if (t.count < full) continue;
+    const std::size_t found = t.count;
+    t.count = full;
+    evaluate<n, Normal, Tangential, wall, across, periodic>(t, block, run, law, with, total);
+    t.count = found - full;
+    for (std::size_t l = 0; l < eight; ++l) {
+      t.x[l] = t.x[full + l], t.y[l] = t.y[full + l], t.z[l] = t.z[full + l], t.radii[l] = t.radii[full + l];
+      t.bodies[l] = t.bodies[full + l], t.pair[l] = t.pair[full + l];
+    }
   }
-  if (n == 0) return;
-  for (std::uint32_t l = 0; l < n; ++l) t.pair[l] = found[l];
-  t.count = n;
-  evaluate<Normal, Tangential, wall, across, periodic>(t, block, run, law, with, total);
+  if (t.count > 0) evaluate<n, Normal, Tangential, wall, across, periodic>(t, block, run, law, with, total);
 }
 
 }  // namespace epafi

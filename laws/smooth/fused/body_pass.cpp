@@ -1,0 +1,74 @@
+#include "laws/smooth/fused/body_pass.h"
+
+namespace epafi {
+
+void pack_bodies(const World& world, double lag, SphereState* states, std::size_t begin, std::size_t end) {
+  const bool rotates = world.rotates();
+  static constexpr double still[3] = {0.0, 0.0, 0.0};
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto s = static_cast<Slot>(i);
+    const double *x = world.position[s].data(), *v = world.velocity[s].data(),
+                 *w = rotates ? world.angular_velocity[s].data() : still;
+    double* to =
+        reinterpret_cast<double*>(&states[i]);  // number by number: a row of lanes would go through the stack
+    for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
+    if (lag == 0.0) continue;
+    const Vec3 change = lag * world.acceleration(s);
+    for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
+  }
+}
+
+void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, bool add, std::size_t begin,
+                   std::size_t end) {
+  const bool rotates = world.rotates();
+  for (std::size_t s = begin; s < end; ++s) {
+    double* from = reinterpret_cast<double*>(&sums[s]);
+    double* force = world.force[s].data();
+    for (int k = 0; k < 3; ++k) force[k] = add ? force[k] + from[k] : from[k];
+    if (rotates) {
+      double* torque = world.torque[s].data();
+      const double radius = states[s].position[3];
+      for (int k = 0; k < 3; ++k) torque[k] = (add ? torque[k] : 0.0) + radius * from[4 + k];
+    }
+    for (int k = 0; k < 8; ++k) from[k] = 0.0;
+  }
+}
+
+bool has_plain_bodies(const World& world) {
+  const Columns& c = world.columns();
+  return !c.external_force && !c.anisotropy && !(c.rotation && c.orientation && c.free_turn);
+}
+
+bool are_plain(const World& world, std::size_t begin) {
+  for (std::size_t i = begin; i < begin + 4; ++i) {
+    const auto s = static_cast<Slot>(i);
+    if (i >= world.size() || !world.is_movable(s) || (world.rotates() && !world.is_isotropic(s))) return false;
+  }
+  return true;
+}
+
+void FirstHalf::others(std::size_t from, std::size_t to) const {
+  scheme.first_half(world, dt, from, to);
+  pack_bodies(world, lag, states, from, to);
+  double sum = 0.0;
+  for (std::size_t s = from; s < to; ++s) {
+    if (!(world.inverse_mass[s] > 0.0)) continue;
+    const double* x = world.position[s].data();
+    for (int k = 0; k < 3; ++k)
+      extent.low[k] = std::min(extent.low[k], x[k]), extent.high[k] = std::max(extent.high[k], x[k]), sum += 0.0 * x[k];
+  }
+  extent.finite = extent.finite && sum == 0.0;
+}
+
+void SecondHalf::others(std::size_t from, std::size_t to) const {
+  unpack_bodies(world, states, sums, add, from, to);
+  scheme.second_half(world, dt, from, to);
+  double sum = 0.0;
+  for (std::size_t s = from; s < to; ++s) {
+    const double *v = world.velocity[s].data(), *w = world.rotates() ? world.angular_velocity[s].data() : v;
+    for (int k = 0; k < 3; ++k) sum += 0.0 * (v[k] + w[k]);
+  }
+  extent.finite = extent.finite && sum == 0.0;
+}
+
+}  // namespace epafi

@@ -1,0 +1,187 @@
+/// @file body_pass.h  The two passes over bodies of a kick-drift-kick step, with what the loop over contacts reads and
+/// writes: four spheres at a time. Bodies that are not plain (held, or with unequal moments) are left to the caller.
+/// The same operations in the same order as engine/schemes/velocity_verlet.h and engine/world.h: the same bits.
+#pragma once
+#include "engine/domain.h"
+#include "engine/pipeline.h"
+#include "laws/smooth/fused/sphere_blocks.h"
+#include "laws/smooth/fused/sphere_lanes.h"
+
+namespace epafi {
+
+/// Twelve numbers: a vector of each of four bodies as they lie in a column, x y z x | y z x y | z x y z.
+struct FourVectors {
+  Lanes a, b, c;
+  EPAFI_LANES static FourVectors load(const Vec3* column) {
+    FourVectors v;
+    const char* from = reinterpret_cast<const char*>(column);
+    __builtin_memcpy(&v.a, from, 32), __builtin_memcpy(&v.b, from + 32, 32), __builtin_memcpy(&v.c, from + 64, 32);
+    return v;
+  }
+  EPAFI_LANES void store(Vec3* column) const {
+    char* to = reinterpret_cast<char*>(column);
+    __builtin_memcpy(to, &a, 32), __builtin_memcpy(to + 32, &b, 32), __builtin_memcpy(to + 64, &c, 32);
+  }
+  /// One number of each of four bodies, for all of its components.
+  EPAFI_LANES static FourVectors of_scalars(Lanes s) {
+    return {__builtin_shufflevector(s, s, 0, 0, 0, 1), __builtin_shufflevector(s, s, 1, 1, 2, 2),
+            __builtin_shufflevector(s, s, 2, 3, 3, 3)};
+  }
+  /// The same vector four times.
+  EPAFI_LANES static FourVectors of_vector(const Vec3& v) {
+    const double x = v.x(), y = v.y(), z = v.z();
+    return {Lanes{x, y, z, x}, Lanes{y, z, x, y}, Lanes{z, x, y, z}};
+  }
+  /// Of rows x y z and whatever.
+  EPAFI_LANES static FourVectors of_rows(Lanes p, Lanes q, Lanes r, Lanes s) {
+    return {__builtin_shufflevector(p, q, 0, 1, 2, 4), __builtin_shufflevector(q, r, 1, 2, 4, 5),
+            __builtin_shufflevector(r, s, 2, 4, 5, 6)};
+  }
+  /// Writes x y z of every body into rows `stride` lanes apart; the fourth numbers there stay.
+  EPAFI_LANES void write_rows(Lanes* rows, std::size_t stride) const {
+    const auto put = [](Lanes& to, Lanes x) EPAFI_INLINED { to = __builtin_shufflevector(x, to, 0, 1, 2, 7); };
+    put(rows[0], a);
+    put(rows[stride], __builtin_shufflevector(a, b, 3, 4, 5, 5));
+    put(rows[2 * stride], __builtin_shufflevector(b, c, 2, 3, 4, 4));
+    put(rows[3 * stride], __builtin_shufflevector(c, c, 1, 2, 3, 3));
+  }
+  EPAFI_LANES FourVectors operator+(const FourVectors& o) const { return {a + o.a, b + o.b, c + o.c}; }
+  EPAFI_LANES FourVectors operator*(const FourVectors& o) const { return {a * o.a, b * o.b, c * o.c}; }
+  EPAFI_LANES Lanes sum() const { return a + b + c; }
+};
+EPAFI_LANES FourVectors operator*(double s, const FourVectors& v) { return {s * v.a, s * v.b, s * v.c}; }
+
+/// Writes what the loop over contacts reads of the bodies of slots [begin, end), with velocities `lag` later.
+void pack_bodies(const World& world, double lag, SphereState* states, std::size_t begin, std::size_t end);
+/// Writes force and torque of slots [begin, end), added where `add`; the sums are 0 again then.
+void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, bool add, std::size_t begin,
+                   std::size_t end);
+/// The columns of the world allow the passes over four bodies.
+bool has_plain_bodies(const World& world);
+/// The four bodies from slot `begin` on are all free and of equal moments.
+bool are_plain(const World& world, std::size_t begin);
+
+/// What a pass works on.
+struct BodyPass {
+  World& world;
+  SphereState* states;
+  SphereSum* sums;
+  const std::uint8_t* plain;  ///< by four bodies: all free and of equal moments
+  Scheme& scheme;             ///< for the others
+  double dt, lag;             ///< lag: of the predicted velocity [s]
+  bool add;                   ///< what the sums hold, to the forces of the world
+  std::size_t begin, end;     ///< slots, begin a multiple of four
+  Extent& extent;             ///< of the bodies seen
+
+  /// Where shuffles of four cost more than they save: two loops over a part that the first cache holds.
+  template <class F>
+  void each_part(const F& f) const {
+    for (std::size_t s = begin; s < end; s += 64) f(s, std::min(end, s + 64));
+  }
+};
+
+/// x*0 is 0 for every finite number and NaN for all others: their sum says of all at once.
+EPAFI_LANES void see_finite(Lanes& sum, const FourVectors& v) { sum += 0.0 * (v.a + v.b + v.c); }
+EPAFI_LANES bool all_finite(Lanes sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0.0; }
+
+EPAFI_LANES void kick(FourVectors& velocity, const FourVectors& acceleration, double dt) {
+  velocity = velocity + dt * acceleration;
+}
+EPAFI_LANES void spin_up(const World& world, std::size_t s, double dt, FourVectors& spin, const FourVectors& torque) {
+  spin = spin + FourVectors::load(world.inverse_inertia.data() + s) * (dt * torque);
+}
+EPAFI_LANES FourVectors acceleration(const BodyPass& p, std::size_t s, const FourVectors& gravity,
+                                     const FourVectors& force) {
+  Lanes inverse_mass;
+  __builtin_memcpy(&inverse_mass, p.world.inverse_mass.data() + s, sizeof inverse_mass);
+  return gravity + FourVectors::of_scalars(inverse_mass) * force;
+}
+
+/// Half a kick and the drift, and what the loop over contacts reads of the bodies.
+struct FirstHalf : BodyPass {
+  template <int n>
+  EPAFI_LANES void run() const {
+    if constexpr (n == 2) return each_part([&](std::size_t from, std::size_t to) { others(from, to); });
+    const FourVectors gravity = FourVectors::of_vector(world.gravity);
+    FourVectors low{lanes(Extent::none), lanes(Extent::none), lanes(Extent::none)}, high = -1.0 * low;
+    Lanes finite{};
+    std::size_t s = begin;
+    for (; s + 4 <= end; s += 4)
+      if (plain[s / 4])
+        four(s, gravity, low, high, finite);
+      else
+        others(s, s + 4);
+    if (s < end) others(s, end);
+    const Lanes* rows_low[] = {&low.a, &low.b, &low.c};
+    const Lanes* rows_high[] = {&high.a, &high.b, &high.c};
+    for (int k = 0; k < 12; ++k) {
+      extent.low[k % 3] = std::min(extent.low[k % 3], (*rows_low[k / 4])[k % 4]);
+      extent.high[k % 3] = std::max(extent.high[k % 3], (*rows_high[k / 4])[k % 4]);
+    }
+    extent.finite = extent.finite && all_finite(finite);
+  }
+
+ private:
+  EPAFI_LANES void four(std::size_t s, const FourVectors& gravity, FourVectors& low, FourVectors& high,
+                        Lanes& finite) const {
+    Lanes* rows = &states[s].position;
+    constexpr std::size_t stride = sizeof(SphereState) / sizeof(Lanes);
+    const FourVectors a = acceleration(*this, s, gravity, FourVectors::load(world.force.data() + s));
+    FourVectors v = FourVectors::load(world.velocity.data() + s), x = FourVectors::load(world.position.data() + s);
+    kick(v, a, 0.5 * dt);
+    x = x + dt * v;
+    v.store(world.velocity.data() + s), x.store(world.position.data() + s);
+    x.write_rows(rows, stride), v.write_rows(rows + 1, stride);
+    (lag == 0.0 ? v : v + lag * a).write_rows(rows + 3, stride);
+    low = {min(low.a, x.a), min(low.b, x.b), min(low.c, x.c)};
+    high = {max(high.a, x.a), max(high.b, x.b), max(high.c, x.c)};
+    see_finite(finite, x);
+    if (!world.rotates()) return;
+    FourVectors w = FourVectors::load(world.angular_velocity.data() + s);
+    spin_up(world, s, 0.5 * dt, w, FourVectors::load(world.torque.data() + s));
+    w.store(world.angular_velocity.data() + s), w.write_rows(rows + 2, stride);
+  }
+  void others(std::size_t from, std::size_t to) const;
+};
+
+/// What the loop over contacts has found, its sums at zero then, and half a kick.
+struct SecondHalf : BodyPass {
+  template <int n>
+  EPAFI_LANES void run() const {
+    if constexpr (n == 2) return each_part([&](std::size_t from, std::size_t to) { others(from, to); });
+    const FourVectors gravity = FourVectors::of_vector(world.gravity);
+    Lanes finite{};
+    std::size_t s = begin;
+    for (; s + 4 <= end; s += 4)
+      if (plain[s / 4])
+        four(s, gravity, finite);
+      else
+        others(s, s + 4);
+    if (s < end) others(s, end);
+    extent.finite = extent.finite && all_finite(finite);
+  }
+
+ private:
+  EPAFI_LANES void four(std::size_t s, const FourVectors& gravity, Lanes& finite) const {
+    SphereSum* sum = sums + s;
+    FourVectors force = FourVectors::of_rows(sum[0].force, sum[1].force, sum[2].force, sum[3].force);
+    if (add) force = FourVectors::load(world.force.data() + s) + force;
+    force.store(world.force.data() + s);
+    FourVectors v = FourVectors::load(world.velocity.data() + s);
+    kick(v, acceleration(*this, s, gravity, force), 0.5 * dt);
+    v.store(world.velocity.data() + s), see_finite(finite, v);
+    if (world.rotates()) {
+      const auto moment = [&](std::size_t k) EPAFI_INLINED { return states[s + k].position[3] * sum[k].pull; };
+      FourVectors torque = FourVectors::of_rows(moment(0), moment(1), moment(2), moment(3));
+      torque = (add ? FourVectors::load(world.torque.data() + s) : FourVectors{}) + torque;
+      torque.store(world.torque.data() + s);
+      FourVectors w = FourVectors::load(world.angular_velocity.data() + s);
+      spin_up(world, s, 0.5 * dt, w, torque);
+      w.store(world.angular_velocity.data() + s), see_finite(finite, w);
+    }
+    for (std::size_t k = 0; k < 4; ++k) sum[k] = SphereSum{};
+  }
+  void others(std::size_t from, std::size_t to) const;
+};
+
+}  // namespace epafi

@@ -1,0 +1,200 @@
+/// @file sphere_lanes.h  What the loop over contacts of spheres does with lanes of 2, 4 or 8 contacts: rows of bodies
+/// into columns and back, the lanes whose contact touches moved to the front, sums that do not depend on the width.
+#pragma once
+#include <array>
+#include <cstring>
+
+#include "engine/lanes.h"
+#include "engine/targets.h"  // declares the builtins of all targets
+
+/// Behind the parameters of a lambda that works on lanes: a function of its own keeps the baseline (engine/targets.h).
+#define EPAFI_INLINED __attribute__((always_inline))
+
+namespace epafi {
+
+/// Four numbers of a body as two registers of SSE2.
+struct HalfRows {
+  LanesOf<2>::Real xy, zw;
+  EPAFI_LANES HalfRows operator+(const HalfRows& o) const { return {xy + o.xy, zw + o.zw}; }
+  EPAFI_LANES HalfRows operator-(const HalfRows& o) const { return {xy - o.xy, zw - o.zw}; }
+  EPAFI_LANES HalfRows operator*(const HalfRows& o) const { return {xy * o.xy, zw * o.zw}; }
+  EPAFI_LANES HalfRows operator-() const { return {-xy, -zw}; }
+};
+template <int n>
+using RowOf = std::conditional_t<n == 2, HalfRows, Lanes>;
+
+template <int n>
+EPAFI_LANES RowOf<n> row(const Lanes& x) {
+  if constexpr (n == 2) {
+    const auto* half = reinterpret_cast<const LanesOf<2>::Real*>(&x);
+    return {half[0], half[1]};
+  } else {
+    return x;
+  }
+}
+template <int n>
+EPAFI_LANES void store(Lanes& to, const RowOf<n>& x) {
+  if constexpr (n == 2) {
+    auto* half = reinterpret_cast<LanesOf<2>::Real*>(&to);
+    half[0] = x.xy, half[1] = x.zw;
+  } else {
+    to = x;
+  }
+}
+
+EPAFI_LANES Lanes flip_fourth(Lanes x) {
+  constexpr LaneMask sign{0, 0, 0, static_cast<long long>(1ull << 63)};
+  return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(x) ^ sign);
+}
+EPAFI_LANES HalfRows flip_fourth(HalfRows x) {
+  constexpr LanesOf<2>::Mask sign{0, static_cast<long long>(1ull << 63)};
+  return {x.xy, reinterpret_cast<LanesOf<2>::Real>(reinterpret_cast<LanesOf<2>::Mask>(x.zw) ^ sign)};
+}
+
+/// Of n rows f(lane): their numbers as columns.
+template <class F>
+EPAFI_LANES void read_columns(const F& f, LanesOf<2>::Real& x, LanesOf<2>::Real& y, LanesOf<2>::Real& z,
+                              LanesOf<2>::Real& w) {
+  const HalfRows a = f(0), b = f(1);
+  x = __builtin_shufflevector(a.xy, b.xy, 0, 2), y = __builtin_shufflevector(a.xy, b.xy, 1, 3);
+  z = __builtin_shufflevector(a.zw, b.zw, 0, 2), w = __builtin_shufflevector(a.zw, b.zw, 1, 3);
+}
+template <class F>
+EPAFI_LANES void read_columns(const F& f, Lanes& x, Lanes& y, Lanes& z, Lanes& w) {
+  x = f(0), y = f(1), z = f(2), w = f(3);
+  transpose(x, y, z, w);
+}
+template <class F>
+EPAFI_LANES void read_columns(const F& f, LanesOf<8>::Real& x, LanesOf<8>::Real& y, LanesOf<8>::Real& z,
+                              LanesOf<8>::Real& w) {
+  using Eight = LanesOf<8>::Real;
+  const auto two = [&](int i, int j) EPAFI_INLINED {
+    const Lanes a = f(i), b = f(j);
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+  };
+  const Eight ac = two(0, 2), bd = two(1, 3), eg = two(4, 6), fh = two(5, 7);
+  const Eight p = __builtin_shufflevector(ac, bd, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Eight q = __builtin_shufflevector(ac, bd, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Eight r = __builtin_shufflevector(eg, fh, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Eight s = __builtin_shufflevector(eg, fh, 1, 9, 3, 11, 5, 13, 7, 15);
+  x = __builtin_shufflevector(p, r, 0, 1, 4, 5, 8, 9, 12, 13);
+  z = __builtin_shufflevector(p, r, 2, 3, 6, 7, 10, 11, 14, 15);
+  y = __builtin_shufflevector(q, s, 0, 1, 4, 5, 8, 9, 12, 13);
+  w = __builtin_shufflevector(q, s, 2, 3, 6, 7, 10, 11, 14, 15);
+}
+
+/// The other way: rows[lane].
+EPAFI_LANES void write_rows(LanesOf<2>::Real x, LanesOf<2>::Real y, LanesOf<2>::Real z, LanesOf<2>::Real w,
+                            HalfRows* rows) {
+  rows[0] = {__builtin_shufflevector(x, y, 0, 2), __builtin_shufflevector(z, w, 0, 2)};
+  rows[1] = {__builtin_shufflevector(x, y, 1, 3), __builtin_shufflevector(z, w, 1, 3)};
+}
+EPAFI_LANES void write_rows(Lanes x, Lanes y, Lanes z, Lanes w, Lanes* rows) {
+  transpose(x, y, z, w);
+  rows[0] = x, rows[1] = y, rows[2] = z, rows[3] = w;
+}
+EPAFI_LANES void write_rows(LanesOf<8>::Real x, LanesOf<8>::Real y, LanesOf<8>::Real z, LanesOf<8>::Real w,
+                            Lanes* rows) {
+  using Eight = LanesOf<8>::Real;
+  const Eight p = __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Eight q = __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Eight r = __builtin_shufflevector(z, w, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Eight s = __builtin_shufflevector(z, w, 1, 9, 3, 11, 5, 13, 7, 15);
+  const auto split = [](Eight two, Lanes& a, Lanes& b) EPAFI_INLINED {
+    a = __builtin_shufflevector(two, two, 0, 1, 2, 3), b = __builtin_shufflevector(two, two, 4, 5, 6, 7);
+  };
+  split(__builtin_shufflevector(p, r, 0, 1, 8, 9, 4, 5, 12, 13), rows[0], rows[4]);
+  split(__builtin_shufflevector(q, s, 0, 1, 8, 9, 4, 5, 12, 13), rows[1], rows[5]);
+  split(__builtin_shufflevector(p, r, 2, 3, 10, 11, 6, 7, 14, 15), rows[2], rows[6]);
+  split(__builtin_shufflevector(q, s, 2, 3, 10, 11, 6, 7, 14, 15), rows[3], rows[7]);
+}
+
+/// One bit for each lane where a < b.
+template <int n>
+EPAFI_LANES unsigned less_bits(typename LanesOf<n>::Real a, typename LanesOf<n>::Real b) {
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  // GCC looks at the target of a builtin where it is inlined; a mask of lanes would be taken apart one by one
+  if constexpr (n == 2) return static_cast<unsigned>(__builtin_ia32_movmskpd(reinterpret_cast<LanesOf<2>::Real>(a < b)));
+  if constexpr (n == 4) return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Lanes>(a < b)));
+  if constexpr (n == 8) return static_cast<std::uint8_t>(__builtin_ia32_cmppd512_mask(a, b, 1, -1, 4));
+#else
+  const auto less = a < b;
+  unsigned bits = 0;
+  for (int l = 0; l < n; ++l) bits |= static_cast<unsigned>(less[l] & 1) << l;
+  return bits;
+#endif
+}
+
+/// Places of the set bits of eight, and how many they are.
+struct BitPlaces {
+  std::array<std::array<std::uint8_t, 8>, 256> at{};
+  std::array<std::uint8_t, 256> count{};
+};
+inline constexpr BitPlaces bit_places = [] {
+  BitPlaces out;
+  for (unsigned bits = 0; bits < 256; ++bits)
+    for (std::uint8_t l = 0; l < 8; ++l)
+      if (bits >> l & 1u) out.at[bits][out.count[bits]++] = l;
+  return out;
+}();
+/// The same for four lanes, each of two halves.
+inline constexpr auto half_places = [] {
+  std::array<std::array<std::int32_t, 8>, 16> out{};
+  for (unsigned bits = 0; bits < 16; ++bits)
+    for (unsigned l = 0; l < 4; ++l)
+      out[bits][2 * l] = 2 * bit_places.at[bits][l], out[bits][2 * l + 1] = 2 * bit_places.at[bits][l] + 1;
+  return out;
+}();
+
+/// Writes the lanes named by `bits` one behind the other; those behind them may be written too.
+template <int n>
+EPAFI_LANES void compress(typename LanesOf<n>::Real x, unsigned bits, void* to) {
+  if constexpr (n == 2) {
+    const double first = bits & 1u ? x[0] : x[1];
+    x = LanesOf<2>::Real{first, x[1]};
+  }
+#if defined(__clang__)
+  if constexpr (n > 2) {
+    const auto from = x;
+    for (int l = 0; l < n; ++l) x[l] = from[bit_places.at[bits][static_cast<std::size_t>(l)]];
+  }
+#else
+  if constexpr (n == 4) {
+    using Halves = float __attribute__((vector_size(32)));
+    using Places = std::int32_t __attribute__((vector_size(32)));
+    Places places;
+    std::memcpy(&places, half_places[bits].data(), sizeof places);
+    x = reinterpret_cast<Lanes>(__builtin_shuffle(reinterpret_cast<Halves>(x), places));
+  }
+  if constexpr (n == 8) {
+    using Bytes = std::uint8_t __attribute__((vector_size(8)));
+    Bytes places;
+    std::memcpy(&places, bit_places.at[bits].data(), sizeof places);
+    x = __builtin_shuffle(x, __builtin_convertvector(places, LanesOf<8>::Mask));
+  }
+#endif
+  std::memcpy(to, &x, sizeof x);
+}
+
+/// Sums by the place of a contact among all, modulo four: the same bits for every width.
+template <int n>
+struct LaneSum {
+  static constexpr std::size_t parts = n == 2 ? 2 : 1;
+  using Part = std::conditional_t<n == 2, LanesOf<2>::Real, Lanes>;
+  Part part[parts]{};
+  /// g: which group of n it is.
+  EPAFI_LANES void add(std::size_t g, typename LanesOf<n>::Real x) {
+    if constexpr (n == 8) {
+      part[0] += __builtin_shufflevector(x, x, 0, 1, 2, 3);
+      part[0] += __builtin_shufflevector(x, x, 4, 5, 6, 7);
+    } else {
+      part[g % parts] += x;
+    }
+  }
+  EPAFI_LANES double total() const {
+    if constexpr (n == 2) return (part[0][0] + part[0][1]) + (part[1][0] + part[1][1]);
+    else return (part[0][0] + part[0][1]) + (part[0][2] + part[0][3]);
+  }
+};
+
+}  // namespace epafi
