@@ -32,7 +32,7 @@ std::uint32_t AabbTree::partition(const FatBodies& bodies, std::uint32_t first, 
   Aabb centres;
   for (auto s = begin; s != end; ++s) {
     least = std::min(least, bodies.half[*s]), most = std::max(most, bodies.half[*s]);
-    centres.include(bodies.position[*s]);
+    centres.include(bodies.position(*s));
   }
   if (most > mixed_sizes * least) {
     const double limit = most / mixed_sizes;
@@ -43,7 +43,7 @@ std::uint32_t AabbTree::partition(const FatBodies& bodies, std::uint32_t first, 
   centres.extent().maxCoeff(&axis);
   const auto middle = begin + count / 2;
   std::nth_element(begin, middle, end, [&](Slot p, Slot q) {
-    const double x = bodies.position[p][axis], y = bodies.position[q][axis];
+    const double x = bodies.position(p)[axis], y = bodies.position(q)[axis];
     return x != y ? x < y : p < q;
   });
   return count / 2;

@@ -30,19 +30,20 @@ double surface_speed(const World& world, Slot s, double turning_radius) {
 bool FatBodies::near_plane(Slot i, std::size_t k) const {
   const Slot w = apart[k];
   const Vec3& n = plane_normal[k];
-  const Vec3 from_plane = box[i].centre() - position[w];
+  const Vec3 from_plane = box[i].centre() - position(w);
   const Vec3 half_extent = 0.5 * box[i].extent();
   const double corner = n.dot(from_plane) - n.cwiseAbs().dot(half_extent);
-  const Vec3 to_ball(ball[i].x - position[w].x(), ball[i].y - position[w].y(), ball[i].z - position[w].z());
+  const Vec3 to_ball = position(i) - position(w);
   return std::max(corner, n.dot(to_ball) - ball[i].r) <= half[w];  // half of a half-space: its own fattening
 }
 
 void FatBodies::update(const World& world, const BroadSetup& setup, double step_time) {
   const std::size_t n = world.size();
-  box.resize(n), ball.resize(n), half.resize(n), radius.resize(n), turning_radius.resize(n), margin.resize(n);
-  id.resize(n), type.resize(n), immovable.resize(n), position.resize(n);
+  box.resize(n), ball.resize(n), half.resize(n), radius.resize(n), margin.resize(n);
+  id.resize(n), type.resize(n), immovable.resize(n);
   if (world.has_orientation()) orientation.resize(n);
   read_shapes(world, *setup.shapes);
+  find_median_radius();
   choose_margins(world, setup, step_time);
   fatten(world, setup);
   set_apart(world, *setup.shapes);
@@ -55,23 +56,21 @@ void FatBodies::read_shapes(const World& world, const ShapeStore& shapes) {
     id[i] = static_cast<std::uint32_t>(world.id[s]), type[i] = ref.type();
     immovable[i] = !world.is_movable(s);
     radius[i] = shapes.bounding_radius(ref);
-    turning_radius[i] = ref.type() == ShapeStore::type_of<Sphere>() ? 0.0 : radius[i];
-    position[i] = world.position[s];
     if (world.has_orientation()) orientation[i] = world.orientation[s];
   });
 }
 
-double FatBodies::median_radius() {
-  scratch_.clear();
+/// Works in `half`, which is written later.
+void FatBodies::find_median_radius() {
+  half.clear(), median_radius_ = 0.0;
   for (std::size_t i = 0; i < size(); ++i)
-    if (!immovable[i] && std::isfinite(radius[i])) scratch_.push_back(radius[i]);
-  if (scratch_.empty())
+    if (!immovable[i] && std::isfinite(radius[i])) half.push_back(radius[i]);
+  if (half.empty())
     for (double r : radius)
-      if (std::isfinite(r)) scratch_.push_back(r);
-  if (scratch_.empty()) return 0.0;
-  const auto middle = scratch_.begin() + static_cast<std::ptrdiff_t>(scratch_.size() / 2);
-  std::nth_element(scratch_.begin(), middle, scratch_.end());
-  return *middle;
+      if (std::isfinite(r)) half.push_back(r);
+  const auto middle = half.begin() + static_cast<std::ptrdiff_t>(half.size() / 2);
+  if (!half.empty()) std::nth_element(half.begin(), middle, half.end()), median_radius_ = *middle;
+  half.resize(size());
 }
 
 void FatBodies::choose_margins(const World& world, const BroadSetup& setup, double step_time) {
@@ -84,13 +83,13 @@ void FatBodies::choose_margins(const World& world, const BroadSetup& setup, doub
   // margin whatever K is, so that only the fast ones make the list longer.
   const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
     if (immovable[i] || !(radius[i] > 0.0)) return Sum3{};
-    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]) / radius[i], 1.0, 0.0};
+    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i)) / radius[i], 1.0, 0.0};
   });
   const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
   const double steps = motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps;
-  const double small = 4.0 * median_radius();
+  const double small = 4.0 * median_radius_;
   parallel_for(world.size(), [&](std::size_t i) {
-    const double step = step_time * surface_speed(world, static_cast<Slot>(i), turning_radius[i]);
+    const double step = step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i));
     const double wanted = 2.0 * headroom * steps * step;
     if (!std::isfinite(wanted))
       margin[i] = 0.0;  // a turning half-space: its list lasts one step
@@ -104,7 +103,7 @@ void FatBodies::choose_margins(const World& world, const BroadSetup& setup, doub
 void FatBodies::fatten(const World& world, const BroadSetup& setup) {
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
-    const Vec3& x = position[i];
+    const Vec3& x = world.position[s];
     // four units in the last place of the coordinate: far from the origin the box itself is rounded
     const double rounding = 0x1p-50 * x.cwiseAbs().maxCoeff();
     const double fat = 0.5 * (setup.reach + margin[i]) + rounding;
@@ -120,14 +119,14 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup) {
 }
 
 void FatBodies::set_apart(const World& world, const ShapeStore& shapes) {
-  const double giant = giant_ratio * median_radius();
+  const double giant = giant_ratio * median_radius_;
   std::size_t giants = 0;
   for (double r : radius) giants += std::isfinite(r) && r > giant;
   const bool giants_apart = giants <= most_giants;
   ordinary.clear(), apart.clear(), plane_normal.clear();
   for (Slot s = 0; s < world.size(); ++s) {
     // a body that is nowhere has no neighbours: whoever watches the state reports it
-    if (!position[s].allFinite() || !(half[s] >= 0.0)) continue;
+    if (!position(s).allFinite() || !(half[s] >= 0.0)) continue;
     if (std::isfinite(radius[s]) && !(giants_apart && radius[s] > giant)) {
       ordinary.push_back(s);
       continue;
@@ -145,11 +144,11 @@ bool FatBodies::outdated(const World& world) const {
   const bool rotates = world.has_orientation();
   // a maximum is the same for every thread count
   return block_max<char>(size(), 0, [&](std::size_t i) {
-           const double way = (world.position[i] - position[i]).squaredNorm(), allowed = 0.5 * margin[i];
-           if (!rotates || !(turning_radius[i] > 0.0)) return static_cast<char>(way > allowed * allowed);
+           const double way = (world.position[i] - position(i)).squaredNorm(), allowed = 0.5 * margin[i];
+           if (!rotates || !(turning_radius(i) > 0.0)) return static_cast<char>(way > allowed * allowed);
            // a turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|, as |q - q0| = 2 sin(t/4)
            const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
-           return static_cast<char>(std::sqrt(way) + 2.0 * turning_radius[i] * std::sqrt(turn) > allowed);
+           return static_cast<char>(std::sqrt(way) + 2.0 * turning_radius(i) * std::sqrt(turn) > allowed);
          }) != 0;
 }
 

@@ -41,17 +41,19 @@ struct FatBodies {
   std::vector<Ball> ball;              ///< fat, about the centre of mass [m]
   std::vector<double> half;            ///< largest distance from the centre to a face of the fat box [m]
   std::vector<double> radius;          ///< bounding radius of the shape [m]; infinite for half-spaces
-  std::vector<double> turning_radius;  ///< of what a rotation moves [m]: 0 for spheres
   std::vector<double> margin;          ///< [m]
   std::vector<std::uint32_t> id, type;
   std::vector<char> immovable;
-  std::vector<Vec3> position;          ///< when the boxes were taken [m]
   std::vector<Quat> orientation;       ///< when the boxes were taken, in worlds that rotate
   std::vector<Slot> ordinary;          ///< bounded bodies, ascending
   std::vector<Slot> apart;             ///< unbounded ones and a few giants, ascending: tested one by one against all
   std::vector<Vec3> plane_normal;      ///< of apart[k], world axes; zero where it is no half-space
 
   std::size_t size() const { return box.size(); }
+  /// When the boxes were taken [m].
+  Vec3 position(std::size_t i) const { return {ball[i].x, ball[i].y, ball[i].z}; }
+  /// Of what a rotation moves [m]: 0 for spheres.
+  double turning_radius(std::size_t i) const { return type[i] == ShapeStore::type_of<Sphere>() ? 0.0 : radius[i]; }
   bool near(Slot i, Slot j) const { return ball[i].overlaps(ball[j]) && box[i].overlaps(box[j]); }
   /// The fat body reaches the fattened half-space apart[k].
   bool near_plane(Slot i, std::size_t k) const;
@@ -66,12 +68,12 @@ struct FatBodies {
   double largest_margin() const;
 
  private:
-  std::vector<double> scratch_;
+  double median_radius_ = 0.0;
   void read_shapes(const World& world, const ShapeStore& shapes);
   void choose_margins(const World& world, const BroadSetup& setup, double step_time);
   void fatten(const World& world, const BroadSetup& setup);
   void set_apart(const World& world, const ShapeStore& shapes);
-  double median_radius();
+  void find_median_radius();
 };
 
 }  // namespace epafi

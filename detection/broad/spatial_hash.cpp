@@ -39,7 +39,7 @@ void SpatialHash::set_levels(const FatBodies& bodies) {
     levels_ = std::max(levels_, l + 1);
     ++level_[l].count;
     level_[l].half = std::max(level_[l].half, bodies.half[s]);
-    low[l] = low[l].cwiseMin(bodies.position[s]), high[l] = high[l].cwiseMax(bodies.position[s]);
+    low[l] = low[l].cwiseMin(bodies.position(s)), high[l] = high[l].cwiseMax(bodies.position(s));
   }
   std::uint32_t first = 0;
   std::size_t table = 0;
@@ -79,7 +79,7 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
   cell_of_.resize(all.size()), ball_.resize(all.size()), slot_.resize(all.size()), id_.resize(all.size());
   parallel_for(all.size(), [&](std::size_t k) {
     const Level& level = level_[level_of_[k]];
-    const Vec3& x = bodies.position[all[k]];
+    const Vec3 x = bodies.position(all[k]);
     std::uint64_t cell = 0;
     for (int d = 2; d >= 0; --d) {
       const Axis& a = level.axis[static_cast<std::size_t>(d)];

@@ -19,7 +19,7 @@ void SweepAndPrune::choose_axes(const FatBodies& bodies) {
   const double n = static_cast<double>(std::max<std::size_t>(all.size(), 1));
   const auto mean_of = [&](auto&& f) {
     const Sum3 s = block_sum<Sum3>(all.size(), [&](std::size_t k) {
-      const Vec3 v = f(bodies.position[all[k]]);
+      const Vec3 v = f(bodies.position(all[k]));
       return Sum3{v.x(), v.y(), v.z()};
     });
     return Vec3(s.a / n, s.b / n, s.c / n);

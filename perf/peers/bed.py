@@ -7,13 +7,13 @@ Settles scenes/library/bed/bed.toml with Epafi, writes its last snapshot as bodi
 bed.liggghts (those two), and times the same number of steps of 5e-5 s on one thread from there: Hertz-Mindlin with history, double
 precision, five plane walls. A code that is not installed has no row. Prints, and writes to table.md: nanoseconds of processor time per
 sphere and step (median, smallest, largest), and as a check that all did the same work the touching neighbours (Epafi counts walls,
-the others do not). Needs numpy; of Debian: lammps, liggghts.
+the others do not) and the height of the bed's centre of mass. Of every code the same run without the timed steps is subtracted.
+Needs numpy; of Debian: lammps, liggghts.
 """
 import json
 import os
 import re
 import shutil
-import subprocess
 
 import numpy
 from runs import options, print_table, processor_time, settled, take_turns, write_csv
@@ -40,14 +40,16 @@ def write_inputs(bed, side):
     write_csv(os.path.join(o.out, "bodies.csv"), bed)
     with open(os.path.join(o.out, "bed.toml"), "w") as f:
         f.write('title = "Settled bed"\nrun = { duration = %.9g, time_step = %g, output_interval = 1.0 }\nworld = { gravity = [0, 0, -9.81] }\n'
-                % ((o.steps + 0.5) * STEP, STEP))
+                % ((o.warm + o.steps + 0.5) * STEP, STEP))
         f.write("material.bead = { density = %g, youngs_modulus = %g, poissons_ratio = %g }\n" % (DENSITY, E, NU))
         f.write('contact = { method = "smooth", restitution = %g, friction = %g, smooth = { law = "hertz-mindlin" } }\n' % (RESTITUTION, FRICTION))
         planes = [((0, 0, 0), (0, 0, 1)), ((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((side, 0, 0), (-1, 0, 0)), ((0, side, 0), (0, -1, 0))]
         for p, n in planes:
             f.write('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "bead"\nfixed = true\n' % n)
             f.write("position = [%.17g, %.17g, %.17g]\n" % p)
-        f.write('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n[[measure]]\nname = "contacts"\nkind = "coordination"\ninterval = 0.01\n')
+        f.write('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n')
+        for name, what in (("contacts", 'kind = "coordination"'), ("middle", 'kind = "position"\nbody = "bed"')):
+            f.write('[[measure]]\nname = "%s"\n%s\ninterval = %.9g\n' % (name, what, (o.warm + o.steps) * STEP))
     with open(os.path.join(o.out, "bed.data"), "w") as f:
         f.write("settled bed\n\n%d atoms\n1 atom types\n\n" % len(bed))
         f.write("%.9g %.9g xlo xhi\n%.9g %.9g ylo yhi\n-0.01 %.9g zlo zhi\n\nAtoms\n\n" % (-0.01, side + 0.01, -0.01, side + 0.01, bed[:, 2].max() + 0.05))
@@ -64,8 +66,8 @@ fix motion all nve/sphere
 timestep %g
 compute touching all contact/atom
 compute neighbours all reduce ave c_touching
-compute top all reduce max z
-thermo_style custom step atoms c_neighbours c_top
+compute middle all com
+thermo_style custom step atoms c_neighbours c_middle[3]
 thermo %d
 run %d
 run ${steps}
@@ -99,20 +101,24 @@ def write(name, text):
 
 
 def run_peer(command):
-    """Processor ns per sphere and step, neighbours. They print wall time only: the same run without the timed steps is subtracted."""
+    """Processor ns per sphere and step, neighbours, height [m]."""
     start, _ = processor_time(command + ["-var", "steps", "0"], o.out)
     whole, text = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
-    rows = re.findall(r"^\s*\d+\s+%d\s+(\S+)\s+\S+\s*$" % o.n, text, re.M)
+    rows = re.findall(r"^\s*\d+\s+%d\s+(\S+)\s+(\S+)\s*$" % o.n, text, re.M)
     if not rows:
         print("%s failed:\n%s" % (command[0], text[-1500:]))
         return None
-    return 1e9 * (whole - start) / o.steps / o.n, float(rows[-1])
+    return 1e9 * (whole - start) / o.steps / o.n, *map(float, rows[-1])
 
 
 def run_epafi():
-    command = [program, "run", os.path.join(o.out, "bed.toml"), "-q", "--force", "--json", "--least-output", "-t", "1", "-o", os.path.join(o.out, "epafi")]
-    s = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-    return 1e9 * s["cpu_time"] / s["steps"] / o.n, s["measures"]["contacts"]["number"]["last"]
+    def until(steps):
+        command = [program, "run", "bed.toml", "--until", "%.9g" % ((steps + 0.5) * STEP), "-q", "--force", "--json", "--least-output", "-t", "1", "-o", "epafi"]
+        seconds, text = processor_time(command, o.out)
+        return seconds, json.loads(text)["measures"]
+
+    (start, _), (whole, last) = until(o.warm), until(o.warm + o.steps)
+    return 1e9 * (whole - start) / o.steps / o.n, last["contacts"]["number"]["last"], last["middle"]["z"]["last"]
 
 
 bed, side = settle()
@@ -123,4 +129,4 @@ if shutil.which("lmp"):
               ("LAMMPS granular (Mindlin, Tsuji)", lambda: run_peer(["lmp", "-log", "none", "-in", "granular.lammps"]))]
 if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "bed.liggghts"])))
-print_table("%d spheres, one thread" % o.n, "neighbours", take_turns(codes, o.repeats), o.out)
+print_table("%d spheres, one thread" % o.n, ["neighbours", "height [m]"], take_turns(codes, o.repeats), o.out)

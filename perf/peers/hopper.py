@@ -6,10 +6,9 @@
 Settles scenes/library/hopper/hopper.toml with Epafi up to the opening of its gate and lets 20 000 spheres flow out of the
 orifice of 40 mm: `warm` steps first, then the timed ones, on one thread, in double precision, Hertz-Mindlin with history.
 Epafi and LIGGGHTS take the walls as the same triangles, LAMMPS as a cylinder and a cone. Prints, and writes to table.md:
-nanoseconds of processor time per sphere of the start and timed step, and the mass flow in them [kg/s]. A code that is not
-installed has no row. Needs numpy; of Debian: lammps, liggghts.
+nanoseconds of processor time per sphere of the start and timed step, the mass flow in them [kg/s] and its standard error from
+ten parts of the window. A code that is not installed has no row. Needs numpy; of Debian: lammps, liggghts.
 """
-import json
 import os
 import re
 import shutil
@@ -19,6 +18,7 @@ from runs import options, print_table, processor_time, settled, take_turns, writ
 
 SCENES = "scenes/library/hopper"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
+PARTS = 10  # of the timed window, for the spread of the flow
 
 parser = options(__doc__, steps=4000, warm=2000, repeats=1, skin=5e-4, out="out/peers_hopper")
 o = parser.parse_args()
@@ -70,7 +70,7 @@ name = "outflow"
 kind = "mass_flow"
 plane = { point = [0, 0, 0], normal = [0, 0, -1] }
 interval = %.9g
-""" % (STEP, DENSITY, E, NU, RESTITUTION, FRICTION, o.warm * STEP))
+""" % (STEP, DENSITY, E, NU, RESTITUTION, FRICTION, o.steps // PARTS * STEP))
     top = bodies[:, 2].max() + 0.05
     atoms = "".join("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z) for k, (x, y, z, r) in enumerate(bodies))
     write("hopper.data", "settled hopper\n\n%d atoms\n1 atom types\n\n-0.076 0.076 xlo xhi\n-0.076 0.076 ylo yhi\n-0.3 %.9g zlo zhi\n\nAtoms\n\n%s"
@@ -89,7 +89,7 @@ thermo_modify lost ignore norm no
 thermo %d
 run %d
 run ${steps}
-""" % (o.skin, STEP, o.warm + o.steps, o.warm)
+""" % (o.skin, STEP, o.steps // PARTS, o.warm)
     shear = E / (2 * (1 + NU))
     law = "%.6g %.6g 3e5 3e5 %g 1" % (4 / 3 * E / (2 * (1 - NU**2)), 8 * shear / (2 * (2 - NU)), FRICTION)
     walls = "region cyl cylinder z 0 0 0.07 0.05 %.9g side in units box open 1 open 2\nregion con cone z 0 0 0.02 0.07 0.0 0.05 side in units box open 1 open 2\n" % top
@@ -104,29 +104,37 @@ run ${steps}
           + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls, "variable inside atom mass*(z>0.0)"))
 
 
-def run_peer(command):
-    """Processor ns per sphere and timed step, mass flow [kg/s]: the same run without the timed steps is subtracted."""
-    start, before = processor_time(command + ["-var", "steps", "0"], o.out)
-    whole, after = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
-
-    def inside(text, step):
-        return [float(m) for m in re.findall(r"^\s*%d\s+(\S+)\s*$" % step, text, re.M)]
-
-    first, last = inside(before, o.warm), inside(after, o.warm + o.steps)
-    if not first or not last:
-        print("%s failed:\n%s" % (command[0], after[-1500:]))
+def flow(inside):
+    """Mean mass flow [kg/s] and its standard error of the mass inside at the ends of the parts; None where some is missing."""
+    if len(inside) != PARTS + 1:
         return None
-    return 1e9 * (whole - start) / o.steps / n, (first[-1] - last[-1]) / (o.steps * STEP)
+    rates = -numpy.diff(inside) / (o.steps // PARTS * STEP)
+    return rates.mean(), rates.std(ddof=1) / PARTS**0.5
+
+
+def run_peer(command):
+    """Processor ns per sphere and timed step, mass flow and its error [kg/s]: the same run without the timed steps is subtracted."""
+    start, _ = processor_time(command + ["-var", "steps", "0"], o.out)
+    whole, text = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
+    mass = {int(step): float(m) for step, m in re.findall(r"^\s*(\d+)\s+(\S+)\s*$", text, re.M)}
+    found = flow([mass[k] for k in range(o.warm, o.warm + o.steps + 1, o.steps // PARTS) if k in mass])
+    if not found:
+        print("%s failed:\n%s" % (command[0], text[-1500:]))
+        return None
+    return 1e9 * (whole - start) / o.steps / n, *found
 
 
 def run_epafi():
     def until(steps):
-        command = [program, "run", "hopper.toml", "--until", "%.9g" % ((steps + 0.5) * STEP), "-q", "--force", "--json", "--least-output", "-t", "1", "-o", "epafi"]
-        seconds, text = processor_time(command, o.out)
-        return seconds, json.loads(text)["measures"]["outflow"]
+        command = [program, "run", "hopper.toml", "--until", "%.9g" % ((steps + 0.5) * STEP), "-q", "--force", "--least-output", "-t", "1", "-o", "epafi"]
+        return processor_time(command, o.out)[0]
 
-    (start, before), (whole, after) = until(o.warm), until(o.warm + o.steps)
-    return 1e9 * (whole - start) / o.steps / n, (after["mass"]["last"] - before["mass"]["last"]) / (o.steps * STEP)
+    start, whole = until(o.warm), until(o.warm + o.steps)
+    with open(os.path.join(o.out, "epafi", "measures.csv")) as file:
+        rows = [line.strip().split(",") for line in file if ",outflow,mass," in line]
+    out = {round(float(r[0]) / STEP): float(r[3]) for r in rows}
+    found = flow([-out[k] for k in range(o.warm, o.warm + o.steps + 1, o.steps // PARTS) if k in out])
+    return 1e9 * (whole - start) / o.steps / n, *(found or (numpy.nan, numpy.nan))
 
 
 bodies = settled(program, os.path.abspath(SCENES + "/hopper.toml"), os.path.join(o.out, "settled"), "run.duration=0.5", "params.open_at=1.0")
@@ -137,4 +145,4 @@ if shutil.which("lmp"):
     codes.append(("LAMMPS gran/hertz/history", lambda: run_peer(["lmp", "-log", "none", "-in", "hopper.lammps"])))
 if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "hopper.liggghts"])))
-print_table("hopper, %d spheres, one thread" % n, "mass flow [kg/s]", take_turns(codes, o.repeats), o.out)
+print_table("hopper, %d spheres, one thread" % n, ["mass flow [kg/s]", "its error"], take_turns(codes, o.repeats), o.out)

@@ -49,7 +49,7 @@ def processor_time(command, folder):
 
 
 def take_turns(codes, repeats):
-    """codes: pairs of a name and a function that gives (nanoseconds, check) or None. All results by name."""
+    """codes: pairs of a name and a function that gives (nanoseconds, checks...) or None. All results by name."""
     seen = {name: [] for name, _ in codes}
     for _ in range(repeats):
         for name, run in codes:
@@ -59,15 +59,16 @@ def take_turns(codes, repeats):
     return seen
 
 
-def print_table(title, check, seen, folder):
-    """Medians, over that of the first code, and the check of the last repeat; also to table.md."""
-    lines = ["| %s | ns per sphere and step | smallest, largest | over Epafi | %s |" % (title, check), "|---|---|---|---|---|"]
+def print_table(title, checks, seen, folder):
+    """Medians, over that of the first code, and the checks (names) of the last repeat; also to table.md."""
+    lines = ["| %s | ns per sphere and step | smallest, largest | over Epafi | %s |" % (title, " | ".join(checks)), "|---" * (4 + len(checks)) + "|"]
     ours = statistics.median(r[0] for r in seen["Epafi"])
     for name, results in seen.items():
         if results:
             ns = [r[0] for r in results]
             median = statistics.median(ns)
-            lines.append("| %s | %.0f | %.0f, %.0f | %.2f | %.4g |" % (name, median, min(ns), max(ns), median / ours, results[-1][1]))
+            lines.append("| %s | %.0f | %.0f, %.0f | %.2f | %s |"
+                         % (name, median, min(ns), max(ns), median / ours, " | ".join("%.4g" % x for x in results[-1][1:])))
     text = "\n".join(lines) + "\n"
     print(text + "load of the machine: %.1f" % os.getloadavg()[0])
     with open(os.path.join(folder, "table.md"), "w") as f:

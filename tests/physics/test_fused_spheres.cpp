@@ -2,6 +2,7 @@
 // ledger, the same contacts for observers; and the same bits for every thread count.
 #include "detection/narrow/narrow_phase.h"
 #include "engine/parallel.h"
+#include "engine/targets.h"
 #include "scenes/contact_setup.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
@@ -141,4 +142,53 @@ TEST_CASE("the fused loop of spheres gives the same bits for every thread count 
   }
   set_thread_count(1);
   for (const auto& h : hashes) CHECK(h == hashes.front());
+}
+
+TEST_CASE("the fused loop of spheres gives the same bits on lanes of two, four and eight numbers", "[physics][fused]") {
+  set_thread_count(1);
+  const Case c = GENERATE(Case{"bed/bed.toml", small_bed, 1100, 0}, Case{"bed/bed.toml", bed_on_a_box, 1100, 0},
+                          Case{"granular/incline_flow.toml", flow, 1500, 0},
+                          Case{"granular/jammed_spheres.toml", rough_cell, 700, 0},
+                          Case{"granular/jammed_spheres.toml", smooth_cell, 700, 0});
+  INFO(c.scene << ", " << c.overrides.back());
+  struct Seen {
+    std::string hash;
+    double elastic, viscous, frictional, virial;
+    bool operator==(const Seen&) const = default;
+  };
+  std::vector<Seen> seen;
+  for (const Target widest : {Target::baseline, Target::avx2, Target::avx512}) {
+    limit_target(widest);
+    SceneRun run = run_scene(c.scene, c.overrides, c.steps);
+    REQUIRE(run.assembly->plan.fused_spheres);
+    const Losses& lost = run.simulation().ledger.last().losses;
+    const auto& cell = run.simulation().world.cell;
+    seen.push_back({run.hash(), run.simulation().work.report.elastic, lost.viscous, lost.frictional,
+                    cell ? cell->virial.sum() : 0.0});
+  }
+  limit_target(Target::avx512);
+  CHECK(seen[0].elastic > 0.0);
+  CHECK((seen[1] == seen[0] && seen[2] == seen[0]));
+}
+
+TEST_CASE("a sphere that leaves the domain is noticed at once where the fused loop watches", "[physics][fused]") {
+  set_thread_count(1);
+  constexpr double below = -0.01;  // the floor is far down
+  SceneRun run = prepare_scene(library("bed/bed.toml"), {"params.n=300", "body.floor.position=[0, 0, -1]",
+                                                         "world.domain={ min = [-1, -1, -0.01], max = [1, 1, 1] }"});
+  REQUIRE(run.assembly->plan.fused_spheres);
+  run.simulation().start();
+  std::optional<Failure> failure;
+  const World& world = run.simulation().world;
+  double lowest = 1.0;
+  while (!failure) {
+    REQUIRE(run.simulation().steps() < 3000);
+    lowest = 1.0;
+    for (Slot s = 0; s < world.size(); ++s)
+      if (world.is_movable(s)) lowest = std::min(lowest, world.position[s].z());
+    failure = run.simulation().advance(false);
+  }
+  CHECK(lowest >= below);
+  CHECK(failure->kind == "lost body");
+  CHECK(world.position[world.slot_of(*failure->body)].z() < below);
 }
