@@ -116,7 +116,7 @@ def run_peer(command):
     """Processor ns per sphere and timed step, mass flow and its error [kg/s]: the same run without the timed steps is subtracted."""
     start, _ = processor_time(command + ["-var", "steps", "0"], o.out)
     whole, text = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
-    mass = {int(step): float(m) for step, m in re.findall(r"^\s*(\d+)\s+(\S+)\s*$", text, re.M)}
+    mass = {int(step): float(m) for step, m in re.findall(r"^\s*(\d+)\s+([-+.\deE]+)\s*$", text, re.M)}
     found = flow([mass[k] for k in range(o.warm, o.warm + o.steps + 1, o.steps // PARTS) if k in mass])
     if not found:
         print("%s failed:\n%s" % (command[0], text[-1500:]))

@@ -30,10 +30,10 @@ TEST_CASE("a settled broad phase allocates nothing, neither keeping nor rebuildi
     // there and back: the rebuilds of the second round meet nothing larger than those of the first
     const auto round = [&] {
       std::uint64_t first = list.generation;
-      for (int k = 0; k < 80; ++k) {
+      for (int k = 0; k < 240; ++k) {
         scene.world.time += 1.0;
         for (Slot s = 0; s < scene.world.size(); ++s)
-          scene.world.position[s] += (k < 40 ? 1.0 : -1.0) * scene.world.velocity[s];
+          scene.world.position[s] += (k < 120 ? 1.0 : -1.0) * scene.world.velocity[s];
         broad->find_pairs(scene.world, list);
       }
       return list.generation - first;
