@@ -40,8 +40,8 @@ inline std::string text_of(const WheelsetCase& c) {
   const auto spring = [&](const char* name, double at) {
     return fmt::format(
         "[[spring]]\nname = \"{}\"\nbody = \"wheelset\"\nspeed = {:.17g}\nattachment = [0, {}, 0]\n"
-        "stiffness = [{}, {}, {}]\ndamping = [0, 0, {}]\n",
-        name, c.speed, at, c.kx, c.ky, c.scale * 1e5, c.scale * 1e4);
+        "stiffness = [{}, {}, {}]\ndamping = [0, 0, {}]\npreload = [0, {:.17g}, 0]\n",  // at rest in the middle
+        name, c.speed, at, c.kx, c.ky, c.scale * 1e5, c.scale * 1e4, -c.ky * c.start);
   };
   return fmt::format(
              "[run]\nduration = {:.17g}\ntime_step = {:.17g}\n[world]\ngravity = [0, 0, 9.81]\n"
