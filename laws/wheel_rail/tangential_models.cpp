@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "laws/wheel_rail/tangential/half_space_models.h"
 #include "laws/wheel_rail/tangential/polach.h"
 #include "laws/wheel_rail/tangential/shen_hedrick_elkins.h"
 #include "laws/wheel_rail/tangential/strip_theory.h"
@@ -12,18 +13,9 @@
 namespace epafi {
 namespace {
 
-/// Creepage at (x, y) of the tangent plane: spin turns it over the patch.
-Creepage creepage_at(const Creepage& c, double x, double y) {
-  return {c.longitudinal - c.spin * y, c.lateral + c.spin * x, c.spin};
-}
-
 RollingCase case_of(const TangentialInput& in) {
   const NormalPatch& p = in.patch;
   return {p.ellipse, p.normal_force, in.elastic, in.friction, creepage_at(in.creepage, p.centre_x, p.centre_y)};
-}
-/// The same for cells whose coordinates count from the middle of the patch's grid.
-Creepage creepage_of_cells(const TangentialInput& in) {
-  return creepage_at(in.creepage, in.patch.grid_x, in.patch.grid_y);
 }
 
 KalkerCoefficients coefficients(const RollingCase& c) {
@@ -243,37 +235,6 @@ TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
 TangentialOutcome solve_strip(const TangentialInput& in) { return strips_on(in, false); }
 TangentialOutcome solve_fastrip(const TangentialInput& in) { return strips_on(in, true); }
 
-TangentialOutcome solve_half_space(const TangentialInput& in) {
-  TangentialOutcome out;
-  const NormalPatch& p = in.patch;
-  const BoundLevels levels = p.is_ellipse
-                                 ? bound_of_ellipse(p.ellipse, p.normal_force, in.friction, in.cells.nx, in.cells.ny)
-                                 : bound_of_pressure(p.grid, p.pressure, in.friction);
-  const ExtrapolatedRolling s = solve_extrapolated(levels, in.elastic, creepage_of_cells(in));
-  out.force = s.force;
-  out.stick_share = s.fine.stick_share;
-  out.error_estimate = levels.size() > 1 ? s.error_estimate : 0.1;
-  if (!s.fine.report.converged)
-    out.reasons.push_back("Newton did not converge: residual " + std::to_string(s.fine.report.residual) + " after " +
-                          std::to_string(s.fine.report.iterations) + " steps");
-  if (out.error_estimate > 0.03)
-    out.reasons.push_back("coarse grid: the forces of two grids differ by more than 0.03 mu N");
-  if (std::abs(in.elastic.coupling) > 0.05)
-    out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
-  if (in.store) {
-    const PatchGrid& g = s.fine.grid;
-    for (std::size_t k = 0; k < g.size(); ++k) {
-      const double bound = levels.back().bound[k];
-      if (!(bound > 0.0)) continue;
-      out.map.x.push_back(g.x(k % g.nx)), out.map.y.push_back(g.y(k / g.nx)),
-          out.map.pressure.push_back(bound / in.friction);
-      out.map.traction_x.push_back(s.fine.traction.x[k]), out.map.traction_y.push_back(s.fine.traction.y[k]);
-      out.map.slip_x.push_back(s.fine.slip.x[k]), out.map.slip_y.push_back(s.fine.slip.y[k]);
-    }
-  }
-  return out;
-}
-
 /// The model, and what follows from any force.
 template <TangentialOutcome (*Model)(const TangentialInput&)>
 TangentialOutcome complete(const TangentialInput& in) {
@@ -309,7 +270,13 @@ const std::vector<TangentialModel>& all_tangential_models() {
         "Sichani, Enblom, Berg 2016"},
        complete<solve_fastrip>},
       {{"half-space", "boundary elements, extrapolated to the limit of fine grids", {}, {}, "Kalker 1990"},
-       complete<solve_half_space>}};
+       complete<steady_half_space>},
+      {{"half-space-start", "the same, rolling from rest over the case's distance", {}, {}, "Kalker 1990"},
+       complete<starting_half_space>,
+       false},
+      {{"half-space-shift", "the same, shifted by creepage times distance without rolling", {}, {}, "Cattaneo 1938"},
+       complete<shifted_half_space>,
+       false}};
   return all;
 }
 

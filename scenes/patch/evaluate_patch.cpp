@@ -256,7 +256,8 @@ void add_tangential(PatchResult& out, const PatchCase& c, const Creepage& creepa
                     const TangentialModel& model, bool maps) {
   const bool left = c.profiles && !c.profiles->right;
   const Creepage seen = left ? Creepage{creepage.longitudinal, -creepage.lateral, -creepage.spin} : creepage;
-  TangentialOutcome t = model.solve({rp.patch, c.elastic, c.friction, seen, cells_of(c, rp.patch.ellipse), maps});
+  TangentialOutcome t =
+      model.solve({rp.patch, c.elastic, c.friction, seen, cells_of(c, rp.patch.ellipse), maps, c.distance});
   if (left) t = mirrored(std::move(t));
   PatchContact& contact = out.contacts.back();
   contact.force = t.force;
