@@ -2,7 +2,7 @@
 /// of its own also gets a file of three lines in laws/smooth/loops.
 #pragma once
 #include "laws/smooth/adhesion.h"
-#include "laws/smooth/friction.h"
+#include "laws/smooth/dashpot.h"
 #include "laws/smooth/hertz.h"
 #include "laws/smooth/hunt_crossley.h"
 #include "laws/smooth/kuwabara_kono.h"
@@ -20,7 +20,7 @@ struct LawList {};
 using NormalLaws =
     LawList<Linear, Hertz, HuntCrossley, HuntCrossley1975, HerbertMcWhannell, LeeWang, LankaraniNikravesh, Flores,
             Gonthier, PowerLaw, KuwabaraKono, WaltonBraun, Dmt, Jkr, OverlapVolume>;
-using TangentialLaws = LawList<NoFriction, CoulombSpring, Mindlin, MindlinDeresiewicz>;
+using TangentialLaws = LawList<NoFriction, CoulombSpring, SpringDashpot, Mindlin, MindlinDashpot, MindlinDeresiewicz>;
 using RollingLaws = LawList<NoRolling, RollingSpring, RollingConstant, RollingViscous>;
 
 }  // namespace epafi

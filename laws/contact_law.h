@@ -140,6 +140,12 @@ concept TangentialLaw = LawPart<L> &&
   { L::pull(p, step, m, m) } -> std::same_as<FrictionResponse>;
 };
 
+/// Friction whose spring may have a dashpot beside it, `damping` of the critical one.
+template <class L>
+concept WithDashpot = LaneFriction<L> && requires(const typename L::Parameters& p) {
+  { p.damping } -> std::convertible_to<double>;
+};
+
 /// What rolling resistance sees of one step.
 struct RollingStep {
   double normal_stiffness, normal_force, radius;  ///< k_n [N/m], N [N], R* [m]

@@ -89,6 +89,16 @@ Slopes slopes_at(const typename N::Parameters& p, const ExpectedContact& c, doub
   return {still.stiffness, (moving.force - still.force) / c.speed};
 }
 
+/// The normal dashpot that limits the step as that of the friction spring does on a solid sphere, which gives way
+/// sideways with 7/2 of its mobility [N s/m].
+template <class P>
+double tangential_dashpot(const P& p, double stiffness, double effective_mass) {
+  if constexpr (requires { p.damping; })
+    return 3.5 * 2.0 * p.damping * std::sqrt(stiffness * effective_mass / 3.5);
+  else
+    return 0.0;
+}
+
 template <NormalLaw N, TangentialLaw T>
 StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   ExpectedContact c = given;
@@ -101,12 +111,15 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   // a law that stiffens is far softer in a packing than here, at the largest overlap of an impact in all contacts of a
   // body at once: with the dashpot of there as well hoppers that run well would be refused
   const bool stiffens = slopes_at<N>(p, c, 0.5 * out.impact.largest_overlap).stiffness < 0.99 * stiffness;
-  out.stable_step = stable_step(stiffness, T::stiffness(T::parameters(pair), stiffness), c.mass, c.coordination,
-                                stiffens ? 0.0 : slope.dashpot);
+  const auto friction = T::parameters(pair);
+  const double sideways = tangential_dashpot(friction, T::stiffness(friction, stiffness), c.effective_mass);
+  out.stable_step = stable_step(stiffness, T::stiffness(friction, stiffness), c.mass, c.coordination,
+                                std::max(stiffens ? 0.0 : slope.dashpot, sideways));
   const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
   // contact
-  const double by_damping = slope.dashpot > 0.0 ? 0.5 * c.effective_mass / slope.dashpot : by_time;
+  const double dashpot = std::max(slope.dashpot, sideways);
+  const double by_damping = dashpot > 0.0 ? 0.5 * c.effective_mass / dashpot : by_time;
   out.auto_step = std::min({by_time, by_mode, by_damping});
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
   out.reason = by_time <= by_mode

@@ -1,6 +1,6 @@
 /// @file friction.h  Tangential parts: none, a spring of given ratio to the normal stiffness, Mindlin's stiffness, and
-/// the full history of partial slip (laws/smooth/bristles.h). All are incremental and slide at mu N. No dashpot: a
-/// sticking contact keeps its shear energy.
+/// the full history of partial slip (laws/smooth/bristles.h). All are incremental and slide at mu N. Without dashpot: a
+/// sticking contact keeps its shear energy; laws/smooth/dashpot.h has the springs with one.
 #pragma once
 #include "laws/smooth/bristles.h"
 #include "laws/smooth/hertz.h"
@@ -34,8 +34,9 @@ struct CoulombSpring {
   template <class N>
   static constexpr bool fits = true;
   struct Parameters {
-    double friction;  ///< mu [-], >= 0
-    double ratio;     ///< k_t / k_n [-], > 0
+    double friction;       ///< mu [-], >= 0
+    double ratio;          ///< k_t / k_n [-], > 0
+    double damping = 0.0;  ///< of critical [-], >= 0
   };
   using Memory = Spring;
 

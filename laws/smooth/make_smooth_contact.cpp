@@ -67,7 +67,7 @@ void check_name(const List& list, const char* key, const std::string& name, std:
       std::string("[contact.smooth] ") + key + " '" + name + "' is unknown; known: " + known);
 }
 
-void check_combination(const SmoothParts& parts, std::vector<Problem>& out) {
+void check_combination(const SmoothSetup& setup, const SmoothParts& parts, std::vector<Problem>& out) {
   const bool fits = with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
     return with_law(NormalLaws{}, parts.normal,
                     [](auto n) { return decltype(t)::type::template fits<typename decltype(n)::type>; });
@@ -75,10 +75,17 @@ void check_combination(const SmoothParts& parts, std::vector<Problem>& out) {
   if (!fits)
     add(out, Problem::Level::error,
         "tangential law '" + parts.tangential + "' needs a Hertzian normal law, not '" + parts.normal +
-            "'; use tangential = \"coulomb-spring\"");
+            "'; use tangential = \"" +
+            (parts.tangential == MindlinDashpot::name ? SpringDashpot::name : CoulombSpring::name) + "\"");
   if (parts.rolling != NoRolling::name && parts.tangential == NoFriction::name)
     add(out, Problem::Level::error,
         "rolling law '" + parts.rolling + "' needs friction: with friction 0 nothing makes a body roll");
+  const bool has_dashpot = parts.tangential.ends_with("-dashpot") || parts.tangential == NoFriction::name;
+  if (!has_dashpot &&
+      any_pair(setup.materials, [](const MaterialPair& p) { return p.parameters.has("tangential_damping"); }))
+    add(out, Problem::Level::error,
+        "tangential law '" + parts.tangential + "' has no tangential_damping; use tangential = \"" +
+            (parts.tangential == CoulombSpring::name ? SpringDashpot::name : MindlinDashpot::name) + "\"");
 }
 
 template <class List>
@@ -137,7 +144,8 @@ const std::vector<Entry>& all_smooth_laws() {
       const auto entry = [](auto l) { return decltype(l)::type::entry(); };
       Entry e = with_law(NormalLaws{}, law.normal, entry);
       e.name = law.name, e.summary = law.summary;
-      for (const Entry& part : {with_law(TangentialLaws{}, law.tangential, entry), RollingSpring::entry()})
+      for (const Entry& part :
+           {with_law(TangentialLaws{}, law.tangential, entry), MindlinDashpot::entry(), RollingSpring::entry()})
         e.fields.insert(e.fields.end(), part.fields.begin(), part.fields.end());
       out.push_back(std::move(e));
     }
@@ -177,7 +185,7 @@ std::vector<Problem> check_smooth(const SmoothSetup& setup) {
   if (!setup.rolling.empty()) check_name(RollingLaws{}, "rolling", setup.rolling, out);
   if (!out.empty()) return out;
   const SmoothParts parts = smooth_parts(setup);
-  check_combination(parts, out);
+  check_combination(setup, parts, out);
   check_materials(setup, parts, out);
   return out;
 }

@@ -111,7 +111,10 @@ class SmoothContact final : public ContactModel {
   /// locate: start and end of a contact count for the part of the step that they take (laws/smooth/contact_edge.h).
   SmoothContact(std::size_t materials, std::vector<PairParameters> pairs, bool locate = false)
       : materials_(materials), pairs_(std::move(pairs)), damped_(rolls || locate), locate_(locate) {
-    for (const PairParameters& p : pairs_) damped_ = damped_ || Normal::is_damped(p.normal);
+    for (const PairParameters& p : pairs_) {
+      damped_ = damped_ || Normal::is_damped(p.normal);
+      if constexpr (WithDashpot<Tangential>) damped_ = damped_ || p.tangential.damping > 0.0;
+    }
   }
   explicit SmoothContact(const MaterialTable& table) : SmoothContact(table.materials, parameters_of(table)) {}
 
@@ -219,7 +222,7 @@ class SmoothContact final : public ContactModel {
     sums.viscous_power += (t.normal.force - t.normal.elastic_force) * t.at.approach_velocity;
 
     Vec3 force = -t.normal.force * contacts.normal[i];
-    if constexpr (slides) force += slide(world, contacts, t, p.tangential, dt, sums);
+    if constexpr (slides) force += slide(world, contacts, t, p.tangential, dt, predicted, sums);
     contacts.force[i] = force;
     if constexpr (rolls) contacts.moment[i] = roll(world, contacts, t, p.rolling, dt, predicted, sums);
     if (world.inverse_mass[t.a] * world.inverse_mass[t.b] == 0.0) drive<rotates>(world, contacts, t, sums);
@@ -241,21 +244,50 @@ class SmoothContact final : public ContactModel {
     if constexpr (slides) t.slip_velocity = velocity - opening * n;
     t.at.approach_velocity = -opening;
     if (!predicted) return;
+    t.at.approach_velocity -= change_at<rotates>(t, arm).dot(n);
+  }
+
+  /// Of the relative velocity at the contact, from the middle of the step to its end [m/s].
+  template <bool rotates>
+  Vec3 change_at(const Touch& t, const Vec3& arm) const {
     Vec3 change = change_.linear[t.b] - change_.linear[t.a];
     if constexpr (rotates) change += change_.angular[t.b].cross(t.arm_b) - change_.angular[t.a].cross(arm);
-    t.at.approach_velocity -= change.dot(n);
+    return change;
   }
 
   /// Friction on A.
   Vec3 slide(const World& world, const ContactSet& contacts, const Touch& t, const typename Tangential::Parameters& p,
-             double dt, SmoothSums& sums) {
+             double dt, bool predicted, SmoothSums& sums) {
     const Vec3& n = contacts.normal[t.i];
     const SlipStep step{n, twist(world, t, n, dt), dt * t.slip_velocity, t.normal.stiffness,
                         std::max(0.0, t.normal.force + t.normal.adhesion)};
     const FrictionResponse out = Tangential::pull(p, step, memory_.before(t.i).friction, memory_.now(t.i).friction);
     sums.spring_energy += out.energy;
     sums.spring_work += out.work;
+    if constexpr (WithDashpot<Tangential>)
+      if (p.damping > 0.0) return damp(world, contacts, t, p, out.load, predicted, sums);
     return out.load;
+  }
+
+  /// Friction on A by a spring that pulls with `elastic` and its dashpot: together they slide at mu N.
+  Vec3 damp(const World& world, const ContactSet& contacts, const Touch& t, const typename Tangential::Parameters& p,
+            const Vec3& elastic, bool predicted, SmoothSums& sums) const {
+    const Vec3 &n = contacts.normal[t.i], &arm = contacts.arm[t.i];
+    Vec3 velocity = t.slip_velocity;
+    if (predicted) velocity += change_at<true>(t, arm);
+    velocity -= velocity.dot(n) * n;
+    const double mobility = slip_mobility(world, t.a, arm) + slip_mobility(world, t.b, t.arm_b);
+    const double dashpot = 2.0 * p.damping * std::sqrt(Tangential::stiffness(p, t.normal.stiffness) / mobility);
+    const double limit = Tangential::friction(p) * std::max(0.0, t.normal.force + t.normal.adhesion);
+    const Vec3 load = within(elastic + dashpot * velocity, limit);
+    sums.viscous_power += (load - elastic).dot(velocity);  // >= 0: the nearest point of a ball that holds elastic
+    return load;
+  }
+
+  /// 1/m + r^2/I of a body pushed sideways at its contact point, I the harmonic mean of its moments; 0 when not free.
+  static double slip_mobility(const World& world, Slot s, const Vec3& arm) {
+    if (!world.is_movable(s)) return 0.0;
+    return world.inverse_mass[s] + arm.squaredNorm() * world.inverse_inertia[s].sum() / 3.0;
   }
 
   /// Moment on A against rolling.
@@ -276,9 +308,7 @@ class SmoothContact final : public ContactModel {
         pull_spring(turn, Rolling::stiffness(p, step), limit, memory_.before(t.i).rolling, memory_.now(t.i).rolling);
     sums.spring_energy += elastic.energy;
     sums.spring_work += elastic.work;
-    Vec3 moment = elastic.load + Rolling::damping(p, step) * spin;
-    const double square = moment.squaredNorm();
-    if (square > limit * limit) moment *= limit / std::sqrt(square);
+    const Vec3 moment = within(elastic.load + Rolling::damping(p, step) * spin, limit);
     sums.viscous_power +=
         (moment - elastic.load).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
     return moment;

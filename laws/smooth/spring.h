@@ -31,13 +31,17 @@ inline Vec3 turn_load(const Vec3& load, const Vec3& n, double twist) {
   return after > 0.0 ? Vec3(std::sqrt(before / after) * turned) : Vec3(0, 0, 0);
 }
 
+/// The nearest load of at most that length.
+inline Vec3 within(const Vec3& load, double limit) {
+  const double square = load.squaredNorm();
+  return square > limit * limit ? Vec3(limit / std::sqrt(square) * load) : load;
+}
+
 /// The spring after a displacement [m or rad] of B against A; `load` is the turned load of `old`.
 inline Spring extend(const Spring& old, const Vec3& load, double stiffness, const Vec3& displacement, double limit) {
   Spring now{load, stiffness};
   if (stiffness < old.stiffness) now.load *= stiffness / old.stiffness;
-  now.load += stiffness * displacement;
-  const double square = now.load.squaredNorm();
-  if (square > limit * limit) now.load *= limit / std::sqrt(square);
+  now.load = within(now.load + stiffness * displacement, limit);
   return now;
 }
 

@@ -278,7 +278,7 @@ TEST_CASE("every listed law can be made and names its source", "[laws][smooth]")
     CHECK_FALSE(law.source.empty());
   }
   CHECK(all_normal_laws().size() == 15);
-  CHECK(all_tangential_laws().size() == 4);
+  CHECK(all_tangential_laws().size() == 6);
   CHECK(all_rolling_laws().size() == 4);
 }
 
