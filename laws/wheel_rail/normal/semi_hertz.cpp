@@ -171,10 +171,13 @@ class Mixing {
 };
 
 /// Lengths nearer to where the pressures give the surface the gap's own curvature along the track: a strip that is bent
-/// more than that is too short. The largest change over the longest of them.
+/// more than that is too short. The largest change over the longest of them; 1 while one still doubles, however short:
+/// mixing may throw a length towards 0, where every change is small and its pressure without bound.
 double relax_lengths(Strips& s, const std::vector<std::size_t>& active, Mixing& mixing) {
-  constexpr double most = 2.0;  // by which a length changes in one round
+  constexpr double most = 2.0;   // by which a length changes in one round
+  constexpr double apart = 1.5;  // by which mixing may differ from plain relaxation
   double longest = 0.0;
+  bool growing = false;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(s.a.size())), f = x;
   for (const std::size_t j : active) {
     const auto k = static_cast<Eigen::Index>(j);
@@ -182,14 +185,16 @@ double relax_lengths(Strips& s, const std::vector<std::size_t>& active, Mixing& 
     const double longest_here = std::sqrt(2.0 * std::max(0.0, s.approach - s.gap[j]) / s.curvature[j]);
     x[k] = s.a[j];
     f[k] = std::min(x[k] * std::clamp(s.bent[j] / s.curvature[j], 1.0 / most, most), longest_here) - x[k];
+    growing = growing || f[k] > 0.5 * x[k];
     longest = std::max(longest, x[k] + f[k]);
   }
   const Eigen::VectorXd next = mixing.next(x, f);
   for (const std::size_t j : active) {
     const auto k = static_cast<Eigen::Index>(j);
-    s.a[j] = std::clamp(next[k], x[k] / most, x[k] * most);
+    const double plain = x[k] + f[k];
+    s.a[j] = std::clamp(std::clamp(next[k], plain / apart, plain * apart), x[k] / most, x[k] * most);
   }
-  return f.lpNorm<Eigen::Infinity>() / longest;
+  return growing ? 1.0 : f.lpNorm<Eigen::Infinity>() / longest;
 }
 
 /// Rounds of pressures for given lengths, lengths for given pressures, and strips that join or leave. True when lengths
