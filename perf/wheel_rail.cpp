@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 
@@ -125,19 +126,23 @@ void normal() {
   }
 }
 
+/// The benchmark's wheelset at one place.
+PatchCase benchmark_case(const char* side, double shift) {
+  const std::string text = fmt::format(
+      "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n[shape.wheel]\n"
+      "wheel_profile = {{ name = \"s1002\", radius = 0.46 }}\n[shape.rail]\nrail_profile = {{ name = \"uic60\", "
+      "cant = \"= atan(1/40)\" }}\n[patch]\nload = 10e3\nlateral_shift = {}e-3\nyaw = {}\nside = \"{}\"\n"
+      "tangential = \"fastsim\"\ngrid = {{ dx = 2e-4, dy = 2e-4 }}\n",
+      shift, 2.4e-3 * shift, side);
+  return *read_patch_text(text, "case.toml", {}).patch;
+}
+
 /// Search, normal and tangential model of the benchmark's wheelset, profiles kept: milliseconds and error of the peak.
 void whole() {
   std::printf("%-6s %6s %-16s %10s %10s %10s\n", "side", "mm", "model", "ms", "peak", "approach");
   for (const char* side : {"left", "right"}) {
     for (const double shift : {0.0, 0.2, 0.5, 0.75, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
-      const std::string text = fmt::format(
-          "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n[shape.wheel]\n"
-          "wheel_profile = {{ name = \"s1002\", radius = 0.46 }}\n[shape.rail]\nrail_profile = {{ name = \"uic60\", "
-          "cant "
-          "= \"= atan(1/40)\" }}\n[patch]\nload = 10e3\nlateral_shift = {}e-3\nyaw = {}\nside = \"{}\"\n"
-          "tangential = \"fastsim\"\ngrid = {{ dx = 2e-4, dy = 2e-4 }}\n",
-          shift, 2.4e-3 * shift, side);
-      PatchCase c = *read_patch_text(text, "case.toml", {}).patch;
+      PatchCase c = benchmark_case(side, shift);
       c.normal = {"half-space"};
       const PatchResult truth = evaluate_patch(c).front();
       for (const char* model : {"semi-hertz", "analyn", "kik-piotrowski"}) {
@@ -151,10 +156,19 @@ void whole() {
   }
 }
 
+/// One place of that table by one model, a thousand times: for a profiler.
+void one(const char* side, double shift, const char* model) {
+  PatchCase c = benchmark_case(side, shift);
+  c.normal = {model};
+  const double seconds = best_seconds(5, 200, [&] { evaluate_patch(c); });
+  std::printf("%-6s %6.2f %-16s %10.3f ms\n", side, shift, model, 1e3 * seconds);
+}
+
 }  // namespace
 
 int main(int count, char** words) {
   set_thread_count(1);
+  if (count > 4 && std::strcmp(words[1], "whole") == 0) return one(words[2], std::atof(words[3]), words[4]), 0;
   if (count > 1 && std::strcmp(words[1], "whole") == 0) return whole(), 0;
   normal();
   std::printf("%-20s %-28s %12s %10s\n", "creepage", "law", "seconds", "error/muN");

@@ -212,7 +212,8 @@ std::vector<Field> rolling_fields() {
   for (const auto& m : all_normal_models()) normal.choices.push_back(m.entry.name);
   Field tangential{"tangential", "", "", Kind::text, Value(std::string("fastsim")), {}, "tangential model, or none"};
   tangential.choices = {"none"};
-  for (const auto& m : all_tangential_models()) tangential.choices.push_back(m.entry.name);
+  for (const auto& m : all_tangential_models())
+    if (m.steady) tangential.choices.push_back(m.entry.name);
   return {normal,
           tangential,
           {"along", "", "", Kind::integer, Value(24.0), {4, 400}, "cells along a patch"},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "laws/wheel_rail/tangential/half_space_models.h"
 #include "laws/wheel_rail/tangential/polach.h"
 #include "laws/wheel_rail/tangential/shen_hedrick_elkins.h"
 #include "laws/wheel_rail/tangential/strip_theory.h"
@@ -12,35 +13,32 @@
 namespace epafi {
 namespace {
 
-/// Creepage at (x, y) of the tangent plane: spin turns it over the patch.
-Creepage creepage_at(const Creepage& c, double x, double y) {
-  return {c.longitudinal - c.spin * y, c.lateral + c.spin * x, c.spin};
-}
-
 RollingCase case_of(const TangentialInput& in) {
   const NormalPatch& p = in.patch;
   return {p.ellipse, p.normal_force, in.elastic, in.friction, creepage_at(in.creepage, p.centre_x, p.centre_y)};
-}
-/// The same for cells whose coordinates count from the middle of the patch's grid.
-Creepage creepage_of_cells(const TangentialInput& in) {
-  return creepage_at(in.creepage, in.patch.grid_x, in.patch.grid_y);
 }
 
 KalkerCoefficients coefficients(const RollingCase& c) {
   return kalker_coefficients(c.ellipse.a / c.ellipse.b, c.elastic.poissons_ratio);
 }
 
-/// How far the creepages saturate the patch, and how much of the linear force is spin's: what decides where a law
-/// holds.
+/// How far the creepages saturate the patch, and how spin stands to the others: what decides where a law holds.
 struct Regime {
   double saturation;  ///< linear force of all creepages over mu N
   double spin_share;  ///< of that force, in [0, 1]
+  double against;     ///< how much of the linear forces of spin and lateral creepage cancels, in [0, 1]
+  double crossed;     ///< how much of them is spin and longitudinal creepage in equal parts, in [0, 1]
+  double rim;         ///< slip by spin at the patch's far end over that and the slip by creepage, in [0, 1]
 };
 Regime regime_of(const RollingCase& c, const KalkerCoefficients& k) {
   const double ab = c.ellipse.a * c.ellipse.b, Gab = c.elastic.shear_modulus * ab;
-  const double creep = std::hypot(k.c11 * c.creepage.longitudinal, k.c22 * c.creepage.lateral);
-  const double spin = std::sqrt(ab) * k.c23 * std::abs(c.creepage.spin);
-  return {c.bound() > 0.0 ? Gab * (creep + spin) / c.bound() : 0.0, creep + spin > 0.0 ? spin / (creep + spin) : 0.0};
+  const double x = k.c11 * std::abs(c.creepage.longitudinal), y = k.c22 * c.creepage.lateral,
+               s = std::sqrt(ab) * k.c23 * c.creepage.spin, spin = std::abs(s), sum = x + std::abs(y) + spin;
+  const double creep = std::hypot(x, y), end = std::max(c.ellipse.a, c.ellipse.b) * std::abs(c.creepage.spin),
+               slip = std::hypot(c.creepage.longitudinal, c.creepage.lateral) + end;
+  if (!(sum > 0.0)) return {};
+  return {c.bound() > 0.0 ? Gab * (creep + spin) / c.bound() : 0.0, spin / (creep + spin),
+          y * s < 0.0 ? 2.0 * std::min(std::abs(y), spin) / sum : 0.0, 2.0 * std::min(x, spin) / sum, end / slip};
 }
 
 /// Common to all laws that know the patch by its ellipse alone.
@@ -59,8 +57,10 @@ double dissipation(const PatchForce& f, const Creepage& c) {
   return std::abs(f.fx * c.longitudinal) + std::abs(f.fy * c.lateral) + std::abs(f.mz * c.spin);
 }
 
-// Error estimates below are the largest distances to the half-space solution over 56 points of creepage, a/b = 1/2 and
-// 2, as tests/laws/test_creep_curves.cpp measures them; those for spin grow with its share of the linear force.
+// Error estimates below are fits to the distances to the half-space solution over 270 points: a/b from 0.2 to 4,
+// longitudinal, lateral creepage and spin alone, spin with and against lateral creepage and beside longitudinal, 0.1 to
+// 5 times mu N / (G a b) or its like (tests/physics/test_wheel_rail_flags.cpp). A law says so where its fit is beyond
+// 0.1 mu N, unless its own column of the 56 published points is wider.
 
 TangentialOutcome solve_kalker_linear(const TangentialInput& in) {
   TangentialOutcome out;
@@ -69,7 +69,10 @@ TangentialOutcome solve_kalker_linear(const TangentialInput& in) {
   const Regime r = regime_of(c, k);
   out.force = kalker_linear(c, k);
   out.stick_share = 1.0;
-  out.error_estimate = r.saturation - cubic_saturation(r.saturation);
+  // spin slides first at the far ends of a patch that is wide across the track
+  const double wide = std::max(1.0, std::pow(c.ellipse.b / c.ellipse.a, 0.35)),
+               size = r.saturation * (1.0 + r.spin_share * (wide - 1.0));
+  out.error_estimate = size - cubic_saturation(size);
   if (out.error_estimate > 0.05)
     out.reasons.push_back("creepage too large for the linear theory: part of the patch slides");
   check_ellipse(in, k, out);
@@ -82,7 +85,7 @@ TangentialOutcome solve_vermeulen_johnson(const TangentialInput& in) {
   const KalkerCoefficients k = coefficients(c);
   const Regime r = regime_of(c, k);
   out.force = vermeulen_johnson(c);
-  out.error_estimate = 0.067 + r.spin_share * std::min(1.0, r.saturation);
+  out.error_estimate = 0.082 + r.spin_share * std::min(1.0, r.saturation);
   if (r.spin_share > 0.05) out.reasons.push_back("spin, which the law does not know");
   check_ellipse(in, k, out);
   return out;
@@ -94,9 +97,9 @@ TangentialOutcome solve_she(const TangentialInput& in) {
   const KalkerCoefficients k = coefficients(c);
   const Regime r = regime_of(c, k);
   out.force = shen_hedrick_elkins(c);
-  const double spin = 0.81 * r.spin_share * r.spin_share * std::min(1.0, r.saturation * r.saturation);
+  const double spin = 0.85 * r.rim * r.rim * std::min(1.0, r.saturation * r.saturation);
   out.error_estimate = std::min(0.038, 0.11 * r.saturation) + spin;
-  if (spin > 0.03) out.reasons.push_back("spin: the true force falls with large spin, this one stays at mu N");
+  if (spin > 0.1) out.reasons.push_back("spin: the true force falls with large spin, this one stays at mu N");
   check_ellipse(in, k, out);
   return out;
 }
@@ -156,6 +159,8 @@ double grid_error(const TangentialInput& in) {
   return 0.5 / std::max(1.0, cells);
 }
 
+constexpr double most_hidden = 0.048;  // of mu N, by which a law may be off in silence beyond its pure creepages
+
 TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
   TangentialOutcome out;
   const RollingCase c = case_of(in);
@@ -167,11 +172,20 @@ TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
   out.force = s.force;
   out.stick_share = s.stick_share;
   if (in.store) out.map = map_of_strips(patch, s);
-  const double spin = std::min(1.0, r.saturation * r.saturation) * r.spin_share;
-  const double pure = bound == Bound::parabolic ? 0.035 : 0.05, more = bound == Bound::parabolic ? 0.055 : 0.015;
-  out.error_estimate = std::min(pure, 0.15 * r.saturation) + more * spin + grid_error(in);
-  if (bound == Bound::parabolic && r.spin_share > 0.5 && r.saturation > 0.8)
+  const double full = std::min(1.0, r.saturation * r.saturation),
+               half = std::min(1.0, 0.25 * r.saturation * r.saturation);
+  const bool parabolic = bound == Bound::parabolic;
+  const double pure = parabolic ? 0.035 : 0.05, more = parabolic ? 0.055 : 0.015, ratio = c.ellipse.a / c.ellipse.b;
+  const double against = 0.3 * r.against * r.against * half, crossed = 0.075 * r.crossed * half;
+  out.error_estimate =
+      std::min(pure, 0.15 * r.saturation) + more * full * r.spin_share + against + crossed + grid_error(in);
+  if (parabolic && r.spin_share > 0.5 && r.saturation > 0.8 && ratio > 0.35)
     out.reasons.push_back("large spin: on the parabolic bound the force is up to 46 % too large");
+  if (against > most_hidden)
+    out.reasons.push_back(
+        "spin against lateral creepage: their forces cancel, and what is left is up to 0.26 mu N off");
+  if (!parabolic && crossed > most_hidden)
+    out.reasons.push_back("spin beside longitudinal creepage: on the elliptic bound up to 0.12 mu N off");
   if (in.cells.nx < 10 && in.patch.is_ellipse)
     out.reasons.push_back("coarse grid: fewer than 10 cells along the patch");
   check_ellipse(in, k, out);
@@ -202,7 +216,12 @@ TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
   if (in.store) out.map = map_of_strips(patch, s);
   const double ratio = c.ellipse.a / c.ellipse.b, spin = std::min(1.0, r.saturation * r.saturation) * r.spin_share;
   if (mended) {
-    out.error_estimate = std::min(0.015, 0.1 * r.saturation) + 0.03 * spin + grid_error(in);
+    const double against = 0.1 * r.against * r.against * std::min(1.0, 0.25 * r.saturation * r.saturation),
+                 crossed = r.crossed * (0.06 + 0.05 / ratio) * std::min(1.0, r.saturation / 1.5);
+    out.error_estimate = std::min(0.025, 0.1 * r.saturation) + 0.03 * spin + against + crossed + grid_error(in);
+    if (crossed > 0.08)
+      out.reasons.push_back(
+          "spin beside longitudinal creepage on a patch that is short along the track: up to 0.11 mu N off");
   } else {
     out.error_estimate = std::min(1.0, 0.2 * ratio) * std::min(1.0, r.saturation) + 0.4 * spin;
     if (ratio > 0.2 || r.spin_share > 0.1)
@@ -215,37 +234,6 @@ TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
 }
 TangentialOutcome solve_strip(const TangentialInput& in) { return strips_on(in, false); }
 TangentialOutcome solve_fastrip(const TangentialInput& in) { return strips_on(in, true); }
-
-TangentialOutcome solve_half_space(const TangentialInput& in) {
-  TangentialOutcome out;
-  const NormalPatch& p = in.patch;
-  const BoundLevels levels = p.is_ellipse
-                                 ? bound_of_ellipse(p.ellipse, p.normal_force, in.friction, in.cells.nx, in.cells.ny)
-                                 : bound_of_pressure(p.grid, p.pressure, in.friction);
-  const ExtrapolatedRolling s = solve_extrapolated(levels, in.elastic, creepage_of_cells(in));
-  out.force = s.force;
-  out.stick_share = s.fine.stick_share;
-  out.error_estimate = levels.size() > 1 ? s.error_estimate : 0.1;
-  if (!s.fine.report.converged)
-    out.reasons.push_back("Newton did not converge: residual " + std::to_string(s.fine.report.residual) + " after " +
-                          std::to_string(s.fine.report.iterations) + " steps");
-  if (out.error_estimate > 0.03)
-    out.reasons.push_back("coarse grid: the forces of two grids differ by more than 0.03 mu N");
-  if (std::abs(in.elastic.coupling) > 0.05)
-    out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
-  if (in.store) {
-    const PatchGrid& g = s.fine.grid;
-    for (std::size_t k = 0; k < g.size(); ++k) {
-      const double bound = levels.back().bound[k];
-      if (!(bound > 0.0)) continue;
-      out.map.x.push_back(g.x(k % g.nx)), out.map.y.push_back(g.y(k / g.nx)),
-          out.map.pressure.push_back(bound / in.friction);
-      out.map.traction_x.push_back(s.fine.traction.x[k]), out.map.traction_y.push_back(s.fine.traction.y[k]);
-      out.map.slip_x.push_back(s.fine.slip.x[k]), out.map.slip_y.push_back(s.fine.slip.y[k]);
-    }
-  }
-  return out;
-}
 
 /// The model, and what follows from any force.
 template <TangentialOutcome (*Model)(const TangentialInput&)>
@@ -282,7 +270,13 @@ const std::vector<TangentialModel>& all_tangential_models() {
         "Sichani, Enblom, Berg 2016"},
        complete<solve_fastrip>},
       {{"half-space", "boundary elements, extrapolated to the limit of fine grids", {}, {}, "Kalker 1990"},
-       complete<solve_half_space>}};
+       complete<steady_half_space>},
+      {{"half-space-start", "the same, rolling from rest over the case's distance", {}, {}, "Kalker 1990"},
+       complete<starting_half_space>,
+       false},
+      {{"half-space-shift", "the same, shifted by creepage times distance without rolling", {}, {}, "Cattaneo 1938"},
+       complete<shifted_half_space>,
+       false}};
   return all;
 }
 

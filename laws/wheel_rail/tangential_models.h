@@ -15,10 +15,20 @@ struct TangentialInput {
   const NormalPatch& patch;
   ElasticPair elastic;
   double friction = 0.0;
-  Creepage creepage;   ///< at the origin of the tangent plane
-  PatchGrid cells;     ///< cells over an elliptic patch; those of the patch's own grid otherwise
-  bool store = false;  ///< keep tractions and slips by cell
+  Creepage creepage;      ///< at the origin of the tangent plane
+  PatchGrid cells;        ///< cells over an elliptic patch; those of the patch's own grid otherwise
+  bool store = false;     ///< keep tractions and slips by cell
+  double distance = 0.0;  ///< rolled since rest, for what is not steady [m]; 0: the length of the patch
 };
+
+/// Creepage at (x, y) of the tangent plane: spin turns it over the patch.
+inline Creepage creepage_at(const Creepage& c, double x, double y) {
+  return {c.longitudinal - c.spin * y, c.lateral + c.spin * x, c.spin};
+}
+/// For cells whose coordinates count from the middle of the patch's grid.
+inline Creepage creepage_of_cells(const TangentialInput& in) {
+  return creepage_at(in.creepage, in.patch.grid_x, in.patch.grid_y);
+}
 
 /// Tractions and slips of one patch on points (x, y) for files and pictures.
 struct TractionMap {
@@ -37,6 +47,7 @@ struct TangentialOutcome {
 struct TangentialModel {
   Entry entry;
   TangentialOutcome (*solve)(const TangentialInput&);
+  bool steady = true;  ///< of steady rolling: what a wheelset in motion may use
 };
 
 const std::vector<TangentialModel>& all_tangential_models();

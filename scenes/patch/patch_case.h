@@ -31,6 +31,7 @@ struct PatchCase {
   std::optional<double> yield;  ///< shear yield stress k [Pa]
   NormalTarget target;          ///< load [N] or approach [m]
   Creepage creepage;
+  double distance = 0.0;           ///< rolled since rest [m]; 0: the length of the patch
   std::optional<Ellipse> ellipse;  ///< semi_axes
   struct Radii {
     double x1, x2, y1, y2;

@@ -54,6 +54,9 @@ std::vector<Field> patch_fields() {
             {with_default(number("longitudinal", "xi", "", any_number, "along x"), 0.0),
              with_default(number("lateral", "eta", "", any_number, "along y"), 0.0),
              with_default(number("spin", "phi", "1/m", any_number, "about the normal"), 0.0)}),
+      number("distance", "s", "m", positive,
+             "rolled since rest (half-space-start); creepage times it is the shift of half-space-shift; the length of "
+             "the patch where not written"),
       normal,
       words("tangential", "tangential models", any, names(all_tangential_models())),
       table(

@@ -212,7 +212,7 @@ PatchReading read_document(Document document, const std::string& file) {
       out.dx = v.number_or("grid.dx", 0.0), out.dy = v.number_or("grid.dy", 0.0);
       out.influence = {v.number_or("influence.full", out.influence.full),
                        v.number_or("influence.none", out.influence.none)};
-      out.penalty = v.number_or("penalty", out.penalty);
+      out.penalty = v.number_or("penalty", out.penalty), out.distance = v.number_or("distance", 0.0);
       if (out.influence.none < out.influence.full)
         reading.error(v.place_of("influence"), "[patch] influence: none must not be smaller than full");
       set_materials(reading, v, out);

@@ -22,6 +22,7 @@ struct CreepPoint {
   std::string kind;
   RollingCase rolling;
   double half_space_x, half_space_y;
+  double parabolic_x, parabolic_y, elliptic_x, elliptic_y;  ///< the reference's own FASTSIM on the same cells
 };
 
 std::vector<CreepPoint> creep_points() {
@@ -35,7 +36,8 @@ std::vector<CreepPoint> creep_points() {
     std::istringstream row(line);
     CreepPoint p;
     double a, b, s, xi, eta, phi;
-    row >> p.kind >> a >> b >> s >> xi >> eta >> phi >> p.half_space_x >> p.half_space_y;
+    row >> p.kind >> a >> b >> s >> xi >> eta >> phi >> p.half_space_x >> p.half_space_y >> p.parabolic_x >>
+        p.parabolic_y >> p.elliptic_x >> p.elliptic_y;
     p.rolling = {{1e-3 * a, 1e-3 * b}, 82e3, {82e9, 0.28, 0.0}, 0.3, {xi, eta, 1e3 * phi}};
     out.push_back(p);
   }
@@ -102,8 +104,8 @@ TEST_CASE("every law keeps within its distance of the half-space solution", "[la
   CHECK(parabolic.at("lat+spin") < 0.042);
   const auto elliptic = worst([](const RollingCase& c) { return fastsim_force(c, 44, 44, Bound::elliptic); });
   CHECK(elliptic.at("long") < 0.043);
-  CHECK(elliptic.at("lat") < 0.047);   // published 0.040: strips that end on the ellipse, 44 instead of 40 cells
-  CHECK(elliptic.at("spin") < 0.062);  // published 0.054
+  CHECK(elliptic.at("lat") < 0.047);  // 0.040 and 0.054 are published: the case below says what makes the difference
+  CHECK(elliptic.at("spin") < 0.062);
   CHECK(elliptic.at("lat+spin") < 0.052);
   for (const std::uint32_t n : {20u, 44u, 100u}) {
     const auto fastrip_worst = worst([n](const RollingCase& c) {
@@ -125,6 +127,44 @@ TEST_CASE("every law keeps within its distance of the half-space solution", "[la
   const auto vj = worst([](const RollingCase& c) { return vermeulen_johnson(c); });
   CHECK(vj.at("long") < 0.068);
   CHECK(vj.at("lat") < 0.055);
+}
+
+TEST_CASE("on the cells of the published column FASTSIM has its values", "[laws][wheel_rail]") {
+  // 44 x 44 whole cells over 1.1 times the ellipse instead of strips that end on it: 31 in the mean along a strip, and
+  // FASTSIM is of first order in them; slip by spin a sixth of a cell ahead of its middle. So the reference's numbers
+  // come out to 1e-3, and its distances to the half-space with them; converged, the law itself is 0.057 and 0.059 off
+  // for lateral creepage and spin on the elliptic bound.
+  constexpr std::size_t n = 44;
+  std::map<std::string, double> off;
+  for (const CreepPoint& p : creep_points()) {
+    RollingCase c = p.rolling;
+    const double dx = 2.2 * c.ellipse.a / n, dy = 2.2 * c.ellipse.b / n, bound = c.bound(),
+                 p0 = 1.5 * c.normal_force / (std::numbers::pi * c.ellipse.a * c.ellipse.b);
+    const PatchGrid g{n, n, dx, dy};
+    std::vector<double> pressure(g.size());
+    for (std::size_t k = 0; k < pressure.size(); ++k) {
+      const double x = g.x(k % n) / c.ellipse.a, y = g.y(k / n) / c.ellipse.b;
+      pressure[k] = p0 * std::sqrt(std::max(0.0, 1.0 - x * x - y * y));
+    }
+    const Flexibility L = kalker_flexibility(c, coefficients(c), FlexibilityRule::blended);
+    c.creepage.lateral += c.creepage.spin * dx / 6.0 * L.lateral / L.spin;
+    const auto force = [&](Bound b) {
+      return fastsim(strips_of_field(g, pressure, b), L, c.friction, c.creepage, false).force;
+    };
+    const PatchForce elliptic = force(Bound::elliptic), parabolic = force(Bound::parabolic);
+    INFO(p.kind << " a/b " << c.ellipse.a / c.ellipse.b << " half-space " << p.half_space_x << " " << p.half_space_y);
+    if (p.kind != "lat+spin") {  // there it blends flexibilities by another rule
+      CHECK(std::hypot(elliptic.fx / bound - p.elliptic_x, elliptic.fy / bound - p.elliptic_y) < 1e-3);
+      CHECK(std::hypot(parabolic.fx / bound - p.parabolic_x, parabolic.fy / bound - p.parabolic_y) < 1e-3);
+    }
+    double& worst_here = off[p.kind];
+    worst_here =
+        std::max(worst_here, std::hypot(elliptic.fx / bound - p.half_space_x, elliptic.fy / bound - p.half_space_y));
+  }
+  CHECK(off.at("long") < 0.043);
+  CHECK(off.at("lat") < 0.040);
+  CHECK(off.at("spin") < 0.054);
+  CHECK(off.at("lat+spin") < 0.052);
 }
 
 TEST_CASE("one flexibility that keeps the linear force beats the three for creepage with spin", "[laws][wheel_rail]") {

@@ -114,18 +114,20 @@ class SiloProfile {
   std::vector<double> above_, stress_, count_;
 };
 
-/// Mass per second through the hole between two times [kg/s].
-double discharge(const std::string& hole, double from, double to, const std::vector<std::string>& more) {
-  std::vector<std::string> overrides{"shape.floor.mesh.file=\"" + library("granular/orifice_" + hole + ".obj") + "\""};
-  overrides.insert(overrides.end(), more.begin(), more.end());
-  SceneRun run = prepare_scene(library("granular/orifice.toml"), overrides);
+/// Mean rate between two times [kg/s], and by how much of it the second half is faster.
+std::pair<double, double> discharge(const std::string& hole, double from, double to) {
+  SceneRun run = prepare_scene(library("granular/orifice.toml"),
+                               {"shape.floor.mesh.file=\"" + library("granular/orifice_" + hole + ".obj") + "\""});
   run.simulation().start();
-  const double dt = run.simulation().time_step;
-  run.advance_to(static_cast<std::uint64_t>(from / dt));
-  const double before = run.last("flow", "mass");
-  run.advance_to(static_cast<std::uint64_t>(to / dt));
-  REQUIRE(run.failure.empty());
-  return (run.last("flow", "mass") - before) / (to - from);
+  const double dt = run.simulation().time_step, middle = 0.5 * (from + to);
+  std::vector<double> mass;
+  for (const double t : {from, middle, to}) {
+    run.advance_to(static_cast<std::uint64_t>(t / dt));
+    REQUIRE(run.failure.empty());
+    mass.push_back(run.last("flow", "mass"));
+  }
+  const double rate = (mass[2] - mass[0]) / (to - from);
+  return {rate, (mass[2] - 2.0 * mass[1] + mass[0]) / (middle - from) / rate};
 }
 
 /// Of a steady flow: means over the last part of a run, in layers of one diameter.
@@ -279,16 +281,19 @@ TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (ca
 TEST_CASE("discharge through a hole goes like (D - 1.4 d)^2.5 (case A38)", "[physics][granular][A38][.open]") {
   std::vector<double> size, root;
   double six = 0, ten = 0;
-  for (int hole : {6, 8, 10}) {
-    const double rate = discharge(std::to_string(hole), 0.3, 0.8, {});
+  for (int hole : {6, 8, 10, 12}) {
+    const auto [rate, change] = discharge(std::to_string(hole), 0.35, 0.85);
+    INFO("hole of " << hole << " d: " << rate << " kg/s, second half " << change << " more than the first");
     size.push_back(0.003 * hole), root.push_back(std::pow(rate, 0.4));
     if (hole == 6) six = rate;
     if (hole == 10) ten = rate;
+    if (hole >= 10) CHECK(std::abs(change) < 0.02);  // whatever the depth
   }
   CHECK(ten / six == Approx(4.779).epsilon(0.05));
   // W^(2/5) = (C rho_b sqrt(g))^(2/5) (D - k d)
   const Line line = fit(size, root);
   const double k = -line.offset / line.slope / 0.003, C = std::pow(line.slope, 2.5) / (1500 * std::sqrt(9.81));
+  INFO("k " << k << ", C " << C << ", r2 " << line.r2);
   CHECK(line.r2 > 0.995);
   CHECK(k > 1.2);
   CHECK(k < 1.6);
@@ -297,7 +302,7 @@ TEST_CASE("discharge through a hole goes like (D - 1.4 d)^2.5 (case A38)", "[phy
 }
 
 TEST_CASE("a collapsing column runs out as far as its aspect ratio says and rests (case A39)",
-          "[physics][granular][A39][.open]") {
+          "[physics][granular][A39][slow]") {
   std::vector<double> log_a, log_reach;
   for (double a : {2.0, 4.0, 8.0, 16.0}) {
     SceneRun run = run_scene("granular/column_collapse.toml", {"params.a=" + std::to_string(a)});

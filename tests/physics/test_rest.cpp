@@ -1,4 +1,7 @@
 // What is set down comes to rest and stays: no trembling, no contacts that come and go, no gap under a resting body.
+#include <unistd.h>
+
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -12,10 +15,21 @@ namespace {
 
 constexpr double edge = 0.1;  // of all bodies here, about [m]
 
+/// A file that tests write at the same time: each under a name of its own, renamed when it is whole.
+struct OwnFile {
+  std::string path, draft;
+  explicit OwnFile(const std::string& name)
+      : path(EPAFI_BINARY_DIR "/" + name), draft(path + "." + std::to_string(getpid())) {}
+  std::string publish() const {
+    std::filesystem::rename(draft, path);
+    return path;
+  }
+};
+
 /// A cube as an STL file, the sides of 0.1 m cut into two triangles each.
 std::string cube_file() {
-  const std::string path = EPAFI_BINARY_DIR "/rest_cube.stl";
-  std::ofstream out(path);
+  const OwnFile file("rest_cube.stl");
+  std::ofstream out(file.draft);
   const auto corner = [](int k) { return Vec3(k & 1 ? 0.05 : -0.05, k & 2 ? 0.05 : -0.05, k & 4 ? 0.05 : -0.05); };
   out << "solid cube\n";
   for (const auto& q : {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
@@ -25,13 +39,14 @@ std::string cube_file() {
       out << "endloop\nendfacet\n";
     }
   out << "endsolid cube\n";
-  return path;
+  out.close();
+  return file.publish();
 }
 
 /// A floor of 8 x 8 squares, each two triangles.
 std::string floor_file() {
-  const std::string path = EPAFI_BINARY_DIR "/rest_floor.obj";
-  std::ofstream out(path);
+  const OwnFile file("rest_floor.obj");
+  std::ofstream out(file.draft);
   for (int i = 0; i <= 8; ++i)
     for (int j = 0; j <= 8; ++j) out << "v " << 0.06 * (i - 4) << " " << 0.06 * (j - 4) << " 0\n";
   for (int i = 0; i < 8; ++i)
@@ -39,7 +54,8 @@ std::string floor_file() {
       const int a = 9 * i + j, b = a + 9;
       out << "f " << a << " " << b << " " << b + 1 << "\nf " << a << " " << b + 1 << " " << a + 1 << "\n";
     }
-  return path;
+  out.close();
+  return file.publish();
 }
 
 const std::vector<std::pair<std::string, std::string>>& shapes() {

@@ -1,6 +1,8 @@
 // `epafi patch`: cases read, problems named with their place, results and validity.
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -85,6 +87,35 @@ TEST_CASE("laws outside their range say why, and are silent inside", "[scenes][w
                           "load = 82e3\ncreepage = { longitudinal = 0.001 }\ngrid = { dx = 3e-3, dy = 3e-3 "
                           "}\ntangential = \"half-space\"\n");
   CHECK_FALSE(coarse[0].reasons.empty());
+}
+
+TEST_CASE("a shift is Cattaneo's, a start from rest rolls from there to the steady state", "[scenes][wheel_rail]") {
+  // a sphere of 50 mm on a plane, rubber without lateral contraction (E* = G), where Cattaneo is exact: Q = mu N / 2 at
+  // the shift 3 mu N (2 - nu) / (8 G a) (1 - (1/2)^(2/3))
+  const double N = 9.1954, G = 200e6, a = std::cbrt(0.75 * N * 0.05 / G),
+               shift = 3.0 * 0.4 * N * 2.0 / (8.0 * G * a) * (1.0 - std::cbrt(0.25));
+  const PatchReading sphere = read_patch_text(
+      fmt::format("[material.rubber]\nshear_modulus = {}\npoissons_ratio = 0.0\n[contact]\nfriction = 0.4\n[patch]\n"
+                  "radii = {{ x1 = 0.05, x2 = inf, y1 = 0.05, y2 = inf }}\nload = {}\ncreepage = {{ longitudinal = "
+                  "-0.001 }}\ndistance = {}\ntangential = \"half-space-shift\"\n",
+                  G, N, 1e3 * shift),
+      "case.toml", {});
+  REQUIRE(sphere.patch);
+  const PatchResult q = evaluate_patch(*sphere.patch).front();
+  CHECK(q.force.fx == Approx(0.5 * 0.4 * N).epsilon(2e-3));
+  CHECK(std::sqrt(q.stick_share) == Approx(std::cbrt(0.5)).margin(0.02));
+  CHECK(q.reasons.empty());
+
+  const auto of = [](const char* distance) {
+    return run(std::string("semi_axes = { a = 8e-3, b = 4e-3 }\nload = 82e3\ncreepage = { longitudinal = -0.001 }\n"
+                           "grid = { dx = 5e-4, dy = 5e-4 }\ndistance = ") +
+               distance + "\ntangential = [\"half-space-start\", \"half-space-shift\", \"half-space\"]\n");
+  };
+  const auto early = of("1e-4"), late = of("40e-3");
+  CHECK(early[0].force.fx == Approx(early[1].force.fx).epsilon(0.04));  // what has rolled off is of second order
+  CHECK(early[0].force.fx < 0.02 * early[2].force.fx);
+  CHECK(late[0].force.fx == Approx(late[2].force.fx).epsilon(6e-3));  // fades as the inverse of the distance
+  CHECK(late[0].reasons.empty());
 }
 
 TEST_CASE("a line contact is Carter's problem", "[scenes][wheel_rail]") {

@@ -33,15 +33,18 @@ inline Profile wheel_of(const WheelsetCase& c) {
 inline Profile rail_of_all() { return Profile(canted_rail(*built_in_profile("uic60"), std::atan(1.0 / 40))); }
 
 inline std::string text_of(const WheelsetCase& c) {
-  // pressed into the rails by what the load does to a cone on the crown of 300 mm
+  // rolled as it stands on both rails, pressed into them by what the load does to a cone on the crown of 300 mm
+  const WheelsetPosition stands = stand_on_rails(wheel_of(c), rail_of_all(), {}, {c.start, 0.0, 0.0, 0.0}).position;
   const double height =
-      stand_on_rails(wheel_of(c), rail_of_all(), {}, {c.start, 0.0, 0.0, 0.0}).position.height +
+      stands.height +
       hertz_of_force(0.5 / r0, 0.5 / 0.3, 210e9 / (2.0 * (1.0 - 0.28 * 0.28)), c.scale * wheel_load).approach;
   const auto spring = [&](const char* name, double at) {
+    const double rest = -c.ky * c.start;  // at rest over the middle of the track
     return fmt::format(
-        "[[spring]]\nname = \"{}\"\nbody = \"wheelset\"\nspeed = {:.17g}\nattachment = [0, {}, 0]\n"
-        "stiffness = [{}, {}, {}]\ndamping = [0, 0, {}]\n",
-        name, c.speed, at, c.kx, c.ky, c.scale * 1e5, c.scale * 1e4);
+               "[[spring]]\nname = \"{}\"\nbody = \"wheelset\"\nspeed = {:.17g}\nattachment = [0, {}, 0]\n"
+               "stiffness = [{}, {}, {}]\ndamping = [0, 0, {}]\n",
+               name, c.speed, at, c.kx, c.ky, c.scale * 1e5, c.scale * 1e4) +
+           (rest != 0.0 ? fmt::format("preload = [0, {:.17g}, 0]\n", rest) : std::string());
   };
   return fmt::format(
              "[run]\nduration = {:.17g}\ntime_step = {:.17g}\n[world]\ngravity = [0, 0, 9.81]\n"
@@ -54,9 +57,9 @@ inline std::string text_of(const WheelsetCase& c) {
              "[shape.track]\nrail_profile = {{ name = \"uic60\", cant = \"= atan(1/40)\" }}\n"
              "[[body]]\nname = \"track\"\nshape = \"track\"\nmaterial = \"steel\"\nfixed = true\n"
              "[[body]]\nname = \"wheelset\"\nshape = \"wheelset\"\nmaterial = \"steel\"\n"
-             "position = [0, {:.17g}, {:.17g}]\neuler_deg = [0, 0, {:.17g}]\n",
+             "position = [0, {:.17g}, {:.17g}]\neuler_deg = [{:.17g}, 0, {:.17g}]\n",
              c.duration, c.dt, c.method, c.normal, c.tangential, c.wheel, 1500 * c.scale, 950 * c.scale, 120 * c.scale,
-             950 * c.scale, c.start, -r0 + height, c.yaw * 180.0 / pi) +
+             950 * c.scale, c.start, -r0 + height, stands.roll * 180.0 / pi, c.yaw * 180.0 / pi) +
          fmt::format(
              "velocity = [{0:.17g}, 0, 0]\nangular_velocity = [0, {1:.17g}, 0]\nforce = [0, 0, {2:.17g}]\n"
              "[[measure]]\nname = \"run\"\nkind = \"wheelset\"\nbody = \"wheelset\"\ninterval = 0\n",

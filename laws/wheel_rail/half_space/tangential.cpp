@@ -194,19 +194,57 @@ HalfSpaceTangential solve_steady_rolling(const TractionBound& b, const ElasticPa
   return solve(p, b.grid, start, b.grid.dx, tolerance);
 }
 
-HalfSpaceTangential solve_rolling_step(const TractionBound& b, const ElasticPair& pair, const Creepage& creepage,
-                                       const TangentialField& before, double tolerance) {
-  TractionKernel kernel(b.grid, pair, KernelKind::here);
-  SlipProblem p(kernel, b);
+namespace {
+
+/// One cell of rolling by kernels made once.
+HalfSpaceTangential roll_on(TractionKernel& here, TractionKernel& ahead, const TractionBound& b,
+                            const Creepage& creepage, const TangentialField& before, double tolerance) {
+  SlipProblem p(here, b);
   set_rigid_slip(p, b.grid, creepage);
-  if (before.size() == b.grid.size()) {
-    TractionKernel ahead(b.grid, pair, KernelKind::ahead);
+  const bool rolled = before.size() == b.grid.size();
+  if (rolled) {
     TangentialField old(b.grid.size());
     ahead.apply(before, old);
     for (std::size_t c = 0; c < p.cells.size(); ++c)
       p.free[2 * c] -= old.x[p.cells[c]], p.free[2 * c + 1] -= old.y[p.cells[c]];
   }
-  return solve(p, b.grid, before.size() == b.grid.size() ? &before : nullptr, b.grid.dx, tolerance);
+  return solve(p, b.grid, rolled ? &before : nullptr, b.grid.dx, tolerance);
+}
+
+/// Limit of two grids whose error is of first order; Coulomb holds for it too. Half its distance to the fine one, over
+/// the bound, is the error.
+double set_limit(const TractionBound& b, const PatchForce& fine, const PatchForce& coarse, PatchForce& limit) {
+  limit = {2.0 * fine.fx - coarse.fx, 2.0 * fine.fy - coarse.fy, 2.0 * fine.mz - coarse.mz};
+  double size = 0.0;
+  for (const double g : b.bound) size += g * b.grid.cell();
+  const double length = std::hypot(limit.fx, limit.fy);
+  if (length > size) limit.fx *= size / length, limit.fy *= size / length;
+  return size > 0.0 ? 0.5 * std::hypot(limit.fx - fine.fx, limit.fy - fine.fy) / size : 0.0;
+}
+
+}  // namespace
+
+HalfSpaceTangential solve_rolling_step(const TractionBound& b, const ElasticPair& pair, const Creepage& creepage,
+                                       const TangentialField& before, double tolerance) {
+  TractionKernel here(b.grid, pair, KernelKind::here), ahead(b.grid, pair, KernelKind::ahead);
+  return roll_on(here, ahead, b, creepage, before, tolerance);
+}
+
+HalfSpaceTangential solve_rolling_start(const TractionBound& b, const ElasticPair& pair, const Creepage& creepage,
+                                        double distance, double tolerance) {
+  TractionKernel here(b.grid, pair, KernelKind::here), ahead(b.grid, pair, KernelKind::ahead);
+  const double cells = std::max(0.0, distance / b.grid.dx), whole = std::floor(cells), part = cells - whole;
+  HalfSpaceTangential last, now;
+  for (double k = 0.0; k < (part > 0.0 ? whole + 1.0 : whole); k += 1.0) {
+    last = std::move(now);
+    now = roll_on(here, ahead, b, creepage, last.traction, tolerance);
+    if (!now.report.converged) return now;
+  }
+  if (now.traction.size() == 0) now.traction = now.slip = TangentialField(b.grid.size()), now.grid = b.grid;
+  const auto between = [&](double from, double to) { return part > 0.0 ? from + part * (to - from) : to; };
+  now.force = {between(last.force.fx, now.force.fx), between(last.force.fy, now.force.fy),
+               between(last.force.mz, now.force.mz)};
+  return now;
 }
 
 HalfSpaceTangential solve_shift(const BoundLevels& levels, const ElasticPair& pair, double x, double y, double turn,
@@ -239,15 +277,20 @@ ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticP
       out.fine = solve_steady_rolling(levels[k], pair, creepage, &start);
     }
   }
-  const PatchForce& f = out.fine.force;
-  out.force = f;
-  if (levels.size() == 1) return out;
-  out.force = {2.0 * f.fx - last.fx, 2.0 * f.fy - last.fy, 2.0 * f.mz - last.mz};
-  double size = 0.0;
-  for (const double g : levels.back().bound) size += g * levels.back().grid.cell();
-  const double length = std::hypot(out.force.fx, out.force.fy);
-  if (length > size) out.force.fx *= size / length, out.force.fy *= size / length;  // Coulomb holds for the limit too
-  out.error_estimate = size > 0.0 ? 0.5 * std::hypot(out.force.fx - f.fx, out.force.fy - f.fy) / size : 0.0;
+  out.force = out.fine.force;
+  if (levels.size() > 1) out.error_estimate = set_limit(levels.back(), out.fine.force, last, out.force);
+  return out;
+}
+
+ExtrapolatedRolling start_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage,
+                                       double distance) {
+  EPAFI_REQUIRE(!levels.empty(), "a grid");
+  ExtrapolatedRolling out;
+  out.fine = solve_rolling_start(levels.back(), pair, creepage, distance);
+  out.force = out.fine.force;
+  if (levels.size() < 2) return out;
+  const HalfSpaceTangential coarse = solve_rolling_start(levels[levels.size() - 2], pair, creepage, distance);
+  out.error_estimate = set_limit(levels.back(), out.fine.force, coarse.force, out.force);
   return out;
 }
 

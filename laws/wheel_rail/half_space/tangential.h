@@ -42,6 +42,10 @@ HalfSpaceTangential solve_steady_rolling(const TractionBound& bound, const Elast
 /// One cell of transient rolling after the traction field `before` (empty: none).
 HalfSpaceTangential solve_rolling_step(const TractionBound& bound, const ElasticPair& pair, const Creepage& creepage,
                                        const TangentialField& before, double tolerance = 1e-5);
+/// A start from rest without traction: `distance` [m], >= 0, of rolling cell by cell with this creepage; the force is
+/// interpolated within the last cell, the field is that at its end.
+HalfSpaceTangential solve_rolling_start(const TractionBound& bound, const ElasticPair& pair, const Creepage& creepage,
+                                        double distance, double tolerance = 1e-5);
 /// Tangential shift of the bodies by (x, y) [m] and a turn [rad] from rest (Cattaneo 1938), on the finest grid.
 HalfSpaceTangential solve_shift(const BoundLevels& levels, const ElasticPair& pair, double x, double y, double turn,
                                 double tolerance = 1e-6);
@@ -54,5 +58,8 @@ struct ExtrapolatedRolling {
   double error_estimate = 0.0;  ///< half the distance from the fine grid's force to the limit, over the bound [-]
 };
 ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage);
+/// The same after a start from rest, on the two finest grids.
+ExtrapolatedRolling start_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage,
+                                       double distance);
 
 }  // namespace epafi

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "laws/wheel_rail/normal/gap_at.h"
 #include "laws/wheel_rail/normal/models.h"
 #include "laws/wheel_rail/normal/strip_influence.h"
 
@@ -25,32 +26,34 @@ struct Penetration {
 };
 
 struct Strip {
-  double y, half_length;
+  double y, half_length, width;
 };
 
-/// Strips where the surfaces overlap (a parabola is cut as finely as a profile) and their width.
-std::vector<Strip> overlap(const ContactRegion& r, double depth, double& step) {
-  const bool sampled = r.profile.size() > 0;
-  const double half = sampled ? 0.0 : std::sqrt(2.0 * depth / r.curvature_y);
-  const std::size_t n = sampled ? r.profile.size() : 200;
-  step = sampled ? r.profile.step : 2.0 * half / static_cast<double>(n);
+/// Strips where the surfaces overlap: at least 24 over each region, for a flange patch is five samples wide.
+std::vector<Strip> overlap(const ContactRegion& r, double depth) {
+  const double half = std::sqrt(2.0 * depth / std::max(r.curvature_y, 1e-9));
+  const std::vector<OverlapRange> ranges =
+      r.profile.size() > 0 ? overlaps_of(r.profile, depth) : std::vector<OverlapRange>{{-half, half}};
   std::vector<Strip> out;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double y = sampled ? r.profile.y(k) : -half + (static_cast<double>(k) + 0.5) * step;
-    const double deep = depth - (sampled ? r.profile.gap[k] : 0.5 * r.curvature_y * y * y);
-    if (deep > 0.0) out.push_back({y, std::sqrt(2.0 * deep / (sampled ? r.profile.curvature_x[k] : r.curvature_x))});
+  for (const OverlapRange& o : ranges) {
+    const double wide = o.high - o.low, sample = r.profile.size() > 0 ? r.profile.step : 0.01 * half;
+    const int n = static_cast<int>(std::clamp(wide / sample, 24.0, 400.0));
+    for (int k = 0; k < n; ++k) {
+      const double y = o.low + (k + 0.5) * wide / n;
+      const GapAt g = gap_at(r, y);
+      if (depth > g.gap) out.push_back({y, std::sqrt(2.0 * (depth - g.gap) / g.curvature), wide / n});
+    }
   }
   return out;
 }
 
 Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
   Penetration out;
-  double step = 0.0, area = 0.0;
-  const std::vector<Strip> strips = overlap(r, share * approach, step);
-  double middle = 0.0;
+  double area = 0.0, middle = 0.0;
+  const std::vector<Strip> strips = overlap(r, share * approach);
   for (const Strip& s : strips)
-    out.longest = std::max(out.longest, s.half_length), area += 2.0 * s.half_length * step,
-    middle += 2.0 * s.half_length * step * s.y;
+    out.longest = std::max(out.longest, s.half_length), area += 2.0 * s.half_length * s.width,
+    middle += 2.0 * s.half_length * s.width * s.y;
   if (!(area > 0.0)) return out;
   middle /= area;
   // the ellipse of this area and length, and Hertz' own for the curvatures that would overlap so
@@ -58,10 +61,9 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
   const Ellipse hertz = hertz_of_approach(A, B, modulus, approach).ellipse;
   const double along = hertz.a / std::sqrt(share * approach / A), across = hertz.b / wide;
   out.longest *= along, out.area = area * along * across;
-  step *= across;
   double n1 = 0.0, u1 = 0.0;
   for (const Strip& s : strips) {
-    const double a = along * s.half_length, y = across * s.y;
+    const double a = along * s.half_length, y = across * s.y, step = across * s.width;
     const double inside = 1.0 - std::pow((s.y - middle) / wide, 2);
     out.misfit += 2.0 * std::abs(a - out.longest * std::sqrt(std::max(0.0, inside))) * step / out.area;
     n1 += 0.5 * pi * a * a * step;  // force and displacement per (peak pressure / longest)
@@ -72,20 +74,30 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
   return out;
 }
 
+/// Approach at which the force is met, by secants in its 2/3 power, which is nearly proportional to the approach.
+double approach_of(const ContactRegion& r, double force, double modulus) {
+  double low = 0.0, high = 1e-6;
+  while (penetrate(r, high, modulus).force < force && high < 1e-2) low = high, high *= 2.0;
+  const auto root = [](double f) { return std::cbrt(f * f); };
+  const double wished = root(force);
+  double at_low = root(low > 0.0 ? penetrate(r, low, modulus).force : 0.0),
+         at_high = root(penetrate(r, high, modulus).force);
+  double x = high;
+  for (int k = 0; k < 40 && high - low > 1e-13; ++k) {
+    x = low + (high - low) * std::clamp((wished - at_low) / (at_high - at_low), 0.02, 0.98);
+    const double here = penetrate(r, x, modulus).force;
+    if (std::abs(here - force) < 1e-9 * force) return x;
+    (here < force ? low : high) = x, (here < force ? at_low : at_high) = root(here);
+  }
+  return x;
+}
+
 }  // namespace
 
 std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in) {
   const ContactRegion& r = in.regions.front();
   const double E = in.elastic.effective_modulus();
-  double approach = in.target.value;
-  if (in.target.by_force) {
-    double low = 0.0, high = 1e-6;
-    while (penetrate(r, high, E).force < in.target.value && high < 1e-2) high *= 2.0;
-    for (int k = 0; k < 60 && high - low > 1e-13; ++k) {
-      approach = 0.5 * (low + high);
-      (penetrate(r, approach, E).force < in.target.value ? low : high) = approach;
-    }
-  }
+  const double approach = in.target.by_force ? approach_of(r, in.target.value, E) : in.target.value;
   const Penetration at = penetrate(r, approach, E);
   RegionPatch out;
   NormalPatch& p = out.patch;

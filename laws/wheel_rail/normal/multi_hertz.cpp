@@ -34,7 +34,8 @@ std::vector<RegionPatch> solve_multi_hertz(const NormalInput& in) {
     RegionPatch p{k, patch_of_hertz(contact(k, approach))};
     p.patch.approach = approach;
     check_hertz_range(in.regions[k], p.patch, p.patch.reasons);
-    p.patch.error_estimate = std::min(1.0, distortion(in.regions[k], p.patch.ellipse.b));
+    const Ellipse& e = p.patch.ellipse;
+    p.patch.error_estimate = std::min(1.0, distortion(in.regions[k], e.b) + 0.06 * askew(in.regions[k], e.b, e.a));
     for (const RegionPatch& other : out) {
       const double apart = std::abs(in.regions[k].point.y() - in.regions[other.region].point.y());
       if (apart < p.patch.ellipse.b + other.patch.ellipse.b)

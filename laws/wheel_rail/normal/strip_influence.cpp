@@ -57,7 +57,7 @@ StripInfluence strip_influence(double t) {
   static const Table table;
   const double s = std::abs(t), sign = t < 0.0 ? -1.0 : 1.0;
   if (s >= far) return {sign * (table.beyond + Table::series(s)), sign * Table::far_bend(s)};
-  const double x = s / table.step;
+  const double x = s * (cells / far);
   const auto k = static_cast<std::size_t>(x);
   const double f = x - static_cast<double>(k);
   const auto chord = [&](const std::vector<StripInfluence>& v) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "laws/wheel_rail/normal/gap_at.h"
 #include "laws/wheel_rail/normal/models.h"
 #include "laws/wheel_rail/normal/strip_influence.h"
 
@@ -80,26 +81,26 @@ std::vector<Line> lines_of(const ContactRegion& r, double modulus, bool mean_cur
     }
     return out;
   }
-  step = g.step;
-  const double B0 = 0.5 * std::max(flattest, r.curvature_y);
+  // at least 16 lines over half the patch: on the flange that is three samples wide
+  const auto finer = static_cast<std::size_t>(std::clamp(std::ceil(16.0 * g.step / guess.ellipse.b), 1.0, 16.0));
+  step = g.step / static_cast<double>(finer);
+  const double B0 = 0.5 * std::max(flattest, r.curvature_y), near = 2.0 * g.step, w = std::max(g.step, width);
   const UnitHertz origin = unit_hertz(0.5 * r.curvature_x, B0, modulus);
-  const auto reach = static_cast<std::size_t>(std::max(1.0, width / g.step));
-  for (std::size_t k = 0; k < g.size(); ++k) {
-    const double y = g.y(k), near = 2.0 * g.step;
-    if (g.gap[k] > most) {
-      out.push_back({y, g.gap[k], {1.0, 0.0, 0.0}});
+  for (std::size_t k = 0; k < finer * (g.size() - 1); ++k) {
+    const double y = g.start + static_cast<double>(k) * step;
+    const GapAt at = gap_at(r, y);
+    if (at.gap > most) {  // one such line parts two regions
+      if (out.empty() || out.back().gap <= most) out.push_back({y, at.gap, {1.0, 0.0, 0.0}});
       continue;
     }
     double B = B0;
-    if (mean_curvature && std::abs(y) > near) {
-      B = std::max(0.5 * flattest, g.gap[k] / (y * y));
-    } else if (!mean_curvature && k >= reach && k + reach < g.size()) {
-      const double w = static_cast<double>(reach) * g.step;
-      B = std::max(0.5 * flattest, 0.5 * (g.gap[k - reach] - 2.0 * g.gap[k] + g.gap[k + reach]) / (w * w));
-    }
-    UnitHertz h = unit_hertz(0.5 * g.curvature_x[k], B, modulus);
+    if (mean_curvature && std::abs(y) > near)
+      B = std::max(0.5 * flattest, at.gap / (y * y));
+    else if (!mean_curvature && y - w >= g.start && y + w <= g.y(g.size() - 1))
+      B = std::max(0.5 * flattest, 0.5 * (gap_at(r, y - w).gap - 2.0 * at.gap + gap_at(r, y + w).gap) / (w * w));
+    UnitHertz h = unit_hertz(0.5 * at.curvature, B, modulus);
     if (!mean_curvature) h.share = origin.share;
-    out.push_back({y, std::max(0.0, g.gap[k]), h});
+    out.push_back({y, std::max(0.0, at.gap), h});
   }
   return out;
 }
@@ -150,7 +151,9 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
   else
     check_hertz_range(r, p, p.reasons);
   if (!mean_curvature || overlaps(lines, approach) > 1) check_second_region(in, p);
-  p.error_estimate = std::max(off > most_left_open ? 4.2 * off : off + 0.002, p.reasons.empty() ? 0.0 : 0.15);
+  p.error_estimate =
+      std::max((off > most_left_open ? 4.2 * off : off + 0.002) + 0.12 * askew(r, p.ellipse.b, p.ellipse.a),
+               p.reasons.empty() ? 0.0 : 0.15);
   if (off > most_left_open)
     p.reasons.push_back("the pressures of the strips do not close the gap: " +
                         std::to_string(static_cast<int>(100.0 * off)) + " % of the approach is left");
