@@ -16,7 +16,7 @@ constexpr double most_margin =
 constexpr double giant_ratio =
     16.0;  // of the median radius: above, one box test per body is cheaper than one more grid level
 constexpr std::size_t most_giants = 16;
-constexpr double headroom = 1.25;                       // bodies speed up between rebuilds
+constexpr double headroom = 1.25;                        // bodies speed up between rebuilds
 constexpr double least_steps = 4.0, most_steps = 512.0;  // of one list
 
 /// Distance by which a point of the body moves per second, at most [m/s].

@@ -63,8 +63,7 @@ void BatchNarrowPhase::collide_block(const World& world, Block& block) {
     const std::size_t count = run.end - run.begin;
     BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles, area_, motion_, least_reach_};
     if (run.cell->remembers) input.caches = std::span(block.caches).subspan(run.begin, count);
-    if (run.cell->candidates)
-      input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin, count + 1);
+    if (run.cell->candidates) input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin, count + 1);
     run.cell->batch(input, std::span(block.pairs).subspan(run.begin, count), sink);
   }
   block.degenerate = sink.degenerate();

@@ -22,8 +22,13 @@ const std::vector<std::string> bed_on_a_box{"params.n=2200", "body.floor.shape={
 
 /// Layers that shear in a cell that repeats along x and y, on a plane and on held spheres (which are left to the
 /// generic loop).
-const std::vector<std::string> flow{"params.lx=12", "params.ly=12", "params.layers=10", "run.time_step=1e-3",
-                                    "params.theta_deg=10", "params.surface=3", "contact.smooth.stiffness=2e4"};
+const std::vector<std::string> flow{"params.lx=12",
+                                    "params.ly=12",
+                                    "params.layers=10",
+                                    "run.time_step=1e-3",
+                                    "params.theta_deg=10",
+                                    "params.surface=3",
+                                    "contact.smooth.stiffness=2e4"};
 
 /// A cell under pressure in the middle of being compressed, with friction and without.
 const std::vector<std::string> rough_cell{"params.n=1100", "params.mu=0.3", "params.softness=1e-2",

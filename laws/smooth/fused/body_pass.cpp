@@ -9,8 +9,7 @@ void pack_bodies(const World& world, double lag, SphereState* states, std::size_
     const auto s = static_cast<Slot>(i);
     const double *x = world.position[s].data(), *v = world.velocity[s].data(),
                  *w = rotates ? world.angular_velocity[s].data() : still;
-    double* to =
-        reinterpret_cast<double*>(&states[i]);  // number by number: a row of lanes would go through the stack
+    double* to = reinterpret_cast<double*>(&states[i]);  // number by number: a row of lanes would go through the stack
     for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
     if (lag == 0.0) continue;
     const Vec3 change = lag * world.acceleration(s);

@@ -89,8 +89,8 @@ class FusedModel final : public FusedSpheres {
     if (others)
       generic_->act(world, contacts, clock, report);
     else
-      report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0,
-      report.losses = {}, report.has_solver = false;
+      report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.losses = {},
+      report.has_solver = false;
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
     run_blocks(world, clock, others);
     count(clock.dt, report);
@@ -104,7 +104,8 @@ class FusedModel final : public FusedSpheres {
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
     contacts.force.resize(contacts.size());
-    blocks_.each_touching([&](const auto& block, const auto& run, std::uint32_t k) { append(world, contacts, block, run, k); });
+    blocks_.each_touching(
+        [&](const auto& block, const auto& run, std::uint32_t k) { append(world, contacts, block, run, k); });
     contacts.sort();
     published_ = true;
   }
@@ -122,8 +123,16 @@ class FusedModel final : public FusedSpheres {
   double lag(const StepClock& clock) const { return damped_ ? clock.velocity_lag * clock.dt : 0.0; }
 
   BodyPass pass(World& world, const StepClock& clock, bool add, std::size_t begin, std::size_t end, Extent& extent) {
-    return {world,    blocks_.states().data(), blocks_.sums().data(), blocks_.plain(), *clock.scheme,
-            clock.dt, lag(clock),              add,                   begin,           end,
+    return {world,
+            blocks_.states().data(),
+            blocks_.sums().data(),
+            blocks_.plain(),
+            *clock.scheme,
+            clock.dt,
+            lag(clock),
+            add,
+            begin,
+            end,
             extent};
   }
 
@@ -131,8 +140,14 @@ class FusedModel final : public FusedSpheres {
   void run_blocks(World& world, const StepClock& clock, bool add) {
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
-    SphereArrays arrays{blocks_.planes().data(), blocks_.states().data(), blocks_.sums().data(),
-                        blocks_.records().data(), clock.dt, damped_, Lanes{}, Lanes{}};
+    SphereArrays arrays{blocks_.planes().data(),
+                        blocks_.states().data(),
+                        blocks_.sums().data(),
+                        blocks_.records().data(),
+                        clock.dt,
+                        damped_,
+                        Lanes{},
+                        Lanes{}};
     if (world.cell) {
       const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
@@ -200,7 +215,9 @@ class FusedModel final : public FusedSpheres {
       at.effective_mass = 1.0 / a.velocity[3], at.effective_radius = radius_a;
     } else {
       Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
-      if (world.cell) d += world.cell->size.cwiseProduct(xyz(block.images[k].cells)), later += world.cell->strain_rate.cwiseProduct(d);
+      if (world.cell)
+        d += world.cell->size.cwiseProduct(xyz(block.images[k].cells)),
+            later += world.cell->strain_rate.cwiseProduct(d);
       const double distance = d.norm();
       at.overlap = std::max(0.0, radius_a + radius_b - distance);
       at.approach_velocity = distance > 0.0 ? -later.dot(d) / distance : -later.z();
@@ -252,12 +269,12 @@ class FusedModel final : public FusedSpheres {
   Law law_;
   std::vector<Law> wall_laws_;
   bool damped_ = false, others_ = true;
-  bool packed_ = false;  ///< the blocks hold the bodies as they are
+  bool packed_ = false;          ///< the blocks hold the bodies as they are
   std::vector<Extent> extents_;  ///< of this step, by block
   Extent extent_;
   bool has_extent_ = false;
-  double viscous_power_ = 0.0;  ///< of the dampers at the last call [W]
-  double driven_power_ = 0.0;  ///< of the cell's strain on the fused contacts at the last call [W]
+  double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
+  double driven_power_ = 0.0;       ///< of the cell's strain on the fused contacts at the last call [W]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   SphereBlocks blocks_;
 };

@@ -20,8 +20,8 @@ class FusedSpheres : public ContactModel {
   virtual bool waits_for_pairs() const = 0;
 };
 
-/// Whether the parts of this set-up have a fused loop: a normal law for lanes, a friction spring or none, no rolling part,
-/// edges of contacts not located, one law for all pairs of free spheres.
+/// Whether the parts of this set-up have a fused loop: a normal law for lanes, a friction spring or none, no rolling
+/// part, edges of contacts not located, one law for all pairs of free spheres.
 bool has_fused_spheres(const SmoothSetup& setup);
 
 /// spheres: the material of the free spheres. Null where has_fused_spheres is false.

@@ -149,8 +149,10 @@ std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
     if (block.springs.empty()) return;
     const Lanes& load = block.springs[k].load;
     const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
-    kept.push_back(
-        {block.pairs[k].a.slot(), b, block.images.empty() ? 0u : block.images[k].key, {load[0], load[1], load[2], load[3]}});
+    kept.push_back({block.pairs[k].a.slot(),
+                    b,
+                    block.images.empty() ? 0u : block.images[k].key,
+                    {load[0], load[1], load[2], load[3]}});
   });
   return kept;
 }
@@ -165,8 +167,8 @@ void SphereBlocks::restore(std::vector<Kept>& kept, std::size_t slots) {
         const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
         const std::uint32_t key = block.images.empty() ? 0u : block.images[k].key;
         const auto end = kept.begin() + first_[a + 1];
-        const auto at = std::find_if(kept.begin() + first_[a], end,
-                                     [b, key](const Kept& s) { return s.b == b && s.key == key; });
+        const auto at =
+            std::find_if(kept.begin() + first_[a], end, [b, key](const Kept& s) { return s.b == b && s.key == key; });
         if (at == end) continue;
         block.springs[k].load = Lanes{at->load[0], at->load[1], at->load[2], at->load[3]};
         block.touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));

@@ -38,7 +38,8 @@ struct SpherePair {
   std::uint32_t image = 0;  ///< as Pair::image; 0 with planes, which repeat in themselves
 };
 
-/// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies less.
+/// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies
+/// less.
 struct SpherePlace {
   static constexpr std::uint32_t unit = sizeof(SphereSum);
   std::uint32_t offset = 0;
@@ -60,7 +61,7 @@ struct alignas(32) SphereSpring {
 
 /// Beside a pair in a periodic cell: which image its B is.
 struct alignas(32) SphereImage {
-  Lanes cells;             ///< from B to the image, -1, 0 or 1, by axis; 0
+  Lanes cells;            ///< from B to the image, -1, 0 or 1, by axis; 0
   std::uint32_t key = 0;  ///< image code of the contact's key
 };
 
@@ -73,7 +74,8 @@ class SphereBlocks {
   static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
   static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit;
 
-  /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of eight, sorted by (a, b, key).
+  /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of eight, sorted by (a, b,
+  /// key).
   struct Run {
     std::uint32_t begin = 0, end = 0;
     std::int32_t plane = -1;
@@ -81,17 +83,17 @@ class SphereBlocks {
   };
 
   struct Block {
-    std::vector<Run> runs;             ///< planes in order, then inside the block, then across blocks
+    std::vector<Run> runs;              ///< planes in order, then inside the block, then across blocks
     std::vector<SpherePlaces> pairs;    ///< every run filled up to whole eights with copies of its last one
     std::vector<SphereSpring> springs;  ///< by pair, where there is friction
-    std::vector<SphereImage> images;   ///< by pair, in a periodic cell
+    std::vector<SphereImage> images;    ///< by pair, in a periodic cell
     std::vector<std::uint8_t> touched;  ///< by eight pairs: those that touched at the last call, one bit each
     std::uint32_t record = 0;           ///< of the first pair across blocks in `records`
     std::vector<std::pair<std::uint32_t, Slot>>
-        incoming;          ///< records for bodies of this block, in the order of their owners
-    double elastic = 0.0;  ///< stored in the contacts [J]
-    double slipped = 0.0;  ///< lost by slip in the step [J]
-    double viscous = 0.0;  ///< power lost in the dampers [W]
+        incoming;                ///< records for bodies of this block, in the order of their owners
+    double elastic = 0.0;        ///< stored in the contacts [J]
+    double slipped = 0.0;        ///< lost by slip in the step [J]
+    double viscous = 0.0;        ///< power lost in the dampers [W]
     Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
   };

@@ -55,9 +55,9 @@ struct SphereTile {
   alignas(64) double radii[room];                 ///< sum of both [m]
   alignas(64) SpherePlaces bodies[room];
   alignas(64) std::uint32_t pair[room];
-  V lever[size];      ///< distance over sum of radii
-  V3 normal[size];    ///< from A to B; of walls: into the wall
-  V distance[size];   ///< of centres [m]
+  V lever[size];     ///< distance over sum of radii
+  V3 normal[size];   ///< from A to B; of walls: into the wall
+  V distance[size];  ///< of centres [m]
   V overlap[size], approach[size], mass[size], radius[size];
   V3 displacement[size];                             ///< slip of the step [m]
   V twist[size];                                     ///< about the normal in the step [rad]
@@ -191,9 +191,9 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
   } else {
     // the flow of a deforming cell comes on top
     const auto flow = [&](int l) EPAFI_INLINED {
-      const auto apart = row<n>(with.state(bodies[l].b).position) - row<n>(with.state(bodies[l].a).position) +
-                         row<n>(with.cell_size) *
-                             row<n>(block.images[t.pair[g * n + static_cast<std::size_t>(l)]].cells);
+      const auto apart =
+          row<n>(with.state(bodies[l].b).position) - row<n>(with.state(bodies[l].a).position) +
+          row<n>(with.cell_size) * row<n>(block.images[t.pair[g * n + static_cast<std::size_t>(l)]].cells);
       return row<n>(with.strain_rate) * apart;
     };
     read_columns(
@@ -210,8 +210,7 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
     if (with.damped)
       read_columns(
           [&](int l) EPAFI_INLINED {
-            const auto apart =
-                row<n>(with.state(bodies[l].b).predicted) - row<n>(with.state(bodies[l].a).predicted);
+            const auto apart = row<n>(with.state(bodies[l].b).predicted) - row<n>(with.state(bodies[l].a).predicted);
             if constexpr (periodic)
               return apart + flow(l);
             else
@@ -367,8 +366,10 @@ EPAFI_LANES void add_forces(const SphereTile<n>& t, std::size_t g, const SphereB
     for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
       SphereSum& record = with.records[block.record + pair[l] - run.begin];
       store<n>(record.force, -force[l]);
-      if constexpr (friction) store<n>(record.pull, pull[l]);
-      else record.pull = Lanes{};
+      if constexpr (friction)
+        store<n>(record.pull, pull[l]);
+      else
+        record.pull = Lanes{};
     }
   }
 }
@@ -376,8 +377,7 @@ EPAFI_LANES void add_forces(const SphereTile<n>& t, std::size_t g, const SphereB
 /// The first contacts of a tile through all loops; `count` of them, at most `most`.
 template <int n, class Normal, class Tangential, bool wall, bool across, bool periodic>
 EPAFI_LANES void evaluate(SphereTile<n>& t, SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                          const SphereLaw<Normal, Tangential>& law, const SphereArrays& with,
-                          SphereTotals<n>& total) {
+                          const SphereLaw<Normal, Tangential>& law, const SphereArrays& with, SphereTotals<n>& total) {
   constexpr bool friction = Tangential::is_present;
   const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
   t.groups = (t.count + n - 1) / n;

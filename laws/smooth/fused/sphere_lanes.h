@@ -114,7 +114,8 @@ template <int n>
 EPAFI_LANES unsigned less_bits(typename LanesOf<n>::Real a, typename LanesOf<n>::Real b) {
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
   // GCC looks at the target of a builtin where it is inlined; a mask of lanes would be taken apart one by one
-  if constexpr (n == 2) return static_cast<unsigned>(__builtin_ia32_movmskpd(reinterpret_cast<LanesOf<2>::Real>(a < b)));
+  if constexpr (n == 2)
+    return static_cast<unsigned>(__builtin_ia32_movmskpd(reinterpret_cast<LanesOf<2>::Real>(a < b)));
   if constexpr (n == 4) return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Lanes>(a < b)));
   if constexpr (n == 8) return static_cast<std::uint8_t>(__builtin_ia32_cmppd512_mask(a, b, 1, -1, 4));
 #else
@@ -192,8 +193,10 @@ struct LaneSum {
     }
   }
   EPAFI_LANES double total() const {
-    if constexpr (n == 2) return (part[0][0] + part[0][1]) + (part[1][0] + part[1][1]);
-    else return (part[0][0] + part[0][1]) + (part[0][2] + part[0][3]);
+    if constexpr (n == 2)
+      return (part[0][0] + part[0][1]) + (part[1][0] + part[1][1]);
+    else
+      return (part[0][0] + part[0][1]) + (part[0][2] + part[0][3]);
   }
 };
 
