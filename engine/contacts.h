@@ -24,6 +24,9 @@ struct PairList {
   double margin =
       0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
   std::uint64_t generation = 0;  ///< grows when the list changes: whoever derives data from it derives it again
+  std::vector<double> margins{};  ///< by slot, each body's own in the place of `margin` [m]; empty: one for all
+  /// By how much the bodies of a pair may come closer while the list lasts [m].
+  double margin_of(const Pair& p) const { return margins.empty() ? margin : 0.5 * (margins[p.a] + margins[p.b]); }
 };
 
 /// Persistent name of a contact within its pair: part or triangle, face, vertex; image code in the top byte.

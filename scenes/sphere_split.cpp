@@ -25,7 +25,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   rest_.pairs.clear();
   std::vector<SpherePair> between;
   between.reserve(pairs.pairs.size());
-  rest_.margin = pairs.margin, ++rest_.generation;
+  rest_.margin = pairs.margin, rest_.margins = pairs.margins, ++rest_.generation;
   for (const Pair& p : pairs.pairs) {
     if (radius[p.a] > 0 && radius[p.b] > 0)
       between.push_back({p.a, p.b, -1, p.image});

@@ -10,7 +10,7 @@ void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
   bodies_.update(world, setup_, step_time_);
   collect(bodies_, collector_);
   collector_.finish(pairs.pairs);
-  pairs.margin = bodies_.largest_margin();
+  pairs.margin = bodies_.largest_margin(), pairs.margins = bodies_.margin;
   ++pairs.generation;
   valid_ = true;
 }

@@ -114,7 +114,7 @@ void PeriodicPairs::find_pairs(const World& world, PairList& pairs) {
   inner_->find_pairs(shown_, found_);
   if (found_.generation == before) return;
   translate(world, pairs.pairs);
-  pairs.margin = found_.margin;
+  pairs.margin = found_.margin;  // an image has its own, which its body does not know
   ++pairs.generation;
 }
 

@@ -48,6 +48,19 @@ bool is_parallel(const Vec3& m, const Vec3& n) { return (m - n).squaredNorm() <=
 
 }  // namespace
 
+void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
+              std::vector<std::uint32_t>& triangles) {
+  const double far = distance * (1.0 + 1e-12);  // distances are rounded
+  const auto is_far = [&](std::uint32_t t) {
+    auto corner = mesh.corners(t);
+    if (std::abs(mesh.normals[t].dot(x - corner[0])) > far) return true;
+    for (Vec3& c : corner) c -= x;
+    return nearest_on_triangle(Vec3::Zero(), corner).distance > far;
+  };
+  triangles.erase(std::remove_if(triangles.begin() + static_cast<std::ptrdiff_t>(first), triangles.end(), is_far),
+                  triangles.end());
+}
+
 void reduce(std::vector<MeshPoint>& points, double size) {
   std::sort(points.begin(), points.end(), [](const MeshPoint& a, const MeshPoint& b) { return a.feature < b.feature; });
   std::size_t kept = 0;

@@ -35,6 +35,11 @@ inline Vec3 normal_towards(const TriangleMesh& mesh, std::uint32_t t, const Vec3
   return n.dot(x - mesh.vertices[mesh.triangles[t][0]]) < 0.0 ? Vec3(-n) : n;
 }
 
+/// Takes those out of the triangles behind the first `first` ones that lie farther than `distance` [m] from x: one that
+/// lies askew has a box much larger than itself.
+void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::size_t first,
+              std::vector<std::uint32_t>& triangles);
+
 /// Merges points that are one (position and normal within 1e-6 of `size` and of 1), keeping the lowest feature; of
 /// points with one normal keeps at most 4 that span the largest area, the deepest among them.
 void reduce(std::vector<MeshPoint>& points, double size);

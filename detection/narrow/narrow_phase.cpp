@@ -17,7 +17,7 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
     const PairCell* cell = &table[ShapeRef{world.shape[p.a]}.type()][ShapeRef{world.shape[p.b]}.type()];
     const std::size_t first = block.triangles.size();
     if (cell->candidates) {
-      cell->candidates(input, p, list.margin, block.triangles);
+      cell->candidates(input, p, list.margin_of(p), block.triangles);
       if (block.triangles.size() == first) continue;  // 17 000 of 20 000 spheres in a hopper are near no triangle
     }
     const std::size_t k = block.pairs.size();

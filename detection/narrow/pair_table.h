@@ -151,7 +151,10 @@ void find_candidates(const BatchInput& in, const Pair& p, bool mesh_first, doubl
   const Pose relative{pose_mesh.to_local(pose_body.position),
                       pose_mesh.orientation.conjugate() * pose_body.orientation};
   const Body& near = in.shapes.of<Body>()[ShapeRef{in.world.shape[body]}.index()];
-  in.shapes.of<Mesh>()[ShapeRef{in.world.shape[mesh]}.index()].find_near(near, relative, margin + in.reach, out);
+  const Mesh& triangles = in.shapes.of<Mesh>()[ShapeRef{in.world.shape[mesh]}.index()];
+  const std::size_t first = out.size();
+  triangles.find_near(near, relative, margin + in.reach, out);
+  drop_far(triangles, relative.position, near.bounding_radius() + margin + in.reach, first, out);
 }
 
 /// The pairs of a run, one after the other.
