@@ -1,6 +1,7 @@
 /// @file pipeline.h  The four stages of a step. One virtual call per stage and step, none per contact.
 /// Every stage may keep data from step to step: it renames slots in `reorder` and shows its state in `visit`.
 #pragma once
+#include <functional>
 #include <memory>
 
 #include "engine/contacts.h"
@@ -35,18 +36,27 @@ class Scheme : public StepStage {
   virtual bool needs_initial_forces() const { return false; }
 };
 
+struct Extent;
+
 /// What a stage that acts needs to know about the step.
 struct StepClock {
   double dt = 0.0;  ///< [s]
   double velocity_lag =
       0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
   Scheme* scheme = nullptr;  ///< whose second half is the contact model's to call; null: somebody else's
+  /// Where it is given, only the bodies of contacts get their forces, those of others are left as they are: these
+  /// bodies.
+  std::vector<Slot>* touched = nullptr;
+  /// The model may do the first half of the next step too, of the same dt, if this agrees to where the bodies are.
+  const std::function<bool(const Extent&)>* run_on = nullptr;
 };
 
 /// Finds the pairs of bodies that may touch.
 class BroadPhase : public StepStage {
  public:
   virtual void find_pairs(const World& world, PairList& pairs) = 0;
+  /// Looks at positions only: the list of the last call still holds.
+  virtual bool keeps_pairs(const World&) { return false; }
 };
 
 /// Turns pairs into contacts in canonical order.
@@ -54,8 +64,6 @@ class NarrowPhase : public StepStage {
  public:
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
 };
-
-struct Extent;
 
 /// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular
 /// velocity) and includes gravity and external forces of the step. Writes contacts.force.
@@ -65,6 +73,10 @@ class ContactModel : public StepStage {
   /// Runs the first half of clock.scheme, and in `act` its second, along with its own passes over the bodies: what it
   /// reads or has written is in cache then. False: it does neither.
   virtual bool move(World&, const StepClock&) { return false; }
+  /// The first half of the next step is done: of the world only the positions are up to date.
+  virtual bool is_ahead() const { return false; }
+  /// Between the halves of a step: velocities, where the model has moved the bodies without telling the world.
+  virtual void show(World&) const {}
   /// What the model has seen of the bodies on its way through the step; null: nothing.
   virtual const Extent* extent() const { return nullptr; }
   /// Completes the set for observers where the model has found contacts of its own.

@@ -45,12 +45,13 @@ void Simulation::start() {
   observe(false);
 }
 
-std::optional<Failure> Simulation::advance(bool last) {
+std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   const int parts = parts_of_step ? parts_of_step(world) : 1;
   const bool sort = steps_ > 0 && steps_ % sort_interval == 0;
   ++steps_;
   for (int part = 0; part < parts; ++part)
-    if (auto failure = make_step(time_step / parts, sort && part == 0)) return failure;
+    if (auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks()))
+      return failure;
   parts_made_ += static_cast<std::uint64_t>(parts);
   StageTimer timer(work.report.seconds);
   observe(last);
@@ -58,13 +59,28 @@ std::optional<Failure> Simulation::advance(bool last) {
   return std::nullopt;
 }
 
-std::optional<Failure> Simulation::make_step(double dt, bool sort) {
+/// Between this step and the next one.
+bool Simulation::nobody_looks() const {
+  if (parts_of_step || !events.empty() || pipeline.guard || steps_ % sort_interval == 0) return false;
+  return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
+}
+
+/// Bodies that are taken out when they leave the domain are noted now, before they go on.
+bool Simulation::may_run_on(const Extent& seen) {
+  const bool takes_out = steps_ % outlet_interval == 0;
+  if (seen.is_inside(domain)) return leaving_.empty() || !takes_out;
+  if (!seen.finite || domain->outside == Domain::Outside::error || look_at_strays()) return false;
+  return !takes_out;
+}
+
+std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {
   const std::size_t before = world.size(), strays = leaving_.size();
   for (auto& event : events) event->before_step(world, dt, leaving_);
   if (world.size() > before) welcome(before);
   if (leaving_.size() > strays || (strays > 0 && (steps_ - 1) % outlet_interval == 0)) take_out();
   if (sort) sort_bodies();
-  step(world, pipeline, work, dt);
+  const std::function<bool(const Extent&)> agree = [this](const Extent& seen) { return may_run_on(seen); };
+  step(world, pipeline, work, dt, run_on ? &agree : nullptr);
   ledger.add(work.report);
   return watch();
 }
@@ -114,7 +130,12 @@ void Simulation::drop_contacts() {
 }
 
 std::optional<Failure> Simulation::watch() {
-  if (const Extent* seen = pipeline.contact_model->extent(); seen && seen->is_inside(domain)) return std::nullopt;
+  const Extent* seen = pipeline.contact_model->extent();
+  if (seen && (is_ahead() ? seen->finite : seen->is_inside(domain))) return std::nullopt;
+  return look_at_strays();
+}
+
+std::optional<Failure> Simulation::look_at_strays() {
   const auto strays = find_strays(world, domain);
   for (Slot s : strays) {
     const Vec3 &x = world.position[s], &v = world.velocity[s];

@@ -15,16 +15,20 @@ double watched(World& world, Pipeline& stage, double dt, const Half& half) {
 
 }  // namespace
 
-void step(World& world, Pipeline& stage, Workspace& work, double dt) {
+void step(World& world, Pipeline& stage, Workspace& work, double dt,
+          const std::function<bool(const Extent&)>* run_on) {
   StageTimer timer(work.report.seconds);
-  StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get()};
+  StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get(), nullptr, run_on};
   double held = 0.0;
   if (stage.guard || !stage.contact_model->move(world, clock)) {
     clock.scheme = nullptr;
     held = watched(world, stage, dt, [&] { stage.scheme->first_half(world, dt); });
   }
   timer.lap(Stage::integrate);
-  stage.broad_phase->find_pairs(world, work.pairs);
+  if (!stage.broad_phase->keeps_pairs(world)) {
+    stage.contact_model->show(world);
+    stage.broad_phase->find_pairs(world, work.pairs);
+  }
   timer.lap(Stage::broad_phase);
   stage.narrow_phase->collide(world, work.pairs, work.contacts);
   timer.lap(Stage::narrow_phase);

@@ -11,8 +11,10 @@ struct Workspace {
   StepReport report;
 };
 
-/// Advances the world by one step: integrate, find pairs, find contacts, let them act, integrate.
-void step(World& world, Pipeline& stage, Workspace& work, double dt);
+/// Advances the world by one step: integrate, find pairs, find contacts, let them act, integrate. run_on: as
+/// StepClock::run_on.
+void step(World& world, Pipeline& stage, Workspace& work, double dt,
+          const std::function<bool(const Extent&)>* run_on = nullptr);
 
 /// Evaluates the contact forces of the present state, without moving anything.
 void evaluate_forces(World& world, Pipeline& stage, Workspace& work);

@@ -53,7 +53,8 @@ class Session {
   void write_contact_problem() const;
   void save_checkpoint_now();
   void walk(StateVisitor& visitor);
-  std::optional<Ending> step_once(std::uint64_t last_step);
+  bool goes_on(const SessionLimits& limits, std::initializer_list<std::uint64_t> intervals) const;
+  std::optional<Ending> step_once(std::uint64_t last_step, bool run_on);
   std::optional<Ending> reason_to_stop(const SessionLimits& limits) const;
   double elapsed() const;
 

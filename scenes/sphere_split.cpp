@@ -14,11 +14,14 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   std::vector<double> radius(world.size(), not_a_sphere);
   std::vector<std::int32_t> plane_of(world.size(), -1);
   std::vector<SpherePlane> walls;
+  bool alone = true;
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef ref{world.shape[s]};
     if (ref.type() == ShapeStore::type_of<Sphere>() && world.is_movable(s)) radius[s] = spheres[ref.index()].radius;
     const auto id = static_cast<std::size_t>(world.id[s]);
-    if (ref.type() != ShapeStore::type_of<HalfSpace>() || id >= fixed_.size() || !fixed_[id]) continue;
+    const bool is_plane = ref.type() == ShapeStore::type_of<HalfSpace>() && id < fixed_.size() && fixed_[id];
+    alone = alone && (is_plane || radius[s] > 0);
+    if (!is_plane) continue;
     plane_of[s] = static_cast<std::int32_t>(walls.size());
     walls.push_back({s, world.pose(s).orientation * planes[ref.index()].normal, world.position[s]});
   }
@@ -36,7 +39,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
     else
       rest_.pairs.push_back(p);
   }
-  model_.set_pairs(world, std::move(between), std::move(walls), radius);
+  model_.set_pairs(world, std::move(between), std::move(walls), radius, alone);
   known_ = true, generation_ = pairs.generation;
 }
 

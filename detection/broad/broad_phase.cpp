@@ -2,11 +2,15 @@
 
 namespace epafi {
 
-void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
+bool ListBroadPhase::keeps_pairs(const World& world) {
   if (world.time > last_time_) step_time_ = world.time - last_time_;
   last_time_ = world.time;
   if (world.size() != bodies_.size()) valid_ = false;
-  if (valid_ && !bodies_.outdated(world)) return;
+  return valid_ && !bodies_.outdated(world);
+}
+
+void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
+  if (keeps_pairs(world)) return;
   bodies_.update(world, setup_, step_time_);
   collect(bodies_, collector_);
   collector_.finish(pairs.pairs);

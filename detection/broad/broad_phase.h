@@ -15,6 +15,7 @@ class ListBroadPhase : public BroadPhase {
   ListBroadPhase& operator=(const ListBroadPhase&) = delete;
 
   void find_pairs(const World& world, PairList& pairs) final;
+  bool keeps_pairs(const World& world) final;
   /// The next call builds anew: the list names slots.
   void reorder(const Reordering&) override { valid_ = false; }
   const FatBodies& bodies() const { return bodies_; }

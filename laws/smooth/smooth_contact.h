@@ -38,8 +38,8 @@ struct SmoothSums {
 /// Change of the velocities between the middle of the step and the detection, by slot.
 struct VelocityChange {
   std::vector<Vec3> linear, angular;
-  /// lag dt times the stored acceleration.
-  void predict(const World& world, double time);
+  /// lag dt times the stored acceleration, of the bodies of contacts.
+  void predict(const World& world, const ContactSet& contacts, double time);
 };
 
 /// What the parts remember of one contact; parts without memory take no room.
@@ -125,7 +125,7 @@ class SmoothContact final : public ContactModel {
     contacts.with_moment = rolls;
     if (rolls) contacts.moment.resize(contacts.size());
     const double lag = damped_ ? clock.velocity_lag * clock.dt : 0.0;
-    if (lag > 0.0) change_.predict(world, lag);
+    if (lag > 0.0) change_.predict(world, contacts, lag);
     if constexpr (remembers) memory_.advance(contacts);
     EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
     const SmoothSums sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
@@ -133,7 +133,12 @@ class SmoothContact final : public ContactModel {
     if constexpr (remembers)
       if (clock.dt == 0.0) memory_.keep();
     incidence_.build(contacts, world.size());
-    gather_forces(contacts, incidence_, world);
+    if (clock.touched) {
+      bodies_of(contacts, incidence_, *clock.touched);
+      gather_forces(contacts, incidence_, *clock.touched, world);
+    } else {
+      gather_forces(contacts, incidence_, world);
+    }
     if (world.cell) world.cell->virial = sums.virial;
     record(sums, contacts, clock.dt, report);
   }

@@ -17,12 +17,13 @@ void pack_bodies(const World& world, double lag, SphereState* states, std::size_
   }
 }
 
-void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, bool add, std::size_t begin,
-                   std::size_t end) {
+void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, const std::uint8_t* touched,
+                   std::size_t begin, std::size_t end) {
   const bool rotates = world.rotates();
   for (std::size_t s = begin; s < end; ++s) {
-    double* from = reinterpret_cast<double*>(&sums[s]);
+    double* from = reinterpret_cast<double*>(&sums[s - begin]);
     double* force = world.force[s].data();
+    const bool add = touched != nullptr && touched[s] != 0;
     for (int k = 0; k < 3; ++k) force[k] = add ? force[k] + from[k] : from[k];
     if (rotates) {
       double* torque = world.torque[s].data();
@@ -30,6 +31,18 @@ void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, boo
       for (int k = 0; k < 3; ++k) torque[k] = (add ? torque[k] : 0.0) + radius * from[4 + k];
     }
     for (int k = 0; k < 8; ++k) from[k] = 0.0;
+  }
+}
+
+void show_motion(World& world, const SphereState* states, std::size_t begin, std::size_t end) {
+  const bool rotates = world.rotates();
+  for (std::size_t s = begin; s < end; ++s) {
+    const double* from = reinterpret_cast<const double*>(&states[s]);
+    double* v = world.velocity[s].data();
+    for (int k = 0; k < 3; ++k) v[k] = from[4 + k];
+    if (!rotates) continue;
+    double* w = world.angular_velocity[s].data();
+    for (int k = 0; k < 3; ++k) w[k] = from[8 + k];
   }
 }
 
@@ -46,7 +59,7 @@ bool are_plain(const World& world, std::size_t begin) {
   return true;
 }
 
-void FirstHalf::others(std::size_t from, std::size_t to) const {
+void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen) const {
   scheme.first_half(world, dt, from, to);
   pack_bodies(world, lag, states, from, to);
   double sum = 0.0;
@@ -54,13 +67,13 @@ void FirstHalf::others(std::size_t from, std::size_t to) const {
     if (!(world.inverse_mass[s] > 0.0)) continue;
     const double* x = world.position[s].data();
     for (int k = 0; k < 3; ++k)
-      extent.low[k] = std::min(extent.low[k], x[k]), extent.high[k] = std::max(extent.high[k], x[k]), sum += 0.0 * x[k];
+      seen.low[k] = std::min(seen.low[k], x[k]), seen.high[k] = std::max(seen.high[k], x[k]), sum += 0.0 * x[k];
   }
-  extent.finite = extent.finite && sum == 0.0;
+  seen.finite = seen.finite && sum == 0.0;
 }
 
-void SecondHalf::others(std::size_t from, std::size_t to) const {
-  unpack_bodies(world, states, sums, add, from, to);
+void BodyPass::finish_others(std::size_t from, std::size_t to) const {
+  unpack_bodies(world, states, sums + (from - begin), touched, from, to);
   scheme.second_half(world, dt, from, to);
   double sum = 0.0;
   for (std::size_t s = from; s < to; ++s) {

@@ -32,11 +32,6 @@ struct FourVectors {
     const double x = v.x(), y = v.y(), z = v.z();
     return {Lanes{x, y, z, x}, Lanes{y, z, x, y}, Lanes{z, x, y, z}};
   }
-  /// Of rows x y z and whatever.
-  EPAFI_LANES static FourVectors of_rows(Lanes p, Lanes q, Lanes r, Lanes s) {
-    return {__builtin_shufflevector(p, q, 0, 1, 2, 4), __builtin_shufflevector(q, r, 1, 2, 4, 5),
-            __builtin_shufflevector(r, s, 2, 4, 5, 6)};
-  }
   /// Writes x y z of every body into rows `stride` lanes apart; the fourth numbers there stay.
   EPAFI_LANES void write_rows(Lanes* rows, std::size_t stride) const {
     const auto put = [](Lanes& to, Lanes x) EPAFI_INLINED { to = __builtin_shufflevector(x, to, 0, 1, 2, 7); };
@@ -47,15 +42,17 @@ struct FourVectors {
   }
   EPAFI_LANES FourVectors operator+(const FourVectors& o) const { return {a + o.a, b + o.b, c + o.c}; }
   EPAFI_LANES FourVectors operator*(const FourVectors& o) const { return {a * o.a, b * o.b, c * o.c}; }
-  EPAFI_LANES Lanes sum() const { return a + b + c; }
 };
 EPAFI_LANES FourVectors operator*(double s, const FourVectors& v) { return {s * v.a, s * v.b, s * v.c}; }
 
 /// Writes what the loop over contacts reads of the bodies of slots [begin, end), with velocities `lag` later.
 void pack_bodies(const World& world, double lag, SphereState* states, std::size_t begin, std::size_t end);
-/// Writes force and torque of slots [begin, end), added where `add`; the sums are 0 again then.
-void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, bool add, std::size_t begin,
-                   std::size_t end);
+/// Writes force and torque of slots [begin, end), added where `touched` says so; the sums, of slots from `begin` on,
+/// are 0 again then.
+void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, const std::uint8_t* touched,
+                   std::size_t begin, std::size_t end);
+/// Velocities back into the world.
+void show_motion(World& world, const SphereState* states, std::size_t begin, std::size_t end);
 /// The columns of the world allow the passes over four bodies.
 bool has_plain_bodies(const World& world);
 /// The four bodies from slot `begin` on are all free and of equal moments.
@@ -65,19 +62,28 @@ bool are_plain(const World& world, std::size_t begin);
 struct BodyPass {
   World& world;
   SphereState* states;
-  SphereSum* sums;
-  const std::uint8_t* plain;  ///< by four bodies: all free and of equal moments
-  Scheme& scheme;             ///< for the others
-  double dt, lag;             ///< lag: of the predicted velocity [s]
-  bool add;                   ///< what the sums hold, to the forces of the world
-  std::size_t begin, end;     ///< slots, begin a multiple of four
-  Extent& extent;             ///< of the bodies seen
+  SphereSum* sums;              ///< of slots from `begin` on
+  const std::uint8_t* plain;    ///< by four bodies: all free and of equal moments
+  const std::uint8_t* touched;  ///< by slot: forces of the world come on top; null: nowhere
+  Scheme& scheme;               ///< for the others
+  double dt, lag;               ///< lag: of the predicted velocity [s]
+  std::size_t begin, end;       ///< slots, begin a multiple of four
+  Extent& extent;               ///< of the bodies seen
 
-  /// Where shuffles of four cost more than they save: two loops over a part that the first cache holds.
-  template <class F>
-  void each_part(const F& f) const {
-    for (std::size_t s = begin; s < end; s += 64) f(s, std::min(end, s + 64));
+  /// f(s) for all plain fours, others(from, to) for the rest.
+  template <class F, class G>
+  EPAFI_LANES void each(const F& f, const G& others) const {
+    std::size_t s = begin;
+    for (; s + 4 <= end; s += 4)
+      if (plain[s / 4])
+        f(s);
+      else
+        others(s, s + 4);
+    if (s < end) others(s, end);
   }
+  /// Of bodies that are not plain.
+  void begin_others(std::size_t from, std::size_t to, Extent& seen) const;
+  void finish_others(std::size_t from, std::size_t to) const;
 };
 
 /// x*0 is 0 for every finite number and NaN for all others: their sum says of all at once.
@@ -101,17 +107,15 @@ EPAFI_LANES FourVectors acceleration(const BodyPass& p, std::size_t s, const Fou
 struct FirstHalf : BodyPass {
   template <int n>
   EPAFI_LANES void run() const {
-    if constexpr (n == 2) return each_part([&](std::size_t from, std::size_t to) { others(from, to); });
+    if constexpr (n == 2) {  // shuffles of four cost more than they save: two loops over what the first cache holds
+      for (std::size_t s = begin; s < end; s += 64) begin_others(s, std::min(end, s + 64), extent);
+      return;
+    }
     const FourVectors gravity = FourVectors::of_vector(world.gravity);
     FourVectors low{lanes(Extent::none), lanes(Extent::none), lanes(Extent::none)}, high = -1.0 * low;
     Lanes finite{};
-    std::size_t s = begin;
-    for (; s + 4 <= end; s += 4)
-      if (plain[s / 4])
-        four(s, gravity, low, high, finite);
-      else
-        others(s, s + 4);
-    if (s < end) others(s, end);
+    each([&](std::size_t s) EPAFI_INLINED { four(s, gravity, low, high, finite); },
+         [&](std::size_t from, std::size_t to) { begin_others(from, to, extent); });
     const Lanes* rows_low[] = {&low.a, &low.b, &low.c};
     const Lanes* rows_high[] = {&high.a, &high.b, &high.c};
     for (int k = 0; k < 12; ++k) {
@@ -141,47 +145,76 @@ struct FirstHalf : BodyPass {
     spin_up(world, s, 0.5 * dt, w, FourVectors::load(world.torque.data() + s));
     w.store(world.angular_velocity.data() + s), w.write_rows(rows + 2, stride);
   }
-  void others(std::size_t from, std::size_t to) const;
 };
 
-/// What the loop over contacts has found, its sums at zero then, and half a kick.
+/// What the loop over contacts has found, its sums at zero then, and half a kick. With `onward` the first half of the
+/// next step follows at once: its forces and velocities go to the world only with `shown`, its positions always.
+/// One body a register, as they lie in `states`, whose velocities count: those of the world may be of long ago.
+template <bool onward, bool shown>
 struct SecondHalf : BodyPass {
+  Extent& next;  ///< of the bodies as the first half of the next step leaves them
+
   template <int n>
   EPAFI_LANES void run() const {
-    if constexpr (n == 2) return each_part([&](std::size_t from, std::size_t to) { others(from, to); });
-    const FourVectors gravity = FourVectors::of_vector(world.gravity);
-    Lanes finite{};
-    std::size_t s = begin;
-    for (; s + 4 <= end; s += 4)
-      if (plain[s / 4])
-        four(s, gravity, finite);
-      else
-        others(s, s + 4);
-    if (s < end) others(s, end);
-    extent.finite = extent.finite && all_finite(finite);
+    const RowOf<n> none = splat<n>(Extent::none), zero = splat<n>(0.0);
+    Passing<n> p{load<n>(world.gravity.data()), none, splat<n>(-Extent::none), zero, zero, world.rotates()};
+    each([&](std::size_t s) EPAFI_INLINED { for (std::size_t k = s; k < s + 4; ++k) one<n>(k, p); },
+         [&](std::size_t from, std::size_t to) {
+           finish_others(from, to);
+           if constexpr (onward) begin_others(from, to, next);
+         });
+    extent.finite = extent.finite && is_zero(p.finite);
+    if constexpr (!onward) return;
+    next.finite = next.finite && is_zero(p.finite_next);
+    Lanes low, high;
+    epafi::store<n>(low, p.low), epafi::store<n>(high, p.high);
+    for (int k = 0; k < 3; ++k)
+      next.low[k] = std::min(next.low[k], low[k]), next.high[k] = std::max(next.high[k], high[k]);
   }
 
  private:
-  EPAFI_LANES void four(std::size_t s, const FourVectors& gravity, Lanes& finite) const {
-    SphereSum* sum = sums + s;
-    FourVectors force = FourVectors::of_rows(sum[0].force, sum[1].force, sum[2].force, sum[3].force);
-    if (add) force = FourVectors::load(world.force.data() + s) + force;
-    force.store(world.force.data() + s);
-    FourVectors v = FourVectors::load(world.velocity.data() + s);
-    kick(v, acceleration(*this, s, gravity, force), 0.5 * dt);
-    v.store(world.velocity.data() + s), see_finite(finite, v);
-    if (world.rotates()) {
-      const auto moment = [&](std::size_t k) EPAFI_INLINED { return states[s + k].position[3] * sum[k].pull; };
-      FourVectors torque = FourVectors::of_rows(moment(0), moment(1), moment(2), moment(3));
-      torque = (add ? FourVectors::load(world.torque.data() + s) : FourVectors{}) + torque;
-      torque.store(world.torque.data() + s);
-      FourVectors w = FourVectors::load(world.angular_velocity.data() + s);
-      spin_up(world, s, 0.5 * dt, w, torque);
-      w.store(world.angular_velocity.data() + s), see_finite(finite, w);
+  template <int n>
+  struct Passing {
+    RowOf<n> gravity, low, high, finite, finite_next;
+    bool rotates;
+  };
+
+  template <int n>
+  EPAFI_LANES void one(std::size_t s, Passing<n>& p) const {
+    SphereState& state = states[s];
+    SphereSum& sum = sums[s - begin];
+    const double radius = state.position[3], inverse_mass = state.velocity[3];
+    RowOf<n> force = row<n>(sum.force), torque = splat<n>(radius) * row<n>(sum.pull);
+    const bool more = touched != nullptr && touched[s] != 0;
+    if (more) force = load<n>(world.force[s].data()) + force;
+    const RowOf<n> a = p.gravity + splat<n>(inverse_mass) * force, kick = splat<n>(0.5 * dt) * a;
+    RowOf<n> v = row<n>(state.velocity) + kick;
+    p.finite = p.finite + splat<n>(0.0) * v;
+    RowOf<n> w = row<n>(state.spin);
+    if (p.rotates) {
+      torque = (more ? load<n>(world.torque[s].data()) : splat<n>(0.0)) + torque;
+      const RowOf<n> change = splat<n>(state.predicted[3]) * (splat<n>(0.5 * dt) * torque);
+      w = w + change;
+      p.finite = p.finite + splat<n>(0.0) * w;
+      if constexpr (onward) w = w + change, epafi::store<n>(state.spin, w);
     }
-    for (std::size_t k = 0; k < 4; ++k) sum[k] = SphereSum{};
+    if constexpr (onward) {
+      v = v + kick;
+      const RowOf<n> x = row<n>(state.position) + without_fourth(splat<n>(dt)) * v;
+      epafi::store<n>(state.position, x), epafi::store<n>(state.velocity, v);
+      const RowOf<n> later = lag == 0.0 ? v : v + splat<n>(lag) * a;
+      epafi::store<n>(state.predicted, with_fourth(later, row<n>(state.predicted)));
+      p.low = least(p.low, x), p.high = most(p.high, x);
+      p.finite_next = p.finite_next + splat<n>(0.0) * x;
+      write<n>(world.position[s].data(), x);
+    }
+    if constexpr (!onward || shown) {
+      write<n>(world.velocity[s].data(), v), write<n>(world.force[s].data(), force);
+      if (p.rotates)
+        write<n>(world.angular_velocity[s].data(), w), write<n>(world.torque[s].data(), torque);
+    }
+    sum = SphereSum{};
   }
-  void others(std::size_t from, std::size_t to) const;
 };
 
 }  // namespace epafi

@@ -1,5 +1,7 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
+#include <utility>
+
 #include "engine/parallel.h"
 #include "engine/targets.h"
 #include "laws/smooth/choose_law.h"
@@ -60,7 +62,8 @@ class FusedModel final : public FusedSpheres {
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
 
   void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
-                 std::span<const double> radius) override {
+                 std::span<const double> radius, bool alone) override {
+    alone_ = alone;
     wall_laws_.clear();
     for (const SpherePlane& p : planes) wall_laws_.push_back(law_of(world.material[p.slot]));
     blocks_.rebuild(world, std::move(pairs), std::move(planes), radius, Tangential::is_present);
@@ -68,13 +71,23 @@ class FusedModel final : public FusedSpheres {
 
   bool move(World& world, const StepClock& clock) override {
     if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return false;
+    packed_ = true;
+    if (std::exchange(ahead_, false)) return true;
     extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
     const auto loop = best_loop<FirstHalf>();
     parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t i) {
-      loop({pass(world, clock, false, begin, end, extents_[i])});
+      loop({pass(world, clock, begin, end, extents_[i])});
     });
-    packed_ = true;
     return true;
+  }
+
+  bool is_ahead() const override { return ahead_; }
+  void show(World& world) const override {
+    if (!alone_ || !packed_) return;
+    parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+      for (std::size_t s = begin; s < end; s += 4)
+        if (blocks_.plain()[s / 4]) show_motion(world, blocks_.states().data(), s, s + 4);
+    });
   }
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
@@ -86,17 +99,25 @@ class FusedModel final : public FusedSpheres {
         pack_bodies(world, lag(clock), blocks_.states().data(), begin, end);
       });
     has_extent_ = packed_ && clock.scheme, packed_ = false;
-    if (others)
-      generic_->act(world, contacts, clock, report);
-    else
+    touched_.clear();
+    if (others) {
+      StepClock some = clock;
+      some.touched = &touched_;
+      generic_->act(world, contacts, some, report);
+    } else {
       report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.losses = {},
       report.has_solver = false;
+    }
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
-    run_blocks(world, clock, others);
+    is_touched_.resize(others ? world.size() : 0);
+    for (Slot s : touched_) is_touched_[s] = 1;
+    const bool onward = has_extent_ && clock.run_on && (*clock.run_on)(seen());
+    run_blocks(world, clock, onward);
+    for (Slot s : touched_) is_touched_[s] = 0;
     count(clock.dt, report);
     if (world.cell) deform(*world.cell, others, clock.dt, report);
-    extent_ = Extent{};
-    for (const Extent& part : extents_) extent_ += part;
+    extent_ = seen();
+    if (onward) extents_.swap(next_extents_), ahead_ = true;
   }
 
   const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
@@ -122,27 +143,35 @@ class FusedModel final : public FusedSpheres {
   /// Later than the velocities of the world by this are those the dampers see [s].
   double lag(const StepClock& clock) const { return damped_ ? clock.velocity_lag * clock.dt : 0.0; }
 
-  BodyPass pass(World& world, const StepClock& clock, bool add, std::size_t begin, std::size_t end, Extent& extent) {
+  BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, Extent& extent) {
     return {world,
             blocks_.states().data(),
-            blocks_.sums().data(),
+            blocks_.sums(begin / SphereBlocks::block_size),
             blocks_.plain(),
+            touched_.empty() ? nullptr : is_touched_.data(),
             *clock.scheme,
             clock.dt,
             lag(clock),
-            add,
             begin,
             end,
             extent};
   }
 
-  /// All blocks through the loop, then what they found for each other, and the second half of the step with it.
-  void run_blocks(World& world, const StepClock& clock, bool add) {
+  /// Of all bodies in this step.
+  Extent seen() const {
+    Extent all;
+    for (const Extent& part : extents_) all += part;
+    return all;
+  }
+
+  /// All blocks through the loop, then what they found for each other, and the second half of the step with it; with
+  /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
+  void run_blocks(World& world, const StepClock& clock, bool onward) {
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
     SphereArrays arrays{blocks_.planes().data(),
                         blocks_.states().data(),
-                        blocks_.sums().data(),
+                        0,
                         blocks_.records().data(),
                         clock.dt,
                         damped_,
@@ -153,16 +182,29 @@ class FusedModel final : public FusedSpheres {
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
       arrays.strain_rate = Lanes{rate.x(), rate.y(), rate.z(), 0.0};
     }
-    const auto find = [&](std::size_t i) { loop({all[i], law_, wall_laws_, arrays}); };
-    const auto second_half = best_loop<SecondHalf>();
+    blocks_.set_sums(thread_count() == 1);
+    const auto find = [&](std::size_t i) {
+      SphereArrays mine = arrays;
+      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(i)) - i * SphereBlocks::block_size * sizeof(SphereSum);
+      loop({all[i], law_, wall_laws_, mine});
+    };
+    next_extents_.assign(onward ? all.size() : 1, Extent{});
+    const auto second_half = best_loop<SecondHalf<false, true>>();
+    const auto run_on = best_loop<SecondHalf<true, false>>();
+    const auto run_on_shown = best_loop<SecondHalf<true, true>>();
     const auto finish = [&](std::size_t i) {
       blocks_.receive(i);
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
-      if (clock.scheme)
-        second_half({pass(world, clock, add, begin, end, extents_[i])});
+      if (!clock.scheme)
+        unpack_bodies(world, blocks_.states().data(), blocks_.sums(i),
+                      touched_.empty() ? nullptr : is_touched_.data(), begin, end);
+      else if (!onward)
+        second_half({pass(world, clock, begin, end, extents_[i]), next_extents_[0]});
+      else if (alone_)
+        run_on({pass(world, clock, begin, end, extents_[i]), next_extents_[i]});
       else
-        unpack_bodies(world, blocks_.states().data(), blocks_.sums().data(), add, begin, end);
+        run_on_shown({pass(world, clock, begin, end, extents_[i]), next_extents_[i]});
     };
     if (thread_count() == 1) {  // records go to later blocks only: all for block i are there when its turn comes
       for (std::size_t i = 0; i < all.size(); ++i) find(i), finish(i);
@@ -270,7 +312,11 @@ class FusedModel final : public FusedSpheres {
   std::vector<Law> wall_laws_;
   bool damped_ = false, others_ = true;
   bool packed_ = false;          ///< the blocks hold the bodies as they are
-  std::vector<Extent> extents_;  ///< of this step, by block
+  bool alone_ = false;           ///< no contacts but those of the blocks
+  bool ahead_ = false;           ///< the first half of the next step is done
+  std::vector<Slot> touched_;    ///< bodies with forces of the generic loop
+  std::vector<std::uint8_t> is_touched_;        ///< the same by slot
+  std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
   double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]

@@ -13,9 +13,9 @@ namespace epafi {
 
 class FusedSpheres : public ContactModel {
  public:
-  /// The pairs that this model detects itself, whenever the list changes. radius: by slot.
+  /// The pairs that this model detects itself, whenever the list changes. radius: by slot. alone: no others can touch.
   virtual void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
-                         std::span<const double> radius) = 0;
+                         std::span<const double> radius, bool alone) = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;
 };

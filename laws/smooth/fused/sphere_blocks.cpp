@@ -77,7 +77,7 @@ void SphereBlocks::place(const World& world, std::vector<SpherePair> pairs, std:
   const std::size_t count = (world.size() + block_size - 1) / block_size;
   plain_.resize((world.size() + 3) / 4);
   blocks_.resize(count);
-  states_.resize(world.size()), sums_.resize(world.size());  // unpack leaves the sums at zero
+  states_.resize(world.size());
   pairs_ = pairs.size();
   for (SpherePair& p : pairs)
     if (p.plane < 0 && p.b < p.a) std::swap(p.a, p.b), p.image = opposite_image(p.image);
@@ -89,6 +89,7 @@ void SphereBlocks::place(const World& world, std::vector<SpherePair> pairs, std:
       const double r = std::max(radius[s], 0.0);  // of others, which no pair names
       states_[s].position[3] = states_[s].spin[3] = r;
       states_[s].velocity[3] = world.inverse_mass[s];
+      if (world.rotates()) states_[s].predicted[3] = world.inverse_inertia[s].x();
       if (s % 4 == 0) plain_[s / 4] = may_be_plain && are_plain(world, s);
     }
     const Slot begin = first_[i * block_size], end = first_[last];
@@ -124,6 +125,7 @@ void SphereBlocks::fill_block(std::span<SpherePair> pairs, Slot index, bool fric
   }
   block.springs.assign(friction ? block.pairs.size() : 0, SphereSpring{});
   block.touched.assign(block.pairs.size() / pairs_per_byte, 0);
+  if (!block.pairs.empty()) block.pairs.resize(block.pairs.size() + pairs_ahead, block.pairs.back());
 }
 
 /// Gives every pair across blocks a place in `records`, and tells the block of its B.
@@ -219,9 +221,11 @@ void SphereBlocks::visit(StateVisitor& visitor) {
 }
 
 void SphereBlocks::receive(std::size_t i) {
+  SphereSum* const mine = sums(i);
   for (const auto& [record, slot] : blocks_[i].incoming) {
-    sums_[slot].force += records_[record].force;
-    sums_[slot].pull += records_[record].pull;
+    SphereSum& sum = mine[slot % block_size];
+    sum.force += records_[record].force;
+    sum.pull += records_[record].pull;
   }
 }
 

@@ -17,7 +17,7 @@ struct alignas(64) SphereState {
   Lanes position;   ///< x y z [m], radius [m]
   Lanes velocity;   ///< x y z [m/s], 1/mass [1/kg]
   Lanes spin;       ///< x y z [rad/s], radius [m]
-  Lanes predicted;  ///< velocity at the time of the detection [m/s], 0
+  Lanes predicted;  ///< velocity at the time of the detection [m/s], 1/moment of inertia [1/(kg m^2)]
 };
 /// What it writes. The torque over the radius: both bodies of a contact feel the same one.
 struct alignas(64) SphereSum {
@@ -72,6 +72,8 @@ class SphereBlocks {
  public:
   static constexpr std::size_t block_size = 1024;
   static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
+  static constexpr std::uint32_t pairs_ahead = 24;  ///< the loop asks for bodies so far ahead: as many pairs stand behind
+                                                    ///< the last one
   static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit;
 
   /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of eight, sorted by (a, b,
@@ -125,7 +127,13 @@ class SphereBlocks {
   std::span<SphereState> states() { return states_; }
   /// By four bodies: laws/smooth/fused/body_pass.h may take them together.
   const std::uint8_t* plain() const { return plain_.data(); }
-  std::span<SphereSum> sums() { return sums_; }
+  /// shared: blocks take turns, one after the other, so that their sums stay in cache.
+  void set_sums(bool shared) {
+    sums_step_ = shared ? 0 : block_size;
+    sums_.resize(shared ? block_size : states_.size());  // all are zero between two calls
+  }
+  /// Of the first slot of block i.
+  SphereSum* sums(std::size_t i) { return sums_.data() + i * sums_step_; }
   std::span<SphereSum> records() { return records_; }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
@@ -151,6 +159,7 @@ class SphereBlocks {
   std::vector<SpherePlane> planes_;
   std::vector<SphereState> states_;
   std::vector<SphereSum> sums_, records_;
+  std::size_t sums_step_ = 0;  ///< from block to block
   std::vector<std::uint8_t> plain_;
   std::vector<Slot> first_;
   std::vector<Kept> kept_;  ///< springs while the layout waits

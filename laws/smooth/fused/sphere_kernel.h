@@ -20,7 +20,8 @@ struct SphereLaw {
 struct SphereArrays {
   const SpherePlane* planes;
   const SphereState* states;
-  SphereSum *sums, *records;
+  std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
+  SphereSum* records;
   double dt;
   bool damped;
   Lanes cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]; fourth 0
@@ -30,7 +31,7 @@ struct SphereArrays {
                                                  sizeof(SphereState) / SpherePlace::unit * std::size_t{p.offset});
   }
   EPAFI_LANES SphereSum& sum(SpherePlace p) const {
-    return *reinterpret_cast<SphereSum*>(reinterpret_cast<char*>(sums) + std::size_t{p.offset});
+    return *reinterpret_cast<SphereSum*>(sums + p.offset);  // NOLINT: an address
   }
 };
 
@@ -113,8 +114,10 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, st
         d.x, d.y, d.z, radii);
     bits = less_bits<n>(d.dot(d), radii * radii) & valid;
   }
-  for (int l = 0; l < n; ++l)  // those that touch want them soon; A's lines are those of the pair before
-    __builtin_prefetch(&with.state(pair[l].b).spin), __builtin_prefetch(&with.sum(pair[l].b));
+  for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
+    const SphereState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
+    __builtin_prefetch(&soon.position), __builtin_prefetch(&soon.spin);
+  }
   const std::size_t at = t.count;
   compress<n>(d.x, bits, t.x + at);
   if constexpr (!wall) compress<n>(d.y, bits, t.y + at), compress<n>(d.z, bits, t.z + at);

@@ -51,6 +51,50 @@ EPAFI_LANES HalfRows flip_fourth(HalfRows x) {
   return {x.xy, reinterpret_cast<LanesOf<2>::Real>(reinterpret_cast<LanesOf<2>::Mask>(x.zw) ^ sign)};
 }
 
+/// The same number four times.
+template <int n>
+EPAFI_LANES RowOf<n> splat(double x) {
+  if constexpr (n == 2)
+    return {LanesOf<2>::Real{x, x}, LanesOf<2>::Real{x, x}};
+  else
+    return lanes(x);
+}
+EPAFI_LANES Lanes without_fourth(Lanes x) { return __builtin_shufflevector(x, Lanes{}, 0, 1, 2, 4); }
+EPAFI_LANES HalfRows without_fourth(HalfRows x) {
+  return {x.xy, __builtin_shufflevector(x.zw, LanesOf<2>::Real{}, 0, 2)};
+}
+/// x y z of the one, the fourth number of the other.
+EPAFI_LANES Lanes with_fourth(Lanes x, Lanes of) { return __builtin_shufflevector(x, of, 0, 1, 2, 7); }
+EPAFI_LANES HalfRows with_fourth(HalfRows x, HalfRows of) {
+  return {x.xy, __builtin_shufflevector(x.zw, of.zw, 0, 3)};
+}
+EPAFI_LANES Lanes least(Lanes a, Lanes b) { return min(a, b); }
+EPAFI_LANES HalfRows least(HalfRows a, HalfRows b) { return {min(a.xy, b.xy), min(a.zw, b.zw)}; }
+EPAFI_LANES Lanes most(Lanes a, Lanes b) { return max(a, b); }
+EPAFI_LANES HalfRows most(HalfRows a, HalfRows b) { return {max(a.xy, b.xy), max(a.zw, b.zw)}; }
+EPAFI_LANES bool is_zero(Lanes x) { return (x[0] + x[1]) + (x[2] + x[3]) == 0.0; }
+EPAFI_LANES bool is_zero(HalfRows x) { return (x.xy[0] + x.xy[1]) + (x.zw[0] + x.zw[1]) == 0.0; }
+/// Three numbers of a column; the fourth is 0.
+template <int n>
+EPAFI_LANES RowOf<n> load(const double* from) {
+  if constexpr (n == 2) {
+    HalfRows out{{}, {from[2], 0.0}};
+    std::memcpy(&out.xy, from, sizeof out.xy);
+    return out;
+  } else {
+    return Lanes{from[0], from[1], from[2], 0.0};
+  }
+}
+template <int n>
+EPAFI_LANES void write(double* to, const RowOf<n>& x) {
+  LanesOf<2>::Real low;
+  if constexpr (n == 2)
+    low = x.xy, to[2] = x.zw[0];
+  else
+    low = __builtin_shufflevector(x, x, 0, 1), to[2] = x[2];
+  std::memcpy(to, &low, sizeof low);
+}
+
 /// Of n rows f(lane): their numbers as columns.
 template <class F>
 EPAFI_LANES void read_columns(const F& f, LanesOf<2>::Real& x, LanesOf<2>::Real& y, LanesOf<2>::Real& z,
