@@ -152,6 +152,7 @@ std::vector<PlotLine> measure_laws() {
   add("hertz-mindlin, damped", {"hertz-mindlin", 0.8, 0.3});
   add("hertz-mindlin, damped, located", {"hertz-mindlin", 0.8, 0.3}, true);
   add("hertz, mindlin-deresiewicz", with_tangential("hertz", "mindlin-deresiewicz"));
+  add("hertz, mindlin-dashpot", with_tangential("hertz", "mindlin-dashpot"));
   add("hertz-mindlin, rolling spring", {"hertz-mindlin", 0.8, 0.3, 0.05});
   add("hertz-mindlin, rolling constant", with_tangential("hertz", "mindlin", 0.05, "constant"));
   return lines;
