@@ -216,8 +216,16 @@ SizeBounds natural_bounds(const FillSpec::Size& s) {
 }
 
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes) {
-  if (fill.method == FillSpec::Method::pour) return stream(fill, shapes);
-  return fill.method == FillSpec::Method::lattice ? lattice(fill, shapes) : random_insertion(fill, shapes);
+  FillResult result = fill.method == FillSpec::Method::pour      ? stream(fill, shapes)
+                      : fill.method == FillSpec::Method::lattice ? lattice(fill, shapes)
+                                                                 : random_insertion(fill, shapes);
+  if (fill.velocity_deviation == 0.0) return result;
+  constexpr std::uint64_t velocities = 1ull << 62;  // streams of their own: places do not depend on them
+  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
+    Random random(fill.seed, velocities | k);
+    for (double& v : result.bodies[k].velocity) v = fill.velocity_deviation * draw_normal(random);
+  }
+  return result;
 }
 
 }  // namespace epafi
