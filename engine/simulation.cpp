@@ -69,7 +69,9 @@ bool Simulation::nobody_looks() const {
 bool Simulation::may_run_on(const Extent& seen) {
   const bool takes_out = steps_ % outlet_interval == 0;
   if (seen.is_inside(domain)) return leaving_.empty() || !takes_out;
-  if (!seen.finite || domain->outside == Domain::Outside::error || look_at_strays()) return false;
+  if (!seen.finite || domain->outside == Domain::Outside::error) return false;
+  pipeline.contact_model->show(world);
+  if (look_at_strays()) return false;
   return !takes_out;
 }
 
@@ -132,6 +134,7 @@ void Simulation::drop_contacts() {
 std::optional<Failure> Simulation::watch() {
   const Extent* seen = pipeline.contact_model->extent();
   if (seen && (is_ahead() ? seen->finite : seen->is_inside(domain))) return std::nullopt;
+  if (is_ahead()) pipeline.contact_model->show(world);
   return look_at_strays();
 }
 

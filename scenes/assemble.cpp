@@ -132,7 +132,16 @@ void set_broad_phase(Assembly& a) {
   }
   a.plan.broad_phase = name;
   auto broad_phase = make_broad_phase(name, setup, world);
-  if (world.cell) broad_phase = std::make_unique<PeriodicPairs>(setup, std::move(broad_phase));
+  if (world.cell) {
+    broad_phase = std::make_unique<PeriodicPairs>(setup, std::move(broad_phase));
+  } else {
+    auto* list = dynamic_cast<ListBroadPhase*>(broad_phase.get());
+    const auto* spheres = dynamic_cast<const FusedSpheres*>(a.simulation->pipeline.contact_model.get());
+    if (list && spheres) {
+      broad_phase.release();
+      broad_phase = std::make_unique<WornPairs>(std::unique_ptr<ListBroadPhase>(list), *spheres);
+    }
+  }
   a.simulation->pipeline.broad_phase = std::move(broad_phase);
 }
 

@@ -1,6 +1,19 @@
 #include "scenes/sphere_split.h"
 
+#include <cmath>
+
 namespace epafi {
+
+void WornPairs::find_pairs(const World& world, PairList& pairs) {
+  list_->find_pairs(world, pairs);
+  wear_ = std::isfinite(way_) ? list_->bodies().wear(world) : infinity;  // a sum is of use where ways are known
+}
+
+bool WornPairs::keeps_pairs(const World& world) {
+  list_->see_time(world.time);
+  wear_ += way_ = model_.largest_way();
+  return wear_ < 1.0 - 1e-6;  // sums are rounded
+}
 
 void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet& contacts) {
   if (!known_ || generation_ != pairs.generation || model_.waits_for_pairs()) split(world, pairs);
@@ -39,7 +52,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
     else
       rest_.pairs.push_back(p);
   }
-  model_.set_pairs(world, std::move(between), std::move(walls), radius, alone);
+  model_.set_pairs(world, std::move(between), std::move(walls), radius, alone ? pairs.margins : std::span<const double>{});
   known_ = true, generation_ = pairs.generation;
 }
 

@@ -3,11 +3,30 @@
 #pragma once
 #include <memory>
 
+#include "detection/broad/broad_phase.h"
 #include "detection/shape_store.h"
 #include "engine/pipeline.h"
 #include "laws/smooth/fused/fused_spheres.h"
 
 namespace epafi {
+
+/// The list of a scene with many spheres: while the ways that the model knows of add up to less than the margins nobody
+/// looks at the bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all bytes of a step).
+class WornPairs final : public BroadPhase {
+ public:
+  WornPairs(std::unique_ptr<ListBroadPhase> list, const FusedSpheres& model) : list_(std::move(list)), model_(model) {}
+  const char* name() const override { return list_->name(); }
+  void find_pairs(const World& world, PairList& pairs) override;
+  bool keeps_pairs(const World& world) override;
+  void reorder(const Reordering& change) override { wear_ = infinity, list_->reorder(change); }
+  void visit(StateVisitor& visitor) override { wear_ = infinity, list_->visit(visitor); }
+
+ private:
+  std::unique_ptr<ListBroadPhase> list_;
+  const FusedSpheres& model_;
+  double way_ = infinity;   ///< of this step, as the model knows it
+  double wear_ = infinity;  ///< at least the largest way of a body over half its margin
+};
 
 class SphereSplit final : public NarrowPhase {
  public:

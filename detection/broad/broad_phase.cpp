@@ -2,9 +2,13 @@
 
 namespace epafi {
 
+void ListBroadPhase::see_time(double now) {
+  if (now > last_time_) step_time_ = now - last_time_;
+  last_time_ = now;
+}
+
 bool ListBroadPhase::keeps_pairs(const World& world) {
-  if (world.time > last_time_) step_time_ = world.time - last_time_;
-  last_time_ = world.time;
+  see_time(world.time);
   if (world.size() != bodies_.size()) valid_ = false;
   return valid_ && !bodies_.outdated(world);
 }

@@ -16,6 +16,8 @@ class ListBroadPhase : public BroadPhase {
 
   void find_pairs(const World& world, PairList& pairs) final;
   bool keeps_pairs(const World& world) final;
+  /// The time has come to `now`: of steps in which neither of both is called.
+  void see_time(double now);
   /// The next call builds anew: the list names slots.
   void reorder(const Reordering&) override { valid_ = false; }
   const FatBodies& bodies() const { return bodies_; }

@@ -152,6 +152,21 @@ bool FatBodies::outdated(const World& world) const {
          }) != 0;
 }
 
+/// Of the body's surface since update [m].
+double FatBodies::way(const World& world, std::size_t i) const {
+  const double straight = (world.position[i] - position(i)).norm();
+  if (!world.has_orientation() || !(turning_radius(i) > 0.0)) return straight;
+  return straight + 2.0 * turning_radius(i) * (world.orientation[i].coeffs() - orientation[i].coeffs()).norm();
+}
+
+double FatBodies::wear(const World& world) const {
+  if (world.size() != size()) return infinity;
+  return block_max<double>(size(), 0.0, [&](std::size_t i) {
+    const double moved = way(world, i);
+    return moved > 0.0 ? moved / (0.5 * margin[i]) : 0.0;
+  });
+}
+
 double FatBodies::largest_margin() const {
   return block_max<double>(margin.size(), 0.0, [&](std::size_t i) { return margin[i]; });
 }

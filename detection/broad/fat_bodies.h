@@ -65,11 +65,14 @@ struct FatBodies {
   void update(const World& world, const BroadSetup& setup, double step_time);
   /// Some body has moved (its surface, with rotation) by more than half its margin since update.
   bool outdated(const World& world) const;
+  /// The largest way of a body since update over half its margin.
+  double wear(const World& world) const;
   double largest_margin() const;
 
  private:
   double median_radius_ = 0.0;
   void read_shapes(const World& world, const ShapeStore& shapes);
+  double way(const World& world, std::size_t i) const;
   void choose_margins(const World& world, const BroadSetup& setup, double step_time);
   void fatten(const World& world, const BroadSetup& setup);
   void set_apart(const World& world, const ShapeStore& shapes);

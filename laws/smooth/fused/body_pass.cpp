@@ -38,8 +38,8 @@ void show_motion(World& world, const SphereState* states, std::size_t begin, std
   const bool rotates = world.rotates();
   for (std::size_t s = begin; s < end; ++s) {
     const double* from = reinterpret_cast<const double*>(&states[s]);
-    double* v = world.velocity[s].data();
-    for (int k = 0; k < 3; ++k) v[k] = from[4 + k];
+    double *x = world.position[s].data(), *v = world.velocity[s].data();
+    for (int k = 0; k < 3; ++k) x[k] = from[k], v[k] = from[4 + k];
     if (!rotates) continue;
     double* w = world.angular_velocity[s].data();
     for (int k = 0; k < 3; ++k) w[k] = from[8 + k];
@@ -70,6 +70,13 @@ void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen) cons
       seen.low[k] = std::min(seen.low[k], x[k]), seen.high[k] = std::max(seen.high[k], x[k]), sum += 0.0 * x[k];
   }
   seen.finite = seen.finite && sum == 0.0;
+}
+
+void BodyPass::measure_others(std::size_t from, std::size_t to, Vec3& most) const {
+  for (std::size_t s = from; s < to; ++s) {
+    const Vec3 way = static_cast<double>(hurry[s]) * world.velocity[s];
+    most = most.cwiseMax(way.cwiseProduct(way));
+  }
 }
 
 void BodyPass::finish_others(std::size_t from, std::size_t to) const {

@@ -51,7 +51,7 @@ void pack_bodies(const World& world, double lag, SphereState* states, std::size_
 /// are 0 again then.
 void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, const std::uint8_t* touched,
                    std::size_t begin, std::size_t end);
-/// Velocities back into the world.
+/// Positions and velocities back into the world.
 void show_motion(World& world, const SphereState* states, std::size_t begin, std::size_t end);
 /// The columns of the world allow the passes over four bodies.
 bool has_plain_bodies(const World& world);
@@ -65,6 +65,7 @@ struct BodyPass {
   SphereSum* sums;              ///< of slots from `begin` on
   const std::uint8_t* plain;    ///< by four bodies: all free and of equal moments
   const std::uint8_t* touched;  ///< by slot: forces of the world come on top; null: nowhere
+  const float* hurry;           ///< by slot: 1/half the margin of the list [1/m]
   Scheme& scheme;               ///< for the others
   double dt, lag;               ///< lag: of the predicted velocity [s]
   std::size_t begin, end;       ///< slots, begin a multiple of four
@@ -84,6 +85,7 @@ struct BodyPass {
   /// Of bodies that are not plain.
   void begin_others(std::size_t from, std::size_t to, Extent& seen) const;
   void finish_others(std::size_t from, std::size_t to) const;
+  void measure_others(std::size_t from, std::size_t to, Vec3& most) const;
 };
 
 /// x*0 is 0 for every finite number and NaN for all others: their sum says of all at once.
@@ -148,20 +150,22 @@ struct FirstHalf : BodyPass {
 };
 
 /// What the loop over contacts has found, its sums at zero then, and half a kick. With `onward` the first half of the
-/// next step follows at once: its forces and velocities go to the world only with `shown`, its positions always.
-/// One body a register, as they lie in `states`, whose velocities count: those of the world may be of long ago.
+/// next step follows at once, and bodies and forces go to the world only with `shown`; without it the ways are measured.
+/// One body a register, as they lie in `states`, which count: those of the world may be of long ago.
 template <bool onward, bool shown>
 struct SecondHalf : BodyPass {
-  Extent& next;  ///< of the bodies as the first half of the next step leaves them
+  Extent& next;      ///< of the bodies as the first half of the next step leaves them
+  Vec3& most_hurry;  ///< largest squares of velocity times hurry, by axis [1/s^2]
 
   template <int n>
   EPAFI_LANES void run() const {
     const RowOf<n> none = splat<n>(Extent::none), zero = splat<n>(0.0);
-    Passing<n> p{load<n>(world.gravity.data()), none, splat<n>(-Extent::none), zero, zero, world.rotates()};
+    Passing<n> p{load<n>(world.gravity.data()), none, splat<n>(-Extent::none), zero, zero, zero, world.rotates()};
     each([&](std::size_t s) EPAFI_INLINED { for (std::size_t k = s; k < s + 4; ++k) one<n>(k, p); },
          [&](std::size_t from, std::size_t to) {
            finish_others(from, to);
            if constexpr (onward) begin_others(from, to, next);
+           if constexpr (onward && !shown) measure_others(from, to, most_hurry);
          });
     extent.finite = extent.finite && is_zero(p.finite);
     if constexpr (!onward) return;
@@ -170,12 +174,15 @@ struct SecondHalf : BodyPass {
     epafi::store<n>(low, p.low), epafi::store<n>(high, p.high);
     for (int k = 0; k < 3; ++k)
       next.low[k] = std::min(next.low[k], low[k]), next.high[k] = std::max(next.high[k], high[k]);
+    if constexpr (shown) return;
+    epafi::store<n>(low, p.hurry);
+    for (int k = 0; k < 3; ++k) most_hurry[k] = std::max(most_hurry[k], low[k]);
   }
 
  private:
   template <int n>
   struct Passing {
-    RowOf<n> gravity, low, high, finite, finite_next;
+    RowOf<n> gravity, low, high, finite, finite_next, hurry;
     bool rotates;
   };
 
@@ -199,6 +206,8 @@ struct SecondHalf : BodyPass {
       if constexpr (onward) w = w + change, epafi::store<n>(state.spin, w);
     }
     if constexpr (onward) {
+      constexpr std::size_t next_block = SphereBlocks::block_size;  // its turn is next: into the second cache
+      __builtin_prefetch(&states[s + next_block], 1, 2), __builtin_prefetch(&states[s + next_block].spin, 1, 2);
       v = v + kick;
       const RowOf<n> x = row<n>(state.position) + without_fourth(splat<n>(dt)) * v;
       epafi::store<n>(state.position, x), epafi::store<n>(state.velocity, v);
@@ -206,9 +215,13 @@ struct SecondHalf : BodyPass {
       epafi::store<n>(state.predicted, with_fourth(later, row<n>(state.predicted)));
       p.low = least(p.low, x), p.high = most(p.high, x);
       p.finite_next = p.finite_next + splat<n>(0.0) * x;
-      write<n>(world.position[s].data(), x);
+      if constexpr (!shown) {
+        const RowOf<n> way = splat<n>(static_cast<double>(hurry[s])) * v;
+        p.hurry = most(p.hurry, way * way);
+      }
     }
     if constexpr (!onward || shown) {
+      write<n>(world.position[s].data(), row<n>(state.position));
       write<n>(world.velocity[s].data(), v), write<n>(world.force[s].data(), force);
       if (p.rotates)
         write<n>(world.angular_velocity[s].data(), w), write<n>(world.torque[s].data(), torque);

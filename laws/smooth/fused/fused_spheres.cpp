@@ -1,5 +1,6 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
+#include <cmath>
 #include <utility>
 
 #include "engine/parallel.h"
@@ -62,8 +63,10 @@ class FusedModel final : public FusedSpheres {
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
 
   void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
-                 std::span<const double> radius, bool alone) override {
-    alone_ = alone;
+                 std::span<const double> radius, std::span<const double> margins) override {
+    hurry_.clear();
+    for (const double margin : margins)  // half a unit in the last place more than it is
+      hurry_.push_back(margin > 0.0 ? static_cast<float>(2.0 * (1.0 + 1e-6) / margin) : 0.0f);
     wall_laws_.clear();
     for (const SpherePlane& p : planes) wall_laws_.push_back(law_of(world.material[p.slot]));
     blocks_.rebuild(world, std::move(pairs), std::move(planes), radius, Tangential::is_present);
@@ -71,7 +74,8 @@ class FusedModel final : public FusedSpheres {
 
   bool move(World& world, const StepClock& clock) override {
     if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return false;
-    packed_ = true;
+    packed_ = true, behind_ = ahead_ && knows_ways();
+    if (!ahead_) largest_way_ = Extent::none;
     if (std::exchange(ahead_, false)) return true;
     extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
     const auto loop = best_loop<FirstHalf>();
@@ -82,8 +86,9 @@ class FusedModel final : public FusedSpheres {
   }
 
   bool is_ahead() const override { return ahead_; }
+  double largest_way() const override { return largest_way_; }
   void show(World& world) const override {
-    if (!alone_ || !packed_) return;
+    if (!behind_ && !(ahead_ && knows_ways())) return;
     parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
       for (std::size_t s = begin; s < end; s += 4)
         if (blocks_.plain()[s / 4]) show_motion(world, blocks_.states().data(), s, s + 4);
@@ -117,7 +122,12 @@ class FusedModel final : public FusedSpheres {
     count(clock.dt, report);
     if (world.cell) deform(*world.cell, others, clock.dt, report);
     extent_ = seen();
-    if (onward) extents_.swap(next_extents_), ahead_ = true;
+    if (!onward) return;
+    extents_.swap(next_extents_), ahead_ = true, largest_way_ = Extent::none;
+    if (!knows_ways()) return;
+    Vec3 most = Vec3::Zero();
+    for (const Vec3& hurry : most_hurry_) most = most.cwiseMax(hurry);
+    largest_way_ = clock.dt * std::sqrt(most.sum());
   }
 
   const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
@@ -133,6 +143,7 @@ class FusedModel final : public FusedSpheres {
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
   void visit(StateVisitor& visitor) override {
+    ahead_ = behind_ = false;  // it may be another state that comes in
     generic_->visit(visitor), blocks_.visit(visitor);
     visitor.value("spheres/others", others_);
     visitor.value("spheres/viscous_power", viscous_power_);
@@ -149,6 +160,7 @@ class FusedModel final : public FusedSpheres {
             blocks_.sums(begin / SphereBlocks::block_size),
             blocks_.plain(),
             touched_.empty() ? nullptr : is_touched_.data(),
+            hurry_.data(),
             *clock.scheme,
             clock.dt,
             lag(clock),
@@ -156,6 +168,9 @@ class FusedModel final : public FusedSpheres {
             end,
             extent};
   }
+
+  /// The bodies are where the blocks have them; the world is told when somebody looks.
+  bool knows_ways() const { return !hurry_.empty(); }
 
   /// Of all bodies in this step.
   Extent seen() const {
@@ -189,6 +204,7 @@ class FusedModel final : public FusedSpheres {
       loop({all[i], law_, wall_laws_, mine});
     };
     next_extents_.assign(onward ? all.size() : 1, Extent{});
+    most_hurry_.assign(next_extents_.size(), Vec3::Zero());
     const auto second_half = best_loop<SecondHalf<false, true>>();
     const auto run_on = best_loop<SecondHalf<true, false>>();
     const auto run_on_shown = best_loop<SecondHalf<true, true>>();
@@ -200,11 +216,11 @@ class FusedModel final : public FusedSpheres {
         unpack_bodies(world, blocks_.states().data(), blocks_.sums(i),
                       touched_.empty() ? nullptr : is_touched_.data(), begin, end);
       else if (!onward)
-        second_half({pass(world, clock, begin, end, extents_[i]), next_extents_[0]});
-      else if (alone_)
-        run_on({pass(world, clock, begin, end, extents_[i]), next_extents_[i]});
+        second_half({pass(world, clock, begin, end, extents_[i]), next_extents_[0], most_hurry_[0]});
+      else if (knows_ways())
+        run_on({pass(world, clock, begin, end, extents_[i]), next_extents_[i], most_hurry_[i]});
       else
-        run_on_shown({pass(world, clock, begin, end, extents_[i]), next_extents_[i]});
+        run_on_shown({pass(world, clock, begin, end, extents_[i]), next_extents_[i], most_hurry_[i]});
     };
     if (thread_count() == 1) {  // records go to later blocks only: all for block i are there when its turn comes
       for (std::size_t i = 0; i < all.size(); ++i) find(i), finish(i);
@@ -312,8 +328,11 @@ class FusedModel final : public FusedSpheres {
   std::vector<Law> wall_laws_;
   bool damped_ = false, others_ = true;
   bool packed_ = false;          ///< the blocks hold the bodies as they are
-  bool alone_ = false;           ///< no contacts but those of the blocks
+  std::vector<float> hurry_;     ///< 1/half the margin, by slot [1/m]; empty: not all contacts are those of the blocks
+  std::vector<Vec3> most_hurry_;   ///< by block: largest squares of velocity times that [1/s^2]
+  double largest_way_ = Extent::none;  ///< of the step that has begun, over half the margin
   bool ahead_ = false;           ///< the first half of the next step is done
+  bool behind_ = false;          ///< the world has velocities of before
   std::vector<Slot> touched_;    ///< bodies with forces of the generic loop
   std::vector<std::uint8_t> is_touched_;        ///< the same by slot
   std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block

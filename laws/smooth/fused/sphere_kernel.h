@@ -44,6 +44,8 @@ struct SphereTotals {
   std::size_t touching = 0;
 };
 
+inline constexpr LanesOf<2>::Mask pair_masks[2] = {{-1, 0}, {-1, -1}};
+
 /// Contacts on their way through the loops. Lanes behind the last contact repeat it and add nothing.
 template <int n>
 struct SphereTile {
@@ -76,6 +78,7 @@ struct SphereTile {
   }
   /// All but the lanes behind the last contact.
   EPAFI_LANES MaskOf<V> used(std::size_t g) const {
+    if constexpr (n == 2) return pair_masks[count - g * n > 1];  // SSE2 does not compare such numbers
     MaskOf<V> lane{};
     for (int l = 0; l < n; ++l) lane[l] = l;
     return lane < static_cast<long long>(count - g * n) + MaskOf<V>{};
