@@ -136,10 +136,9 @@ void set_broad_phase(Assembly& a) {
     broad_phase = std::make_unique<PeriodicPairs>(setup, std::move(broad_phase));
   } else {
     auto* list = dynamic_cast<ListBroadPhase*>(broad_phase.get());
-    const auto* spheres = dynamic_cast<const FusedSpheres*>(a.simulation->pipeline.contact_model.get());
-    if (list && spheres) {
+    if (list && a.plan.fused_spheres) {
       broad_phase.release();
-      broad_phase = std::make_unique<WornPairs>(std::unique_ptr<ListBroadPhase>(list), *spheres);
+      broad_phase = std::make_unique<WornPairs>(std::unique_ptr<ListBroadPhase>(list), a.simulation->pipeline);
     }
   }
   a.simulation->pipeline.broad_phase = std::move(broad_phase);

@@ -11,7 +11,9 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
 
 bool WornPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
-  wear_ += way_ = model_.largest_way();
+  const auto* model = dynamic_cast<const FusedSpheres*>(pipeline_.contact_model.get());
+  way_ = model ? model->largest_way() : infinity;
+  wear_ += way_;
   return wear_ < 1.0 - 1e-6;  // sums are rounded
 }
 

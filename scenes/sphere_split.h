@@ -14,7 +14,9 @@ namespace epafi {
 /// looks at the bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all bytes of a step).
 class WornPairs final : public BroadPhase {
  public:
-  WornPairs(std::unique_ptr<ListBroadPhase> list, const FusedSpheres& model) : list_(std::move(list)), model_(model) {}
+  /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.
+  WornPairs(std::unique_ptr<ListBroadPhase> list, const Pipeline& pipeline)
+      : list_(std::move(list)), pipeline_(pipeline) {}
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
@@ -23,7 +25,7 @@ class WornPairs final : public BroadPhase {
 
  private:
   std::unique_ptr<ListBroadPhase> list_;
-  const FusedSpheres& model_;
+  const Pipeline& pipeline_;
   double way_ = infinity;   ///< of this step, as the model knows it
   double wear_ = infinity;  ///< at least the largest way of a body over half its margin
 };
