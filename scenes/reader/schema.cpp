@@ -225,7 +225,7 @@ TableSchema fill_table() {
            optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
            with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
            with_default(required("velocity_deviation", "", "m/s", Kind::number, not_negative,
-                                 "standard deviation of each component of a body's own velocity: a gas of bodies"),
+                                 "standard deviation of each component of a body's own velocity, without momentum in all: a gas"),
                         Value(0.0))}};
 }
 
