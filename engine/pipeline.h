@@ -75,7 +75,7 @@ class ContactModel : public StepStage {
   virtual bool move(World&, const StepClock&) { return false; }
   /// The first half of the next step is done: of the world only the positions are up to date.
   virtual bool is_ahead() const { return false; }
-  /// Between the halves of a step: velocities, where the model has moved the bodies without telling the world.
+  /// Within a step: positions and velocities, where the model has moved the bodies without telling the world.
   virtual void show(World&) const {}
   /// What the model has seen of the bodies on its way through the step; null: nothing.
   virtual const Extent* extent() const { return nullptr; }

@@ -54,7 +54,8 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
     else
       rest_.pairs.push_back(p);
   }
-  model_.set_pairs(world, std::move(between), std::move(walls), radius, alone ? pairs.margins : std::span<const double>{});
+  model_.set_pairs(world, std::move(between), std::move(walls), radius,
+                   alone ? pairs.margins : std::span<const double>{});
   known_ = true, generation_ = pairs.generation;
 }
 

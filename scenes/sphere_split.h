@@ -11,7 +11,8 @@
 namespace epafi {
 
 /// The list of a scene with many spheres: while the ways that the model knows of add up to less than the margins nobody
-/// looks at the bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all bytes of a step).
+/// looks at the bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all bytes of a
+/// step).
 class WornPairs final : public BroadPhase {
  public:
   /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.

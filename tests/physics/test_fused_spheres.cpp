@@ -21,9 +21,8 @@ const std::vector<std::string> bed_on_a_box{"params.n=2200", "body.floor.shape={
                                             "body.floor.position=[0, 0, -0.5]"};
 
 /// Spheres that fall past the floor and are taken out.
-const std::vector<std::string> leaking{
-    "params.n=1500", "body.floor.position=[0, 0, -1]",
-    "world.domain={ min = [-1, -1, -0.01], max = [1, 1, 1], outside = \"delete\" }"};
+const std::vector<std::string> leaking{"params.n=1500", "body.floor.position=[0, 0, -1]",
+                                       "world.domain={ min = [-1, -1, -0.01], max = [1, 1, 1], outside = \"delete\" }"};
 
 /// Layers that shear in a cell that repeats along x and y, on a plane and on held spheres (which are left to the
 /// generic loop).

@@ -150,8 +150,8 @@ struct FirstHalf : BodyPass {
 };
 
 /// What the loop over contacts has found, its sums at zero then, and half a kick. With `onward` the first half of the
-/// next step follows at once, and bodies and forces go to the world only with `shown`; without it the ways are measured.
-/// One body a register, as they lie in `states`, which count: those of the world may be of long ago.
+/// next step follows at once, and bodies and forces go to the world only with `shown`; without it the ways are
+/// measured. One body a register, as they lie in `states`, which count: those of the world may be of long ago.
 template <bool onward, bool shown>
 struct SecondHalf : BodyPass {
   Extent& next;      ///< of the bodies as the first half of the next step leaves them
@@ -161,12 +161,15 @@ struct SecondHalf : BodyPass {
   EPAFI_LANES void run() const {
     const RowOf<n> none = splat<n>(Extent::none), zero = splat<n>(0.0);
     Passing<n> p{load<n>(world.gravity.data()), none, splat<n>(-Extent::none), zero, zero, zero, world.rotates()};
-    each([&](std::size_t s) EPAFI_INLINED { for (std::size_t k = s; k < s + 4; ++k) one<n>(k, p); },
-         [&](std::size_t from, std::size_t to) {
-           finish_others(from, to);
-           if constexpr (onward) begin_others(from, to, next);
-           if constexpr (onward && !shown) measure_others(from, to, most_hurry);
-         });
+    each(
+        [&](std::size_t s) EPAFI_INLINED {
+          for (std::size_t k = s; k < s + 4; ++k) one<n>(k, p);
+        },
+        [&](std::size_t from, std::size_t to) {
+          finish_others(from, to);
+          if constexpr (onward) begin_others(from, to, next);
+          if constexpr (onward && !shown) measure_others(from, to, most_hurry);
+        });
     extent.finite = extent.finite && is_zero(p.finite);
     if constexpr (!onward) return;
     next.finite = next.finite && is_zero(p.finite_next);
@@ -223,8 +226,7 @@ struct SecondHalf : BodyPass {
     if constexpr (!onward || shown) {
       write<n>(world.position[s].data(), row<n>(state.position));
       write<n>(world.velocity[s].data(), v), write<n>(world.force[s].data(), force);
-      if (p.rotates)
-        write<n>(world.angular_velocity[s].data(), w), write<n>(world.torque[s].data(), torque);
+      if (p.rotates) write<n>(world.angular_velocity[s].data(), w), write<n>(world.torque[s].data(), torque);
     }
     sum = SphereSum{};
   }

@@ -213,8 +213,8 @@ class FusedModel final : public FusedSpheres {
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
       if (!clock.scheme)
-        unpack_bodies(world, blocks_.states().data(), blocks_.sums(i),
-                      touched_.empty() ? nullptr : is_touched_.data(), begin, end);
+        unpack_bodies(world, blocks_.states().data(), blocks_.sums(i), touched_.empty() ? nullptr : is_touched_.data(),
+                      begin, end);
       else if (!onward)
         second_half({pass(world, clock, begin, end, extents_[i]), next_extents_[0], most_hurry_[0]});
       else if (knows_ways())
@@ -327,13 +327,13 @@ class FusedModel final : public FusedSpheres {
   Law law_;
   std::vector<Law> wall_laws_;
   bool damped_ = false, others_ = true;
-  bool packed_ = false;          ///< the blocks hold the bodies as they are
-  std::vector<float> hurry_;     ///< 1/half the margin, by slot [1/m]; empty: not all contacts are those of the blocks
-  std::vector<Vec3> most_hurry_;   ///< by block: largest squares of velocity times that [1/s^2]
-  double largest_way_ = Extent::none;  ///< of the step that has begun, over half the margin
-  bool ahead_ = false;           ///< the first half of the next step is done
-  bool behind_ = false;          ///< the world has velocities of before
-  std::vector<Slot> touched_;    ///< bodies with forces of the generic loop
+  bool packed_ = false;           ///< the blocks hold the bodies as they are
+  std::vector<float> hurry_;      ///< 1/half the margin, by slot [1/m]; empty: not all contacts are those of the blocks
+  std::vector<Vec3> most_hurry_;  ///< by block: largest squares of velocity times that [1/s^2]
+  double largest_way_ = Extent::none;           ///< of the step that has begun, over half the margin
+  bool ahead_ = false;                          ///< the first half of the next step is done
+  bool behind_ = false;                         ///< the world has velocities of before
+  std::vector<Slot> touched_;                   ///< bodies with forces of the generic loop
   std::vector<std::uint8_t> is_touched_;        ///< the same by slot
   std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block
   Extent extent_;

@@ -13,8 +13,8 @@ namespace epafi {
 
 class FusedSpheres : public ContactModel {
  public:
-  /// The pairs that this model detects itself, whenever the list changes. radius: by slot. margins: of the list, by slot
-  /// [m]; empty: other contacts than those of the pairs are possible, or the list has none.
+  /// The pairs that this model detects itself, whenever the list changes. radius: by slot. margins: of the list, by
+  /// slot [m]; empty: other contacts than those of the pairs are possible, or the list has none.
   virtual void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
                          std::span<const double> radius, std::span<const double> margins) = 0;
   /// The largest way of a body in the step that has begun over half its margin; infinity: not known.

@@ -72,8 +72,8 @@ class SphereBlocks {
  public:
   static constexpr std::size_t block_size = 1024;
   static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
-  static constexpr std::uint32_t pairs_ahead = 24;  ///< the loop asks for bodies so far ahead: as many pairs stand behind
-                                                    ///< the last one
+  static constexpr std::uint32_t pairs_ahead = 24;    ///< the loop asks for bodies so far ahead: as many pairs stand
+                                                    ///< behind the last one
   static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit;
 
   /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of eight, sorted by (a, b,

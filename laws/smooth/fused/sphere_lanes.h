@@ -65,9 +65,7 @@ EPAFI_LANES HalfRows without_fourth(HalfRows x) {
 }
 /// x y z of the one, the fourth number of the other.
 EPAFI_LANES Lanes with_fourth(Lanes x, Lanes of) { return __builtin_shufflevector(x, of, 0, 1, 2, 7); }
-EPAFI_LANES HalfRows with_fourth(HalfRows x, HalfRows of) {
-  return {x.xy, __builtin_shufflevector(x.zw, of.zw, 0, 3)};
-}
+EPAFI_LANES HalfRows with_fourth(HalfRows x, HalfRows of) { return {x.xy, __builtin_shufflevector(x.zw, of.zw, 0, 3)}; }
 EPAFI_LANES Lanes least(Lanes a, Lanes b) { return min(a, b); }
 EPAFI_LANES HalfRows least(HalfRows a, HalfRows b) { return {min(a.xy, b.xy), min(a.zw, b.zw)}; }
 EPAFI_LANES Lanes most(Lanes a, Lanes b) { return max(a, b); }
