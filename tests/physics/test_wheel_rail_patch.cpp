@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "laws/wheel_rail/normal_models.h"
 #include "scenes/patch/evaluate_patch.h"
 #include "tests/support/catch.h"
 
@@ -335,4 +336,39 @@ TEST_CASE("where a normal model leaves its range it says why, and elsewhere it i
                {corner, "half-space", "", "conformal"},
                {coarse, "half-space", "half-space", "coarse grid"},
                {fine, "half-space", "half-space", ""}});
+}
+
+TEST_CASE("a gap whose samples all stay open carries nothing", "[physics][wheel_rail]") {
+  using Triangle = std::array<std::uint32_t, 3>;
+  class Nowhere final : public GapSource {  // what is asked of it here is in the region already
+   public:
+    std::vector<ContactRegion> regions() const override { return {}; }
+    ContactRegion moved(const ContactRegion& r, double, double) const override { return r; }
+    double angle_at(const ContactRegion&, double) const override { return 0.0; }
+    GapField field(const ContactRegion&, double, double, double, double, std::size_t, std::size_t) const override {
+      return {};
+    }
+    std::unique_ptr<GapOperator> gaps_between(GapMethod, std::span<const Vec3>, std::span<const Triangle>,
+                                              std::span<const Triangle>, double) const override {
+      return nullptr;
+    }
+  };
+  const Nowhere source;
+  std::vector<ContactRegion> regions(1);
+  ContactRegion& r = regions[0];
+  r.curvature_x = 2.0, r.curvature_y = 3.0;
+  r.profile.start = -2e-3, r.profile.step = 1e-4;
+  for (std::size_t k = 0; k < 41; ++k) {
+    const double y = r.profile.y(k);
+    r.profile.gap.push_back(2e-9 + 1.5 * y * y), r.profile.curvature_x.push_back(2.0),
+        r.profile.centre_x.push_back(0.0);
+  }
+  const ElasticPair steel{82e9, 0.28, 0.0};
+  for (const NormalModel& model : all_normal_models()) {
+    if (model.entry.name != "semi-hertz" && model.entry.name != "kik-piotrowski") continue;  // they take the samples
+    INFO(model.entry.name);
+    NormalInput in{source, regions, steel, {false, 1e-9}};
+    in.approach = 1e-9;
+    CHECK(model.solve(in).front().patch.normal_force == 0.0);
+  }
 }

@@ -376,6 +376,11 @@ std::vector<RegionPatch> solve_semi_hertz(const NormalInput& in) {
   RegionPatch out;
   Strips s;
   const bool settled = solve_strips(in, in.approach > 0.0 ? in.approach : estimate_approach(in), true, s);
+  if (std::none_of(s.p.begin(), s.p.end(), [](double p) { return p > 0.0; })) {
+    out.patch.reasons.push_back("nothing overlaps: the approach is below what the samples of the gap leave open");
+    out.patch.error_estimate = 1.0;
+    return {out};
+  }
   out.patch = patch_of(s, static_cast<std::size_t>(in.along));
   out.patch.error_estimate = settled ? error_of(s) : 0.1;
   if (!settled)
