@@ -160,6 +160,9 @@ void oblique_tests(const std::string& figures, Errors& errors) {
                      false,
                      false},
          figures + "/chung_ooi_4");
+}
+
+void recoil_tests(Errors& errors) {
   struct Recoil {
     double psi, spin;
   };
@@ -209,6 +212,7 @@ int main(int argc, char** argv) {
   Errors errors;
   normal_tests(errors);
   oblique_tests(figures, errors);
+  recoil_tests(errors);
   spin_tests(errors);
   if (figures.empty()) return 0;
   draw(ScatterPlot{"Chung and Ooi, tests 1 to 8: ours beside the exact or converged answer",

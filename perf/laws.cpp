@@ -120,23 +120,17 @@ void measure_needs(const std::vector<NeedRow>& rows, const char* folder) {
   if (folder) draw(map, std::string(folder) + "/needs");
 }
 
-}  // namespace
+const Parameters k = parameters_of({{"stiffness", 1e4}}), v = parameters_of({{"reference_speed", 2.0}}),
+                 n = parameters_of({{"stiffness", 1e6}, {"exponent", 1.5}}),
+                 w = parameters_of({{"work_of_adhesion", 0.01}});
 
-/// perf_laws FOLDER also draws FOLDER/laws.svg, cost against error of the impact, and FOLDER/needs.svg, cost of each
-/// declared need.
-int main(int argc, char** argv) {
-  set_thread_count(1);
-  std::printf("%-38s %8s %8s %8s %12s %12s  %s\n", "law", "contacts", "ns best", "median", "ledger err", "outcome err",
-              "force hash");
-  const Parameters k = parameters_of({{"stiffness", 1e4}}), v = parameters_of({{"reference_speed", 2.0}});
-  const Parameters n = parameters_of({{"stiffness", 1e6}, {"exponent", 1.5}}),
-                   w = parameters_of({{"work_of_adhesion", 0.01}});
-  const auto with_tangential = [](const char* law, const char* tangential, double e, double mu, double mu_r = 0.0,
-                                  const char* rolling = "") {
-    ContactChoice c{law, e, mu, mu_r};
-    c.tangential = tangential, c.rolling = rolling;
-    return c;
-  };
+ContactChoice with_tangential(const char* law, const char* tangential, double mu_r = 0.0, const char* rolling = "") {
+  ContactChoice c{law, 0.8, 0.3, mu_r};
+  c.tangential = tangential, c.rolling = rolling;
+  return c;
+}
+
+std::vector<PlotLine> measure_laws() {
   std::vector<PlotLine> lines;
   const auto add = [&](const char* label, const ContactChoice& choice, bool locate = false) {
     lines.push_back(measure(label, choice, locate));
@@ -157,9 +151,14 @@ int main(int argc, char** argv) {
   add("hertz-mindlin, elastic", {"hertz-mindlin", 1.0, 0.3});
   add("hertz-mindlin, damped", {"hertz-mindlin", 0.8, 0.3});
   add("hertz-mindlin, damped, located", {"hertz-mindlin", 0.8, 0.3}, true);
-  add("hertz, mindlin-deresiewicz", with_tangential("hertz", "mindlin-deresiewicz", 0.8, 0.3));
+  add("hertz, mindlin-deresiewicz", with_tangential("hertz", "mindlin-deresiewicz"));
+  add("hertz, mindlin-dashpot", with_tangential("hertz", "mindlin-dashpot"));
   add("hertz-mindlin, rolling spring", {"hertz-mindlin", 0.8, 0.3, 0.05});
-  add("hertz-mindlin, rolling constant", with_tangential("hertz", "mindlin", 0.8, 0.3, 0.05, "constant"));
+  add("hertz-mindlin, rolling constant", with_tangential("hertz", "mindlin", 0.05, "constant"));
+  return lines;
+}
+
+void measure_all_needs(const char* folder) {
   const ContactChoice spring{"linear", 1.0, 0, 0, k}, damped{"linear", 0.8, 0, 0, k},
       mindlin{"hertz-mindlin", 0.8, 0.3};
   measure_needs({{"rotation: spins in the velocity", damped, damped, false, true},
@@ -169,9 +168,20 @@ int main(int argc, char** argv) {
                  {"memory of the normal part", spring, {"walton-braun", 1.0, 0, 0, k}},
                  {"slip velocity and memory: friction", damped, {"linear", 0.8, 0.3, 0, k}, true, true},
                  {"contact moment: rolling spring", mindlin, {"hertz-mindlin", 0.8, 0.3, 0.05}, true, true},
-                 {"whole history of slip", mindlin, with_tangential("hertz", "mindlin-deresiewicz", 0.8, 0.3), true,
-                  true}},
-                argc > 1 ? argv[1] : nullptr);
+                 {"whole history of slip", mindlin, with_tangential("hertz", "mindlin-deresiewicz"), true, true}},
+                folder);
+}
+
+}  // namespace
+
+/// perf_laws FOLDER also draws FOLDER/laws.svg, cost against error of the impact, and FOLDER/needs.svg, cost of each
+/// declared need.
+int main(int argc, char** argv) {
+  set_thread_count(1);
+  std::printf("%-38s %8s %8s %8s %12s %12s  %s\n", "law", "contacts", "ns best", "median", "ledger err", "outcome err",
+              "force hash");
+  const std::vector<PlotLine> lines = measure_laws();
+  measure_all_needs(argc > 1 ? argv[1] : nullptr);
   if (argc > 1)
     draw(ScatterPlot{"Smooth laws: cost and error of the same oblique impact at 50 steps",
                      "processor time per contact [ns]",

@@ -37,74 +37,67 @@ double best_seconds(int rounds, int calls, const F& f) {
 
 volatile double sink;
 
-void laws() {
-  const ElasticPair steel{82e9, 0.28, 0.0};
-  const Ellipse e{8e-3, 4e-3};
-  struct Case {
-    const char* name;
-    Creepage creepage;
-  };
-  for (const Case& c : {Case{"longitudinal 0.001", {-0.001, 0, 0}}, Case{"lateral, spin", {0, -0.000625, 0.625}},
-                        Case{"spin 1 /m", {0, 0, 1.0}}}) {
-    RollingCase r{e, 82e3, steel, 0.3, c.creepage};
-    const KalkerCoefficients k = kalker_coefficients(2.0, 0.28);
-    const PatchForce truth = solve_extrapolated(bound_of_ellipse(e, 82e3, 0.3, 176, 176), steel, c.creepage).force;
-    const auto row = [&](const char* law, double seconds, const PatchForce& f) {
-      std::printf("%-20s %-28s %12.3e %10.4f\n", c.name, law, seconds,
-                  std::hypot(f.fx - truth.fx, f.fy - truth.fy) / r.bound());
-    };
+/// The creepages at which the laws are compared, on the ellipse of 8 by 4 mm.
+struct LawCase {
+  const char* name;
+  Creepage creepage;
+};
+constexpr double load = 82e3, friction = 0.3;
+const ElasticPair soft_steel{82e9, 0.28, 0.0};
+const Ellipse ellipse{8e-3, 4e-3};
+
+PatchForce half_space_force(const Creepage& creepage, std::uint32_t nx, std::uint32_t ny) {
+  return solve_extrapolated(bound_of_ellipse(ellipse, load, friction, nx, ny), soft_steel, creepage).force;
+}
+
+/// Rows of one creepage: seconds of a call and error of its force over mu N.
+class LawRows {
+ public:
+  explicit LawRows(const LawCase& c)
+      : name_(c.name),
+        case_{ellipse, load, soft_steel, friction, c.creepage},
+        truth_(half_space_force(c.creepage, 176, 176)) {}
+
+  template <class F>
+  void row(const std::string& law, int rounds, int calls, const F& force) {
     PatchForce f;
-    row("shen-hedrick-elkins",
-        best_seconds(20, 20000,
-                     [&] {
-                       r.creepage.lateral += 1e-15;
-                       f = shen_hedrick_elkins(r);
-                       sink = f.fx;
-                     }),
-        f);
-    row("polach",
-        best_seconds(20, 20000,
-                     [&] {
-                       r.creepage.lateral += 1e-15;
-                       f = polach(r);
-                       sink = f.fx;
-                     }),
-        f);
-    row("vermeulen-johnson",
-        best_seconds(20, 20000,
-                     [&] {
-                       r.creepage.lateral += 1e-15;
-                       f = vermeulen_johnson(r);
-                       sink = f.fx;
-                     }),
-        f);
+    const double seconds = best_seconds(rounds, calls, [&] {
+      case_.creepage.lateral += 1e-15;  // no call is the one before
+      f = force(case_);
+      sink = f.fx;
+    });
+    std::printf("%-20s %-28s %12.3e %10.4f\n", name_, law.c_str(), seconds,
+                std::hypot(f.fx - truth_.fx, f.fy - truth_.fy) / case_.bound());
+  }
+
+ private:
+  const char* name_;
+  RollingCase case_;
+  PatchForce truth_;
+};
+
+void laws() {
+  const KalkerCoefficients k = kalker_coefficients(2.0, 0.28);
+  for (const LawCase& c : {LawCase{"longitudinal 0.001", {-0.001, 0, 0}},
+                           LawCase{"lateral, spin", {0, -0.000625, 0.625}}, LawCase{"spin 1 /m", {0, 0, 1.0}}}) {
+    LawRows rows(c);
+    rows.row("shen-hedrick-elkins", 20, 20000, [](const RollingCase& r) { return shen_hedrick_elkins(r); });
+    rows.row("polach", 20, 20000, [](const RollingCase& r) { return polach(r); });
+    rows.row("vermeulen-johnson", 20, 20000, [](const RollingCase& r) { return vermeulen_johnson(r); });
     for (const std::uint32_t n : {11u, 22u, 44u, 88u}) {
-      const auto text = [n](const char* name) {
-        static char buffer[64];
-        std::snprintf(buffer, sizeof buffer, "%s %ux%u", name, n, n);
-        return buffer;
-      };
-      row(text("fastsim"),
-          best_seconds(20, 20,
-                       [&] {
-                         f = fastsim(strips_of_ellipse(e, 82e3, n, n, Bound::parabolic),
-                                     kalker_flexibility(r, k, FlexibilityRule::blended), 0.3, r.creepage, false)
-                                 .force;
-                       }),
-          f);
-      row(text("fastrip"),
-          best_seconds(20, 20,
-                       [&] { f = fastrip(strips_of_ellipse(e, 82e3, n, n, Bound::elliptic), r, k, false).force; }),
-          f);
-      row(text("half-space, extrapolated"),
-          best_seconds(2, 1,
-                       [&] { f = solve_extrapolated(bound_of_ellipse(e, 82e3, 0.3, n, n), steel, c.creepage).force; }),
-          f);
+      const std::string cells = fmt::format(" {}x{}", n, n);
+      rows.row("fastsim" + cells, 20, 20, [&](const RollingCase& r) {
+        return fastsim(strips_of_ellipse(ellipse, load, n, n, Bound::parabolic),
+                       kalker_flexibility(r, k, FlexibilityRule::blended), friction, r.creepage, false)
+            .force;
+      });
+      rows.row("fastrip" + cells, 20, 20, [&](const RollingCase& r) {
+        return fastrip(strips_of_ellipse(ellipse, load, n, n, Bound::elliptic), r, k, false).force;
+      });
+      rows.row("half-space, extrapolated" + cells, 2, 1,
+               [&](const RollingCase& r) { return half_space_force(r.creepage, n, n); });
     }
-    row("half-space 64x32",
-        best_seconds(2, 1,
-                     [&] { f = solve_extrapolated(bound_of_ellipse(e, 82e3, 0.3, 64, 32), steel, c.creepage).force; }),
-        f);
+    rows.row("half-space 64x32", 2, 1, [](const RollingCase& r) { return half_space_force(r.creepage, 64, 32); });
   }
 }
 

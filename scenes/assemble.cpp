@@ -84,7 +84,8 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
     BodySpec spec;
     spec.name = fmt::format("{}[{}]", fill.name, k);
     spec.shape = fill.shapes[f.shape], spec.material = fill.material;
-    spec.position = f.position, spec.orientation = f.orientation, spec.velocity = fill.velocity;
+    spec.position = f.position, spec.orientation = f.orientation;
+    spec.velocity = fill.velocity + f.velocity;
     const BuiltShape& shape = builder.build(spec.shape, f.size);
     if (fill.method != FillSpec::Method::pour) {
       ids.push_back(add_body(a, shape, spec, fill.place));

@@ -209,6 +209,21 @@ FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& 
   return result;
 }
 
+/// Own velocities, of no momentum in all: the group keeps the fill's velocity.
+void draw_velocities(const FillSpec& fill, const std::vector<FillShape>& shapes, std::vector<FillBody>& bodies) {
+  constexpr std::uint64_t velocities = 1ull << 62;  // streams of their own: places do not depend on them
+  Vec3 momentum = Vec3::Zero();
+  double mass = 0.0;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    FillBody& b = bodies[k];
+    Random random(fill.seed, velocities | k);
+    for (double& v : b.velocity) v = fill.velocity_deviation * draw_normal(random);
+    const double m = shapes[b.shape].mass * b.size * b.size * b.size;
+    momentum += m * b.velocity, mass += m;
+  }
+  for (FillBody& b : bodies) b.velocity -= momentum / mass;
+}
+
 }  // namespace
 
 SizeBounds natural_bounds(const FillSpec::Size& s) {
@@ -218,8 +233,11 @@ SizeBounds natural_bounds(const FillSpec::Size& s) {
 }
 
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes) {
-  if (fill.method == FillSpec::Method::pour) return stream(fill, shapes);
-  return fill.method == FillSpec::Method::lattice ? lattice(fill, shapes) : random_insertion(fill, shapes);
+  FillResult result = fill.method == FillSpec::Method::pour      ? stream(fill, shapes)
+                      : fill.method == FillSpec::Method::lattice ? lattice(fill, shapes)
+                                                                 : random_insertion(fill, shapes);
+  if (fill.velocity_deviation > 0.0) draw_velocities(fill, shapes, result.bodies);
+  return result;
 }
 
 }  // namespace epafi

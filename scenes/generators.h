@@ -1,4 +1,4 @@
-/// @file generators.h  Bodies of a [[fill]]: centres, sizes, orientations. A pure function of the fill and its seed.
+/// @file generators.h  Bodies of a [[fill]]: centres, sizes, orientations, own velocities, all by the fill and its seed.
 #pragma once
 #include <string>
 #include <vector>
@@ -18,6 +18,7 @@ struct FillBody {
   std::size_t shape = 0;  ///< index into FillSpec::shapes
   double size = 1.0;      ///< factor of the shape's size
   Vec3 position = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero();  ///< beside that of the fill [m/s]
   Quat orientation = Quat(1, 0, 0, 0);
 };
 

@@ -145,10 +145,11 @@ struct FillSpec {
   Region region;
   Method method = Method::lattice;
   std::uint64_t seed = 1;
-  Vec3 velocity = Vec3::Zero();  ///< [m/s]
-  double rate = 0.0;             ///< pour: bodies per second [1/s], or 0
-  double mass_rate = 0.0;        ///< pour: [kg/s], or 0
-  double from = 0.0;             ///< pour: begin [s]
+  Vec3 velocity = Vec3::Zero();     ///< [m/s]
+  double velocity_deviation = 0.0;  ///< standard deviation of each component of a body's own velocity [m/s], >= 0
+  double rate = 0.0;                ///< pour: bodies per second [1/s], or 0
+  double mass_rate = 0.0;           ///< pour: [kg/s], or 0
+  double from = 0.0;                ///< pour: begin [s]
   Place place;
 };
 

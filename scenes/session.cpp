@@ -177,6 +177,7 @@ std::optional<Ending> Session::reason_to_stop(const SessionLimits& limits) const
   const Simulation& sim = *assembly_->simulation;
   if (const int signal = SignalWatch::received()) return signal == 2 ? Ending::interrupted : Ending::terminated;
   if (limits.wall && elapsed() >= *limits.wall) return Ending::time_limit;
+  if (limits.processor && processor_seconds() >= *limits.processor) return Ending::time_limit;
   if (limits.steps && sim.steps() >= *limits.steps) return Ending::until;
   if (limits.until && sim.world.time >= *limits.until - 1e-9 * sim.time_step) return Ending::until;
   return std::nullopt;

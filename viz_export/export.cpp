@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <utility>
 
 #include "engine/error.h"
 #include "viz_export/frame_writer.h"
@@ -15,33 +16,58 @@ namespace epafi {
 
 namespace {
 
+constexpr const char* state_columns = "x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz";
+
+void append_state(std::string& out, const BodyRecord& b) {
+  const Quat& q = b.pose.orientation;
+  const Vec3 &x = b.pose.position, &v = b.velocity, &w = b.angular_velocity;
+  const double values[] = {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), w.x(), w.y(), w.z()};
+  const char* comma = "";
+  for (const double value : values) fmt::format_to(std::back_inserter(out), "{}{:.17g}", comma, value), comma = ",";
+}
+
 void append_rows(std::string& out, const StoredSnapshot& snapshot) {
-  const auto put = [&](double value) { fmt::format_to(std::back_inserter(out), ",{:.17g}", value); };
   for (const BodyRecord& b : snapshot.bodies) {
-    fmt::format_to(std::back_inserter(out), "{:.17g},{},{},{}", snapshot.stamp.time, snapshot.stamp.step, b.id,
-                   b.material);
-    put(b.mass), put(b.radius);
-    for (const Vec3* v : {&b.pose.position, &b.velocity})
-      for (double c : *v) put(c);
-    const Quat& q = b.pose.orientation;
-    for (double c : {q.w(), q.x(), q.y(), q.z()}) put(c);
-    for (double c : b.angular_velocity) put(c);
+    fmt::format_to(std::back_inserter(out), "{:.17g},{},{},{},{:.17g},{:.17g},", snapshot.stamp.time,
+                   snapshot.stamp.step, b.id, b.material, b.mass, b.radius);
+    append_state(out, b);
     out += '\n';
   }
 }
 
-void write_snapshots_csv(const std::filesystem::path& path, const StoredRun& run) {
+/// A table whose parts `next` gives until it gives "".
+template <class Next>
+void write_table(const std::filesystem::path& path, const std::string& header, Next&& next) {
   SideFile side(path);
   std::ofstream out(side.path(), std::ios::binary);
-  out << "time,step,id,material,mass,radius,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";
-  for (std::size_t k = 0; k < run.snapshots(); ++k) {
-    std::string rows;
-    append_rows(rows, run.snapshot(k));
-    out << rows;
-  }
+  out << header << '\n';
+  for (std::string rows = next(); !rows.empty(); rows = next()) out << rows;
   out.close();
   if (!out) throw FileError(path.string() + ": cannot write (is the disk full?)");
   side.commit(false);
+}
+
+void write_snapshots_csv(const std::filesystem::path& path, const StoredRun& run) {
+  std::size_t k = 0;
+  write_table(path, std::string("time,step,id,material,mass,radius,") + state_columns, [&] {
+    std::string rows;
+    while (rows.empty() && k < run.snapshots()) append_rows(rows, run.snapshot(k++));
+    return rows;
+  });
+}
+
+void write_bodies_csv(const std::filesystem::path& path, const StoredSnapshot& last) {
+  const auto& all = last.bodies;
+  const bool spheres =
+      std::all_of(all.begin(), all.end(), [](const BodyRecord& b) { return b.is_wall() || !b.surface; });
+  std::string rows;
+  for (const BodyRecord& b : all) {
+    if (b.is_wall()) continue;
+    append_state(rows, b);
+    if (spheres) fmt::format_to(std::back_inserter(rows), ",{:.17g}", b.radius);
+    rows += '\n';
+  }
+  write_table(path, std::string(state_columns) + (spheres ? ",radius" : ""), [&] { return std::exchange(rows, {}); });
 }
 
 struct Sample {
@@ -87,6 +113,7 @@ ExportReport export_run(const std::filesystem::path& folder, ExportFormat format
     return report;
   }
   write_snapshots_csv(folder / "snapshots.csv", run);
+  if (run.snapshots() > 0) write_bodies_csv(folder / "bodies.csv", run.snapshot(run.snapshots() - 1));
   const auto measures = run.measures();
   report.measures = measures.size();
   write_measures_csv(folder / "measures.csv", measures);

@@ -7,7 +7,9 @@ namespace epafi {
 
 enum class ExportFormat {
   vtk,  ///< frames/*.vtp and frames.pvd, without contacts (run.h5 does not hold them)
-  csv   ///< snapshots.csv: time, step and every column of every body; measures.csv
+  csv   ///< snapshots.csv: time, step and every column of every body; measures.csv;
+        ///< bodies.csv: free bodies of the last snapshot as [[bodies]] of another scene reads them (radius where all are
+        ///< spheres; else the scene names their shape)
 };
 
 /// What was written, for the user.

@@ -68,12 +68,13 @@ int exit_code(Ending ending) {
 }
 
 SessionLimits limits_of(const RunOptions& o) {
-  SessionLimits limits{o.until, o.steps, std::nullopt};
-  if (!o.time_limit.empty()) {
-    limits.wall = parse_duration(o.time_limit);
-    if (!limits.wall) throw SceneError("--time-limit '" + o.time_limit + "' is no duration; write 90s, 30m or 3h50m");
-  }
-  return limits;
+  const auto duration = [](const char* option, const std::string& text) -> std::optional<double> {
+    if (text.empty()) return std::nullopt;
+    const auto seconds = parse_duration(text);
+    if (!seconds) throw SceneError(std::string(option) + " '" + text + "' is no duration; write 90s, 30m or 3h50m");
+    return seconds;
+  };
+  return {o.until, o.steps, duration("--time-limit", o.time_limit), duration("--cpu-limit", o.cpu_limit)};
 }
 
 int finish(Session& session, const std::filesystem::path& folder, const RunOptions& options,

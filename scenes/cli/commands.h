@@ -29,7 +29,7 @@ struct RunOptions {
   int threads = 0;              ///< 0: all cores
   std::optional<double> until;  ///< [s]
   std::optional<std::uint64_t> steps;
-  std::string time_limit;  ///< "3h50m", "90s"; empty: none
+  std::string time_limit, cpu_limit;  ///< "3h50m", "90s"; empty: none
   bool quiet = false, verbose = false, json = false, force = false, least_output = false;
 };
 

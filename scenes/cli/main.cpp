@@ -25,6 +25,7 @@ void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
   command->add_option("--steps", o.steps, "stop after this many steps, with a checkpoint");
   command->add_option("--time-limit", o.time_limit,
                       "stop after this wall time (90s, 3h50m) with a checkpoint, exit code 75");
+  command->add_option("--cpu-limit", o.cpu_limit, "the same by processor time of all threads");
   command->add_flag("-q,--quiet", o.quiet, "no progress");
   command->add_flag("-v,--verbose", o.verbose, "more about the set-up");
   command->add_flag("--json", o.json, "print the summary on stdout, nothing else there");

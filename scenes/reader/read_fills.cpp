@@ -119,6 +119,7 @@ void read_fill(Draft& draft, const Node& item) {
   read_pouring(reading, values, label, fill);
   fill.seed = static_cast<std::uint64_t>(values.number_or("seed", static_cast<double>(draft.scene.run.seed)));
   if (values.has("velocity")) fill.velocity = values.vec3("velocity");
+  fill.velocity_deviation = values.number_or("velocity_deviation", 0.0);
   draft.scene.fills.push_back(std::move(fill));
 }
 

@@ -223,7 +223,10 @@ TableSchema fill_table() {
            optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
            with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
            optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
-           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero))}};
+           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
+           with_default(required("velocity_deviation", "", "m/s", Kind::number, not_negative,
+                                 "standard deviation of each component of a body's own velocity, without momentum in all: a gas"),
+                        Value(0.0))}};
 }
 
 TableSchema outlet_table() {

@@ -27,7 +27,7 @@ std::vector<std::string> arguments(const std::string& scene, const Case& wanted,
       "epafi", "run", scene, "--quiet", "--force", "-t", std::to_string(limits.threads), "-o", wanted.folder.string()};
   if (limits.least_output) args.push_back("--least-output");
   if (limits.seconds > 0)
-    args.insert(args.end(), {"--time-limit", fmt::format("{}s", std::max(1.0, std::ceil(limits.seconds)))});
+    args.insert(args.end(), {"--cpu-limit", fmt::format("{}s", std::max(1.0, std::ceil(limits.seconds * limits.threads)))});
   for (const auto& o : wanted.overrides) args.insert(args.end(), {"--set", o});
   return args;
 }

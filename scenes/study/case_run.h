@@ -20,14 +20,14 @@ struct Case {
 struct CaseLimits {
   std::string program = "/proc/self/exe";  ///< that runs the case: this one
   int threads = 1;
-  double seconds = 0.0;      ///< wall time of the run [s]; 0: none
+  double seconds = 0.0;      ///< processor time of the run per thread [s], so that a busy machine ends no case; 0: none
   bool least_output = true;  ///< no frames, no snapshot but the last
   std::optional<std::chrono::steady_clock::time_point> until = {};  ///< no case is begun later
 };
 
 /// What a case came to.
 struct CaseResult {
-  /// completed, bound_violated, failed, over_budget (the time limit ended it), wrong_scene, crashed, interrupted
+  /// completed, bound_violated, failed, over_budget (its time limit ended it), wrong_scene, crashed, interrupted
   std::string status;
   std::string trouble;  ///< last message of the process, empty where it completed
   FlatJson summary;     ///< empty where the run wrote none

@@ -64,7 +64,7 @@ struct Study {
   std::string theory;  ///< expression of x (the first parameter) for the limit of the last one; empty: none
   std::string theory_label;
   int repeats = 3;           ///< timings of each point
-  double time_limit = 60.0;  ///< wall time of one case [s]
+  double time_limit = 60.0;  ///< processor time of one case per thread [s]
   double budget = 0.0;       ///< of all cases [s]: what is not reached is not run; 0: none
   int threads = 1;
   std::string program = "/proc/self/exe";  ///< that runs the cases

@@ -26,7 +26,12 @@ Short shortened(const std::string& scene) {
   if (scene == "bed/bed.toml") return {scene, {"params.n=400"}, 1200};
   if (scene == "pile/polyhedra.toml") return {scene, {"params.n=60"}, 150};
   // elastic, so that the ledger is compared with an energy that stays
-  if (scene.rfind("granular/jammed", 0) == 0) return {scene, {"params.n=40", "contact.restitution=1", "params.start=0.06"}, 400};
+  if (scene.rfind("granular/hard", 0) == 0)
+    return {scene, {"params.n=40", "params.start=0.06", "params.speed=2.0"}, 400};
+  if (scene == "granular/jammed_capsules.toml" || scene == "granular/jammed_ellipsoids.toml")
+    return {scene, {"contact.restitution=1"}, 60};
+  if (scene == "granular/jammed_spheres.toml")
+    return {scene, {"params.n=40", "contact.restitution=1", "params.start=0.06"}, 400};
   if (scene == "granular/incline_flow.toml") return {scene, {"params.layers=6", "params.lx=4", "params.ly=4"}, 1200};
   if (scene == "granular/column_collapse.toml")
     return {scene, {"params.l0=5", "params.w=4", "params.open_at=0.02", "params.a=1.0"}, 1200};

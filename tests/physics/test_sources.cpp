@@ -74,6 +74,30 @@ TEST_CASE("sizes of a fill follow their distribution", "[physics][fill]") {
   CHECK(share(3) == Approx(0.2).margin(4 * 0.4 / std::sqrt(static_cast<double>(n))));
 }
 
+TEST_CASE("own velocities of a fill are normal, independent, and leave the places as they are", "[physics][fill]") {
+  FillSpec fill;
+  fill.method = FillSpec::Method::random, fill.shapes = {0}, fill.weights = {1.0}, fill.count = 4000;
+  fill.region = {Vec3::Zero(), Vec3::Constant(60)};
+  const std::vector<FillShape> ball{{1.0, 1.0, true}};
+  const auto still = generate(fill, ball).bodies;
+  fill.velocity_deviation = 0.25;
+  const auto moving = generate(fill, ball).bodies;
+  const double n = 4000.0;
+  Vec3 mean = Vec3::Zero();
+  Mat3 product = Mat3::Zero();
+  double fourth = 0.0;
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    REQUIRE(moving[k].position == still[k].position);
+    REQUIRE(still[k].velocity == Vec3::Zero());
+    const Vec3 v = moving[k].velocity / 0.25;
+    mean += v / n, product += v * v.transpose() / n, fourth += v.array().pow(4).sum() / (3 * n);
+  }
+  CHECK(mean.cwiseAbs().maxCoeff() < 1e-12);  // no momentum
+  // four deviations of each mean
+  CHECK((product - Mat3::Identity()).cwiseAbs().maxCoeff() < 4 * std::sqrt(2.0 / n));
+  CHECK(fourth == Approx(3.0).margin(4 * std::sqrt(96.0 / (3 * n))));
+}
+
 TEST_CASE("shares of mass in a table become shares of number", "[physics][fill]") {
   // equal masses of sizes 1 and 2: eight small bodies for each large one
   auto run = start_text(head + R"(

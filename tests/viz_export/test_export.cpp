@@ -46,6 +46,11 @@ TEST_CASE("exported frames and measures are those that the run wrote itself, byt
   // sphere 1 of the second snapshot: id 2, mass 2, radius 0.11, at (1.125, 2, 0.5) with velocity (1, 1, -1), spinning
   // by 1
   CHECK_THAT(rows, Catch::Contains("\n0.125,1,2,0,2,0.11,1.125,2,0.5,1,1,-1,1,0,0,0,0,0,1\n"));
+  // the same sphere in the last snapshot, without the wall: a start for another scene
+  const std::string bodies = read_whole_file(copy / "bodies.csv");
+  CHECK_THAT(bodies, Catch::StartsWith("x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz,radius\n"));
+  CHECK(std::count(bodies.begin(), bodies.end(), '\n') == 1 + 4);
+  CHECK_THAT(bodies, Catch::Contains("\n1.25,2,0.5,1,1,-1,1,0,0,0,0,0,1,0.11\n"));
 }
 
 TEST_CASE("export of a folder without a run is an error that names the file", "[viz_export][export]") {
