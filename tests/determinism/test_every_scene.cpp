@@ -36,7 +36,7 @@ Short shortened(const std::string& scene) {
   if (scene == "granular/column_collapse.toml")
     return {scene, {"params.l0=5", "params.w=4", "params.open_at=0.02", "params.a=1.0"}, 1200};
   if (scene == "granular/orifice.toml") return {scene, {"params.n=300", "params.height=8"}, 1500};
-  if (scene == "granular/silo.toml") return {scene, {"params.n=200", "params.pour=0.03", "params.sink_at=0.22"}, 5000};
+  if (scene == "granular/silo.toml") return {scene, {"params.n=200", "params.pour=0.03", "params.lift_at=0.3"}, 15000};
   if (scene == "tutorials/01_first_impact.toml") return {scene, {"params.drop=1e-6"}, 1400};
   if (scene == "tutorials/02_hopper.toml") return {scene, {"params.n=150", "params.open_at=0.06"}, 600};
   if (scene == "tutorials/03_stack.toml") return {scene, {"params.mu=0.1"}, 150};
