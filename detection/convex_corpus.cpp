@@ -115,7 +115,10 @@ double CorpusPair::resolution() const {
 std::vector<Pose> CorpusPair::moving_poses(std::size_t count, Random& random) const {
   double radius = 0.0;
   for (const Vec3& v : b.vertices) radius = std::max(radius, v.norm());
-  const auto draw = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
+  const auto draw = [&] {  // one by one, or each compiler has an order of its own
+    const double z = random.uniform(-1, 1), y = random.uniform(-1, 1), x = random.uniform(-1, 1);
+    return Vec3(x, y, z);
+  };
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < count; ++k) {
     const Vec3 shift = draw(), axis = draw();

@@ -189,7 +189,9 @@ FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& 
     while (!placed && low + 2 * radius <= fill.region.max.z()) {
       const double high = std::min(fill.region.max.z(), low + 4 * largest);
       for (int t = 0; t < trials && !placed; ++t) {
-        const Vec3 u(random.uniform(), random.uniform(), random.uniform());
+        // one by one: in which order arguments are computed is the compiler's choice (GCC from the last, Clang from the first)
+        const double uz = random.uniform(), uy = random.uniform(), ux = random.uniform();
+        const Vec3 u(ux, uy, uz);
         const Vec3 from(fill.region.min.x() + radius, fill.region.min.y() + radius, low + radius);
         const Vec3 to(fill.region.max.x() - radius, fill.region.max.y() - radius, high - radius);
         if ((to - from).minCoeff() < 0) break;

@@ -9,6 +9,7 @@ namespace epafi {
 namespace {
 /// Runs are a handful of entries, mostly sorted.
 void sort_run(Slot* first, Slot* last) {
+  if (last - first < 2) return;  // of none, first may be null
   if (last - first > 32) {
     if (!std::is_sorted(first, last)) std::sort(first, last);
     return;

@@ -86,7 +86,7 @@ void BatchNarrowPhase::join(ContactSet& out) {
       [&](std::size_t k) {
         const ContactSet& from = blocks_[k].contacts;
         const auto place = [at = static_cast<std::ptrdiff_t>(blocks_[k].first)](const auto& source, auto& target) {
-          std::copy(source.begin(), source.end(), target.begin() + at);
+          if (!source.empty()) std::copy(source.begin(), source.end(), target.begin() + at);  // else no column to point into
         };
         place(from.a, out.a), place(from.b, out.b), place(from.feature, out.feature);
         place(from.gap, out.gap), place(from.normal, out.normal), place(from.arm, out.arm);

@@ -160,7 +160,8 @@ void find_candidates(const BatchInput& in, const Pair& p, bool mesh_first, doubl
 /// The pairs of a run, one after the other.
 template <class A, class B>
 void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
-  const auto &as = in.shapes.of<A>(), &bs = in.shapes.of<B>();
+  const std::vector<A>& as = in.shapes.of<A>();
+  const std::vector<B>& bs = in.shapes.of<B>();
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Pair& p = pairs[k];
     sink.begin(p.a, p.b, p.image >> 8);

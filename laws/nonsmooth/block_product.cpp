@@ -4,8 +4,9 @@ namespace epafi {
 
 namespace {
 
-using Four = double __attribute__((vector_size(32), aligned(8), may_alias));
-using Two = double __attribute__((vector_size(16), aligned(8), may_alias));
+// of an alias (`using`) Clang 14 forgets `aligned`, and loads where 32 bytes do not fit
+typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));  // NOLINT(modernize-use-using)
+typedef double Two __attribute__((vector_size(16), aligned(8), may_alias));   // NOLINT(modernize-use-using)
 
 /// c -= a b^T for 3 x 3 blocks, a column as four lanes: the last holds what follows and is thrown away, so that `a`
 /// must be readable for one number more.
@@ -47,8 +48,9 @@ using Two = double __attribute__((vector_size(16), aligned(8), may_alias));
 [[gnu::always_inline]] inline void subtract_two_6(double* __restrict c, double* __restrict d,
                                                   const double* __restrict a, const double* __restrict e,
                                                   const double* __restrict b, std::size_t depth) {
-  const auto four = [](const double* p) { return *reinterpret_cast<const Four*>(p); };
-  const auto halves = [](const double* p, const double* q) {
+  // inlined always: a call between instruction sets would hand over lanes in other registers
+  const auto four = [](const double* p) __attribute__((always_inline)) { return *reinterpret_cast<const Four*>(p); };
+  const auto halves = [](const double* p, const double* q) __attribute__((always_inline)) {
     const Two x = *reinterpret_cast<const Two*>(p), y = *reinterpret_cast<const Two*>(q);
     return __builtin_shufflevector(x, y, 0, 1, 2, 3);
   };

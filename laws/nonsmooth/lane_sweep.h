@@ -41,9 +41,12 @@ class LaneSweep {
 
   /// What the rows have made of the velocities of body s.
   Vec3 linear(Slot s) const { return {bodies_[s].velocity[0], bodies_[s].velocity[1], bodies_[s].velocity[2]}; }
+  /// `if constexpr` too: an explicit instantiation makes Clang 14 compile members whose `requires` fails.
   Vec3 angular(Slot s) const requires Rotates {
-    const Lanes& w = bodies_[s].angular_velocity;
-    return {w[0], w[1], w[2]};
+    Vec3 w = Vec3::Zero();
+    if constexpr (Rotates)
+      for (int k = 0; k < 3; ++k) w[k] = bodies_[s].angular_velocity[k];
+    return w;
   }
 
   struct Nothing {};

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/parallel.h"
 #include "engine/registry.h"
 #include "laws/nonsmooth/displacement.h"
 
