@@ -30,6 +30,7 @@ constexpr int image_step(std::uint32_t bits) { return (bits & 3u) == 3u ? -1 : s
 struct PeriodicCell {
   Vec3 low = Vec3::Zero(), size = Vec3::Ones();  ///< [m]; used along periodic axes only
   std::array<bool, 3> repeats{};
+  std::array<bool, 5> unused{};     ///< up to the next number: what a checkpoint writes is all defined
   Vec3 strain_rate = Vec3::Zero();  ///< of the cell's edges now, extension positive [1/s]; 0 along other axes
   Vec3 virial = Vec3::Zero();       ///< sum of force on A times branch A to B at the last evaluation, by axis [N m]
 
