@@ -16,10 +16,10 @@
 namespace epafi {
 
 struct SessionLimits {
-  std::optional<double> until;         ///< simulated time [s]
-  std::optional<std::uint64_t> steps;  ///< steps of the whole run
-  std::optional<double> wall;          ///< wall time of this session [s]
-  std::optional<double> processor;     ///< processor time of this process, all threads [s]
+  std::optional<double> until = {};         ///< simulated time [s]
+  std::optional<std::uint64_t> steps = {};  ///< steps of the whole run
+  std::optional<double> wall = {};          ///< wall time of this session [s]
+  std::optional<double> processor = {};     ///< processor time of this process, all threads [s]
 };
 
 /// Why a session ended.
