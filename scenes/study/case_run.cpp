@@ -53,7 +53,10 @@ pid_t start(const std::string& scene, const Case& wanted, const CaseLimits& limi
 }
 
 std::string status_of(int wait_status) {
-  if (WIFSIGNALED(wait_status)) return WTERMSIG(wait_status) == SIGINT ? "interrupted" : "crashed";
+  if (WIFSIGNALED(wait_status)) {  // by those two before it could listen to them
+    const int signal = WTERMSIG(wait_status);
+    return signal == SIGINT || signal == SIGTERM ? "interrupted" : "crashed";
+  }
   switch (WEXITSTATUS(wait_status)) {
     case 0:
       return "completed";
@@ -127,7 +130,7 @@ bool run_cases(const std::string& scene, const std::vector<Case>& cases, const C
     done(at->second, result);
     running.erase(at);
   }
-  return whole;
+  return whole && SignalWatch::received() == 0;  // also one that came with the end of the last case
 }
 
 std::optional<CaseResult> finished_case(const Case& wanted, const std::string& scene_hash) {
