@@ -132,8 +132,8 @@ void single_point(const PolyhedronPair& pair, const PolyhedronDistance& d, doubl
   out.count = 1;
 }
 
-/// Lowers all points alike until the deepest is at `gap`. The deepest alone would do, but another one is the deepest with
-/// every small tilt: its moment then jumps, and what rests on a cylinder trembles for ever at 1e-10 of its drop's energy.
+/// Lowers all points alike until the deepest is at `gap`: were it the deepest alone, the moment would jump where with a
+/// small tilt another one is the deepest.
 void lower_to(double gap, Patch& out) {
   double least = infinity;
   for (int k = 0; k < out.count; ++k) least = std::min(least, out.point[static_cast<std::size_t>(k)].gap);
@@ -171,7 +171,8 @@ void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double si
   const std::size_t right = best_by([&](const PatchPoint& p) { return -across.dot(p.position - p0); }, far, far);
   for (const std::size_t i : {first, second, left, right})
     if (i != none) take(i);
-  lower_to(std::min_element(points.begin(), points.end(), lowest)->gap, out);
+  const auto kept = std::min_element(out.point.begin(), out.point.begin() + out.count, lowest);
+  kept->gap = std::min(kept->gap, std::min_element(points.begin(), points.end(), lowest)->gap);
 }
 
 void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out) {
