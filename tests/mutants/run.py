@@ -44,9 +44,12 @@ def main():
             return False  # a search that no longer ends is noticed
 
     fast = "~[slow]~[.]~[random]"
+    # tests of other files of the folder, most of the time: asked last
+    others = {"detection": ["broad"], "laws": ["nonsmooth", "wheel_rail", "pgs", "newton", "lcp", "factor", "coloring", "cone"]}
 
-    def survives(k, program):  # broad phases take two thirds of the time and meet no mutant: last
-        return passes(k, program, fast + "~[broad]") and (program != "detection" or passes(k, program, fast + "[broad]"))
+    def survives(k, program):
+        first = fast + "".join(f"~[{tag}]" for tag in others[program])
+        return passes(k, program, first) and passes(k, program, ",".join(f"{fast}[{tag}]" for tag in others[program]))
 
     for program in programs:
         if not survives(0, program):
