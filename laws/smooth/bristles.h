@@ -3,7 +3,7 @@
 /// tangential stiffness 4 G* dx, sticks or slides by itself, and remembers: the row as a whole answers as the sphere
 /// does under any history of loading, partial slip from the edge included (Cattaneo 1938, Mindlin and Deresiewicz
 /// 1953). Error: the radius has 12 to 48 bristles. Displacement at half the sliding load 1e-3, loss per cycle 3e-3
-/// (tests/laws/test_bristles.cpp). Each bristle is a spring of laws/smooth/spring.h, so no cycle creates energy.
+/// (tests/laws/test_contact_laws.cpp). Each bristle is a spring of laws/smooth/spring.h, so no cycle creates energy.
 #pragma once
 #include <array>
 

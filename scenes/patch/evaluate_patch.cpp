@@ -6,6 +6,8 @@
 #include <memory>
 #include <numbers>
 
+#include <fmt/core.h>
+
 #include "detection/surfaces/surface_gap.h"
 #include "laws/wheel_rail/normal/strip_influence.h"
 #include "laws/wheel_rail/normal_models.h"
@@ -14,6 +16,9 @@ namespace epafi {
 namespace {
 
 using std::numbers::pi;
+
+/// Profiles meet to 1e-12 m, what doubles hold of heights of half a metre: below this [m] the gaps of a patch are noise.
+constexpr double least_approach = 1e-9;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -150,6 +155,8 @@ struct NormalSolver {
     return estimate_approach(in);
   }
 
+  bool too_shallow() const { return c.profiles && !rigid.empty() && !(approach >= least_approach); }
+
   /// Regions a model works on.
   const std::vector<ContactRegion>& regions(const std::string& model) const {
     return model_named(all_normal_models(), model).whole_gap ? seated : rigid;
@@ -172,6 +179,14 @@ struct NormalSolver {
     if (c.profiles && rigid.empty()) {
       RegionPatch none;
       none.patch.reasons.push_back("wheel and rail do not meet at this place of the wheelset");
+      return {none};
+    }
+    if (too_shallow()) {
+      RegionPatch none;
+      none.patch.reasons.push_back(fmt::format(
+          "an approach of {:.3g} m is below {:.0e} m, the least that profiles tell from their own rounding; "
+          "give a larger load or approach, or radii",
+          approach, least_approach));
       return {none};
     }
     if (!source) return {line(model, target)};
@@ -319,7 +334,7 @@ PatchResult meet_load(const PatchCase& c, NormalSolver& solver, const std::strin
                       const std::string& tangential, bool maps) {
   NormalTarget target = c.target;
   if (solver.lowered != solver.depth) solver.seat(solver.depth);
-  const bool inclined = c.profiles && target.by_force && !solver.rigid.empty();
+  const bool inclined = c.profiles && target.by_force && !solver.rigid.empty() && !solver.too_shallow();
   if (inclined) target.value /= std::cos(solver.places(normal).front().angle);
   solver.rough = inclined;
   PatchResult out = evaluate_pair(c, solver, normal, tangential, solver.solve(normal, target), maps);

@@ -159,6 +159,38 @@ TEST_CASE("octagonal overlaps keep four points and the deepest", "[detection][ma
   CHECK(area > 0.5);
 }
 
+TEST_CASE("of six corners the deepest is kept in its own place", "[detection][manifold]") {
+  std::vector<PatchPoint> corners;
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const double turn = static_cast<double>(k) * std::atan(1.0) * 4.0 / 3.0;
+    corners.push_back({{std::cos(turn), std::sin(turn), 0.0}, k == 5 ? -2e-3 : -1e-3, make_feature(FeatureKind::vertex_a, k, 0)});
+  }
+  Patch p;
+  keep_four(corners, Vec3::UnitZ(), 1.0, p);
+  REQUIRE(p.count == 4);
+  CHECK(p.point[0].feature == corners[5].feature);
+  CHECK(p.point[0].position == corners[5].position);
+  CHECK(p.point[0].gap == -2e-3);
+  CHECK(p.point[1].feature == corners[2].feature);  // across
+  for (int k = 1; k < 4; ++k) CHECK(p.point[static_cast<std::size_t>(k)].gap == -1e-3);
+}
+
+TEST_CASE("a needle, all its sides too steep to carry a point, pricks midway between tip and face", "[detection][manifold]") {
+  // the sides' normals are 1.4 deg from the horizontal
+  const ConvexHull needle = ConvexHull::from_faces({{0, 0, 1}, {0.03, 0.03, -0.2}, {-0.03, 0.03, -0.2}, {-0.03, -0.03, -0.2}, {0.03, -0.03, -0.2}},
+                                                   {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {4, 3, 2, 1}})
+                                .hull;
+  const Box slab(Vec3(2, 2, 0.5));
+  const Patch above = patch_of(needle, {}, slab.hull, {{0.3, 0.2, 1.498}, upright});
+  const Patch below = patch_of(slab.hull, {}, needle, {{0.3, 0.2, 1.498}, Quat(0, 1, 0, 0)});  // the other way up
+  REQUIRE(above.count == 1);
+  REQUIRE(below.count == 1);
+  CHECK(above.point[0].gap == Approx(-2e-3).epsilon(1e-11));
+  CHECK(below.point[0].gap == Approx(-2e-3).epsilon(1e-11));
+  CHECK((above.point[0].position - Vec3(0, 0, 0.999)).norm() < 1e-13);
+  CHECK((below.point[0].position - Vec3(0.3, 0.2, 0.499)).norm() < 1e-13);
+}
+
 TEST_CASE("swept boxes touch at their skins with the same four points", "[detection][manifold]") {
   Box floor(Vec3(2, 2, 0.5)), box(Vec3::Constant(0.5));
   floor.hull.sweep = 0.05, box.hull.sweep = 0.02;

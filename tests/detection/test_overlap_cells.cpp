@@ -132,7 +132,7 @@ TEST_CASE("cells are the same whichever body is A, and from far away", "[detecti
 
 TEST_CASE("below a plane one cell holds the whole volume, and its load is the gradient too", "[detection][volume]") {
   Random random{13, 0};
-  const HalfSpace floor(Vec3::UnitZ());
+  const HalfSpace floor{Vec3::UnitZ()};
   double worst = 0.0;
   for (int k = 0; k < 50; ++k) {
     const ConvexHull a = support::random_hull(random, 12);

@@ -301,6 +301,8 @@ TEST_CASE("contact time and stable step meet their closed forms (cases A01, A03,
   // B02: chain of closed contacts, dt < sqrt(m/k)
   CHECK(stable_step(1e6, 0.0, 1e-3, 2) == Approx(3.1622777e-5).epsilon(1e-7));
   CHECK(stable_step(1e6, 0.0, 1e-3, 2, 1e3) == Approx(2.4998438e-7).epsilon(1e-7));  // m/(4 c) where the damper decides
+  // a solid sphere also turns: its contact point weighs 1 / (1 + 5/2) of it sideways, dt < sqrt(m / (3.5 k_t))
+  CHECK(stable_step(1e6, 1e6, 1e-3, 2) == Approx(1.6903085e-5).epsilon(1e-7));
   CHECK(fall_speed(-9.81, 1.0) == Approx(4.4294469).epsilon(1e-7));
 }
 

@@ -160,11 +160,16 @@ TEST_CASE("they come to rest on each other", "[physics][rest]") {
     for (const auto& top : shapes()) {
       if (lower_name == "hull of 64 points") continue;  // nothing stands on its corners
       check_pile(nonsmooth, {lower_name, lower}, top);
-      if (lower_name != "cylinder") check_pile(smooth, {lower_name, lower}, top);
+      if (lower_name != "cylinder") check_pile(smooth, {lower_name, lower}, top);  // below
     }
 }
 
-/// 1e-10 of the drop's energy is left: the points chosen on its round faces change with tilts of 1e-8.
-TEST_CASE("they come to rest on a cylinder by smooth contact", "[physics][rest][.open]") {
-  for (const auto& top : shapes()) check_pile(smooth, shapes()[3], top);
+/// A lean of the load once let the deepest point of the rim come and go, and 1e-10 of the drop's energy stayed. What rolls
+/// is set on a wider cylinder: from one of its own width it rolls over the edge.
+TEST_CASE("they come to rest on a cylinder by smooth contact", "[physics][rest]") {
+  const std::pair<std::string, std::string> wide{"wide cylinder", "{ cylinder = { radius = 0.08, length = 0.1 } }"};
+  for (const auto& top : shapes()) {
+    const bool rolls = top.first == "clump of four" || top.first == "hull of 64 points";
+    check_pile(smooth, rolls ? wide : shapes()[3], top);
+  }
 }
