@@ -120,13 +120,13 @@ TEST_CASE("repeat unrolls with i, j, k and shares one shape", "[scenes][reader]"
   const Scene s = read();
   const GroupSpec& stack = s.groups[1];
   REQUIRE(stack.count == 20);
-  CHECK(s.bodies[stack.first].name == "stack[0]");
+  CHECK(body_name(s, stack.first) == "stack[0]");
   CHECK(s.bodies[stack.first + 7].position == Vec3(0, 0, 7.5 * 0.010));
   CHECK(s.bodies[stack.first + 7].shape == 0);
   const GroupSpec& grid = s.groups[2];
   REQUIRE(grid.count == 24);
   const BodySpec& last = s.bodies[grid.first + 23];
-  CHECK(last.name == "grid[1,2,3]");
+  CHECK(body_name(s, grid.first + 23) == "grid[1,2,3]");
   CHECK(last.position == Vec3(0.010, 2 * 0.010, 1 + 3 * 0.010));
   CHECK(last.shape == s.bodies[grid.first].shape);
   CHECK(s.shapes[last.shape].parameters.number("radius") == 0.005);
@@ -139,7 +139,7 @@ TEST_CASE("an inline shape that uses the index is one shape per copy", "[scenes]
       "0, 0]\n");
   REQUIRE(s.bodies.size() == 3);
   CHECK(s.shapes[s.bodies[2].shape].parameters.number("radius") == 3.0);
-  CHECK(s.bodies[0].name.empty());
+  CHECK(body_name(s, 0).empty());
 }
 
 TEST_CASE("driven bodies carry their motion", "[scenes][reader]") {
