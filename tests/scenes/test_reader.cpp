@@ -165,17 +165,19 @@ TEST_CASE("euler_deg turns about x, then y, then z of the world", "[scenes][read
   CHECK((s.bodies[0].orientation * Vec3::UnitY() - Vec3::UnitZ()).norm() < 1e-15);
 }
 
-TEST_CASE("rows of a CSV file become bodies; equal radii share a shape", "[scenes][reader]") {
+TEST_CASE("rows of a CSV file become bodies; those with a radius share a shape, each of its size", "[scenes][reader]") {
   const Scene s = read();
   const GroupSpec& rain = s.groups[5];
   REQUIRE(rain.count == 3);
   const BodySpec* b = &s.bodies[rain.first];
   CHECK(b[0].position == Vec3(0.5, 0, 1));
   CHECK(b[1].velocity == Vec3(0, 0, -1));
+  CHECK(b[0].shape == b[2].shape);
   CHECK(b[1].shape == b[2].shape);
-  CHECK(b[0].shape != b[1].shape);
+  CHECK(b[1].size == b[2].size);
+  CHECK(b[0].size != b[1].size);
   CHECK(s.materials[b[0].material].material.name == "steel");
-  CHECK(b[2].name == "rain[2]");
+  CHECK(body_name(s, rain.first + 2) == "rain[2]");
 }
 
 TEST_CASE("fills, measures, bounds and studies are resolved", "[scenes][reader]") {

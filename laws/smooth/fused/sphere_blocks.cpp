@@ -252,7 +252,7 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   kept_.clear(), kept_.reserve(touching);
   for (Block& block : blocks_) springs_of(block, planes, kept_), block.runs.clear();
   laid_out_ = false;
-  constexpr std::size_t most_twice = std::size_t{64} << 20;  // more of them are not held here and in the columns
+  constexpr std::size_t most_twice = std::size_t{8} << 20;  // more of them are not held here and in the columns
   if (kept_.size() * sizeof(Kept) > most_twice)
     blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(image_column_);
 }
