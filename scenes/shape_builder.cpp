@@ -94,7 +94,7 @@ BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
            false};
   else
     throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
-  constexpr std::size_t most_kept = 1000;  // a map of a million radii takes 200 bytes each
+  constexpr std::size_t most_kept = 1000;  // a map of a million radii would take as much as their bodies
   if (!out.is_sphere || built_.size() < most_kept) built_.emplace(key, out);
   return out;
 }

@@ -17,8 +17,8 @@ class FusedSpheres : public ContactModel {
   virtual void set_pairs(const World& world, const SphereList& list) = 0;
   /// The largest way of a body in the step that has begun over half its margin; infinity: not known.
   virtual double largest_way() const = 0;
-  /// Appends bodies and gaps alone of the contacts that `publish` would write out; nothing where it has done so in this
-  /// step. A look at all overlaps takes a tenth of the time and a sixth of the memory that way.
+  /// Appends bodies and gaps alone of the contacts that `publish` would write out, in any order: 16 bytes each in the
+  /// place of 104. Nothing where it has done so in this step.
   virtual void add_gaps(const World& world, ContactSet& contacts) const = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;
