@@ -52,7 +52,7 @@ void FatBodies::learn(const World& world, double step_time) {
   const double life = (world.time - taken_at_) / step_time, best = best_share_times_life / least_share_;
   if (by_slow_one && life < best)
     least_share_ = std::min(1.4 * least_share_, most_learned);
-  else if (life > 2.0 * best)
+  else if (!by_slow_one || life > 2.0 * best)  // where fast bodies end the lists, margins of slow ones buy nothing
     least_share_ = std::max(least_share_ / 1.4, least_margin);
 }
 
