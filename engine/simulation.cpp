@@ -182,7 +182,7 @@ StepView Simulation::view(bool last) const {
 }
 
 void Simulation::show(Observer& observer) {
-  pipeline.contact_model->publish(world, work.contacts);
+  if (observer.wants_contacts(steps_)) pipeline.contact_model->publish(world, work.contacts);
   observer.observe(view(true));
 }
 

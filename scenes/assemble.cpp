@@ -36,10 +36,6 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
   body.orientation = spec.orientation * shape.frame.orientation;
   body.external_force = spec.force;
   if (!spec.moves()) return body;
-  if (!shape.is_solid)
-    throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion",
-                                 spec.name, a.scene.shapes[spec.shape].type),
-                     place);
   const double rho = shape.mass > 0 ? 1.0 : density(a.scene, spec.material, place);
   body.mass = shape.mass > 0 ? shape.mass : rho * shape.volume, body.inertia = rho * shape.frame.moments;
   return body;
@@ -51,6 +47,32 @@ BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, cons
   if (spec.motion) events.push_back(std::make_unique<DriveBody>(id, *spec.motion, spec.position));
   if (spec.servo) events.push_back(std::make_unique<ServoWall>(id, *spec.servo));
   return id;
+}
+
+/// So that columns do not double on the way to `bodies`.
+void make_room(World& w, std::size_t bodies) {
+  const Columns& has = w.columns();
+  w.id.reserve(bodies), w.shape.reserve(bodies), w.material.reserve(bodies), w.inverse_mass.reserve(bodies);
+  for (auto* column : {&w.position, &w.velocity}) column->reserve(bodies);
+  w.force.reserve(has.force ? bodies : 0), w.orientation.reserve(w.has_orientation() ? bodies : 0);
+  if (!has.rotation) return;
+  for (auto* column : {&w.angular_velocity, &w.inverse_inertia}) column->reserve(bodies);
+  w.torque.reserve(has.force ? bodies : 0);
+}
+
+void add_bodies(Assembly& a, ShapeBuilder& builder) {
+  const auto& bodies = a.scene.bodies;
+  make_room(a.simulation->world, bodies.size()), a.body_ids.reserve(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const BodySpec& b = bodies[k];
+    const Place& place = a.scene.groups[b.group].place;
+    const BuiltShape shape = builder.build(b.shape, b.size);
+    if (b.moves() && !shape.is_solid)
+      throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion",
+                                   body_name(a.scene, k), a.scene.shapes[b.shape].type),
+                       place);
+    a.body_ids.push_back(add_body(a, shape, b, place));
+  }
 }
 
 void add_removals(Assembly& a) {
@@ -69,7 +91,7 @@ struct Stream {
 void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
   std::vector<FillShape> shapes;
   for (std::size_t s : fill.shapes) {
-    const BuiltShape& b = builder.build(s);
+    const BuiltShape b = builder.build(s);
     if (!b.is_solid) throw SceneError("shape '" + a.scene.shapes[s].type + "' cannot fill a region", fill.place);
     shapes.push_back(
         {b.radius, b.mass > 0 ? b.mass : density(a.scene, fill.material, fill.place) * b.volume, b.is_sphere});
@@ -79,14 +101,16 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
     throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
   Stream stream{{fill.name, {}, fill.region.min, fill.region.max, fill.seed, {}}, fill.from};
   auto& ids = a.fill_ids.emplace_back();
+  ids.reserve(result.bodies.size());
+  if (fill.method != FillSpec::Method::pour)
+    make_room(a.simulation->world, a.simulation->world.size() + result.bodies.size());
   for (std::size_t k = 0; k < result.bodies.size(); ++k) {
     const FillBody& f = result.bodies[k];
     BodySpec spec;
-    spec.name = fmt::format("{}[{}]", fill.name, k);
     spec.shape = fill.shapes[f.shape], spec.material = fill.material;
     spec.position = f.position, spec.orientation = f.orientation;
     spec.velocity = fill.velocity + f.velocity;
-    const BuiltShape& shape = builder.build(spec.shape, f.size);
+    const BuiltShape shape = builder.build(spec.shape, f.size);
     if (fill.method != FillSpec::Method::pour) {
       ids.push_back(add_body(a, shape, spec, fill.place));
       continue;
@@ -243,8 +267,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   sim.work.contacts.with_moment = a->plan.needs.contact_moment;
   if (a->scene.domain) sim.domain = a->scene.domain->value;
   if (a->scene.cell) sim.world.cell = a->scene.cell->cell;
-  for (const auto& b : a->scene.bodies)
-    a->body_ids.push_back(add_body(*a, builder.build(b.shape), b, a->scene.groups[b.group].place));
+  add_bodies(*a, builder);
   for (const auto& f : a->scene.fills) add_fill(*a, builder, f);
   add_outlets(*a);
   if (a->scene.cell) add_cell(*a);
@@ -266,7 +289,9 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
 
 std::string body_name(const Assembly& a, BodyId id) {
   const auto k = static_cast<std::size_t>(id);
-  if (k < a.body_ids.size() && a.body_ids[k] == id && !a.scene.bodies[k].name.empty()) return a.scene.bodies[k].name;
+  for (const GroupSpec& group : a.scene.groups)
+    if (!group.name.empty() && k >= group.first && k < group.first + group.count)  // ids are given in this order
+      return body_name(group, k - group.first);
   for (std::size_t f = 0; f < a.fill_ids.size(); ++f) {  // consecutive ids, in the order of the table
     const auto& ids = a.fill_ids[f];
     if (!ids.empty() && ids.front() <= id && id <= ids.back())

@@ -18,12 +18,21 @@ namespace {
 /// Which shapes the free and the other bodies have, with one body's place each.
 struct ShapesInUse {
   std::set<std::size_t> free, held;
+  double largest = 0.0;        ///< finite radius [m]
+  double smallest = infinity;  ///< radius of a free one [m]
+
+  void add(std::size_t shape, double radius, bool moves) {
+    (moves ? free : held).insert(shape);
+    if (std::isfinite(radius)) largest = std::max(largest, radius);
+    if (moves) smallest = std::min(smallest, radius);
+  }
 };
 
-ShapesInUse shapes_in_use(const Scene& scene) {
+ShapesInUse shapes_in_use(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   ShapesInUse use;
-  for (const auto& b : scene.bodies) (b.moves() ? use.free : use.held).insert(b.shape);
-  for (const auto& f : scene.fills) use.free.insert(f.shapes.begin(), f.shapes.end());
+  for (const auto& b : scene.bodies) use.add(b.shape, b.size * shapes[b.shape].radius, b.moves());
+  for (const auto& f : scene.fills)
+    for (std::size_t s : f.shapes) use.add(s, shapes[s].radius, true);
   return use;
 }
 
@@ -55,14 +64,15 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
                           scene.shapes[s].place});
   }
   for (const auto& b : scene.bodies) {
-    const Place& where = b.spins.written() ? b.spins.place : scene.groups[b.group].place;
-    if (b.angular_velocity.squaredNorm() > 0) pay("body '" + b.name + "' spins", where);
+    const Place& where = b.spin_place ? *b.spin_place : scene.groups[b.group].place;
+    const auto name = [&] { return "body '" + body_name(scene, static_cast<std::size_t>(&b - scene.bodies.data())) + "'"; };
+    if (b.angular_velocity.squaredNorm() > 0) pay(name() + " spins", where);
     const bool driven = b.motion && b.motion->rotation_rate != 0;
-    if (driven) pay("body '" + b.name + "' is driven to rotate", where);
+    if (driven) pay(name() + " is driven to rotate", where);
     if (shapes[b.shape].is_sphere) continue;
-    if (is_turned(b)) pay("body '" + b.name + "' is turned", where);
+    if (is_turned(b)) pay(name() + " is turned", where);
     if (is_turned(b) || driven || b.angular_velocity.squaredNorm() > 0)
-      stand("body '" + b.name + "' " + (is_turned(b) ? "is turned" : "turns"), where);
+      stand(name() + (is_turned(b) ? " is turned" : " turns"), where);
   }
   if (!plan.columns.rotation || !scene.output.orientation.value) return;
   stand("[output] asks for it", scene.output.orientation.place);
@@ -207,18 +217,12 @@ void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
         *swift);
 }
 
-void plan_reach(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, bool smooth,
-                StepPlan& plan) {
+void plan_reach(const Scene& scene, const ShapesInUse& use, bool smooth, StepPlan& plan) {
   if (smooth) {
-    double largest = 0.0;
-    for (const auto* list : {&use.free, &use.held})
-      for (std::size_t s : *list)
-        if (std::isfinite(shapes[s].radius)) largest = std::max(largest, shapes[s].radius);
-    plan.reach = plan.resting_reach = smooth_reach(smooth_setup(scene), largest);
+    plan.reach = plan.resting_reach = smooth_reach(smooth_setup(scene), use.largest);
     return;
   }
-  double smallest = infinity;
-  for (std::size_t s : use.free) smallest = std::min(smallest, shapes[s].radius);
+  const double smallest = use.smallest;
   if (!std::isfinite(smallest)) return;
   // Impacts at their own times are foreseen: all that the bodies move in a step, to a quarter of the smallest.
   plan.reach = (locates_impacts(scene) ? 0.25 : 0.02) * smallest;
@@ -230,7 +234,7 @@ void plan_reach(const Scene& scene, const std::vector<BuiltShape>& shapes, const
 StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   StepPlan plan;
   const bool smooth = scene.contact.method.value == Method::smooth;
-  const ShapesInUse use = shapes_in_use(scene);
+  const ShapesInUse use = shapes_in_use(scene, shapes);
   plan.needs = contact_needs(scene);
   plan.columns.force = smooth;
   plan_rotation(scene, shapes, use, plan);
@@ -240,7 +244,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   plan_laws(scene, {plan}, smooth);
   plan_bodies(scene, {plan}, smooth);
   plan_pairs(scene, shapes, use, plan);
-  plan_reach(scene, shapes, use, smooth, plan);
+  plan_reach(scene, use, smooth, plan);
   plan_fused_spheres(scene, shapes, plan);
   plan_railway(scene, use, plan);
   World world(plan.columns);

@@ -17,6 +17,7 @@
 #include "engine/servo.h"
 #include "engine/types.h"
 #include "laws/material.h"
+#include "scenes/rare.h"
 
 namespace epafi {
 
@@ -94,21 +95,21 @@ struct ShapeSpec {
 
 /// One body after `repeat` is unrolled, from [[body]] or a row of [[bodies]].
 struct BodySpec {
-  std::string name;          ///< "stack[3]", "grid[0,1,2]" or the plain name
   std::size_t group = 0;     ///< index in Scene::groups: the table this body came from
   std::size_t shape = 0;     ///< index in Scene::shapes
+  double size = 1.0;         ///< factor of all lengths of the shape, > 0
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
   bool continuous = false;                                    ///< held back from passing through others within a step
-  std::optional<Motion> motion;                               ///< motion = { ... } of a driven body
-  std::optional<Servo> servo;                                 ///< motion = { servo = { ... } } of one that presses
+  Rare<Motion> motion;                                        ///< motion = { ... } of a driven body
+  Rare<Servo> servo;                                          ///< motion = { servo = { ... } } of one that presses
   std::optional<double> remove_at;                            ///< [s]
   Vec3 position = Vec3::Zero();                               ///< of the centre of mass [m]
   Quat orientation = Quat(1, 0, 0, 0);                        ///< of the author's axes, unit
   Vec3 velocity = Vec3::Zero();                               ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();                       ///< world axes [rad/s]
   Vec3 force = Vec3::Zero();                                  ///< constant external force [N]
-  Placed<bool> spins;                                         ///< an angular velocity was written
+  Rare<Place> spin_place;                                     ///< where an angular velocity was written
   bool moves() const { return !fixed && !motion && !servo; }  ///< free: has mass, is integrated
 };
 
@@ -117,7 +118,17 @@ struct GroupSpec {
   std::string name;  ///< may be empty
   std::size_t first = 0, count = 0;
   Place place;
+  std::vector<std::size_t> repeat{};  ///< bodies along each index; rows of a file have one; empty: one body, no index
 };
+
+/// Name of the k-th body of a group: "stack[3]", "grid[0,1,2]" or the plain name; empty where the group has none.
+inline std::string body_name(const GroupSpec& group, std::size_t k) {
+  if (group.name.empty() || group.repeat.empty()) return group.name;
+  std::string index;
+  for (std::size_t d = group.repeat.size(); d-- > 0; k /= group.repeat[d])
+    index = std::to_string(d > 0 ? k % group.repeat[d] : k) + (index.empty() ? "" : "," + index);
+  return group.name + "[" + index + "]";
+}
 
 /// A box [m].
 struct Region {
@@ -251,6 +262,12 @@ struct Scene {
   std::optional<BenchmarkSpec> benchmark;
   OutputSettings output;
 };
+
+/// Name of Scene::bodies[k].
+inline std::string body_name(const Scene& scene, std::size_t k) {
+  const GroupSpec& group = scene.groups[scene.bodies[k].group];
+  return body_name(group, k - group.first);
+}
 
 /// Every unordered pair of the scene's materials with what [contact] and [[contact.pair]] say of it.
 MaterialTable material_table(const Scene& scene);

@@ -13,6 +13,7 @@
 #include "engine/state_snapshot.h"
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
+#include "laws/smooth/fused/fused_spheres.h"
 #include "scenes/stop.h"
 #include "viz_export/measures/all_measures.h"
 #include "viz_export/problem_file.h"
@@ -56,11 +57,53 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
 
 }  // namespace
 
+namespace {
+
+/// Shows the monitor the gaps of fused spheres without having their contacts written out and sorted: it looks every
+/// hundred steps, and writing them out was a fortieth of the time of a large bed.
+class GapsForMonitor final : public Observer {
+ public:
+  GapsForMonitor(std::unique_ptr<RunMonitor> monitor, const Pipeline& pipeline)
+      : monitor_(std::move(monitor)), pipeline_(pipeline) {}
+  bool is_due(std::uint64_t step) const override { return monitor_->is_due(step); }
+  bool wants_energy(std::uint64_t step) const override { return monitor_->wants_energy(step); }
+  bool wants_bodies(std::uint64_t step) const override { return monitor_->wants_bodies(step); }
+  bool wants_contacts(std::uint64_t step) const override { return spheres() == nullptr && monitor_->wants_contacts(step); }
+  void observe(const StepView& view) override {
+    const FusedSpheres* model = spheres();
+    if (model == nullptr || !(view.last || monitor_->wants_contacts(view.step))) return monitor_->observe(view);
+    ContactSet gaps;  // not kept: 40 bytes a sphere
+    gaps.a = view.contacts.a, gaps.b = view.contacts.b, gaps.gap = view.contacts.gap;
+    model->add_gaps(view.world, gaps);
+    monitor_->observe({view.world, gaps, view.pairs, view.report, view.ledger, view.step, view.dt, view.movable, view.last});
+  }
+  void visit(StateVisitor& visitor) override { monitor_->visit(visitor); }
+
+ private:
+  const FusedSpheres* spheres() const { return dynamic_cast<const FusedSpheres*>(pipeline_.contact_model.get()); }
+  std::unique_ptr<RunMonitor> monitor_;
+  const Pipeline& pipeline_;
+};
+
+/// The last snapshot of a run without frames, which nobody needs contacts for.
+class LastSnapshot final : public Observer {
+ public:
+  LastSnapshot(RunFile& run, const ShapeStore& shapes) : recorder_(&run, nullptr, shapes, 1) {}
+  bool is_due(std::uint64_t) const override { return true; }
+  bool wants_contacts(std::uint64_t) const override { return false; }
+  void observe(const StepView& view) override { recorder_.observe(view); }
+
+ private:
+  StateRecorder recorder_;
+};
+
+}  // namespace
+
 struct Session::Files {
   MeasuresCsv csv;
   RunFile run;
   FrameWriter frames;
-  StateSnapshot last_good{};
+  StateSnapshot last_good;
 };
 
 std::string scene_hash(const Scene& scene) {
@@ -81,15 +124,18 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
     : assembly_(std::move(assembly)), overrides_(std::move(overrides)), folder_(std::move(folder)), output_(output) {
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
-  const RunFileHeader header{EPAFI_VERSION, scene_hash(scene), scene.title, scene.text, overrides_};
+  scene_hash_ = scene_hash(scene);
+  const RunFileHeader header{EPAFI_VERSION, scene_hash_, scene.title, scene.text, overrides_};
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
                            continued_run(folder_ / "run.h5", header, *from, note_),
-                           FrameWriter(folder_, from->time)});
+                           FrameWriter(folder_, from->time), StateSnapshot(folder_ / ".last_good")});
   else
     files_.reset(
-        new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_)});
+        new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_),
+                  StateSnapshot(folder_ / ".last_good")});
   add_observers();
+  std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 208 bytes each, more than there
 }
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
@@ -129,7 +175,7 @@ void Session::add_observers() {
   auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, assembly_->steps,
                                               std::min<std::uint64_t>(100, frame_every));
   monitor_ = monitor.get();
-  sim.observers.push_back(std::move(monitor));
+  sim.observers.push_back(std::make_unique<GapsForMonitor>(std::move(monitor), sim.pipeline));
   for (const auto& spec : scene.measures) {
     const auto& list = all_measures();
     const auto entry = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.entry.name == spec.kind; });
@@ -164,7 +210,7 @@ void Session::save_checkpoint_now() {
   files_->run.flush();
   const Scene& scene = assembly_->scene;
   save_checkpoint(folder_ / "checkpoint.h5",
-                  {EPAFI_VERSION, scene_hash(scene), std::filesystem::absolute(scene.file).string(), scene.text,
+                  {EPAFI_VERSION, scene_hash_, std::filesystem::absolute(scene.file).string(), scene.text,
                    overrides_, sim.steps(), sim.world.time},
                   [this](StateVisitor& v) { walk(v); });
 }
@@ -252,7 +298,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
   if (output_ == Output::least) {
-    StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
+    LastSnapshot last(files_->run, *assembly_->shapes);
     sim.show(last);
   }
   progress.finish(sim, *monitor_);
@@ -265,7 +311,7 @@ RunSummary Session::summary() const {
   const Scene& scene = assembly_->scene;
   const bool smooth = scene.contact.method.value == Method::smooth;
   RunSummary s;
-  s.epafi = EPAFI_VERSION, s.scene = scene.file, s.scene_hash = scene_hash(scene), s.failure = trouble_;
+  s.epafi = EPAFI_VERSION, s.scene = scene.file, s.scene_hash = scene_hash_, s.failure = trouble_;
   s.status = ending_ == Ending::completed || ending_ == Ending::until ? "completed"
              : ending_ == Ending::bound_violated                      ? "bound_violated"
              : ending_ == Ending::failed                              ? "failed"

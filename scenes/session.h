@@ -63,6 +63,7 @@ class Session {
   std::vector<std::string> overrides_;
   std::filesystem::path folder_;
   Output output_;
+  std::string scene_hash_;
   std::unique_ptr<Files> files_;
   RunMonitor* monitor_ = nullptr;
   std::vector<MeasureRecorder*> recorders_;

@@ -48,7 +48,7 @@ double largest_distance(const std::vector<Vec3>& points, const Vec3& from) {
 
 }  // namespace
 
-const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
+BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
   const auto key = std::pair(shape, size);
   if (const auto found = built_.find(key); found != built_.end()) return found->second;
   const ShapeSpec& spec = scene_.shapes[shape];
@@ -94,7 +94,9 @@ const BuiltShape& ShapeBuilder::build(std::size_t shape, double size) {
            false};
   else
     throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
-  return built_.emplace(key, out).first->second;
+  constexpr std::size_t most_kept = 1000;  // a map of a million radii would take as much as their bodies
+  if (!out.is_sphere || built_.size() < most_kept) built_.emplace(key, out);
+  return out;
 }
 
 BuiltShape ShapeBuilder::build_clump(const ShapeSpec& spec, double size) {

@@ -22,13 +22,14 @@ struct BuiltShape {
   double mass = 0.0;     ///< given by the scene [kg]; frame.moments are then whole ones, no density is needed
 };
 
-/// Builds each (shape, size factor) once. Geometry that cannot be built (not convex, no volume, not closed) is a
+/// Builds each (shape, size factor) once; of spheres those of the first thousand sizes, beyond that each has its own and
+/// nothing is kept to find it again. Geometry that cannot be built (not convex, no volume, not closed) is a
 /// SceneError at the place of the shape.
 class ShapeBuilder {
  public:
   ShapeBuilder(const Scene& scene, ShapeStore& store) : scene_(scene), store_(store) {}
   /// size: factor of all lengths, > 0.
-  const BuiltShape& build(std::size_t shape, double size = 1.0);
+  BuiltShape build(std::size_t shape, double size = 1.0);
   /// Remarks about geometry that can be used but may not be meant (an open mesh, say).
   const std::vector<Problem>& warnings() const { return warnings_; }
 

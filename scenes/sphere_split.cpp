@@ -23,12 +23,11 @@ void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet&
 }
 
 void SphereSplit::split(const World& world, const PairList& pairs) {
-  constexpr double not_a_sphere = -1.0;
   const auto& spheres = shapes_.of<Sphere>();
   const auto& planes = shapes_.of<HalfSpace>();
-  std::vector<double> radius(world.size(), not_a_sphere);
+  std::vector<double> radius(world.size(), SphereList::not_a_sphere);
   std::vector<std::int32_t> plane_of(world.size(), -1);
-  std::vector<SpherePlane> walls;
+  SphereList list{pairs.pairs, radius, plane_of, {}, {}};
   bool alone = true;
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef ref{world.shape[s]};
@@ -37,25 +36,15 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
     const bool is_plane = ref.type() == ShapeStore::type_of<HalfSpace>() && id < fixed_.size() && fixed_[id];
     alone = alone && (is_plane || radius[s] > 0);
     if (!is_plane) continue;
-    plane_of[s] = static_cast<std::int32_t>(walls.size());
-    walls.push_back({s, world.pose(s).orientation * planes[ref.index()].normal, world.position[s]});
+    plane_of[s] = static_cast<std::int32_t>(list.planes.size());
+    list.planes.push_back({s, world.pose(s).orientation * planes[ref.index()].normal, world.position[s]});
   }
   rest_.pairs.clear();
-  std::vector<SpherePair> between;
-  between.reserve(pairs.pairs.size());
   rest_.margin = pairs.margin, rest_.margins = pairs.margins, ++rest_.generation;
-  for (const Pair& p : pairs.pairs) {
-    if (radius[p.a] > 0 && radius[p.b] > 0)
-      between.push_back({p.a, p.b, -1, p.image});
-    else if (radius[p.a] > 0 && plane_of[p.b] >= 0)
-      between.push_back({p.a, p.b, plane_of[p.b]});
-    else if (radius[p.b] > 0 && plane_of[p.a] >= 0)
-      between.push_back({p.b, p.a, plane_of[p.a]});
-    else
-      rest_.pairs.push_back(p);
-  }
-  model_.set_pairs(world, std::move(between), std::move(walls), radius,
-                   alone ? pairs.margins : std::span<const double>{});
+  for (const Pair& p : pairs.pairs)
+    if (!list.takes(p)) rest_.pairs.push_back(p);
+  if (alone) list.margins = pairs.margins;
+  model_.set_pairs(world, list);
   known_ = true, generation_ = pairs.generation;
 }
 

@@ -67,7 +67,7 @@ void AabbTree::refit(const FatBodies& bodies) {
   box_.resize(n), ball_.resize(n), id_.resize(n);
   parallel_for(n, [&](std::size_t k) {
     const Slot s = slot_[k];
-    box_[k] = bodies.box[s], ball_[k] = bodies.ball[s], id_[k] = bodies.id[s];
+    box_[k] = bodies.box(s), ball_[k] = bodies.ball[s], id_[k] = bodies.id[s];
   });
   for (std::size_t i = node_.size(); i-- > 0;) {  // children stand behind their parents
     Node& node = node_[i];

@@ -15,6 +15,7 @@ bool ListBroadPhase::keeps_pairs(const World& world) {
 
 void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
   if (keeps_pairs(world)) return;
+  if (valid_) bodies_.learn(world, step_time_);
   bodies_.update(world, setup_, step_time_);
   collect(bodies_, collector_);
   collector_.finish(pairs.pairs);

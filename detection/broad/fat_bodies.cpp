@@ -10,6 +10,10 @@ namespace epafi {
 namespace {
 constexpr double least_margin =
     0.06;  // of the bounding radius: what a body at rest may creep; 0.04-0.2 cost the same within 10 %
+constexpr double most_learned = 0.25;  // of spheres: the same where bodies at rest often begin to move
+// A list of spheres costs 400 ns a body, a pair more per step 2.5 ns, and a margin larger by its radius 8 pairs: with a
+// life L of the list that grows like the margin m, the sum is least at m L = 400/(2.5 8).
+constexpr double best_share_times_life = 20.0;
 constexpr double most_margin =
     2.0;  // of the bounding radius: for the few fast ones; with 0.5 what falls from a hopper asks for a list every
           // 14 steps, with 6 bodies near a mesh look at too many triangles
@@ -30,16 +34,32 @@ double surface_speed(const World& world, Slot s, double turning_radius) {
 bool FatBodies::near_plane(Slot i, std::size_t k) const {
   const Slot w = apart[k];
   const Vec3& n = plane_normal[k];
-  const Vec3 from_plane = box[i].centre() - position(w);
-  const Vec3 half_extent = 0.5 * box[i].extent();
-  const double corner = n.dot(from_plane) - n.cwiseAbs().dot(half_extent);
   const Vec3 to_ball = position(i) - position(w);
+  double corner = -infinity;
+  if (!boxes.empty())
+    corner = n.dot(boxes[i].centre() - position(w)) - n.cwiseAbs().dot(Vec3(0.5 * boxes[i].extent()));
   return std::max(corner, n.dot(to_ball) - ball[i].r) <= half[w];  // half of a half-space: its own fattening
 }
 
+FatBodies::FatBodies() : least_share_(least_margin) {}
+
+void FatBodies::learn(const World& world, double step_time) {
+  if (!boxes.empty() || !(step_time > 0.0) || world.size() != size()) return;  // pairs of other shapes cost more
+  const auto is_slow = [&](std::size_t i) { return margin[i] <= 1.001 * least_share_ * radius[i]; };
+  const bool by_slow_one = block_max<char>(size(), 0, [&](std::size_t i) {
+                             return static_cast<char>(is_slow(i) && way(world, i) > 0.5 * margin[i]);
+                           }) != 0;
+  const double life = (world.time - taken_at_) / step_time, best = best_share_times_life / least_share_;
+  if (by_slow_one && life < best)
+    least_share_ = std::min(1.4 * least_share_, most_learned);
+  else if (!by_slow_one || life > 2.0 * best)  // where fast bodies end the lists, margins of slow ones buy nothing
+    least_share_ = std::max(least_share_ / 1.4, least_margin);
+}
+
 void FatBodies::update(const World& world, const BroadSetup& setup, double step_time) {
+  taken_at_ = world.time;
   const std::size_t n = world.size();
-  box.resize(n), ball.resize(n), half.resize(n), radius.resize(n), margin.resize(n);
+  ball.resize(n), half.resize(n), radius.resize(n), margin.resize(n);
   id.resize(n), type.resize(n), immovable.resize(n);
   if (world.has_orientation()) orientation.resize(n);
   read_shapes(world, *setup.shapes);
@@ -96,11 +116,15 @@ void FatBodies::choose_margins(const World& world, const BroadSetup& setup, doub
     else if (immovable[i])
       margin[i] = std::min(wanted, most_margin * small);
     else
-      margin[i] = std::clamp(wanted, least_margin * std::min(radius[i], small), most_margin * radius[i]);
+      margin[i] = std::clamp(wanted, least_share_ * std::min(radius[i], small), most_margin * radius[i]);
   });
 }
 
 void FatBodies::fatten(const World& world, const BroadSetup& setup) {
+  const bool round = std::all_of(type.begin(), type.end(), [](std::uint32_t t) {
+    return t == ShapeStore::type_of<Sphere>() || t == ShapeStore::type_of<HalfSpace>();
+  });
+  boxes.resize(round ? 0 : world.size());
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     const Vec3& x = world.position[s];
@@ -108,13 +132,14 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup) {
     const double rounding = 0x1p-50 * x.cwiseAbs().maxCoeff();
     const double fat = 0.5 * (setup.reach + margin[i]) + rounding;
     if (!std::isfinite(radius[i])) {
-      half[i] = fat;
-      box[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)}, ball[i] = {x.x(), x.y(), x.z(), infinity};
+      half[i] = fat, ball[i] = {x.x(), x.y(), x.z(), infinity};
+      if (!round) boxes[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
       return;
     }
-    box[i] = setup.shapes->bounding_box(world, s).fattened(fat);
-    half[i] = std::max((box[i].max - x).maxCoeff(), (x - box[i].min).maxCoeff());
-    ball[i] = {x.x(), x.y(), x.z(), radius[i] + fat};
+    half[i] = radius[i] + fat, ball[i] = {x.x(), x.y(), x.z(), radius[i] + fat};
+    if (round) return;
+    boxes[i] = setup.shapes->bounding_box(world, s).fattened(fat);
+    half[i] = std::max((boxes[i].max - x).maxCoeff(), (x - boxes[i].min).maxCoeff());
   });
 }
 

@@ -37,7 +37,8 @@ struct Ball {
 
 /// Bounding columns by slot, and the state they were taken from.
 struct FatBodies {
-  std::vector<Aabb> box;               ///< fat, world axes [m]
+  FatBodies();
+  std::vector<Aabb> boxes;             ///< fat, world axes [m]; empty where all are spheres and half-spaces: their balls say it
   std::vector<Ball> ball;              ///< fat, about the centre of mass [m]
   std::vector<double> half;            ///< largest distance from the centre to a face of the fat box [m]
   std::vector<double> radius;          ///< bounding radius of the shape [m]; infinite for half-spaces
@@ -49,12 +50,16 @@ struct FatBodies {
   std::vector<Slot> apart;             ///< unbounded ones and a few giants, ascending: tested one by one against all
   std::vector<Vec3> plane_normal;      ///< of apart[k], world axes; zero where it is no half-space
 
-  std::size_t size() const { return box.size(); }
+  std::size_t size() const { return ball.size(); }
+  /// Fat, world axes [m].
+  Aabb box(std::size_t i) const {
+    return boxes.empty() ? Aabb{position(i) - Vec3::Constant(ball[i].r), position(i) + Vec3::Constant(ball[i].r)} : boxes[i];
+  }
   /// When the boxes were taken [m].
   Vec3 position(std::size_t i) const { return {ball[i].x, ball[i].y, ball[i].z}; }
   /// Of what a rotation moves [m]: 0 for spheres.
   double turning_radius(std::size_t i) const { return type[i] == ShapeStore::type_of<Sphere>() ? 0.0 : radius[i]; }
-  bool near(Slot i, Slot j) const { return ball[i].overlaps(ball[j]) && box[i].overlaps(box[j]); }
+  bool near(Slot i, Slot j) const { return ball[i].overlaps(ball[j]) && (boxes.empty() || boxes[i].overlaps(boxes[j])); }
   /// The fat body reaches the fattened half-space apart[k].
   bool near_plane(Slot i, std::size_t k) const;
   bool may_touch(Slot i, Slot j, const PairFilter& filter) const {
@@ -63,6 +68,8 @@ struct FatBodies {
 
   /// Takes everything from the world; step_time is dt [s] where it is known, else 0 (margins from sizes alone).
   void update(const World& world, const BroadSetup& setup, double step_time);
+  /// The list is outdated: how long it lasted says how large the margins of slow bodies ought to be. Before update.
+  void learn(const World& world, double step_time);
   /// Some body has moved (its surface, with rotation) by more than half its margin since update.
   bool outdated(const World& world) const;
   /// The largest way of a body since update over half its margin.
@@ -71,6 +78,8 @@ struct FatBodies {
 
  private:
   double median_radius_ = 0.0;
+  double least_share_;  ///< least margin over radius
+  double taken_at_ = 0.0;  ///< time of the last update [s]
   void read_shapes(const World& world, const ShapeStore& shapes);
   double way(const World& world, std::size_t i) const;
   void choose_margins(const World& world, const BroadSetup& setup, double step_time);

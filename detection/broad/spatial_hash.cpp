@@ -99,7 +99,7 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
 
 std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,
                                 std::vector<Slot>& found, std::size_t n) const {
-  const Aabb& box = bodies.box[slot_[body]];
+  const Aabb box = bodies.box(slot_[body]);
   const Ball ball = ball_[body];
   const std::uint32_t id = id_[body];
   std::array<std::int64_t, 3> from{}, to{};

@@ -41,7 +41,8 @@ void SweepAndPrune::sort_intervals(const FatBodies& bodies) {
   }
   parallel_for(interval_.size(), [&](std::size_t k) {
     Interval& i = interval_[k];
-    i.min = bodies.box[i.slot].min[axis_], i.max = bodies.box[i.slot].max[axis_];
+    const Aabb box = bodies.box(i.slot);
+    i.min = box.min[axis_], i.max = box.max[axis_];
   });
   std::size_t exchanges = 0;
   for (std::size_t k = 1; known && k < interval_.size(); ++k) {
@@ -57,10 +58,10 @@ void SweepAndPrune::sort_intervals(const FatBodies& bodies) {
 
 void SweepAndPrune::make_rows(const FatBodies& bodies) {
   const std::size_t n = interval_.size();
-  const auto low = [&](std::size_t k) { return bodies.box[interval_[k].slot].min[across_]; };
+  const auto low = [&](std::size_t k) { return bodies.box(interval_[k].slot).min[across_]; };
   longest_ = block_max<double>(n, 0.0, [&](std::size_t k) { return interval_[k].max - interval_[k].min; });
   const double widest = block_max<double>(
-      n, 0.0, [&](std::size_t k) { return bodies.box[interval_[k].slot].max[across_] - low(k); });
+      n, 0.0, [&](std::size_t k) { return bodies.box(interval_[k].slot).max[across_] - low(k); });
   const double first = -block_max<double>(n, -infinity, [&](std::size_t k) { return -low(k); });
   const double last = block_max<double>(n, -infinity, low);
   // As wide as the widest body: who is near lies in the same row or in one beside it. Rows beyond n hold nothing.

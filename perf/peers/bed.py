@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The bed of spheres side by side with LAMMPS and LIGGGHTS, from one settled state, on this machine, taking turns.
+"""The bed of spheres side by side with LAMMPS, LIGGGHTS and YADE, from one settled state, on this machine, taking turns.
 
   /usr/bin/python3 perf/peers/bed.py [--n 10000] [--steps 1000] [--repeats 3] [--out out/peers_bed] [--program ./epafi]
 
@@ -8,7 +8,7 @@ bed.liggghts (those two), and times the same number of steps of 5e-5 s on one th
 precision, five plane walls. A code that is not installed has no row. Prints, and writes to table.md: nanoseconds of processor time per
 sphere and step (median, smallest, largest), and as a check that all did the same work the touching neighbours (Epafi counts walls,
 the others do not) and the height of the bed's centre of mass. Of every code the same run without the timed steps is subtracted.
-Needs numpy; of Debian: lammps, liggghts.
+Needs numpy; of Debian: lammps, liggghts, yade.
 """
 import json
 import os
@@ -91,6 +91,45 @@ run ${steps}
     write("bed.liggghts", begin + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls))
 
 
+YADE = """import math, resource
+bodies = [tuple(map(float, line.split(","))) for line in open("bodies.csv").readlines()[1:]]
+bead = O.materials.append(FrictMat(young=%(E)g, poisson=%(nu)g, density=%(density)g, frictionAngle=math.atan(%(friction)g)))
+for x, y, z, r in bodies:
+    O.bodies.append(sphere((x, y, z), r, material=bead))
+for axis in (0, 1):
+    O.bodies.append(wall(0, axis=axis, sense=1, material=bead)), O.bodies.append(wall(%(side).17g, axis=axis, sense=-1, material=bead))
+O.bodies.append(wall(0, axis=2, sense=1, material=bead))
+law = [Ip2_FrictMat_FrictMat_MindlinPhys(en=%(restitution)g)], [Law2_ScGeom_MindlinPhys_Mindlin()]
+O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=%(skin)g),
+             InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], *law),
+             NewtonIntegrator(damping=0, gravity=(0, 0, -9.81))]
+O.dt = %(dt)g
+O.run(%(warm)d, True)
+used = lambda: sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
+before = used()
+O.run(%(steps)d, True)
+seconds, n = used() - before, len(bodies)
+touching = sum(2 for i in O.interactions if i.isReal and max(i.id1, i.id2) < n)
+height = sum(O.bodies[k].state.pos[2] * O.bodies[k].state.mass for k in range(n)) / sum(O.bodies[k].state.mass for k in range(n))
+print("RESULT", seconds, touching / n, height)
+"""
+
+
+def run_yade():
+    """The same of YADE, which counts its own time: it starts for longer than it computes."""
+    steps = max(20, o.steps // 8)
+    values = dict(E=E, nu=NU, density=DENSITY, friction=FRICTION, restitution=RESTITUTION, dt=STEP, side=side, skin=o.skin, warm=o.warm // 4, steps=steps)
+    with open(os.path.join(o.out, "bed_yade.py"), "w") as f:
+        f.write(YADE % values)
+    _, text = processor_time(["yade", "-n", "-x", "-j1", "bed_yade.py"], o.out)
+    found = re.findall(r"^RESULT (\S+) (\S+) (\S+)$", text, re.M)
+    if not found:
+        print("yade failed:\n%s" % text[-1500:])
+        return None
+    seconds, neighbours, height = map(float, found[-1])
+    return 1e9 * seconds / steps / o.n, neighbours, height
+
+
 def write(name, text):
     # LIGGGHTS asks for its units after the atoms' style, LAMMPS for either order
     lines = text.split("\n")
@@ -129,4 +168,6 @@ if shutil.which("lmp"):
               ("LAMMPS granular (Mindlin, Tsuji)", lambda: run_peer(["lmp", "-log", "none", "-in", "granular.lammps"]))]
 if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "bed.liggghts"])))
+if shutil.which("yade"):
+    codes.append(("YADE", run_yade))
 print_table("%d spheres, one thread" % o.n, ["neighbours", "height [m]"], take_turns(codes, o.repeats), o.out)

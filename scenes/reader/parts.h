@@ -1,7 +1,7 @@
 /// @file parts.h  The steps of reading a scene, each for one group of tables. Internal to scenes/reader.
 #pragma once
 #include <functional>
-#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +14,7 @@ namespace epafi {
 struct Draft {
   Reading& reading;
   Scene scene;
-  std::map<double, std::size_t> sphere_of_radius;  ///< shapes made for rows of [[bodies]]
+  std::optional<std::size_t> unit_sphere{};  ///< the shape of all rows of [[bodies]] with a radius
 };
 
 void read_run(Draft& draft);

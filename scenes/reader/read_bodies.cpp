@@ -127,7 +127,7 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   body.position = vec3("position"), body.velocity = vec3("velocity");
   body.angular_velocity = vec3("angular_velocity"), body.force = vec3("force");
   body.orientation = read_orientation(reading, v, table.label);
-  body.spins = {v.written("angular_velocity"), v.place_of("angular_velocity")};
+  if (v.written("angular_velocity")) body.spin_place = v.place_of("angular_velocity");
   body.motion = read_motion(reading, v, table.label);
   body.servo = read_servo(reading, v, table.label);
   body.remove_at = v.optional_number("remove_at");
@@ -164,12 +164,6 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
 
 using Index3 = std::array<std::size_t, 3>;
 
-std::string index_text(const Index3& index, std::size_t dimensions) {
-  std::string text = fmt::format("[{}", index[0]);
-  for (std::size_t d = 1; d < dimensions; ++d) text += fmt::format(",{}", index[d]);
-  return text + "]";
-}
-
 void set_indices(Reading& reading, const Index3& index, std::size_t dimensions) {
   constexpr const char* names[] = {"i", "j", "k"};
   reading.indices.clear();
@@ -202,7 +196,7 @@ void read_body(Draft& draft, const Node& item) {
   const std::string name = values.has("name") ? values.text("name") : "";
   check_group_name(draft, name, values.place_of("name"));
   auto& scene = draft.scene;
-  scene.groups.push_back({name, scene.bodies.size(), 0, item.place});
+  scene.groups.push_back({name, scene.bodies.size(), 0, item.place, {counts.begin(), counts.end()}});
   const BodyTable table{item, label, scene.groups.size() - 1};
   scene.bodies.reserve(scene.bodies.size() + size[0] * size[1] * size[2]);
   Index3 at{};
@@ -219,7 +213,6 @@ void read_body(Draft& draft, const Node& item) {
         auto body = make_body(draft, table, values, shape);
         if (body && first && reading.errors() == errors) check_body(draft, *body, values, label);
         if (!body || reading.errors() != errors) return reading.indices.clear();
-        body->name = name.empty() || counts.empty() ? name : name + index_text(at, counts.size());
         scene.bodies.push_back(std::move(*body));
         ++scene.groups.back().count;
       }
@@ -260,8 +253,9 @@ NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& plac
   NamedBodies found;
   std::vector<std::string> names;
   for (const auto& group : draft.scene.groups) {
-    for (std::size_t k = group.first; k < group.first + group.count; ++k)
-      if (group.name == name || draft.scene.bodies[k].name == name) found.bodies.push_back(k);
+    const bool whole = group.name == name, maybe_one = !group.name.empty() && name.rfind(group.name + "[", 0) == 0;
+    for (std::size_t k = 0; k < group.count && (whole || maybe_one); ++k)
+      if (whole || body_name(group, k) == name) found.bodies.push_back(group.first + k);
     if (!group.name.empty()) names.push_back(group.name);
   }
   for (std::size_t f = 0; f < draft.scene.fills.size(); ++f) {

@@ -72,6 +72,7 @@ struct Rows {
   bool fixed = false;
   Format format = Format::csv;
   std::map<std::string, Cell> row;
+  double own_size = 1.0;  ///< of the shape of this row
 
   bool has(const std::string& column) const { return row.count(column) != 0; }
   bool has_column(const std::string& name) const {
@@ -126,8 +127,9 @@ bool Rows::check_header(const Place& place) {
 }
 
 std::optional<std::size_t> Rows::shape_of_row() {
-  if (has("shape")) return find_shape(draft, row.at("shape").text, row.at("shape").place, label);
+  if (has("shape")) return own_size = 1.0, find_shape(draft, row.at("shape").text, row.at("shape").place, label);
   const std::string size = has("radius") ? "radius" : "diameter";
+  own_size = 1.0;
   if (!has(size)) return shape;
   const double radius = size == "radius" ? number(size) : 0.5 * number(size);
   if (!(radius > 0.0)) {
@@ -135,15 +137,16 @@ std::optional<std::size_t> Rows::shape_of_row() {
                         "column " + size + " = " + format_number(radius) + " is outside (0, inf) (" + size + ", in m)");
     return std::nullopt;
   }
-  const auto [known, is_new] = draft.sphere_of_radius.try_emplace(radius, draft.scene.shapes.size());
-  if (is_new) {
+  if (!draft.unit_sphere) {
+    draft.unit_sphere = draft.scene.shapes.size();
     ShapeSpec sphere;
     sphere.type = "sphere";
-    sphere.parameters.set("radius", radius);
+    sphere.parameters.set("radius", 1.0);
     sphere.place = row.at(size).place;
     draft.scene.shapes.push_back(std::move(sphere));
   }
-  return known->second;
+  own_size = radius;
+  return draft.unit_sphere;
 }
 
 std::optional<BodySpec> Rows::body() {
@@ -154,7 +157,7 @@ std::optional<BodySpec> Rows::body() {
   body.position = Vec3(number("x"), number("y"), number("z"));
   body.velocity = Vec3(number("vx"), number("vy"), number("vz"));
   body.angular_velocity = Vec3(number("wx"), number("wy"), number("wz"));
-  body.spins = {has("wx"), has("wx") ? row.at("wx").place : Place{}};
+  if (body.angular_velocity.squaredNorm() > 0.0) body.spin_place = row.at("wx").place;
   body.orientation = Quat(number("qw", 1.0), number("qx"), number("qy"), number("qz"));
   if (!(body.orientation.norm() > 0.0))
     draft.reading.error(row.at("qw").place, "a quaternion of length 0 is no orientation");
@@ -162,7 +165,7 @@ std::optional<BodySpec> Rows::body() {
     body.orientation.normalize();
   body.fixed = fixed;
   if (!own_shape || !own_material) return std::nullopt;
-  body.shape = *own_shape, body.material = *own_material;
+  body.shape = *own_shape, body.size = own_size, body.material = *own_material;
   return body;
 }
 
@@ -199,19 +202,28 @@ int read_foreign_header(Rows& rows, std::istream& in, const std::string& file, c
   return number;
 }
 
-void add_row(Rows& rows, std::vector<Cell> cells, const std::string& name) {
+void add_row(Rows& rows, std::vector<Cell> cells) {
   auto& scene = rows.draft.scene;
   for (std::size_t k = 0; k < cells.size(); ++k)
     if (!rows.header[k].text.empty()) rows.row[rows.header[k].text] = std::move(cells[k]);
   auto body = rows.body();
   if (!body) return;
   body->group = scene.groups.size() - 1;
-  if (!name.empty()) body->name = fmt::format("{}[{}]", name, scene.groups.back().count);
   scene.bodies.push_back(std::move(*body));
   ++scene.groups.back().count;
 }
 
-void read_rows(Rows& rows, std::istream& in, const std::string& file, const std::string& name, const Place& place) {
+/// Lines from here on: as many bodies as there may be.
+std::size_t lines_ahead(std::istream& in) {
+  const std::streampos begin = in.tellg();
+  std::size_t lines = 0;
+  for (char block[4096]; in.read(block, sizeof block), in.gcount() > 0;)
+    lines += static_cast<std::size_t>(std::count(block, block + in.gcount(), '\n'));
+  in.clear(), in.seekg(begin);
+  return lines;
+}
+
+void read_rows(Rows& rows, std::istream& in, const std::string& file, const Place& place) {
   Reading& reading = rows.draft.reading;
   const std::size_t errors = reading.errors();
   int number = 0;
@@ -219,6 +231,8 @@ void read_rows(Rows& rows, std::istream& in, const std::string& file, const std:
     number = read_foreign_header(rows, in, file, place);
     if (reading.errors() != errors || !rows.check_header(place)) return;
   }
+  auto& bodies = rows.draft.scene.bodies;
+  bodies.reserve(bodies.size() + lines_ahead(in));
   std::string line;
   while (std::getline(in, line) && reading.errors() < errors + 20) {
     ++number;
@@ -231,7 +245,7 @@ void read_rows(Rows& rows, std::istream& in, const std::string& file, const std:
     } else if (cells.size() != rows.header.size()) {
       reading.error({file, number, 1}, fmt::format("expected {} columns, found {}", rows.header.size(), cells.size()));
     } else {
-      add_row(rows, std::move(cells), name);
+      add_row(rows, std::move(cells));
     }
   }
   if (reading.errors() == errors && rows.draft.scene.groups.back().count == 0)
@@ -271,7 +285,7 @@ void read_file(Draft& draft, const Node& item) {
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure))
     return reading.error(place, label + " file: there is no file '" + path + "'");
-  draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place});
+  draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place, {1}});
   const std::size_t first = draft.scene.bodies.size();
   if (ending == ".polyset") {
     if (!rows.material) return reading.error(item.place, label + ": a .polyset needs a material");
@@ -279,7 +293,7 @@ void read_file(Draft& draft, const Node& item) {
   } else {
     rows.format = is_dump ? Format::dump : ending == ".txt" ? Format::yade : Format::csv;
     std::ifstream in(path);
-    read_rows(rows, in, path, name, place);
+    read_rows(rows, in, path, place);
   }
   displace(draft.scene, first, values.number("jitter"));
 }

@@ -76,7 +76,6 @@ void read_polyset(Draft& draft, const BodyFile& file) {
     shape.parameters.set("vertices", std::move(vertices));
     spec.shape = scene.shapes.size(), spec.material = file.material, spec.fixed = file.fixed;
     spec.group = scene.groups.size() - 1;
-    if (!file.name.empty()) spec.name = fmt::format("{}[{}]", file.name, scene.groups.back().count);
     scene.shapes.push_back(std::move(shape)), scene.bodies.push_back(std::move(spec));
     ++scene.groups.back().count;
   }

@@ -340,3 +340,26 @@ TEST_CASE("sizes over 1:100 of equal volume per decade have few candidates, howe
       }
     }
 }
+
+TEST_CASE("margins of spheres at rest grow where these end lists early, and shrink again", "[detection][broad]") {
+  BroadScene scene;
+  scene.setup.shapes = &scene.shapes;
+  for (int i = 0; i < 64; ++i) scene.add_sphere(0.99 * Vec3(i % 4, i / 4 % 4, i / 16), 0.5);
+  const auto broad = make_broad_phase("spatial-hash", scene.setup, scene.world);
+  PairList list;
+  const auto wait = [&](int steps) {
+    for (int k = 0; k < steps; ++k) scene.world.time += 1.0, broad->find_pairs(scene.world, list);
+  };
+  wait(2);
+  CHECK(list.margins[0] == Approx(0.06 * 0.5));
+  for (int k = 0; k < 12; ++k) {
+    scene.world.position[0].x() -= 0.6 * list.margins[0];  // a jump past half its margin, from rest
+    wait(3);
+    for (const Pair& p : close_pairs(scene)) CHECK(std::binary_search(list.pairs.begin(), list.pairs.end(), p));
+  }
+  CHECK(list.margins[0] == Approx(0.25 * 0.5));
+  wait(400);
+  scene.world.position[0].x() += 0.6 * list.margins[0];
+  wait(1);
+  CHECK(list.margins[0] == Approx(0.25 * 0.5 / 1.4));
+}

@@ -26,7 +26,7 @@ ReadResult read_bodies(const std::string& name, const std::string& text, const s
   return read;
 }
 
-double radius_of(const Scene& s, std::size_t body) { return s.shapes[s.bodies[body].shape].parameters.number("radius"); }
+double radius_of(const Scene& s, std::size_t body) { return s.bodies[body].size * s.shapes[s.bodies[body].shape].parameters.number("radius"); }
 
 std::string message(const ReadResult& read) {
   std::string all;
@@ -50,7 +50,7 @@ TEST_CASE("the last frame of a LAMMPS dump becomes bodies", "[scenes][reader][fo
   CHECK(s.bodies[0].velocity == Vec3(1, -2, 0.3));
   CHECK(radius_of(s, 0) == 0.01);
   CHECK(radius_of(s, 1) == 0.02);
-  CHECK(s.bodies[1].name == "p[1]");
+  CHECK(body_name(s, 1) == "p[1]");
 }
 
 TEST_CASE("a LIGGGHTS dump brings spin, forces are passed over", "[scenes][reader][foreign]") {

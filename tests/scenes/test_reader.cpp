@@ -120,13 +120,13 @@ TEST_CASE("repeat unrolls with i, j, k and shares one shape", "[scenes][reader]"
   const Scene s = read();
   const GroupSpec& stack = s.groups[1];
   REQUIRE(stack.count == 20);
-  CHECK(s.bodies[stack.first].name == "stack[0]");
+  CHECK(body_name(s, stack.first) == "stack[0]");
   CHECK(s.bodies[stack.first + 7].position == Vec3(0, 0, 7.5 * 0.010));
   CHECK(s.bodies[stack.first + 7].shape == 0);
   const GroupSpec& grid = s.groups[2];
   REQUIRE(grid.count == 24);
   const BodySpec& last = s.bodies[grid.first + 23];
-  CHECK(last.name == "grid[1,2,3]");
+  CHECK(body_name(s, grid.first + 23) == "grid[1,2,3]");
   CHECK(last.position == Vec3(0.010, 2 * 0.010, 1 + 3 * 0.010));
   CHECK(last.shape == s.bodies[grid.first].shape);
   CHECK(s.shapes[last.shape].parameters.number("radius") == 0.005);
@@ -139,7 +139,7 @@ TEST_CASE("an inline shape that uses the index is one shape per copy", "[scenes]
       "0, 0]\n");
   REQUIRE(s.bodies.size() == 3);
   CHECK(s.shapes[s.bodies[2].shape].parameters.number("radius") == 3.0);
-  CHECK(s.bodies[0].name.empty());
+  CHECK(body_name(s, 0).empty());
 }
 
 TEST_CASE("driven bodies carry their motion", "[scenes][reader]") {
@@ -165,17 +165,19 @@ TEST_CASE("euler_deg turns about x, then y, then z of the world", "[scenes][read
   CHECK((s.bodies[0].orientation * Vec3::UnitY() - Vec3::UnitZ()).norm() < 1e-15);
 }
 
-TEST_CASE("rows of a CSV file become bodies; equal radii share a shape", "[scenes][reader]") {
+TEST_CASE("rows of a CSV file become bodies; those with a radius share a shape, each of its size", "[scenes][reader]") {
   const Scene s = read();
   const GroupSpec& rain = s.groups[5];
   REQUIRE(rain.count == 3);
   const BodySpec* b = &s.bodies[rain.first];
   CHECK(b[0].position == Vec3(0.5, 0, 1));
   CHECK(b[1].velocity == Vec3(0, 0, -1));
+  CHECK(b[0].shape == b[2].shape);
   CHECK(b[1].shape == b[2].shape);
-  CHECK(b[0].shape != b[1].shape);
+  CHECK(b[1].size == b[2].size);
+  CHECK(b[0].size != b[1].size);
   CHECK(s.materials[b[0].material].material.name == "steel");
-  CHECK(b[2].name == "rain[2]");
+  CHECK(body_name(s, rain.first + 2) == "rain[2]");
 }
 
 TEST_CASE("fills, measures, bounds and studies are resolved", "[scenes][reader]") {

@@ -22,7 +22,7 @@ struct BlockTask {
 
   template <int n>
   EPAFI_LANES void run() const {
-    if (block.images.empty())
+    if (block.images == nullptr)
       sweep_runs<n, false>();
     else
       sweep_runs<n, true>();
@@ -62,14 +62,15 @@ class FusedModel final : public FusedSpheres {
   const char* name() const override { return "fused spheres"; }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
 
-  void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
-                 std::span<const double> radius, std::span<const double> margins) override {
-    hurry_.clear();
-    for (const double margin : margins)  // half a unit in the last place more than it is
-      hurry_.push_back(margin > 0.0 ? static_cast<float>(2.0 * (1.0 + 1e-6) / margin) : 0.0f);
+  void set_pairs(const World& world, const SphereList& list) override {
+    hurry_.resize(list.margins.size());
+    for (std::size_t s = 0; s < hurry_.size(); ++s) {  // half a unit in the last place more than it is
+      const double margin = list.margins[s];
+      hurry_[s] = margin > 0.0 ? static_cast<float>(2.0 * (1.0 + 1e-6) / margin) : 0.0f;
+    }
     wall_laws_.clear();
-    for (const SpherePlane& p : planes) wall_laws_.push_back(law_of(world.material[p.slot]));
-    blocks_.rebuild(world, std::move(pairs), std::move(planes), radius, Tangential::is_present);
+    for (const SpherePlane& p : list.planes) wall_laws_.push_back(law_of(world.material[p.slot]));
+    blocks_.rebuild(world, list, Tangential::is_present);
   }
 
   bool move(World& world, const StepClock& clock) override {
@@ -135,10 +136,24 @@ class FusedModel final : public FusedSpheres {
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
     contacts.force.resize(contacts.size());
+    const std::size_t all = contacts.size() + touching();  // no column doubles on the way there
+    contacts.a.reserve(all), contacts.b.reserve(all), contacts.feature.reserve(all), contacts.gap.reserve(all);
+    contacts.normal.reserve(all), contacts.arm.reserve(all), contacts.force.reserve(all);
+    contacts.effective_radius.reserve(contacts.with_curvature ? all : 0);
     blocks_.each_touching(
         [&](const auto& block, const auto& run, std::uint32_t k) { append(world, contacts, block, run, k); });
     contacts.sort();
     published_ = true;
+  }
+
+  void add_gaps(const World& world, ContactSet& contacts) const override {
+    if (published_ || !blocks_.laid_out()) return;
+    const std::size_t all = contacts.size() + touching();
+    contacts.a.reserve(all), contacts.b.reserve(all), contacts.gap.reserve(all);
+    blocks_.each_touching([&](const auto& block, const auto& run, std::uint32_t k) {
+      contacts.a.push_back(block.pairs[k].a.slot()), contacts.b.push_back(block.pairs[k].b.slot());
+      contacts.gap.push_back(geometry(world, block, run, k).gap);
+    });
   }
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
@@ -285,25 +300,47 @@ class FusedModel final : public FusedSpheres {
     return Loop<Normal>::respond((wall ? wall_laws_[static_cast<std::size_t>(run.plane)] : law_).normal, at).force;
   }
 
-  /// Contact k of a block as the generic path would have it.
-  void append(const World& world, ContactSet& contacts, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-              std::uint32_t k) const {
-    const bool wall = run.plane >= 0;
+  std::size_t touching() const {
+    std::size_t sum = 0;
+    for (const auto& block : blocks_.blocks()) sum += block.touching;
+    return sum;
+  }
+
+  /// Image code of contact k of a block, from its lower slot to the other.
+  std::uint32_t key_of(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                       std::uint32_t k) const {
+    if (!world.cell) return 0;
     const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
-    const double radius_a = blocks_.states()[a].position[3], radius_b = wall ? 0.0 : blocks_.states()[b].position[3];
-    std::uint32_t key = 0;  // that of a plane follows the cells the sphere has passed: it is with the plane itself
-    if (world.cell) key = wall ? image_code(world.wraps[a] - world.wraps[b]) : block.images[k].key;
-    const Vec3 d = world.branch(a, b, Feature{key} << 56);
+    // that of a plane follows the cells the sphere has passed: it is with the plane itself
+    return run.plane >= 0 ? image_code(world.wraps[a] - world.wraps[b]) : block.images[k].key;
+  }
+
+  /// Gap, normal, arm and radius of contact k of a block, from its lower slot to the other.
+  ContactPoint geometry(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                        std::uint32_t k) const {
+    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
+    const double radius_a = blocks_.states()[a].position[3];
     ContactPoint c;
-    if (wall) {
+    if (run.plane >= 0) {
       const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
       c.gap = plane.normal.dot(world.position[a] - plane.point) - radius_a, c.normal = -plane.normal;
       c.effective_radius = radius_a, c.arm = radius_a * c.normal;
-    } else {
-      const double distance = d.norm(), sum = radius_a + radius_b;
-      c.gap = distance - sum, c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
-      c.effective_radius = radius_a * radius_b / sum, c.arm = radius_a / sum * distance * c.normal;
+      return c;
     }
+    const Vec3 d = world.branch(a, b, Feature{key_of(world, block, run, k)} << 56);
+    const double radius_b = blocks_.states()[b].position[3], distance = d.norm(), sum = radius_a + radius_b;
+    c.gap = distance - sum, c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+    c.effective_radius = radius_a * radius_b / sum, c.arm = radius_a / sum * distance * c.normal;
+    return c;
+  }
+
+  /// Contact k of a block as the generic path would have it.
+  void append(const World& world, ContactSet& contacts, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+              std::uint32_t k) const {
+    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
+    const std::uint32_t key = key_of(world, block, run, k);
+    const Vec3 d = world.branch(a, b, Feature{key} << 56);
+    ContactPoint c = geometry(world, block, run, k);
     Vec3 force = -normal_force(world, block, run, k) * c.normal;
     if constexpr (Tangential::is_present) {
       const Lanes& load = block.springs[k].load;

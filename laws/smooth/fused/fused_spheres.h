@@ -13,12 +13,13 @@ namespace epafi {
 
 class FusedSpheres : public ContactModel {
  public:
-  /// The pairs that this model detects itself, whenever the list changes. radius: by slot. margins: of the list, by
-  /// slot [m]; empty: other contacts than those of the pairs are possible, or the list has none.
-  virtual void set_pairs(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
-                         std::span<const double> radius, std::span<const double> margins) = 0;
+  /// The pairs that this model detects itself, whenever the list changes.
+  virtual void set_pairs(const World& world, const SphereList& list) = 0;
   /// The largest way of a body in the step that has begun over half its margin; infinity: not known.
   virtual double largest_way() const = 0;
+  /// Appends bodies and gaps alone of the contacts that `publish` would write out, in any order: 16 bytes each in the
+  /// place of 104. Nothing where it has done so in this step.
+  virtual void add_gaps(const World& world, ContactSet& contacts) const = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;
 };

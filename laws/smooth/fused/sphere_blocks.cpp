@@ -1,7 +1,9 @@
 #include "laws/smooth/fused/sphere_blocks.h"
 
 #include <algorithm>
+#include <array>
 #include <tuple>
+#include <utility>
 
 #include "engine/error.h"
 #include "engine/parallel.h"
@@ -22,207 +24,299 @@ namespace {
 /// Appends pairs of one run to a block.
 class RunWriter {
  public:
-  RunWriter(SphereBlocks::Block& block, bool periodic) : block_(block), periodic_(periodic) {}
-  void open(std::int32_t plane, bool across) {
-    const auto at = static_cast<std::uint32_t>(block_.pairs.size());
-    block_.runs.push_back({at, at, plane, across});
-  }
-  void add(const SpherePair& p) {
-    block_.pairs.push_back({SpherePlace(p.a), SpherePlace(p.b)});
+  explicit RunWriter(SphereBlocks::Block& block) : block_(block) { block.runs.clear(), block.size = 0; }
+  void open(std::int32_t plane, bool across) { block_.runs.push_back({block_.size, block_.size, plane, across}); }
+  void add(Slot a, Slot b, std::uint32_t image) {
     ++block_.runs.back().end;
-    if (!periodic_) return;
-    const auto step = [&](int k) { return static_cast<double>(image_step(p.image >> k)); };
-    const Lanes cells{step(0), step(2), step(4), 0.0};
-    block_.images.push_back({cells, p.image >> 8});
+    put({SpherePlace(a), SpherePlace(b)});
+    if (block_.images == nullptr) return;
+    const auto step = [&](int k) { return static_cast<double>(image_step(image >> k)); };
+    block_.images[block_.size - 1] = {Lanes{step(0), step(2), step(4), 0.0}, image >> 8};
   }
   void close() {
     if (block_.runs.back().begin == block_.runs.back().end) return block_.runs.pop_back();
-    while (block_.pairs.size() % SphereBlocks::pairs_per_byte != 0) {
-      block_.pairs.push_back(block_.pairs.back());
-      if (periodic_) block_.images.push_back(block_.images.back());
+    while (block_.size % SphereBlocks::pairs_per_byte != 0) {
+      put(block_.pairs[block_.size - 1]);
+      if (block_.images != nullptr) block_.images[block_.size - 1] = block_.images[block_.size - 2];
     }
   }
 
  private:
   SphereBlocks::Block& block_;
-  bool periodic_;
+  void put(SpherePlaces pair) { block_.pairs[block_.size++] = pair; }
 };
+
+/// Room for `size`, and little more when it must grow: columns that double waste as much as they hold.
+template <class Column>
+void make_room(Column& column, std::size_t size) {
+  if (size > column.capacity()) column.reserve(size + size / 16);
+}
+
+/// `= {}` would keep the room.
+template <class Column>
+void let_go(Column& column) {
+  Column().swap(column);
+}
 
 }  // namespace
 
 // --- layout
 
-void SphereBlocks::rebuild(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
-                           std::span<const double> radius, bool friction) {
-  std::vector<Kept> kept = laid_out_ ? springs() : std::move(kept_);
-  kept_.clear(), laid_out_ = true;
-  planes_ = std::move(planes);
-  place(world, std::move(pairs), radius, friction);
-  if (friction) restore(kept, world.size());
-}
-
-template <class T>
-void SphereBlocks::by_first_slot(std::vector<T>& list, std::size_t slots) {
-  first_.assign(slots + 2, 0);
-  for (const T& x : list) ++first_[x.a + 2];
-  for (std::size_t s = 2; s < first_.size(); ++s) first_[s] += first_[s - 1];
-  std::vector<T> out(list.size());
-  for (const T& x : list) out[first_[x.a + 1]++] = x;
-  list = std::move(out);
-}
-
-void SphereBlocks::place(const World& world, std::vector<SpherePair> pairs, std::span<const double> radius,
-                         bool friction) {
+void SphereBlocks::rebuild(const World& world, const SphereList& list, bool friction) {
   EPAFI_REQUIRE(world.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
   const std::size_t count = (world.size() + block_size - 1) / block_size;
-  plain_.resize((world.size() + 3) / 4);
-  blocks_.resize(count);
-  states_.resize(world.size());
-  pairs_ = pairs.size();
-  for (SpherePair& p : pairs)
-    if (p.plane < 0 && p.b < p.a) std::swap(p.a, p.b), p.image = opposite_image(p.image);
-  by_first_slot(pairs, world.size());
-  const bool may_be_plain = has_plain_bodies(world);
+  sort_partners(list, world.size());
+  const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
+  plain_.resize((world.size() + 3) / 4), states_.resize(world.size());
+  pairs_ = partners_.size();
+  const Filling with{list, friction, world.cell.has_value()};
+  bool fits = blocks_.size() == count;
+  for (std::size_t i = 0; fits && i < count; ++i)
+    fits = need(i) <= blocks_[i].room && with.periodic == (blocks_[i].images != nullptr);
+  const bool goes_on = laid_out_ && fits;
+  if (!goes_on) take_out(before), group_kept(count);
+  if (blocks_.size() != count || !fits) blocks_.resize(count), make_rooms(with);
   parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
-    const std::size_t last = std::min(world.size(), (i + 1) * block_size);
-    for (std::size_t s = i * block_size; s < last; ++s) {
-      const double r = std::max(radius[s], 0.0);  // of others, which no pair names
-      states_[s].position[3] = states_[s].spin[3] = r;
-      states_[s].velocity[3] = world.inverse_mass[s];
-      if (world.rotates()) states_[s].predicted[3] = world.inverse_inertia[s].x();
-      if (s % 4 == 0) plain_[s / 4] = may_be_plain && are_plain(world, s);
+    const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
+    copy_constants(world, list.radius, first, last);
+    thread_local std::vector<Kept> own;
+    std::span<const Kept> kept;
+    if (goes_on) {
+      own.clear(), springs_of(blocks_[i], before, own);
+      kept = own;
+    } else {
+      kept = std::span(kept_).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]);
     }
-    const Slot begin = first_[i * block_size], end = first_[last];
-    fill_block({pairs.data() + begin, pairs.data() + end}, static_cast<Slot>(i), friction, world.cell.has_value());
+    lay_out(blocks_[i], static_cast<Slot>(i), with);
+    if (friction) restore(blocks_[i], static_cast<Slot>(first), kept);
   });
+  let_go(kept_), laid_out_ = true;
   address_records();
 }
 
-/// pairs: those the block owns, by A.
-void SphereBlocks::fill_block(std::span<SpherePair> pairs, Slot index, bool friction, bool periodic) {
-  Block& block = blocks_[index];
-  block.runs.clear(), block.pairs.clear(), block.images.clear(), block.incoming.clear();
-  for (auto run = pairs.begin(); run != pairs.end();) {
-    const auto end = std::find_if(run, pairs.end(), [a = run->a](const SpherePair& p) { return p.a != a; });
-    std::sort(run, end, [](const SpherePair& p, const SpherePair& q) {
+/// By the lower slot of each pair, of a plane by its sphere; among them by the other slot and the image.
+void SphereBlocks::sort_partners(const SphereList& list, std::size_t slots) {
+  const auto each = [&](const auto& f) {
+    for (const Pair& p : list.pairs) {
+      if (!list.takes(p)) continue;
+      const bool plane = !list.is_sphere(p.a) || !list.is_sphere(p.b);
+      if (plane)
+        list.is_sphere(p.a) ? f(p.a, Partner{p.b, 0}) : f(p.b, Partner{p.a, 0});
+      else
+        p.a < p.b ? f(p.a, Partner{p.b, p.image}) : f(p.b, Partner{p.a, opposite_image(p.image)});
+    }
+  };
+  first_.assign(slots + 2, 0);
+  each([&](Slot a, const Partner&) { ++first_[a + 2]; });
+  for (std::size_t s = 2; s < first_.size(); ++s) first_[s] += first_[s - 1];
+  make_room(partners_, first_.back()), partners_.resize(first_.back());
+  each([&](Slot a, const Partner& p) { partners_[first_[a + 1]++] = p; });
+  parallel_for(slots, [&](std::size_t s) {
+    std::sort(partners_.data() + first_[s], partners_.data() + first_[s + 1], [](const Partner& p, const Partner& q) {
       return std::pair(p.b, p.image >> 8) < std::pair(q.b, q.image >> 8);
     });
-    run = end;
+  });
+}
+
+void SphereBlocks::copy_constants(const World& world, std::span<const double> radius, std::size_t begin,
+                                  std::size_t end) {
+  const bool may_be_plain = has_plain_bodies(world);
+  for (std::size_t s = begin; s < end; ++s) {
+    const double r = std::max(radius[s], 0.0);  // of others, which no pair names
+    states_[s].position[3] = states_[s].spin[3] = r;
+    states_[s].velocity[3] = world.inverse_mass[s];
+    if (world.rotates()) states_[s].predicted[3] = world.inverse_inertia[s].x();
+    if (s % 4 == 0) plain_[s / 4] = may_be_plain && are_plain(world, s);
   }
-  RunWriter writer(block, periodic);
-  for (std::size_t plane = 0; plane < planes_.size(); ++plane) {
-    const auto p = static_cast<std::int32_t>(plane);
-    writer.open(p, false);
-    for (const SpherePair& pair : pairs)
-      if (pair.plane == p) writer.add(pair);
+}
+
+/// Pairs of a block with all that its runs may be filled up with.
+std::uint32_t SphereBlocks::need(std::size_t block) const {
+  const std::size_t begin = block * block_size, end = std::min(states_.size(), begin + block_size);
+  const auto pairs = static_cast<std::uint32_t>(first_[end] - first_[begin]);
+  const auto runs = static_cast<std::uint32_t>(planes_.size() + 2);
+  return (pairs + runs * (pairs_per_byte - 1) + pairs_ahead + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
+}
+
+/// Gives every block room in the columns, an eighth more than it needs now: the next lists fit in too.
+void SphereBlocks::make_rooms(const Filling& with) {
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    blocks_[i].room = (need(i) + need(i) / 8 + 64) / pairs_per_byte * pairs_per_byte;
+    all += blocks_[i].room;
+  }
+  const auto renew = [](auto& column, std::size_t size) {  // the old one goes first
+    let_go(column);
+    column.resize(size);
+  };
+  renew(pair_column_, all), renew(spring_column_, with.friction ? all : 0);
+  renew(image_column_, with.periodic ? all : 0), renew(touched_column_, all / pairs_per_byte);
+  std::size_t at = 0;
+  for (Block& block : blocks_) {
+    block.pairs = pair_column_.data() + at, block.touched = touched_column_.data() + at / pairs_per_byte;
+    block.springs = with.friction ? spring_column_.data() + at : nullptr;
+    block.images = with.periodic ? image_column_.data() + at : nullptr;
+    at += block.room;
+  }
+}
+
+void SphereBlocks::lay_out(Block& block, Slot index, const Filling& with) {
+  const std::size_t begin = index * block_size, end = std::min(states_.size(), begin + block_size);
+  RunWriter writer(block);
+  const auto add = [&](const auto& belongs) {
+    for (std::size_t s = begin; s < end; ++s)
+      for (std::uint32_t k = first_[s]; k < first_[s + 1]; ++k)
+        if (belongs(partners_[k].b)) writer.add(static_cast<Slot>(s), partners_[k].b, partners_[k].image);
     writer.close();
+  };
+  for (std::size_t plane = 0; plane < planes_.size(); ++plane) {
+    writer.open(static_cast<std::int32_t>(plane), false);
+    add([slot = planes_[plane].slot](Slot b) { return b == slot; });
   }
   for (const bool across : {false, true}) {
     writer.open(-1, across);
-    for (const SpherePair& pair : pairs)
-      if (pair.plane < 0 && (pair.b / block_size != index) == across) writer.add(pair);
-    writer.close();
+    add([&](Slot b) { return with.list.plane_of[b] < 0 && (b / block_size != index) == across; });
   }
-  block.springs.assign(friction ? block.pairs.size() : 0, SphereSpring{});
-  block.touched.assign(block.pairs.size() / pairs_per_byte, 0);
-  if (!block.pairs.empty()) block.pairs.resize(block.pairs.size() + pairs_ahead, block.pairs.back());
+  if (with.friction) std::fill_n(block.springs, block.size, SphereSpring{});
+  std::fill_n(block.touched, block.size / pairs_per_byte, std::uint8_t{0});
+  const SpherePlaces last = block.size > 0 ? block.pairs[block.size - 1] : SpherePlaces{};
+  std::fill(block.pairs + block.size, block.pairs + block.room, last);
 }
 
 /// Gives every pair across blocks a place in `records`, and tells the block of its B.
 void SphereBlocks::address_records() {
-  std::uint32_t record = 0;
-  for (Block& block : blocks_) {
-    if (block.runs.empty() || !block.runs.back().across) continue;
-    const Run& run = block.runs.back();
-    block.record = record;
-    for (std::uint32_t k = run.begin; k < run.end; ++k, ++record) {
-      const Slot b = block.pairs[k].b.slot();
-      blocks_[b / block_size].incoming.emplace_back(record, b);
+  const auto each = [&](const auto& f) {
+    std::uint32_t record = 0;
+    for (Block& block : blocks_) {
+      if (block.runs.empty() || !block.runs.back().across) continue;
+      const Run& run = block.runs.back();
+      block.record = record;
+      for (std::uint32_t k = run.begin; k < run.end; ++k) f(record++, block.pairs[k].b.slot());
     }
-  }
-  records_.assign(record, SphereSum{});
+    return record;
+  };
+  for (Block& block : blocks_) block.incoming = 0;
+  const std::uint32_t records = each([&](std::uint32_t, Slot b) { ++blocks_[b / block_size].incoming; });
+  std::uint32_t end = 0;
+  for (Block& block : blocks_) block.incoming = (end += block.incoming) - block.incoming;
+  make_room(incoming_, records), incoming_.resize(records);
+  each([&](std::uint32_t record, Slot b) { incoming_[blocks_[b / block_size].incoming++] = {record, b}; });
+  for (std::size_t i = blocks_.size(); i-- > 0;) blocks_[i].incoming = i > 0 ? blocks_[i - 1].incoming : 0;
+  make_room(records_, records), records_.assign(records, SphereSum{});
 }
 
 // --- springs on their way from one layout to the next
 
-std::vector<SphereBlocks::Kept> SphereBlocks::springs() const {
-  std::vector<Kept> kept;
-  each_touching([&](const Block& block, const Run& run, std::uint32_t k) {
-    if (block.springs.empty()) return;
-    const Lanes& load = block.springs[k].load;
-    const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
-    kept.push_back({block.pairs[k].a.slot(),
-                    b,
-                    block.images.empty() ? 0u : block.images[k].key,
-                    {load[0], load[1], load[2], load[3]}});
-  });
-  return kept;
+SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std::uint32_t k,
+                                         const std::vector<SpherePlane>& planes) {
+  const Lanes& load = block.springs[k].load;
+  return {block.pairs[k].a.slot(),
+          run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot(),
+          block.images == nullptr ? 0u : block.images[k].key,
+          {load[0], load[1], load[2], load[3]}};
 }
 
-void SphereBlocks::restore(std::vector<Kept>& kept, std::size_t slots) {
-  by_first_slot(kept, slots);
-  parallel_blocks(blocks_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    Block& block = blocks_[i];
-    for (const Run& run : block.runs)
-      for (std::uint32_t k = run.begin; k < run.end; ++k) {
-        const Slot a = block.pairs[k].a.slot();
-        const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
-        const std::uint32_t key = block.images.empty() ? 0u : block.images[k].key;
-        const auto end = kept.begin() + first_[a + 1];
-        const auto at =
-            std::find_if(kept.begin() + first_[a], end, [b, key](const Kept& s) { return s.b == b && s.key == key; });
-        if (at == end) continue;
-        block.springs[k].load = Lanes{at->load[0], at->load[1], at->load[2], at->load[3]};
-        block.touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
-      }
-  });
+void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, std::vector<Kept>& kept) {
+  if (block.springs == nullptr) return;
+  each_touching(block, [&](const Run& run, std::uint32_t k) { kept.push_back(kept_of(block, run, k, planes)); });
+}
+
+/// kept: springs of a block whose first slot is `first`.
+void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept) {
+  std::array<std::uint32_t, block_size + 2> begin{};
+  for (const Kept& s : kept) ++begin[s.a - first + 2];
+  for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
+  thread_local std::vector<const Kept*> by_a;
+  by_a.resize(kept.size());
+  for (const Kept& s : kept) by_a[begin[s.a - first + 1]++] = &s;
+  for (const Run& run : block.runs)
+    for (std::uint32_t k = run.begin; k < run.end; ++k) {
+      const Slot a = block.pairs[k].a.slot() - first;
+      const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
+      const std::uint32_t key = block.images == nullptr ? 0u : block.images[k].key;
+      const auto end = by_a.begin() + begin[a + 1];
+      const auto at =
+          std::find_if(by_a.begin() + begin[a], end, [b, key](const Kept* s) { return s->b == b && s->key == key; });
+      if (at == end) continue;
+      const double* load = (*at)->load;
+      block.springs[k].load = Lanes{load[0], load[1], load[2], load[3]};
+      block.touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
+    }
+}
+
+/// Springs go out of the blocks; planes: those of the layout.
+void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
+  if (!laid_out_) return;
+  std::size_t touching = 0;
+  each_touching([&](const Block&, const Run&, std::uint32_t) { ++touching; });
+  kept_.clear(), kept_.reserve(touching);
+  for (Block& block : blocks_) springs_of(block, planes, kept_), block.runs.clear();
+  laid_out_ = false;
+  constexpr std::size_t most_twice = std::size_t{8} << 20;  // more of them are not held here and in the columns
+  if (kept_.size() * sizeof(Kept) > most_twice)
+    blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(image_column_);
+}
+
+/// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.
+void SphereBlocks::group_kept(std::size_t count) {
+  kept_begin_.assign(count + 1, 0);
+  for (const Kept& s : kept_) ++kept_begin_[s.a / block_size + 1];
+  for (std::size_t i = 0; i < count; ++i) kept_begin_[i + 1] += kept_begin_[i];
+  std::vector<std::uint32_t> next(kept_begin_.begin(), kept_begin_.end() - 1);
+  for (std::size_t i = 0; i < count; ++i)
+    while (next[i] < kept_begin_[i + 1]) {
+      const std::size_t home = kept_[next[i]].a / block_size;
+      if (home == i)
+        ++next[i];
+      else
+        std::swap(kept_[next[i]], kept_[next[home]++]);
+    }
 }
 
 void SphereBlocks::reorder(const Reordering& change) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});
-  if (laid_out_) kept_ = springs(), laid_out_ = false;
+  take_out(planes_);
   std::vector<bool> is_plane(change.new_slot.size(), false);
   for (SpherePlane& p : planes_) is_plane[p.slot] = true, p.slot = change.new_slot[p.slot];
-  std::vector<Kept> moved;
-  for (Kept s : kept_) {
+  for (Kept& s : kept_) {
     const bool plane = is_plane[s.b];
     s.a = change.new_slot[s.a], s.b = change.new_slot[s.b];
-    if (s.a == no_slot || s.b == no_slot) continue;
-    if (!plane && s.b < s.a) {  // the load is that on the lower slot
-      std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;
-      for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
-    }
-    moved.push_back(s);
+    if (s.a == no_slot || s.b == no_slot || plane || s.a < s.b) continue;
+    std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;  // the load is that on the lower slot
+    for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
   }
-  kept_ = std::move(moved);
-  for (Block& block : blocks_) {
-    block.runs.clear(), block.pairs.clear(), block.images.clear(), block.springs.clear(), block.touched.clear();
-    block.incoming.clear();
-  }
+  kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
+                             [](const Kept& s) { return s.a == no_slot || s.b == no_slot; }),
+              kept_.end());
 }
 
 void SphereBlocks::visit(StateVisitor& visitor) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
-  if (laid_out_) kept_ = springs(), laid_out_ = false;
-  std::vector<Slot> a, b;
-  std::vector<std::uint32_t> key;
-  std::vector<double> values;
-  for (const Kept& s : kept_) {
-    a.push_back(s.a), b.push_back(s.b), key.push_back(s.key);
-    values.insert(values.end(), s.load, s.load + 4);
-  }
-  visitor.column("spheres/a", a), visitor.column("spheres/b", b), visitor.column("spheres/key", key);
-  visitor.column("spheres/spring", values);
-  kept_.clear();
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double* v = values.data() + 4 * i;
-    kept_.push_back({a[i], b[i], key[i], {v[0], v[1], v[2], v[3]}});
-  }
+  take_out(planes_);
+  show<Slot>(visitor, "spheres/a", [](const Kept& s, Slot* to) { *to = s.a; }, [](Kept& s, const Slot* v) { s.a = *v; });
+  show<Slot>(visitor, "spheres/b", [](const Kept& s, Slot* to) { *to = s.b; }, [](Kept& s, const Slot* v) { s.b = *v; });
+  show<std::uint32_t>(visitor, "spheres/key", [](const Kept& s, std::uint32_t* to) { *to = s.key; },
+                      [](Kept& s, const std::uint32_t* v) { s.key = *v; });
+  show<double, 4>(visitor, "spheres/spring", [](const Kept& s, double* to) { std::copy_n(s.load, 4, to); },
+                  [](Kept& s, const double* v) { std::copy_n(v, 4, s.load); });
+}
+
+/// One column of the springs, of `width` values each: one at a time, so that a copy takes a third of what all four do.
+template <class T, std::size_t width, class Get, class Set>
+void SphereBlocks::show(StateVisitor& visitor, const char* name, const Get& get, const Set& set) {
+  std::vector<T> column;
+  column.resize(width * kept_.size());
+  for (std::size_t i = 0; i < kept_.size(); ++i) get(kept_[i], column.data() + width * i);
+  visitor.column(name, column);
+  kept_.resize(column.size() / width);
+  for (std::size_t i = 0; i < kept_.size(); ++i) set(kept_[i], column.data() + width * i);
 }
 
 void SphereBlocks::receive(std::size_t i) {
   SphereSum* const mine = sums(i);
-  for (const auto& [record, slot] : blocks_[i].incoming) {
+  const std::uint32_t end = i + 1 < blocks_.size() ? blocks_[i + 1].incoming : static_cast<std::uint32_t>(incoming_.size());
+  for (std::uint32_t k = blocks_[i].incoming; k < end; ++k) {
+    const auto& [record, slot] = incoming_[k];
     SphereSum& sum = mine[slot % block_size];
     sum.force += records_[record].force;
     sum.pull += records_[record].pull;

@@ -9,6 +9,7 @@
 #include "engine/contacts.h"
 #include "engine/lanes.h"
 #include "engine/state_visitor.h"
+#include "laws/smooth/fused/large_column.h"
 
 namespace epafi {
 
@@ -31,11 +32,19 @@ struct SpherePlane {
   Vec3 point = Vec3::Zero();
 };
 
-/// A pair for the fused loop; `plane` >= 0: b is planes[plane] and a the sphere.
-struct SpherePair {
-  Slot a, b;
-  std::int32_t plane = -1;
-  std::uint32_t image = 0;  ///< as Pair::image; 0 with planes, which repeat in themselves
+/// What the blocks are laid out from: of the pairs they take those of two spheres, and of a sphere and a plane.
+struct SphereList {
+  static constexpr double not_a_sphere = -1.0;
+  std::span<const Pair> pairs;
+  std::span<const double> radius;          ///< by slot: of a free sphere [m], or not_a_sphere
+  std::span<const std::int32_t> plane_of;  ///< by slot: index in `planes`, or -1
+  std::vector<SpherePlane> planes;
+  std::span<const double> margins;  ///< by slot [m]; empty: other contacts are possible, or the list has none
+
+  bool is_sphere(Slot s) const { return radius[s] > 0.0; }
+  bool takes(const Pair& p) const {
+    return (is_sphere(p.a) && (is_sphere(p.b) || plane_of[p.b] >= 0)) || (is_sphere(p.b) && plane_of[p.a] >= 0);
+  }
 };
 
 /// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies
@@ -76,8 +85,8 @@ class SphereBlocks {
                                                     ///< behind the last one
   static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit;
 
-  /// Pairs of one plane, inside a block or across blocks: [begin, end), begin a multiple of eight, sorted by (a, b,
-  /// key).
+  /// Pairs of one plane, inside a block or across blocks: [begin, end) of the block's, begin a multiple of eight, sorted
+  /// by (a, b, key).
   struct Run {
     std::uint32_t begin = 0, end = 0;
     std::int32_t plane = -1;
@@ -85,14 +94,14 @@ class SphereBlocks {
   };
 
   struct Block {
-    std::vector<Run> runs;              ///< planes in order, then inside the block, then across blocks
-    std::vector<SpherePlaces> pairs;    ///< every run filled up to whole eights with copies of its last one
-    std::vector<SphereSpring> springs;  ///< by pair, where there is friction
-    std::vector<SphereImage> images;    ///< by pair, in a periodic cell
-    std::vector<std::uint8_t> touched;  ///< by eight pairs: those that touched at the last call, one bit each
+    std::vector<Run> runs;             ///< planes in order, then inside the block, then across blocks
+    SpherePlaces* pairs = nullptr;     ///< every run filled up to whole eights with copies of its last one
+    SphereSpring* springs = nullptr;   ///< by pair, where there is friction; else null, as is the next one
+    SphereImage* images = nullptr;     ///< by pair, in a periodic cell
+    std::uint8_t* touched = nullptr;   ///< by eight pairs: those that touched at the last call, one bit each
+    std::uint32_t size = 0, room = 0;  ///< pairs, and how many there may be; whole eights, `pairs_ahead` among the room
     std::uint32_t record = 0;           ///< of the first pair across blocks in `records`
-    std::vector<std::pair<std::uint32_t, Slot>>
-        incoming;                ///< records for bodies of this block, in the order of their owners
+    std::uint32_t incoming = 0;  ///< of the first record for bodies of this block in `incoming`; the next block's follow
     double elastic = 0.0;        ///< stored in the contacts [J]
     double slipped = 0.0;        ///< lost by slip in the step [J]
     double viscous = 0.0;        ///< power lost in the dampers [W]
@@ -100,9 +109,8 @@ class SphereBlocks {
     std::size_t touching = 0;
   };
 
-  /// Lays out the pairs anew; springs of contacts that go on are kept. radius: by slot.
-  void rebuild(const World& world, std::vector<SpherePair> pairs, std::vector<SpherePlane> planes,
-               std::span<const double> radius, bool friction);
+  /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
+  void rebuild(const World& world, const SphereList& list, bool friction);
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
@@ -116,12 +124,17 @@ class SphereBlocks {
   template <class F>
   void each_touching(const F& f) const {
     for (const Block& block : blocks_)
-      for (const Run& run : block.runs)
-        for (std::uint32_t k = run.begin; k < run.end; ++k)
-          if (block.touched[k / pairs_per_byte] >> (k % pairs_per_byte) & 1u) f(block, run, k);
+      each_touching(block, [&](const Run& run, std::uint32_t k) { f(block, run, k); });
+  }
+  template <class F>
+  static void each_touching(const Block& block, const F& f) {
+    for (const Run& run : block.runs)
+      for (std::uint32_t k = run.begin; k < run.end; ++k)
+        if (block.touched[k / pairs_per_byte] >> (k % pairs_per_byte) & 1u) f(run, k);
   }
 
   std::vector<Block>& blocks() { return blocks_; }
+  const std::vector<Block>& blocks() const { return blocks_; }
   const std::vector<SpherePlane>& planes() const { return planes_; }
   std::span<const SphereState> states() const { return states_; }
   std::span<SphereState> states() { return states_; }
@@ -146,23 +159,49 @@ class SphereBlocks {
     std::uint32_t key;
     double load[4];
   };
-  std::vector<Kept> springs() const;
-  void restore(std::vector<Kept>& kept, std::size_t slots);
-  void place(const World& world, std::vector<SpherePair> pairs, std::span<const double> radius, bool friction);
-  void fill_block(std::span<SpherePair> pairs, Slot index, bool friction, bool periodic);
+  /// Pairs of a block as they come from the list, by A.
+  struct Partner {
+    Slot b;
+    std::uint32_t image;  ///< as Pair::image; 0 with planes, which repeat in themselves
+  };
+  struct Filling {
+    const SphereList& list;
+    bool friction, periodic;
+  };
+  static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, const std::vector<SpherePlane>& planes);
+  /// planes: those of the block's layout.
+  static void springs_of(const Block& block, const std::vector<SpherePlane>& planes, std::vector<Kept>& kept);
+  void sort_partners(const SphereList& list, std::size_t slots);
+  std::uint32_t need(std::size_t block) const;
+  void make_rooms(const Filling& with);
+  void group_kept(std::size_t count);
+  void copy_constants(const World& world, std::span<const double> radius, std::size_t begin, std::size_t end);
+  void lay_out(Block& block, Slot index, const Filling& with);
+  void restore(Block& block, Slot first, std::span<const Kept> kept);
   void address_records();
-  /// Sorts by the first slot, keeping the order among equals; first_[s] is then where those of slot s begin.
-  template <class T>
-  void by_first_slot(std::vector<T>& list, std::size_t slots);
+  void take_out(const std::vector<SpherePlane>& planes);
+  template <class T, std::size_t width = 1, class Get, class Set>
+  void show(StateVisitor& visitor, const char* name, const Get& get, const Set& set);
 
   std::vector<Block> blocks_;
+  LargeColumn<SpherePlaces> pair_column_;
+  LargeColumn<SphereSpring> spring_column_;
+  LargeColumn<SphereImage> image_column_;
+  std::vector<std::uint8_t> touched_column_;
   std::vector<SpherePlane> planes_;
-  std::vector<SphereState> states_;
-  std::vector<SphereSum> sums_, records_;
+  LargeColumn<SphereState> states_;
+  LargeColumn<SphereSum> sums_, records_;
   std::size_t sums_step_ = 0;  ///< from block to block
   std::vector<std::uint8_t> plain_;
-  std::vector<Slot> first_;
-  std::vector<Kept> kept_;  ///< springs while the layout waits
+  std::vector<std::uint32_t> first_;  ///< by slot: its first partner, those of the next slot follow
+  std::vector<Partner> partners_;     ///< of the last layout
+  struct Incoming {
+    std::uint32_t record;
+    Slot slot;  ///< of the body whose sum takes it
+  };
+  std::vector<Incoming> incoming_;       ///< records in the order of the blocks that add them, owners in order
+  std::vector<Kept> kept_;               ///< springs while the layout waits
+  std::vector<std::uint32_t> kept_begin_;  ///< by block, once they are grouped
   bool laid_out_ = false;
   std::size_t pairs_ = 0;
 };

@@ -95,7 +95,7 @@ template <int n, bool wall, bool periodic>
 EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, std::uint32_t k, unsigned valid,
                           const SpherePlane* plane, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
-  const SpherePlaces* pair = block.pairs.data() + k;
+  const SpherePlaces* pair = block.pairs + k;
   VectorsOf<V> d;
   V radii;
   unsigned bits;
@@ -394,7 +394,7 @@ EPAFI_LANES void evaluate(SphereTile<n>& t, SphereBlocks::Block& block, const Sp
   for (std::size_t g = 0; g < t.groups; ++g) find_normal<n, wall>(t, g, plane);
   for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
   for (std::size_t g = 0; g < t.groups; ++g) find_response<n, Normal, Tangential>(t, g, law, total);
-  if constexpr (friction) pull<n>(t, block.springs.data(), with.dt > 0.0, total);
+  if constexpr (friction) pull<n>(t, block.springs, with.dt > 0.0, total);
   for (std::size_t g = 0; g < t.groups; ++g)
     add_forces<n, friction, wall, across, periodic>(t, g, block, run, with, total);
   total.touching += t.count;
@@ -407,7 +407,7 @@ EPAFI_LANES void release(SphereBlocks::Block& block, const SphereBlocks::Run& ru
   for (std::size_t k = first; opened != 0; opened >>= 1, ++k) {
     if ((opened & 1u) == 0) continue;
     if (run.across) records[block.record + k - run.begin] = SphereSum{};
-    if (block.springs.empty()) continue;
+    if (block.springs == nullptr) continue;
     Lanes& load = block.springs[k].load;
     total.released += 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];
     load = Lanes{};
@@ -423,6 +423,8 @@ EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
   const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
   SphereTile<n> t;
   for (std::uint32_t k = run.begin; k < run.end; k += eight) {
+    if constexpr (Tangential::is_present)  // their turn comes when 32 that touch have been found
+      for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(&block.springs[k + l], 1);
     const unsigned valid = run.end - k < eight ? (1u << (run.end - k)) - 1u : 255u;
     unsigned now = 0;
     for (std::uint32_t l = 0; l < eight; l += n)
