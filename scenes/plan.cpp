@@ -65,7 +65,9 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
   }
   for (const auto& b : scene.bodies) {
     const Place& where = b.spin_place ? *b.spin_place : scene.groups[b.group].place;
-    const auto name = [&] { return "body '" + body_name(scene, static_cast<std::size_t>(&b - scene.bodies.data())) + "'"; };
+    const auto name = [&] {
+      return "body '" + body_name(scene, static_cast<std::size_t>(&b - scene.bodies.data())) + "'";
+    };
     if (b.angular_velocity.squaredNorm() > 0) pay(name() + " spins", where);
     const bool driven = b.motion && b.motion->rotation_rate != 0;
     if (driven) pay(name() + " is driven to rotate", where);

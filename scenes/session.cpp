@@ -55,10 +55,6 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
   return {path, header};
 }
 
-}  // namespace
-
-namespace {
-
 /// Shows the monitor the gaps of fused spheres without having their contacts written out and sorted: it looks every
 /// hundred steps, and writing them out was a fortieth of the time of a large bed.
 class GapsForMonitor final : public Observer {

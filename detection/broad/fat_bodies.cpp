@@ -36,8 +36,7 @@ bool FatBodies::near_plane(Slot i, std::size_t k) const {
   const Vec3& n = plane_normal[k];
   const Vec3 to_ball = position(i) - position(w);
   double corner = -infinity;
-  if (!boxes.empty())
-    corner = n.dot(boxes[i].centre() - position(w)) - n.cwiseAbs().dot(Vec3(0.5 * boxes[i].extent()));
+  if (!boxes.empty()) corner = n.dot(boxes[i].centre() - position(w)) - n.cwiseAbs().dot(Vec3(0.5 * boxes[i].extent()));
   return std::max(corner, n.dot(to_ball) - ball[i].r) <= half[w];  // half of a half-space: its own fattening
 }
 

@@ -178,8 +178,8 @@ void keep_four(std::span<const PatchPoint> points, const Vec3& normal, double si
 void keep_with_nearest(std::vector<PatchPoint>& points, const NearestPoint& nearest, double size, Patch& out) {
   double least = infinity;
   for (const PatchPoint& p : points) least = std::min(least, p.gap);
-  // A tilt that still loads four corners leaves the rim between two of them less than a tenth deeper: 1 - cos 22.5 deg of
-  // the half-width. Were that rim point taken in, what leans a little would go to and fro between both patches.
+  // A tilt that still loads four corners leaves the rim between two of them less than a tenth deeper: 1 - cos 22.5 deg
+  // of the half-width. Were that rim point taken in, what leans a little would go to and fro between both patches.
   const bool on_corner = least <= nearest.gap + std::max(equal_gap * size, -0.1 * nearest.gap);
   if (!on_corner) points.push_back({nearest.position, nearest.gap, make_feature(FeatureKind::single, 0, 0)});
   keep_four(points, nearest.normal, size, out);

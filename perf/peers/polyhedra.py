@@ -13,12 +13,11 @@ loses by restitution. Needs numpy; of Debian: yade.
 import csv
 import json
 import os
-import re
 import shutil
 import subprocess
 
 import numpy
-from runs import options, processor_time
+from runs import options, processor_time, yade_result
 
 PER_VOLUME, E, NU, FRICTION, DENSITY, STEP, SIZE = 5e6, 2e3, 0.3, 0.5, 2500.0, 5e-5, 5e-3
 parser = options(__doc__, steps=100, warm=3000, repeats=1, skin=2e-4, out="out/peers_polyhedra")
@@ -112,13 +111,8 @@ def run_yade(side, all_vertices):
                   bodies="[" + ",\n".join(map(rows, all_vertices)) + "]")
     with open(os.path.join(o.out, "pile_yade.py"), "w") as f:
         f.write(YADE % values)
-    _, text = processor_time(["yade", "-n", "-x", "-j1", "pile_yade.py"], o.out)
-    found = re.findall(r"^RESULT (\S+) (\S+) (\S+) (\S+)$", text, re.M)
-    if not found:
-        print("yade failed:\n%s" % text[-1500:])
-        return None
-    seconds, contacts, height, gone = map(float, found[-1])
-    return 1e6 * seconds / o.steps / o.n, contacts, height, gone
+    result = yade_result("pile_yade.py", o.out)
+    return result and (1e6 * result[0] / o.steps / o.n, *result[1:])
 
 
 side, all_vertices = bodies()

@@ -2,6 +2,7 @@
 import argparse
 import csv
 import os
+import re
 import resource
 import statistics
 import subprocess
@@ -46,6 +47,17 @@ def processor_time(command, folder):
     text = subprocess.run(command, cwd=folder, env=dict(os.environ, OMP_NUM_THREADS="1"), capture_output=True, text=True).stdout
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, text
+
+
+def yade_result(script, folder):
+    """Runs a script of YADE that prints RESULT and numbers: those, or None with what it said. It counts its own time: it starts for
+    longer than it computes."""
+    _, text = processor_time(["yade", "-n", "-x", "-j1", script], folder)
+    found = re.findall(r"^RESULT (.+)$", text, re.M)
+    if not found:
+        print("yade failed:\n%s" % text[-1500:])
+        return None
+    return [float(word) for word in found[-1].split()]
 
 
 def take_turns(codes, repeats):

@@ -17,7 +17,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// Profiles meet to 1e-12 m, what doubles hold of heights of half a metre: below this [m] the gaps of a patch are noise.
+/// Profiles meet to 1e-12 m, what doubles hold of heights of half a metre: below this [m] the gaps of a patch are
+/// noise.
 constexpr double least_approach = 1e-9;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }

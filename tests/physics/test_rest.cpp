@@ -164,8 +164,8 @@ TEST_CASE("they come to rest on each other", "[physics][rest]") {
     }
 }
 
-/// A lean of the load once let the deepest point of the rim come and go, and 1e-10 of the drop's energy stayed. What rolls
-/// is set on a wider cylinder: from one of its own width it rolls over the edge.
+/// A lean of the load once let the deepest point of the rim come and go, and 1e-10 of the drop's energy stayed. What
+/// rolls is set on a wider cylinder: from one of its own width it rolls over the edge.
 TEST_CASE("they come to rest on a cylinder by smooth contact", "[physics][rest]") {
   const std::pair<std::string, std::string> wide{"wide cylinder", "{ cylinder = { radius = 0.08, length = 0.1 } }"};
   for (const auto& top : shapes()) {

@@ -122,9 +122,10 @@ TEST_CASE("profiles hardly touching are refused at once by every model, and solv
           "[scenes][wheel_rail]") {
   const auto of = [](const char* target) {
     const PatchReading r = read_patch_text(
-        head + "[shape.wheel]\nwheel_profile = { name = \"s1002\", radius = 0.46 }\n[shape.rail]\nrail_profile = "
-               "{ name = \"uic60\", cant = \"= 1/40\" }\n[patch]\nside = \"left\"\nlateral_shift = 3e-3\n"
-               "normal = [\"hertz\", \"multi-hertz\", \"kik-piotrowski\", \"semi-hertz\", \"half-space\"]\n" +
+        head +
+            "[shape.wheel]\nwheel_profile = { name = \"s1002\", radius = 0.46 }\n[shape.rail]\nrail_profile = "
+            "{ name = \"uic60\", cant = \"= 1/40\" }\n[patch]\nside = \"left\"\nlateral_shift = 3e-3\n"
+            "normal = [\"hertz\", \"multi-hertz\", \"kik-piotrowski\", \"semi-hertz\", \"half-space\"]\n" +
             target,
         "case.toml", {});
     REQUIRE(r.patch);

@@ -285,20 +285,24 @@ void SphereBlocks::reorder(const Reordering& change) {
     std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;  // the load is that on the lower slot
     for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
   }
-  kept_.erase(std::remove_if(kept_.begin(), kept_.end(),
-                             [](const Kept& s) { return s.a == no_slot || s.b == no_slot; }),
-              kept_.end());
+  kept_.erase(
+      std::remove_if(kept_.begin(), kept_.end(), [](const Kept& s) { return s.a == no_slot || s.b == no_slot; }),
+      kept_.end());
 }
 
 void SphereBlocks::visit(StateVisitor& visitor) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
   take_out(planes_);
-  show<Slot>(visitor, "spheres/a", [](const Kept& s, Slot* to) { *to = s.a; }, [](Kept& s, const Slot* v) { s.a = *v; });
-  show<Slot>(visitor, "spheres/b", [](const Kept& s, Slot* to) { *to = s.b; }, [](Kept& s, const Slot* v) { s.b = *v; });
-  show<std::uint32_t>(visitor, "spheres/key", [](const Kept& s, std::uint32_t* to) { *to = s.key; },
-                      [](Kept& s, const std::uint32_t* v) { s.key = *v; });
-  show<double, 4>(visitor, "spheres/spring", [](const Kept& s, double* to) { std::copy_n(s.load, 4, to); },
-                  [](Kept& s, const double* v) { std::copy_n(v, 4, s.load); });
+  show<Slot>(
+      visitor, "spheres/a", [](const Kept& s, Slot* to) { *to = s.a; }, [](Kept& s, const Slot* v) { s.a = *v; });
+  show<Slot>(
+      visitor, "spheres/b", [](const Kept& s, Slot* to) { *to = s.b; }, [](Kept& s, const Slot* v) { s.b = *v; });
+  show<std::uint32_t>(
+      visitor, "spheres/key", [](const Kept& s, std::uint32_t* to) { *to = s.key; },
+      [](Kept& s, const std::uint32_t* v) { s.key = *v; });
+  show<double, 4>(
+      visitor, "spheres/spring", [](const Kept& s, double* to) { std::copy_n(s.load, 4, to); },
+      [](Kept& s, const double* v) { std::copy_n(v, 4, s.load); });
 }
 
 /// One column of the springs, of `width` values each: one at a time, so that a copy takes a third of what all four do.
@@ -314,7 +318,8 @@ void SphereBlocks::show(StateVisitor& visitor, const char* name, const Get& get,
 
 void SphereBlocks::receive(std::size_t i) {
   SphereSum* const mine = sums(i);
-  const std::uint32_t end = i + 1 < blocks_.size() ? blocks_[i + 1].incoming : static_cast<std::uint32_t>(incoming_.size());
+  const std::uint32_t end =
+      i + 1 < blocks_.size() ? blocks_[i + 1].incoming : static_cast<std::uint32_t>(incoming_.size());
   for (std::uint32_t k = blocks_[i].incoming; k < end; ++k) {
     const auto& [record, slot] = incoming_[k];
     SphereSum& sum = mine[slot % block_size];

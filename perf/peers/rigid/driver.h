@@ -24,8 +24,8 @@ using Vec = std::array<double, 3>;
 struct Body {
   std::vector<Vec> vertices;
   std::vector<std::array<int, 3>> triangles;
-  double mass = 0.0;               ///< [kg], 0: fixed
-  Vec inertia{}, position{};       ///< principal moments [kg m^2], centre of mass [m]
+  double mass = 0.0;                       ///< [kg], 0: fixed
+  Vec inertia{}, position{};               ///< principal moments [kg m^2], centre of mass [m]
   std::array<double, 4> turn{1, 0, 0, 0};  ///< w x y z
   bool fixed() const { return mass == 0.0; }
   /// Half lengths of a box with faces along its axes; all zero where the body is none.
@@ -92,13 +92,15 @@ inline double processor_seconds() {
 }
 
 inline double median_of_last(std::vector<double> seconds, double share) {
-  seconds.erase(seconds.begin(), seconds.begin() + static_cast<long>((1 - share) * static_cast<double>(seconds.size())));
+  seconds.erase(seconds.begin(),
+                seconds.begin() + static_cast<long>((1 - share) * static_cast<double>(seconds.size())));
   std::nth_element(seconds.begin(), seconds.begin() + static_cast<long>(seconds.size() / 2), seconds.end());
   return seconds[seconds.size() / 2];
 }
 
 inline int run(int argc, char** argv, Engine& engine) {
-  if (argc < 6) return std::fprintf(stderr, "usage: %s bodies.txt dt steps sample poses.txt [option=value]...\n", argv[0]), 2;
+  if (argc < 6)
+    return std::fprintf(stderr, "usage: %s bodies.txt dt steps sample poses.txt [option=value]...\n", argv[0]), 2;
   const std::vector<Body> bodies = read_bodies(argv[1]);
   Settings settings;
   settings.dt = std::atof(argv[2]);

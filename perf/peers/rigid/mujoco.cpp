@@ -46,7 +46,8 @@ class Mujoco final : public peers::Engine {
       const auto half = b.half_lengths();
       tree << "<body name=\"b" << k << "\" pos=\"" << list(b.position) << "\" quat=\"" << list(b.turn) << "\">";
       if (!b.fixed())
-        tree << "<freejoint/><inertial pos=\"0 0 0\" mass=\"" << b.mass << "\" diaginertia=\"" << list(b.inertia) << "\"/>";
+        tree << "<freejoint/><inertial pos=\"0 0 0\" mass=\"" << b.mass << "\" diaginertia=\"" << list(b.inertia)
+             << "\"/>";
       if (half[0] > 0) {
         tree << "<geom type=\"box\" size=\"" << list(half) << "\"/></body>\n";
         continue;
@@ -58,12 +59,12 @@ class Mujoco final : public peers::Engine {
     }
     const std::size_t n = bodies.size();
     all << "<mujoco><size njmax=\"" << 40 * n + 400 << "\" nconmax=\"" << 30 * n + 500 << "\" nstack=\""
-        << (n > 50 ? 600000000L : 30000000L) << "\"/><compiler inertiafromgeom=\"false\" boundmass=\"0\"/><option timestep=\""
-        << settings.dt << "\" gravity=\"0 0 -9.81\" solver=\"Newton\" iterations=\"" << settings.number("iterations", 100)
+        << (n > 50 ? 600000000L : 30000000L)
+        << "\"/><compiler inertiafromgeom=\"false\" boundmass=\"0\"/><option timestep=\"" << settings.dt
+        << "\" gravity=\"0 0 -9.81\" solver=\"Newton\" iterations=\"" << settings.number("iterations", 100)
         << "\" jacobian=\"" << (n > 50 ? "sparse" : "dense") << "\"/><default><geom condim=\"3\" friction=\""
         << settings.friction << " 0 0\"";
-    if (settings.number("hard", 0) != 0)
-      all << " solref=\"" << 2 * settings.dt << " 1\" solimp=\"0.99 0.999 0.001\"";
+    if (settings.number("hard", 0) != 0) all << " solref=\"" << 2 * settings.dt << " 1\" solimp=\"0.99 0.999 0.001\"";
     all << "/></default><asset>" << meshes.str() << "</asset><worldbody>" << tree.str() << "</worldbody></mujoco>";
     return all.str();
   }
