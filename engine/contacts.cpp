@@ -56,7 +56,7 @@ void ContactSet::sort() {
     std::sort(run, end, [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
     run = end;
   }
-  permute(order, a, b, feature, gap, normal, arm, effective_radius, area, force);
+  permute(order, a, b, feature, gap, normal, arm, effective_radius, area, force, moment);
 }
 
 std::size_t ContactSet::bytes_per_contact() const {

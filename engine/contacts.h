@@ -62,7 +62,7 @@ struct ContactSet {
   std::size_t size() const { return a.size(); }
   void clear();
   void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
-  /// Canonical order, with the force where it is filled; the moment must not be.
+  /// Canonical order, with force and moment where they are filled.
   void sort();
   /// Appends all of `other` behind this.
   void append(const ContactSet& other);

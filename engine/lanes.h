@@ -56,6 +56,7 @@ EPAFI_LANES bool any(LaneMask mask) { return (mask[0] | mask[1] | mask[2] | mask
 /// The same for one number, so that a formula serves both.
 EPAFI_LANES double sqrt(double x) { return std::sqrt(x); }
 EPAFI_LANES double max(double a, double b) { return a < b ? b : a; }
+EPAFI_LANES double min(double a, double b) { return b < a ? b : a; }
 
 /// Rows become columns.
 EPAFI_LANES void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {

@@ -146,13 +146,15 @@ concept WithDashpot = LaneFriction<L> && requires(const typename L::Parameters& 
   { p.damping } -> std::convertible_to<double>;
 };
 
-/// What rolling resistance sees of one step.
-struct RollingStep {
-  double normal_stiffness, normal_force, radius;  ///< k_n [N/m], N [N], R* [m]
-  double inertia;                                 ///< I_r of the pair about the contact [kg m^2]
-  double spin;                                    ///< rolling velocity [rad/s], >= 0
-  double dt;                                      ///< [s]
+/// What rolling resistance sees of one step, of one contact or of several.
+template <class Real>
+struct RollingStepOf {
+  Real normal_stiffness, normal_force, radius;  ///< k_n [N/m], N [N], R* [m]
+  Real inertia;                                 ///< I_r of the pair about the contact [kg m^2]
+  Real spin;                                    ///< rolling velocity [rad/s], >= 0
+  double dt;                                    ///< [s]
 };
+using RollingStep = RollingStepOf<double>;
 
 /// A rolling spring (stiffness 0: none) and dashpot with a largest moment.
 template <class L>

@@ -40,12 +40,16 @@ struct SpringDashpot {
     p.damping = tangential_damping(pair);
     return p;
   }
-  static double stiffness(const Parameters& p, double normal_stiffness) { return p.ratio * normal_stiffness; }
+  template <class Real>
+  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) {
+    return p.ratio * normal_stiffness;
+  }
+  static double friction(const Parameters& p) { return p.friction; }
   static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
     return CoulombSpring::pull(p, step, before, now);
   }
 };
-static_assert(TangentialLaw<SpringDashpot> && !LaneFriction<SpringDashpot>);
+static_assert(TangentialLaw<SpringDashpot>);
 
 /// Mindlin's no-slip stiffness with dashpot.
 struct MindlinDashpot : SpringDashpot {

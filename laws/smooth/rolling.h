@@ -3,9 +3,6 @@
 /// holds a body at rest without creep. The limit of C holds for spring and dashpot together: with the dashpot outside
 /// it, as published, a rolling sphere that touches down gets a moment of 60 to 260 times the limit for a step.
 #pragma once
-#include <algorithm>
-#include <cmath>
-
 #include "laws/contact_law.h"
 
 namespace epafi {
@@ -40,23 +37,29 @@ struct AnyRolling {
   static Entry entry() { return {name, "", {}, needs, "Ai, Chen, Rotter and Ooi 2011"}; }
   static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair&) { return {}; }
-  static double stiffness(const Parameters& p, const RollingStep& s) {
-    const double arm = p.friction * s.radius;
-    return p.type == Type::spring ? 2.25 * s.normal_stiffness * arm * arm : 0.0;
+  template <class Real>
+  EPAFI_LANES static Real stiffness(const Parameters& p, const RollingStepOf<Real>& s) {
+    const Real arm = p.friction * s.radius;
+    return p.type == Type::spring ? 2.25 * s.normal_stiffness * arm * arm : Real{};
   }
-  static double limit(const Parameters& p, const RollingStep& s) {
-    return p.type == Type::viscous ? infinity : p.friction * s.radius * s.normal_force;
+  template <class Real>
+  EPAFI_LANES static Real limit(const Parameters& p, const RollingStepOf<Real>& s) {
+    return p.type == Type::viscous ? Real{} + infinity : p.friction * s.radius * s.normal_force;
   }
-  static double damping(const Parameters& p, const RollingStep& s) {
-    const double moment = p.friction * s.radius * s.normal_force;
+  template <class Real>
+  EPAFI_LANES static Real damping(const Parameters& p, const RollingStepOf<Real>& s) {
+    const Real moment = p.friction * s.radius * s.normal_force;
     switch (p.type) {
       // a moment that would turn the spin round within the step only stops it: no chatter at rest
-      case Type::constant:
-        return s.spin > 0.0 ? std::min(moment / s.spin, s.dt > 0.0 ? s.inertia / s.dt : infinity) : 0.0;
+      case Type::constant: {
+        const auto turns = s.spin > Real{};
+        const Real stop = s.dt > 0.0 ? s.inertia / s.dt : Real{} + infinity, spin = turns ? s.spin : Real{} + 1.0;
+        return turns ? min(moment / spin, stop) : Real{};
+      }
       case Type::viscous:
         return moment * s.radius * p.damping;
       default:
-        return 2.0 * p.damping * std::sqrt(s.inertia * stiffness(p, s));
+        return 2.0 * p.damping * sqrt(s.inertia * stiffness(p, s));
     }
   }
 };

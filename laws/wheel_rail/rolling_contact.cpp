@@ -202,7 +202,7 @@ void RollingContact::publish(const World& world, ContactSet& contacts) const {
     contacts.force.push_back(first ? f.force : Vec3(-f.force));
     if (contacts.with_moment) contacts.moment.push_back(Vec3::Zero());
   }
-  if (!contacts.with_moment) contacts.sort();
+  contacts.sort();
 }
 
 }  // namespace

@@ -2,7 +2,8 @@
 
 namespace epafi {
 
-void pack_bodies(const World& world, double lag, SphereState* states, std::size_t begin, std::size_t end) {
+void pack_bodies(const World& world, double lag, SphereState* states, Lanes* late_spins, std::size_t begin,
+                 std::size_t end) {
   const bool rotates = world.rotates();
   static constexpr double still[3] = {0.0, 0.0, 0.0};
   for (std::size_t i = begin; i < end; ++i) {
@@ -11,14 +12,18 @@ void pack_bodies(const World& world, double lag, SphereState* states, std::size_
                  *w = rotates ? world.angular_velocity[s].data() : still;
     double* to = reinterpret_cast<double*>(&states[i]);  // number by number: a row of lanes would go through the stack
     for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
-    if (lag == 0.0) continue;
-    const Vec3 change = lag * world.acceleration(s);
-    for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
+    Vec3 late = rotates ? world.angular_velocity[s] : Vec3(0, 0, 0);
+    if (lag != 0.0) {
+      const Vec3 change = lag * world.acceleration(s);
+      for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
+      if (late_spins != nullptr && world.is_movable(s)) late += world.apply_inverse_inertia(s, lag * world.torque[s]);
+    }
+    if (late_spins != nullptr) late_spins[s] = Lanes{late.x(), late.y(), late.z(), 0.0};
   }
 }
 
-void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, const std::uint8_t* touched,
-                   std::size_t begin, std::size_t end) {
+void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, Lanes* moments,
+                   const std::uint8_t* touched, std::size_t begin, std::size_t end) {
   const bool rotates = world.rotates();
   for (std::size_t s = begin; s < end; ++s) {
     double* from = reinterpret_cast<double*>(&sums[s - begin]);
@@ -28,9 +33,13 @@ void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, con
     if (rotates) {
       double* torque = world.torque[s].data();
       const double radius = states[s].position[3];
-      for (int k = 0; k < 3; ++k) torque[k] = (add ? torque[k] : 0.0) + radius * from[4 + k];
+      for (int k = 0; k < 3; ++k) {
+        const double more = moments != nullptr ? moments[s - begin][k] : 0.0;
+        torque[k] = (add ? torque[k] : 0.0) + (radius * from[4 + k] + more);
+      }
     }
     for (int k = 0; k < 8; ++k) from[k] = 0.0;
+    if (moments != nullptr) moments[s - begin] = Lanes{};
   }
 }
 
@@ -61,7 +70,7 @@ bool are_plain(const World& world, std::size_t begin) {
 
 void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen) const {
   scheme.first_half(world, dt, from, to);
-  pack_bodies(world, lag, states, from, to);
+  pack_bodies(world, lag, states, late_spins, from, to);
   double sum = 0.0;
   for (std::size_t s = from; s < to; ++s) {
     if (!(world.inverse_mass[s] > 0.0)) continue;
@@ -80,7 +89,8 @@ void BodyPass::measure_others(std::size_t from, std::size_t to, Vec3& most) cons
 }
 
 void BodyPass::finish_others(std::size_t from, std::size_t to) const {
-  unpack_bodies(world, states, sums + (from - begin), touched, from, to);
+  unpack_bodies(world, states, sums + (from - begin), moments != nullptr ? moments + (from - begin) : nullptr, touched,
+                from, to);
   scheme.second_half(world, dt, from, to);
   double sum = 0.0;
   for (std::size_t s = from; s < to; ++s) {

@@ -45,12 +45,14 @@ struct FourVectors {
 };
 EPAFI_LANES FourVectors operator*(double s, const FourVectors& v) { return {s * v.a, s * v.b, s * v.c}; }
 
-/// Writes what the loop over contacts reads of the bodies of slots [begin, end), with velocities `lag` later.
-void pack_bodies(const World& world, double lag, SphereState* states, std::size_t begin, std::size_t end);
-/// Writes force and torque of slots [begin, end), added where `touched` says so; the sums, of slots from `begin` on,
-/// are 0 again then.
-void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, const std::uint8_t* touched,
-                   std::size_t begin, std::size_t end);
+/// Writes what the loop over contacts reads of the bodies of slots [begin, end), with velocities `lag` later;
+/// late_spins: null where nobody reads them.
+void pack_bodies(const World& world, double lag, SphereState* states, Lanes* late_spins, std::size_t begin,
+                 std::size_t end);
+/// Writes force and torque of slots [begin, end), added where `touched` says so; the sums and moments (or null), of
+/// slots from `begin` on, are 0 again then.
+void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, Lanes* moments,
+                   const std::uint8_t* touched, std::size_t begin, std::size_t end);
 /// Positions and velocities back into the world.
 void show_motion(World& world, const SphereState* states, std::size_t begin, std::size_t end);
 /// The columns of the world allow the passes over four bodies.
@@ -62,7 +64,9 @@ bool are_plain(const World& world, std::size_t begin);
 struct BodyPass {
   World& world;
   SphereState* states;
+  Lanes* late_spins;            ///< by slot; null without rolling, as the moments
   SphereSum* sums;              ///< of slots from `begin` on
+  Lanes* moments;               ///< the same
   const std::uint8_t* plain;    ///< by four bodies: all free and of equal moments
   const std::uint8_t* touched;  ///< by slot: forces of the world come on top; null: nowhere
   const float* hurry;           ///< by slot: 1/half the margin of the list [1/m]
@@ -144,8 +148,12 @@ struct FirstHalf : BodyPass {
     see_finite(finite, x);
     if (!world.rotates()) return;
     FourVectors w = FourVectors::load(world.angular_velocity.data() + s);
-    spin_up(world, s, 0.5 * dt, w, FourVectors::load(world.torque.data() + s));
+    const FourVectors torque = FourVectors::load(world.torque.data() + s);
+    spin_up(world, s, 0.5 * dt, w, torque);
     w.store(world.angular_velocity.data() + s), w.write_rows(rows + 2, stride);
+    if (late_spins == nullptr) return;
+    spin_up(world, s, lag, w, torque);
+    w.write_rows(late_spins + s, 1);
   }
 };
 
@@ -202,11 +210,17 @@ struct SecondHalf : BodyPass {
     p.finite = p.finite + splat<n>(0.0) * v;
     RowOf<n> w = row<n>(state.spin);
     if (p.rotates) {
+      if (moments != nullptr) torque = torque + row<n>(moments[s - begin]);
       torque = (more ? load<n>(world.torque[s].data()) : splat<n>(0.0)) + torque;
       const RowOf<n> change = splat<n>(state.predicted[3]) * (splat<n>(0.5 * dt) * torque);
       w = w + change;
       p.finite = p.finite + splat<n>(0.0) * w;
       if constexpr (onward) w = w + change, epafi::store<n>(state.spin, w);
+      if (moments != nullptr) {
+        moments[s - begin] = Lanes{};
+        if constexpr (onward)
+          epafi::store<n>(late_spins[s], w + splat<n>(state.predicted[3]) * (splat<n>(lag) * torque));
+      }
     }
     if constexpr (onward) {
       constexpr std::size_t next_block = SphereBlocks::block_size;  // its turn is next: into the second cache

@@ -24,11 +24,15 @@ class FusedSpheres : public ContactModel {
   virtual bool waits_for_pairs() const = 0;
 };
 
-/// Whether the parts of this set-up have a fused loop: a normal law for lanes, a friction spring or none, no rolling
-/// part, edges of contacts not located, one law for all pairs of free spheres.
+/// Whether the parts of this set-up have a fused loop: a normal law for lanes, a friction spring or none, edges of
+/// contacts not located.
 bool has_fused_spheres(const SmoothSetup& setup);
 
 /// spheres: the material of the free spheres. Null where has_fused_spheres is false.
 std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material);
+
+/// Resistance to rolling, or dashpots beside the friction springs: more to read, to write and to remember.
+bool needs_rolling_loop(const SmoothParts& parts);
+std::unique_ptr<FusedSpheres> make_fused_rolling(const SmoothSetup& setup, std::size_t material);
 
 }  // namespace epafi

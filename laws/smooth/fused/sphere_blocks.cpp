@@ -62,14 +62,15 @@ void let_go(Column& column) {
 
 // --- layout
 
-void SphereBlocks::rebuild(const World& world, const SphereList& list, bool friction) {
+void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   EPAFI_REQUIRE(world.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
   const std::size_t count = (world.size() + block_size - 1) / block_size;
   sort_partners(list, world.size());
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
   plain_.resize((world.size() + 3) / 4), states_.resize(world.size());
+  late_spins_.resize(needs_.rolling ? world.size() : 0);
   pairs_ = partners_.size();
-  const Filling with{list, friction, world.cell.has_value()};
+  const Filling with{list, world.cell.has_value()};
   bool fits = blocks_.size() == count;
   for (std::size_t i = 0; fits && i < count; ++i)
     fits = need(i) <= blocks_[i].room && with.periodic == (blocks_[i].images != nullptr);
@@ -79,18 +80,18 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list, bool fric
   parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
     const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
     copy_constants(world, list.radius, first, last);
-    thread_local std::vector<Kept> own;
+    thread_local KeptSprings own;
     std::span<const Kept> kept;
     if (goes_on) {
-      own.clear(), springs_of(blocks_[i], before, own);
-      kept = own;
+      own.springs.clear(), own.rolling.clear(), springs_of(blocks_[i], before, own);
+      kept = own.springs;
     } else {
-      kept = std::span(kept_).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]);
+      kept = std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]);
     }
     lay_out(blocks_[i], static_cast<Slot>(i), with);
-    if (friction) restore(blocks_[i], static_cast<Slot>(first), kept);
+    if (needs_.friction) restore(blocks_[i], static_cast<Slot>(first), kept, goes_on ? own.rolling : kept_.rolling);
   });
-  let_go(kept_), laid_out_ = true;
+  let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
 }
 
@@ -149,12 +150,15 @@ void SphereBlocks::make_rooms(const Filling& with) {
     let_go(column);
     column.resize(size);
   };
-  renew(pair_column_, all), renew(spring_column_, with.friction ? all : 0);
+  renew(pair_column_, all), renew(spring_column_, needs_.friction ? all : 0);
+  renew(rolling_column_, needs_.rolling ? all : 0), renew(load_column_, needs_.rolling ? all : 0);
   renew(image_column_, with.periodic ? all : 0), renew(touched_column_, all / pairs_per_byte);
   std::size_t at = 0;
   for (Block& block : blocks_) {
     block.pairs = pair_column_.data() + at, block.touched = touched_column_.data() + at / pairs_per_byte;
-    block.springs = with.friction ? spring_column_.data() + at : nullptr;
+    block.springs = needs_.friction ? spring_column_.data() + at : nullptr;
+    block.rolling = needs_.rolling ? rolling_column_.data() + at : nullptr;
+    block.loads = needs_.rolling ? load_column_.data() + at : nullptr;
     block.images = with.periodic ? image_column_.data() + at : nullptr;
     at += block.room;
   }
@@ -177,7 +181,11 @@ void SphereBlocks::lay_out(Block& block, Slot index, const Filling& with) {
     writer.open(-1, across);
     add([&](Slot b) { return with.list.plane_of[b] < 0 && (b / block_size != index) == across; });
   }
-  if (with.friction) std::fill_n(block.springs, block.size, SphereSpring{});
+  if (needs_.friction) std::fill_n(block.springs, block.size, SphereSpring{});
+  if (needs_.rolling) {
+    std::fill_n(block.rolling, block.size, SphereSpring{});
+    std::fill_n(block.loads, block.size, SphereLoads{});
+  }
   std::fill_n(block.touched, block.size / pairs_per_byte, std::uint8_t{0});
   const SpherePlaces last = block.size > 0 ? block.pairs[block.size - 1] : SpherePlaces{};
   std::fill(block.pairs + block.size, block.pairs + block.room, last);
@@ -203,6 +211,7 @@ void SphereBlocks::address_records() {
   each([&](std::uint32_t record, Slot b) { incoming_[blocks_[b / block_size].incoming++] = {record, b}; });
   for (std::size_t i = blocks_.size(); i-- > 0;) blocks_[i].incoming = i > 0 ? blocks_[i - 1].incoming : 0;
   make_room(records_, records), records_.assign(records, SphereSum{});
+  if (needs_.rolling) make_room(record_moments_, records), record_moments_.assign(records, Lanes{});
 }
 
 // --- springs on their way from one layout to the next
@@ -213,16 +222,23 @@ SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std
   return {block.pairs[k].a.slot(),
           run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot(),
           block.images == nullptr ? 0u : block.images[k].key,
+          0,
           {load[0], load[1], load[2], load[3]}};
 }
 
-void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, std::vector<Kept>& kept) {
+void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, KeptSprings& kept) {
   if (block.springs == nullptr) return;
-  each_touching(block, [&](const Run& run, std::uint32_t k) { kept.push_back(kept_of(block, run, k, planes)); });
+  each_touching(block, [&](const Run& run, std::uint32_t k) {
+    kept.springs.push_back(kept_of(block, run, k, planes));
+    if (block.rolling == nullptr) return;
+    const Lanes& load = block.rolling[k].load;
+    kept.springs.back().rolling = static_cast<std::uint32_t>(kept.rolling.size());
+    kept.rolling.push_back({load[0], load[1], load[2], load[3]});
+  });
 }
 
 /// kept: springs of a block whose first slot is `first`.
-void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept) {
+void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept, const std::vector<Load>& rolling) {
   std::array<std::uint32_t, block_size + 2> begin{};
   for (const Kept& s : kept) ++begin[s.a - first + 2];
   for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
@@ -240,6 +256,10 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
       if (at == end) continue;
       const double* load = (*at)->load;
       block.springs[k].load = Lanes{load[0], load[1], load[2], load[3]};
+      if (needs_.rolling) {
+        const Load& moment = rolling[(*at)->rolling];
+        block.rolling[k].load = Lanes{moment[0], moment[1], moment[2], moment[3]};
+      }
       block.touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
     }
 }
@@ -249,27 +269,30 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
   std::size_t touching = 0;
   each_touching([&](const Block&, const Run&, std::uint32_t) { ++touching; });
-  kept_.clear(), kept_.reserve(touching);
+  kept_.springs.clear(), kept_.springs.reserve(touching);
+  kept_.rolling.clear(), kept_.rolling.reserve(needs_.rolling ? touching : 0);
   for (Block& block : blocks_) springs_of(block, planes, kept_), block.runs.clear();
   laid_out_ = false;
   constexpr std::size_t most_twice = std::size_t{8} << 20;  // more of them are not held here and in the columns
-  if (kept_.size() * sizeof(Kept) > most_twice)
-    blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(image_column_);
+  if (kept_.springs.size() * sizeof(Kept) > most_twice)
+    blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(rolling_column_), let_go(load_column_),
+        let_go(image_column_);
 }
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.
 void SphereBlocks::group_kept(std::size_t count) {
+  std::vector<Kept>& kept = kept_.springs;
   kept_begin_.assign(count + 1, 0);
-  for (const Kept& s : kept_) ++kept_begin_[s.a / block_size + 1];
+  for (const Kept& s : kept) ++kept_begin_[s.a / block_size + 1];
   for (std::size_t i = 0; i < count; ++i) kept_begin_[i + 1] += kept_begin_[i];
   std::vector<std::uint32_t> next(kept_begin_.begin(), kept_begin_.end() - 1);
   for (std::size_t i = 0; i < count; ++i)
     while (next[i] < kept_begin_[i + 1]) {
-      const std::size_t home = kept_[next[i]].a / block_size;
+      const std::size_t home = kept[next[i]].a / block_size;
       if (home == i)
         ++next[i];
       else
-        std::swap(kept_[next[i]], kept_[next[home]++]);
+        std::swap(kept[next[i]], kept[next[home]++]);
     }
 }
 
@@ -278,16 +301,16 @@ void SphereBlocks::reorder(const Reordering& change) {
   take_out(planes_);
   std::vector<bool> is_plane(change.new_slot.size(), false);
   for (SpherePlane& p : planes_) is_plane[p.slot] = true, p.slot = change.new_slot[p.slot];
-  for (Kept& s : kept_) {
+  for (Kept& s : kept_.springs) {
     const bool plane = is_plane[s.b];
     s.a = change.new_slot[s.a], s.b = change.new_slot[s.b];
     if (s.a == no_slot || s.b == no_slot || plane || s.a < s.b) continue;
     std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;  // the load is that on the lower slot
     for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
+    if (!needs_.rolling) continue;
+    for (std::size_t k = 0; k < 3; ++k) kept_.rolling[s.rolling][k] *= -1.0;
   }
-  kept_.erase(
-      std::remove_if(kept_.begin(), kept_.end(), [](const Kept& s) { return s.a == no_slot || s.b == no_slot; }),
-      kept_.end());
+  std::erase_if(kept_.springs, [](const Kept& s) { return s.a == no_slot || s.b == no_slot; });
 }
 
 void SphereBlocks::visit(StateVisitor& visitor) {
@@ -303,17 +326,27 @@ void SphereBlocks::visit(StateVisitor& visitor) {
   show<double, 4>(
       visitor, "spheres/spring", [](const Kept& s, double* to) { std::copy_n(s.load, 4, to); },
       [](Kept& s, const double* v) { std::copy_n(v, 4, s.load); });
+  if (!needs_.rolling) return;
+  std::vector<double> column(4 * kept_.springs.size());  // where a state comes in, what is there now does not count
+  for (std::size_t i = 0; i < kept_.springs.size(); ++i)
+    if (const std::uint32_t k = kept_.springs[i].rolling; k < kept_.rolling.size())
+      std::copy_n(kept_.rolling[k].data(), 4, column.data() + 4 * i);
+  visitor.column("spheres/rolling", column);
+  kept_.rolling.resize(kept_.springs.size());
+  for (std::uint32_t i = 0; i < kept_.springs.size(); ++i)
+    kept_.springs[i].rolling = i, std::copy_n(column.data() + std::size_t{4} * i, 4, kept_.rolling[i].data());
 }
 
 /// One column of the springs, of `width` values each: one at a time, so that a copy takes a third of what all four do.
 template <class T, std::size_t width, class Get, class Set>
 void SphereBlocks::show(StateVisitor& visitor, const char* name, const Get& get, const Set& set) {
   std::vector<T> column;
-  column.resize(width * kept_.size());
-  for (std::size_t i = 0; i < kept_.size(); ++i) get(kept_[i], column.data() + width * i);
+  std::vector<Kept>& kept = kept_.springs;
+  column.resize(width * kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) get(kept[i], column.data() + width * i);
   visitor.column(name, column);
-  kept_.resize(column.size() / width);
-  for (std::size_t i = 0; i < kept_.size(); ++i) set(kept_[i], column.data() + width * i);
+  kept.resize(column.size() / width);
+  for (std::size_t i = 0; i < kept.size(); ++i) set(kept[i], column.data() + width * i);
 }
 
 void SphereBlocks::receive(std::size_t i) {
@@ -325,6 +358,7 @@ void SphereBlocks::receive(std::size_t i) {
     SphereSum& sum = mine[slot % block_size];
     sum.force += records_[record].force;
     sum.pull += records_[record].pull;
+    if (needs_.rolling) moments(i)[slot % block_size] += record_moments_[record];
   }
 }
 

@@ -4,6 +4,7 @@
 /// a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on which pairs
 /// that do not touch are listed.
 #pragma once
+#include <array>
 #include <span>
 
 #include "engine/contacts.h"
@@ -63,9 +64,20 @@ struct SpherePlaces {
   SpherePlace a, b;
 };
 
-/// The friction spring of a contact: 32 bytes.
+/// The friction or rolling spring of a contact: 32 bytes.
 struct alignas(32) SphereSpring {
-  Lanes load;  ///< x y z on A [N], 1/stiffness [m/N]; 0: not loaded
+  Lanes load;  ///< x y z on A [N] or [N m], 1/stiffness [m/N] or [rad/(N m)]; 0: not loaded
+};
+
+/// With dashpots beside springs, what a contact feels now is not what it remembers.
+struct alignas(32) SphereLoads {
+  Lanes friction, moment;  ///< x y z on A [N], [N m]; unused
+};
+
+/// What the parts of a law need.
+struct SphereNeeds {
+  bool friction = false;
+  bool rolling = false;  ///< resistance to rolling, or dashpots beside the friction springs
 };
 
 /// Beside a pair in a periodic cell: which image its B is.
@@ -82,11 +94,11 @@ class SphereBlocks {
   static constexpr std::size_t block_size = 1024;
   static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
   static constexpr std::uint32_t pairs_ahead = 24;    ///< the loop asks for bodies so far ahead: as many pairs stand
-                                                    ///< behind the last one
+                                                      ///< behind the last one
   static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit;
 
-  /// Pairs of one plane, inside a block or across blocks: [begin, end) of the block's, begin a multiple of eight, sorted
-  /// by (a, b, key).
+  /// Pairs of one plane, inside a block or across blocks: [begin, end) of the block's, begin a multiple of eight,
+  /// sorted by (a, b, key).
   struct Run {
     std::uint32_t begin = 0, end = 0;
     std::int32_t plane = -1;
@@ -96,21 +108,26 @@ class SphereBlocks {
   struct Block {
     std::vector<Run> runs;             ///< planes in order, then inside the block, then across blocks
     SpherePlaces* pairs = nullptr;     ///< every run filled up to whole eights with copies of its last one
-    SphereSpring* springs = nullptr;   ///< by pair, where there is friction; else null, as is the next one
+    SphereSpring* springs = nullptr;   ///< by pair, where there is friction; else null, as are the next ones
+    SphereSpring* rolling = nullptr;   ///< by pair, with rolling
+    SphereLoads* loads = nullptr;      ///< the same
     SphereImage* images = nullptr;     ///< by pair, in a periodic cell
     std::uint8_t* touched = nullptr;   ///< by eight pairs: those that touched at the last call, one bit each
     std::uint32_t size = 0, room = 0;  ///< pairs, and how many there may be; whole eights, `pairs_ahead` among the room
-    std::uint32_t record = 0;           ///< of the first pair across blocks in `records`
-    std::uint32_t incoming = 0;  ///< of the first record for bodies of this block in `incoming`; the next block's follow
-    double elastic = 0.0;        ///< stored in the contacts [J]
-    double slipped = 0.0;        ///< lost by slip in the step [J]
-    double viscous = 0.0;        ///< power lost in the dampers [W]
+    std::uint32_t record = 0;          ///< of the first pair across blocks in `records`
+    std::uint32_t incoming =
+        0;                 ///< of the first record for bodies of this block in `incoming`; the next block's follow
+    double elastic = 0.0;  ///< stored in the contacts [J]
+    double slipped = 0.0;  ///< lost by slip in the step [J]
+    double viscous = 0.0;  ///< power lost in the dampers [W]
     Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
   };
 
+  explicit SphereBlocks(SphereNeeds needs) : needs_(needs) {}
+
   /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
-  void rebuild(const World& world, const SphereList& list, bool friction);
+  void rebuild(const World& world, const SphereList& list);
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
@@ -123,8 +140,7 @@ class SphereBlocks {
   /// f(block, run, pair) for all pairs that touched at the last call, in the order of the layout.
   template <class F>
   void each_touching(const F& f) const {
-    for (const Block& block : blocks_)
-      each_touching(block, [&](const Run& run, std::uint32_t k) { f(block, run, k); });
+    for (const Block& block : blocks_) each_touching(block, [&](const Run& run, std::uint32_t k) { f(block, run, k); });
   }
   template <class F>
   static void each_touching(const Block& block, const F& f) {
@@ -144,10 +160,16 @@ class SphereBlocks {
   void set_sums(bool shared) {
     sums_step_ = shared ? 0 : block_size;
     sums_.resize(shared ? block_size : states_.size());  // all are zero between two calls
+    moments_.resize(needs_.rolling ? sums_.size() : 0);
   }
   /// Of the first slot of block i.
   SphereSum* sums(std::size_t i) { return sums_.data() + i * sums_step_; }
   std::span<SphereSum> records() { return records_; }
+  /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.
+  Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
+  /// Moments against rolling beside sums and records [N m].
+  Lanes* moments(std::size_t i) { return moments_.empty() ? nullptr : moments_.data() + i * sums_step_; }
+  Lanes* record_moments() { return record_moments_.data(); }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
   bool laid_out() const { return laid_out_; }
@@ -157,7 +179,13 @@ class SphereBlocks {
   struct Kept {
     Slot a, b;
     std::uint32_t key;
+    std::uint32_t rolling;  ///< its place among the loads of rolling springs
     double load[4];
+  };
+  using Load = std::array<double, 4>;
+  struct KeptSprings {
+    std::vector<Kept> springs;
+    std::vector<Load> rolling;  ///< with rolling; one for each spring that ever was there
   };
   /// Pairs of a block as they come from the list, by A.
   struct Partner {
@@ -166,31 +194,34 @@ class SphereBlocks {
   };
   struct Filling {
     const SphereList& list;
-    bool friction, periodic;
+    bool periodic;
   };
   static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, const std::vector<SpherePlane>& planes);
   /// planes: those of the block's layout.
-  static void springs_of(const Block& block, const std::vector<SpherePlane>& planes, std::vector<Kept>& kept);
+  static void springs_of(const Block& block, const std::vector<SpherePlane>& planes, KeptSprings& kept);
   void sort_partners(const SphereList& list, std::size_t slots);
   std::uint32_t need(std::size_t block) const;
   void make_rooms(const Filling& with);
   void group_kept(std::size_t count);
   void copy_constants(const World& world, std::span<const double> radius, std::size_t begin, std::size_t end);
   void lay_out(Block& block, Slot index, const Filling& with);
-  void restore(Block& block, Slot first, std::span<const Kept> kept);
+  void restore(Block& block, Slot first, std::span<const Kept> kept, const std::vector<Load>& rolling);
   void address_records();
   void take_out(const std::vector<SpherePlane>& planes);
   template <class T, std::size_t width = 1, class Get, class Set>
   void show(StateVisitor& visitor, const char* name, const Get& get, const Set& set);
 
+  SphereNeeds needs_;
   std::vector<Block> blocks_;
   LargeColumn<SpherePlaces> pair_column_;
-  LargeColumn<SphereSpring> spring_column_;
+  LargeColumn<SphereSpring> spring_column_, rolling_column_;
+  LargeColumn<SphereLoads> load_column_;
   LargeColumn<SphereImage> image_column_;
   std::vector<std::uint8_t> touched_column_;
   std::vector<SpherePlane> planes_;
   LargeColumn<SphereState> states_;
   LargeColumn<SphereSum> sums_, records_;
+  LargeColumn<Lanes> late_spins_, moments_, record_moments_;
   std::size_t sums_step_ = 0;  ///< from block to block
   std::vector<std::uint8_t> plain_;
   std::vector<std::uint32_t> first_;  ///< by slot: its first partner, those of the next slot follow
@@ -199,8 +230,8 @@ class SphereBlocks {
     std::uint32_t record;
     Slot slot;  ///< of the body whose sum takes it
   };
-  std::vector<Incoming> incoming_;       ///< records in the order of the blocks that add them, owners in order
-  std::vector<Kept> kept_;               ///< springs while the layout waits
+  std::vector<Incoming> incoming_;         ///< records in the order of the blocks that add them, owners in order
+  KeptSprings kept_;                       ///< while the layout waits
   std::vector<std::uint32_t> kept_begin_;  ///< by block, once they are grouped
   bool laid_out_ = false;
   std::size_t pairs_ = 0;

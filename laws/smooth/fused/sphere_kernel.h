@@ -4,91 +4,16 @@
 /// formulas are those of the law parts (respond, stiffness, friction) and of laws/smooth/spring.h; the result equals
 /// the generic loop to rounding (tests/physics/test_fused_spheres.cpp), and is the same bits for every n.
 #pragma once
-#include "laws/contact_law.h"
-#include "laws/smooth/fused/sphere_blocks.h"
-#include "laws/smooth/fused/sphere_lanes.h"
+#include "laws/smooth/fused/sphere_rolling.h"
 
 namespace epafi {
 
-template <class Normal, class Tangential>
+template <class Normal, class Tangential, class Rolling>
 struct SphereLaw {
   typename Normal::Parameters normal{};
   typename Tangential::Parameters tangential{};
+  typename Rolling::Parameters rolling{};
 };
-
-/// What the pairs of a block read and write.
-struct SphereArrays {
-  const SpherePlane* planes;
-  const SphereState* states;
-  std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
-  SphereSum* records;
-  double dt;
-  bool damped;
-  Lanes cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]; fourth 0
-
-  EPAFI_LANES const SphereState& state(SpherePlace p) const {
-    return *reinterpret_cast<const SphereState*>(reinterpret_cast<const char*>(states) +
-                                                 sizeof(SphereState) / SpherePlace::unit * std::size_t{p.offset});
-  }
-  EPAFI_LANES SphereSum& sum(SpherePlace p) const {
-    return *reinterpret_cast<SphereSum*>(sums + p.offset);  // NOLINT: an address
-  }
-};
-
-/// What a run found: sums in the order of the contacts that touch.
-template <int n>
-struct SphereTotals {
-  LaneSum<n> elastic, slipped, viscous;  ///< [J], [J], [W]
-  LaneSum<n> virial[3];
-  double released = 0.0;  ///< energy of the springs of contacts that opened [J]
-  std::size_t touching = 0;
-};
-
-inline constexpr LanesOf<2>::Mask pair_masks[2] = {{-1, 0}, {-1, -1}};
-
-/// Contacts on their way through the loops. Lanes behind the last contact repeat it and add nothing.
-template <int n>
-struct SphereTile {
-  using V = typename LanesOf<n>::Real;
-  using V3 = VectorsOf<V>;
-  static constexpr std::size_t most = 32, size = most / n;
-  static constexpr std::size_t room = most + 16;  ///< a look at eight pairs may write that far
-  std::size_t count = 0, groups = 0;              ///< of contacts, of groups that hold them
-  alignas(64) double x[room], y[room], z[room];   ///< from centre to centre [m]; of walls: x, how far above
-  alignas(64) double radii[room];                 ///< sum of both [m]
-  alignas(64) SpherePlaces bodies[room];
-  alignas(64) std::uint32_t pair[room];
-  V lever[size];     ///< distance over sum of radii
-  V3 normal[size];   ///< from A to B; of walls: into the wall
-  V distance[size];  ///< of centres [m]
-  V overlap[size], approach[size], mass[size], radius[size];
-  V3 displacement[size];                             ///< slip of the step [m]
-  V twist[size];                                     ///< about the normal in the step [rad]
-  V force[size];                                     ///< [N]
-  V stiffness[size], compliance[size], limit[size];  ///< of the spring [N/m], [m/N], [N]
-  V square[size];                                    ///< of the spring's load [N^2]
-  // of the spring: load squared, energy [J], old compliance times stiffness
-  V before[size], energy[size], shrink[size];
-  V3 start[size], load[size];  ///< of the spring, as it comes into the step and now [N]
-
-  EPAFI_LANES V column(const double* c, std::size_t g) const {
-    V out;
-    std::memcpy(&out, c + g * n, sizeof out);
-    return out;
-  }
-  /// All but the lanes behind the last contact.
-  EPAFI_LANES MaskOf<V> used(std::size_t g) const {
-    if constexpr (n == 2) return pair_masks[count - g * n > 1];  // SSE2 does not compare such numbers
-    MaskOf<V> lane{};
-    for (int l = 0; l < n; ++l) lane[l] = l;
-    return lane < static_cast<long long>(count - g * n) + MaskOf<V>{};
-  }
-};
-
-template <int n>
-EPAFI_LANES typename LanesOf<n>::Real filled(double x) {
-  return typename LanesOf<n>::Real{} + x;
-}
 
 /// Adds those of the n pairs from `k` on that touch, and returns one bit for each. valid: bits of the run's own.
 template <int n, bool wall, bool periodic>
@@ -229,8 +154,8 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
   if constexpr (friction || !wall) find_radii<n, friction, wall>(t, g, with, velocity);
 }
 
-template <int n, class Normal, class Tangential>
-EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential>& law,
+template <int n, class Normal, class Tangential, class Rolling>
+EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential, Rolling>& law,
                                SphereTotals<n>& total) {
   using V = typename LanesOf<n>::Real;
   KinematicsOf<V> at;
@@ -244,82 +169,6 @@ EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<
   if constexpr (Tangential::is_present)
     t.stiffness[g] = Tangential::stiffness(law.tangential, r.stiffness),
     t.limit[g] = Tangential::friction(law.tangential) * r.force;
-}
-
-/// laws/smooth/spring.h: the old load turns with the plane, shrinks with the stiffness, follows the slip and stays
-/// below the limit. Remembered beside it is 1/stiffness: one division serves the energy now and, in the next step, the
-/// energy before and the shrinking.
-template <int n>
-EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSpring* springs) {
-  using V = typename LanesOf<n>::Real;
-  const std::uint32_t* pair = t.pair + g * n;
-  const VectorsOf<V>& normal = t.normal[g];
-  VectorsOf<V> old;
-  V compliance;
-  read_columns([&](int l) EPAFI_INLINED { return row<n>(springs[pair[l]].load); }, old.x, old.y, old.z, compliance);
-  const VectorsOf<V> load = old + t.twist[g] * normal.cross(old);
-  t.start[g] = load - normal.dot(load) * normal;
-  t.before[g] = old.dot(old), t.square[g] = t.start[g].dot(t.start[g]);
-  t.energy[g] = 0.5 * t.before[g] * compliance;
-  t.shrink[g] = compliance * t.stiffness[g];
-}
-
-/// The turned load has its old length, and 1/stiffness: by one division.
-template <int n>
-EPAFI_LANES void scale_springs(SphereTile<n>& t, std::size_t g) {
-  using V = typename LanesOf<n>::Real;
-  const V after = t.square[g], stiffness = t.stiffness[g];
-  const MaskOf<V> turns = after > filled<n>(1e-200), stiff = stiffness > V{};  // loads below 1e-100 N are none
-  const V some = select(turns, after, filled<n>(1.0)), k = select(stiff, stiffness, filled<n>(1.0));
-  const V both = 1.0 / (some * k);
-  t.start[g] = keep(turns, sqrt(t.before[g] * (k * both))) * t.start[g];
-  t.compliance[g] = keep(stiff, some * both);
-}
-
-/// True where some lane slides.
-template <int n>
-EPAFI_LANES bool stretch_springs(SphereTile<n>& t, std::size_t g) {
-  using V = typename LanesOf<n>::Real;
-  const V shrink = t.shrink[g];  // below 1 where the contact has become softer; a new one has no load
-  t.load[g] = select(shrink < filled<n>(1.0), shrink, filled<n>(1.0)) * t.start[g] + t.stiffness[g] * t.displacement[g];
-  t.square[g] = t.load[g].dot(t.load[g]);
-  return less_bits<n>(t.limit[g] * t.limit[g], t.square[g]) != 0;
-}
-
-template <int n>
-EPAFI_LANES void slide(SphereTile<n>& t, std::size_t g) {
-  using V = typename LanesOf<n>::Real;
-  const V square = t.square[g], limit = t.limit[g];
-  const MaskOf<V> slides = square > limit * limit;
-  t.load[g] = select(slides, limit / sqrt(select(slides, square, filled<n>(1.0))), filled<n>(1.0)) * t.load[g];
-  t.square[g] = t.load[g].dot(t.load[g]);
-}
-
-template <int n>
-EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* springs, bool remember,
-                                SphereTotals<n>& total) {
-  using V = typename LanesOf<n>::Real;
-  const std::uint32_t* pair = t.pair + g * n;
-  const V energy = 0.5 * t.square[g] * t.compliance[g];
-  const V work = 0.5 * (t.start[g] + t.load[g]).dot(t.displacement[g]);
-  const MaskOf<V> used = t.used(g);
-  total.elastic.add(g, keep(used, energy));
-  total.slipped.add(g, keep(used, work - (energy - t.energy[g])));
-  if (!remember) return;
-  RowOf<n> rows[n];
-  write_rows(t.load[g].x, t.load[g].y, t.load[g].z, t.compliance[g], rows);
-  for (int l = 0; l < n; ++l) store<n>(springs[pair[l]].load, rows[l]);
-}
-
-template <int n>
-EPAFI_LANES void pull(SphereTile<n>& t, SphereSpring* springs, bool remember, SphereTotals<n>& total) {
-  bool slides[SphereTile<n>::size];
-  for (std::size_t g = 0; g < t.groups; ++g) turn_springs<n>(t, g, springs);
-  for (std::size_t g = 0; g < t.groups; ++g) scale_springs<n>(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g) slides[g] = stretch_springs<n>(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g)
-    if (slides[g]) slide<n>(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g) settle_springs<n>(t, g, springs, remember, total);
 }
 
 /// Adds force and pull to what A has found and -force and pull to B's (not of walls and of other blocks), lane by
@@ -381,9 +230,10 @@ EPAFI_LANES void add_forces(const SphereTile<n>& t, std::size_t g, const SphereB
 }
 
 /// The first contacts of a tile through all loops; `count` of them, at most `most`.
-template <int n, class Normal, class Tangential, bool wall, bool across, bool periodic>
+template <int n, class Normal, class Tangential, class Rolling, bool wall, bool across, bool periodic>
 EPAFI_LANES void evaluate(SphereTile<n>& t, SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                          const SphereLaw<Normal, Tangential>& law, const SphereArrays& with, SphereTotals<n>& total) {
+                          const SphereLaw<Normal, Tangential, Rolling>& law, const SphereArrays& with,
+                          SphereTotals<n>& total) {
   constexpr bool friction = Tangential::is_present;
   const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
   t.groups = (t.count + n - 1) / n;
@@ -393,31 +243,41 @@ EPAFI_LANES void evaluate(SphereTile<n>& t, SphereBlocks::Block& block, const Sp
   }
   for (std::size_t g = 0; g < t.groups; ++g) find_normal<n, wall>(t, g, plane);
   for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
-  for (std::size_t g = 0; g < t.groups; ++g) find_response<n, Normal, Tangential>(t, g, law, total);
+  for (std::size_t g = 0; g < t.groups; ++g) find_response<n, Normal, Tangential, Rolling>(t, g, law, total);
   if constexpr (friction) pull<n>(t, block.springs, with.dt > 0.0, total);
+  if constexpr (Rolling::is_present) {
+    SphereRolling<n> r;
+    roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block, with, total);
+    for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, run, with);
+  }
   for (std::size_t g = 0; g < t.groups; ++g)
     add_forces<n, friction, wall, across, periodic>(t, g, block, run, with, total);
   total.touching += t.count;
 }
 
 /// What contacts that have opened leave behind.
-template <int n>
+template <int n, bool rolling>
 EPAFI_LANES void release(SphereBlocks::Block& block, const SphereBlocks::Run& run, std::size_t first, unsigned opened,
-                         SphereSum* records, SphereTotals<n>& total) {
-  for (std::size_t k = first; opened != 0; opened >>= 1, ++k) {
-    if ((opened & 1u) == 0) continue;
-    if (run.across) records[block.record + k - run.begin] = SphereSum{};
-    if (block.springs == nullptr) continue;
-    Lanes& load = block.springs[k].load;
+                         const SphereArrays& with, SphereTotals<n>& total) {
+  const auto let_go = [&](Lanes& load) {
     total.released += 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];
     load = Lanes{};
+  };
+  for (std::size_t k = first; opened != 0; opened >>= 1, ++k) {
+    if ((opened & 1u) == 0) continue;
+    if (run.across) with.records[block.record + k - run.begin] = SphereSum{};
+    if (block.springs != nullptr) let_go(block.springs[k].load);
+    if constexpr (!rolling) continue;
+    if (run.across) with.record_moments[block.record + k - run.begin] = Lanes{};
+    let_go(block.rolling[k].load);
   }
 }
 
 /// All pairs of a run: those that touch act, those that touched let their springs go.
-template <int n, class Normal, class Tangential, bool wall, bool across, bool periodic>
+template <int n, class Normal, class Tangential, class Rolling, bool wall, bool across, bool periodic>
 EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                       const SphereLaw<Normal, Tangential>& law, const SphereArrays& with, SphereTotals<n>& total) {
+                       const SphereLaw<Normal, Tangential, Rolling>& law, const SphereArrays& with,
+                       SphereTotals<n>& total) {
   constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte;
   constexpr std::size_t full = SphereTile<n>::most;
   const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
@@ -425,13 +285,15 @@ EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
   for (std::uint32_t k = run.begin; k < run.end; k += eight) {
     if constexpr (Tangential::is_present)  // their turn comes when 32 that touch have been found
       for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(&block.springs[k + l], 1);
+    if constexpr (Rolling::is_present)
+      for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(&block.rolling[k + l], 1);
     const unsigned valid = run.end - k < eight ? (1u << (run.end - k)) - 1u : 255u;
     unsigned now = 0;
     for (std::uint32_t l = 0; l < eight; l += n)
       now |= look<n, wall, periodic>(t, block, k + l, valid >> l & ((1u << n) - 1u), plane, with) << l;
     std::uint8_t& before = block.touched[k / eight];
     if (const unsigned opened = before & ~now; with.dt > 0.0) {
-      if (opened != 0) release(block, run, k, opened, with.records, total);
+      if (opened != 0) release<n, Rolling::is_present>(block, run, k, opened, with, total);
       before = static_cast<std::uint8_t>(now);
     } else {
       before = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
@@ -439,14 +301,14 @@ EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
     if (t.count < full) continue;
     const std::size_t found = t.count;
     t.count = full;
-    evaluate<n, Normal, Tangential, wall, across, periodic>(t, block, run, law, with, total);
+    evaluate<n, Normal, Tangential, Rolling, wall, across, periodic>(t, block, run, law, with, total);
     t.count = found - full;
     for (std::size_t l = 0; l < eight; ++l) {
       t.x[l] = t.x[full + l], t.y[l] = t.y[full + l], t.z[l] = t.z[full + l], t.radii[l] = t.radii[full + l];
       t.bodies[l] = t.bodies[full + l], t.pair[l] = t.pair[full + l];
     }
   }
-  if (t.count > 0) evaluate<n, Normal, Tangential, wall, across, periodic>(t, block, run, law, with, total);
+  if (t.count > 0) evaluate<n, Normal, Tangential, Rolling, wall, across, periodic>(t, block, run, law, with, total);
 }
 
 }  // namespace epafi

@@ -1,0 +1,424 @@
+/// @file fused_model.h  The contact model of laws/smooth/fused/fused_spheres.h for one set of parts. Only the .cpp
+/// files of this folder see it: each set takes a minute to compile.
+#pragma once
+#include <cmath>
+#include <utility>
+
+#include "engine/parallel.h"
+#include "engine/targets.h"
+#include "laws/smooth/choose_law.h"
+#include "laws/smooth/fused/body_pass.h"
+#include "laws/smooth/fused/fused_spheres.h"
+#include "laws/smooth/fused/sphere_kernel.h"
+
+namespace epafi {
+
+/// Everything a block needs, so that the loop is compiled once per target with all below it inlined.
+template <class Normal, class Tangential, class Rolling>
+struct BlockTask {
+  using Law = SphereLaw<Normal, Tangential, Rolling>;
+  SphereBlocks::Block& block;
+  const Law& law;
+  const std::vector<Law>& wall_laws;  ///< by plane
+  const SphereArrays& arrays;
+
+  template <int n>
+  EPAFI_LANES void run() const {
+    if (block.images == nullptr)
+      sweep_runs<n, false>();
+    else
+      sweep_runs<n, true>();
+  }
+
+  template <int n, bool periodic>
+  EPAFI_LANES void sweep_runs() const {
+    SphereTotals<n> total;
+    for (const SphereBlocks::Run& run : block.runs) {
+      if (run.plane >= 0)
+        sweep<n, Normal, Tangential, Rolling, true, false, periodic>(
+            block, run, wall_laws[static_cast<std::size_t>(run.plane)], arrays, total);
+      else if (!run.across)
+        sweep<n, Normal, Tangential, Rolling, false, false, periodic>(block, run, law, arrays, total);
+      else
+        sweep<n, Normal, Tangential, Rolling, false, true, periodic>(block, run, law, arrays, total);
+    }
+    block.touching = total.touching, block.elastic = total.elastic.total(), block.viscous = total.viscous.total();
+    block.slipped = total.slipped.total() + total.released;
+    block.virial = {total.virial[0].total(), total.virial[1].total(), total.virial[2].total()};
+  }
+};
+
+/// Parts as the loop evaluates them. Rolling: NoRolling, or AnyRolling, which takes dashpots beside friction springs
+/// too.
+template <class Normal, class Tangential, class Rolling>
+class FusedModel final : public FusedSpheres {
+ public:
+  using Law = SphereLaw<Normal, Tangential, Rolling>;
+
+  /// laws: of the spheres against all materials.
+  FusedModel(const SmoothSetup& setup, std::size_t material, std::vector<Law> laws)
+      : laws_(std::move(laws)),
+        law_(laws_[material]),
+        generic_(make_smooth_contact(setup)),
+        damped_(Rolling::is_present),
+        blocks_({Tangential::is_present, Rolling::is_present}) {
+    for (const Law& law : laws_) damped_ = damped_ || Normal::is_damped(law.normal);
+  }
+
+  const char* name() const override { return "fused spheres"; }
+  bool waits_for_pairs() const override { return !blocks_.laid_out(); }
+
+  void set_pairs(const World& world, const SphereList& list) override {
+    hurry_.resize(list.margins.size());
+    for (std::size_t s = 0; s < hurry_.size(); ++s) {  // half a unit in the last place more than it is
+      const double margin = list.margins[s];
+      hurry_[s] = margin > 0.0 ? static_cast<float>(2.0 * (1.0 + 1e-6) / margin) : 0.0f;
+    }
+    wall_laws_.clear();
+    for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
+    blocks_.rebuild(world, list);
+  }
+
+  bool move(World& world, const StepClock& clock) override {
+    if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return false;
+    packed_ = true, behind_ = ahead_ && knows_ways();
+    if (!ahead_) largest_way_ = Extent::none;
+    if (std::exchange(ahead_, false)) return true;
+    extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
+    const auto loop = best_loop<FirstHalf>();
+    parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t i) {
+      loop({pass(world, clock, begin, end, extents_[i])});
+    });
+    return true;
+  }
+
+  bool is_ahead() const override { return ahead_; }
+  double largest_way() const override { return largest_way_; }
+  void show(World& world) const override {
+    if (!behind_ && !(ahead_ && knows_ways())) return;
+    parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+      for (std::size_t s = begin; s < end; s += 4)
+        if (blocks_.plain()[s / 4]) show_motion(world, blocks_.states().data(), s, s + 4);
+    });
+  }
+
+  void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
+    published_ = false;
+    const bool others = contacts.size() > 0 || others_;
+    // reads the force of the last step: before the generic loop writes
+    if (!packed_)
+      parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+        pack_bodies(world, lag(clock), blocks_.states().data(), blocks_.late_spins(), begin, end);
+      });
+    has_extent_ = packed_ && clock.scheme, packed_ = false;
+    touched_.clear();
+    if (others) {
+      StepClock some = clock;
+      some.touched = &touched_;
+      generic_->act(world, contacts, some, report);
+    } else {
+      report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.losses = {},
+      report.has_solver = false;
+    }
+    others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
+    is_touched_.resize(others ? world.size() : 0);
+    for (Slot s : touched_) is_touched_[s] = 1;
+    const bool onward = has_extent_ && clock.run_on && (*clock.run_on)(seen());
+    run_blocks(world, clock, onward);
+    for (Slot s : touched_) is_touched_[s] = 0;
+    count(clock.dt, report);
+    if (world.cell) deform(*world.cell, others, clock.dt, report);
+    extent_ = seen();
+    if (!onward) return;
+    extents_.swap(next_extents_), ahead_ = true, largest_way_ = Extent::none;
+    if (!knows_ways()) return;
+    Vec3 most = Vec3::Zero();
+    for (const Vec3& hurry : most_hurry_) most = most.cwiseMax(hurry);
+    largest_way_ = clock.dt * std::sqrt(most.sum());
+  }
+
+  const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
+
+  void publish(const World& world, ContactSet& contacts) const override {
+    if (published_ || !blocks_.laid_out()) return;
+    contacts.force.resize(contacts.size());
+    if (contacts.with_moment) contacts.moment.resize(contacts.size());
+    const std::size_t all = contacts.size() + touching();  // no column doubles on the way there
+    contacts.a.reserve(all), contacts.b.reserve(all), contacts.feature.reserve(all), contacts.gap.reserve(all);
+    contacts.normal.reserve(all), contacts.arm.reserve(all), contacts.force.reserve(all);
+    contacts.effective_radius.reserve(contacts.with_curvature ? all : 0);
+    blocks_.each_touching(
+        [&](const auto& block, const auto& run, std::uint32_t k) { append(world, contacts, block, run, k); });
+    contacts.sort();
+    published_ = true;
+  }
+
+  void add_gaps(const World& world, ContactSet& contacts) const override {
+    if (published_ || !blocks_.laid_out()) return;
+    const std::size_t all = contacts.size() + touching();
+    contacts.a.reserve(all), contacts.b.reserve(all), contacts.gap.reserve(all);
+    blocks_.each_touching([&](const auto& block, const auto& run, std::uint32_t k) {
+      contacts.a.push_back(block.pairs[k].a.slot()), contacts.b.push_back(block.pairs[k].b.slot());
+      contacts.gap.push_back(geometry(world, block, run, k).gap);
+    });
+  }
+
+  void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
+  void visit(StateVisitor& visitor) override {
+    ahead_ = behind_ = false;  // it may be another state that comes in
+    generic_->visit(visitor), blocks_.visit(visitor);
+    visitor.value("spheres/others", others_);
+    visitor.value("spheres/viscous_power", viscous_power_);
+    visitor.value("spheres/driven_power", driven_power_);
+  }
+
+ private:
+  using Task = BlockTask<Normal, Tangential, Rolling>;
+
+  /// Later than the velocities of the world by this are those the dampers see [s].
+  double lag(const StepClock& clock) const { return damped_ ? clock.velocity_lag * clock.dt : 0.0; }
+
+  BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, Extent& extent) {
+    return {world,
+            blocks_.states().data(),
+            blocks_.late_spins(),
+            blocks_.sums(begin / SphereBlocks::block_size),
+            blocks_.moments(begin / SphereBlocks::block_size),
+            blocks_.plain(),
+            touched_.empty() ? nullptr : is_touched_.data(),
+            hurry_.data(),
+            *clock.scheme,
+            clock.dt,
+            lag(clock),
+            begin,
+            end,
+            extent};
+  }
+
+  /// The bodies are where the blocks have them; the world is told when somebody looks.
+  bool knows_ways() const { return !hurry_.empty(); }
+
+  /// Of all bodies in this step.
+  Extent seen() const {
+    Extent all;
+    for (const Extent& part : extents_) all += part;
+    return all;
+  }
+
+  /// All blocks through the loop, then what they found for each other, and the second half of the step with it; with
+  /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
+  void run_blocks(World& world, const StepClock& clock, bool onward) {
+    auto& all = blocks_.blocks();
+    const auto loop = best_loop<Task>();
+    SphereArrays arrays{blocks_.planes().data(),
+                        blocks_.states().data(),
+                        0,
+                        blocks_.records().data(),
+                        clock.dt,
+                        damped_,
+                        Lanes{},
+                        Lanes{},
+                        blocks_.late_spins(),
+                        0,
+                        blocks_.record_moments()};
+    if (world.cell) {
+      const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
+      arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
+      arrays.strain_rate = Lanes{rate.x(), rate.y(), rate.z(), 0.0};
+    }
+    blocks_.set_sums(thread_count() == 1);
+    const auto find = [&](std::size_t i) {
+      SphereArrays mine = arrays;
+      const std::size_t first = i * SphereBlocks::block_size;
+      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(i)) - first * sizeof(SphereSum);
+      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(i)) - first * sizeof(Lanes);
+      loop({all[i], law_, wall_laws_, mine});
+    };
+    next_extents_.assign(onward ? all.size() : 1, Extent{});
+    most_hurry_.assign(next_extents_.size(), Vec3::Zero());
+    const auto second_half = best_loop<SecondHalf<false, true>>();
+    const auto run_on = best_loop<SecondHalf<true, false>>();
+    const auto run_on_shown = best_loop<SecondHalf<true, true>>();
+    const auto finish = [&](std::size_t i) {
+      blocks_.receive(i);
+      const std::size_t begin = i * SphereBlocks::block_size;
+      const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
+      if (!clock.scheme)
+        unpack_bodies(world, blocks_.states().data(), blocks_.sums(i), blocks_.moments(i),
+                      touched_.empty() ? nullptr : is_touched_.data(), begin, end);
+      else if (!onward)
+        second_half({pass(world, clock, begin, end, extents_[i]), next_extents_[0], most_hurry_[0]});
+      else if (knows_ways())
+        run_on({pass(world, clock, begin, end, extents_[i]), next_extents_[i], most_hurry_[i]});
+      else
+        run_on_shown({pass(world, clock, begin, end, extents_[i]), next_extents_[i], most_hurry_[i]});
+    };
+    if (thread_count() == 1) {  // records go to later blocks only: all for block i are there when its turn comes
+      for (std::size_t i = 0; i < all.size(); ++i) find(i), finish(i);
+      return;
+    }
+    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { find(i); });
+    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { finish(i); });
+  }
+
+  /// Adds what the blocks found to the report of the generic loop.
+  void count(double dt, StepReport& report) {
+    report.contacts += blocks_.pairs();
+    Losses lost;
+    double viscous_power = 0.0;
+    for (const auto& block : blocks_.blocks()) {
+      report.touching += block.touching, report.elastic += block.elastic;
+      viscous_power += block.viscous;
+      if (dt > 0.0) lost.frictional += block.slipped;
+    }
+    lost.viscous = 0.5 * dt * (viscous_power_ + viscous_power);
+    viscous_power_ = viscous_power;
+    report.losses += lost;
+    report.dissipated += lost.viscous + lost.frictional;
+  }
+
+  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run), and the work of
+  /// the strain on it.
+  void deform(PeriodicCell& cell, bool others, double dt, StepReport& report) {
+    Vec3 virial = Vec3::Zero();
+    for (const auto& block : blocks_.blocks()) virial += block.virial;
+    const double power = virial.dot(cell.strain_rate);
+    report.work += 0.5 * dt * (driven_power_ + power);
+    driven_power_ = power;
+    cell.virial = others ? Vec3(cell.virial + virial) : virial;
+  }
+
+  /// Normal force of contact k of a block at the last call [N], by the formulas of the loop.
+  double normal_force(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                      std::uint32_t k) const {
+    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+    const bool wall = run.plane >= 0;
+    const SphereState &a = blocks_.states()[block.pairs[k].a.slot()],
+                      &b = blocks_.states()[(wall ? block.pairs[k].a : block.pairs[k].b).slot()];
+    const double radius_a = a.position[3], radius_b = b.position[3];
+    KinematicsOf<double> at;
+    if (wall) {
+      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
+      at.overlap = radius_a - plane.normal.dot(xyz(a.position) - plane.point);
+      at.approach_velocity = -plane.normal.dot(xyz(a.predicted));
+      at.effective_mass = 1.0 / a.velocity[3], at.effective_radius = radius_a;
+    } else {
+      Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
+      if (world.cell)
+        d += world.cell->size.cwiseProduct(xyz(block.images[k].cells)),
+            later += world.cell->strain_rate.cwiseProduct(d);
+      const double distance = d.norm();
+      at.overlap = std::max(0.0, radius_a + radius_b - distance);
+      at.approach_velocity = distance > 0.0 ? -later.dot(d) / distance : -later.z();
+      at.effective_mass = 1.0 / (a.velocity[3] + b.velocity[3]);
+      at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
+    }
+    return Normal::respond((wall ? wall_laws_[static_cast<std::size_t>(run.plane)] : law_).normal, at).force;
+  }
+
+  std::size_t touching() const {
+    std::size_t sum = 0;
+    for (const auto& block : blocks_.blocks()) sum += block.touching;
+    return sum;
+  }
+
+  /// Image code of contact k of a block, from its lower slot to the other.
+  std::uint32_t key_of(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                       std::uint32_t k) const {
+    if (!world.cell) return 0;
+    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
+    // that of a plane follows the cells the sphere has passed: it is with the plane itself
+    return run.plane >= 0 ? image_code(world.wraps[a] - world.wraps[b]) : block.images[k].key;
+  }
+
+  /// Gap, normal, arm and radius of contact k of a block, from its lower slot to the other.
+  ContactPoint geometry(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                        std::uint32_t k) const {
+    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
+    const double radius_a = blocks_.states()[a].position[3];
+    ContactPoint c;
+    if (run.plane >= 0) {
+      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
+      c.gap = plane.normal.dot(world.position[a] - plane.point) - radius_a, c.normal = -plane.normal;
+      c.effective_radius = radius_a, c.arm = radius_a * c.normal;
+      return c;
+    }
+    const Vec3 d = world.branch(a, b, Feature{key_of(world, block, run, k)} << 56);
+    const double radius_b = blocks_.states()[b].position[3], distance = d.norm(), sum = radius_a + radius_b;
+    c.gap = distance - sum, c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+    c.effective_radius = radius_a * radius_b / sum, c.arm = radius_a / sum * distance * c.normal;
+    return c;
+  }
+
+  /// Contact k of a block as the generic path would have it.
+  void append(const World& world, ContactSet& contacts, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+              std::uint32_t k) const {
+    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
+    const std::uint32_t key = key_of(world, block, run, k);
+    const Vec3 d = world.branch(a, b, Feature{key} << 56);
+    ContactPoint c = geometry(world, block, run, k);
+    Vec3 force = -normal_force(world, block, run, k) * c.normal;
+    Vec3 moment = Vec3::Zero();
+    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+    if constexpr (Rolling::is_present)
+      force += xyz(block.loads[k].friction), moment = xyz(block.loads[k].moment);
+    else if constexpr (Tangential::is_present)
+      force += xyz(block.springs[k].load);
+    const bool in_order = world.id[a] < world.id[b];
+    c.feature = Feature{in_order ? key : opposite_image(key << 8) >> 8} << 56;
+    if (!in_order) c.arm -= d, c.normal = -c.normal, force = -force, moment = -moment;
+    contacts.append(in_order ? a : b, in_order ? b : a, c);
+    contacts.force.push_back(force);
+    if (contacts.with_moment) contacts.moment.push_back(moment);
+  }
+
+  std::vector<Law> laws_;  ///< by material
+  Law law_;
+  std::vector<Law> wall_laws_;
+  std::unique_ptr<ContactModel> generic_;
+  bool damped_ = false, others_ = true;
+  bool packed_ = false;           ///< the blocks hold the bodies as they are
+  std::vector<float> hurry_;      ///< 1/half the margin, by slot [1/m]; empty: not all contacts are those of the blocks
+  std::vector<Vec3> most_hurry_;  ///< by block: largest squares of velocity times that [1/s^2]
+  double largest_way_ = Extent::none;           ///< of the step that has begun, over half the margin
+  bool ahead_ = false;                          ///< the first half of the next step is done
+  bool behind_ = false;                         ///< the world has velocities of before
+  std::vector<Slot> touched_;                   ///< bodies with forces of the generic loop
+  std::vector<std::uint8_t> is_touched_;        ///< the same by slot
+  std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block
+  Extent extent_;
+  bool has_extent_ = false;
+  double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
+  double driven_power_ = 0.0;       ///< of the cell's strain on the fused contacts at the last call [W]
+  mutable bool published_ = false;  ///< the contacts of this step are in the set already
+  SphereBlocks blocks_;
+};
+
+/// f(type of normal part, of tangential part) where both have lanes (or there is no friction); otherwise nothing.
+template <class F>
+void with_lanes(const SmoothParts& parts, const F& f) {
+  if (parts.locate) return;
+  with_law(NormalLaws{}, parts.normal, [&](auto n) {
+    using N = typename decltype(n)::type;
+    if constexpr (LaneLaw<N>)
+      with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
+        using T = typename decltype(t)::type;
+        if constexpr ((LaneFriction<T> || !T::is_present) && parts_fit<N, T, NoRolling>) f(n, t);
+      });
+  });
+}
+
+/// N, T, R as scenes name them.
+template <class N, class T, class R>
+std::unique_ptr<FusedSpheres> fused_model(const SmoothSetup& setup, std::size_t material) {
+  using Rolling = std::conditional_t<R::is_present, AnyRolling, NoRolling>;
+  using Model = FusedModel<Loop<N>, Loop<T>, Rolling>;
+  std::vector<typename Model::Law> laws(setup.materials.materials);
+  for (std::size_t other = 0; other < laws.size(); ++other) {
+    const MaterialPair& pair = setup.materials.pairs[material * laws.size() + other];
+    if (pair.occurs) laws[other] = {N::parameters(pair), T::parameters(pair), R::parameters(pair)};
+  }
+  return std::make_unique<Model>(setup, material, std::move(laws));
+}
+
+}  // namespace epafi

@@ -1,0 +1,29 @@
+#include "laws/smooth/fused/fused_model.h"
+
+namespace epafi {
+
+bool needs_rolling_loop(const SmoothParts& parts) {
+  return parts.rolling != NoRolling::name || parts.tangential == SpringDashpot::name ||
+         parts.tangential == MindlinDashpot::name;
+}
+
+std::unique_ptr<FusedSpheres> make_fused_rolling(const SmoothSetup& setup, std::size_t material) {
+  const SmoothParts parts = smooth_parts(setup);
+  std::unique_ptr<FusedSpheres> model;
+  with_lanes(parts, [&](auto n, auto t) {
+    using N = typename decltype(n)::type;
+    using T = typename decltype(t)::type;
+    if constexpr (T::is_present) {
+      if (parts.rolling == NoRolling::name)
+        model = fused_model<N, T, AnyRolling>(setup, material);
+      else
+        with_law(RollingLaws{}, parts.rolling, [&](auto r) {
+          using R = typename decltype(r)::type;
+          if constexpr (R::is_present) model = fused_model<N, T, R>(setup, material);
+        });
+    }
+  });
+  return model;
+}
+
+}  // namespace epafi

@@ -1,0 +1,151 @@
+/// @file sphere_rolling.h  What dashpots beside friction springs (laws/smooth/dashpot.h) and resistance to rolling
+/// (laws/smooth/rolling.h) add to the loop over spheres, behind its friction springs. The formulas are those of
+/// SmoothContact::damp and roll.
+#pragma once
+#include "laws/smooth/fused/sphere_tile.h"
+
+namespace epafi {
+
+/// How the contacts of a tile slip and roll, and what they feel.
+template <int n>
+struct SphereRolling {
+  using V = typename LanesOf<n>::Real;
+  using V3 = VectorsOf<V>;
+  static constexpr std::size_t size = SphereTile<n>::size;
+  V3 slip[size], spin[size];        ///< velocities at the time of the detection [m/s], [rad/s]
+  V3 angle[size];                   ///< rolled in the step [rad]
+  V slip_mobility[size];            ///< [1/kg]
+  V inertia[size];                  ///< about the contact [kg m^2]
+  V dashpot[size];                  ///< against rolling [N m s]
+  V3 friction[size], moment[size];  ///< on A [N], [N m]
+};
+
+template <LaneVector V>
+EPAFI_LANES VectorsOf<V> within(const VectorsOf<V>& load, const V& limit) {
+  const V square = load.dot(load);
+  const MaskOf<V> over = square > limit * limit;
+  const V length = sqrt(select(over, square, V{} + 1.0));
+  return select(over, limit / length, V{} + 1.0) * load;
+}
+
+template <LaneVector V>
+EPAFI_LANES VectorsOf<V> in_plane(const VectorsOf<V>& x, const VectorsOf<V>& normal) {
+  return x - x.dot(normal) * normal;
+}
+
+/// Motion of one side of n contacts, and how easily it gives.
+template <int n>
+struct SphereSide {
+  using V = typename LanesOf<n>::Real;
+  VectorsOf<V> velocity{}, spin{}, late_spin{};  ///< velocity: at the time of the detection
+  V radius{}, slip_mobility{}, rolling_mobility{};
+
+  /// place(lane): of the body.
+  template <class Place>
+  EPAFI_LANES void read(const SphereArrays& with, const Place& place, const V& lever) {
+    V inverse_inertia, none;
+    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(place(l)).predicted); }, velocity.x, velocity.y,
+                 velocity.z, inverse_inertia);
+    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(place(l)).spin); }, spin.x, spin.y, spin.z,
+                 radius);
+    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.late_spin(place(l))); }, late_spin.x, late_spin.y,
+                 late_spin.z, none);
+    V inverse_mass;
+    for (int l = 0; l < n; ++l) inverse_mass[l] = with.state(place(l)).velocity[3];
+    const V arm = radius * lever, turning = arm * arm * inverse_inertia;
+    slip_mobility = inverse_mass + turning;
+    rolling_mobility = inverse_inertia * inverse_mass / slip_mobility;
+  }
+};
+
+template <int n, bool wall, bool periodic>
+EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const SphereArrays& with) {
+  using V = typename LanesOf<n>::Real;
+  const SpherePlaces* bodies = t.bodies + g * n;
+  const VectorsOf<V>& normal = t.normal[g];
+  SphereSide<n> a, b;
+  a.read(
+      with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, t.lever[g]);
+  if constexpr (!wall)
+    b.read(
+        with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, t.lever[g]);
+  VectorsOf<V> velocity = b.velocity - a.velocity;
+  if constexpr (periodic && !wall) {  // the flow of a deforming cell comes on top
+    const V length = t.distance[g];
+    const Lanes& rate = with.strain_rate;
+    velocity =
+        velocity + VectorsOf<V>{rate[0] * length * normal.x, rate[1] * length * normal.y, rate[2] * length * normal.z};
+  }
+  const VectorsOf<V> turning = t.lever[g] * (a.radius * a.late_spin + b.radius * b.late_spin);
+  r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
+  r.spin[g] = in_plane(b.late_spin - a.late_spin, normal);
+  r.angle[g] = with.dt * in_plane(b.spin - a.spin, normal);
+  r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
+  r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
+}
+
+/// The friction spring pulls with t.load; it and its dashpot slide together.
+template <int n, class Tangential>
+EPAFI_LANES void damp(const SphereTile<n>& t, SphereRolling<n>& r, std::size_t g,
+                      const typename Tangential::Parameters& p, SphereTotals<n>& total) {
+  using V = typename LanesOf<n>::Real;
+  const V dashpot = 2.0 * p.damping * sqrt(t.stiffness[g] / r.slip_mobility[g]);
+  r.friction[g] = within(t.load[g] + dashpot * r.slip[g], t.limit[g]);
+  total.viscous.add(g, keep(t.used(g), (r.friction[g] - t.load[g]).dot(r.slip[g])));
+}
+
+/// The rolling spring takes the place of the friction spring in the tile.
+template <int n, class Tangential, class Rolling>
+EPAFI_LANES void prepare_rolling(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g,
+                                 const typename Tangential::Parameters& tangential,
+                                 const typename Rolling::Parameters& p, double dt) {
+  using V = typename LanesOf<n>::Real;
+  RollingStepOf<V> step;
+  step.normal_stiffness = t.stiffness[g] / Tangential::stiffness(tangential, 1.0), step.normal_force = t.force[g];
+  step.radius = t.radius[g], step.inertia = r.inertia[g], step.spin = sqrt(r.spin[g].dot(r.spin[g])), step.dt = dt;
+  r.dashpot[g] = Rolling::damping(p, step);
+  t.stiffness[g] = Rolling::stiffness(p, step), t.limit[g] = Rolling::limit(p, step);
+  t.displacement[g] = r.angle[g];
+}
+
+/// Adds the moments to the sums as add_forces does the forces; of B to records where it lies in another block.
+template <int n, bool wall, bool across>
+EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, std::size_t g,
+                             const SphereBlocks::Block& block, const SphereBlocks::Run& run, const SphereArrays& with) {
+  using V = typename LanesOf<n>::Real;
+  const MaskOf<V> used = t.used(g);
+  const VectorsOf<V>&moment = r.moment[g], &friction = r.friction[g];
+  RowOf<n> rows[n], pulls[n];
+  write_rows(keep(used, moment.x), keep(used, moment.y), keep(used, moment.z), V{}, rows);
+  write_rows(friction.x, friction.y, friction.z, V{}, pulls);
+  const SpherePlaces* bodies = t.bodies + g * n;
+  const std::uint32_t* pair = t.pair + g * n;
+  for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
+    Lanes& a = with.moment(bodies[l].a);
+    store<n>(a, row<n>(a) + rows[l]);
+    if constexpr (across) store<n>(with.record_moments[block.record + pair[l] - run.begin], -rows[l]);
+    if constexpr (!wall && !across) {
+      Lanes& b = with.moment(bodies[l].b);
+      store<n>(b, row<n>(b) - rows[l]);
+    }
+    store<n>(block.loads[pair[l]].friction, pulls[l]), store<n>(block.loads[pair[l]].moment, rows[l]);
+  }
+}
+
+/// Behind `pull`: dashpots, then the rolling springs through the same loops.
+template <int n, class Tangential, class Rolling, bool wall, bool periodic>
+EPAFI_LANES void roll(SphereTile<n>& t, SphereRolling<n>& r, const typename Tangential::Parameters& tangential,
+                      const typename Rolling::Parameters& p, const SphereBlocks::Block& block, const SphereArrays& with,
+                      SphereTotals<n>& total) {
+  for (std::size_t g = 0; g < t.groups; ++g) find_rolling<n, wall, periodic>(t, r, g, with);
+  for (std::size_t g = 0; g < t.groups; ++g) damp<n, Tangential>(t, r, g, tangential, total);
+  for (std::size_t g = 0; g < t.groups; ++g) prepare_rolling<n, Tangential, Rolling>(t, r, g, tangential, p, with.dt);
+  pull<n>(t, block.rolling, with.dt > 0.0, total);
+  for (std::size_t g = 0; g < t.groups; ++g) {
+    r.moment[g] = within(t.load[g] + r.dashpot[g] * r.spin[g], t.limit[g]);
+    total.viscous.add(g, keep(t.used(g), (r.moment[g] - t.load[g]).dot(r.spin[g])));
+    t.load[g] = r.friction[g];
+  }
+}
+
+}  // namespace epafi
