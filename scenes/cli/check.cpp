@@ -44,7 +44,9 @@ double peak_memory(Assembly& a, std::size_t free) {
   const bool polyhedra = polyhedra_move(a.scene);
   const auto bodies = static_cast<double>(free);
   // a packing has about six neighbours per body, each pair counted once; faces touch in up to four points
-  const double contacts = std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - static_cast<double>(sim.work.contacts.size()));
+  // those that spheres have in their own loop are not in the set
+  const auto there = static_cast<double>(std::max(sim.work.contacts.size(), sim.work.report.touching));
+  const double contacts = std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
   const double pairs = std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies - static_cast<double>(sim.work.pairs.pairs.size()));
   const double output = 6e6 + 14e3 * hulls + (polyhedra ? 2000.0 : 300.0) * bodies;  // HDF5, shapes in it, a frame
   return 1024.0 * static_cast<double>(usage.ru_maxrss) + static_cast<double>(state.total) + output +

@@ -76,6 +76,23 @@ Balance balance(const SceneRun& run) {
   return {-run.last("on_floor", "z"), -run.last("on_tube", "z"), 9.81 * mass};
 }
 
+/// P and R^2 of sigma = P (1 - exp(-w/P)) with w the weight above per area, P = rho_b g lambda.
+std::pair<double, double> fit_janssen(const std::vector<double>& above, const std::vector<double>& stress) {
+  const auto n = static_cast<double>(above.size());
+  double mean = 0, spread = 0;
+  for (double sigma : stress) mean += sigma / n;
+  for (double sigma : stress) spread += (sigma - mean) * (sigma - mean);
+  const auto misfit = [&](double p) {
+    double sum = 0;
+    for (std::size_t k = 0; k < above.size(); ++k) sum += std::pow(stress[k] - p * (1 - std::exp(-above[k] / p)), 2);
+    return sum;
+  };
+  double best = 100;
+  for (double p = 100; p < 5000; p *= 1.001)
+    if (misfit(p) < misfit(best)) best = p;
+  return {best, 1 - misfit(best) / spread};
+}
+
 /// Mean vertical stress in a tube against the weight above it: that weight less what the wall holds above, per area.
 class SiloProfile {
  public:
@@ -103,24 +120,7 @@ class SiloProfile {
     density_ = weight / 9.81 / (area * (top - bottom));
   }
 
-  /// P and R^2 of sigma = P (1 - exp(-w/P)) with w the weight above per area, P = rho g lambda.
-  std::pair<double, double> fit_janssen() const {
-    const auto n = static_cast<double>(above_.size());
-    double mean = 0, spread = 0;
-    for (std::size_t k = 0; k < above_.size(); ++k) mean += stress_[k] / n;
-    for (std::size_t k = 0; k < above_.size(); ++k) spread += (stress_[k] - mean) * (stress_[k] - mean);
-    const auto misfit = [&](double p) {
-      double sum = 0;
-      for (std::size_t k = 0; k < above_.size(); ++k)
-        sum += std::pow(stress_[k] - p * (1 - std::exp(-above_[k] / p)), 2);
-      return sum;
-    };
-    double best = 100;
-    for (double p = 100; p < 5000; p *= 1.005)
-      if (misfit(p) < misfit(best)) best = p;
-    return {best, 1 - misfit(best) / spread};
-  }
-
+  std::pair<double, double> fit() const { return fit_janssen(above_, stress_); }
   double bulk_density() const { return density_; }
   std::string text() const {
     std::string all;
@@ -279,25 +279,33 @@ TEST_CASE("hard ellipsoids jam at their published fraction (case A36)", "[physic
   CHECK(p.fraction == Approx(0.74).margin(0.01));
 }
 
-TEST_CASE("a silo's wall and floor carry the weight, and the wall most of it (case A37)",
-          "[physics][granular][A37][.open]") {
-  const SceneRun run = run_scene("granular/silo.toml", {});
-  REQUIRE(run.failure.empty());
-  const SiloProfile profile(run, 0.1, 0.014);
-  const auto [scale, r2] = profile.fit_janssen();
-  // P = rho_b g D/(4 mu K)
-  const double ratio = profile.bulk_density() * 9.81 * 0.1 / (4 * 0.5 * scale);
-  const Balance b = balance(run);
-  INFO("K " << ratio << ", R2 " << r2 << ", bulk density " << profile.bulk_density() << ", P " << scale
-            << ", floor and wall " << (b.floor + b.tube) / b.weight - 1 << ", floor " << b.floor << "\n"
-            << profile.text());
+TEST_CASE("the floor of a silo carries what Janssen said, whatever stands above it (case A37)",
+          "[physics][granular][A37][slow]") {
+  constexpr double diameter = 0.1, area = 0.25 * 3.14159265358979 * diameter * diameter;
+  std::vector<double> above, stress;
+  double density = 0;
+  for (const char* fill : {"0.5", "1", "2", "4", "6"}) {  // diameters of the tube
+    const SceneRun run = run_scene("granular/silo.toml", {std::string("params.fill=") + fill});
+    REQUIRE(run.failure.empty());
+    const Balance b = balance(run);
+    above.push_back(b.weight / area), stress.push_back(b.floor / area);
+    UNSCOPED_INFO("fill " << fill << " D, weight " << above.back() << " Pa, on the floor " << stress.back()
+                          << " Pa, floor and wall over weight - 1: " << (b.floor + b.tube) / b.weight - 1);
+    CHECK(std::abs(b.floor + b.tube - b.weight) < 1e-6 * b.weight);
+    const SiloProfile profile(run, diameter, 0.014);
+    density = profile.bulk_density();
+    if (above.size() < 5) continue;
+    INFO("inside: P " << profile.fit().first << ", R2 " << profile.fit().second << "\n" << profile.text());
+    CHECK(profile.fit().second >
+          0.9);  // layers of two grains scatter by a twentieth, nine tenths of them are saturated
+  }
+  const auto [scale, r2] = fit_janssen(above, stress);
+  const double ratio = density * 9.81 * diameter / (4 * 0.5 * scale);  // P = rho_b g D/(4 mu K)
+  INFO("P " << scale << ", R2 " << r2 << ", K " << ratio << ", bulk density " << density);
   CHECK(r2 > 0.99);
   CHECK(ratio > 0.4);
   CHECK(ratio < 0.8);
-  CHECK(std::abs(b.floor + b.tube - b.weight) < 1e-6 * b.weight);
-  const SceneRun less = run_scene("granular/silo.toml", {"params.n=\"= floor(0.0041/d^3)\""});  // 4.5 diameters
-  REQUIRE(less.failure.empty());
-  CHECK(balance(less).floor == Approx(b.floor).epsilon(0.03));
+  CHECK(stress[3] == Approx(stress[4]).epsilon(0.03));  // beyond 4 lambda
 }
 
 TEST_CASE("discharge through a hole goes like (D - k d)^2.5 (case A38)", "[physics][granular][A38][slow]") {
