@@ -46,6 +46,7 @@ std::vector<std::string> with(std::vector<std::string> overrides, const std::vec
 }
 const std::vector<std::string> rolling{"contact.smooth.rolling=spring", "contact.rolling_friction=0.1",
                                        "contact.smooth.tangential=mindlin-dashpot", "run.time_step=1.9e-5"};
+const std::vector<std::string> spring{"contact.smooth.rolling=spring", "contact.rolling_friction=0.1"};
 const std::vector<std::string> constant{"contact.smooth.rolling=constant", "contact.rolling_friction=0.05"};
 const std::vector<std::string> viscous{"contact.smooth.rolling=viscous", "contact.rolling_friction=0.05"};
 const std::vector<std::string> dashpot{"contact.smooth.tangential=spring-dashpot"};
@@ -113,7 +114,8 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
                           Case{"bed/bed.toml", with(small_bed, constant), 1600, 3000},
                           Case{"bed/bed.toml", with(small_bed, viscous), 1600, 3000},
                           Case{"granular/incline_flow.toml", with(flow, dashpot), 4000, 500},
-                          Case{"granular/jammed_spheres.toml", with(rough_cell, dashpot), 1500, 2000});
+                          Case{"granular/jammed_spheres.toml", with(rough_cell, dashpot), 1500, 2000},
+                          Case{"granular/jammed_spheres.toml", with(rough_cell, spring), 1500, 2000});
   INFO(c.scene << ", " << c.overrides.back());
   SceneRun settled = run_scene(c.scene, c.overrides, c.steps);
   REQUIRE(settled.assembly->plan.fused_spheres);
