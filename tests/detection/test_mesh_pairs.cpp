@@ -300,8 +300,10 @@ TEST_CASE("a box on a triangulated floor stands on its four corners", "[detectio
   }
 }
 
-TEST_CASE("polyhedra near a box of triangles are as far from it as from the solid box", "[detection][mesh-pairs]") {
-  Random random(58, 0);
+namespace {
+void check_near_box(std::uint64_t stream) {
+  Random random(58, stream);
+  INFO("stream " << stream);
   const Vec3 half(0.5, 0.3, 0.2);
   const TriangleMesh mesh = TriangleMesh::from_surface(box_surface(half));
   const Box solid(half), body(Vec3(0.1, 0.2, 0.15));
@@ -323,6 +325,17 @@ TEST_CASE("polyhedra near a box of triangles are as far from it as from the soli
     }
   }
   CHECK(near > 100);
+}
+}  // namespace
+
+TEST_CASE("polyhedra near a box of triangles are as far from it as from the solid box", "[detection][mesh-pairs]") {
+  check_near_box(0);
+}
+
+// Streams 8 and 9: a box 3 mm away by its edge is said to be 27 mm deep in a triangle; 2 of some 2000 near ones.
+TEST_CASE("polyhedra near a box of triangles are as far from it as from the solid box in other draws",
+          "[detection][mesh-pairs][.open]") {
+  for (std::uint64_t stream = 1; stream < 10; ++stream) check_near_box(stream);
 }
 
 TEST_CASE("a box in slight contact with a box of triangles is pushed apart as the solid boxes are",

@@ -23,7 +23,8 @@ inline Vec3 random_point(Random& random, double low = -1, double high = 1) {
   return {x, y, z};
 }
 inline Quat random_turn(Random& random) {
-  return Quat(Eigen::AngleAxisd(random.uniform(0, pi), random_direction(random)));
+  const Vec3 axis = random_direction(random);  // drawn first: compilers evaluate arguments in orders of their own
+  return Quat(Eigen::AngleAxisd(random.uniform(0, pi), axis));
 }
 
 /// Box about the origin as 12 triangles.
