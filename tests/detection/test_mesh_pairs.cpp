@@ -332,10 +332,9 @@ TEST_CASE("polyhedra near a box of triangles are as far from it as from the soli
   check_near_box(0);
 }
 
-// Streams 7 and 9: a box 3 mm away by its edge is said to be 27 mm deep in a triangle; 2 of some 2000 near ones.
-TEST_CASE("polyhedra near a box of triangles are as far from it as from the solid box in other draws",
-          "[detection][mesh-pairs][.open]") {
-  for (std::uint64_t stream = 1; stream < 10; ++stream) check_near_box(stream);
+TEST_CASE("a body beside an edge of triangles, its centre behind the plane beyond, is not in it",
+          "[detection][mesh-pairs]") {
+  for (std::uint64_t stream = 1; stream < 10; ++stream) check_near_box(stream);  // 7 and 9 once: 27 mm deep, 3 mm away
 }
 
 TEST_CASE("a box in slight contact with a box of triangles is pushed apart as the solid boxes are",
