@@ -152,11 +152,10 @@ class PolyhedronOnMesh {
   /// x is its edge.
   bool went_through(std::uint32_t t, const Vec3& n, const Vec3& x, std::uint32_t cut) const {
     const bool front = n.dot(mesh_.normals[t]) > 0.0;
-    // An edge inside a plane says nothing: a box whose centre lay beside a convex edge, 3 mm away, was 27 mm deep
-    // there.
-    if (cut > 0 && mesh_.edge_kinds[t][cut - 1] != EdgeKind::flat &&
-        mesh_.edge_kinds[t][cut - 1] != (front ? EdgeKind::concave : EdgeKind::convex))
-      return true;
+    if (cut > 0) {  // an edge inside a plane says nothing: a box 3 mm beside a convex edge was 27 mm deep there
+      const EdgeKind kind = mesh_.edge_kinds[t][cut - 1];
+      if (kind != EdgeKind::flat && kind != (front ? EdgeKind::concave : EdgeKind::convex)) return true;
+    }
     const double from = n.dot(centre() - mesh_.corners(t)[0]), to = n.dot(x - mesh_.corners(t)[0]);
     const double when = from / (from - to);
     const Vec3 gate = centre() + when * (x - centre());

@@ -12,13 +12,14 @@ void pack_bodies(const World& world, double lag, SphereState* states, Lanes* lat
                  *w = rotates ? world.angular_velocity[s].data() : still;
     double* to = reinterpret_cast<double*>(&states[i]);  // number by number: a row of lanes would go through the stack
     for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
-    Vec3 late = rotates ? world.angular_velocity[s] : Vec3(0, 0, 0);
-    if (lag != 0.0) {
-      const Vec3 change = lag * world.acceleration(s);
-      for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
-      if (late_spins != nullptr && world.is_movable(s)) late += world.apply_inverse_inertia(s, lag * world.torque[s]);
+    if (late_spins != nullptr) {
+      Vec3 late = world.angular_velocity[s];
+      if (lag != 0.0 && world.is_movable(s)) late += world.apply_inverse_inertia(s, lag * world.torque[s]);
+      late_spins[s] = Lanes{late.x(), late.y(), late.z(), 0.0};
     }
-    if (late_spins != nullptr) late_spins[s] = Lanes{late.x(), late.y(), late.z(), 0.0};
+    if (lag == 0.0) continue;
+    const Vec3 change = lag * world.acceleration(s);
+    for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
   }
 }
 

@@ -1,10 +1,20 @@
+#include <algorithm>
+
 #include "laws/smooth/fused/fused_model.h"
 
 namespace epafi {
 
-bool needs_rolling_loop(const SmoothParts& parts) {
-  return parts.rolling != NoRolling::name || parts.tangential == SpringDashpot::name ||
-         parts.tangential == MindlinDashpot::name;
+bool needs_rolling_loop(const SmoothSetup& setup) {
+  const SmoothParts parts = smooth_parts(setup);
+  if (parts.rolling != NoRolling::name) return true;
+  return with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
+    using T = typename decltype(t)::type;
+    if constexpr (WithDashpot<T>)
+      return std::any_of(setup.materials.pairs.begin(), setup.materials.pairs.end(),
+                         [](const MaterialPair& pair) { return pair.occurs && T::parameters(pair).damping > 0.0; });
+    else
+      return false;
+  });
 }
 
 std::unique_ptr<FusedSpheres> make_fused_rolling(const SmoothSetup& setup, std::size_t material) {

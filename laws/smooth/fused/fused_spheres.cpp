@@ -11,10 +11,9 @@ bool has_fused_spheres(const SmoothSetup& setup) {
 }
 
 std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material) {
-  const SmoothParts parts = smooth_parts(setup);
-  if (needs_rolling_loop(parts)) return make_fused_rolling(setup, material);
+  if (needs_rolling_loop(setup)) return make_fused_rolling(setup, material);
   std::unique_ptr<FusedSpheres> model;
-  with_lanes(parts, [&](auto n, auto t) {
+  with_lanes(smooth_parts(setup), [&](auto n, auto t) {
     model = fused_model<typename decltype(n)::type, typename decltype(t)::type, NoRolling>(setup, material);
   });
   return model;

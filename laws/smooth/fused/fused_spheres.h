@@ -32,7 +32,7 @@ bool has_fused_spheres(const SmoothSetup& setup);
 std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material);
 
 /// Resistance to rolling, or dashpots beside the friction springs: more to read, to write and to remember.
-bool needs_rolling_loop(const SmoothParts& parts);
+bool needs_rolling_loop(const SmoothSetup& setup);
 std::unique_ptr<FusedSpheres> make_fused_rolling(const SmoothSetup& setup, std::size_t material);
 
 }  // namespace epafi
