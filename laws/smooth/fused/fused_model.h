@@ -205,16 +205,13 @@ class FusedModel final : public FusedSpheres {
     return all;
   }
 
-  /// All blocks through the loop, then what they found for each other, and the second half of the step with it; with
-  /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
-  void run_blocks(World& world, const StepClock& clock, bool onward) {
-    auto& all = blocks_.blocks();
-    const auto loop = best_loop<Task>();
+  /// What every block reads and writes; its own sums and moments come on top.
+  SphereArrays arrays_of(const World& world, double dt) {
     SphereArrays arrays{blocks_.planes().data(),
                         blocks_.states().data(),
                         0,
                         blocks_.records().data(),
-                        clock.dt,
+                        dt,
                         damped_,
                         Lanes{},
                         Lanes{},
@@ -226,6 +223,15 @@ class FusedModel final : public FusedSpheres {
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
       arrays.strain_rate = Lanes{rate.x(), rate.y(), rate.z(), 0.0};
     }
+    return arrays;
+  }
+
+  /// All blocks through the loop, then what they found for each other, and the second half of the step with it; with
+  /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
+  void run_blocks(World& world, const StepClock& clock, bool onward) {
+    auto& all = blocks_.blocks();
+    const auto loop = best_loop<Task>();
+    const SphereArrays arrays = arrays_of(world, clock.dt);
     blocks_.set_sums(thread_count() == 1);
     const auto find = [&](std::size_t i) {
       SphereArrays mine = arrays;
