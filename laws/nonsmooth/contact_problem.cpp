@@ -66,10 +66,7 @@ Vec3 ContactProblem::relative_velocity(std::size_t i, const BodyVelocities& v) c
 
 Vec3 ContactProblem::free_relative_velocity(std::size_t i) const {
   if (!is_free(a[i]) && !is_free(b[i])) return Vec3::Zero();
-  Vec3 q = relative_velocity(i, free);
-  q.x() += offset[i];
-  if (!lag.empty()) q += lag[i];
-  return q;
+  return with_offset(i, relative_velocity(i, free));
 }
 
 ContactProblem::BodyImpulse ContactProblem::impulse_on(Slot s, const Impulses& r) const {
@@ -82,24 +79,23 @@ ContactProblem::BodyImpulse ContactProblem::impulse_on(Slot s, const Impulses& r
   return sum;
 }
 
-void ContactProblem::velocities(const Impulses& r, BodyVelocities& out) const {
+void ContactProblem::velocities(const Impulses& r, BodyVelocities& out, std::vector<Vec3>* moments) const {
   EPAFI_REQUIRE(r.size() == size(), "one impulse per contact");
   out.linear.resize(free.linear.size()), out.angular.resize(free.angular.size());
+  if (moments) moments->resize(free.angular.size());
   parallel_for(free.linear.size(), [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     const BodyImpulse sum = is_free(s) ? impulse_on(s, r) : BodyImpulse{};
     out.linear[k] = free.linear[k] + inverse_mass[k] * sum.linear;
-    if (rotates) out.angular[k] = free.angular[k] + inverse_inertia[k] * sum.angular;
+    if (!rotates) return;
+    out.angular[k] = free.angular[k] + inverse_inertia[k] * sum.angular;
+    if (moments) (*moments)[k] = sum.angular;
   });
 }
 
 void ContactProblem::relative_velocities(const BodyVelocities& v, std::vector<Vec3>& u) const {
   u.resize(size());
-  parallel_for(size(), [&](std::size_t i) {
-    u[i] = relative_velocity(i, v);
-    u[i].x() += offset[i];
-    if (!lag.empty()) u[i] += lag[i];
-  });
+  parallel_for(size(), [&](std::size_t i) { u[i] = with_offset(i, relative_velocity(i, v)); });
 }
 
 double ContactProblem::mean_effective_mass() const {

@@ -63,8 +63,14 @@ struct ContactProblem {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   };
   BodyImpulse impulse_on(Slot s, const Impulses& r) const;
-  /// v = v_free + M^-1 H r.
-  void velocities(const Impulses& r, BodyVelocities& out) const;
+  /// v = v_free + M^-1 H r. moments: those of r on the bodies [N m s], where they are wanted and bodies rotate.
+  void velocities(const Impulses& r, BodyVelocities& out, std::vector<Vec3>* moments = nullptr) const;
+  /// u_i = (H^T v)_i + w_i of a relative velocity (H^T v)_i.
+  Vec3 with_offset(std::size_t i, Vec3 relative) const {
+    relative.x() += offset[i];
+    if (!lag.empty()) relative += lag[i];
+    return relative;
+  }
   /// u = H^T v + w at every contact.
   void relative_velocities(const BodyVelocities& v, std::vector<Vec3>& u) const;
   /// 1 / mean of the normal diagonals [kg]: the scale between velocities and impulses, 1 without contacts.

@@ -44,6 +44,7 @@ class NonsmoothContact final : public ContactModel {
   bool release_induced(const World& world, const ContactSet& contacts, double dt);
   void account(const World& world, StepReport& report) const;
   void foresee(const ContactSet& contacts, double dt);
+  void add_impacts();
   void write_back(World& world, ContactSet& contacts, double dt);
 
   std::string name_;
@@ -58,6 +59,7 @@ class NonsmoothContact final : public ContactModel {
   Impulses r_;
   std::vector<Vec3> u_, u_before_, u_after_;
   BodyVelocities before_, after_;
+  std::vector<Vec3> moments_;  ///< of r_ on the bodies
   std::vector<double> next_gap_, restitution_;
   WarmStart memory_;
 };
@@ -155,23 +157,33 @@ void NonsmoothContact::account(const World& world, StepReport& report) const {
   report.touching = static_cast<std::size_t>(sums.c);
 }
 
+/// Of the step's impulses; the velocities have those of the impacts already.
+void NonsmoothContact::add_impacts() {
+  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
+  parallel_for(moments_.size(), [&](std::size_t k) {
+    const auto s = static_cast<Slot>(k);
+    if (problem_.is_free(s)) moments_[k] = problem_.impulse_on(s, r_).angular;
+  });
+}
+
 void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt) {
   world.velocity = after_.linear;
   parallel_for(world.rotates() ? world.size() : 0, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
-    if (world.is_movable(s) && problem_.incidence.count(s) > 0)
-      world.apply_angular_impulse(s, problem_.impulse_on(s, r_).angular);
+    if (world.is_movable(s) && problem_.incidence.count(s) > 0) world.apply_angular_impulse(s, moments_[k]);
   });
   contacts.force.resize(contacts.size());
   if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
   parallel_for(contacts.size(), [&](std::size_t i) { contacts.force[i] = -problem_.to_world(i, r_[i]) / dt; });
 }
 
-/// u_{k+1}, and by it the gaps at the next detection.
+/// v_{k+1}, u_{k+1}, with w what the solver sees of it, and by it the gaps at the next detection.
 void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
-  u_after_.resize(contacts.size()), next_gap_.resize(contacts.size());
+  problem_.velocities(r_, after_, &moments_);
+  u_.resize(contacts.size()), u_after_.resize(contacts.size()), next_gap_.resize(contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
     u_after_[i] = problem_.relative_velocity(i, after_);
+    u_[i] = problem_.with_offset(i, u_after_[i]);
     next_gap_[i] = contacts.gap[i] + dt * u_after_[i].x();
   });
 }
@@ -189,13 +201,12 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
                       impacts_.apply(problem_, {contacts.gap, restitution_, before_, threshold, clock.dt}, *solver_);
   solver_->see(world, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
-  report.solver.residual = measure_residual(problem_, r_, rho, after_, u_).value;
-  report.solver.converged = report.solver.residual <= tolerance_;
   foresee(contacts, clock.dt);
+  report.solver.residual = measure_residual(problem_, r_, u_, rho).value;
+  report.solver.converged = report.solver.residual <= tolerance_;
   if (warm_start_)
     memory_.remember(world, contacts, problem_, r_, next_gap_, u_after_);  // impacts do not recur: r_ without them
-  if (impact)
-    for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
+  if (impact) add_impacts();
   account(world, report);
   write_back(world, contacts, clock.dt);
   if (impact) report.dissipated -= displace(world, impacts_.displacement());  // r.(u_k + u_{k+1})/2 takes an impact to be at the middle

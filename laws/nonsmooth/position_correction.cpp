@@ -8,7 +8,8 @@
 
 namespace epafi {
 
-/// Fills demand_ with minus the demanded normal displacements; false when none is demanded.
+/// Fills demand_ with minus the demanded normal displacements; false when none is worth its sweeps: at rest overlaps
+/// come to the slop from above and never reach it (a settled pile of 1000 stones paid a tenth of its time for that).
 bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<double>& gaps, const World& world) {
   demand_.resize(contacts.size());
   const auto arm = [&](std::size_t i) {
@@ -23,7 +24,7 @@ bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<do
     if (!std::isfinite(size)) return 0.0;  // two bodies that cannot move
     const double excess = -gaps[i] - settings_.slop * size;
     if (excess > 0.0) demand_[i] = -std::min(settings_.share * excess, settings_.largest * size);
-    return excess;
+    return excess - settings_.band * settings_.slop * size;
   });
   return deepest > 0.0;
 }

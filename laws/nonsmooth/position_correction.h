@@ -14,6 +14,7 @@ namespace epafi {
 struct CorrectionSettings {
   double share = 0.2;       ///< beta in [0, 1], of the overlap beyond the slop, per step; 0 is off
   double slop = 1e-4;       ///< relative to the smaller lever arm of the contact (centre to contact point)
+  double band = 0.01;       ///< of the slop: nothing is done until some overlap is beyond it by this much
   double largest = 0.05;    ///< displacement of one step, relative likewise: deep overlaps leave gently
   double tolerance = 1e-3;  ///< sweeps stop when they change less than this of the demanded displacement
   int sweeps = 20;          ///< at most
