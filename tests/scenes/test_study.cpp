@@ -134,7 +134,8 @@ vary = [ { "contact.nonsmooth.solver" = "pgs", "contact.nonsmooth.iterations" = 
   CHECK(hash("again") != chart.points[*chart.recommended].state_hash);  // another start, not the same run
 }
 
-TEST_CASE("every broad phase finds the pairs that looking at all of them finds, over the axis of a chart", "[scenes][study]") {
+TEST_CASE("every broad phase finds the pairs that looking at all of them finds, over the axis of a chart",
+          "[scenes][study]") {
   const TemporaryFolder folder;
   Study study = read_study(library + "studies/broad_phase.toml", {"set.params.n=300", "repeats=1"});
   std::erase_if(study.methods, [](const StudyMethod& m) {
@@ -226,6 +227,60 @@ vary = [ { name = "all", "narrow.method" = ["auto", "gjk-epa"] }, { name = "deep
   CHECK(chart.points[2].error <= chart.points[0].error);
   study.methods[0].overrides = {"narrow.method=\"mpr\""};
   CHECK_THROWS_WITH(chart_of(study, folder.path(), silent), Catch::Contains("'mpr' is none of auto, sat, gjk-epa"));
+}
+
+TEST_CASE("a chart of a wheel-rail case has Hertz' errors against boundary elements", "[scenes][study]") {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "case.toml") << R"(params = { load = 80e3 }
+[material.steel]
+shear_modulus = "82 GPa"
+poissons_ratio = 0.28
+[contact]
+friction = 0.3
+[patch]
+radii = { x1 = 0.46, x2 = inf, y1 = inf, y2 = 0.3 }
+load = "= load"
+creepage = { longitudinal = -0.002 }
+)";
+  const std::string head =
+      "scene = \"case.toml\"\nreference = { \"patch.normal\" = \"half-space\", \"patch.tangential\" = \"fastsim\" }\n";
+  const std::string vary =
+      "vary = [ { name = \"hertz\", \"patch.normal\" = \"hertz\", \"patch.tangential\" = [\"fastsim\", "
+      "\"kalker-linear\"] } ]\n";
+  const Study study = read_study(
+      write(folder,
+            head + vary + "error = { measure = \"patch\" }\naccuracy = 0.05\nagain = { \"params.load\" = 60e3 }\n"),
+      {});
+  REQUIRE(is_patch_study(study));
+  const Chart chart = run_patch_chart(study, silent);
+  REQUIRE(chart.points.size() == 2);
+  CHECK(chart.points[0].error < 0.02);                   // of the same geometry: cells against the closed form
+  CHECK(chart.points[1].error > chart.points[0].error);  // no saturation
+  REQUIRE(chart.recommended);
+  CHECK(*chart.recommended == 0);
+  REQUIRE(chart.again);
+  CHECK(chart.again->holds);
+  CHECK(chart.reference_error > 0.0);
+
+  const Study pressure =
+      read_study(write(folder, head + vary + "error = \"pressure\"\nfails_when = { force = 0.05 }\n"), {});
+  const Chart peak = run_patch_chart(pressure, silent);
+  CHECK(peak.points[0].error == peak.points[1].error);  // the same normal model
+  CHECK(judge_patch_case(pressure, 0, {"params.load=80e3"}, {}).status == "ok");
+  const LimitCase linear = judge_patch_case(pressure, 1, {"params.load=80e3"}, {});
+  CHECK(linear.status == "failed");
+  CHECK_THAT(linear.kind, Catch::Contains("said so") || Catch::Contains("in silence"));
+
+  CHECK_THROWS_WITH(run_patch_chart(read_study(write(folder, head + vary + "error = \"drift\"\n"), {}), silent),
+                    Catch::Contains("'drift' is none of pressure, area, force, patch"));
+  CHECK_THROWS_WITH(
+      run_patch_chart(read_study(write(folder, "scene = \"case.toml\"\nerror = \"area\"\n" + vary), {}), silent),
+      Catch::Contains("needs a reference"));
+  CHECK_THROWS_WITH(run_patch_chart(read_study(write(folder, head + "error = \"area\"\nvary = [ { \"patch.normal\" = "
+                                                                    "\"hertz\", \"patch.tangential\" = [[\"fastsim\", \"polach\"]] } ]\n"),
+                                               {}),
+                                    silent),
+                    Catch::Contains("pairs of models"));
 }
 
 TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][study]") {

@@ -1,0 +1,166 @@
+// The commands of the program: what they print, and with which code they end.
+#include "scenes/cli/commands.h"
+
+#include <new>
+#include <sstream>
+#include <stdexcept>
+
+#include "engine/error.h"
+#include "scenes/cli/library.h"
+#include "scenes/cli/new_scene.h"
+#include "tests/support/captured.h"
+#include "tests/support/catch.h"
+#include "viz_export/json_reader.h"
+
+using namespace epafi;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string root = EPAFI_SOURCE_DIR;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A ball that falls onto a floor for 0.1 s.
+fs::path ball_in(const TemporaryFolder& folder, const std::string& more = {}) {
+  const fs::path file = folder / "ball.toml";
+  std::ofstream(file) << R"(run = { duration = 0.1, time_step = 1e-3, output_interval = 0.05 }
+world = { gravity = [0, 0, -9.81] }
+material.m = { density = 2500.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
+contact = { method = "nonsmooth", restitution = 0.5, friction = 0.5 }
+[[body]]
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+fixed = true
+[[body]]
+name = "ball"
+shape = { sphere = { radius = 0.01 } }
+material = "m"
+position = [0, 0, 0.02]
+velocity = [0.5, 0, 0]
+)" << more;
+  return file;
+}
+
+Captured run_of(const fs::path& scene, const RunOptions& options, std::vector<std::string> overrides = {}) {
+  return captured([&] { return guarded([&] { return command_run({scene.string(), overrides}, options); }); });
+}
+
+}  // namespace
+
+TEST_CASE("lists, schema and reference are printed by the program as the tree has them", "[scenes][commands]") {
+  const Captured scenes = captured([] { return command_list("scenes"); });
+  CHECK(scenes.code == exit_done);
+  std::size_t files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(library_folder())) {
+    if (entry.path().extension() != ".toml") continue;
+    ++files;
+    CHECK_THAT(scenes.out, Catch::Contains("  " + entry.path().lexically_relative(library_folder()).string()));
+  }
+  CHECK(std::count(scenes.out.begin(), scenes.out.end(), '\n') == static_cast<std::ptrdiff_t>(files) + 1);
+  CHECK_THAT(captured([] { return command_list("solvers"); }).out, Catch::Contains("pgs"));
+  CHECK(captured([] { return command_schema(); }).out == text_of(root + "/scenes/scene.schema.json"));
+  const TemporaryFolder folder;
+  CHECK(command_reference((folder / "pages").string(), root + "/tests/data/broken") == exit_done);
+  std::size_t pages = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "pages")) {
+    ++pages;
+    CHECK(text_of(entry.path()) == text_of(root + "/docs/reference/" + entry.path().filename().string()));
+  }
+  CHECK(pages > 5);
+}
+
+TEST_CASE("a starter scene is printed, checked, explained and run by the program", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  for (const std::string& kind : starter_kinds()) {
+    INFO(kind);
+    const fs::path file = folder / (kind + ".toml");
+    std::ofstream(file) << captured([&] { return command_new(kind); }).out;
+    const Captured check = captured([&] { return command_check({file.string(), {}}); });
+    CHECK(check.code == exit_done);
+    CHECK_THAT(check.out, Catch::Contains("time step") && Catch::Contains("memory"));
+    CHECK_THAT(captured([&] { return command_explain({file.string(), {}}); }).out, Catch::Contains("broad phase"));
+    RunOptions few;
+    few.out = (folder / kind).string(), few.steps = 5, few.quiet = true, few.json = true, few.threads = 1;
+    const Captured run = run_of(file, few);
+    CHECK(run.code == exit_done);
+    CHECK_THAT(run.out, Catch::Contains("\"steps\": 5"));
+  }
+}
+
+TEST_CASE("a run ends with the code of what ended it, and goes on from there", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  const fs::path scene = ball_in(folder);
+  RunOptions o;
+  o.out = (folder / "out").string(), o.threads = 1, o.steps = 40, o.verbose = true;
+  const Captured first = run_of(scene, o);
+  CHECK(first.code == exit_done);
+  CHECK_THAT(first.err, Catch::Contains("time step 0.001 s: as written") && Catch::Contains("40 steps, t = 0.04 s"));
+  RunOptions rest;
+  rest.threads = 1;
+  const Captured resumed = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
+  CHECK(resumed.code == exit_done);
+  RunOptions whole;
+  whole.out = (folder / "whole").string(), whole.threads = 1, whole.quiet = true;
+  CHECK(run_of(scene, whole).code == exit_done);
+  const auto hash = [&](const std::string& run) {
+    return read_json(fs::path(run) / "summary.json").text("state_hash");
+  };
+  CHECK(hash(o.out) == hash(whole.out));
+
+  CHECK(run_of(scene, whole).code == exit_usage);  // the folder is not empty
+  whole.force = true, whole.time_limit = "never";
+  CHECK_THAT(run_of(scene, whole).err, Catch::Contains("--time-limit 'never' is no duration"));
+  whole.time_limit = "", whole.cpu_limit = "0.001s";
+  CHECK(run_of(scene, whole, {"run.duration=1e4", "run.output_interval=1e3"}).code == exit_time_limit);
+  whole.cpu_limit = "";
+  CHECK(run_of(ball_in(folder, "[bounds]\noverlap_relative = -1.0\n"), whole).code == exit_usage);
+  CHECK(run_of(ball_in(folder,
+                       "[[measure]]\nname = \"fall\"\nkind = \"drift\"\nbody = \"ball\"\n[bounds]\n"
+                       "drift = { body = \"ball\", below = 1e-3 }\n"),
+               whole)
+            .code == exit_bound);
+  const Captured lost = run_of(scene, whole, {"world.domain={ min = [-1, -1, 0.015], max = [1, 1, 1] }"});
+  CHECK(lost.code == exit_failed);
+  CHECK_THAT(lost.err, Catch::Contains("body"));
+  std::ofstream(scene, std::ios::app) << "# \n[[measure]]\nname = \"more\"\nkind = \"energy\"\n";
+  const Captured changed = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
+  CHECK(changed.code == exit_usage);
+  CHECK_THAT(changed.err, Catch::Contains("has changed since the run was started"));
+}
+
+TEST_CASE("results are exported and reported by the program", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  RunOptions o;
+  o.out = (folder / "out").string(), o.threads = 1, o.quiet = true;
+  REQUIRE(run_of(ball_in(folder), o).code == exit_done);
+  const Captured csv = captured([&] { return command_export(o.out, "csv"); });
+  CHECK_THAT(csv.err, Catch::Contains("3 snapshots"));
+  CHECK(fs::exists(folder / "out/snapshots.csv"));
+  const Captured page = captured([&] { return command_report(o.out, (folder / "page.html").string()); });
+  CHECK(page.code == exit_done);
+  CHECK_THAT(text_of(folder / "page.html"), Catch::Contains("<html"));
+}
+
+TEST_CASE("what a command throws becomes a message and a code", "[scenes][commands]") {
+  const auto ended = [](const auto& command) { return captured([&] { return guarded(command); }); };
+  const Captured scene = ended([]() -> int { throw SceneError("no such key"); });
+  CHECK(scene.code == exit_usage);
+  CHECK_THAT(scene.err, Catch::Contains("no such key"));
+  const Captured file = ended([]() -> int { throw FileError("a.h5: torn"); });
+  CHECK(file.code == exit_file);
+  CHECK(file.err == "epafi: a.h5: torn\n");
+  CHECK(ended([]() -> int { throw std::bad_alloc(); }).code == exit_file);
+  CHECK_THAT(ended([]() -> int { throw std::length_error("vector"); }).err, Catch::Contains("not enough memory"));
+  const Captured gone = ended([] { return command_check({"nowhere.toml", {}}); });
+  CHECK(gone.code == exit_file);
+  CHECK_THAT(gone.err, Catch::Contains("'nowhere.toml' does not exist"));
+  const Captured folder = ended([]() -> int {
+    fs::copy("/nowhere/at/all", "/nowhere/else");
+    return 0;
+  });
+  CHECK(folder.code == exit_file);
+}
