@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
       const Workload w{
           "POLY-PILE", pile, {fmt::format("bodies.0.file={}", argv[i]), fmt::format("params.side={}", argv[i + 1])},
           1.0 / 240,   4.0,  true};
-      row(w, "pgs", 50, 1e-6);
+      for (const int sweeps : {50, 20}) row(w, "pgs", sweeps, 1e-6);
     }
     return 0;
   }

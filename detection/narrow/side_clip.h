@@ -24,7 +24,7 @@ void clip_side(const Corner& corner, std::uint32_t count, const Vec3& normal, do
   static thread_local std::vector<SidePoint> next;  // keeps its size
   const bool segment = side.size() == 2;
   for (std::uint32_t k = 0; k < count && !side.empty(); ++k) {
-    const Vec3 from = corner(k);
+    const Vec3& from = corner(k);
     const Vec3 inward = normal.cross(corner((k + 1) % count) - from).normalized();
     next.clear();
     for (std::size_t i = 0; i < side.size(); ++i) {

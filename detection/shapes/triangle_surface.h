@@ -24,7 +24,7 @@ struct EdgeUse {
   std::uint32_t triangle, side;
   bool forward;  ///< runs from low to high
   auto edge() const { return std::pair(low, high); }
-  auto operator<=>(const EdgeUse&) const = default;
+  auto operator<=>(const EdgeUse&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 sees the 0 of <=>
 };
 
 /// All sides, those of one edge side by side: by edge, then by triangle.

@@ -2,8 +2,8 @@
 /// The signed distance is the largest separation over all directions. The separation along the returned normal must be
 /// the returned gap, and no direction found by climbing from there (a random search whose step shrinks from 0.3 to
 /// 1e-9) may separate by more. Only the support functions of the shapes are shared with the code under test.
-/// A mesh is the closed surface of a hull: seen from outside, and while less than a hundredth of the size is inside, its
-/// distance is the hull's.
+/// A mesh is the closed surface of a hull: seen from outside, and while less than a hundredth of the size is inside,
+/// its distance is the hull's.
 #pragma once
 #include <chrono>
 
@@ -30,6 +30,12 @@ inline TriangleMesh surface_of(const ConvexHull& h) {
 template <class S>
 S random_shape(Random& random) {
   const auto size = [&] { return random.uniform(0.3, 1.0); };
+  const auto exponent = [&] { return 2 + static_cast<int>(random.uniform() * 7); };
+  // drawn one after the other: compilers evaluate arguments in orders of their own
+  const auto sizes = [&] {
+    const double z = size(), y = size(), x = size();
+    return Vec3(x, y, z);
+  };
   if constexpr (std::is_same_v<S, Sphere>)
     return Sphere{size()};
   else if constexpr (std::is_same_v<S, HalfSpace>)
@@ -38,13 +44,14 @@ S random_shape(Random& random) {
     return random_hull(random, 6 + static_cast<std::size_t>(random.uniform() * 20));
   else if constexpr (std::is_same_v<S, TriangleMesh>)
     return surface_of(random_hull(random, 6 + static_cast<std::size_t>(random.uniform() * 20)));
-  else if constexpr (std::is_same_v<S, Superquadric>)
-    return Superquadric(Vec3(size(), size(), size()), 2 + static_cast<int>(random.uniform() * 7),
-                        2 + static_cast<int>(random.uniform() * 7));
-  else if constexpr (std::is_constructible_v<S, double, double>)
-    return S(size(), size());
-  else
-    return S(Vec3(size(), size(), size()));
+  else if constexpr (std::is_same_v<S, Superquadric>) {
+    const int second = exponent(), first = exponent();
+    return Superquadric(sizes(), first, second);
+  } else if constexpr (std::is_constructible_v<S, double, double>) {
+    const double second = size(), first = size();
+    return S(first, second);
+  } else
+    return S(sizes());
 }
 
 /// max over the body of d.x, from its position [m]; d unit, world axes.
@@ -103,15 +110,21 @@ double gap_error(const A& a, const B& b, const World& world, const ContactSet& c
   return std::max(std::abs(gap - found), best - gap);
 }
 
-/// The contacts of A, slot 0, with B, slot 1, from nothing: with the search for candidates where one is a mesh. Returns how
-/// many were uncertain.
+/// The contacts of A, slot 0, with B, slot 1, from nothing: with the search for candidates where one is a mesh. Returns
+/// how many were uncertain.
 template <class A, class B>
 std::size_t ask_cell(const ShapeStore& shapes, const World& world, double reach, ContactSet& contacts) {
   static const PairCell& cell = pair_table()[ShapeStore::type_of<A>()][ShapeStore::type_of<B>()];
   static std::vector<std::uint32_t> triangles, begin{0, 0};  // keep their size
   contacts.clear(), triangles.clear();
   ContactSink sink(contacts);
-  BatchInput in{.shapes = shapes, .world = world, .reach = reach, .curvature = false, .caches = {}, .triangle_begin = {}, .triangles = {}};
+  BatchInput in{.shapes = shapes,
+                .world = world,
+                .reach = reach,
+                .curvature = false,
+                .caches = {},
+                .triangle_begin = {},
+                .triangles = {}};
   const Pair pair{0, 1};
   if constexpr (MeshShape<A> || MeshShape<B>) {
     cell.candidates(in, pair, 0.0, triangles);
@@ -166,9 +179,11 @@ template <class A, class... S>
 void measure_row(ShapeList<S...>, int count, bool timed, std::vector<PairError>& out) {
   const auto one = [&]<class B>(std::type_identity<B>) {
     // a mesh and a plane, or another mesh, never touch
-    constexpr bool walls = (MeshShape<A> || std::is_same_v<A, HalfSpace>)&&(MeshShape<B> || std::is_same_v<B, HalfSpace>);
-    constexpr bool parts = std::is_same_v<A, Clump> || std::is_same_v<B, Clump> ||  // spheres, tests/physics/test_clumps.cpp
-                           std::is_same_v<A, SolidParts> || std::is_same_v<B, SolidParts>;  // tests/physics/test_solids.cpp
+    constexpr bool walls =
+        (MeshShape<A> || std::is_same_v<A, HalfSpace>)&&(MeshShape<B> || std::is_same_v<B, HalfSpace>);
+    constexpr bool parts =
+        std::is_same_v<A, Clump> || std::is_same_v<B, Clump> ||          // spheres, tests/physics/test_clumps.cpp
+        std::is_same_v<A, SolidParts> || std::is_same_v<B, SolidParts>;  // tests/physics/test_solids.cpp
     // a wheelset touches tracks only, at regions: tests/detection/test_track.cpp, test_profiles.cpp
     constexpr bool railway = std::is_same_v<A, WheelProfile> || std::is_same_v<B, WheelProfile> ||
                              std::is_same_v<A, RailProfile> || std::is_same_v<B, RailProfile>;
