@@ -7,20 +7,31 @@ namespace epafi {
 
 namespace {
 
+/// Adds S^T J S, S x = arm cross x and J symmetric: what impulses at `arm` turn of the velocity there. Its columns.
+void add_turning(const Mat3& j, const Vec3& arm, Vec3& c0, Vec3& c1, Vec3& c2) {
+  const double x = arm.x(), y = arm.y(), z = arm.z();
+  const Vec3 n0 = z * j.col(1) - y * j.col(2), n1 = x * j.col(2) - z * j.col(0), n2 = y * j.col(0) - x * j.col(1);
+  const double xy = z * n1.y() - y * n1.z(), xz = z * n2.y() - y * n2.z(), yz = x * n2.z() - z * n2.x();
+  c0 += Vec3(z * n0.y() - y * n0.z(), xy, xz);
+  c1 += Vec3(xy, x * n1.z() - z * n1.x(), yz);
+  c2 += Vec3(xz, yz, y * n2.x() - x * n2.y());
+}
+
 /// W_ii = (1/m_a + 1/m_b) 1 + sum over both bodies of (arm x d_j).I^-1 (arm x d_k) over the axes d of the frame.
 Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
-  Mat3 block = (p.inverse_mass[p.a[i]] + p.inverse_mass[p.b[i]]) * Mat3::Identity();
-  if (!p.rotates) return block;
-  Mat3 axes;
-  axes << p.frame[i].normal, p.frame[i].tangent1, p.frame[i].tangent2;
-  const auto add = [&](Slot body, const Vec3& arm) {
-    Mat3 lever;
-    for (int k = 0; k < 3; ++k) lever.col(k) = arm.cross(axes.col(k));
-    block += lever.transpose() * (p.inverse_inertia[body] * lever);
-  };
-  add(p.a[i], p.arm_a[i]);
-  add(p.b[i], p.arm_b[i]);
-  return 0.5 * (block + block.transpose());
+  const Slot a = p.a[i], b = p.b[i];
+  const double mass = p.inverse_mass[a] + p.inverse_mass[b];
+  if (!p.rotates) return mass * Mat3::Identity();
+  Vec3 c0(mass, 0, 0), c1(0, mass, 0), c2(0, 0, mass);  // world axes
+  add_turning(p.inverse_inertia[a], p.arm_a[i], c0, c1, c2);
+  add_turning(p.inverse_inertia[b], p.arm_b[i], c0, c1, c2);
+  const auto times = [&](const Vec3& d) { return Vec3(d.x() * c0 + d.y() * c1 + d.z() * c2); };
+  const auto& [n, t1, t2] = p.frame[i];
+  const Vec3 at_n = times(n), at_t1 = times(t1);
+  const double n1 = t1.dot(at_n), n2 = t2.dot(at_n), t12 = t2.dot(at_t1);
+  Mat3 block;
+  block << n.dot(at_n), n1, n2, n1, t1.dot(at_t1), t12, n2, t12, t2.dot(times(t2));
+  return block;
 }
 
 }  // namespace

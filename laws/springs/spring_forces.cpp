@@ -7,9 +7,9 @@ namespace {
 
 /// The far end of a spring at one moment.
 struct FarEnd {
-  Vec3 point;     ///< where the spring is relaxed [m]
-  Mat3 axes;      ///< columns, world axes
-  Vec3 velocity;  ///< of the far body or frame at the near end [m/s]
+  Vec3 point = Vec3::Zero();     ///< where the spring is relaxed [m]
+  Mat3 axes = Mat3::Identity();  ///< columns, world axes
+  Vec3 velocity = Vec3::Zero();  ///< of the far body or frame at the near end [m/s]
 };
 
 class SpringForces final : public ContactLayer {

@@ -33,7 +33,10 @@ TEST_CASE("a head-on impact far from the origin has its force within 1e-6 (A01, 
 
 TEST_CASE("an arch far from the origin stands and falls as at the origin (A31, B10)", "[physics][B10]") {
   for (const double share : {1.02, 0.98}) {
-    const std::vector<std::string> set{"params.ratio=" + std::to_string(0.10708 * share), "run.duration=10"};
+    // What falls is followed until its stones strike the floor, at 2.5 s: where they roll to after that hangs on
+    // rounding.
+    const std::string duration = share > 1.0 ? "run.duration=10" : "run.duration=2.5";
+    const std::vector<std::string> set{"params.ratio=" + std::to_string(0.10708 * share), duration};
     const SceneRun here = run_at(0.0, "stability/arch.toml", set), there = run_at(far_away, "stability/arch.toml", set);
     INFO("thickness " << share << " of the least: " << here.largest("drift", "distance") << " and "
                       << there.largest("drift", "distance") << " m");
@@ -41,7 +44,8 @@ TEST_CASE("an arch far from the origin stands and falls as at the origin (A31, B
       CHECK(here.largest("drift", "distance") < 1e-6);
       CHECK(there.largest("drift", "distance") < 1e-6);
     } else {
-      CHECK(there.largest("drift", "distance") == Approx(here.largest("drift", "distance")).epsilon(1e-3));
+      CHECK(there.largest("drift", "distance") == Approx(here.largest("drift", "distance")).epsilon(1e-6));
+      CHECK(here.largest("drift", "distance") > 1.0);
     }
   }
 }

@@ -52,7 +52,7 @@ SolverReport ActiveSet::solve(const ConeProblem& problem, Impulses& r) {
   contact_weights(problem, weight_);
   state_.assign(n, State::open), direction_.resize(n), d_.resize(n), b_.resize(n);
   int unchanged = 0;
-  while (report.residual > tolerance_ && report.iterations < iterations_ && unchanged < 5 && !stop()) {
+  while (report.residual > aim(report) && report.iterations < iterations_ && unchanged < 5 && !stop()) {
     unchanged = choose(problem, r) == 0 ? unchanged + 1 : 0;
     assemble(problem, r);
     ++report.iterations;

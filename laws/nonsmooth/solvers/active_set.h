@@ -13,7 +13,7 @@ namespace epafi {
 
 class ActiveSet final : public ConeSolver {
  public:
-  ActiveSet(int iterations, double tolerance) : iterations_(iterations), tolerance_(tolerance) {}
+  ActiveSet(int iterations, double tolerance) : ConeSolver(tolerance), iterations_(iterations) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -24,7 +24,6 @@ class ActiveSet final : public ConeSolver {
   void assemble(const ConeProblem& problem, const Impulses& r);
 
   int iterations_;
-  double tolerance_;
   DelassusFactor factor_;
   std::vector<double> weight_;
   std::vector<State> state_;
@@ -38,7 +37,7 @@ class ActiveSet final : public ConeSolver {
 class Penalty final : public ConeSolver {
  public:
   Penalty(int iterations, double tolerance, double stiffness)
-      : iterations_(iterations), tolerance_(tolerance), stiffness_(stiffness) {}
+      : ConeSolver(tolerance), iterations_(iterations), stiffness_(stiffness) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -46,7 +45,7 @@ class Penalty final : public ConeSolver {
   double defect(const ConeProblem& problem, const Impulses& r, const std::vector<Vec3>& u, std::vector<Vec3>& f) const;
 
   int iterations_;
-  double tolerance_, stiffness_;
+  double stiffness_;
   DelassusFactor factor_;
   std::vector<double> weight_;
   std::vector<Mat3> d_;

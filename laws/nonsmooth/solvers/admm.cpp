@@ -49,9 +49,9 @@ SolverReport Admm::solve(const ConeProblem& problem, Impulses& r) {
   for (std::size_t i = 0; i < n; ++i)
     y_[i] = project_dual_cone(de_saxce(u_[i], problem.friction[i]), problem.friction[i]);
   rho_ = first_rho;
-  if (report.residual > tolerance_) factor_.attach(problem);
-  bool sound = report.residual <= tolerance_ || factor(problem);
-  while (sound && report.residual > tolerance_ && report.iterations < iterations_ && !stop()) {
+  if (report.residual > aim(report)) factor_.attach(problem);
+  bool sound = report.residual <= aim(report) || factor(problem);
+  while (sound && report.residual > aim(report) && report.iterations < iterations_ && !stop()) {
     double primal = 0.0, dual = 0.0;
     iterate(problem, r, primal, dual);
     ++report.iterations;

@@ -12,7 +12,7 @@ namespace epafi {
 
 class Admm final : public ConeSolver {
  public:
-  Admm(int iterations, double tolerance) : iterations_(iterations), tolerance_(tolerance) {}
+  Admm(int iterations, double tolerance) : ConeSolver(tolerance), iterations_(iterations) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -22,7 +22,7 @@ class Admm final : public ConeSolver {
   void iterate(const ConeProblem& problem, Impulses& r, double& primal, double& dual);
 
   int iterations_;
-  double tolerance_, rho_ = 1.0;
+  double rho_ = 1.0;
   DelassusFactor factor_;
   std::vector<double> weight_;
   std::vector<Mat3> d_;

@@ -38,7 +38,7 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
   lipschitz_ = 1.0;
   double momentum = 1.0;
   SolverReport report{false, 0, problem.residual(r, u_)};
-  while (report.residual > tolerance_ && report.iterations < iterations_ && !(report.iterations % 8 == 0 && stop())) {
+  while (report.residual > aim(report) && report.iterations < iterations_ && !(report.iterations % 8 == 0 && stop())) {
     ++report.iterations;
     for (std::size_t i = 0; i < n; ++i) {
       g_[i] = u_y_[i];

@@ -15,7 +15,7 @@ namespace epafi {
 class ProjectedGradient final : public ConeSolver {
  public:
   ProjectedGradient(int iterations, double tolerance, bool accelerated, bool relaxed)
-      : iterations_(iterations), tolerance_(tolerance), accelerated_(accelerated), relaxed_(relaxed) {}
+      : ConeSolver(tolerance), iterations_(iterations), accelerated_(accelerated), relaxed_(relaxed) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -26,7 +26,6 @@ class ProjectedGradient final : public ConeSolver {
   bool is_stationary(const ConeProblem& problem, const Impulses& r) const;
 
   int iterations_;
-  double tolerance_;
   bool accelerated_, relaxed_;
   double lipschitz_ = 1.0;
   std::vector<double> weight_;

@@ -27,7 +27,7 @@ SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r) {
   part.sweep.start(r);
   problem.relative_velocities(r, part.v, part.u);
   SolverReport report{false, 0, problem.residual(r, part.u)};
-  for (int batch = first_batch; report.residual > tolerance_ && !stop(); batch *= 2) {
+  for (int batch = first_batch; report.residual > aim(report) && !stop(); batch *= 2) {
     batch = std::min(batch, limit - report.iterations);
     if (batch <= 0) break;
     for (int k = 0; k < batch; ++k) part.sweep.run(PgsRule{}, r);

@@ -18,7 +18,7 @@ namespace epafi {
 
 class Auto final : public ConeSolver {
  public:
-  Auto(int iterations, double tolerance) : iterations_(iterations), tolerance_(tolerance) {}
+  Auto(int iterations, double tolerance) : ConeSolver(tolerance), iterations_(iterations) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -40,7 +40,6 @@ class Auto final : public ConeSolver {
   bool unfinished(const SolverReport& swept) const { return !swept.converged && swept.iterations < iterations_; }
 
   int iterations_;
-  double tolerance_;
   Islands islands_;
   std::vector<std::unique_ptr<Part>> parts_;
   std::vector<SolverReport> reports_;

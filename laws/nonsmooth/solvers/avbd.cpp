@@ -64,7 +64,7 @@ SolverReport BodyDescent::solve(const ConeProblem& problem, Impulses& r) {
   SolverReport report{false, 0, problem.residual(r, u_)};
   bound_ = largest_k;
   int judged = 0;
-  while (report.residual > tolerance_ && report.iterations < iterations_ && !(report.iterations % 8 == 0 && stop())) {
+  while (report.residual > aim(report) && report.iterations < iterations_ && !(report.iterations % 8 == 0 && stop())) {
     ++report.iterations;
     for (std::uint32_t body = 0; body < problem.bodies(); ++body) move(problem, body);
     raise(problem);

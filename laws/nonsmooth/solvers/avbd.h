@@ -16,7 +16,7 @@ namespace epafi {
 class BodyDescent final : public ConeSolver {
  public:
   BodyDescent(int iterations, double tolerance, double growth)
-      : iterations_(iterations), tolerance_(tolerance), growth_(growth) {}
+      : ConeSolver(tolerance), iterations_(iterations), growth_(growth) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -26,7 +26,7 @@ class BodyDescent final : public ConeSolver {
   void raise(const ConeProblem& problem);
 
   int iterations_;
-  double tolerance_, growth_, bound_ = 1.0;  ///< bound of k W_ii
+  double growth_, bound_ = 1.0;  ///< bound of k W_ii
   std::vector<double> weight_, k_, shift_;
   std::vector<std::size_t> begin_;
   std::vector<std::uint32_t> contact_, next_;

@@ -85,14 +85,14 @@ SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
   problem.relative_velocities(r, v_, u_);
   residual_ = problem.residual(r, u_);
   SolverReport report{residual_ <= tolerance_, 0, residual_};
-  if (report.converged) return report;
+  if (residual_ <= aim(report)) return report;
   factor_.attach(problem);
   contact_weights(problem, weight_);
   shift_.resize(n), g_.resize(n), d_.resize(n), z_ = r, lambda_ = r, best_ = r;
   rho_ = augmentation_ > 0.0 ? augmentation_ : first_augmentation, scale_ = problem.scale * problem.q_norm();
   double share = 1.0;  // of the new shift: halved where the outer steps overshoot
   for (std::size_t i = 0; i < n; ++i) shift_[i] = problem.friction[i] * tangential_norm(u_[i]);
-  while (report.residual > tolerance_ && !gives_up(report) && !stop()) {
+  while (report.residual > aim(report) && !gives_up(report) && !stop()) {
     const double last = residual_;
     const bool found = minimise(report);
     next_multipliers();

@@ -16,7 +16,7 @@ class Newton final : public ConeSolver {
  public:
   /// augmentation: a fixed rho relative to 3 / trace W_ii, 0 to let it follow the contraction.
   Newton(int iterations, double tolerance, double augmentation = 0.0)
-      : iterations_(iterations), tolerance_(tolerance), augmentation_(augmentation) {}
+      : ConeSolver(tolerance), iterations_(iterations), augmentation_(augmentation) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -46,7 +46,6 @@ class Newton final : public ConeSolver {
   void next_multipliers();
 
   int iterations_;
-  double tolerance_;
   double augmentation_;
   int patience_ = std::numeric_limits<int>::max();
   double behind_ = infinity;

@@ -97,8 +97,8 @@ SolverReport Proximal::solve(const ConeProblem& problem, Impulses& r) {
   const auto keep = [&] {
     if (residual_ < report.residual) report.residual = residual_, best_ = z_;
   };
-  if (report.residual > tolerance_) smooth(sweeps_), keep();
-  while (report.residual > tolerance_ && report.iterations < iterations_ && !stop()) {
+  if (report.residual > aim(report)) smooth(sweeps_), keep();
+  while (report.residual > aim(report) && report.iterations < iterations_ && !stop()) {
     int steps = 0;
     const Inner inner = solve_inner(report, steps);
     if (inner != Inner::failed)

@@ -17,7 +17,7 @@ namespace epafi {
 
 class Proximal final : public ConeSolver {
  public:
-  Proximal(int iterations, double tolerance) : iterations_(iterations), tolerance_(tolerance) {}
+  Proximal(int iterations, double tolerance) : ConeSolver(tolerance), iterations_(iterations) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -35,7 +35,6 @@ class Proximal final : public ConeSolver {
   void smooth(int sweeps);
 
   int iterations_;
-  double tolerance_;
   const ConeProblem* problem_ = nullptr;
   DelassusFactor factor_;
   ConeSweep<PgsRule> sweep_;

@@ -24,6 +24,9 @@ class ContactSolver {
   /// What bodies are to move beside dt v_{k+1} [m], [rad]; null: the position correction decides.
   virtual const BodyVelocities* displacement() const { return nullptr; }
 
+  /// A start with this residual is the solution; negative: no start is, sweeps go on from step to step.
+  virtual double good_start() const { return -1.0; }
+
   /// Asked now and then; true ends the solve with what there is. Empty in a run: steps must not depend on clocks.
   std::function<bool()> interrupted;
 
@@ -34,11 +37,20 @@ class ContactSolver {
 /// A solver that works on blocks alone.
 class ConeSolver : public ContactSolver {
  public:
+  explicit ConeSolver(double tolerance) : tolerance_(tolerance) {}
   using ContactSolver::solve;
   SolverReport solve(const ContactProblem& problem, Impulses& r) final {
     blocks_.load(problem);
     return solve(blocks_, r);
   }
+  double good_start() const final { return aim({}); }
+
+ protected:
+  /// The residual to go on for: of a start a tenth of the tolerance, or errors of the size of the tolerance would add
+  /// up from step to step.
+  double aim(const SolverReport& report) const { return report.iterations == 0 ? 0.1 * tolerance_ : tolerance_; }
+
+  double tolerance_;
 
  private:
   ConeProblem blocks_;

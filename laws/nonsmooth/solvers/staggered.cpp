@@ -29,7 +29,7 @@ SolverReport Staggered::solve(const ConeProblem& problem, Impulses& r) {
   Eigen::VectorXd z(static_cast<Eigen::Index>(n));
   for (std::size_t i = 0; i < n; ++i) z[static_cast<Eigen::Index>(i)] = r[i].x();
   const bool friction = std::any_of(problem.friction.begin(), problem.friction.end(), [](double mu) { return mu > 0; });
-  while (report.residual > tolerance_ && report.iterations < iterations_ && !stop()) {
+  while (report.residual > aim(report) && report.iterations < iterations_ && !stop()) {
     tangential_ = r;
     for (Vec3& x : tangential_) x.x() = 0.0;
     problem.relative_velocities(tangential_, v_, u_);

@@ -14,7 +14,7 @@ namespace epafi {
 class Staggered final : public ConeSolver {
  public:
   Staggered(LcpMethod method, int iterations, double tolerance)
-      : method_(method), iterations_(iterations), tolerance_(tolerance) {}
+      : ConeSolver(tolerance), method_(method), iterations_(iterations) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
 
@@ -30,7 +30,6 @@ class Staggered final : public ConeSolver {
 
   LcpMethod method_;
   int iterations_;
-  double tolerance_;
   LcpProblem normal_;
   ConeSweep<TangentialRule> sweep_;
   Impulses tangential_, best_;
