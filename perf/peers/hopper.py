@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""A flowing hopper side by side with LAMMPS and LIGGGHTS, from one settled state, on this machine, taking turns.
+"""A flowing hopper side by side with LAMMPS, LIGGGHTS and YADE, from one settled state, on this machine, taking turns.
 
   /usr/bin/python3 perf/peers/hopper.py [--steps 4000] [--repeats 1] [--out out/peers_hopper] [--program ./epafi]
 
 Settles scenes/library/hopper/hopper.toml with Epafi up to the opening of its gate and lets 20 000 spheres flow out of the
 orifice of 40 mm: `warm` steps first, then the timed ones, on one thread, in double precision, Hertz-Mindlin with history.
-Epafi and LIGGGHTS take the walls as the same triangles, LAMMPS as a cylinder and a cone. Prints, and writes to table.md:
+Epafi, LIGGGHTS and YADE (an eighth of the steps) take the walls as the same triangles, LAMMPS as a cylinder and a cone. Prints, and writes to table.md:
 nanoseconds of processor time per sphere of the start and timed step, the mass flow in them [kg/s] and its standard error from
-ten parts of the window. A code that is not installed has no row. Needs numpy; of Debian: lammps, liggghts.
+ten parts of the window. A code that is not installed has no row. Needs numpy; of Debian: lammps, liggghts, yade.
 """
 import os
 import re
 import shutil
 
 import numpy
-from runs import options, print_table, processor_time, settled, take_turns, write_csv
+from runs import options, print_table, processor_time, settled, take_turns, write_csv, yade_result
 
 SCENES = "scenes/library/hopper"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
@@ -22,6 +22,8 @@ PARTS = 10  # of the timed window, for the spread of the flow
 
 parser = options(__doc__, steps=4000, warm=2000, repeats=1, skin=5e-4, out="out/peers_hopper")
 o = parser.parse_args()
+if o.steps % PARTS or o.warm % (o.steps // PARTS):
+    parser.error("--steps must be a multiple of %d and --warm of a %dth of it" % (PARTS, PARTS))
 program = os.path.abspath(o.program)
 os.makedirs(o.out, exist_ok=True)
 
@@ -137,6 +139,47 @@ def run_epafi():
     return 1e9 * (whole - start) / o.steps / n, *(found or (numpy.nan, numpy.nan))
 
 
+YADE = """import math, resource
+bead = O.materials.append(FrictMat(young=%(E)g, poisson=%(nu)g, density=%(density)g, frictionAngle=math.atan(%(friction)g)))
+for line in open("bodies.csv").readlines()[1:]:
+    x, y, z, r = map(float, line.split(","))
+    O.bodies.append(sphere((x, y, z), r, material=bead))
+n, points = len(O.bodies), []
+for words in map(str.split, open("hopper.obj")):
+    if words[:1] == ["v"]:
+        points.append(Vector3(*map(float, words[1:4])))
+    elif words[:1] == ["f"]:
+        corners = [points[int(w.split("/")[0]) - 1] for w in words[1:]]
+        for k in range(1, len(corners) - 1):
+            O.bodies.append(facet([corners[0], corners[k], corners[k + 1]], material=bead))
+law = [Ip2_FrictMat_FrictMat_MindlinPhys(en=%(restitution)g)], [Law2_ScGeom_MindlinPhys_Mindlin()]
+O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=%(skin)g),
+             InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom()], *law),
+             NewtonIntegrator(damping=0, gravity=(0, 0, -9.81))]
+O.dt = %(dt)g
+inside = lambda: sum(O.bodies[k].state.mass for k in range(n) if O.bodies[k].state.pos[2] > 0)
+used = lambda: sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
+O.run(%(warm)d, True)
+masses, before = [inside()], used()
+for part in range(%(parts)d):
+    O.run(%(part)d, True)
+    masses.append(inside())
+print("RESULT", used() - before, *masses)
+"""
+
+
+def run_yade():
+    """The same of YADE, for fewer steps."""
+    part = max(1, o.steps // 8 // PARTS)
+    values = dict(E=E, nu=NU, density=DENSITY, friction=FRICTION, restitution=RESTITUTION, dt=STEP, skin=o.skin, warm=o.warm, part=part, parts=PARTS)
+    write("hopper_yade.py", YADE % values)
+    result = yade_result("hopper_yade.py", o.out)
+    if not result:
+        return None
+    rates = -numpy.diff(result[1:]) / (part * STEP)
+    return 1e9 * result[0] / (part * PARTS) / n, rates.mean(), rates.std(ddof=1) / PARTS**0.5
+
+
 bodies = settled(program, os.path.abspath(SCENES + "/hopper.toml"), os.path.join(o.out, "settled"), "run.duration=0.5", "params.open_at=1.0")
 n = len(bodies)
 write_inputs(bodies)
@@ -145,4 +188,6 @@ if shutil.which("lmp"):
     codes.append(("LAMMPS gran/hertz/history", lambda: run_peer(["lmp", "-log", "none", "-in", "hopper.lammps"])))
 if shutil.which("liggghts"):
     codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "hopper.liggghts"])))
+if shutil.which("yade"):
+    codes.append(("YADE", run_yade))
 print_table("hopper, %d spheres, one thread" % n, ["mass flow [kg/s]", "its error"], take_turns(codes, o.repeats), o.out)
