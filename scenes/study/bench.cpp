@@ -10,6 +10,7 @@
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/study/case_run.h"
+#include "scenes/study/machine_speedup.h"
 #include "scenes/study/study_error.h"
 
 namespace epafi {
@@ -41,8 +42,18 @@ std::string row(const std::string& scene, const std::string& size, int threads, 
 }
 
 /// Amdahl's serial fraction of a stage from its times on 1 and n threads: t_n = t_1 (s + (1 - s) / n).
-double serial_fraction(double one, double many, int threads) {
-  return (threads * many / one - 1.0) / (threads - 1.0);
+double serial_fraction(double one, double many, int threads) { return (threads * many / one - 1.0) / (threads - 1.0); }
+
+/// What the machine itself gives, one line for every number of threads beside 1.
+std::string machine_lines(const std::vector<int>& threads) {
+  std::string lines;
+  for (const int n : threads) {
+    if (n == 1) continue;
+    const MachineSpeedup machine = machine_speedup(n);
+    lines +=
+        fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x\n", n, machine.arithmetic, machine.triad);
+  }
+  return lines;
 }
 
 /// One line per stage that takes a hundredth of the time of one thread or more, each a comment of the table: share of
@@ -119,7 +130,8 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
       medians.push_back(&all[all.size() / 2]);
       print(row(setup.scene, label, setup.threads[k], error, *medians.back(), cases[k].folder));
     }
-    if (const std::string table = amdahl_table(medians, setup.threads); !table.empty()) print(table);
+    if (const std::string table = amdahl_table(medians, setup.threads); !table.empty())
+      print(table + machine_lines(setup.threads));
   }
 }
 

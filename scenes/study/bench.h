@@ -20,7 +20,8 @@ struct BenchSetup {
 std::string bench_header();
 
 /// Runs every size of [benchmark] (the scene as it is where it has none) at every number of threads; repeats take
-/// turns. After the rows of a size come Amdahl's serial fractions by stage, lines that begin with "#". Throws SceneError where the state hash depends on the threads.
+/// turns. After the rows of a size come Amdahl's serial fractions by stage and what the machine gives
+/// (machine_speedup.h), lines that begin with "#". Throws SceneError where the state hash depends on the threads.
 void run_bench(const BenchSetup& setup, const std::function<void(const std::string& row)>& print);
 
 }  // namespace epafi

@@ -356,6 +356,7 @@ TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "
             [&](const std::string& row) { rows.push_back(row); });
   REQUIRE(rows.size() == 3);
   CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial fraction"));
+  CHECK_THAT(rows[2], Catch::Contains("# machine, 2 threads: arithmetic ") && Catch::Contains("triad "));
   const auto cell = [](const std::string& row, int k) {
     std::size_t at = 0;
     while (k-- > 0) at = row.find(',', at) + 1;

@@ -50,7 +50,7 @@ struct SphereSide {
                  radius);
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.late_spin(place(l))); }, late_spin.x, late_spin.y,
                  late_spin.z, none);
-    V inverse_mass;
+    V inverse_mass{};
     for (int l = 0; l < n; ++l) inverse_mass[l] = with.state(place(l)).velocity[3];
     const V arm = radius * lever, turning = arm * arm * inverse_inertia;
     slip_mobility = inverse_mass + turning;

@@ -1,0 +1,57 @@
+#include "scenes/study/machine_speedup.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <limits>
+#include <vector>
+
+#include "engine/parallel.h"
+
+namespace epafi {
+namespace {
+
+template <class F>
+double seconds(const F& f) {
+  const auto begin = std::chrono::steady_clock::now();
+  f();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// 64 pieces of work of some 0.2 ms, eight independent chains in each: as many as two units of latency four keep busy.
+void arithmetic(std::vector<double>& out) {
+  parallel_blocks(out.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    std::array<double, 8> x;
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] = static_cast<double>(i + k + 1);
+    for (int step = 0; step < 100000; ++step)
+      for (double& value : x) value = 0.999999 * value + 1e-6;
+    out[i] = x[0] + x[1] + x[2] + x[3] + x[4] + x[5] + x[6] + x[7];
+  });
+}
+
+struct Triad {
+  std::vector<double> a = std::vector<double>(std::size_t{8} << 20), b = a, c = a;
+  void run() {
+    parallel_for(a.size(), [&](std::size_t i) { a[i] = b[i] + 3.0 * c[i]; });
+  }
+};
+
+}  // namespace
+
+MachineSpeedup machine_speedup(int threads) {
+  const int before = thread_count();
+  std::vector<double> out(64);
+  Triad triad;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  std::array<double, 2> work{never, never}, way{never, never};
+  for (int repeat = 0; repeat < 5; ++repeat)
+    for (const std::size_t k : {0u, 1u}) {
+      set_thread_count(k == 0 ? 1 : threads);
+      work[k] = std::min(work[k], seconds([&] { arithmetic(out); }));
+      way[k] = std::min(way[k], seconds([&] { triad.run(); }));
+    }
+  set_thread_count(before);
+  return {work[0] / work[1], way[0] / way[1]};
+}
+
+}  // namespace epafi

@@ -1,0 +1,15 @@
+/// @file machine_speedup.h  What more threads bring on the machine at hand, whatever the program: the measure that the
+/// speed-ups of `epafi bench` stand beside. Two hardware threads of one core are not two cores.
+#pragma once
+
+namespace epafi {
+
+struct MachineSpeedup {
+  double arithmetic = 1.0;  ///< of chains of multiplications and additions in registers
+  double triad = 1.0;       ///< of a = b + s c over three arrays of 64 MB: of the way to memory (McCalpin 1995)
+};
+
+/// Rate on so many threads over that on one, the best of five each, in turns: some second. threads >= 1.
+MachineSpeedup machine_speedup(int threads);
+
+}  // namespace epafi
