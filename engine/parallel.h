@@ -4,7 +4,9 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <thread>
 #include <vector>
 
 namespace epafi {
@@ -36,6 +38,36 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
   }
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t b = 0; b < blocks; ++b) one(b);
+}
+
+/// Of the calling thread, below thread_count(); 0 outside loops.
+inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
+
+/// find(i) for i in [0, n), shared out in order, and finish(i) by the same thread once find(k) of all k <= i is done:
+/// for parts that leave something to later ones and are finished while they are in cache.
+template <class Find, class Finish>
+void parallel_wavefront(std::size_t n, const Find& find, const Finish& finish) {
+  if (n < 2 || thread_count() == 1) {
+    for (std::size_t i = 0; i < n; ++i) find(i), finish(i);
+    return;
+  }
+  std::vector<unsigned char> found(n, 0);
+  std::atomic<std::size_t> next{0};
+#pragma omp parallel
+  {
+    std::size_t known = 0;  // all before this one are found
+    for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) {
+      find(i);
+      std::atomic_ref(found[i]).store(1, std::memory_order_release);
+      for (int looks = 0; known <= i; ++looks) {
+        if (std::atomic_ref(found[known]).load(std::memory_order_acquire))
+          ++known, looks = 0;
+        else if (looks > 1000)
+          std::this_thread::yield();  // more threads than cores
+      }
+      finish(i);
+    }
+  }
 }
 
 /// One value per block, kept by the calling thread from call to call: no allocation inside a step. Not to be nested for

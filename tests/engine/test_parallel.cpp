@@ -40,6 +40,31 @@ TEST_CASE("every index is visited once, for every length and thread count", "[en
   }
 }
 
+TEST_CASE("a wavefront finishes each part once, after all before it are found", "[engine][parallel][threads]") {
+  const Threads restore;
+  for (int threads : counts) {
+    set_thread_count(threads);
+    for (std::size_t n : {0u, 1u, 2u, 3u, 64u, 500u}) {
+      std::vector<int> found(n, 0), finished(n, 0), early(n, 0);
+      std::vector<std::size_t> finder(n), finisher(n);
+      parallel_wavefront(
+          n,
+          [&](std::size_t i) {
+            double work = 1.0;  // uneven, so that threads overtake each other
+            for (std::size_t k = 0; k < 2000 * (i % 5); ++k) work = std::sqrt(work + 1.0);
+            finder[i] = thread_number(), found[i] = work > 0.0;
+          },
+          [&](std::size_t i) {
+            for (std::size_t k = 0; k <= i; ++k) early[i] += found[k] != 1;
+            finisher[i] = thread_number(), ++finished[i];
+          });
+      CHECK(std::count(finished.begin(), finished.end(), 1) == static_cast<std::ptrdiff_t>(n));
+      CHECK(std::count(early.begin(), early.end(), 0) == static_cast<std::ptrdiff_t>(n));
+      CHECK(finder == finisher);
+    }
+  }
+}
+
 TEST_CASE("sums and maxima are the same bits for every thread count", "[engine][parallel][threads]") {
   const Threads restore;
   Random random(1, 1);

@@ -182,8 +182,8 @@ class FusedModel final : public FusedSpheres {
     return {world,
             blocks_.states().data(),
             blocks_.late_spins(),
-            blocks_.sums(begin / SphereBlocks::block_size),
-            blocks_.moments(begin / SphereBlocks::block_size),
+            blocks_.sums(),
+            blocks_.moments(),
             blocks_.plain(),
             touched_.empty() ? nullptr : is_touched_.data(),
             hurry_.data(),
@@ -232,12 +232,12 @@ class FusedModel final : public FusedSpheres {
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
     const SphereArrays arrays = arrays_of(world, clock.dt);
-    blocks_.set_sums(thread_count() == 1);
+    blocks_.set_sums(static_cast<std::size_t>(thread_count()));
     const auto find = [&](std::size_t i) {
       SphereArrays mine = arrays;
       const std::size_t first = i * SphereBlocks::block_size;
-      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(i)) - first * sizeof(SphereSum);
-      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(i)) - first * sizeof(Lanes);
+      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums()) - first * sizeof(SphereSum);
+      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments()) - first * sizeof(Lanes);
       loop({all[i], law_, wall_laws_, mine});
     };
     next_extents_.assign(onward ? all.size() : 1, Extent{});
@@ -250,7 +250,7 @@ class FusedModel final : public FusedSpheres {
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
       if (!clock.scheme)
-        unpack_bodies(world, blocks_.states().data(), blocks_.sums(i), blocks_.moments(i),
+        unpack_bodies(world, blocks_.states().data(), blocks_.sums(), blocks_.moments(),
                       touched_.empty() ? nullptr : is_touched_.data(), begin, end);
       else if (!onward)
         second_half({pass(world, clock, begin, end, extents_[i]), next_extents_[0], most_hurry_[0]});
@@ -259,12 +259,8 @@ class FusedModel final : public FusedSpheres {
       else
         run_on_shown({pass(world, clock, begin, end, extents_[i]), next_extents_[i], most_hurry_[i]});
     };
-    if (thread_count() == 1) {  // records go to later blocks only: all for block i are there when its turn comes
-      for (std::size_t i = 0; i < all.size(); ++i) find(i), finish(i);
-      return;
-    }
-    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { find(i); });
-    parallel_blocks(all.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { finish(i); });
+    // records go to later blocks only, and no block reads bodies of an earlier one
+    parallel_wavefront(all.size(), find, finish);
   }
 
   /// Adds what the blocks found to the report of the generic loop.

@@ -350,7 +350,7 @@ void SphereBlocks::show(StateVisitor& visitor, const char* name, const Get& get,
 }
 
 void SphereBlocks::receive(std::size_t i) {
-  SphereSum* const mine = sums(i);
+  SphereSum* const mine = sums();
   const std::uint32_t end =
       i + 1 < blocks_.size() ? blocks_[i + 1].incoming : static_cast<std::uint32_t>(incoming_.size());
   for (std::uint32_t k = blocks_[i].incoming; k < end; ++k) {
@@ -358,7 +358,7 @@ void SphereBlocks::receive(std::size_t i) {
     SphereSum& sum = mine[slot % block_size];
     sum.force += records_[record].force;
     sum.pull += records_[record].pull;
-    if (needs_.rolling) moments(i)[slot % block_size] += record_moments_[record];
+    if (needs_.rolling) moments()[slot % block_size] += record_moments_[record];
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "engine/contacts.h"
 #include "engine/lanes.h"
+#include "engine/parallel.h"
 #include "engine/state_visitor.h"
 #include "laws/smooth/fused/large_column.h"
 
@@ -132,7 +133,7 @@ class SphereBlocks {
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
-  /// Adds what other blocks found for the bodies of block i.
+  /// Adds what other blocks found for the bodies of block i, at which this thread is.
   void receive(std::size_t i);
   /// Whether there is room for that many bodies.
   bool holds(std::size_t bodies) const { return states_.size() == bodies; }
@@ -156,19 +157,18 @@ class SphereBlocks {
   std::span<SphereState> states() { return states_; }
   /// By four bodies: laws/smooth/fused/body_pass.h may take them together.
   const std::uint8_t* plain() const { return plain_.data(); }
-  /// shared: blocks take turns, one after the other, so that their sums stay in cache.
-  void set_sums(bool shared) {
-    sums_step_ = shared ? 0 : block_size;
-    sums_.resize(shared ? block_size : states_.size());  // all are zero between two calls
+  /// Every thread finishes a block before it begins another: their sums stay in cache.
+  void set_sums(std::size_t threads) {
+    sums_.resize(threads * block_size);  // all are zero between two blocks
     moments_.resize(needs_.rolling ? sums_.size() : 0);
   }
-  /// Of the first slot of block i.
-  SphereSum* sums(std::size_t i) { return sums_.data() + i * sums_step_; }
+  /// Of the first slot of the block that this thread is at.
+  SphereSum* sums() { return sums_.empty() ? nullptr : sums_.data() + thread_number() * block_size; }
   std::span<SphereSum> records() { return records_; }
   /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.
   Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
   /// Moments against rolling beside sums and records [N m].
-  Lanes* moments(std::size_t i) { return moments_.empty() ? nullptr : moments_.data() + i * sums_step_; }
+  Lanes* moments() { return moments_.empty() ? nullptr : moments_.data() + thread_number() * block_size; }
   Lanes* record_moments() { return record_moments_.data(); }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
@@ -222,7 +222,6 @@ class SphereBlocks {
   LargeColumn<SphereState> states_;
   LargeColumn<SphereSum> sums_, records_;
   LargeColumn<Lanes> late_spins_, moments_, record_moments_;
-  std::size_t sums_step_ = 0;  ///< from block to block
   std::vector<std::uint8_t> plain_;
   std::vector<std::uint32_t> first_;  ///< by slot: its first partner, those of the next slot follow
   std::vector<Partner> partners_;     ///< of the last layout
