@@ -6,10 +6,10 @@
 
 namespace epafi {
 
-/// Compiled in laws/smooth/loops, one file per N.
+/// Compiled in laws/smooth/loops, one file per N, whose header is heavy.
 template <NormalLaw N>
-std::unique_ptr<ContactModel> make_loop(const MaterialTable& table, const std::vector<typename N::Parameters>& normal,
-                                        const SmoothParts& parts);
+std::unique_ptr<ContactModel> make_loop(  // NOLINT(readability-redundant-declaration): a joined unit sees both
+    const MaterialTable& table, const std::vector<typename N::Parameters>& normal, const SmoothParts& parts);
 
 namespace {
 
@@ -93,7 +93,9 @@ void check_missing(const List& list, const std::string& name, const MaterialPair
                    std::vector<Problem>& out) {
   const auto missing = with_law(list, name, [&](auto l) { return Missing(decltype(l)::type::missing(pair)); });
   for (const std::string& what : missing) {
-    const std::string text = "law '" + of + "' needs " + what + " (contact " + pair.a.name + "-" + pair.b.name + ")";
+    std::string text = "law '";
+    text.append(of).append("' needs ").append(what).append(" (contact ");
+    text.append(pair.a.name).append("-").append(pair.b.name).append(")");
     const bool said = std::any_of(out.begin(), out.end(), [&](const Problem& p) { return p.text == text; });
     if (!said) add(out, Problem::Level::error, text);
   }

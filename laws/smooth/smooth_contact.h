@@ -128,8 +128,12 @@ class SmoothContact final : public ContactModel {
     if (lag > 0.0) change_.predict(world, contacts, lag);
     if constexpr (remembers) memory_.advance(contacts);
     EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
-    const SmoothSums sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
-                                            : run<(slides || rolls)>(world, contacts, clock.dt, lag > 0.0);
+    SmoothSums sums;
+    if constexpr (slides || rolls)
+      sums = run<true>(world, contacts, clock.dt, lag > 0.0);
+    else
+      sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
+                             : run<false>(world, contacts, clock.dt, lag > 0.0);
     if constexpr (remembers)
       if (clock.dt == 0.0) memory_.keep();
     incidence_.build(contacts, world.size());
@@ -284,7 +288,7 @@ class SmoothContact final : public ContactModel {
     const double mobility = slip_mobility(world, t.a, arm) + slip_mobility(world, t.b, t.arm_b);
     const double dashpot = 2.0 * p.damping * std::sqrt(Tangential::stiffness(p, t.normal.stiffness) / mobility);
     const double limit = Tangential::friction(p) * std::max(0.0, t.normal.force + t.normal.adhesion);
-    const Vec3 load = within(elastic + dashpot * velocity, limit);
+    Vec3 load = within(elastic + dashpot * velocity, limit);
     sums.viscous_power += (load - elastic).dot(velocity);  // >= 0: the nearest point of a ball that holds elastic
     return load;
   }
@@ -313,7 +317,7 @@ class SmoothContact final : public ContactModel {
         pull_spring(turn, Rolling::stiffness(p, step), limit, memory_.before(t.i).rolling, memory_.now(t.i).rolling);
     sums.spring_energy += elastic.energy;
     sums.spring_work += elastic.work;
-    const Vec3 moment = within(elastic.load + Rolling::damping(p, step) * spin, limit);
+    Vec3 moment = within(elastic.load + Rolling::damping(p, step) * spin, limit);
     sums.viscous_power +=
         (moment - elastic.load).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
     return moment;

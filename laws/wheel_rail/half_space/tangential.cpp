@@ -91,8 +91,8 @@ SolverReport newton(SlipProblem& p, std::vector<double>& q, std::vector<double>&
     };
     gmres(jacobian, F, dq, std::clamp(0.1 * report.residual, 1e-4, 2e-2), restart, most_products);
     from = q;
-    double residual = 0.0;
-    for (double step = 1.0; step > 0.2; step *= 0.5) {
+    double residual = 0.0, step = 1.0;
+    for (int halvings = 0; halvings < 3; ++halvings, step *= 0.5) {
       for (std::size_t c = 0; c < n / 2; ++c) {
         q[2 * c] = from[2 * c] + step * dq[2 * c], q[2 * c + 1] = from[2 * c + 1] + step * dq[2 * c + 1];
         project_on_disk(q[2 * c], q[2 * c + 1], p.bound[p.cells[c]]);
@@ -235,7 +235,8 @@ HalfSpaceTangential solve_rolling_start(const TractionBound& b, const ElasticPai
   TractionKernel here(b.grid, pair, KernelKind::here), ahead(b.grid, pair, KernelKind::ahead);
   const double cells = std::max(0.0, distance / b.grid.dx), whole = std::floor(cells), part = cells - whole;
   HalfSpaceTangential last, now;
-  for (double k = 0.0; k < (part > 0.0 ? whole + 1.0 : whole); k += 1.0) {
+  const auto steps = static_cast<std::size_t>(part > 0.0 ? whole + 1.0 : whole);
+  for (std::size_t k = 0; k < steps; ++k) {
     last = std::move(now);
     now = roll_on(here, ahead, b, creepage, last.traction, tolerance);
     if (!now.report.converged) return now;
