@@ -236,15 +236,13 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
                       impacts_.apply(problem_, {contacts.gap, restitution_, before_, threshold, clock.dt}, *solver_);
   solver_->see(world, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
-  if (warm_start_)
-    memory_.remember(world, contacts, problem_, calmest(), next_gap_,
-                     u_after_);  // impacts do not recur: r_ without them
+  // impacts do not recur: r_ without them
+  if (warm_start_) memory_.remember(world, contacts, problem_, calmest(), next_gap_, u_after_);
   if (impact) add_impacts();
   account(world, report);
   write_back(world, contacts, clock.dt);
-  if (impact)
-    report.dissipated -=
-        displace(world, impacts_.displacement());  // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
+  // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
+  if (impact) report.dissipated -= displace(world, impacts_.displacement());
   const BodyVelocities* own = solver_->displacement();
   report.correction = own ? displace(world, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }

@@ -219,7 +219,7 @@ TEST_CASE("tutorial 4 runs as written: a pile of stones", "[scenes][documents]")
 TEST_CASE("tutorial 5 runs as written: restart, sweep, Slurm", "[scenes][documents]") { check_tutorial("05_sweep", 3, 2); }
 TEST_CASE("tutorial 6 runs as written: chart and limits", "[scenes][documents]") { check_tutorial("06_chart", 2, 3); }
 TEST_CASE("tutorial 7 runs as written: wheel on rail", "[scenes][documents]") { check_tutorial("07_wheel_rail", 2, 3); }
-TEST_CASE("tutorial 8 runs as written: a law in one file", "[scenes][documents][package]") { check_tutorial("08_new_law", 1, 1); }
+TEST_CASE("tutorial 8 runs as written: a law in one file", "[scenes][documents]") { check_tutorial("08_new_law", 1, 1); }
 TEST_CASE("the README's commands run as written", "[scenes][documents]") { CHECK(run_page("README.md").commands >= 2); }
 TEST_CASE("the README's long commands run as written", "[scenes][documents][slow]") {
   CHECK(run_page("README.md", true).commands >= 3);
