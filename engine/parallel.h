@@ -43,6 +43,15 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
 /// Of the calling thread, below thread_count(); 0 outside loops.
 inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
 
+/// One value per block, kept by the calling thread from call to call: no allocation inside a step. Not to be nested for
+/// one T.
+template <class T>
+std::vector<T>& block_results(std::size_t blocks, T start) {
+  thread_local std::vector<T> kept;
+  kept.assign(blocks, start);
+  return kept;
+}
+
 /// find(i) for i in [0, n), shared out in order, and finish(i) by the same thread once find(k) of all k <= i is done:
 /// for parts that leave something to later ones and are finished while they are in cache.
 template <class Find, class Finish>
@@ -51,7 +60,7 @@ void parallel_wavefront(std::size_t n, const Find& find, const Finish& finish) {
     for (std::size_t i = 0; i < n; ++i) find(i), finish(i);
     return;
   }
-  std::vector<unsigned char> found(n, 0);
+  std::vector<unsigned char>& found = block_results<unsigned char>(n, 0);
   std::atomic<std::size_t> next{0};
 #pragma omp parallel
   {
@@ -68,15 +77,6 @@ void parallel_wavefront(std::size_t n, const Find& find, const Finish& finish) {
       finish(i);
     }
   }
-}
-
-/// One value per block, kept by the calling thread from call to call: no allocation inside a step. Not to be nested for
-/// one T.
-template <class T>
-std::vector<T>& block_results(std::size_t blocks, T start) {
-  thread_local std::vector<T> kept;
-  kept.assign(blocks, start);
-  return kept;
 }
 
 /// Sum of f(i) over [0, n), the same bits for every thread count. T needs T{} as zero and +=.
