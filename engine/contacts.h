@@ -15,7 +15,7 @@ namespace epafi {
 struct Pair {
   Slot a, b;
   std::uint32_t image = 0;  ///< image_code of B's place, and in the next byte that of the contact's key; 0: B itself
-  auto operator<=>(const Pair&) const = default;
+  auto operator<=>(const Pair&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 sees the 0 of <=>
 };
 
 /// Sorted candidate pairs, kept while no body has moved beyond the margin.

@@ -200,7 +200,7 @@ ProfilePoints canted_rail(ProfilePoints p, double cant) {
   const Profile spline(p);
   double top = *std::min_element(p.z.begin(), p.z.end());
   const double step = (p.y.back() - p.y.front()) / 20000.0;
-  for (double y = p.y.front(); y <= p.y.back(); y += step) top = std::min(top, spline.at(y).z);
+  for (int k = 0; k <= 20000; ++k) top = std::min(top, spline.at(p.y.front() + k * step).z);
   for (double& z : p.z) z -= top;
   return p;
 }

@@ -38,9 +38,9 @@ WheelRailPair::WheelRailPair(const Profile& wheel, const Profile& rail, const Tr
 
 void WheelRailPair::make_tables() {
   auto tables = std::make_shared<Tables>();
-  for (double y = wheel_.y_min(); y <= wheel_.y_max();
-       y = wheel_.y_min() + scan_step * static_cast<double>(tables->wheel.size())) {
-    const Profile::Value w = wheel_.at(y);
+  const auto scanned = static_cast<std::size_t>((wheel_.y_max() - wheel_.y_min()) / scan_step) + 1;
+  for (std::size_t k = 0; k < scanned; ++k) {
+    const Profile::Value w = wheel_.at(wheel_.y_min() + scan_step * static_cast<double>(k));
     tables->wheel.push_back({track_.radius + w.z, w.slope});
   }
   const auto count = static_cast<std::size_t>((rail_.y_max() - rail_.y_min()) / table_step) + 2;
@@ -381,10 +381,10 @@ WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition p) {
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude) {
   constexpr int n = 60;
   std::vector<double> difference(2 * n + 1);
-  for (int k = -n; k <= n; ++k) {
+  for (std::size_t k = 0; k < difference.size(); ++k) {
     // the standard counts displacements at the rails, where rolling about the axle's middle moves the wheels sideways
     // by roll r0
-    const double y = amplitude * k / n;
+    const double y = amplitude * (static_cast<double>(k) - n) / n;
     WheelsetPosition p;
     p.lateral_shift = y;
     WheelsetGeometry g = stand_on_rails(wheel, rail, track, p);
@@ -393,7 +393,7 @@ double equivalent_conicity(const Profile& wheel, const Profile& rail, const Trac
       p.lateral_shift = y + p.roll * track.radius;
       g = stand_on_rails(wheel, rail, track, p);
     }
-    difference[static_cast<std::size_t>(k + n)] = g.rolling_radius_difference();
+    difference[k] = g.rolling_radius_difference();
   }
   return conicity_of(difference, amplitude, track);
 }
