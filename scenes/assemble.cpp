@@ -161,7 +161,7 @@ void set_broad_phase(Assembly& a) {
   } else {
     auto* list = dynamic_cast<ListBroadPhase*>(broad_phase.get());
     if (list && a.plan.fused_spheres) {
-      broad_phase.release();
+      static_cast<void>(broad_phase.release());  // `list` has it
       broad_phase = std::make_unique<WornPairs>(std::unique_ptr<ListBroadPhase>(list), a.simulation->pipeline);
     }
   }

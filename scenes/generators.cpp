@@ -113,8 +113,8 @@ FillResult lattice(const FillSpec& fill, const std::vector<FillShape>& shapes) {
     const double mass = mass_of(body, shapes);
     if (!quota.wants_more(mass)) return result;
     if (n >= cells[0] * cells[1] * cells[2]) break;
-    const Vec3 index(static_cast<double>(n % cells[0]), static_cast<double>(n / cells[0] % cells[1]),
-                     static_cast<double>(n / (cells[0] * cells[1])));
+    const std::uint64_t column = n % cells[0], row = n / cells[0] % cells[1], layer = n / (cells[0] * cells[1]);
+    const Vec3 index(static_cast<double>(column), static_cast<double>(row), static_cast<double>(layer));
     const double radius = shapes[body.shape].radius * body.size;
     for (int k = 0; k < 3; ++k)
       body.position[k] =
@@ -189,7 +189,8 @@ FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& 
     while (!placed && low + 2 * radius <= fill.region.max.z()) {
       const double high = std::min(fill.region.max.z(), low + 4 * largest);
       for (int t = 0; t < trials && !placed; ++t) {
-        // one by one: in which order arguments are computed is the compiler's choice (GCC from the last, Clang from the first)
+        // one by one: in which order arguments are computed is the compiler's choice (GCC from the last, Clang from the
+        // first)
         const double uz = random.uniform(), uy = random.uniform(), ux = random.uniform();
         const Vec3 u(ux, uy, uz);
         const Vec3 from(fill.region.min.x() + radius, fill.region.min.y() + radius, low + radius);

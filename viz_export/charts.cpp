@@ -11,8 +11,6 @@
 
 #include "viz_export/side_file.h"
 
-extern char** environ;
-
 namespace epafi {
 namespace {
 
@@ -76,7 +74,8 @@ bool render(const fs::path& path, const std::string& data, const std::string& se
 std::string written_tics(char axis, double from, double to) {
   if (!(to <= 2000 * from)) return "";
   std::string out;
-  for (double decade = std::pow(10.0, std::floor(std::log10(from))); decade <= to; decade *= 10)
+  const double first = std::pow(10.0, std::floor(std::log10(from)));
+  for (const double decade : {first, 10 * first, 100 * first, 1000 * first, 10000 * first})
     for (const double step : {1.0, 2.0, 5.0})
       if (const double x = step * decade; x >= from && x <= to)
         out += (out.empty() ? "" : ", ") + fmt::format("{:.6g}", x);
@@ -89,7 +88,8 @@ std::string axis_settings(char axis, double low, double high, bool log, double b
     const double room = 0.06 * (high > low ? high - low : 1.0);
     return fmt::format("set {}range [{}:{}]\n", axis, low - room, high + room);
   }
-  return fmt::format("set logscale {0}\nset format {0} '%.0e'\nset {0}range [{1}:{2}]\n", axis, below * low, above * high) +
+  return fmt::format("set logscale {0}\nset format {0} '%.0e'\nset {0}range [{1}:{2}]\n", axis, below * low,
+                     above * high) +
          written_tics(axis, below * low, above * high);
 }
 
@@ -131,9 +131,8 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
     const std::size_t mark = 4 + (colour + 3 * (colour / std::size(colours))) % 10;  // ten colours, then other marks
     ++colour;
     if (!line.points.empty())
-      add(block(line.points),
-          fmt::format("with {} lw 2 pt {} ps 1.2 lc rgb '{}' title {}", plot.joined ? "linespoints" : "points", mark, rgb,
-                      quoted(line.label)));
+      add(block(line.points), fmt::format("with {} lw 2 pt {} ps 1.2 lc rgb '{}' title {}",
+                                          plot.joined ? "linespoints" : "points", mark, rgb, quoted(line.label)));
     std::string bars;
     for (std::size_t k = 0; k < std::min(line.bars.size(), line.points.size()); ++k)
       if (line.bars[k][1] > 1.02 * line.bars[k][0])  // a smaller one hides behind its mark
@@ -182,9 +181,9 @@ bool draw(const KindMap& map, const fs::path& path) {
     data += text + "\n\n";
     // green, vermilion, blue, then the rest in order
     const char* rgb = colours[kind == 0 ? 2 : kind == 1 ? 1 : kind == 2 ? 0 : kind % std::size(colours)];
-    parts += fmt::format("{}'{}' index {} with points pt {} ps 2 lc rgb '{}' title {}",
-                         parts.empty() ? "plot " : ", \\\n  ", name, index++, kind == 0 ? 7 : 5,
-                         rgb, quoted(map.kinds[kind]));
+    parts +=
+        fmt::format("{}'{}' index {} with points pt {} ps 2 lc rgb '{}' title {}", parts.empty() ? "plot " : ", \\\n  ",
+                    name, index++, kind == 0 ? 7 : 5, rgb, quoted(map.kinds[kind]));
   }
   if (!map.curve.empty()) {
     data += block(map.curve);
@@ -194,7 +193,8 @@ bool draw(const KindMap& map, const fs::path& path) {
   std::string settings = frame(map.title, map.x_label, map.y_label);
   for (const std::size_t axis : {0, 1}) {  // a little beyond the outermost cells: gnuplot's own range ends at decades
     double low = INFINITY, high = -INFINITY;
-    for (const auto& c : map.cells) low = std::min(low, axis == 0 ? c.x : c.y), high = std::max(high, axis == 0 ? c.x : c.y);
+    for (const auto& c : map.cells)
+      low = std::min(low, axis == 0 ? c.x : c.y), high = std::max(high, axis == 0 ? c.x : c.y);
     for (const auto& p : map.curve) low = std::min(low, p[axis]), high = std::max(high, p[axis]);
     if (!(high > low)) continue;
     const bool log = axis == 0 ? map.log_x : map.log_y;

@@ -168,7 +168,7 @@ CheckpointHeader read_checkpoint_header(const std::filesystem::path& path) {
 CheckpointHeader load_checkpoint(const std::filesystem::path& path, const CheckpointExpectation& expected,
                                  const StateWalk& walk) {
   const Hdf5File file(path, Hdf5File::Mode::read);
-  const CheckpointHeader header = read_header(file);
+  CheckpointHeader header = read_header(file);
   if (header.version != expected.version)
     throw FileError(path.string() + ": was written by version " + header.version + ", this is " + expected.version +
                     "; the same bits are only promised within one version, resume with that one");

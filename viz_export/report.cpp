@@ -235,7 +235,7 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   head(page), pictures(page), energy(page), measures(page), quality(page), stages(page), settings(page);
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
   fs::remove_all(folder / "report");
-  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
+  fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>",
                             escaped(run.title()), "</title>", style, "</head><body>", page.html, "</body></html>\n"});
   return target;

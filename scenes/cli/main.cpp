@@ -208,7 +208,7 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up() names what nobody expected
   Program p;
   p.app.set_version_flag("--version", std::string(EPAFI_VERSION));
   p.app.require_subcommand(1);

@@ -88,7 +88,7 @@ struct Writer {
     return text.str();
   }
   std::string type_of(const Field& field, const std::string& parent) const {
-    const std::string number = number_schema(field);
+    std::string number = number_schema(field);
     switch (field.kind) {
       case Kind::number:
       case Kind::integer:

@@ -62,7 +62,7 @@ double sweep_ms(const ConeProblem& problem) {
   for (int trial = 0; trial < 5; ++trial) {
     int count = 0;
     const double start = cpu_seconds();
-    double now = start;
+    double now;
     do {
       for (int k = 0; k < 16; ++k) sweep.run(PgsRule{}, r);
       count += 16, now = cpu_seconds();

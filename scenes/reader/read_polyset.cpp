@@ -65,13 +65,13 @@ void read_polyset(Draft& draft, const BodyFile& file) {
     if (!(spec.orientation.norm() > 0)) return fail("a quaternion that is not 0");
     spec.orientation.normalize();
     std::vector<Vec3> vertices;
-    for (double k = 0; k < body[0]; ++k) {
+    for (auto k = static_cast<long>(body[0]); k > 0; --k) {
       const bool more = lines.next();
       const auto v = more ? numbers_of(lines.text, 3) : std::vector<double>{};
       if (v.empty() || !starts_with(lines.text, "v")) return fail("a vertex 'v x y z'");
       vertices.push_back(Vec3(v[0], v[1], v[2]));
     }
-    for (double k = 0; k < body[1]; ++k)
+    for (auto k = static_cast<long>(body[1]); k > 0; --k)
       if (!lines.next() || !starts_with(lines.text, "f")) return fail("a triangle 'f a b c'");
     shape.parameters.set("vertices", std::move(vertices));
     spec.shape = scene.shapes.size(), spec.material = file.material, spec.fixed = file.fixed;

@@ -15,8 +15,6 @@
 #include "scenes/stop.h"
 #include "viz_export/side_file.h"
 
-extern char** environ;
-
 namespace epafi {
 namespace {
 

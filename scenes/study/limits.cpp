@@ -132,7 +132,7 @@ struct Seeker {
     if (!p.bisect) {
       if (!s.begun) s.waiting = coarse_to_fine(p.values);
       const std::size_t n = std::min(s.waiting.size(), s.begun ? 2 * s.answers.size() : std::size_t{3});
-      const std::vector<double> now(s.waiting.begin(), s.waiting.begin() + static_cast<std::ptrdiff_t>(n));
+      std::vector<double> now(s.waiting.begin(), s.waiting.begin() + static_cast<std::ptrdiff_t>(n));
       s.waiting.erase(s.waiting.begin(), s.waiting.begin() + static_cast<std::ptrdiff_t>(n));
       return now;
     }

@@ -77,7 +77,7 @@ struct Runner {
     CaseLimits long_limits = limits;
     long_limits.seconds *= 20;  // the yardstick may cost more than what it judges
     if (study.budget > 0) long_limits.seconds = std::min(long_limits.seconds, study.budget);
-    const CaseResult r = run_case(study.scene, wanted, long_limits);
+    CaseResult r = run_case(study.scene, wanted, long_limits);
     if (r.status == "interrupted") throw FileError("interrupted");
     if (!r.completed())
       throw SceneError("the reference run [" + StudyMethod{"", wanted.overrides}.settings() + "] ended as '" +

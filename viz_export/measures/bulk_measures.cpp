@@ -30,7 +30,8 @@ double part_inside(const MeasureRegion& region, const Vec3& centre, double radiu
   if (((centre + r).array() < region.low.array()).any() || ((centre - r).array() >= region.high.array()).any()) return 0.0;
   int in = 0, all = 0;
   for (int i = 0; i < 1000; ++i) {
-    const Vec3 x = Vec3(i % 10 - 4.5, i / 10 % 10 - 4.5, i / 100 - 4.5) / 5.0;
+    const int layer = i / 100;
+    const Vec3 x = Vec3(i % 10 - 4.5, i / 10 % 10 - 4.5, layer - 4.5) / 5.0;
     if (x.squaredNorm() > 1.0) continue;
     ++all;
     if (region.holds(centre + radius * x)) ++in;
