@@ -63,7 +63,8 @@ bool Newton::minimise(SolverReport& report) {
     for (std::size_t i = 0; i < n; ++i)
       d_[i] = rho_ * weight_[i] * project_cone_derivative(argument(i, 0.0), problem_->friction[i]);
     ++report.iterations;
-    if (!factor_.factor(d_)) return false;
+    factored_ = factor_.factor(d_);
+    if (!factored_) return false;
     factor_.solve(g_, step_, du_);
     const double t = line_search();
     for (std::size_t i = 0; i < n; ++i) lambda_[i] += t * step_[i], u_[i] += t * du_[i];
@@ -80,7 +81,7 @@ void Newton::next_multipliers() {
 }
 
 SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
-  problem_ = &problem;
+  problem_ = &problem, factored_ = false;
   const std::size_t n = problem.size();
   problem.relative_velocities(r, v_, u_);
   residual_ = problem.residual(r, u_);
@@ -107,6 +108,14 @@ SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
   r = best_;
   report.converged = report.residual <= tolerance_;
   return report;
+}
+
+/// By the last factor: dr = -(I + D W)^-1 D change, with the contacts open, stuck or sliding as they are.
+void Newton::calm(const std::vector<Vec3>& change, Impulses& r) {
+  if (!factored_) return;
+  for (std::size_t i = 0; i < r.size(); ++i) g_[i] = -(d_[i] * change[i]);
+  factor_.solve(g_, step_, du_);
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = project_cone(r[i] + step_[i], problem_->friction[i]);
 }
 
 SolverEntry newton_entry() {

@@ -19,6 +19,7 @@ class Newton final : public ConeSolver {
       : ConeSolver(tolerance), iterations_(iterations), augmentation_(augmentation) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
+  void calm(const std::vector<Vec3>& change, Impulses& r) override;
 
   /// At most so many factorisations; ends after `patience` of them while the residual is above `behind`.
   void limit(int iterations, int patience, double behind) {
@@ -51,6 +52,7 @@ class Newton final : public ConeSolver {
   double behind_ = infinity;
   const ConeProblem* problem_ = nullptr;
   DelassusFactor factor_;
+  bool factored_ = false;  ///< factor_ and d_ are of this problem
   double rho_ = 1.0, residual_ = 0.0, scale_ = 1.0;
   std::vector<double> weight_;    ///< per contact, of rho: 3 / trace W_ii [kg]
   std::vector<double> shift_;     ///< mu |u_T| of the last outer step [m/s]

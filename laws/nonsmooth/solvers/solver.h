@@ -27,6 +27,10 @@ class ContactSolver {
   /// A start with this residual is the solution; negative: no start is, sweeps go on from step to step.
   virtual double good_start() const { return -1.0; }
 
+  /// After a solve: takes velocity changes that impulses r leave at the contacts out of r as well, where the solver has
+  /// the means at hand. r stays feasible.
+  virtual void calm(const std::vector<Vec3>& /*change*/, Impulses& /*r*/) {}
+
   /// Asked now and then; true ends the solve with what there is. Empty in a run: steps must not depend on clocks.
   std::function<bool()> interrupted;
 
