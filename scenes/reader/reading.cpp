@@ -62,7 +62,9 @@ NameValue Reading::look_up(std::string_view name) {
     error(node->place, "[params] " + std::string(name) + " depends on itself");
     return {Status::failed, 0.0};
   }
-  return {param.state == Param::State::done ? Status::found : Status::failed, param.value};
+  if (param.state == Param::State::done) return {Status::found, param.value};
+  ++errors_;  // said once, at the parameter; whoever asks now goes without a value all the same
+  return {Status::failed, 0.0};
 }
 
 std::optional<double> Reading::expression(const Node& node, const std::string& label) {

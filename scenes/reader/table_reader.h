@@ -31,7 +31,7 @@ class Reading {
 
   void error(const Place& place, std::string text) { report(Problem::Level::error, place, std::move(text)); }
   void warning(const Place& place, std::string text) { report(Problem::Level::warning, place, std::move(text)); }
-  std::size_t errors() const { return errors_; }
+  std::size_t errors() const { return errors_; }  ///< so far, values that a wrong parameter leaves out among them
 
   /// A number in SI: written plain, with a unit or as "= expression". Reports what is wrong under `label`.
   std::optional<double> number(const Node& node, const std::string& unit, const std::string& label,
