@@ -95,22 +95,27 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
 void set_threads(int threads) {
   if (threads > 0) set_thread_count(threads);
   if (!start_threads())
-    throw FileError(fmt::format("cannot start {} threads: the limits of memory or processes of this shell are reached; "
-                                "run with -t 1 or raise them (ulimit -a)",
-                                thread_count()));
+    throw FileError(
+        fmt::format("cannot start {} threads: the limits of memory or processes of this shell are reached; "
+                    "run with -t 1 or raise them (ulimit -a)",
+                    thread_count()));
 }
 
-/// Where an exception cannot travel (inside a parallel loop) it ends here: a message, no abort. Checkpoints stand, they
-/// are written aside and renamed.
+/// What nobody caught, or what cannot travel (inside a parallel loop), ends here: a message, no abort. Checkpoints
+/// stand, they are written aside and renamed.
 [[noreturn]] void give_up() {
-  const char* text = "epafi: stopped by an error inside a parallel loop\n";
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
+    std::fputs("epafi: stopped by an internal error\n", stderr);
   } catch (const std::bad_alloc&) {
-    text = memory_message;
+    std::fputs(memory_message, stderr);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr,
+                 "epafi: stopped by an internal error: %s; checkpoints stand; please report it with the scene\n",
+                 e.what());
   } catch (...) {
+    std::fputs("epafi: stopped by an internal error\n", stderr);
   }
-  std::fputs(text, stderr);
   std::_Exit(exit_file);
 }
 
