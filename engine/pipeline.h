@@ -63,6 +63,10 @@ class BroadPhase : public StepStage {
 class NarrowPhase : public StepStage {
  public:
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
+  /// Appends the bodies, some more than once, that `collide` looks at until this list changes.
+  virtual void looks_at(const PairList& pairs, std::vector<Slot>& bodies) const {
+    for (const Pair& p : pairs.pairs) bodies.push_back(p.a), bodies.push_back(p.b);
+  }
 };
 
 /// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular

@@ -23,9 +23,8 @@ void World::each_column(F&& f) {
   if (columns_.anisotropy) f("world/angular_momentum", angular_momentum);
 }
 
-Vec3 World::apply_inverse_inertia(Slot s, const Vec3& x) const {
+Vec3 World::apply_inverse_inertia_at(Slot s, const Vec3& x) const {
   const Vec3& i = inverse_inertia[s];
-  if (is_isotropic(s)) return i.x() * x;  // spheres, cubes and fixed bodies: the axes do not matter
   const Mat3 r = orientation[s].toRotationMatrix();
   return r * i.cwiseProduct(r.transpose() * x);
 }

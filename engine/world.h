@@ -102,7 +102,10 @@ class World {
   /// Whole acceleration, with the stored contact force.
   Vec3 acceleration(Slot s) const { return free_acceleration(s) + inverse_mass[s] * force[s]; }
   /// I^-1 x in world axes.
-  Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const;
+  Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const {
+    if (is_isotropic(s)) return inverse_inertia[s].x() * x;  // spheres, cubes and fixed bodies: no axes
+    return apply_inverse_inertia_at(s, x);
+  }
   /// Changes the angular momentum by an impulse [N m s] and the angular velocity with it; free bodies only.
   void apply_angular_impulse(Slot s, const Vec3& impulse) {
     if (!columns_.anisotropy && is_isotropic(s))
@@ -146,6 +149,7 @@ class World {
   Columns columns_;
   std::vector<Slot> slot_of_;  ///< by body id
 
+  Vec3 apply_inverse_inertia_at(Slot s, const Vec3& x) const;
   void apply_angular_impulse_at(Slot s, const Vec3& impulse);
   void rotate_at(Slot s, double dt);
   template <class F>

@@ -18,8 +18,13 @@ bool WornPairs::keeps_pairs(const World& world) {
 }
 
 void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet& contacts) {
-  if (!known_ || generation_ != pairs.generation || model_.waits_for_pairs()) split(world, pairs);
+  const bool fresh = !known_ || generation_ != pairs.generation || model_.waits_for_pairs();
+  if (fresh) split(world, pairs);
   others_->collide(world, rest_, contacts);
+  if (!fresh || rest_.pairs.empty()) return;
+  watched_.clear();
+  others_->looks_at(rest_, watched_);
+  model_.watch(watched_);
 }
 
 void SphereSplit::split(const World& world, const PairList& pairs) {
@@ -32,10 +37,8 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   for (Slot s = 0; s < world.size(); ++s) {
     const ShapeRef ref{world.shape[s]};
     if (ref.type() == ShapeStore::type_of<Sphere>() && world.is_movable(s)) radius[s] = spheres[ref.index()].radius;
-    const auto id = static_cast<std::size_t>(world.id[s]);
-    const bool is_plane = ref.type() == ShapeStore::type_of<HalfSpace>() && id < fixed_.size() && fixed_[id];
-    alone = alone && (is_plane || radius[s] > 0);
-    if (!is_plane) continue;
+    alone = alone && (radius[s] > 0.0 || is_fixed(world, s));
+    if (ref.type() != ShapeStore::type_of<HalfSpace>() || !is_fixed(world, s)) continue;
     plane_of[s] = static_cast<std::int32_t>(list.planes.size());
     list.planes.push_back({s, world.pose(s).orientation * planes[ref.index()].normal, world.position[s]});
   }

@@ -44,6 +44,10 @@ class SphereSplit final : public NarrowPhase {
 
  private:
   void split(const World& world, const PairList& pairs);
+  bool is_fixed(const World& world, Slot s) const {
+    const auto id = static_cast<std::size_t>(world.id[s]);
+    return id < fixed_.size() && fixed_[id];
+  }
 
   const ShapeStore& shapes_;
   std::unique_ptr<NarrowPhase> others_;
@@ -52,6 +56,7 @@ class SphereSplit final : public NarrowPhase {
   bool known_ = false;
   std::uint64_t generation_ = 0;
   PairList rest_;
+  std::vector<Slot> watched_;
 };
 
 }  // namespace epafi

@@ -9,9 +9,9 @@
 namespace epafi {
 
 namespace {
-constexpr double cell_per_size = 1.0;      // cell edge over largest body of the class
-constexpr double level_ratio = 2.0;        // sizes in one class
-constexpr std::size_t block_size = 512;    // bodies per parallel block
+constexpr double cell_per_size = 1.0;    // cell edge over largest body of the class
+constexpr double level_ratio = 2.0;      // sizes in one class
+constexpr std::size_t block_size = 512;  // bodies per parallel block
 }  // namespace
 
 std::int64_t SpatialHash::Axis::cell(double x) const {
@@ -76,7 +76,7 @@ void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
 
 void SpatialHash::sort_bodies(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
-  cell_of_.resize(all.size()), ball_.resize(all.size()), slot_.resize(all.size()), id_.resize(all.size());
+  cell_of_.resize(all.size()), ball_.resize(all.size()), slot_.resize(all.size());
   parallel_for(all.size(), [&](std::size_t k) {
     const Level& level = level_[level_of_[k]];
     const Vec3 x = bodies.position(all[k]);
@@ -91,9 +91,10 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
   for (std::uint32_t c : cell_of_) ++start_[c];
   std::uint32_t sum = 0;
   for (std::uint32_t& s : start_) s = (sum += s);
-  for (std::size_t k = all.size(); k-- > 0;) {  // from the back: starts end where they belong, order in a cell is by slot
+  for (std::size_t k = all.size();
+       k-- > 0;) {  // from the back: starts end where they belong, order in a cell is by slot
     const std::uint32_t place = --start_[cell_of_[k]];
-    ball_[place] = bodies.ball[all[k]], slot_[place] = all[k], id_[place] = bodies.id[all[k]];
+    ball_[place] = bodies.ball[all[k]], slot_[place] = all[k];
   }
 }
 
@@ -101,7 +102,6 @@ std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std
                                 std::vector<Slot>& found, std::size_t n) const {
   const Aabb box = bodies.box(slot_[body]);
   const Ball ball = ball_[body];
-  const std::uint32_t id = id_[body];
   std::array<std::int64_t, 3> from{}, to{};
   for (int d = 0; d < 3; ++d) {
     const Axis& a = level.axis[static_cast<std::size_t>(d)];
@@ -109,12 +109,15 @@ std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std
     lo = a.cell(box.min[d] - level.half), hi = a.cell(box.max[d] + level.half);
     if (hi - lo >= a.mask) lo = 0, hi = a.mask;  // the whole folded axis, each cell once
   }
+  const std::uint32_t first = own_level ? body + 1 : 0;  // of its own level those behind it: each pair once
   const auto scan = [&](std::uint32_t begin, std::uint32_t end) {
+    begin = std::max(begin, first);
+    if (begin >= end) return;
     if (found.size() < n + (end - begin)) found.resize(2 * (n + (end - begin)));
     Slot* out = found.data() + n;
     for (std::uint32_t k = begin; k < end; ++k) {  // no branch: half of the candidates hit
       *out = slot_[k];
-      out += static_cast<int>(ball.overlaps(ball_[k])) & static_cast<int>(!own_level || id_[k] > id);
+      out += static_cast<int>(ball.overlaps(ball_[k]));
     }
     n = static_cast<std::size_t>(out - found.data());
   };
@@ -123,8 +126,10 @@ std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std
   for (std::int64_t z = from[2]; z <= to[2]; ++z)
     for (std::int64_t y = from[1]; y <= to[1]; ++y) {
       const std::uint32_t* row = start_.data() + level.table + ((z & mz) * (my + 1) + (y & my)) * (mx + 1);
-      if (x0 <= x1) scan(row[x0], row[x1 + 1]);
-      else scan(row[0], row[x1 + 1]), scan(row[x0], row[mx + 1]);
+      if (x0 <= x1)
+        scan(row[x0], row[x1 + 1]);
+      else
+        scan(row[0], row[x1 + 1]), scan(row[x0], row[mx + 1]);
     }
   return n;
 }
@@ -141,7 +146,8 @@ void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
       std::size_t own = 0, count = 0;
       while (own + 1 < levels_ && k >= level_[own + 1].first) ++own;
       for (std::size_t l = 0; l <= own; ++l)
-        if (level_[l].count > 0) count = search(bodies, level_[l], static_cast<std::uint32_t>(k), l == own, found, count);
+        if (level_[l].count > 0)
+          count = search(bodies, level_[l], static_cast<std::uint32_t>(k), l == own, found, count);
       collector.add(block, slot_[k], std::span(found).first(count));
     }
   });

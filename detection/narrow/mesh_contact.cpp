@@ -52,8 +52,10 @@ void drop_far(const TriangleMesh& mesh, const Vec3& x, double distance, std::siz
               std::vector<std::uint32_t>& triangles) {
   const double far = distance * (1.0 + 1e-12);  // distances are rounded
   const auto is_far = [&](std::uint32_t t) {
+    const OverTriangle at = over_triangle(mesh, t, x);
+    if (at.least_square() > far * far) return true;
+    if (at.beyond <= 0.0) return false;
     auto corner = mesh.corners(t);
-    if (std::abs(mesh.normals[t].dot(x - corner[0])) > far) return true;
     for (Vec3& c : corner) c -= x;
     return nearest_on_triangle(Vec3::Zero(), corner).distance > far;
   };

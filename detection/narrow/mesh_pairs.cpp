@@ -31,38 +31,38 @@ class SphereOnMesh {
   SphereOnMesh(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, double radius, double reach)
       : mesh_(mesh), triangles_(triangles), radius_(radius), limit_(radius + reach), tolerance_(on_triangle * radius) {}
 
-  /// Appends the contacts of the sphere at `centre` of a body whose centre is `inside`; local: distinguishes the
-  /// spheres.
-  void collide(const Vec3& centre, const Vec3& inside, std::uint32_t local, std::vector<MeshPoint>& out) {
+  /// The contacts of the sphere at `centre` of a body whose centre is `inside`, as f(gap, normal, feature); local:
+  /// distinguishes the spheres.
+  template <class F>
+  void collide(const Vec3& centre, const Vec3& inside, std::uint32_t local, const F& f) {
     find_touches(centre, inside);
-    for (std::size_t i = 0; i < touches_.size(); ++i) {
-      const Touch& touch = touches_[i];
-      if (is_covered(i)) continue;
-      const double gap = touch.distance - radius_;
-      out.push_back({centre - radius_ * touch.normal, touch.normal, gap, name(i, local)});
-    }
+    for (std::size_t i = 0; i < touches_.size(); ++i)
+      if (!is_covered(i)) f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
   }
 
  private:
   void find_touches(const Vec3& centre, const Vec3& inside) {
     touches_.clear();
     for (const auto t : triangles_) {
-      auto corner = mesh_.corners(t);
-      const double height = mesh_.normals[t].dot(centre - corner[0]);
-      if (&centre != &inside && crosses(mesh_, t, inside, centre)) {
-        const Vec3 n = normal_towards(mesh_, t, inside);
-        touches_.push_back(
-            {-std::abs(height), t, {centre - height * mesh_.normals[t], std::abs(height), TrianglePart::face}, n});
+      const auto [height, beyond] = over_triangle(mesh_, t, centre);
+      const Vec3& front = mesh_.normals[t];
+      const bool through = &centre != &inside && crosses(mesh_, t, inside, centre);
+      if (through || (std::abs(height) < limit_ && beyond <= tolerance_)) {
+        const double distance = through ? -std::abs(height) : std::abs(height);
+        const Vec3 n = through ? normal_towards(mesh_, t, inside) : height < 0.0 ? Vec3(-front) : front;
+        touches_.push_back({distance, t, {centre - height * front, std::abs(height), TrianglePart::face}, n});
         continue;
       }
-      if (!(std::abs(height) < limit_)) continue;
-      for (Vec3& c : corner) c -= centre;  // differences first: the place of the mesh costs no digits
+      if (!(OverTriangle{height, beyond}.least_square() < limit_ * limit_)) continue;
+      auto corner = mesh_.corners(t);
+      for (Vec3& c : corner) c -= centre;
       const NearestOnTriangle near = nearest_on_triangle(Vec3::Zero(), corner, tolerance_);
       if (!(near.distance < limit_)) continue;
       const bool face = near.part == TrianglePart::face || !(near.distance > 0.0);
       const Vec3 n = face ? normal_towards(mesh_, t, centre) : Vec3(-near.point / near.distance);
       touches_.push_back({near.distance, t, {centre + near.point, near.distance, near.part}, n});
     }
+    if (touches_.size() < 2) return;
     std::sort(touches_.begin(), touches_.end(), [](const Touch& a, const Touch& b) {
       return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
     });
@@ -93,10 +93,12 @@ class SphereOnMesh {
   const TriangleMesh& mesh_;
   std::span<const std::uint32_t> triangles_;
   double radius_, limit_, tolerance_;
-  static thread_local std::vector<Touch>
-      touches_;  // keeps its size: no allocation once the largest neighbourhood was seen
+  std::vector<Touch>& touches_ = room();
+  static std::vector<Touch>& room() {
+    static thread_local std::vector<Touch> touches;  // keeps its size: no allocation once the most were seen
+    return touches;
+  }
 };
-thread_local std::vector<Touch> SphereOnMesh::touches_;
 
 /// Parameter in [0, 1] on the segment from a along u of its point nearest to the segment from b along v (Ericson
 /// 2005, 5.1.9).
@@ -167,11 +169,12 @@ class SideOnMesh {
 
 void collide_triangles(const Sphere& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
                        const PairQuery& q, ContactSink& sink) {
-  static thread_local std::vector<MeshPoint> points;
-  points.clear();
   const Vec3 centre = q.b.to_local(q.a.position);
-  SphereOnMesh(b, triangles, a.radius, q.reach).collide(centre, centre, 0, points);
-  emit(points, centre, a.radius, q, sink);
+  SphereOnMesh(b, triangles, a.radius, q.reach)
+      .collide(centre, centre, 0, [&](double gap, const Vec3& normal, Feature feature) {
+        const Vec3 n = -(q.b.orientation * normal);
+        sink.add({gap, n, a.radius * n, q.curvature ? a.radius : 0.0, feature});
+      });
 }
 
 void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const std::uint32_t> triangles,
@@ -182,8 +185,13 @@ void collide_triangles(const Capsule& a, const TriangleMesh& b, std::span<const 
   const Vec3 half = q.b.orientation.conjugate() * (q.a.orientation * Vec3(0, 0, a.half_length()));
   const Vec3 low = centre - half, high = centre + half;
   SphereOnMesh ends(b, triangles, a.radius, q.reach);
-  ends.collide(low, centre, 0, points);
-  if (a.length > 0.0) ends.collide(high, centre, 1, points);
+  const auto collide_end = [&](const Vec3& end, std::uint32_t local) {
+    ends.collide(end, centre, local, [&](double gap, const Vec3& normal, Feature feature) {
+      points.push_back({end - a.radius * normal, normal, gap, feature});
+    });
+  };
+  collide_end(low, 0);
+  if (a.length > 0.0) collide_end(high, 1);
   SideOnMesh(b, triangles, a.radius, q.reach).collide(low, 2.0 * half, points);
   emit(points, centre, a.radius, q, sink);
 }

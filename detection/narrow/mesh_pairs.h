@@ -6,8 +6,8 @@
 /// their size through the surface in one step; two shallow concave faces give two contacts where a smooth surface would
 /// give one; a polyhedron that touches a corner of the mesh nearer to it than the contact is deep may get a direction
 /// that is off by some degrees (1 of 300 random contacts of 1e-5 depth; the gap is right); a polyhedron's corner that
-/// hangs over a convex edge is left out of its points on the face (1 of 500 contacts at edges: less deep by up to 0.02 of
-/// the size).
+/// hangs over a convex edge is left out of its points on the face (1 of 500 contacts at edges: less deep by up to 0.02
+/// of the size).
 #pragma once
 #include "detection/narrow/closed_forms.h"
 #include "detection/narrow/convex_pairs.h"

@@ -86,7 +86,8 @@ void BatchNarrowPhase::join(ContactSet& out) {
       [&](std::size_t k) {
         const ContactSet& from = blocks_[k].contacts;
         const auto place = [at = static_cast<std::ptrdiff_t>(blocks_[k].first)](const auto& source, auto& target) {
-          if (!source.empty()) std::copy(source.begin(), source.end(), target.begin() + at);  // else no column to point into
+          if (!source.empty())
+            std::copy(source.begin(), source.end(), target.begin() + at);  // else no column to point into
         };
         place(from.a, out.a), place(from.b, out.b), place(from.feature, out.feature);
         place(from.gap, out.gap), place(from.normal, out.normal), place(from.arm, out.arm);
@@ -120,6 +121,12 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
     collide_block(world, blocks_[b]);
   });
   join(contacts);
+}
+
+void BatchNarrowPhase::looks_at(const PairList& list, std::vector<Slot>& bodies) const {
+  if (seconds_ > 0.0) return NarrowPhase::looks_at(list, bodies);  // at the velocity of every body
+  for (const Block& block : blocks_)
+    for (const Pair& p : block.pairs) bodies.push_back(p.a), bodies.push_back(p.b);
 }
 
 }  // namespace epafi

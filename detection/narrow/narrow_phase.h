@@ -21,6 +21,8 @@ class BatchNarrowPhase : public NarrowPhase {
 
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
+  /// Not those near no triangle of a mesh.
+  void looks_at(const PairList& pairs, std::vector<Slot>& bodies) const override;
   void reorder(const Reordering&) override { known_ = false; }
 
   /// Pairs of the last step whose certified interval stayed wider than 1e-6 of their size.
@@ -66,7 +68,8 @@ class BatchNarrowPhase : public NarrowPhase {
   std::size_t pairs_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
-  std::vector<Known> old_known_;  ///< of the last list, in order, with their caches: filled while a new list is prepared
+  std::vector<Known>
+      old_known_;  ///< of the last list, in order, with their caches: filled while a new list is prepared
   std::vector<PairCache> old_caches_;
 };
 

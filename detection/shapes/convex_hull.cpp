@@ -186,7 +186,7 @@ HullLanes lanes_of(const PolyhedronView& p) {
   return out;
 }
 
-constexpr int direction_cells = 8;  // along each side of the cube of directions
+constexpr std::size_t direction_cells = 8;  // along each side of the cube of directions
 constexpr std::size_t large_hull =
     96;  // vertices: up to here a scan is as quick (perf_hull: 64 by scan 40 ns, climbing 92)
 
@@ -195,24 +195,24 @@ std::size_t cell_of(const Vec3& d) {
   const double longest = d.cwiseAbs().maxCoeff(&axis);
   if (!(longest > 0.0)) return 0;
   const auto place = [&](int k) {
-    return std::min(direction_cells - 1, static_cast<int>((d[k] / longest + 1.0) * (0.5 * direction_cells)));
+    return std::min(direction_cells - 1, static_cast<std::size_t>((d[k] / longest + 1.0) * (0.5 * direction_cells)));
   };
-  const int side = 2 * axis + (d[axis] > 0.0);
-  return static_cast<std::size_t>((side * direction_cells + place((axis + 1) % 3)) * direction_cells +
-                                  place((axis + 2) % 3));
+  const std::size_t side = 2 * static_cast<std::size_t>(axis) + (d[axis] > 0.0 ? 1 : 0);
+  return (side * direction_cells + place((axis + 1) % 3)) * direction_cells + place((axis + 2) % 3);
 }
 
 void find_starts(ConvexHull& hull) {
   if (hull.vertices.size() <= large_hull) return;
+  constexpr double cell = 2.0 / direction_cells;
   std::uint32_t near = 0;
   for (int side = 0; side < 6; ++side) {
-    for (int i = 0; i < direction_cells; ++i) {
-      for (int j = 0; j < direction_cells; ++j) {
+    for (std::size_t i = 0; i < direction_cells; ++i) {
+      for (std::size_t j = 0; j < direction_cells; ++j) {
         Vec3 d;
         const int axis = side / 2;
         d[axis] = side % 2 ? 1.0 : -1.0;
-        d[(axis + 1) % 3] = (i + 0.5) * (2.0 / direction_cells) - 1.0,
-                       d[(axis + 2) % 3] = (j + 0.5) * (2.0 / direction_cells) - 1.0;
+        d[(axis + 1) % 3] = (static_cast<double>(i) + 0.5) * cell - 1.0,
+                       d[(axis + 2) % 3] = (static_cast<double>(j) + 0.5) * cell - 1.0;
         hull.starts.push_back(near = ConvexHull::climb(hull.view(), d, near));
       }
     }
@@ -242,8 +242,8 @@ std::optional<BoxFrame> find_box(const ConvexHull& hull) {
     ++axes;
   }
   for (std::size_t i = 0; i < 3; ++i)
-    frame.skew = std::max(frame.skew, std::abs(hull.face_normals[frame.face[i][1]].dot(
-                                          hull.face_normals[frame.face[(i + 1) % 3][1]])));
+    frame.skew = std::max(
+        frame.skew, std::abs(hull.face_normals[frame.face[i][1]].dot(hull.face_normals[frame.face[(i + 1) % 3][1]])));
   if (frame.skew > square) return {};
   for (std::uint32_t e = 0; e < 12; ++e) {
     const std::uint32_t l = hull.edges[e].left, r = hull.edges[e].right;

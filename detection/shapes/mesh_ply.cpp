@@ -128,7 +128,7 @@ class Values {
   }
   double next(std::size_t size, bool real, bool is_signed) {
     if (order_ == Order::text) return text_.number();
-    if (at_ + size > bytes_.size()) cut();
+    if (size == 0 || at_ + size > bytes_.size()) cut();
     std::uint64_t raw = 0;
     for (std::size_t k = 0; k < size; ++k) {
       const auto byte = static_cast<unsigned char>(bytes_[at_ + (order_ == Order::little ? size - 1 - k : k)]);

@@ -30,7 +30,10 @@ TriangleMesh TriangleMesh::from_surface(TriangleSurface surface) {
   const auto n = static_cast<std::uint32_t>(mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
     const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    mesh.normals.push_back((b - a).cross(c - a).normalized());
+    const Vec3 normal = (b - a).cross(c - a).normalized();
+    mesh.normals.push_back(normal);
+    mesh.inward.push_back(
+        {normal.cross(b - a).normalized(), normal.cross(c - b).normalized(), normal.cross(a - c).normalized()});
     Aabb box;
     for (const auto v : t) box.include(mesh.vertices[v]);
     mesh.boxes_.push_back(box);

@@ -28,6 +28,7 @@ struct TriangleMesh {
   std::vector<Vec3> vertices;  ///< body axes [m]
   std::vector<Triangle> triangles;
   std::vector<Vec3> normals;                             ///< unit, towards the front
+  std::vector<std::array<Vec3, 3>> inward;               ///< unit, in the plane, from side k to the inside
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< triangle behind side k, or none
   std::vector<std::array<EdgeKind, 3>> edge_kinds;       ///< of side k
 

@@ -98,6 +98,32 @@ void check_distinct_features(const ContactSet& set) {
 
 }  // namespace
 
+TEST_CASE("a point inside all sides of a triangle is at its height, any other at least at its bound",
+          "[detection][mesh-pairs]") {
+  Random random(47, 0);
+  std::size_t inside = 0, bounded = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 place = 100.0 * random_point(random);  // far from the origin: differences are rounded to 1e-14
+    const TriangleSurface s{{place + random_point(random), place + random_point(random), place + random_point(random)},
+                            {{0, 1, 2}}};
+    const TriangleMesh mesh = TriangleMesh::from_surface(s);
+    const Vec3 x = place + random_point(random);
+    const OverTriangle at = over_triangle(mesh, 0, x);
+    const NearestOnTriangle near = nearest_on_triangle(x, mesh.corners(0));
+    const double area = (s.vertices[1] - s.vertices[0]).cross(s.vertices[2] - s.vertices[0]).norm();
+    const double rounding = 1e-13 / std::min(1.0, area);  // of the normal of a sliver
+    CHECK(std::sqrt(at.least_square()) <= near.distance + rounding);
+    const bool is_inside = at.beyond < -rounding;
+    bounded += at.beyond > rounding;
+    if (std::abs(at.beyond) > rounding) CHECK((near.part == TrianglePart::face) == is_inside);
+    if (!is_inside) continue;
+    ++inside;
+    CHECK(std::abs(at.height) == Approx(near.distance).margin(rounding));
+    CHECK(lies_on(mesh, 0, near.point, 1e-12 / std::min(1.0, area)));
+  }
+  CHECK((inside > 100 && bounded > 1000));
+}
+
 TEST_CASE("a sphere on a triangulated floor sees exactly the plane, whatever the triangles",
           "[detection][mesh-pairs]") {
   Random random(51, 0);

@@ -70,6 +70,7 @@ struct BodyPass {
   const std::uint8_t* plain;    ///< by four bodies: all free and of equal moments
   const std::uint8_t* touched;  ///< by slot: forces of the world come on top; null: nowhere
   const float* hurry;           ///< by slot: 1/half the margin of the list [1/m]
+  const std::uint8_t* watched;  ///< by slot: others look at the body in the world; null: nobody does
   Scheme& scheme;               ///< for the others
   double dt, lag;               ///< lag: of the predicted velocity [s]
   std::size_t begin, end;       ///< slots, begin a multiple of four
@@ -159,7 +160,9 @@ struct FirstHalf : BodyPass {
 
 /// What the loop over contacts has found, its sums at zero then, and half a kick. With `onward` the first half of the
 /// next step follows at once, and bodies and forces go to the world only with `shown`; without it the ways are
-/// measured. One body a register, as they lie in `states`, which count: those of the world may be of long ago.
+/// measured, and the world is told of those that others watch, with all forces: who is watched changes with the list,
+/// and the next step predicts from them. One body a register, as they lie in `states`, which count: those of the world
+/// may be of long ago.
 template <bool onward, bool shown>
 struct SecondHalf : BodyPass {
   Extent& next;      ///< of the bodies as the first half of the next step leaves them
@@ -237,10 +240,13 @@ struct SecondHalf : BodyPass {
         p.hurry = most(p.hurry, way * way);
       }
     }
-    if constexpr (!onward || shown) {
-      write<n>(world.position[s].data(), row<n>(state.position));
-      write<n>(world.velocity[s].data(), v), write<n>(world.force[s].data(), force);
-      if (p.rotates) write<n>(world.angular_velocity[s].data(), w), write<n>(world.torque[s].data(), torque);
+    if (!onward || shown || watched != nullptr) {
+      write<n>(world.force[s].data(), force);
+      if (p.rotates) write<n>(world.torque[s].data(), torque);
+    }
+    if (!onward || shown || (watched != nullptr && watched[s] != 0)) {
+      write<n>(world.position[s].data(), row<n>(state.position)), write<n>(world.velocity[s].data(), v);
+      if (p.rotates) write<n>(world.angular_velocity[s].data(), w);
     }
     sum = SphereSum{};
   }

@@ -74,9 +74,14 @@ class FusedModel final : public FusedSpheres {
       const double margin = list.margins[s];
       hurry_[s] = margin > 0.0 ? static_cast<float>(2.0 * (1.0 + 1e-6) / margin) : 0.0f;
     }
-    wall_laws_.clear();
+    watched_.clear(), wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
+  }
+
+  void watch(std::span<const Slot> bodies) override {
+    watched_.assign(blocks_.states().size(), 0);
+    for (Slot s : bodies) watched_[s] = 1;
   }
 
   bool move(World& world, const StepClock& clock) override {
@@ -187,6 +192,7 @@ class FusedModel final : public FusedSpheres {
             blocks_.plain(),
             touched_.empty() ? nullptr : is_touched_.data(),
             hurry_.data(),
+            watched_.empty() ? nullptr : watched_.data(),
             *clock.scheme,
             clock.dt,
             lag(clock),
@@ -379,9 +385,10 @@ class FusedModel final : public FusedSpheres {
   std::vector<Law> wall_laws_;
   std::unique_ptr<ContactModel> generic_;
   bool damped_ = false, others_ = true;
-  bool packed_ = false;           ///< the blocks hold the bodies as they are
-  std::vector<float> hurry_;      ///< 1/half the margin, by slot [1/m]; empty: not all contacts are those of the blocks
-  std::vector<Vec3> most_hurry_;  ///< by block: largest squares of velocity times that [1/s^2]
+  bool packed_ = false;                         ///< the blocks hold the bodies as they are
+  std::vector<float> hurry_;                    ///< 1/half the margin, by slot [1/m]; empty: others move too
+  std::vector<std::uint8_t> watched_;           ///< by slot; empty: the blocks have all contacts
+  std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   double largest_way_ = Extent::none;           ///< of the step that has begun, over half the margin
   bool ahead_ = false;                          ///< the first half of the next step is done
   bool behind_ = false;                         ///< the world has velocities of before

@@ -15,6 +15,8 @@ class FusedSpheres : public ContactModel {
  public:
   /// The pairs that this model detects itself, whenever the list changes.
   virtual void set_pairs(const World& world, const SphereList& list) = 0;
+  /// Others look at these bodies in every step until the list changes; after set_pairs.
+  virtual void watch(std::span<const Slot> bodies) = 0;
   /// The largest way of a body in the step that has begun over half its margin; infinity: not known.
   virtual double largest_way() const = 0;
   /// Appends bodies and gaps alone of the contacts that `publish` would write out, in any order: 16 bytes each in the

@@ -41,7 +41,7 @@ struct SphereList {
   std::span<const double> radius;          ///< by slot: of a free sphere [m], or not_a_sphere
   std::span<const std::int32_t> plane_of;  ///< by slot: index in `planes`, or -1
   std::vector<SpherePlane> planes;
-  std::span<const double> margins;  ///< by slot [m]; empty: other contacts are possible, or the list has none
+  std::span<const double> margins;  ///< by slot [m]; empty: others move too, or the list has none
 
   bool is_sphere(Slot s) const { return radius[s] > 0.0; }
   bool takes(const Pair& p) const {

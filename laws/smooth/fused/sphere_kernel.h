@@ -54,7 +54,7 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, st
   static_assert(sizeof(SpherePlaces) == sizeof(double));
   std::memcpy(&places, pair, sizeof places);
   compress<n>(places, bits, t.bodies + at);
-  for (std::uint32_t l = 0; l < n; ++l) t.pair[at + l] = k + bit_places.at[bits][l];
+  write_places<n>(bits, k, t.pair + at);
   t.count = at + bit_places.count[bits];
   return bits;
 }
@@ -171,31 +171,54 @@ EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<
     t.limit[g] = Tangential::friction(law.tangential) * r.force;
 }
 
-/// Adds force and pull to what A has found and -force and pull to B's (not of walls and of other blocks), lane by
-/// lane, A and B: the order of a body's sum must not depend on which contacts share a group.
-template <int n, bool friction, bool b_too>
-EPAFI_LANES void scatter(const SpherePlaces* bodies, const RowOf<n>* force, const RowOf<n>* pull,
-                         const SphereArrays& with) {
-  for (int l = 0; l < n; ++l) {
-    SphereSum& a = with.sum(bodies[l].a);
-    if constexpr (n == 8 && friction) {
-      using Eight = LanesOf<8>::Real;
-      constexpr long long sign = static_cast<long long>(1ull << 63);
-      const Eight both = __builtin_shufflevector(force[l], pull[l], 0, 1, 2, 3, 4, 5, 6, 7);
-      reinterpret_cast<Eight&>(a) += both;
-      if constexpr (b_too)
-        reinterpret_cast<Eight&>(with.sum(bodies[l].b)) += reinterpret_cast<Eight>(
-            reinterpret_cast<LanesOf<8>::Mask>(both) ^ LanesOf<8>::Mask{sign, sign, sign, sign, 0, 0, 0, 0});
-    } else {
-      store<n>(a.force, row<n>(a.force) + force[l]);
-      if constexpr (friction) store<n>(a.pull, row<n>(a.pull) + pull[l]);
-      if constexpr (b_too) {
-        SphereSum& b = with.sum(bodies[l].b);
-        store<n>(b.force, row<n>(b.force) - force[l]);
-        if constexpr (friction) store<n>(b.pull, row<n>(b.pull) + pull[l]);
-      }
-    }
+/// What a contact adds to the sum of A, and with the force turned round to that of B.
+template <int n, bool friction>
+struct SumRow {
+  RowOf<n> force, pull;
+  EPAFI_LANES SumRow turned() const { return {-force, pull}; }
+  EPAFI_LANES void add_to(SphereSum& sum) const {
+    store<n>(sum.force, row<n>(sum.force) + force);
+    if constexpr (friction) store<n>(sum.pull, row<n>(sum.pull) + pull);
   }
+  EPAFI_LANES void write(SphereSum& sum) const {
+    store<n>(sum.force, force);
+    if constexpr (friction)
+      store<n>(sum.pull, pull);
+    else
+      sum.pull = Lanes{};
+  }
+};
+/// Both in one register.
+template <>
+struct SumRow<8, true> {
+  LanesOf<8>::Real both;
+  EPAFI_LANES SumRow turned() const {
+    constexpr long long sign = static_cast<long long>(1ull << 63);
+    return {reinterpret_cast<LanesOf<8>::Real>(reinterpret_cast<LanesOf<8>::Mask>(both) ^
+                                               LanesOf<8>::Mask{sign, sign, sign, sign, 0, 0, 0, 0})};
+  }
+  EPAFI_LANES void add_to(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) += both; }
+  EPAFI_LANES void write(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) = both; }
+};
+
+template <int n, bool friction>
+EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& force,
+                                const VectorsOf<typename LanesOf<n>::Real>& pull, SumRow<n, friction>* rows) {
+  if constexpr (n == 8 && friction) {
+    LanesOf<8>::Real both[n];
+    write_both(force, pull, both);
+    for (int l = 0; l < n; ++l) rows[l].both = both[l];
+  } else {
+    RowOf<n> forces[n], pulls[n]{};
+    write_rows(force.x, force.y, force.z, typename LanesOf<n>::Real{}, forces);
+    if constexpr (friction) write_rows(pull.x, pull.y, pull.z, typename LanesOf<n>::Real{}, pulls);
+    for (int l = 0; l < n; ++l) rows[l] = {forces[l], pulls[l]};
+  }
+}
+
+template <LaneVector V>
+EPAFI_LANES VectorsOf<V> keep(MaskOf<V> mask, const VectorsOf<V>& x) {
+  return {keep(mask, x.x), keep(mask, x.y), keep(mask, x.z)};
 }
 
 /// Adds to sums; of B to records where it lies in another block.
@@ -212,20 +235,17 @@ EPAFI_LANES void add_forces(const SphereTile<n>& t, std::size_t g, const SphereB
     total.virial[0].add(g, arm * normal.x * f.x), total.virial[1].add(g, arm * normal.y * f.y);
     total.virial[2].add(g, arm * normal.z * f.z);
   }
-  RowOf<n> force[n], pull[n];
-  write_rows(keep(used, f.x), keep(used, f.y), keep(used, f.z), V{}, force);
-  if constexpr (friction) write_rows(keep(used, moment.x), keep(used, moment.y), keep(used, moment.z), V{}, pull);
-  scatter<n, friction, !wall && !across>(t.bodies + g * n, force, pull, with);
+  SumRow<n, friction> rows[n];
+  write_sum_rows<n, friction>(keep(used, f), keep(used, moment), rows);
+  const SpherePlaces* bodies = t.bodies + g * n;
+  for (int l = 0; l < n; ++l) {  // lane by lane, A and B: the order of a body's sum is not that of groups
+    rows[l].add_to(with.sum(bodies[l].a));
+    if constexpr (!wall && !across) rows[l].turned().add_to(with.sum(bodies[l].b));
+  }
   if constexpr (across) {
     const std::uint32_t* pair = t.pair + g * n;
-    for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
-      SphereSum& record = with.records[block.record + pair[l] - run.begin];
-      store<n>(record.force, -force[l]);
-      if constexpr (friction)
-        store<n>(record.pull, pull[l]);
-      else
-        record.pull = Lanes{};
-    }
+    for (std::size_t l = 0; l < n && g * n + l < t.count; ++l)
+      rows[l].turned().write(with.records[block.record + pair[l] - run.begin]);
   }
 }
 

@@ -10,6 +10,13 @@
 /// Behind the parameters of a lambda that works on lanes: a function of its own keeps the baseline (engine/targets.h).
 #define EPAFI_INLINED __attribute__((always_inline))
 
+/// Where GCC has the builtins of AVX-512. It looks at the target of one where it is inlined.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(EPAFI_ONE_TARGET)
+#define EPAFI_WIDE_BUILTINS 1
+#else
+#define EPAFI_WIDE_BUILTINS 0
+#endif
+
 namespace epafi {
 
 /// Four numbers of a body as two registers of SSE2.
@@ -93,6 +100,15 @@ EPAFI_LANES void write(double* to, const RowOf<n>& x) {
   std::memcpy(to, &low, sizeof low);
 }
 
+/// One behind the other. GCC 12 makes three instructions of the shuffle alone.
+EPAFI_LANES LanesOf<8>::Real join(Lanes a, Lanes b) {
+#if EPAFI_WIDE_BUILTINS
+  return __builtin_ia32_insertf64x4_mask(__builtin_ia32_pd512_256pd(a), b, 1, LanesOf<8>::Real{}, -1);
+#else
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
+}
+
 /// Of n rows f(lane): their numbers as columns.
 template <class F>
 EPAFI_LANES void read_columns(const F& f, LanesOf<2>::Real& x, LanesOf<2>::Real& y, LanesOf<2>::Real& z,
@@ -112,7 +128,7 @@ EPAFI_LANES void read_columns(const F& f, LanesOf<8>::Real& x, LanesOf<8>::Real&
   using Eight = LanesOf<8>::Real;
   const auto two = [&](int i, int j) EPAFI_INLINED {
     const Lanes a = f(i), b = f(j);
-    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+    return join(a, b);
   };
   const Eight ac = two(0, 2), bd = two(1, 3), eg = two(4, 6), fh = two(5, 7);
   const Eight p = __builtin_shufflevector(ac, bd, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -151,11 +167,32 @@ EPAFI_LANES void write_rows(LanesOf<8>::Real x, LanesOf<8>::Real y, LanesOf<8>::
   split(__builtin_shufflevector(q, s, 2, 3, 10, 11, 6, 7, 14, 15), rows[3], rows[7]);
 }
 
+/// Rows of two vectors side by side, x y z 0 of both.
+EPAFI_LANES void write_both(const VectorsOf<LanesOf<8>::Real>& a, const VectorsOf<LanesOf<8>::Real>& b,
+                            LanesOf<8>::Real* rows) {
+  using Eight = LanesOf<8>::Real;
+  const auto pairs = [](const VectorsOf<Eight>& v, Eight* of) EPAFI_INLINED {  // of lanes 0 4, 1 5, 2 6, 3 7
+    const Eight p = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Eight q = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
+    const Eight r = __builtin_shufflevector(v.z, Eight{}, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Eight s = __builtin_shufflevector(v.z, Eight{}, 1, 9, 3, 11, 5, 13, 7, 15);
+    of[0] = __builtin_shufflevector(p, r, 0, 1, 8, 9, 4, 5, 12, 13);
+    of[1] = __builtin_shufflevector(q, s, 0, 1, 8, 9, 4, 5, 12, 13);
+    of[2] = __builtin_shufflevector(p, r, 2, 3, 10, 11, 6, 7, 14, 15);
+    of[3] = __builtin_shufflevector(q, s, 2, 3, 10, 11, 6, 7, 14, 15);
+  };
+  Eight first[4], second[4];
+  pairs(a, first), pairs(b, second);
+  for (int l = 0; l < 4; ++l) {
+    rows[l] = __builtin_shufflevector(first[l], second[l], 0, 1, 2, 3, 8, 9, 10, 11);
+    rows[l + 4] = __builtin_shufflevector(first[l], second[l], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
 /// One bit for each lane where a < b.
 template <int n>
 EPAFI_LANES unsigned less_bits(typename LanesOf<n>::Real a, typename LanesOf<n>::Real b) {
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-  // GCC looks at the target of a builtin where it is inlined; a mask of lanes would be taken apart one by one
+#if EPAFI_WIDE_BUILTINS  // a mask of lanes would be taken apart one by one
   if constexpr (n == 2)
     return static_cast<unsigned>(__builtin_ia32_movmskpd(reinterpret_cast<LanesOf<2>::Real>(a < b)));
   if constexpr (n == 4) return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Lanes>(a < b)));
@@ -180,6 +217,31 @@ inline constexpr BitPlaces bit_places = [] {
       if (bits >> l & 1u) out.at[bits][out.count[bits]++] = l;
   return out;
 }();
+#if EPAFI_WIDE_BUILTINS
+/// The eight of `at` as the lower half of a register: a conversion of eight bytes alone goes number by number.
+EPAFI_LANES auto place_bytes(unsigned bits) {
+  using Bytes = char __attribute__((vector_size(16)));
+  long long eight;
+  std::memcpy(&eight, bit_places.at[bits].data(), sizeof eight);
+  return reinterpret_cast<Bytes>(LanesOf<2>::Mask{eight, 0});
+}
+#endif
+/// Writes `first` plus each of them for n lanes.
+template <int n>
+EPAFI_LANES void write_places(unsigned bits, std::uint32_t first, std::uint32_t* to) {
+#if EPAFI_WIDE_BUILTINS
+  if constexpr (n == 8) {
+    using Eight = int __attribute__((vector_size(32)));
+    const Eight places = __builtin_ia32_pmovzxbd256(place_bytes(bits)) + static_cast<int>(first);
+    std::memcpy(to, &places, sizeof places);
+    return;
+  }
+#endif
+  if constexpr (n == 2)
+    to[0] = first, to[bits & 1u] = first + 1;
+  else
+    for (std::uint32_t l = 0; l < n; ++l) to[l] = first + bit_places.at[bits][l];
+}
 /// The same for four lanes, each of two halves.
 inline constexpr auto half_places = [] {
   std::array<std::array<std::int32_t, 8>, 16> out{};
@@ -192,9 +254,12 @@ inline constexpr auto half_places = [] {
 /// Writes the lanes named by `bits` one behind the other; those behind them may be written too.
 template <int n>
 EPAFI_LANES void compress(typename LanesOf<n>::Real x, unsigned bits, void* to) {
-  if constexpr (n == 2) {
-    const double first = bits & 1u ? x[0] : x[1];
-    x = LanesOf<2>::Real{first, x[1]};
+  if constexpr (n == 2) {  // the second lane comes to where the first one is not wanted: no branch
+    auto* numbers = static_cast<char*>(to);
+    const double first = x[0], second = x[1];
+    std::memcpy(numbers, &first, sizeof first);
+    std::memcpy(numbers + (bits & 1u) * sizeof second, &second, sizeof second);
+    return;
   }
 #if defined(__clang__)
   if constexpr (n > 2) {
@@ -210,35 +275,30 @@ EPAFI_LANES void compress(typename LanesOf<n>::Real x, unsigned bits, void* to) 
     x = reinterpret_cast<Lanes>(__builtin_shuffle(reinterpret_cast<Halves>(x), places));
   }
   if constexpr (n == 8) {
+#if EPAFI_WIDE_BUILTINS
+    x = __builtin_shuffle(x, __builtin_ia32_pmovzxbq512_mask(place_bytes(bits), LanesOf<8>::Mask{}, -1));
+#else
     using Bytes = std::uint8_t __attribute__((vector_size(8)));
     Bytes places;
     std::memcpy(&places, bit_places.at[bits].data(), sizeof places);
     x = __builtin_shuffle(x, __builtin_convertvector(places, LanesOf<8>::Mask));
+#endif
   }
 #endif
   std::memcpy(to, &x, sizeof x);
 }
 
-/// Sums by the place of a contact among all, modulo four: the same bits for every width.
+/// Sums by the place of a contact among all, modulo eight: the same bits for every width.
 template <int n>
 struct LaneSum {
-  static constexpr std::size_t parts = n == 2 ? 2 : 1;
-  using Part = std::conditional_t<n == 2, LanesOf<2>::Real, Lanes>;
-  Part part[parts]{};
+  static constexpr std::size_t parts = 8 / n;
+  typename LanesOf<n>::Real part[parts]{};
   /// g: which group of n it is.
-  EPAFI_LANES void add(std::size_t g, typename LanesOf<n>::Real x) {
-    if constexpr (n == 8) {
-      part[0] += __builtin_shufflevector(x, x, 0, 1, 2, 3);
-      part[0] += __builtin_shufflevector(x, x, 4, 5, 6, 7);
-    } else {
-      part[g % parts] += x;
-    }
-  }
+  EPAFI_LANES void add(std::size_t g, typename LanesOf<n>::Real x) { part[g % parts] += x; }
   EPAFI_LANES double total() const {
-    if constexpr (n == 2)
-      return (part[0][0] + part[0][1]) + (part[1][0] + part[1][1]);
-    else
-      return (part[0][0] + part[0][1]) + (part[0][2] + part[0][3]);
+    double s[8];
+    std::memcpy(s, part, sizeof s);
+    return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
   }
 };
 
