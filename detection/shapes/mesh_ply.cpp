@@ -154,7 +154,8 @@ std::vector<double> read_list(Values& values, const Property& p) {
   const double count = p.count_bytes ? values.next(p.count_bytes, false, false) : 1.0;
   if (!(count >= 0) || count > 1e6 || count != std::floor(count)) values.fail("the length of a list is out of range");
   std::vector<double> list;
-  for (double k = 0; k < count; ++k) list.push_back(values.next(p.bytes, p.real, p.is_signed));
+  for (auto left = static_cast<long>(count); left > 0; --left)
+    list.push_back(values.next(p.bytes, p.real, p.is_signed));
   return list;
 }
 

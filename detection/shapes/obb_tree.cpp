@@ -14,7 +14,7 @@ OrientedBox box_of(std::span<const Vec3> vertices, std::span<const Triangle> tri
   double area = 0.0;
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
-  const Vec3 origin = vertices[triangles[members[0]][0]];
+  const Vec3& origin = vertices[triangles[members[0]][0]];
   for (const std::uint32_t t : members) {
     const Vec3 a = vertices[triangles[t][0]] - origin, b = vertices[triangles[t][1]] - origin,
                c = vertices[triangles[t][2]] - origin;

@@ -57,12 +57,13 @@ TriangleSurface tessellate(const WheelProfile& shape, const Fineness& fineness) 
 TriangleSurface tessellate(const RailProfile& shape, const Fineness&) {
   const Track& t = *shape.track;
   TriangleSurface s;
-  const double low = 0.0, step = t.curve.radius == 0.0 ? shape.drawn_length : 1.0;
+  const double step = t.curve.radius == 0.0 ? shape.drawn_length : 1.0;
+  const auto frames = static_cast<int>((shape.drawn_length + 1e-9) / step) + 1;
   const WheelRailPair pair(Profile({{-0.1, 0.0, 0.1}, {0.0, 0.0, 0.0}}), t.rail, t.geometry, true);
   for (const double side : {1.0, -1.0}) {
     std::vector<Vec3> points;
-    for (double at = low; at <= shape.drawn_length + 1e-9; at += step) {
-      const Pose frame = t.frame(at);
+    for (int m = 0; m < frames; ++m) {
+      const Pose frame = t.frame(m * step);
       for (int k = 0; k <= 24; ++k) {
         const double y = t.rail.y_min() + (t.rail.y_max() - t.rail.y_min()) * k / 24.0;
         points.push_back(frame.to_world(Vec3(0.0, side * (pair.rail_axis() - y), t.rail.at(y).z)));
