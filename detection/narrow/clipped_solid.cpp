@@ -1,34 +1,104 @@
 #include "detection/narrow/clipped_solid.h"
 
 #include <algorithm>
+#include <cstring>
+
+#include "engine/lanes.h"
 
 namespace epafi {
-
 namespace {
+
 constexpr std::uint32_t unnamed = 0xffffffffu;
+
+template <class T>
+void at_least(std::vector<T>& list, std::size_t size) {
+  if (list.size() < size) list.resize(2 * size);
 }
 
+using Two = LanesOf<2>::Real;  // fills a register of the baseline; loops over four or five planes gain nothing by more
+
+EPAFI_LANES Two load(const double* p) {
+  Two x;
+  std::memcpy(&x, p, sizeof x);
+  return x;
+}
+
+}  // namespace
+
+void PlaneColumns::append(const Plane& p) {
+  if (count_ + 2 > x_.size())
+    for (std::vector<double>* column : {&x_, &y_, &z_, &offset_}) column->resize(2 * count_ + 16);
+  x_[count_] = p.normal.x(), y_[count_] = p.normal.y(), z_[count_] = p.normal.z(), offset_[count_] = p.offset;
+  ++count_;
+  x_[count_] = y_[count_] = z_[count_] = 0.0, offset_[count_] = infinity;
+}
+
+/// For the surface that is made next.
+void ClippedSolid::make_room(std::size_t points, std::size_t faces, std::size_t corners) {
+  at_least(next_.x, points), at_least(next_.y, points), at_least(next_.z, points);
+  at_least(next_.begin, faces + 1), at_least(next_.corners, corners);
+  next_count_ = 0, next_faces_ = 0, next_.begin[0] = 0;
+}
+
+void ClippedSolid::append(const Vec3& x) {
+  next_.x[next_count_] = x.x(), next_.y[next_count_] = x.y(), next_.z[next_count_] = x.z();
+  ++next_count_;
+}
+
+/// What was made next is the surface from now on.
+void ClippedSolid::take_next() { std::swap(now_, next_), count_ = next_count_, faces_ = next_faces_; }
+
 void ClippedSolid::assign(const PolyhedronView& view, const Mat3& rotation, const Vec3& offset) {
-  points.clear();
-  for (const Vec3& v : view.vertices) points.push_back(rotation * v + offset);
-  begin_.assign(view.face_begin.begin(), view.face_begin.end());
-  corners_.assign(view.face_vertices.begin(), view.face_vertices.end());
+  make_room(view.vertices.size(), view.face_normals.size(), view.face_vertices.size());
+  for (const Vec3& v : view.vertices) append(rotation * v + offset);
+  std::copy(view.face_begin.begin(), view.face_begin.end(), next_.begin.begin());
+  std::copy(view.face_vertices.begin(), view.face_vertices.end(), next_.corners.begin());
+  next_faces_ = view.face_normals.size();
+  take_next();
+}
+
+void ClippedSolid::assign(const PolyhedronView& view, std::span<const std::uint32_t> faces, const Mat3& rotation,
+                          const Vec3& offset) {
+  make_room(view.vertices.size(), faces.size(), view.face_vertices.size());
+  new_name_.assign(view.vertices.size(), unnamed);
+  std::uint32_t* out = next_.corners.data();
+  for (const std::uint32_t f : faces) {
+    for (std::uint32_t k = view.face_begin[f]; k < view.face_begin[f + 1]; ++k) {
+      const std::uint32_t v = view.face_vertices[k];
+      if (new_name_[v] == unnamed) {
+        new_name_[v] = static_cast<std::uint32_t>(next_count_);
+        append(rotation * view.vertices[v] + offset);
+      }
+      *out++ = new_name_[v];
+    }
+    next_.begin[++next_faces_] = static_cast<std::uint32_t>(out - next_.corners.data());
+  }
+  take_next();
 }
 
 void ClippedSolid::assign(const ClippedSolid& other) {
-  points = other.points, begin_ = other.begin_, corners_ = other.corners_;
+  const Surface& from = other.now_;
+  const std::size_t corners = from.begin[other.faces_];
+  make_room(other.count_, other.faces_, corners);
+  std::copy_n(from.x.begin(), other.count_, next_.x.begin());
+  std::copy_n(from.y.begin(), other.count_, next_.y.begin());
+  std::copy_n(from.z.begin(), other.count_, next_.z.begin());
+  std::copy_n(from.begin.begin(), other.faces_ + 1, next_.begin.begin());
+  std::copy_n(from.corners.begin(), corners, next_.corners.begin());
+  std::swap(now_, next_), count_ = other.count_, faces_ = other.faces_;
 }
 
 /// Where the edge leaves; each edge is met from both of its faces and gets one point.
 std::uint32_t ClippedSolid::crossing(std::uint32_t inside, std::uint32_t outside) {
-  for (const Crossing& c : crossings_)
-    if (c.inside == inside && c.outside == outside) return c.point;
+  const std::uint64_t edge = std::uint64_t{inside} << 32 | outside;
+  for (std::size_t k = 0; k < crossings_.size(); ++k)
+    if (crossings_[k] == edge) return kept_ + static_cast<std::uint32_t>(k);
   const double p = above_[inside], q = above_[outside];  // p <= 0 < q
-  const auto name = static_cast<std::uint32_t>(next_points_.size());
-  next_points_.push_back(points[inside] + p / (p - q) * (points[outside] - points[inside]));
-  crossings_.push_back({inside, outside, name});
+  const Vec3 from = point(inside);
+  append(from + p / (p - q) * (point(outside) - from));
+  crossings_.push_back(edge);
   cap_next_.push_back(unnamed);
-  return name;
+  return static_cast<std::uint32_t>(next_count_ - 1);
 }
 
 /// Writes what is left of the face behind `out`; the end of what was written.
@@ -42,9 +112,12 @@ std::uint32_t* ClippedSolid::cut_face(const std::uint32_t* begin, const std::uin
       const std::uint32_t cut = in ? crossing(corner, last) : crossing(last, corner);
       *out++ = cut;
       // the face runs exit -> entry along the cut, the cap the other way
-      if (!in) open_exit = cut;
-      else if (open_exit == unnamed) first_entry = cut;
-      else cap_next_[cut - kept_] = open_exit, open_exit = unnamed;
+      if (!in)
+        open_exit = cut;
+      else if (open_exit == unnamed)
+        first_entry = cut;
+      else
+        cap_next_[cut - kept_] = open_exit, open_exit = unnamed;
     }
     if (in) *out++ = name;
     last = corner, last_in = in;
@@ -64,57 +137,84 @@ std::uint32_t* ClippedSolid::close_cuts(std::uint32_t* out) {
       p = next;
     }
     // a cut of two points is no face: the two faces beside it meet there, and an edge must not be listed twice
-    if (out < face + 3) out = face;
-    else next_begin_.push_back(static_cast<std::uint32_t>(out - next_corners_.data()));
+    if (out < face + 3)
+      out = face;
+    else
+      next_.begin[++next_faces_] = static_cast<std::uint32_t>(out - next_.corners.data());
   }
   return out;
 }
 
+void ClippedSolid::ranges(const PlaneColumns& planes, std::vector<double>& low, std::vector<double>& high) const {
+  const std::size_t count = planes.size();
+  at_least(low, count + 1), at_least(high, count + 1);
+  for (std::size_t k = 0; k < count; k += 2) {
+    const Two x = load(&planes.x_[k]), y = load(&planes.y_[k]), z = load(&planes.z_[k]),
+              offset = load(&planes.offset_[k]);
+    Two least{infinity, infinity}, most{-infinity, -infinity};
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Two h = x * now_.x[i] + y * now_.y[i] + z * now_.z[i] - offset;
+      least = min(least, h), most = max(most, h);
+    }
+    std::memcpy(&low[k], &least, sizeof least), std::memcpy(&high[k], &most, sizeof most);
+  }
+}
+
+void ClippedSolid::assign_tetrahedron(const std::array<Vec3, 4>& x) {
+  make_room(4, 4, 12);
+  for (const Vec3& p : x) append(p);
+  static constexpr std::array<std::uint32_t, 12> faces{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  static constexpr std::array<std::uint32_t, 12> mirrored{0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2};
+  const bool positive = (x[1] - x[0]).dot((x[2] - x[0]).cross(x[3] - x[0])) > 0.0;
+  std::ranges::copy(positive ? faces : mirrored, next_.corners.begin());
+  for (std::uint32_t f = 0; f <= 4; ++f) next_.begin[f] = 3 * f;
+  next_faces_ = 4;
+  take_next();
+}
+
+/// No branch on the side of a point, which nothing predicts: what is not kept is overwritten by the next one.
+void ClippedSolid::keep_inside() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    next_.x[kept] = now_.x[i], next_.y[kept] = now_.y[i], next_.z[kept] = now_.z[i];
+    const bool in = !(above_[i] > 0.0);
+    new_name_[i] = in ? static_cast<std::uint32_t>(kept) : unnamed;
+    kept += in;
+  }
+  next_count_ = kept, kept_ = static_cast<std::uint32_t>(kept);
+}
+
+void ClippedSolid::cut() {
+  const std::size_t corners = now_.begin[faces_];
+  make_room(count_ + corners, 2 * faces_ + 1, 4 * corners);  // each corner may add a cut to its face and one to the cap
+  at_least(new_name_, count_);
+  crossings_.clear(), cap_next_.clear();
+  keep_inside();
+  std::uint32_t* out = next_.corners.data();
+  for (std::size_t f = 0; f < faces_; ++f) {
+    std::uint32_t* const face = out;
+    out = cut_face(now_.corners.data() + now_.begin[f], now_.corners.data() + now_.begin[f + 1], out);
+    if (out != face) next_.begin[++next_faces_] = static_cast<std::uint32_t>(out - next_.corners.data());
+  }
+  close_cuts(out);
+  take_next();
+}
+
 bool ClippedSolid::clip(const Plane& plane) {
-  const std::size_t count = points.size();
-  above_.resize(count);
+  at_least(above_, count_);
   double low = infinity, high = -infinity;
-  for (std::size_t i = 0; i < count; ++i) {
-    above_[i] = plane.above(points[i]);
+  for (std::size_t i = 0; i < count_; ++i) {
+    above_[i] = plane.above(point(i));
     low = std::min(low, above_[i]), high = std::max(high, above_[i]);
   }
   if (!(low < 0.0)) return false;
-  if (!(high > 0.0)) return true;
-  next_points_.clear(), crossings_.clear(), cap_next_.clear();
-  new_name_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    new_name_[i] = above_[i] > 0.0 ? unnamed : static_cast<std::uint32_t>(next_points_.size());
-    if (new_name_[i] != unnamed) next_points_.push_back(points[i]);
-  }
-  kept_ = static_cast<std::uint32_t>(next_points_.size());
-  next_begin_.assign(1, 0u);
-  next_corners_.resize(4 * corners_.size());  // each corner may add a cut to its face and one to the cap
-  std::uint32_t* out = next_corners_.data();
-  for (std::size_t f = 0; f + 1 < begin_.size(); ++f) {
-    std::uint32_t* const face = out;
-    out = cut_face(corners_.data() + begin_[f], corners_.data() + begin_[f + 1], out);
-    if (out != face) next_begin_.push_back(static_cast<std::uint32_t>(out - next_corners_.data()));
-  }
-  out = close_cuts(out);
-  next_corners_.resize(static_cast<std::size_t>(out - next_corners_.data()));
-  points.swap(next_points_), begin_.swap(next_begin_), corners_.swap(next_corners_);
+  if (high > 0.0) cut();
   return true;
 }
 
 Volume ClippedSolid::volume() const {
-  Volume out;
-  Vec3 moment = Vec3::Zero();
-  const Vec3 origin = points.front();
-  for (std::size_t f = 0; f + 1 < begin_.size(); ++f) {
-    const Vec3 p = points[corners_[begin_[f]]] - origin;
-    for (std::uint32_t k = begin_[f] + 1; k + 1 < begin_[f + 1]; ++k) {
-      const Vec3 q = points[corners_[k]] - origin, r = points[corners_[k + 1]] - origin;
-      const double six_fold = p.dot(q.cross(r));
-      out.volume += six_fold, moment += six_fold * (p + q + r);
-    }
-  }
-  if (out.volume > 0.0) out.centroid = origin + moment / (4.0 * out.volume);
-  out.volume /= 6.0;
+  Volume out{point(0)};
+  for (std::size_t f = 0; f < faces_; ++f) out.add_cone(face(f), [&](std::uint32_t k) { return point(k); });
   return out;
 }
 

@@ -120,23 +120,23 @@ void collide_flat_pair(const ConvexRef& a, const ConvexRef& b, const FlatSides& 
 
 void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q,
                        ContactSink& sink) {
-  const double limit = q.reach + r.sweep_a + r.sweep_b;
+  const double limit = q.area ? 0.0 : q.reach + r.sweep_a + r.sweep_b;  // an area is that of an overlap
   if (spheres_apart(q, a.radius + b.radius + limit)) return;
   const PolyhedronPair pair(a, b, q.a, q.b);
   if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
-  if (q.area) return collide_volumes(pair, r, q, sink);
   const PolyhedronDistance d = polyhedron_distance(pair, limit, q.cache ? &q.cache->polyhedra : nullptr);
   if (d.beyond)
     remember(q, d.axis.normal);
   else if (q.cache)
     q.cache->axis.setZero();
   if (d.beyond) return;
+  const Mat3 to_world = q.a.orientation.toRotationMatrix();
+  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  if (q.area) return collide_volumes(pair, d.axis, radius, to_world, sink);
   if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
   const Patch patch = contact_patch(pair, d, q.reach, r.sweep_a, r.sweep_b);
   if (patch.count == 0) return;
-  const Mat3 to_world = q.a.orientation.toRotationMatrix();
   const Vec3 n = to_world * d.axis.normal;
-  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
   for (int k = 0; k < patch.count; ++k) {
     const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
     sink.add({p.gap, n, to_world * p.position, radius, p.feature});
