@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include "viz_export/hdf5_heaps.h"
+
 namespace epafi {
 
 namespace {
@@ -169,6 +171,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::ma
   std::error_code none;
   if (mode != Mode::create && !std::filesystem::is_regular_file(path, none))
     throw FileError(path.string() + ": cannot open: there is no such file");
+  if (mode != Mode::create) refuse_broken_heaps(path);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   if (mode == Mode::create) {

@@ -109,3 +109,28 @@ TEST_CASE("a block matrix in text whose rows do not begin in order is refused", 
   CHECK_THROWS_WITH(read_problem(path), Catch::Contains("block pattern is inconsistent"));
   std::filesystem::remove(path);
 }
+
+TEST_CASE("a problem file with the names of a group outside the file is refused before the library follows them",
+          "[viz_export][problems]") {
+  std::ifstream in(folder / "LMGC_GlobalFrictionContactProblem00046.hdf5", std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(in)), {});
+  const auto path = std::filesystem::temp_directory_path() / "epafi_names_outside.hdf5";
+  const std::string mark("HEAP\0\0\0\0", 8);
+  int heaps = 0;
+  for (std::size_t at = whole.find(mark); at != whole.npos; at = whole.find(mark, at + 1)) {
+    ++heaps;
+    for (const std::size_t field : {8, 24}) {  // size and address of the names
+      std::string broken = whole;
+      broken.replace(at + field, 8, 8, '\xff');
+      std::ofstream(path, std::ios::binary) << broken;
+      try {
+        static_cast<void>(read_problem(path));
+        FAIL("was read");
+      } catch (const FileError& e) {
+        CHECK(std::string(e.what()).find("at byte " + std::to_string(at)) != std::string::npos);
+      }
+    }
+  }
+  CHECK(heaps >= 1);
+  std::filesystem::remove(path);
+}
