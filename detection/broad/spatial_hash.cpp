@@ -91,8 +91,8 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
   for (std::uint32_t c : cell_of_) ++start_[c];
   std::uint32_t sum = 0;
   for (std::uint32_t& s : start_) s = (sum += s);
-  for (std::size_t k = all.size();
-       k-- > 0;) {  // from the back: starts end where they belong, order in a cell is by slot
+  // from the back: starts end where they belong, order in a cell is by slot
+  for (std::size_t k = all.size(); k-- > 0;) {
     const std::uint32_t place = --start_[cell_of_[k]];
     ball_[place] = bodies.ball[all[k]], slot_[place] = all[k];
   }
