@@ -46,6 +46,9 @@ inline Vec3 project_disk(const Vec3& x, double radius) {
   return {x.x(), scale * x.y(), scale * x.z()};
 }
 
+/// r inside K_mu, off its surface by more than rounding: such a contact sticks.
+inline bool sticks(const Vec3& r, double mu) { return tangential_norm(r) < (1.0 - 1e-9) * mu * r.x(); }
+
 /// u~ = u + mu |u_T| n: with it exact Coulomb friction is a cone complementarity.
 inline Vec3 de_saxce(const Vec3& u, double mu) { return {u.x() + mu * tangential_norm(u), u.y(), u.z()}; }
 

@@ -89,6 +89,13 @@ void WarmStart::remember(const World& world, const ContactSet& contacts, const C
   gap_ = next_gap;
 }
 
+bool WarmStart::same() const {
+  if (previous_.size() != a_.size()) return false;
+  for (std::size_t i = 0; i < previous_.size(); ++i)
+    if (previous_[i] != i || !by_name_[i]) return false;
+  return true;
+}
+
 double WarmStart::foreseen(std::size_t i) const {
   const std::uint32_t k = previous_[i];
   return k == unmatched || !by_name_[i] || impulse_[k].isZero(0.0) ? -infinity : gap_[k];

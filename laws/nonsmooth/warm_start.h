@@ -13,6 +13,8 @@ class WarmStart {
  public:
   /// r[i] = remembered impulse of contact i in its frame, 0 where there is none; projected on its cone.
   void recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r);
+  /// The recalled list holds the contacts of the last step, by name and in their order.
+  bool same() const;
   /// Contact i of the recalled list in the last step: the gap foreseen for now [m] and the slip velocity it ended with (B
   /// against A, world axes). -infinity and nothing where there was none or where it carried no impulse.
   double foreseen(std::size_t i) const;

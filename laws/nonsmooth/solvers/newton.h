@@ -5,6 +5,8 @@
 /// Every Newton step is one Cholesky factorisation of M + H D H^T, positive definite however hyperstatic the contacts.
 /// rho grows tenfold when an outer step gains less than a factor of three and falls when the inner method stalls.
 /// Cost: linear on stacks; 6 to 14 factorisations to 1e-9 for 5 to 100 boxes and for mass ratios to 1e4 (from r = 0).
+/// At rest: the last factor takes small velocities out of the next start, so that stacks and pyramids go on without
+/// iterations (calm); its matrix is state then.
 /// Fails: cold on piles, where many contacts slide and the shift of the last step is no guess (there: proximal, auto).
 #pragma once
 #include "laws/nonsmooth/delassus_factor.h"
@@ -19,7 +21,10 @@ class Newton final : public ConeSolver {
       : ConeSolver(tolerance), iterations_(iterations), augmentation_(augmentation) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
+  bool calms() const override { return factored_; }
   void calm(const std::vector<Vec3>& change, Impulses& r) override;
+  void forget() override { factored_ = false; }
+  void visit(StateVisitor& visitor) override;
 
   /// At most so many factorisations; ends after `patience` of them while the residual is above `behind`.
   void limit(int iterations, int patience, double behind) {
@@ -45,6 +50,8 @@ class Newton final : public ConeSolver {
   /// Fills g_ = P_K(argument) - lambda and returns its norm.
   double gradient();
   void next_multipliers();
+  /// mu |u_T|; 0 where the contact sticks and the start was near: there u_T is an error, and its shift would be another.
+  double wanted_shift(std::size_t i) const;
 
   int iterations_;
   double augmentation_;
@@ -52,7 +59,9 @@ class Newton final : public ConeSolver {
   double behind_ = infinity;
   const ConeProblem* problem_ = nullptr;
   DelassusFactor factor_;
-  bool factored_ = false;  ///< factor_ and d_ are of this problem
+  bool factored_ = false;  ///< d_ and, unless stale_, factor_ are of this problem
+  bool stale_ = false;     ///< factor_ is to be made of d_ again
+  bool near_ = false;      ///< the start was within the tolerance
   double rho_ = 1.0, residual_ = 0.0, scale_ = 1.0;
   std::vector<double> weight_;    ///< per contact, of rho: 3 / trace W_ii [kg]
   std::vector<double> shift_;     ///< mu |u_T| of the last outer step [m/s]

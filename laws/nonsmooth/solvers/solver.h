@@ -27,9 +27,14 @@ class ContactSolver {
   /// A start with this residual is the solution; negative: no start is, sweeps go on from step to step.
   virtual double good_start() const { return -1.0; }
 
-  /// After a solve: takes velocity changes that impulses r leave at the contacts out of r as well, where the solver has
-  /// the means at hand. r stays feasible.
+  /// Takes `change`, velocities that impulses r leave at the contacts, out of r as well, by means left from the last
+  /// solve of the same contacts: calms() says whether there are any. r stays feasible.
+  virtual bool calms() const { return false; }
   virtual void calm(const std::vector<Vec3>& /*change*/, Impulses& /*r*/) {}
+  /// Other contacts than in the last step, or bodies by other names: nothing of the last solve holds.
+  virtual void forget() {}
+  /// Those means, where a step may need them after a restart.
+  virtual void visit(StateVisitor&) {}
 
   /// Asked now and then; true ends the solve with what there is. Empty in a run: steps must not depend on clocks.
   std::function<bool()> interrupted;
@@ -53,6 +58,9 @@ class ConeSolver : public ContactSolver {
   /// The residual to go on for: of a start a tenth of the tolerance, or errors of the size of the tolerance would add
   /// up from step to step.
   double aim(const SolverReport& report) const { return report.iterations == 0 ? 0.1 * tolerance_ : tolerance_; }
+
+  /// The problem of the last step.
+  ConeProblem& own_blocks() { return blocks_; }
 
   double tolerance_;
 
