@@ -4,6 +4,7 @@
 #include "detection/narrow/flat_patch.h"
 #include "detection/narrow/gjk.h"
 #include "detection/narrow/overlap_cells.h"
+#include "detection/narrow/resting_patch.h"
 
 namespace epafi {
 namespace {
@@ -82,9 +83,9 @@ void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& s
   if (!find_nearest(difference, r, q, sink, c)) return;
   const bool first = sides.polyhedron_first;
   const Mat3 &turn = difference.rotation, back = turn.transpose();
-  const CoreAndPolyhedron pair{sides.polyhedron, first ? turn : back,
-                               first ? difference.offset : Vec3(-(back * difference.offset)), sides.shape,
-                               sides.facing, smaller(a, b, r)};
+  const CoreAndPolyhedron pair{
+      sides.polyhedron, first ? turn : back, first ? difference.offset : Vec3(-(back * difference.offset)),
+      sides.shape,      sides.facing,        smaller(a, b, r)};
   const NearestPoint nearest = first ? NearestPoint{c.middle, c.normal, c.gap}
                                      : NearestPoint{back * (c.middle - difference.offset), -(back * c.normal), c.gap};
   const Patch patch = core_patch(pair, nearest, q.reach, first ? r.sweep_a : r.sweep_b, first ? r.sweep_b : r.sweep_a);
@@ -103,8 +104,9 @@ void collide_flat_pair(const ConvexRef& a, const ConvexRef& b, const FlatSides& 
   const MinkowskiDifference difference(a, b, q.a, q.b);
   CoreContact c;
   if (!find_nearest(difference, r, q, sink, c)) return;
-  FlatPair pair{sides.facing_a(a.shape, c.normal), sides.facing_b(b.shape, -(difference.rotation.transpose() * c.normal)),
-                smaller(a, b, r), r.sweep_a, r.sweep_b};
+  FlatPair pair{sides.facing_a(a.shape, c.normal),
+                sides.facing_b(b.shape, -(difference.rotation.transpose() * c.normal)), smaller(a, b, r), r.sweep_a,
+                r.sweep_b};
   for (int k = 0; k < pair.b.count; ++k) {
     Vec3& x = pair.b.corner[static_cast<std::size_t>(k)];
     x = difference.rotation * x + difference.offset;
@@ -118,11 +120,34 @@ void collide_flat_pair(const ConvexRef& a, const ConvexRef& b, const FlatSides& 
   }
 }
 
+namespace {
+
+void add_patch(const PairQuery& q, const Patch& patch, const Vec3& normal, double radius, ContactSink& sink) {
+  const Mat3 to_world = q.a.orientation.toRotationMatrix();
+  const Vec3 n = to_world * normal;
+  for (int k = 0; k < patch.count; ++k) {
+    const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+    sink.add({p.gap, n, to_world * p.position, radius, p.feature});
+  }
+}
+
+}  // namespace
+
 void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q,
                        ContactSink& sink) {
   const double limit = q.area ? 0.0 : q.reach + r.sweep_a + r.sweep_b;  // an area is that of an overlap
-  if (spheres_apart(q, a.radius + b.radius + limit)) return;
+  if (spheres_apart(q, a.radius + b.radius + limit)) {
+    if (q.resting) q.resting->count = 0;
+    return;
+  }
   const PolyhedronPair pair(a, b, q.a, q.b);
+  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  if (q.resting) {
+    Patch patch;
+    Vec3 normal;
+    if (recall_resting(pair, *q.resting, q.reach, patch, normal)) return add_patch(q, patch, normal, radius, sink);
+    q.resting->count = 0;
+  }
   if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
   const PolyhedronDistance d = polyhedron_distance(pair, limit, q.cache ? &q.cache->polyhedra : nullptr);
   if (d.beyond)
@@ -130,17 +155,11 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   else if (q.cache)
     q.cache->axis.setZero();
   if (d.beyond) return;
-  const Mat3 to_world = q.a.orientation.toRotationMatrix();
-  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
-  if (q.area) return collide_volumes(pair, d.axis, radius, to_world, sink);
+  if (q.area) return collide_volumes(pair, d.axis, radius, q.a.orientation.toRotationMatrix(), sink);
   if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
   const Patch patch = contact_patch(pair, d, q.reach, r.sweep_a, r.sweep_b);
-  if (patch.count == 0) return;
-  const Vec3 n = to_world * d.axis.normal;
-  for (int k = 0; k < patch.count; ++k) {
-    const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
-    sink.add({p.gap, n, to_world * p.position, radius, p.feature});
-  }
+  if (q.resting && patch.count > 0) keep_resting(pair, d.axis, patch, q.reach, *q.resting);
+  add_patch(q, patch, d.axis.normal, radius, sink);
 }
 
 }  // namespace epafi

@@ -129,7 +129,7 @@ void single_point(const PolyhedronPair& pair, const PolyhedronDistance& d, doubl
   if (d.axis.kind == Kind::face_b) feature = make_feature(FeatureKind::vertex_a, pair.support_a(d.axis.normal), 0);
   const Vec3 middle = 0.5 * (d.witness_a + d.witness_b) + 0.5 * (sweep_a - sweep_b) * d.axis.normal;
   out.point[0] = {middle, d.axis.gap - sweep_a - sweep_b, feature};
-  out.count = 1;
+  out.count = 1, out.alone = true;
 }
 
 /// Lowers all points alike until the deepest is at `gap`: were it the deepest alone, the moment would jump where with a
@@ -195,6 +195,7 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
   static thread_local Buffers buf;
   const Vec3& n = d.axis.normal;
   const FacingFaces f = facing_faces(pair, d.axis);
+  out.face_a = f.a, out.face_b = f.b;
   const Vec3 &na = pair.a.face_normals[f.a], nb = pair.rotation * pair.b.face_normals[f.b];
   const double cosine_a = na.dot(n), cosine_b = nb.dot(n);
   buf.points.clear();

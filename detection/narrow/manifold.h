@@ -21,6 +21,8 @@ struct PatchPoint {
 struct Patch {
   std::array<PatchPoint, 4> point;
   int count = 0;
+  bool alone = false;                    ///< the pair's nearest (deepest) point alone
+  std::uint32_t face_a = 0, face_b = 0;  ///< of two polyhedra: the faces that look at each other
 };
 
 /// Cosine to the normal below which a face is too steep to carry a point.
@@ -32,8 +34,11 @@ constexpr Feature make_feature(FeatureKind kind, std::uint32_t a, std::uint32_t 
   return static_cast<Feature>(kind) << 44 | Feature{a & 0x3fffffu} << 22 | (b & 0x3fffffu);
 }
 
-/// The vertex of A in a feature of kind vertex_a or edges.
+constexpr FeatureKind feature_kind(Feature f) { return static_cast<FeatureKind>(f >> 44 & 0xf); }
+
+/// The vertex of A in a feature of kind vertex_a or edges, of B in one of kind vertex_b or edges.
 constexpr std::uint32_t feature_vertex_a(Feature f) { return static_cast<std::uint32_t>(f >> 22) & 0x3fffffu; }
+constexpr std::uint32_t feature_vertex_b(Feature f) { return static_cast<std::uint32_t>(f) & 0x3fffffu; }
 
 /// Points with gap < reach; sweeps: sphere radii swept over A and B [m], already inside `reach` and the gaps given
 /// back. Where the faces do not look at each other (a tip, two crossed edges) it is the one closest (deepest) point.

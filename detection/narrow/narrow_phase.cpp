@@ -1,10 +1,21 @@
 #include "detection/narrow/narrow_phase.h"
 
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
 #include "engine/parallel.h"
 
 namespace epafi {
+
+namespace {
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+}  // namespace
 
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {
@@ -28,16 +39,19 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
   }
   block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
   block.caches.assign(remembers ? block.pairs.size() : 0, PairCache{});
+  block.resting.assign(seconds_ > 0.0 ? block.caches.size() : 0, RestingPatch{});
   if (remembers)
     for (const Pair& p : block.pairs) block.known.push_back({p, world.shape[p.a], world.shape[p.b]});
   find_caches(block);
 }
 
 void BatchNarrowPhase::keep_caches() {
-  old_known_.clear(), old_caches_.clear();
+  if (std::exchange(restored_, false)) return;
+  old_known_.clear(), old_caches_.clear(), old_resting_.clear();
   for (const Block& block : blocks_) {
     old_known_.insert(old_known_.end(), block.known.begin(), block.known.end());
     old_caches_.insert(old_caches_.end(), block.caches.begin(), block.caches.end());
+    old_resting_.insert(old_resting_.end(), block.resting.begin(), block.resting.end());
   }
   if (!known_) old_known_.clear();  // slots were renamed
 }
@@ -50,7 +64,10 @@ void BatchNarrowPhase::find_caches(Block& block) const {
   for (std::size_t k = 0; k < block.known.size(); ++k) {
     while (old != old_known_.end() && old->pair < block.known[k].pair) ++old;
     if (old == old_known_.end()) return;
-    if (*old == block.known[k]) block.caches[k] = old_caches_[static_cast<std::size_t>(old - old_known_.begin())];
+    if (!(*old == block.known[k])) continue;
+    const auto at = static_cast<std::size_t>(old - old_known_.begin());
+    block.caches[k] = old_caches_[at];
+    if (!block.resting.empty()) block.resting[k] = old_resting_[at];
   }
 }
 
@@ -63,6 +80,8 @@ void BatchNarrowPhase::collide_block(const World& world, Block& block) {
     const std::size_t count = run.end - run.begin;
     BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles, area_, motion_, least_reach_};
     if (run.cell->remembers) input.caches = std::span(block.caches).subspan(run.begin, count);
+    if (run.cell->remembers && !block.resting.empty())
+      input.resting = std::span(block.resting).subspan(run.begin, count);
     if (run.cell->candidates) input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin, count + 1);
     run.cell->batch(input, std::span(block.pairs).subspan(run.begin, count), sink);
   }
@@ -121,6 +140,23 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
     collide_block(world, blocks_[b]);
   });
   join(contacts);
+}
+
+void BatchNarrowPhase::visit(StateVisitor& visitor) {
+  if (!(seconds_ > 0.0)) return;
+  std::vector<Known> pairs;
+  std::vector<RestingPatch> resting;
+  if (restored_) pairs = old_known_, resting = old_resting_;
+  for (const Block& block : known_ ? std::span<const Block>(blocks_) : std::span<const Block>()) {
+    for (std::size_t k = 0; k < block.resting.size(); ++k)
+      if (block.resting[k].count > 0) pairs.push_back(block.known[k]), resting.push_back(block.resting[k]);
+  }
+  const std::vector<Known> pairs_here = pairs;
+  const std::vector<RestingPatch> resting_here = resting;
+  visitor.column("narrow_phase/pair", pairs), visitor.column("narrow_phase/resting", resting);
+  if (same_bytes(pairs, pairs_here) && same_bytes(resting, resting_here)) return;  // it was saved, or nothing is new
+  old_known_.swap(pairs), old_resting_.swap(resting), old_caches_.assign(old_known_.size(), PairCache{});
+  restored_ = true, known_ = false;
 }
 
 void BatchNarrowPhase::looks_at(const PairList& list, std::vector<Slot>& bodies) const {

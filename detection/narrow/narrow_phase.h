@@ -17,13 +17,16 @@ class BatchNarrowPhase : public NarrowPhase {
 
   /// The reach of a pair shrinks to twice what its bodies move in `seconds`, not below `least`: at rest a pile of 1000
   /// polyhedra has 4000 points within 0.005 of its smallest radius and 5400 within 0.02, of which 2900 carry load.
+  /// Pairs of polyhedra that hardly move keep their points without a query (resting_patch.h).
   void follow_motion(double seconds, double least) { seconds_ = seconds, least_reach_ = least; }
 
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
   /// Not those near no triangle of a mesh.
   void looks_at(const PairList& pairs, std::vector<Slot>& bodies) const override;
-  void reorder(const Reordering&) override { known_ = false; }
+  void reorder(const Reordering&) override { known_ = restored_ = false; }
+  /// Of the resting patches; what else is remembered changes no bit.
+  void visit(StateVisitor& visitor) override;
 
   /// Pairs of the last step whose certified interval stayed wider than 1e-6 of their size.
   std::size_t degenerate_pairs() const { return degenerate_; }
@@ -45,8 +48,9 @@ class BatchNarrowPhase : public NarrowPhase {
     std::vector<Pair> pairs;  ///< those of the list but bodies near no triangle of a mesh
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
-    std::vector<PairCache> caches;  ///< of the block's pairs, where a cell remembers; shortcuts only, so not state
-    std::vector<Known> known;       ///< whom the caches belong to, to find them again in the next list
+    std::vector<PairCache> caches;      ///< of the block's pairs, where a cell remembers; shortcuts only, so not state
+    std::vector<RestingPatch> resting;  ///< the same, where the reach follows motion
+    std::vector<Known> known;           ///< whom the caches belong to, to find them again in the next list
     ContactSet contacts;
     std::size_t first = 0;  ///< index of the block's first contact in the whole set
     std::size_t degenerate = 0;
@@ -63,14 +67,16 @@ class BatchNarrowPhase : public NarrowPhase {
   double reach_, least_reach_ = 0.0, seconds_ = 0.0;
   std::vector<double> motion_;  ///< by slot; empty where the reach does not follow it
   bool curvature_, area_;
-  bool known_ = false;  ///< the runs belong to `generation_`
+  bool known_ = false;     ///< the runs belong to `generation_`
+  bool restored_ = false;  ///< the next list finds its resting patches in `old_resting_`
   std::uint64_t generation_ = 0;
   std::size_t pairs_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
-  std::vector<Known>
-      old_known_;  ///< of the last list, in order, with their caches: filled while a new list is prepared
+  /// Of the last list, in order, with their caches: filled while a new list is prepared.
+  std::vector<Known> old_known_;
   std::vector<PairCache> old_caches_;
+  std::vector<RestingPatch> old_resting_;
 };
 
 }  // namespace epafi

@@ -11,13 +11,16 @@ struct PairCache {
   PairMemory polyhedra;      ///< of two polyhedra near each other
 };
 
+struct RestingPatch;
+
 /// One pair at one instant.
 struct PairQuery {
   Pose a, b;
   double reach = 0.0;      ///< contacts with gap < reach are wanted [m]; 0: overlapping ones only
   bool curvature = false;  ///< effective_radius is wanted
   PairCache* cache = nullptr;
-  bool area = false;       ///< polyhedra give cells of their overlap volume instead of points
+  bool area = false;                ///< polyhedra give cells of their overlap volume instead of points
+  RestingPatch* resting = nullptr;  ///< state of two polyhedra, where they may keep their points
 };
 
 /// Collects the contact points of one pair at a time into a block's contact set, in the order of their features.
@@ -30,8 +33,8 @@ class ContactSink {
     a_ = a, b_ = b, first_ = out_.size(), flipped_ = false, image_ = Feature{image} << 56;
     part_ = 0, depth_ = 0, offset_.setZero();
   }
-  /// The next points are those of part k of a body; offset: of the part from A's centre where it is A's, else 0 [m]. The
-  /// number stands in bits 48 to 55 of the feature, that of a part within a part in the eight below.
+  /// The next points are those of part k of a body; offset: of the part from A's centre where it is A's, else 0 [m].
+  /// The number stands in bits 48 to 55 of the feature, that of a part within a part in the eight below.
   void enter_part(std::size_t k, const Vec3& offset) {
     depth_ += 1, part_ |= Feature{k} << (56 - 8 * depth_);
     offset_ += offset;

@@ -10,6 +10,7 @@
 #include "detection/narrow/convex_pairs.h"
 #include "detection/narrow/mesh_pairs.h"
 #include "detection/narrow/pair_methods.h"
+#include "detection/narrow/resting_patch.h"
 #include "detection/shape_store.h"
 
 namespace epafi {
@@ -41,8 +42,10 @@ struct BatchInput {
   std::span<const std::uint32_t> triangle_begin;  ///< CSR over the run's pairs, where the cell has candidates
   std::span<const std::uint32_t> triangles;
   bool area = false;
-  std::span<const double> motion = {};  ///< by slot: what a body may move in the step [m]; empty: the reach is the same for all
-  double least_reach = 0.0;             ///< [m], with motion
+  std::span<const double> motion =
+      {};                    ///< by slot: what a body may move in the step [m]; empty: the reach is the same for all
+  double least_reach = 0.0;  ///< [m], with motion
+  std::span<RestingPatch> resting = {};  ///< of the run's pairs, or empty
 
   double reach_of(const Pair& p) const {
     return motion.empty() ? reach : std::clamp(motion[p.a] + motion[p.b], least_reach, reach);
@@ -76,7 +79,8 @@ inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
               in.reach_of(p),
               in.curvature,
               in.caches.empty() ? nullptr : &in.caches[k],
-              in.area};
+              in.area,
+              in.resting.empty() ? nullptr : &in.resting[k]};
   if (in.world.cell) q.b.position += in.world.cell->shift(p.image);
   return q;
 }

@@ -51,7 +51,7 @@ double peak_memory(Assembly& a, std::size_t free) {
   const double output = 6e6 + 14e3 * hulls + (polyhedra ? 2000.0 : 300.0) * bodies;  // HDF5, shapes in it, a frame
   return 1024.0 * static_cast<double>(usage.ru_maxrss) + static_cast<double>(state.total) + output +
          contacts * 2.0 * static_cast<double>(a.plan.bytes_per_contact) +
-         pairs * static_cast<double>(3 * sizeof(Pair) + (polyhedra ? 2 * sizeof(PairCache) : 0));
+         pairs * static_cast<double>(3 * sizeof(Pair) + (polyhedra ? 2 * sizeof(PairCache) + (a.plan.resting_reach < a.plan.reach ? 4 * sizeof(RestingPatch) : 0) : 0));
 }
 
 }  // namespace

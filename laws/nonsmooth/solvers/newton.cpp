@@ -130,8 +130,8 @@ void Newton::calm(const std::vector<Vec3>& change, Impulses& r) {
   for (std::size_t i = 0; i < r.size(); ++i) r[i] = project_cone(r[i] + step_[i], problem_->friction[i]);
 }
 
-/// The matrix of the last factor while calm() may need it; a restart factors it again. Saved, it is factored again as well:
-/// 5 ms a checkpoint for a pyramid of 1275 cubes.
+/// The matrix of the last factor while calm() may need it; a restart factors it again. Saved, it is factored again as
+/// well: 5 ms a checkpoint for a pyramid of 1275 cubes.
 void Newton::visit(StateVisitor& visitor) {
   ConeProblem& blocks = own_blocks();
   std::vector<std::uint32_t> body;

@@ -50,7 +50,8 @@ class Newton final : public ConeSolver {
   /// Fills g_ = P_K(argument) - lambda and returns its norm.
   double gradient();
   void next_multipliers();
-  /// mu |u_T|; 0 where the contact sticks and the start was near: there u_T is an error, and its shift would be another.
+  /// mu |u_T|; 0 where the contact sticks and the start was near: there u_T is an error, and its shift would be
+  /// another.
   double wanted_shift(std::size_t i) const;
 
   int iterations_;
