@@ -49,7 +49,7 @@ class NonsmoothContact final : public ContactModel {
   void add_impacts();
   void write_back(World& world, ContactSet& contacts, double dt);
   const Impulses& calmest(double creep);
-  double foreseen_residual(const Impulses& r);
+  double foreseen_residual(const Impulses& r, const BodyVelocities& v);
 
   std::string name_;
   MaterialTable materials_;
@@ -189,16 +189,18 @@ const Impulses& NonsmoothContact::calmest(double creep) {
   if (!calm) return start_;
   calmed_ = start_;
   solver_->calm(u_start_, calmed_);
-  return foreseen_residual(calmed_) < foreseen_residual(start_) ? calmed_ : start_;
+  if (solved_) problem_.velocities(start_, calmed_velocities_);
+  const double before = foreseen_residual(start_, solved_ ? calmed_velocities_ : after_);
+  problem_.velocities(calmed_, calmed_velocities_);
+  return foreseen_residual(calmed_, calmed_velocities_) < before ? calmed_ : start_;
 }
 
 /// With which the next step would start from r if bodies stayed where they are: r changes its velocities as it would have
-/// changed those of this step.
-double NonsmoothContact::foreseen_residual(const Impulses& r) {
-  problem_.velocities(r, calmed_velocities_);
+/// changed those of this step, to v.
+double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelocities& v) {
   u_next_.resize(r.size());
   parallel_for(r.size(), [&](std::size_t i) {
-    const Vec3 change = problem_.relative_velocity(i, calmed_velocities_) - u_before_[i];
+    const Vec3 change = problem_.relative_velocity(i, v) - u_before_[i];
     u_next_[i] = problem_.with_offset(i, u_after_[i] + change);
   });
   return measure_residual(problem_, r, u_next_, rho_).value;
