@@ -214,6 +214,8 @@ TableValues read_table(const Node& table, const std::string& label, const std::v
       read_nested(value, key, out);
     else if (auto read = read_value(value, key))
       out.set(name, std::move(*read));
+    else if (field->default_value)  // the error is told; who reads on finds what would have stood there
+      out.set(name, *field->default_value);
   }
   for (const auto& field : fields) {
     if (out.written(field.name)) continue;

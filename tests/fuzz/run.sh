@@ -16,19 +16,17 @@ cat > "$out/flags" <<END
 -ffp-contract=off -DEPAFI_CHECK_CONTRACTS -DTOML_HEADER_ONLY=0 -DFMT_SHARED -DEPAFI_VERSION=\\"0.1.0\\" -I$root
 -isystem /usr/include/eigen3 -isystem /usr/include/hdf5/serial
 END
-unit() { # name, files: compiled as one
+unit() { # name, files: compiled as one; again where one of them or any header is newer
   local name=$1; shift
   for f in "$@"; do echo "#include \"$f\""; done > "$out/$name.cpp"
-  for f in "$@"; do
-    [ "$out/$name.o" -nt "$root/$f" ] && continue
-    echo "compiling $name"; nice -n 10 clang++-14 @"$out/flags" -c "$out/$name.cpp" -o "$out/$name.o"; return
-  done
+  if [ -e "$out/$name.o" ] && [ -z "$(find "$@" -newer "$out/$name.o"; find $floors -name '*.h' -newer "$out/$name.o")" ]; then return; fi
+  echo "compiling $name"; nice -n 10 clang++-14 @"$out/flags" -c "$out/$name.cpp" -o "$out/$name.o"
 }
+floors="engine detection laws scenes viz_export tests"
 cd "$root"
 unit reader $(ls scenes/reader/*.cpp)
-unit files viz_export/{hdf5_file,problem_file,run_file,stored_run,checkpoint,json_reader}.cpp
+unit files viz_export/{hdf5_file,hdf5_driver,problem_file,run_file,stored_run,checkpoint,json_reader}.cpp
 unit meshes detection/shapes/{mesh_file,mesh_ply,triangle_mesh}.cpp detection/mass_properties.cpp engine/units.cpp
-[ "$out/target.o" -nt tests/fuzz/feeds.h ] || rm -f "$out/target.o"
 unit target tests/fuzz/fuzz_readers.cpp
 objects="$out/reader.o $out/files.o $out/meshes.o $out/target.o"
 library() { echo "$build/$1/libepafi_$1.a"; }

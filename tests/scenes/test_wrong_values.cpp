@@ -1,0 +1,68 @@
+// Every key of the scene file meets every kind of value: taken or refused, nothing else.
+#include <algorithm>
+#include <map>
+
+#include "scenes/full_registry.h"
+#include "scenes/reader/scene_reader.h"
+#include "scenes/reader/schema.h"
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+
+/// A small scene with one table for each that is asked for; a line of its own takes the place of the key it sets.
+std::string scene_with(const TableSchema& table, const std::string& key, const std::string& value) {
+  const std::map<std::string, std::map<std::string, std::string>> sound{
+      {"run", {{"duration", "1"}, {"time_step", "1e-3"}}},
+      {"material", {{"density", "1000"}, {"youngs_modulus", "1e6"}, {"poissons_ratio", "0.3"}}},
+      {"body", {{"name", "'ball'"}, {"material", "'a'"}, {"shape", "{ sphere = { radius = 1 } }"}}},
+      {"contact", {{"method", "'smooth'"}}},
+      {"contact.pair", {{"between", "['a', 'a']"}}},
+      {"measure", {{"kind", "'kinetic_energy'"}}},
+      {"fill", {{"material", "'a'"}, {"shape", "{ sphere = { radius = 1 } }"}, {"count", "3"}}}};
+  std::string text;
+  const auto add = [&](const std::string& name, TableSchema::Form form, std::map<std::string, std::string> lines, bool tested) {
+    if (tested) lines[key] = value;
+    if (form == TableSchema::Form::list) text += "[[" + name + "]]\n";
+    else text += "[" + name + (form == TableSchema::Form::named ? ".a" : "") + "]\n";
+    for (const auto& [k, v] : lines) text += k + " = " + v + "\n";
+  };
+  using Form = TableSchema::Form;
+  for (const auto& [name, lines] : sound)
+    if (name == table.name || (name != "measure" && name != "fill" && name != "contact.pair"))
+      add(name, name == "run" || name == "contact" ? Form::single : name == "material" ? Form::named : Form::list, lines,
+          name == table.name);
+  if (sound.count(table.name) == 0) add(table.name, table.form, {}, true);
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("every key of every table takes or refuses every kind of value", "[scenes][reader]") {
+  const std::vector<std::string> values{"3",   "-1.5",     "true",        "'x'",    "'= 1/0'",      "nan",       "[]",        "{}",
+                                        "[1]", "[1, 2, 3]", "[[1, 2, 3]]", "['a']", "{ x = 1 }", "[{ x = 1 }]", "['a', 'b']"};
+  std::size_t taken = 0, refused = 0;
+  const auto try_key = [&](const TableSchema& table, const std::string& key, const std::string& before, const std::string& after) {
+    for (const std::string& value : values) {
+      const std::string text = scene_with(table, key, before + value + after);
+      INFO(text);
+      const ReadResult read = read_scene_text(text, "scene.toml", {}, full_registry());
+      CHECK(read.scene.has_value() == std::none_of(read.problems.begin(), read.problems.end(), [](const Problem& p) {
+              return p.level == Problem::Level::error;
+            }));
+      ++(read.scene ? taken : refused);
+    }
+  };
+  for (const TableSchema& table : make_schema(full_registry()).tables)
+    for (const Field& field : table.fields) {
+      try_key(table, field.name, "", "");
+      for (const Field& inner : field.fields) {
+        try_key(table, field.name, "{ " + inner.name + " = ", " }");
+        for (const Field& innermost : inner.fields)
+          try_key(table, field.name, "{ " + inner.name + " = { " + innermost.name + " = ", " } }");
+      }
+    }
+  CAPTURE(taken, refused);
+  CHECK((taken > 80 && refused > 2000));
+}
