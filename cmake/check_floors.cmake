@@ -16,7 +16,7 @@ set(below_scenes engine detection laws viz_export scenes)
 # one door per dependency: header pattern -> the only files that may include it
 set(doors
   "omp\\.h|engine/parallel\\.h"
-  "hdf5\\.h|viz_export/hdf5_file\\.cpp"
+  "hdf5\\.h|viz_export/hdf5_file\\.cpp,viz_export/hdf5_driver\\.cpp"
   "CGAL/|detection/shapes/hull_from_points\\.cpp,detection/shapes/convex_parts\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/main\\.cpp"

@@ -29,6 +29,15 @@ void ContactSet::clear() {
   effective_radius.clear(), area.clear(), force.clear(), moment.clear();
 }
 
+void ContactSet::give_back() {
+  const auto trim = [](auto& column) {
+    constexpr std::size_t spare = 1 << 16;  // contacts: 7 MB in all columns
+    if (column.capacity() > 2 * column.size() + spare) column.shrink_to_fit();
+  };
+  trim(a), trim(b), trim(feature), trim(gap), trim(normal), trim(arm);
+  trim(effective_radius), trim(area), trim(force), trim(moment);
+}
+
 void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
   a.push_back(slot_a), b.push_back(slot_b), feature.push_back(c.feature);
   gap.push_back(c.gap), normal.push_back(c.normal), arm.push_back(c.arm);

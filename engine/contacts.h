@@ -61,6 +61,8 @@ struct ContactSet {
 
   std::size_t size() const { return a.size(); }
   void clear();
+  /// Gives back the room that a larger set left behind, where it is more than a few megabytes.
+  void give_back();
   void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
   /// Canonical order, with force and moment where they are filled.
   void sort();

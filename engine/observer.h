@@ -27,8 +27,9 @@ class Observer {
   virtual bool wants_energy(std::uint64_t /*step*/) const { return false; }
   /// It looks at the bodies in this step; where nobody does the next step may begin before this one is shown.
   virtual bool wants_bodies(std::uint64_t step) const { return is_due(step); }
-  /// It looks at single contacts in this step; where nobody does they need not be written out.
-  virtual bool wants_contacts(std::uint64_t step) const { return is_due(step); }
+  /// It looks at single contacts in this step, the last one of the run where `last`; where nobody does they need not be
+  /// written out.
+  virtual bool wants_contacts(std::uint64_t step, bool last) const { return last || is_due(step); }
   virtual void observe(const StepView& view) = 0;
   virtual void visit(StateVisitor&) {}
 };

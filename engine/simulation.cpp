@@ -167,7 +167,7 @@ void Simulation::observe(bool last) {
   for (const auto& o : observers) {
     const bool due = last || o->is_due(steps_);
     any = any || due, energy = energy || (due && (last || o->wants_energy(steps_)));
-    contacts = contacts || (due && (last || o->wants_contacts(steps_)));
+    contacts = contacts || (due && o->wants_contacts(steps_, last));
   }
   if (!any) return;
   if (energy) ledger.measure(world);
@@ -182,7 +182,7 @@ StepView Simulation::view(bool last) const {
 }
 
 void Simulation::show(Observer& observer) {
-  if (observer.wants_contacts(steps_)) pipeline.contact_model->publish(world, work.contacts);
+  if (observer.wants_contacts(steps_, true)) pipeline.contact_model->publish(world, work.contacts);
   observer.observe(view(true));
 }
 

@@ -64,10 +64,12 @@ class GapsForMonitor final : public Observer {
   bool is_due(std::uint64_t step) const override { return monitor_->is_due(step); }
   bool wants_energy(std::uint64_t step) const override { return monitor_->wants_energy(step); }
   bool wants_bodies(std::uint64_t step) const override { return monitor_->wants_bodies(step); }
-  bool wants_contacts(std::uint64_t step) const override { return spheres() == nullptr && monitor_->wants_contacts(step); }
+  bool wants_contacts(std::uint64_t step, bool last) const override {
+    return spheres() == nullptr && monitor_->wants_contacts(step, last);
+  }
   void observe(const StepView& view) override {
     const FusedSpheres* model = spheres();
-    if (model == nullptr || !(view.last || monitor_->wants_contacts(view.step))) return monitor_->observe(view);
+    if (model == nullptr || !monitor_->wants_contacts(view.step, view.last)) return monitor_->observe(view);
     ContactSet gaps;  // not kept: 40 bytes a sphere
     gaps.a = view.contacts.a, gaps.b = view.contacts.b, gaps.gap = view.contacts.gap;
     model->add_gaps(view.world, gaps);
@@ -79,18 +81,6 @@ class GapsForMonitor final : public Observer {
   const FusedSpheres* spheres() const { return dynamic_cast<const FusedSpheres*>(pipeline_.contact_model.get()); }
   std::unique_ptr<RunMonitor> monitor_;
   const Pipeline& pipeline_;
-};
-
-/// The last snapshot of a run without frames, which nobody needs contacts for.
-class LastSnapshot final : public Observer {
- public:
-  LastSnapshot(RunFile& run, const ShapeStore& shapes) : recorder_(&run, nullptr, shapes, 1) {}
-  bool is_due(std::uint64_t) const override { return true; }
-  bool wants_contacts(std::uint64_t) const override { return false; }
-  void observe(const StepView& view) override { recorder_.observe(view); }
-
- private:
-  StateRecorder recorder_;
 };
 
 }  // namespace
@@ -294,7 +284,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
   if (output_ == Output::least) {
-    LastSnapshot last(files_->run, *assembly_->shapes);
+    StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
     sim.show(last);
   }
   progress.finish(sim, *monitor_);

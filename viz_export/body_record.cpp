@@ -26,23 +26,36 @@ const Surface* SurfaceCache::of(const World& world, Slot body) {
   return surface.get();
 }
 
-std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces) {
-  std::vector<Slot> slots;
-  slots.reserve(world.size());
+BodyList::BodyList(const World& world, SurfaceCache& surfaces) : world_(&world), surfaces_(&surfaces) {
+  slots_.reserve(world.size());
   for (std::uint32_t id = 0; id < world.ids_given(); ++id)
-    if (const Slot s = world.slot_of(static_cast<BodyId>(id)); s != no_slot) slots.push_back(s);
-  std::vector<BodyRecord> records(slots.size());
-  for (std::size_t k = 0; k < slots.size(); ++k) records[k].surface = surfaces.of(world, slots[k]);
-  parallel_for(slots.size(), [&](std::size_t k) {
-    const Slot s = slots[k];
-    BodyRecord& r = records[k];
-    r.id = static_cast<std::uint32_t>(world.id[s]), r.shape = world.shape[s], r.material = world.material[s];
-    r.mass = world.is_movable(s) ? 1.0 / world.inverse_mass[s] : 0.0;
-    r.radius = surfaces.shapes().bounding_radius({world.shape[s]});
-    r.pose = world.pose(s), r.velocity = world.velocity[s];
-    if (world.rotates()) r.angular_velocity = world.angular_velocity[s];
-    r.kinetic_energy = kinetic_energy(world, s);
-  });
+    if (const Slot s = world.slot_of(static_cast<BodyId>(id)); s != no_slot) slots_.push_back(s);
+}
+
+/// Without the surface, which is looked up in a map that grows.
+BodyRecord BodyList::made(Slot s) const {
+  BodyRecord r;
+  r.id = static_cast<std::uint32_t>(world_->id[s]), r.shape = world_->shape[s], r.material = world_->material[s];
+  r.mass = world_->is_movable(s) ? 1.0 / world_->inverse_mass[s] : 0.0;
+  r.radius = surfaces_->shapes().bounding_radius({world_->shape[s]});
+  r.pose = world_->pose(s), r.velocity = world_->velocity[s];
+  if (world_->rotates()) r.angular_velocity = world_->angular_velocity[s];
+  r.kinetic_energy = kinetic_energy(*world_, s);
+  return r;
+}
+
+BodyRecord BodyList::operator[](std::size_t k) const {
+  if (records_ != nullptr) return (*records_)[k];
+  BodyRecord r = made(slots_[k]);
+  r.surface = surfaces_->of(*world_, slots_[k]);
+  return r;
+}
+
+std::vector<BodyRecord> BodyList::all() const {
+  if (records_ != nullptr) return *records_;
+  std::vector<BodyRecord> records(slots_.size());
+  parallel_for(slots_.size(), [&](std::size_t k) { records[k] = made(slots_[k]); });
+  for (std::size_t k = 0; k < slots_.size(); ++k) records[k].surface = surfaces_->of(*world_, slots_[k]);
   return records;
 }
 

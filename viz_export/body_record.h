@@ -51,8 +51,29 @@ class SurfaceCache {
   std::map<std::uint32_t, std::unique_ptr<Surface>> made_;
 };
 
+/// Bodies in the order of their ids, each record made when it is asked for: together they take 152 bytes a body.
+class BodyList {
+ public:
+  BodyList(const World& world, SurfaceCache& surfaces);
+  /// Of records that somebody keeps meanwhile.
+  BodyList(const std::vector<BodyRecord>& records) : records_(&records) {}
+  std::size_t size() const { return records_ != nullptr ? records_->size() : slots_.size(); }
+  BodyRecord operator[](std::size_t k) const;
+  /// All of them, made in parallel.
+  std::vector<BodyRecord> all() const;
+
+ private:
+  BodyRecord made(Slot s) const;
+  const std::vector<BodyRecord>* records_ = nullptr;
+  const World* world_ = nullptr;
+  SurfaceCache* surfaces_ = nullptr;
+  std::vector<Slot> slots_;
+};
+
 /// All bodies in the order of their ids.
-std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces);
+inline std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces) {
+  return BodyList(world, surfaces).all();
+}
 /// Contacts that touch or carry force, in canonical order.
 std::vector<ContactRecord> contact_records(const World& world, const ContactSet& contacts);
 

@@ -1,6 +1,7 @@
 #include "viz_export/hdf5_driver.h"
 
 #include <fcntl.h>
+#include <hdf5.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -71,9 +72,9 @@ hid_t driver() {
 
 }  // namespace
 
-herr_t set_checked_reading(hid_t access) {
+bool set_checked_reading(std::int64_t access) {
   const hid_t id = driver();
-  return id < 0 ? -1 : H5Pset_driver(access, id, nullptr);
+  return id >= 0 && H5Pset_driver(access, id, nullptr) >= 0;
 }
 
 }  // namespace epafi

@@ -2,11 +2,11 @@
 /// error. HDF5 1.10's own keeps the last bytes it read (its metadata accumulator) and, asked for an address that a broken
 /// file made up, copies from beside them: the program ended in the library.
 #pragma once
-#include <hdf5.h>
+#include <cstdint>
 
 namespace epafi {
 
-/// Sets the driver in a file access property list, for H5F_ACC_RDONLY. Negative where HDF5 refuses.
-herr_t set_checked_reading(hid_t access);
+/// Sets the driver in a file access property list (HDF5's number of it), for H5F_ACC_RDONLY. False where HDF5 refuses.
+bool set_checked_reading(std::int64_t access);
 
 }  // namespace epafi

@@ -175,7 +175,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::ma
   if (mode != Mode::create) refuse_broken_heaps(path);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
-  if (mode == Mode::read && set_checked_reading(access) < 0) impl_->fail("open");
+  if (mode == Mode::read && !set_checked_reading(access)) impl_->fail("open");
   if (mode == Mode::create) {
     impl_->id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   } else {

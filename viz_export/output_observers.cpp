@@ -8,12 +8,14 @@
 namespace epafi {
 
 void StateRecorder::observe(const StepView& view) {
-  const auto bodies = body_records(view.world, surfaces_);
+  BodyList bodies(view.world, surfaces_);
+  std::vector<BodyRecord> records;
+  if (frames_ != nullptr) records = bodies.all(), bodies = BodyList(records);
   if (run_ != nullptr)
     run_->add_snapshot(
         {view.step, view.world.time, state_hash(view.world), view.world.rotates(), view.world.has_orientation()},
         bodies);
-  if (frames_ != nullptr) frames_->write(view.world.time, bodies, contact_records(view.world, view.contacts));
+  if (frames_ != nullptr) frames_->write(view.world.time, records, contact_records(view.world, view.contacts));
 }
 
 MeasureRecorder::MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,

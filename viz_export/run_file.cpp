@@ -117,38 +117,46 @@ void RunFile::drop_after(std::uint64_t step, double time) {
   file.close();
 }
 
-void RunFile::append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodies) {
+void RunFile::append_bodies(Hdf5File& file, const BodyList& bodies) {
   // rows by id: ids that came and went between two snapshots leave rows of zero mass and radius
-  const std::size_t known =
-      bodies.empty() ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies.back().id + 1u);
+  const std::size_t n = bodies.size();
+  const std::size_t known = n == 0 ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies[n - 1].id + 1u);
   const std::size_t fresh = known - bodies_known_;
   if (fresh == 0) return;
-  static const BodyRecord nobody{};
-  std::vector<const BodyRecord*> rows(fresh, &nobody);
-  for (const BodyRecord& b : bodies) {
-    if (b.id < bodies_known_) continue;
-    rows[b.id - bodies_known_] = &b;
-    if (b.surface == nullptr || surfaces_.count(b.shape) != 0) continue;
-    const auto number = static_cast<std::int32_t>(surfaces_.size());
-    const std::string group = numbered("shapes", static_cast<std::size_t>(number));
-    write_rows(file, group + "/points", 3, b.surface->points.size(),
-               [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
-    file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
-    file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
-    file.set_attribute(group, "shape", std::uint64_t{b.shape});
-    surfaces_[b.shape] = number;
+  constexpr std::uint32_t nobody = ~std::uint32_t{0};
+  std::vector<std::uint32_t> rows(fresh, nobody);  // place in `bodies`
+  for (std::size_t k = n; k-- > 0;) {
+    const BodyRecord b = bodies[k];
+    if (b.id < bodies_known_) break;
+    rows[b.id - bodies_known_] = static_cast<std::uint32_t>(k);
   }
-  append_column<std::uint32_t>(file, "bodies/shape", fresh, [&](std::size_t k) { return rows[k]->shape; });
+  for (const std::uint32_t k : rows)
+    if (k != nobody) add_surface(file, bodies[k]);
+  const auto record = [&](std::size_t row) { return rows[row] == nobody ? BodyRecord{} : bodies[rows[row]]; };
+  append_column<std::uint32_t>(file, "bodies/shape", fresh, [&](std::size_t k) { return record(k).shape; });
   append_column<std::int32_t>(file, "bodies/surface", fresh, [&](std::size_t k) {
-    return rows[k]->surface == nullptr ? -1 : surfaces_.at(rows[k]->shape);
+    const BodyRecord b = record(k);
+    return b.surface == nullptr ? -1 : surfaces_.at(b.shape);
   });
-  append_column<std::uint16_t>(file, "bodies/material", fresh, [&](std::size_t k) { return rows[k]->material; });
-  append_column<double>(file, "bodies/mass", fresh, [&](std::size_t k) { return rows[k]->mass; });
-  append_column<double>(file, "bodies/radius", fresh, [&](std::size_t k) { return rows[k]->radius; });
+  append_column<std::uint16_t>(file, "bodies/material", fresh, [&](std::size_t k) { return record(k).material; });
+  append_column<double>(file, "bodies/mass", fresh, [&](std::size_t k) { return record(k).mass; });
+  append_column<double>(file, "bodies/radius", fresh, [&](std::size_t k) { return record(k).radius; });
   bodies_known_ = known;
 }
 
-void RunFile::add_snapshot(const SnapshotStamp& stamp, const std::vector<BodyRecord>& bodies) {
+void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
+  if (b.surface == nullptr || surfaces_.count(b.shape) != 0) return;
+  const auto number = static_cast<std::int32_t>(surfaces_.size());
+  const std::string group = numbered("shapes", static_cast<std::size_t>(number));
+  write_rows(file, group + "/points", 3, b.surface->points.size(),
+             [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
+  file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
+  file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
+  file.set_attribute(group, "shape", std::uint64_t{b.shape});
+  surfaces_[b.shape] = number;
+}
+
+void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
   if (static_cast<std::int64_t>(stamp.step) <= last_step_) return;
   Hdf5File file(path_, Hdf5File::Mode::append);
   append_measures(file);
@@ -162,7 +170,7 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const std::vector<BodyRec
   write_rows(file, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies[k].velocity, to); });
   if (stamp.has_orientation)
     write_rows(file, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
-      const Quat& q = bodies[k].pose.orientation;
+      const Quat q = bodies[k].pose.orientation;
       to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
     });
   if (stamp.rotates)

@@ -42,7 +42,7 @@ class RunFile {
   RunFile(std::filesystem::path path, const RunFileHeader& header, std::uint64_t step, double time);
 
   /// Ignored where a snapshot of this step or a later one is already there. Also flushes the measures.
-  void add_snapshot(const SnapshotStamp& stamp, const std::vector<BodyRecord>& bodies);
+  void add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies);
   /// Number of a measure for add_measure; one that the file already holds is continued.
   std::size_t define_measure(const std::string& name, const std::vector<std::string>& components);
   void add_measure(std::size_t measure, double time, const std::vector<double>& values);
@@ -57,7 +57,8 @@ class RunFile {
   };
   void drop_after(std::uint64_t step, double time);
   void append_measures(Hdf5File& file);
-  void append_bodies(Hdf5File& file, const std::vector<BodyRecord>& bodies);
+  void append_bodies(Hdf5File& file, const BodyList& bodies);
+  void add_surface(Hdf5File& file, const BodyRecord& body);
   std::filesystem::path path_;
   std::vector<Measure> measures_;
   std::size_t buffered_ = 0;                        ///< values of measures waiting

@@ -91,7 +91,7 @@ TEST_CASE("a run continued from a checkpoint leaves the file of an uninterrupted
   RunFile unused(folder / "unused.h5", header);
   run_steps(unused, again, again_surfaces, 0, step + 1);
   RunFile file(folder / "run.h5", header, step, 0.1 * checkpoint);
-  file.add_snapshot({step, 0.1 * checkpoint, "is there already", true}, {});
+  file.add_snapshot({step, 0.1 * checkpoint, "is there already", true}, std::vector<BodyRecord>{});
   run_steps(file, again, again_surfaces, step + 1, 8);
   check_equal(StoredRun(folder / "run.h5"), StoredRun(folder / "straight.h5"));
 }

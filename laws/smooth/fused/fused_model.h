@@ -108,7 +108,7 @@ class FusedModel final : public FusedSpheres {
   }
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
-    published_ = false;
+    if (std::exchange(published_, false)) contacts.give_back();
     const bool others = contacts.size() > 0 || others_;
     // reads the force of the last step: before the generic loop writes
     if (!packed_)
