@@ -1,7 +1,6 @@
 #include "scenes/session.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <time.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "laws/smooth/fused/fused_spheres.h"
+#include "scenes/peak_memory.h"
 #include "scenes/stop.h"
 #include "viz_export/measures/all_measures.h"
 #include "viz_export/problem_file.h"
@@ -34,12 +34,6 @@ double processor_seconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-std::uint64_t peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 /// The run file of a run that goes on. One that was torn is set aside: what it held up to now is lost to the new one, the

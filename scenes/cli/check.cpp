@@ -1,13 +1,14 @@
 #include "scenes/cli/check.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
 
 #include "detection/narrow/pair_query.h"
 #include "engine/parallel.h"
+#include "engine/state_snapshot.h"
+#include "scenes/peak_memory.h"
 #include "scenes/progress.h"
 
 namespace epafi {
@@ -34,12 +35,10 @@ bool polyhedra_move(const Scene& scene) {
 
 /// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of the
 /// state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose.
-double peak_memory(Assembly& a, std::size_t free) {
+double predicted_memory(Assembly& a, std::size_t free) {
   Simulation& sim = *a.simulation;
   ByteCounter state;
   sim.visit(state);
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
   const auto hulls = static_cast<double>(a.shapes->of<ConvexHull>().size());
   const bool polyhedra = polyhedra_move(a.scene);
   const auto bodies = static_cast<double>(free);
@@ -49,7 +48,9 @@ double peak_memory(Assembly& a, std::size_t free) {
   const double contacts = std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
   const double pairs = std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies - static_cast<double>(sim.work.pairs.pairs.size()));
   const double output = 6e6 + 14e3 * hulls + (polyhedra ? 2000.0 : 300.0) * bodies;  // HDF5, shapes in it, a frame
-  return 1024.0 * static_cast<double>(usage.ru_maxrss) + static_cast<double>(state.total) + output +
+  // a large copy goes to a scratch file, column by column: less than a fifth of it is in memory at once
+  const double copy = static_cast<double>(state.total) * (state.total > StateSnapshot::most_in_memory ? 0.2 : 1.0);
+  return static_cast<double>(peak_memory()) + copy + output +
          contacts * 2.0 * static_cast<double>(a.plan.bytes_per_contact) +
          pairs * static_cast<double>(3 * sizeof(Pair) + (polyhedra ? 2 * sizeof(PairCache) + (a.plan.resting_reach < a.plan.reach ? 4 * sizeof(RestingPatch) : 0) : 0));
 }
@@ -83,7 +84,7 @@ std::string check_text(Assembly& a) {
       return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
     elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
-  out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n", 1e-6 * peak_memory(a, free),
+  out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n", 1e-6 * predicted_memory(a, free),
                      a.plan.bytes_per_body, a.plan.bytes_per_contact);
   const double per_step = elapsed / static_cast<double>(std::max<std::uint64_t>(1, sim.steps() - first));
   return out + fmt::format("  wall time     about {} with {} threads, by the first steps (denser states cost more)\n",

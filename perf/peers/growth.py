@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Time and memory of a bed of spheres by their number: tiles of one settled bed, so that all have the same contacts.
+
+  /usr/bin/python3 perf/peers/growth.py [--numbers 1000 10000 100000 400000 1000000] [--work 4e7] [--repeats 3] [--out out/growth] [--program ./epafi]
+
+Settles scenes/library/bed/bed.toml with 1000 and with 10 000 spheres, lays copies of the larger one side by side on the floor, and runs them
+on one thread: `--work` sphere-steps each, at most 4000 steps, at least 40. Prints, and writes to table.md: nanoseconds of processor time per sphere
+and step (the run of 10 steps subtracted; median, smallest, largest), over that of 10 000; the peak of the whole process over the number of
+spheres; beside them what the runs got right: the height of the centre of mass and the overlap in percent of the radius.
+"""
+import argparse
+import json
+import os
+import statistics
+import subprocess
+
+import numpy
+from runs import processor_time, settled, write_csv
+
+HEAD = """title = "Beds side by side"
+run = { duration = %.9g, time_step = 5e-5, output_interval = 1e3 }
+world = { gravity = [0, 0, -9.81] }
+material.bead = { density = 2500, youngs_modulus = 5e6, poissons_ratio = 0.3 }
+contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
+"""
+WALL = '[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "bead"\nfixed = true\nposition = [%.17g, %.17g, 0]\n'
+BODIES = '[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = 1e3\n'
+
+
+def tiles(number, parts):
+    """Copies of a bed as nearly square as the number allows: bodies, and the lengths of their floor."""
+    bed, side = parts[1000 if number < 10000 else 10000]
+    copies = number // len(bed)
+    along = max(k for k in range(1, int(copies**0.5) + 1) if copies % k == 0)
+    shifts = [(side * i, side * j, 0, 0) for i in range(copies // along) for j in range(along)]
+    return numpy.concatenate([bed + numpy.array(s) for s in shifts]), side * (copies // along), side * along
+
+
+def write_scene(folder, number, parts, steps):
+    bodies, x, y = tiles(number, parts)
+    os.makedirs(folder, exist_ok=True)
+    write_csv(os.path.join(folder, "bodies.csv"), bodies)
+    with open(os.path.join(folder, "bed.toml"), "w") as f:
+        f.write(HEAD % (5e-5 * (steps + 0.5)))
+        for n, at in (((0, 0, 1), (0, 0)), ((1, 0, 0), (0, 0)), ((0, 1, 0), (0, 0)), ((-1, 0, 0), (x, y)), ((0, -1, 0), (x, y))):
+            f.write(WALL % (*n, *at))
+        f.write(BODIES)
+    return len(bodies)
+
+
+def run(program, folder, steps):
+    """Processor time [s] and the run's summary."""
+    command = [program, "run", "bed.toml", "-t", "1", "-q", "--force", "--least-output", "--steps", str(steps), "-o", "run"]
+    seconds, _ = processor_time(command, folder)
+    with open(os.path.join(folder, "run", "summary.json")) as f:
+        return seconds, json.load(f)
+
+
+def row(program, out, number, parts, work, repeats):
+    steps = int(min(4000, max(40, work / number)))
+    folder = os.path.join(out, str(number))
+    n = write_scene(folder, number, parts, steps)
+    times = []
+    for _ in range(repeats):
+        short, _ = run(program, folder, 10)
+        long, summary = run(program, folder, steps)
+        times.append(1e9 * (long - short) / (steps - 10) / n)
+    return n, steps, times, summary
+
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--numbers", type=int, nargs="+", default=[1000, 10000, 100000, 400000, 1000000])
+parser.add_argument("--work", type=float, default=4e7)
+parser.add_argument("--repeats", type=int, default=3)
+parser.add_argument("--out", default="out/growth")
+parser.add_argument("--program", default="./epafi")
+o = parser.parse_args()
+o.program, scene = os.path.abspath(o.program), os.path.abspath("scenes/library/bed/bed.toml")
+os.makedirs(o.out, exist_ok=True)
+beds = {n: (settled(o.program, scene, os.path.join(o.out, "settled_%d" % n), "params.n=%d" % n), (n * numpy.pi / 6 * 0.005**3 / 0.6) ** (1 / 3))
+        for n in (1000, 10000)}
+rows = [row(o.program, o.out, n, beds, o.work, o.repeats) for n in o.numbers]
+base = next((statistics.median(t) for n, _, t, _ in rows if n == 10000), None)
+lines = ["| spheres | steps | ns per sphere and step | smallest, largest | over 10 000 | peak [B per sphere] | height [mm] | overlap [% of R] |", "|---" * 8 + "|"]
+for n, steps, times, s in rows:
+    middle = statistics.median(times)
+    lines.append("| %d | %d | %.1f | %.1f, %.1f | %s | %.0f | %.3f | %.2f |" % (
+        n, steps, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n,
+        1e3 * s["measures"]["middle"]["z"]["last"], 100 * s["overlap"]["max_relative"]))
+text = "\n".join(lines) + "\n"
+with open(os.path.join(o.out, "table.md"), "w") as f:
+    f.write(text)
+print(text)
