@@ -10,7 +10,7 @@ namespace epafi {
 
 namespace {
 
-constexpr std::uint64_t format_number = 4;  // grows when old files can no longer be read
+constexpr std::uint64_t format_number = 5;  // grows when old files can no longer be read
 constexpr const char* kind = "epafi checkpoint";
 const std::string columns_group = "/state/";
 

@@ -1,5 +1,3 @@
-#include <time.h>
-
 #include "engine/parallel.h"
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/islands.h"
@@ -26,23 +24,6 @@ double residual_of(const ContactProblem& p, const Impulses& r) {
   BodyVelocities v;
   std::vector<Vec3> u;
   return measure_residual(p, r, p.mean_effective_mass(), v, u).value;
-}
-
-/// CPU time of f [s], the least of 20 calls.
-template <class F>
-double least_seconds(const F& f) {
-  const auto now = [] {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  };
-  double least = infinity;
-  for (int k = 0; k < 20; ++k) {
-    const double start = now();
-    f();
-    least = std::min(least, now() - start);
-  }
-  return least;
 }
 
 /// Two stacks side by side on the same plane: their bodies share nothing that can move.
@@ -123,8 +104,8 @@ TEST_CASE("mass ratios to 1e6 cost newton no more than a stack", "[laws][newton]
   }
 }
 
-TEST_CASE("B01: mass ratios are solved to 1e-8 for the time of 200 sweeps, in few factorisations", "[laws][newton][B01]") {
-  // alternating 1:1000 and heavy on light; a factorisation of a stack with its line search costs as much as 6 sweeps
+TEST_CASE("B01: mass ratios are solved to 1e-8 in few factorisations", "[laws][newton][B01]") {
+  // alternating 1:1000 and heavy on light; what they take in sweeps: perf_solvers mass
   std::vector<ContactProblem> problems{stack_of(20, 0.5, 1.0 / 240, [](int i) { return i % 2 ? 1e6 : 1e3; })};
   for (double ratio = 1.0; ratio <= 1e6; ratio *= 10.0) problems.push_back(stack_problem(2, 0.5, 1.0 / 240, ratio));
   for (const ContactProblem& p : problems) {
@@ -133,18 +114,6 @@ TEST_CASE("B01: mass ratios are solved to 1e-8 for the time of 200 sweeps, in fe
     INFO(p.size() << " contacts, " << report.iterations << " factorisations, residual " << residual_of(p, r));
     CHECK(residual_of(p, r) <= 1e-8);
     CHECK(report.iterations <= 15);
-    ConeProblem blocks;
-    blocks.load(p);
-    const double sweep = least_seconds([&] {
-      ConeSweep<PgsRule> sweeps;
-      sweeps.load(blocks), r.assign(p.size(), Vec3::Zero()), sweeps.start(r);
-      for (int k = 0; k < 200; ++k) sweeps.run(PgsRule{}, r);
-    });
-    Parameters strict;
-    strict.set("iterations", 500.0), strict.set("tolerance", 1e-8);
-    const auto solver = newton_entry().make(strict);
-    const double solution = least_seconds([&] { r.assign(p.size(), Vec3::Zero()), solver->solve(blocks, r); });
-    CHECK(200.0 * solution / sweep <= 200.0);  // sweep-equivalents; 26 to 78 seen, a ratio of two times of one process
   }
 }
 

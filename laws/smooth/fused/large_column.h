@@ -2,8 +2,11 @@
 /// reads partners all over its columns, and with pages of 4 kB every other such read waits for the page table first
 /// (a bed of 100 000: 26 MB are 6500 pages, twice what the processor remembers).
 #pragma once
+#include <cstdint>
 #include <cstdlib>
 #include <new>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #if defined(__linux__)
@@ -46,5 +49,34 @@ struct LargePages {
 
 template <class T>
 using LargeColumn = std::vector<T, LargePages<T>>;
+
+/// A column whose elements are written before they are read: `resize` leaves them as they are, so that the thread which
+/// writes a page first has it near, and pages that nobody has written yet take no memory.
+template <class T>
+struct UnwrittenPages : LargePages<T> {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+  UnwrittenPages() = default;
+  template <class U>
+  UnwrittenPages(const UnwrittenPages<U>&) {}
+  template <class U>
+  void construct(U*) noexcept {}
+  template <class U, class... Args>
+  void construct(U* p, Args&&... args) {
+    ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
+  }
+};
+
+template <class T>
+using UnwrittenColumn = std::vector<T, UnwrittenPages<T>>;
+
+/// The system may take the whole pages within [begin, end): what is there is not read again.
+inline void give_back_pages([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
+#if defined(__linux__)
+  constexpr std::uintptr_t page = 4096;
+  const auto first = (reinterpret_cast<std::uintptr_t>(begin) + page - 1) / page * page;
+  const auto last = reinterpret_cast<std::uintptr_t>(end) / page * page;
+  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+#endif
+}
 
 }  // namespace epafi

@@ -46,6 +46,9 @@ class RunWriter {
   void put(SpherePlaces pair) { block_.pairs[block_.size++] = pair; }
 };
 
+/// Bytes of springs on their way above which they are not held in the columns as well.
+constexpr std::size_t most_twice = std::size_t{8} << 20;
+
 /// Room for `size`, and little more when it must grow: columns that double waste as much as they hold.
 template <class Column>
 void make_room(Column& column, std::size_t size) {
@@ -77,6 +80,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const bool goes_on = laid_out_ && fits;
   if (!goes_on) take_out(before), group_kept(count);
   if (blocks_.size() != count || !fits) blocks_.resize(count), make_rooms(with);
+  const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
   parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) {
     const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
     copy_constants(world, list.radius, first, last);
@@ -90,6 +94,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     }
     lay_out(blocks_[i], static_cast<Slot>(i), with);
     if (needs_.friction) restore(blocks_[i], static_cast<Slot>(first), kept, goes_on ? own.rolling : kept_.rolling);
+    if (many && !goes_on) give_back_pages(kept_.springs.data() + kept_begin_[i], kept_.springs.data() + kept_begin_[i + 1]);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
@@ -271,10 +276,13 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   each_touching([&](const Block&, const Run&, std::uint32_t) { ++touching; });
   kept_.springs.clear(), kept_.springs.reserve(touching);
   kept_.rolling.clear(), kept_.rolling.reserve(needs_.rolling ? touching : 0);
-  for (Block& block : blocks_) springs_of(block, planes, kept_), block.runs.clear();
+  const bool many = touching * sizeof(Kept) > most_twice;
+  for (Block& block : blocks_) {
+    springs_of(block, planes, kept_), block.runs.clear();
+    if (many) give_back_pages(block.springs, block.springs + block.room);
+  }
   laid_out_ = false;
-  constexpr std::size_t most_twice = std::size_t{8} << 20;  // more of them are not held here and in the columns
-  if (kept_.springs.size() * sizeof(Kept) > most_twice)
+  if (many)
     blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(rolling_column_), let_go(load_column_),
         let_go(image_column_);
 }
@@ -316,37 +324,19 @@ void SphereBlocks::reorder(const Reordering& change) {
 void SphereBlocks::visit(StateVisitor& visitor) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
   take_out(planes_);
-  show<Slot>(
-      visitor, "spheres/a", [](const Kept& s, Slot* to) { *to = s.a; }, [](Kept& s, const Slot* v) { s.a = *v; });
-  show<Slot>(
-      visitor, "spheres/b", [](const Kept& s, Slot* to) { *to = s.b; }, [](Kept& s, const Slot* v) { s.b = *v; });
-  show<std::uint32_t>(
-      visitor, "spheres/key", [](const Kept& s, std::uint32_t* to) { *to = s.key; },
-      [](Kept& s, const std::uint32_t* v) { s.key = *v; });
-  show<double, 4>(
-      visitor, "spheres/spring", [](const Kept& s, double* to) { std::copy_n(s.load, 4, to); },
-      [](Kept& s, const double* v) { std::copy_n(v, 4, s.load); });
+  const auto number = [&] {  // in the order of the springs that are left: some have gone since
+    for (std::uint32_t i = 0; i < kept_.springs.size(); ++i) kept_.springs[i].rolling = i;
+  };
+  if (needs_.rolling) {
+    std::vector<Load> rolling;
+    rolling.reserve(kept_.springs.size());
+    for (const Kept& s : kept_.springs) rolling.push_back(kept_.rolling[s.rolling]);
+    kept_.rolling.swap(rolling), number();
+  }
+  visitor.column("spheres/springs", kept_.springs);  // as they are: a copy by columns took 82 bytes a sphere
   if (!needs_.rolling) return;
-  std::vector<double> column(4 * kept_.springs.size());  // where a state comes in, what is there now does not count
-  for (std::size_t i = 0; i < kept_.springs.size(); ++i)
-    if (const std::uint32_t k = kept_.springs[i].rolling; k < kept_.rolling.size())
-      std::copy_n(kept_.rolling[k].data(), 4, column.data() + 4 * i);
-  visitor.column("spheres/rolling", column);
-  kept_.rolling.resize(kept_.springs.size());
-  for (std::uint32_t i = 0; i < kept_.springs.size(); ++i)
-    kept_.springs[i].rolling = i, std::copy_n(column.data() + std::size_t{4} * i, 4, kept_.rolling[i].data());
-}
-
-/// One column of the springs, of `width` values each: one at a time, so that a copy takes a third of what all four do.
-template <class T, std::size_t width, class Get, class Set>
-void SphereBlocks::show(StateVisitor& visitor, const char* name, const Get& get, const Set& set) {
-  std::vector<T> column;
-  std::vector<Kept>& kept = kept_.springs;
-  column.resize(width * kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) get(kept[i], column.data() + width * i);
-  visitor.column(name, column);
-  kept.resize(column.size() / width);
-  for (std::size_t i = 0; i < kept.size(); ++i) set(kept[i], column.data() + width * i);
+  visitor.column("spheres/rolling", kept_.rolling);
+  kept_.rolling.resize(kept_.springs.size()), number();
 }
 
 void SphereBlocks::receive(std::size_t i) {

@@ -208,15 +208,13 @@ class SphereBlocks {
   void restore(Block& block, Slot first, std::span<const Kept> kept, const std::vector<Load>& rolling);
   void address_records();
   void take_out(const std::vector<SpherePlane>& planes);
-  template <class T, std::size_t width = 1, class Get, class Set>
-  void show(StateVisitor& visitor, const char* name, const Get& get, const Set& set);
 
   SphereNeeds needs_;
   std::vector<Block> blocks_;
-  LargeColumn<SpherePlaces> pair_column_;
-  LargeColumn<SphereSpring> spring_column_, rolling_column_;
-  LargeColumn<SphereLoads> load_column_;
-  LargeColumn<SphereImage> image_column_;
+  UnwrittenColumn<SpherePlaces> pair_column_;
+  UnwrittenColumn<SphereSpring> spring_column_, rolling_column_;
+  UnwrittenColumn<SphereLoads> load_column_;
+  UnwrittenColumn<SphereImage> image_column_;
   std::vector<std::uint8_t> touched_column_;
   std::vector<SpherePlane> planes_;
   LargeColumn<SphereState> states_;
