@@ -73,9 +73,9 @@ using UnwrittenColumn = std::vector<T, UnwrittenPages<T>>;
 inline void give_back_pages([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
 #if defined(__linux__)
   constexpr std::uintptr_t page = 4096;
-  const auto first = (reinterpret_cast<std::uintptr_t>(begin) + page - 1) / page * page;
-  const auto last = reinterpret_cast<std::uintptr_t>(end) / page * page;
-  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+  const std::uintptr_t from = (page - reinterpret_cast<std::uintptr_t>(begin) % page) % page;  // to the first whole page
+  const auto bytes = static_cast<std::uintptr_t>(static_cast<char*>(end) - static_cast<char*>(begin));
+  if (bytes >= from + page) madvise(static_cast<char*>(begin) + from, (bytes - from) / page * page, MADV_DONTNEED);
 #endif
 }
 
