@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Time and memory of a bed of spheres by their number: tiles of one settled bed, so that all have the same contacts.
 
-  /usr/bin/python3 perf/peers/growth.py [--numbers 1000 10000 100000 400000 1000000] [--work 4e7] [--repeats 3] [--out out/growth] [--program ./epafi]
+  /usr/bin/python3 perf/peers/growth.py [--numbers 1000 10000 100000 400000 1000000] [--steps 300] [--repeats 3] [--out out/growth] [--program ./epafi]
 
 Settles scenes/library/bed/bed.toml with 1000 and with 10 000 spheres, lays copies of the larger one side by side on the floor, and runs them
-on one thread: `--work` sphere-steps each, at most 4000 steps, at least 40. Prints, and writes to table.md: nanoseconds of processor time per sphere
+on one thread, the same steps for all. Prints, and writes to table.md: nanoseconds of processor time per sphere
 and step (the run of 10 steps subtracted; median, smallest, largest), over that of 10 000; the peak of the whole process over the number of
 spheres; beside them what the runs got right: the height of the centre of mass and the overlap in percent of the radius.
 """
@@ -56,8 +56,7 @@ def run(program, folder, steps):
         return seconds, json.load(f)
 
 
-def row(program, out, number, parts, work, repeats):
-    steps = int(min(4000, max(40, work / number)))
+def row(program, out, number, parts, steps, repeats):
     folder = os.path.join(out, str(number))
     n = write_scene(folder, number, parts, steps)
     times = []
@@ -65,12 +64,12 @@ def row(program, out, number, parts, work, repeats):
         short, _ = run(program, folder, 10)
         long, summary = run(program, folder, steps)
         times.append(1e9 * (long - short) / (steps - 10) / n)
-    return n, steps, times, summary
+    return n, times, summary
 
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--numbers", type=int, nargs="+", default=[1000, 10000, 100000, 400000, 1000000])
-parser.add_argument("--work", type=float, default=4e7)
+parser.add_argument("--steps", type=int, default=300)
 parser.add_argument("--repeats", type=int, default=3)
 parser.add_argument("--out", default="out/growth")
 parser.add_argument("--program", default="./epafi")
@@ -79,13 +78,13 @@ o.program, scene = os.path.abspath(o.program), os.path.abspath("scenes/library/b
 os.makedirs(o.out, exist_ok=True)
 beds = {n: (settled(o.program, scene, os.path.join(o.out, "settled_%d" % n), "params.n=%d" % n), (n * numpy.pi / 6 * 0.005**3 / 0.6) ** (1 / 3))
         for n in (1000, 10000)}
-rows = [row(o.program, o.out, n, beds, o.work, o.repeats) for n in o.numbers]
-base = next((statistics.median(t) for n, _, t, _ in rows if n == 10000), None)
-lines = ["| spheres | steps | ns per sphere and step | smallest, largest | over 10 000 | peak [B per sphere] | height [mm] | overlap [% of R] |", "|---" * 8 + "|"]
-for n, steps, times, s in rows:
+rows = [row(o.program, o.out, n, beds, o.steps, o.repeats) for n in o.numbers]
+base = next((statistics.median(t) for n, t, _ in rows if n == 10000), None)
+lines = ["| spheres | ns per sphere and step | smallest, largest | over 10 000 | peak [B per sphere] | height [mm] | overlap [% of R] |", "|---" * 7 + "|"]
+for n, times, s in rows:
     middle = statistics.median(times)
-    lines.append("| %d | %d | %.1f | %.1f, %.1f | %s | %.0f | %.3f | %.2f |" % (
-        n, steps, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n,
+    lines.append("| %d | %.1f | %.1f, %.1f | %s | %.0f | %.3f | %.2f |" % (
+        n, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n,
         1e3 * s["measures"]["middle"]["z"]["last"], 100 * s["overlap"]["max_relative"]))
 text = "\n".join(lines) + "\n"
 with open(os.path.join(o.out, "table.md"), "w") as f:
