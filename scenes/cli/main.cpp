@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,6 +10,10 @@
 #include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"
 #include "scenes/cli/study_commands.h"
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 namespace {
 
@@ -210,9 +213,11 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up() names what nobody expected
+#if defined(__GLIBC__)
   // Columns go back to the system when they go. Left alone, glibc learns from the first freed ones to keep larger and
   // larger pieces in its heap, where the next do not fit: 190 of 1620 bytes a sphere of 100 000.
   mallopt(M_MMAP_THRESHOLD, 1 << 18);
+#endif
   Program p;
   p.app.set_version_flag("--version", std::string(EPAFI_VERSION));
   p.app.require_subcommand(1);

@@ -19,8 +19,9 @@ std::string scene_with(const TableSchema& table, const std::string& key, const s
       {"body", {{"name", "'ball'"}, {"material", "'a'"}, {"shape", "{ sphere = { radius = 1 } }"}}},
       {"contact", {{"method", "'smooth'"}}},
       {"contact.pair", {{"between", "['a', 'a']"}}},
-      {"measure", {{"kind", "'kinetic_energy'"}}},
-      {"fill", {{"material", "'a'"}, {"shape", "{ sphere = { radius = 1 } }"}, {"count", "3"}}}};
+      {"measure", {{"kind", "'energy'"}}},
+      {"fill", {{"material", "'a'"}, {"shape", "{ sphere = { radius = 1 } }"}, {"count", "3"},
+                {"region", "{ box = { min = [0, 0, 2], max = [9, 9, 9] } }"}}}};
   std::string text;
   const auto add = [&](const std::string& name, TableSchema::Form form, std::map<std::string, std::string> lines, bool tested) {
     if (tested) lines[key] = value;
