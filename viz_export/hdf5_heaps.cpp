@@ -30,8 +30,8 @@ void refuse_broken_heaps(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::array<char, 16> head{};
   if (!in.read(head.data(), head.size())) return;
-  const auto offset = static_cast<std::size_t>(head[size_of_offsets]),
-             length = static_cast<std::size_t>(head[size_of_lengths]);
+  const std::size_t offset = static_cast<unsigned char>(head[size_of_offsets]),
+             length = static_cast<unsigned char>(head[size_of_lengths]);
   if (std::string_view(head.data(), signature.size()) != signature || head[signature.size()] > 1) return;
   if (offset < 2 || offset > 8 || length < 2 || length > 8) return;  // the library says so itself
   in.seekg(0);
