@@ -273,7 +273,7 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept,
 void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
   std::size_t touching = 0;
-  each_touching([&](const Block&, const Run&, std::uint32_t) { ++touching; });
+  if (needs_.friction) each_touching([&](const Block&, const Run&, std::uint32_t) { ++touching; });
   kept_.springs.clear(), kept_.springs.reserve(touching);
   kept_.rolling.clear(), kept_.rolling.reserve(needs_.rolling ? touching : 0);
   const bool many = touching * sizeof(Kept) > most_twice;
