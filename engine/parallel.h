@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/shared_out.h"
+
 namespace epafi {
 
 inline constexpr std::size_t sum_block = 1024;  // summed in order inside, then block by block: independent of threads
@@ -19,7 +21,9 @@ inline void set_thread_count(int n) { omp_set_num_threads(n); }
 /// f(i) for i in [0, n); f writes to its own index only. Short loops stay on one thread: a fork costs about 2 us.
 template <class F>
 void parallel_for(std::size_t n, const F& f, std::size_t grain = 512) {
-  if (n < 2 * grain || thread_count() == 1) {
+  const bool pays = n >= 2 * grain;
+  const SharedOut meter(pays);
+  if (!pays || thread_count() == 1) {
     for (std::size_t i = 0; i < n; ++i) f(i);
     return;
   }
@@ -32,6 +36,7 @@ template <class F>
 void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
   const std::size_t blocks = (n + size - 1) / size;
   const auto one = [&](std::size_t b) { f(b * size, std::min(n, (b + 1) * size), b); };
+  const SharedOut meter(blocks > 1);
   if (blocks < 2 || thread_count() == 1) {
     for (std::size_t b = 0; b < blocks; ++b) one(b);
     return;
@@ -56,6 +61,7 @@ std::vector<T>& block_results(std::size_t blocks, T start) {
 /// for parts that leave something to later ones and are finished while they are in cache.
 template <class Find, class Finish>
 void parallel_wavefront(std::size_t n, const Find& find, const Finish& finish) {
+  const SharedOut meter(n > 1);
   if (n < 2 || thread_count() == 1) {
     for (std::size_t i = 0; i < n; ++i) find(i), finish(i);
     return;

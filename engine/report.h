@@ -5,6 +5,7 @@
 #include <chrono>
 #include <string>
 
+#include "engine/shared_out.h"
 #include "engine/types.h"
 
 namespace epafi {
@@ -20,9 +21,9 @@ enum class Stage { integrate, broad_phase, narrow_phase, contact, output };
 inline constexpr std::array<const char*, 5> stage_names{"integrate", "broad_phase", "narrow_phase", "contact",
                                                         "output"};
 
-/// Wall seconds by stage.
+/// Wall seconds by stage, and those of them outside loops that are shared out over threads.
 struct StageSeconds {
-  std::array<double, 5> seconds{};
+  std::array<double, 5> seconds{}, serial{};
   double& operator[](Stage s) { return seconds[static_cast<std::size_t>(s)]; }
   double operator[](Stage s) const { return seconds[static_cast<std::size_t>(s)]; }
 };
@@ -30,17 +31,20 @@ struct StageSeconds {
 /// Adds the time since the last lap to a stage.
 class StageTimer {
  public:
-  explicit StageTimer(StageSeconds& seconds) : seconds_(seconds), last_(Clock::now()) {}
+  explicit StageTimer(StageSeconds& seconds) : seconds_(seconds), last_(Clock::now()), shared_(SharedOut::seconds()) {}
   void lap(Stage stage) {
     const auto now = Clock::now();
-    seconds_[stage] += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
+    const double shared = SharedOut::seconds(), all = std::chrono::duration<double>(now - last_).count();
+    seconds_[stage] += all;
+    seconds_.serial[static_cast<std::size_t>(stage)] += all - (shared - shared_);
+    last_ = now, shared_ = shared;
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   StageSeconds& seconds_;
   Clock::time_point last_;
+  double shared_;
 };
 
 /// Parts of what smooth contacts lose [J]: dashpots and rolling, slip, plastic deformation, adhesion.

@@ -25,9 +25,9 @@ class StateVisitor {
   virtual ~StateVisitor() = default;
 
   /// A column of plain values; a loading visitor resizes it. `name` is unique in the walk ("world/position").
-  template <class T>
+  template <class T, class Allocator>
   requires is_plain<T>
-  void column(std::string_view name, std::vector<T>& values) {
+  void column(std::string_view name, std::vector<T, Allocator>& values) {
     const std::size_t wanted = bytes_of(name, sizeof(T), values.size() * sizeof(T));
     if (wanted != values.size() * sizeof(T)) values.resize(wanted / sizeof(T));
     exchange(name, sizeof(T), reinterpret_cast<std::byte*>(values.data()), wanted);

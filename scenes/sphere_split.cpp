@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engine/parallel_order.h"
+
 namespace epafi {
 
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
@@ -30,22 +32,33 @@ void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet&
 void SphereSplit::split(const World& world, const PairList& pairs) {
   const auto& spheres = shapes_.of<Sphere>();
   const auto& planes = shapes_.of<HalfSpace>();
-  std::vector<double> radius(world.size(), SphereList::not_a_sphere);
-  std::vector<std::int32_t> plane_of(world.size(), -1);
-  SphereList list{pairs.pairs, radius, plane_of, {}, {}};
-  bool alone = true;
-  for (Slot s = 0; s < world.size(); ++s) {
+  UnwrittenColumn<double> radius(world.size());
+  UnwrittenColumn<std::int32_t> plane_of(world.size());
+  const auto slots = world.size();
+  parallel_for(slots, [&](std::size_t s) {
     const ShapeRef ref{world.shape[s]};
-    if (ref.type() == ShapeStore::type_of<Sphere>() && world.is_movable(s)) radius[s] = spheres[ref.index()].radius;
-    alone = alone && (radius[s] > 0.0 || is_fixed(world, s));
-    if (ref.type() != ShapeStore::type_of<HalfSpace>() || !is_fixed(world, s)) continue;
-    plane_of[s] = static_cast<std::int32_t>(list.planes.size());
-    list.planes.push_back({s, world.pose(s).orientation * planes[ref.index()].normal, world.position[s]});
-  }
-  rest_.pairs.clear();
-  rest_.margin = pairs.margin, rest_.margins = pairs.margins, ++rest_.generation;
-  for (const Pair& p : pairs.pairs)
-    if (!list.takes(p)) rest_.pairs.push_back(p);
+    const bool free = ref.type() == ShapeStore::type_of<Sphere>() && world.is_movable(static_cast<Slot>(s));
+    radius[s] = free ? spheres[ref.index()].radius : SphereList::not_a_sphere, plane_of[s] = -1;
+  });
+  const auto moves = [&](std::size_t s) { return !(radius[s] > 0.0) && !is_fixed(world, static_cast<Slot>(s)); };
+  const bool alone = block_max<char>(slots, 0, [&](std::size_t s) { return static_cast<char>(moves(s)); }) == 0;
+  SphereList list{pairs.pairs, radius, plane_of, {}, {}};
+  const auto is_plane = [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    return ShapeRef{world.shape[s]}.type() == ShapeStore::type_of<HalfSpace>() && is_fixed(world, s);
+  };
+  const auto plane = [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    return SpherePlane{s, world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal,
+                       world.position[s]};
+  };
+  parallel_select(world.size(), is_plane, plane, list.planes);
+  for (std::size_t k = 0; k < list.planes.size(); ++k) plane_of[list.planes[k].slot] = static_cast<std::int32_t>(k);
+  ++rest_.generation;
+  parallel_select(
+      pairs.pairs.size(), [&](std::size_t k) { return !list.takes(pairs.pairs[k]); },
+      [&](std::size_t k) { return pairs.pairs[k]; }, rest_.pairs);
+  if (!rest_.pairs.empty()) rest_.margin = pairs.margin, rest_.margins = pairs.margins;
   if (alone) list.margins = pairs.margins;
   model_.set_pairs(world, list);
   known_ = true, generation_ = pairs.generation;

@@ -8,10 +8,13 @@ namespace epafi {
 namespace {
 
 void put_stages(JsonWriter& json, const StageSeconds& seconds) {
-  json.key("stage_seconds").begin_object();
-  for (Stage s : {Stage::broad_phase, Stage::narrow_phase, Stage::contact, Stage::integrate, Stage::output})
-    json.member(stage_names[static_cast<std::size_t>(s)], seconds[s]);
-  json.end_object();
+  constexpr std::array order{Stage::broad_phase, Stage::narrow_phase, Stage::contact, Stage::integrate, Stage::output};
+  const auto put = [&](const char* key, const std::array<double, 5>& values) {
+    json.key(key).begin_object();
+    for (const Stage s : order) json.member(stage_names[static_cast<std::size_t>(s)], values[static_cast<std::size_t>(s)]);
+    json.end_object();
+  };
+  put("stage_seconds", seconds.seconds), put("serial_seconds", seconds.serial);
 }
 
 void put_energy(JsonWriter& json, const RunSummary::Energy& e) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 
 namespace epafi {
 
@@ -79,8 +79,19 @@ void FatBodies::read_shapes(const World& world, const ShapeStore& shapes) {
   });
 }
 
+/// Whether the last one still is: radii hardly ever change. A look at all by all threads, which to find it has not.
+bool FatBodies::median_holds() const {
+  const Sum3 seen = block_sum<Sum3>(size(), [&](std::size_t i) {
+    if (immovable[i] || !std::isfinite(radius[i])) return Sum3{};
+    return Sum3{radius[i] < median_radius_ ? 1.0 : 0.0, radius[i] <= median_radius_ ? 1.0 : 0.0, 1.0};
+  });
+  const double middle = std::floor(seen.c / 2.0);
+  return seen.c > 0.0 && seen.a <= middle && middle < seen.b;
+}
+
 /// Works in `half`, which is written later.
 void FatBodies::find_median_radius() {
+  if (median_holds()) return;
   half.clear(), median_radius_ = 0.0;
   for (std::size_t i = 0; i < size(); ++i)
     if (!immovable[i] && std::isfinite(radius[i])) half.push_back(radius[i]);
@@ -120,9 +131,10 @@ void FatBodies::choose_margins(const World& world, const BroadSetup& setup, doub
 }
 
 void FatBodies::fatten(const World& world, const BroadSetup& setup) {
-  const bool round = std::all_of(type.begin(), type.end(), [](std::uint32_t t) {
-    return t == ShapeStore::type_of<Sphere>() || t == ShapeStore::type_of<HalfSpace>();
-  });
+  const bool round = block_max<char>(size(), 0, [&](std::size_t i) {
+                       return static_cast<char>(type[i] != ShapeStore::type_of<Sphere>() &&
+                                                type[i] != ShapeStore::type_of<HalfSpace>());
+                     }) == 0;
   boxes.resize(round ? 0 : world.size());
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
@@ -144,18 +156,19 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup) {
 
 void FatBodies::set_apart(const World& world, const ShapeStore& shapes) {
   const double giant = giant_ratio * median_radius_;
-  std::size_t giants = 0;
-  for (double r : radius) giants += std::isfinite(r) && r > giant;
+  const auto giants = block_sum<std::size_t>(
+      size(), [&](std::size_t i) { return static_cast<std::size_t>(std::isfinite(radius[i]) && radius[i] > giant); });
   const bool giants_apart = giants <= most_giants;
-  ordinary.clear(), apart.clear(), plane_normal.clear();
-  for (Slot s = 0; s < world.size(); ++s) {
-    // a body that is nowhere has no neighbours: whoever watches the state reports it
-    if (!position(s).allFinite() || !(half[s] >= 0.0)) continue;
-    if (std::isfinite(radius[s]) && !(giants_apart && radius[s] > giant)) {
-      ordinary.push_back(s);
-      continue;
-    }
-    apart.push_back(s);
+  // a body that is nowhere has no neighbours: whoever watches the state reports it
+  const auto is_somewhere = [&](std::size_t s) { return position(s).allFinite() && half[s] >= 0.0; };
+  const auto is_apart = [&](std::size_t s) { return !std::isfinite(radius[s]) || (giants_apart && radius[s] > giant); };
+  const auto slot = [](std::size_t s) { return static_cast<Slot>(s); };
+  parallel_select(
+      size(), [&](std::size_t s) { return is_somewhere(s) && !is_apart(s); }, slot, ordinary);
+  parallel_select(
+      size(), [&](std::size_t s) { return is_somewhere(s) && is_apart(s); }, slot, apart);
+  plane_normal.clear();
+  for (const Slot s : apart) {
     const ShapeRef ref{world.shape[s]};
     const bool plane = ref.type() == ShapeStore::type_of<HalfSpace>();
     plane_normal.push_back(plane ? Vec3(world.pose(s).orientation * shapes.of<HalfSpace>()[ref.index()].normal)

@@ -85,6 +85,7 @@ struct FatBodies {
   void choose_margins(const World& world, const BroadSetup& setup, double step_time);
   void fatten(const World& world, const BroadSetup& setup);
   void set_apart(const World& world, const ShapeStore& shapes);
+  bool median_holds() const;
   void find_median_radius();
 };
 

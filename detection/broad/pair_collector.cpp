@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 
 namespace epafi {
 
@@ -26,7 +26,7 @@ void sort_run(Slot* first, Slot* last) {
 void PairCollector::begin(std::size_t blocks) {
   if (blocks_.size() < blocks + 1) blocks_.resize(blocks + 1);
   for (Block& b : blocks_) b.own.clear(), b.rest.clear();
-  run_.assign(bodies_.size(), Run{});
+  parallel_fill(run_, bodies_.size(), Run{});
   // pairs of two apart bodies, in a block of their own
   const auto& apart = bodies_.apart;
   for (std::size_t k = 0; k < apart.size(); ++k)
@@ -38,8 +38,10 @@ void PairCollector::begin(std::size_t blocks) {
 }
 
 void PairCollector::place(Block& block, Slot i, Slot j) {
-  if (bodies_.id[i] < bodies_.id[j]) block.own.push_back(j);
-  else block.rest.push_back({j, i});
+  if (bodies_.id[i] < bodies_.id[j])
+    block.own.push_back(j);
+  else
+    block.rest.push_back({j, i});
 }
 
 void PairCollector::add_apart(Block& block, Slot i) {
@@ -64,17 +66,14 @@ void PairCollector::add(std::size_t block, Slot i, std::span<const Slot> candida
 
 void PairCollector::group_rest() {
   const std::size_t n = bodies_.size();
-  rest_begin_.assign(n + 2, 0);
-  std::size_t total = 0;
-  for (const Block& b : blocks_) {
-    total += b.rest.size();
-    for (const Pair& p : b.rest) ++rest_begin_[p.a + 2];
-  }
-  rest_.resize(total);
-  if (total == 0) return;
-  for (std::size_t s = 2; s <= n + 1; ++s) rest_begin_[s] += rest_begin_[s - 1];
-  for (const Block& b : blocks_)
-    for (const Pair& p : b.rest) rest_[rest_begin_[p.a + 1]++] = p.b;  // afterwards run a is [a, a + 1)
+  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t b = begin; b < end; ++b)
+      for (const Pair& p : blocks_[b].rest) f(p.a, p.b);
+  };
+  parallel_group(
+      blocks_.size(), n, rest_begin_, each, [&](std::size_t count) { rest_.resize(count); },
+      [&](std::uint32_t place, Slot b) { rest_[place] = b; }, 4);
+  if (rest_.empty()) return;
   parallel_for(n, [&](std::size_t s) { sort_run(rest_.data() + rest_begin_[s], rest_.data() + rest_begin_[s + 1]); });
 }
 
@@ -82,11 +81,9 @@ void PairCollector::finish(std::vector<Pair>& pairs) {
   group_rest();
   const std::size_t n = bodies_.size();
   begin_.resize(n + 1);
-  std::uint32_t total = 0;
-  for (std::size_t s = 0; s < n; ++s) {
-    begin_[s] = total;
-    total += run_[s].size + (rest_begin_[s + 1] - rest_begin_[s]);
-  }
+  parallel_for(n, [&](std::size_t s) { begin_[s + 1] = run_[s].size + (rest_begin_[s + 1] - rest_begin_[s]); });
+  begin_[0] = 0, running_sums(begin_);
+  const std::size_t total = begin_[n];
   if (total > pairs.capacity()) pairs.reserve(total + total / 8);
   pairs.resize(total);
   parallel_for(n, [&](std::size_t s) {

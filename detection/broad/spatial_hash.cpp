@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 
 namespace epafi {
 
@@ -22,36 +22,48 @@ std::int64_t SpatialHash::Axis::cell(double x) const {
 void SpatialHash::set_levels(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
   level_of_.resize(all.size());
-  double largest = 0.0;
-  for (Slot s : all) largest = std::max(largest, bodies.half[s]);
+  double largest = block_max<double>(all.size(), 0.0, [&](std::size_t k) { return bodies.half[all[k]]; });
   std::array<double, most_levels> below{};  // class l holds halves in (below[l], below[l - 1]]
   for (std::size_t l = 0; l < most_levels; ++l) below[l] = largest /= level_ratio;
   below[most_levels - 1] = -1.0;
-  std::array<Vec3, most_levels> low, high;
-  low.fill(Vec3::Constant(infinity)), high.fill(Vec3::Constant(-infinity));
+  struct Part {
+    std::array<Level, most_levels> level;
+    std::array<Aabb, most_levels> centres;
+  };
+  constexpr std::size_t size = 8192;
+  auto& parts = block_results<Part>((all.size() + size - 1) / size, Part{});
+  parallel_blocks(all.size(), size, [&](std::size_t begin, std::size_t end, std::size_t b) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Slot s = all[k];
+      std::size_t l = 0;
+      while (bodies.half[s] <= below[l]) ++l;
+      level_of_[k] = static_cast<std::uint8_t>(l);
+      Level& level = parts[b].level[l];
+      ++level.count, level.half = std::max(level.half, bodies.half[s]);
+      parts[b].centres[l].include(bodies.position(s));
+    }
+  });
   level_.fill(Level{});
   levels_ = 0;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const Slot s = all[k];
-    std::size_t l = 0;
-    while (bodies.half[s] <= below[l]) ++l;
-    level_of_[k] = static_cast<std::uint8_t>(l);
-    levels_ = std::max(levels_, l + 1);
-    ++level_[l].count;
-    level_[l].half = std::max(level_[l].half, bodies.half[s]);
-    low[l] = low[l].cwiseMin(bodies.position(s)), high[l] = high[l].cwiseMax(bodies.position(s));
-  }
+  std::array<Aabb, most_levels> centres;
+  for (const Part& part : parts)
+    for (std::size_t l = 0; l < most_levels; ++l) {
+      if (part.level[l].count == 0) continue;
+      levels_ = std::max(levels_, l + 1);
+      level_[l].count += part.level[l].count, level_[l].half = std::max(level_[l].half, part.level[l].half);
+      centres[l].include(part.centres[l]);
+    }
   std::uint32_t first = 0;
   std::size_t table = 0;
   for (std::size_t l = 0; l < levels_; ++l) {
     level_[l].first = first, level_[l].table = table;
     first += level_[l].count;
-    if (level_[l].count > 0) set_grid(level_[l], low[l], high[l]);
+    if (level_[l].count > 0) set_grid(level_[l], centres[l].min, centres[l].max);
     std::size_t cells = 1;
     for (const Axis& a : level_[l].axis) cells *= static_cast<std::size_t>(a.mask + 1);
-    table += cells + 1;
+    table += cells + 1;  // one behind them: where the last cell ends
   }
-  start_.assign(table, 0);
+  cells_ = table;
 }
 
 void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
@@ -87,15 +99,13 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
     }
     cell_of_[k] = static_cast<std::uint32_t>(level.table + cell);
   });
-  // counting sort; the entry behind each level's cells takes the end of its last cell
-  for (std::uint32_t c : cell_of_) ++start_[c];
-  std::uint32_t sum = 0;
-  for (std::uint32_t& s : start_) s = (sum += s);
-  // from the back: starts end where they belong, order in a cell is by slot
-  for (std::size_t k = all.size(); k-- > 0;) {
-    const std::uint32_t place = --start_[cell_of_[k]];
-    ball_[place] = bodies.ball[all[k]], slot_[place] = all[k];
-  }
+  // order in a cell is by slot
+  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t k = begin; k < end; ++k) f(cell_of_[k], all[k]);
+  };
+  parallel_group(
+      all.size(), cells_, start_, each, [](std::size_t) {},
+      [&](std::uint32_t place, Slot s) { ball_[place] = bodies.ball[s], slot_[place] = s; });
 }
 
 std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,

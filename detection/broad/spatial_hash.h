@@ -32,7 +32,7 @@ class SpatialHash final : public ListBroadPhase {
   static constexpr std::size_t most_levels = 20;
 
   std::array<Level, most_levels> level_{};
-  std::size_t levels_ = 0;
+  std::size_t levels_ = 0, cells_ = 0;           ///< cells of all levels
   std::vector<std::uint8_t> level_of_;           ///< by position in bodies.ordinary
   std::vector<std::uint32_t> cell_of_, start_;   ///< start_[table + cell]: first body of the cell in the sorted columns
   std::vector<Ball> ball_;                       ///< sorted by level and cell, as is the next one

@@ -47,13 +47,18 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
 
 void BatchNarrowPhase::keep_caches() {
   if (std::exchange(restored_, false)) return;
-  old_known_.clear(), old_caches_.clear(), old_resting_.clear();
-  for (const Block& block : blocks_) {
-    old_known_.insert(old_known_.end(), block.known.begin(), block.known.end());
-    old_caches_.insert(old_caches_.end(), block.caches.begin(), block.caches.end());
-    old_resting_.insert(old_resting_.end(), block.resting.begin(), block.resting.end());
-  }
-  if (!known_) old_known_.clear();  // slots were renamed
+  if (!known_) return old_known_.clear();  // slots were renamed
+  const auto join = [&](auto column, auto& out) {
+    std::vector<std::size_t>& place = block_results<std::size_t>(blocks_.size() + 1, 0);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) place[i + 1] = place[i] + (blocks_[i].*column).size();
+    out.resize(place.back());
+    const auto copy = [&](std::size_t i) {
+      const auto& from = blocks_[i].*column;
+      std::copy(from.begin(), from.end(), out.begin() + static_cast<std::ptrdiff_t>(place[i]));
+    };
+    parallel_for(blocks_.size(), copy, 1);
+  };
+  join(&Block::known, old_known_), join(&Block::caches, old_caches_), join(&Block::resting, old_resting_);
 }
 
 /// Both lists are sorted: one merge.

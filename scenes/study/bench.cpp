@@ -57,33 +57,35 @@ std::string machine_lines(const std::vector<int>& threads) {
 }
 
 /// One line per stage that takes a hundredth of the time of one thread or more, each a comment of the table: share of
-/// the time, speed-up and serial fraction for every number of threads beside 1.
+/// the time, the part of it outside loops that are shared out over threads (serial, on one thread), and for every
+/// number of threads beside 1 the speed-up and the serial fraction that alone would explain it; where memory binds that
+/// is larger than the serial part.
 std::string amdahl_table(const std::vector<const CaseResult*>& medians, const std::vector<int>& threads) {
   const auto first = std::find(threads.begin(), threads.end(), 1);
   if (first == threads.end() || threads.size() < 2) return {};
   const CaseResult& one = *medians[static_cast<std::size_t>(first - threads.begin())];
-  const auto seconds = [](const CaseResult& r, const char* stage) {
-    return r.number(std::string("stage_seconds.") + stage, 0.0);
-  };
-  const auto total = [&](const CaseResult& r) {
+  const auto seconds = [](const CaseResult& r, const std::string& kind, const std::string& stage) {
+    if (stage != "all") return r.number(kind + "." + stage, 0.0);
     double sum = 0.0;
-    for (const char* stage : stage_names) sum += seconds(r, stage);
+    for (const char* each : stage_names) sum += r.number(kind + "." + each, 0.0);
     return sum;
   };
   std::string table;
-  const auto add = [&](const char* name, auto&& of) {
-    table += fmt::format("# {:>12} {:5.1f} %", name, 100.0 * of(one) / total(one));
+  std::vector<std::string> stages(stage_names.begin(), stage_names.end());
+  stages.push_back("all");
+  for (const std::string& stage : stages) {
+    const double alone = seconds(one, "stage_seconds", stage), total = seconds(one, "stage_seconds", "all");
+    if (alone < 0.01 * total) continue;
+    table += fmt::format("# {:>12} {:5.1f} %, serial {:.1f} % of it", stage, 100.0 * alone / total,
+                         100.0 * seconds(one, "serial_seconds", stage) / alone);
     for (std::size_t k = 0; k < threads.size(); ++k) {
       if (threads[k] == 1) continue;
-      const double many = of(*medians[k]);
-      table += fmt::format("  {} threads: {:.2f}x, serial fraction {:+.3f}", threads[k], of(one) / many,
-                           serial_fraction(of(one), many, threads[k]));
+      const double many = seconds(*medians[k], "stage_seconds", stage);
+      table += fmt::format("  {} threads: {:.2f}x, as if {:.1f} % were serial", threads[k], alone / many,
+                           100.0 * serial_fraction(alone, many, threads[k]));
     }
     table += "\n";
-  };
-  for (const char* stage : stage_names)
-    if (seconds(one, stage) >= 0.01 * total(one)) add(stage, [&](const CaseResult& r) { return seconds(r, stage); });
-  add("all", total);
+  }
   return table;
 }
 

@@ -20,7 +20,7 @@ struct BenchSetup {
 std::string bench_header();
 
 /// Runs every size of [benchmark] (the scene as it is where it has none) at every number of threads; repeats take
-/// turns. After the rows of a size come Amdahl's serial fractions by stage and what the machine gives
+/// turns. After the rows of a size come the serial part of each stage, Amdahl's fractions, and what the machine gives
 /// (machine_speedup.h), lines that begin with "#". Throws SceneError where the state hash depends on the threads.
 void run_bench(const BenchSetup& setup, const std::function<void(const std::string& row)>& print);
 

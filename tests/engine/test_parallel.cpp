@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <thread>
 
 #include "engine/random.h"
+#include "engine/report.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;
@@ -79,7 +81,9 @@ TEST_CASE("sums and maxima are the same bits for every thread count", "[engine][
     CHECK(t.a == 100001.0);
     CHECK(t.b == s);
     CHECK(m == *std::max_element(x.begin(), x.end()));
-    if (threads == 1) sum = std::bit_cast<std::uint64_t>(s), most = std::bit_cast<std::uint64_t>(m), third = std::bit_cast<std::uint64_t>(t.c);
+    if (threads == 1)
+      sum = std::bit_cast<std::uint64_t>(s), most = std::bit_cast<std::uint64_t>(m),
+      third = std::bit_cast<std::uint64_t>(t.c);
     CHECK(std::bit_cast<std::uint64_t>(s) == sum);
     CHECK(std::bit_cast<std::uint64_t>(m) == most);
     CHECK(std::bit_cast<std::uint64_t>(t.c) == third);
@@ -97,4 +101,29 @@ TEST_CASE("a sum is exact where its terms are integers, a maximum starts from it
     return static_cast<double>(block_sum<std::size_t>(3000, [](std::size_t i) { return i % 2; }));
   });
   CHECK(nested == 15000.0);
+}
+
+TEST_CASE("the serial part of a stage is what lies outside loops worth sharing out", "[engine][parallel]") {
+  const Threads restore;
+  using namespace std::chrono_literals;
+  const auto sleep = [](auto...) { std::this_thread::sleep_for(10ms); };
+  for (int threads : {1, 2}) {
+    set_thread_count(threads);
+    StageSeconds seconds;
+    StageTimer timer(seconds);
+    sleep();
+    timer.lap(Stage::integrate);
+    parallel_blocks(4, 2, sleep);
+    parallel_blocks(2, 1, [&](auto...) { parallel_blocks(2, 1, sleep); });  // counts once
+    timer.lap(Stage::contact);
+    parallel_blocks(1, 1, sleep);  // one block: nothing to share
+    sleep();
+    parallel_for(2, sleep, 1);
+    timer.lap(Stage::output);
+    const auto serial = [&](Stage s) { return seconds.serial[static_cast<std::size_t>(s)]; };
+    const double shared = threads == 1 ? 0.020 : 0.010;
+    CHECK(serial(Stage::integrate) == seconds[Stage::integrate]);
+    CHECK((serial(Stage::contact) >= 0 && serial(Stage::contact) <= seconds[Stage::contact] - 3 * shared));
+    CHECK((serial(Stage::output) >= 0.020 && serial(Stage::output) <= seconds[Stage::output] - shared));
+  }
 }

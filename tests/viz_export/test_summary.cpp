@@ -18,7 +18,7 @@ TEST_CASE("a summary holds every key of its contract and leaves out what the sce
                           "bodies_lost", "steps",         "time_step",    "simulated_time", "wall_time",
                           "threads",     "stage_seconds", "measures",     "checks",         "peak_memory_bytes",
                           "state_hash",  "broad_phase",   "narrow_phase", "contact",        "integrate",
-                          "output"})
+                          "output",      "serial_seconds"})
     CHECK_THAT(bare, Contains(quoted(key)));
   for (const char* key : {"energy", "momentum_error", "overlap", "residual", "iterations", "ns_per_body_step",
                           "contacts_mean", "failure"})

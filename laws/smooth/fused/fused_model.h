@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 #include "engine/targets.h"
 #include "laws/smooth/choose_law.h"
 #include "laws/smooth/fused/body_pass.h"
@@ -70,17 +70,17 @@ class FusedModel final : public FusedSpheres {
 
   void set_pairs(const World& world, const SphereList& list) override {
     hurry_.resize(list.margins.size());
-    for (std::size_t s = 0; s < hurry_.size(); ++s) {  // half a unit in the last place more than it is
+    parallel_for(hurry_.size(), [&](std::size_t s) {  // half a unit in the last place more than it is
       const double margin = list.margins[s];
       hurry_[s] = margin > 0.0 ? static_cast<float>(2.0 * (1.0 + 1e-6) / margin) : 0.0f;
-    }
+    });
     watched_.clear(), wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
   }
 
   void watch(std::span<const Slot> bodies) override {
-    watched_.assign(blocks_.states().size(), 0);
+    parallel_fill(watched_, blocks_.states().size(), std::uint8_t{0});
     for (Slot s : bodies) watched_[s] = 1;
   }
 
@@ -160,12 +160,20 @@ class FusedModel final : public FusedSpheres {
 
   void add_gaps(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
-    const std::size_t all = contacts.size() + touching();
-    contacts.a.reserve(all), contacts.b.reserve(all), contacts.gap.reserve(all);
-    blocks_.each_touching([&](const auto& block, const auto& run, std::uint32_t k) {
-      contacts.a.push_back(block.pairs[k].a.slot()), contacts.b.push_back(block.pairs[k].b.slot());
-      contacts.gap.push_back(geometry(world, block, run, k).gap);
-    });
+    const auto& all = blocks_.blocks();
+    std::vector<std::size_t>& place = block_results<std::size_t>(all.size() + 1, contacts.size());
+    for (std::size_t i = 0; i < all.size(); ++i) place[i + 1] = place[i] + all[i].touching;
+    contacts.a.resize(place.back()), contacts.b.resize(place.back()), contacts.gap.resize(place.back());
+    parallel_for(
+        all.size(),
+        [&](std::size_t i) {
+          std::size_t at = place[i];
+          blocks_.each_touching(all[i], [&](const auto& run, std::uint32_t k) {
+            contacts.a[at] = all[i].pairs[k].a.slot(), contacts.b[at] = all[i].pairs[k].b.slot();
+            contacts.gap[at++] = geometry(world, all[i], run, k).gap;
+          });
+        },
+        1);
   }
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 #include "laws/smooth/fused/body_pass.h"
 
 namespace epafi {
@@ -70,7 +70,8 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const std::size_t count = (world.size() + block_size - 1) / block_size;
   sort_partners(list, world.size());
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
-  plain_.resize((world.size() + 3) / 4), states_.resize(world.size());
+  plain_.resize((world.size() + 3) / 4);
+  if (states_.size() != world.size()) parallel_fill(states_, world.size(), SphereState{});
   late_spins_.resize(needs_.rolling ? world.size() : 0);
   pairs_ = partners_.size();
   const Filling with{list, world.cell.has_value()};
@@ -87,14 +88,20 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     thread_local KeptSprings own;
     std::span<const Kept> kept;
     if (goes_on) {
-      own.springs.clear(), own.rolling.clear(), springs_of(blocks_[i], before, own);
+      own.springs.clear(), own.rolling.clear();
+      springs_of(blocks_[i], before, [&](Kept spring, const Load& rolling) {
+        if (needs_.rolling)
+          spring.rolling = static_cast<std::uint32_t>(own.rolling.size()), own.rolling.push_back(rolling);
+        own.springs.push_back(spring);
+      });
       kept = own.springs;
     } else {
       kept = std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]);
     }
     lay_out(blocks_[i], static_cast<Slot>(i), with);
     if (needs_.friction) restore(blocks_[i], static_cast<Slot>(first), kept, goes_on ? own.rolling : kept_.rolling);
-    if (many && !goes_on) give_back_pages(kept_.springs.data() + kept_begin_[i], kept_.springs.data() + kept_begin_[i + 1]);
+    if (many && !goes_on)
+      give_back_pages(kept_.springs.data() + kept_begin_[i], kept_.springs.data() + kept_begin_[i + 1]);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
@@ -102,8 +109,8 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
 
 /// By the lower slot of each pair, of a plane by its sphere; among them by the other slot and the image.
 void SphereBlocks::sort_partners(const SphereList& list, std::size_t slots) {
-  const auto each = [&](const auto& f) {
-    for (const Pair& p : list.pairs) {
+  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (const Pair& p : list.pairs.subspan(begin, end - begin)) {
       if (!list.takes(p)) continue;
       const bool plane = !list.is_sphere(p.a) || !list.is_sphere(p.b);
       if (plane)
@@ -112,11 +119,10 @@ void SphereBlocks::sort_partners(const SphereList& list, std::size_t slots) {
         p.a < p.b ? f(p.a, Partner{p.b, p.image}) : f(p.b, Partner{p.a, opposite_image(p.image)});
     }
   };
-  first_.assign(slots + 2, 0);
-  each([&](Slot a, const Partner&) { ++first_[a + 2]; });
-  for (std::size_t s = 2; s < first_.size(); ++s) first_[s] += first_[s - 1];
-  make_room(partners_, first_.back()), partners_.resize(first_.back());
-  each([&](Slot a, const Partner& p) { partners_[first_[a + 1]++] = p; });
+  parallel_group(
+      list.pairs.size(), slots, first_, each,
+      [&](std::size_t count) { make_room(partners_, count), partners_.resize(count); },
+      [&](std::uint32_t place, const Partner& p) { partners_[place] = p; });
   parallel_for(slots, [&](std::size_t s) {
     std::sort(partners_.data() + first_[s], partners_.data() + first_[s + 1], [](const Partner& p, const Partner& q) {
       return std::pair(p.b, p.image >> 8) < std::pair(q.b, q.image >> 8);
@@ -198,25 +204,28 @@ void SphereBlocks::lay_out(Block& block, Slot index, const Filling& with) {
 
 /// Gives every pair across blocks a place in `records`, and tells the block of its B.
 void SphereBlocks::address_records() {
-  const auto each = [&](const auto& f) {
-    std::uint32_t record = 0;
-    for (Block& block : blocks_) {
+  std::uint32_t records = 0;
+  for (Block& block : blocks_) {
+    block.record = records;
+    if (!block.runs.empty() && block.runs.back().across) records += block.runs.back().end - block.runs.back().begin;
+  }
+  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Block& block = blocks_[i];
       if (block.runs.empty() || !block.runs.back().across) continue;
       const Run& run = block.runs.back();
-      block.record = record;
-      for (std::uint32_t k = run.begin; k < run.end; ++k) f(record++, block.pairs[k].b.slot());
+      for (std::uint32_t k = run.begin; k < run.end; ++k) {
+        const Slot b = block.pairs[k].b.slot();
+        f(b / block_size, Incoming{block.record + k - run.begin, b});
+      }
     }
-    return record;
   };
-  for (Block& block : blocks_) block.incoming = 0;
-  const std::uint32_t records = each([&](std::uint32_t, Slot b) { ++blocks_[b / block_size].incoming; });
-  std::uint32_t end = 0;
-  for (Block& block : blocks_) block.incoming = (end += block.incoming) - block.incoming;
-  make_room(incoming_, records), incoming_.resize(records);
-  each([&](std::uint32_t record, Slot b) { incoming_[blocks_[b / block_size].incoming++] = {record, b}; });
-  for (std::size_t i = blocks_.size(); i-- > 0;) blocks_[i].incoming = i > 0 ? blocks_[i - 1].incoming : 0;
-  make_room(records_, records), records_.assign(records, SphereSum{});
-  if (needs_.rolling) make_room(record_moments_, records), record_moments_.assign(records, Lanes{});
+  parallel_group(
+      blocks_.size(), blocks_.size(), incoming_begin_, each,
+      [&](std::size_t count) { make_room(incoming_, count), incoming_.resize(count); },
+      [&](std::uint32_t place, const Incoming& record) { incoming_[place] = record; }, 1);
+  make_room(records_, records), parallel_fill(records_, records, SphereSum{});
+  if (needs_.rolling) make_room(record_moments_, records), parallel_fill(record_moments_, records, Lanes{});
 }
 
 // --- springs on their way from one layout to the next
@@ -231,19 +240,17 @@ SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std
           {load[0], load[1], load[2], load[3]}};
 }
 
-void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, KeptSprings& kept) {
+template <class Put>
+void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put) {
   if (block.springs == nullptr) return;
   each_touching(block, [&](const Run& run, std::uint32_t k) {
-    kept.springs.push_back(kept_of(block, run, k, planes));
-    if (block.rolling == nullptr) return;
-    const Lanes& load = block.rolling[k].load;
-    kept.springs.back().rolling = static_cast<std::uint32_t>(kept.rolling.size());
-    kept.rolling.push_back({load[0], load[1], load[2], load[3]});
+    const Lanes& load = block.rolling == nullptr ? Lanes{} : block.rolling[k].load;
+    put(kept_of(block, run, k, planes), Load{load[0], load[1], load[2], load[3]});
   });
 }
 
 /// kept: springs of a block whose first slot is `first`.
-void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept, const std::vector<Load>& rolling) {
+void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept, const UnwrittenColumn<Load>& rolling) {
   std::array<std::uint32_t, block_size + 2> begin{};
   for (const Kept& s : kept) ++begin[s.a - first + 2];
   for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
@@ -269,19 +276,29 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept,
     }
 }
 
-/// Springs go out of the blocks; planes: those of the layout.
+/// Springs go out of the blocks, in their order; planes: those of the layout.
 void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
-  std::size_t touching = 0;
-  if (needs_.friction) each_touching([&](const Block&, const Run&, std::uint32_t) { ++touching; });
-  kept_.springs.clear(), kept_.springs.reserve(touching);
-  kept_.rolling.clear(), kept_.rolling.reserve(needs_.rolling ? touching : 0);
+  kept_begin_.assign(blocks_.size() + 1, 0);
+  const auto count = [&](std::size_t i) {
+    each_touching(blocks_[i], [&](const Run&, std::uint32_t) { ++kept_begin_[i + 1]; });
+  };
+  if (needs_.friction) parallel_for(blocks_.size(), count, 1);
+  running_sums(kept_begin_);
+  const std::size_t touching = kept_begin_.back();
+  kept_.springs.resize(touching), kept_.rolling.resize(needs_.rolling ? touching : 0);
   const bool many = touching * sizeof(Kept) > most_twice;
-  for (Block& block : blocks_) {
-    springs_of(block, planes, kept_), block.runs.clear();
-    if (many) give_back_pages(block.springs, block.springs + block.room);
-  }
-  laid_out_ = false;
+  const auto take = [&](std::size_t i) {
+    std::uint32_t at = kept_begin_[i];
+    springs_of(blocks_[i], planes, [&](Kept spring, const Load& rolling) {
+      if (needs_.rolling) spring.rolling = at, kept_.rolling[at] = rolling;
+      kept_.springs[at++] = spring;
+    });
+    blocks_[i].runs.clear();
+    if (many) give_back_pages(blocks_[i].springs, blocks_[i].springs + blocks_[i].room);
+  };
+  parallel_for(blocks_.size(), take, 1);
+  laid_out_ = false, grouped_ = true;
   if (many)
     blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(rolling_column_), let_go(load_column_),
         let_go(image_column_);
@@ -289,7 +306,8 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.
 void SphereBlocks::group_kept(std::size_t count) {
-  std::vector<Kept>& kept = kept_.springs;
+  if (grouped_ && kept_begin_.size() == count + 1) return;
+  UnwrittenColumn<Kept>& kept = kept_.springs;
   kept_begin_.assign(count + 1, 0);
   for (const Kept& s : kept) ++kept_begin_[s.a / block_size + 1];
   for (std::size_t i = 0; i < count; ++i) kept_begin_[i + 1] += kept_begin_[i];
@@ -306,7 +324,7 @@ void SphereBlocks::group_kept(std::size_t count) {
 
 void SphereBlocks::reorder(const Reordering& change) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});
-  take_out(planes_);
+  take_out(planes_), grouped_ = false;
   std::vector<bool> is_plane(change.new_slot.size(), false);
   for (SpherePlane& p : planes_) is_plane[p.slot] = true, p.slot = change.new_slot[p.slot];
   for (Kept& s : kept_.springs) {
@@ -323,12 +341,12 @@ void SphereBlocks::reorder(const Reordering& change) {
 
 void SphereBlocks::visit(StateVisitor& visitor) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
-  take_out(planes_);
+  take_out(planes_), grouped_ = false;
   const auto number = [&] {  // in the order of the springs that are left: some have gone since
     for (std::uint32_t i = 0; i < kept_.springs.size(); ++i) kept_.springs[i].rolling = i;
   };
   if (needs_.rolling) {
-    std::vector<Load> rolling;
+    UnwrittenColumn<Load> rolling;
     rolling.reserve(kept_.springs.size());
     for (const Kept& s : kept_.springs) rolling.push_back(kept_.rolling[s.rolling]);
     kept_.rolling.swap(rolling), number();
@@ -341,9 +359,7 @@ void SphereBlocks::visit(StateVisitor& visitor) {
 
 void SphereBlocks::receive(std::size_t i) {
   SphereSum* const mine = sums();
-  const std::uint32_t end =
-      i + 1 < blocks_.size() ? blocks_[i + 1].incoming : static_cast<std::uint32_t>(incoming_.size());
-  for (std::uint32_t k = blocks_[i].incoming; k < end; ++k) {
+  for (std::uint32_t k = incoming_begin_[i]; k < incoming_begin_[i + 1]; ++k) {
     const auto& [record, slot] = incoming_[k];
     SphereSum& sum = mine[slot % block_size];
     sum.force += records_[record].force;

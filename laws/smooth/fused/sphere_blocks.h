@@ -116,12 +116,10 @@ class SphereBlocks {
     std::uint8_t* touched = nullptr;   ///< by eight pairs: those that touched at the last call, one bit each
     std::uint32_t size = 0, room = 0;  ///< pairs, and how many there may be; whole eights, `pairs_ahead` among the room
     std::uint32_t record = 0;          ///< of the first pair across blocks in `records`
-    std::uint32_t incoming =
-        0;                 ///< of the first record for bodies of this block in `incoming`; the next block's follow
-    double elastic = 0.0;  ///< stored in the contacts [J]
-    double slipped = 0.0;  ///< lost by slip in the step [J]
-    double viscous = 0.0;  ///< power lost in the dampers [W]
-    Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
+    double elastic = 0.0;              ///< stored in the contacts [J]
+    double slipped = 0.0;              ///< lost by slip in the step [J]
+    double viscous = 0.0;              ///< power lost in the dampers [W]
+    Vec3 virial = Vec3::Zero();        ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
   };
 
@@ -184,8 +182,8 @@ class SphereBlocks {
   };
   using Load = std::array<double, 4>;
   struct KeptSprings {
-    std::vector<Kept> springs;
-    std::vector<Load> rolling;  ///< with rolling; one for each spring that ever was there
+    UnwrittenColumn<Kept> springs;
+    UnwrittenColumn<Load> rolling;  ///< with rolling; one for each spring that ever was there
   };
   /// Pairs of a block as they come from the list, by A.
   struct Partner {
@@ -198,14 +196,15 @@ class SphereBlocks {
   };
   static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, const std::vector<SpherePlane>& planes);
   /// planes: those of the block's layout.
-  static void springs_of(const Block& block, const std::vector<SpherePlane>& planes, KeptSprings& kept);
+  template <class Put>
+  static void springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put);
   void sort_partners(const SphereList& list, std::size_t slots);
   std::uint32_t need(std::size_t block) const;
   void make_rooms(const Filling& with);
   void group_kept(std::size_t count);
   void copy_constants(const World& world, std::span<const double> radius, std::size_t begin, std::size_t end);
   void lay_out(Block& block, Slot index, const Filling& with);
-  void restore(Block& block, Slot first, std::span<const Kept> kept, const std::vector<Load>& rolling);
+  void restore(Block& block, Slot first, std::span<const Kept> kept, const UnwrittenColumn<Load>& rolling);
   void address_records();
   void take_out(const std::vector<SpherePlane>& planes);
 
@@ -217,20 +216,23 @@ class SphereBlocks {
   UnwrittenColumn<SphereImage> image_column_;
   std::vector<std::uint8_t> touched_column_;
   std::vector<SpherePlane> planes_;
-  LargeColumn<SphereState> states_;
-  LargeColumn<SphereSum> sums_, records_;
-  LargeColumn<Lanes> late_spins_, moments_, record_moments_;
+  UnwrittenColumn<SphereState> states_;
+  LargeColumn<SphereSum> sums_;
+  UnwrittenColumn<SphereSum> records_;
+  LargeColumn<Lanes> late_spins_, moments_;
+  UnwrittenColumn<Lanes> record_moments_;
   std::vector<std::uint8_t> plain_;
-  std::vector<std::uint32_t> first_;  ///< by slot: its first partner, those of the next slot follow
-  std::vector<Partner> partners_;     ///< of the last layout
+  std::vector<std::uint32_t> first_;   ///< by slot: its first partner, those of the next slot follow
+  UnwrittenColumn<Partner> partners_;  ///< of the last layout
   struct Incoming {
     std::uint32_t record;
     Slot slot;  ///< of the body whose sum takes it
   };
-  std::vector<Incoming> incoming_;         ///< records in the order of the blocks that add them, owners in order
-  KeptSprings kept_;                       ///< while the layout waits
-  std::vector<std::uint32_t> kept_begin_;  ///< by block, once they are grouped
-  bool laid_out_ = false;
+  std::vector<std::uint32_t> incoming_begin_;  ///< by block: its first one in the next column
+  UnwrittenColumn<Incoming> incoming_;         ///< records in the order of the blocks that add them, owners in order
+  KeptSprings kept_;                           ///< while the layout waits
+  std::vector<std::uint32_t> kept_begin_;      ///< by block, once they are grouped
+  bool laid_out_ = false, grouped_ = false;    ///< kept_ is in the order of the blocks
   std::size_t pairs_ = 0;
 };
 
