@@ -2,6 +2,7 @@
 #pragma once
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "engine/parallel.h"
 

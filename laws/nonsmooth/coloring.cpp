@@ -4,28 +4,36 @@
 #include <array>
 #include <bit>
 
+#include "engine/parallel_order.h"
+
 namespace epafi {
 
 void Coloring::update(const ContactProblem& problem) {
-  found_.clear();
-  for (std::uint32_t i = 0; i < problem.size(); ++i) {
-    if (!found_.empty() && found_.back().a == problem.a[i] && found_.back().b == problem.b[i]) {
-      ++found_.back().count;
-    } else {
-      found_.push_back({problem.a[i], problem.b[i], i, 1});
-    }
-  }
+  const auto begins = [&](std::size_t i) {
+    return i == 0 || problem.a[i] != problem.a[i - 1] || problem.b[i] != problem.b[i - 1];
+  };
+  const auto group = [&](std::size_t i) {
+    return ContactGroup{problem.a[i], problem.b[i], static_cast<std::uint32_t>(i), 1};
+  };
+  parallel_select(problem.size(), begins, group, found_);
+  parallel_for(found_.size(), [&](std::size_t g) {
+    const std::size_t end = g + 1 < found_.size() ? found_[g + 1].first : problem.size();
+    found_[g].count = static_cast<std::uint32_t>(end) - found_[g].first;
+  });
   free_found_.resize(problem.inverse_mass.size());
-  for (std::size_t s = 0; s < free_found_.size(); ++s) free_found_[s] = problem.inverse_mass[s] > 0.0;
-  const auto same_pair = [](const ContactGroup& p, const ContactGroup& q) { return p.a == q.a && p.b == q.b; };
-  const bool same = free_found_ == free_ &&
-                    std::equal(found_.begin(), found_.end(), canonical_.begin(), canonical_.end(), same_pair);
+  parallel_for(free_found_.size(), [&](std::size_t s) { free_found_[s] = problem.inverse_mass[s] > 0.0; });
+  const auto differs = [&](std::size_t g) { return found_[g].a != canonical_[g].a || found_[g].b != canonical_[g].b; };
+  const bool same =
+      free_found_ == free_ && found_.size() == canonical_.size() &&
+      block_max<char>(found_.size(), 0, [&](std::size_t g) { return static_cast<char>(differs(g)); }) == 0;
   canonical_.swap(found_), free_.swap(free_found_);
   if (!same) paint(problem);
-  std::array<std::size_t, max_colors + 1> next{};
-  std::copy_n(begin_.begin(), colors(), next.begin());
-  groups_.resize(canonical_.size());
-  for (std::size_t g = 0; g < canonical_.size(); ++g) groups_[next[color_[g]]++] = canonical_[g];
+  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t g = begin; g < end; ++g) f(color_[g], canonical_[g]);
+  };
+  parallel_group(
+      canonical_.size(), colors(), order_, each, [&](std::size_t count) { groups_.resize(count); },
+      [&](std::uint32_t place, const ContactGroup& g) { groups_[place] = g; });
 }
 
 void Coloring::paint(const ContactProblem& problem) {

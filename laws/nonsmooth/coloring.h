@@ -39,6 +39,7 @@ class Coloring {
   std::vector<std::uint8_t> color_;
   std::vector<std::uint64_t> used_;  ///< colours at each body, one bit each
   std::vector<std::size_t> begin_{0};
+  std::vector<std::uint32_t> order_;  ///< the same while groups_ is written
   std::vector<char> free_, free_found_;
   bool has_overflow_ = false;
 };

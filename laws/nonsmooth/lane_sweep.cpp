@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 #include "engine/targets.h"
 #include "laws/nonsmooth/normal_rule.h"
 #include "laws/nonsmooth/solvers/pgs.h"
@@ -217,24 +217,33 @@ void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const 
 /// Within a colour those of most points first; pairs of a colour that runs in sequence get a group each.
 template <bool Rotates, LaneRule Rule>
 void LaneSweep<Rotates, Rule>::form_groups(const Coloring& coloring) {
-  groups_.clear(), begin_.assign(1, 0);
-  for (std::size_t c = 0; c < coloring.colors(); ++c) {
+  const std::size_t colors = coloring.colors();
+  const auto each = [&](std::size_t c) { return coloring.in_sequence(c) ? 1 : std::size_t{lane_count}; };
+  has_sequence_ = colors > 0 && coloring.in_sequence(colors - 1);
+  begin_.assign(colors + 1, 0);
+  for (std::size_t c = 0; c < colors; ++c)
+    begin_[c + 1] = begin_[c] + (coloring.begin(c + 1) - coloring.begin(c) + each(c) - 1) / each(c);
+  groups_.resize(begin_.back()), row_end_.resize(begin_.back());
+  const auto form = [&](std::size_t c) {
     const std::span pairs(coloring.groups().data() + coloring.begin(c), coloring.begin(c + 1) - coloring.begin(c));
-    has_sequence_ = coloring.in_sequence(c);
-    sorted_.clear();
+    thread_local std::vector<const ContactGroup*> sorted;
+    sorted.clear();
     for (std::uint32_t points = most_sorted; points >= 1; --points)
       for (const ContactGroup& pair : pairs)
-        if (std::min(pair.count, most_sorted) == points) sorted_.push_back(&pair);
-    const std::size_t each = has_sequence_ ? 1 : lane_count;
-    for (std::size_t k = 0; k < sorted_.size(); k += each)
-      append(std::span(sorted_).subspan(k, std::min(each, sorted_.size() - k)));
-    begin_.push_back(groups_.size());
-  }
+        if (std::min(pair.count, most_sorted) == points) sorted.push_back(&pair);
+    for (std::size_t k = 0, g = begin_[c]; k < sorted.size(); k += each(c), ++g)
+      row_end_[g] = fill(groups_[g], std::span(sorted).subspan(k, std::min(each(c), sorted.size() - k)));
+  };
+  parallel_for(colors, form, groups_.size() < 8 * grain ? colors : 1);
+  running_sums(row_end_);
+  parallel_for(groups_.size(),
+               [&](std::size_t g) { groups_[g].begin = g > 0 ? row_end_[g - 1] : 0, groups_[g].end = row_end_[g]; });
 }
 
+/// Returns how many rows the group takes.
 template <bool Rotates, LaneRule Rule>
-void LaneSweep<Rotates, Rule>::append(std::span<const ContactGroup* const> pairs) {
-  Group group{};
+std::uint32_t LaneSweep<Rotates, Rule>::fill(Group& group, std::span<const ContactGroup* const> pairs) const {
+  group = {};
   group.a.fill(static_cast<Slot>(bodies_.size() - 1)), group.b = group.a;
   std::uint32_t rows = 0;
   for (std::size_t lane = 0; lane < pairs.size(); ++lane) {
@@ -242,9 +251,7 @@ void LaneSweep<Rotates, Rule>::append(std::span<const ContactGroup* const> pairs
     group.a[lane] = pair.a, group.b[lane] = pair.b, group.first[lane] = pair.first, group.count[lane] = pair.count;
     rows = std::max(rows, pair.count);
   }
-  group.begin = groups_.empty() ? 0 : groups_.back().end;
-  group.end = group.begin + rows;
-  groups_.push_back(group);
+  return rows;
 }
 
 template <bool Rotates, LaneRule Rule>

@@ -73,7 +73,7 @@ class LaneSweep {
  private:
   void load_bodies(const ContactProblem& problem, const BodyVelocities& v);
   void form_groups(const Coloring& coloring);
-  void append(std::span<const ContactGroup* const> pairs);
+  std::uint32_t fill(Group& group, std::span<const ContactGroup* const> pairs) const;
 
   std::vector<Body> bodies_;  ///< the last one is that of empty lanes
   std::vector<Row> rows_;
@@ -81,8 +81,8 @@ class LaneSweep {
   std::vector<std::size_t> begin_;  ///< of each colour in groups_
   std::vector<double> change_;
   mutable std::vector<double> squares_;
-  std::vector<const ContactGroup*> sorted_;
-  bool has_sequence_ = false;  ///< the last colour runs in sequence
+  std::vector<std::uint32_t> row_end_;  ///< by group
+  bool has_sequence_ = false;           ///< the last colour runs in sequence
 };
 
 }  // namespace epafi

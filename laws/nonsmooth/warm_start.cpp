@@ -4,7 +4,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 #include "engine/registry.h"
 #include "laws/nonsmooth/cone.h"
 
@@ -61,16 +61,16 @@ void WarmStart::match_run(const World& world, const ContactSet& contacts, Run ru
 }
 
 void WarmStart::recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r) {
-  runs_.clear();
-  for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-    const bool same = i > 0 && contacts.a[i] == contacts.a[i - 1] && contacts.b[i] == contacts.b[i - 1];
-    if (same) ++runs_.back().end;
-    else runs_.push_back({i, i + 1});
-  }
-  previous_.resize(contacts.size()), by_name_.assign(contacts.size(), true), r.resize(contacts.size());
+  const auto begins = [&](std::size_t i) {
+    return i == 0 || contacts.a[i] != contacts.a[i - 1] || contacts.b[i] != contacts.b[i - 1];
+  };
+  parallel_select(contacts.size(), begins, [](std::size_t i) { return static_cast<std::uint32_t>(i); }, runs_);
+  previous_.resize(contacts.size()), r.resize(contacts.size());
+  parallel_fill(by_name_, contacts.size(), std::uint8_t{1});
   parallel_for(runs_.size(), [&](std::size_t k) {
-    match_run(world, contacts, runs_[k]);
-    for (std::uint32_t i = runs_[k].begin; i < runs_[k].end; ++i) {
+    const Run run{runs_[k], k + 1 < runs_.size() ? runs_[k + 1] : static_cast<std::uint32_t>(contacts.size())};
+    match_run(world, contacts, run);
+    for (std::uint32_t i = run.begin; i < run.end; ++i) {
       const bool known = previous_[i] != unmatched && problem.diagonal[i](0, 0) > 0.0;
       r[i] = known ? project_cone(problem.to_frame(i, impulse_[previous_[i]]), problem.friction[i]) : Vec3::Zero();
     }
@@ -79,21 +79,22 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
 
 void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem,
                          const Impulses& r, const std::vector<double>& next_gap, const std::vector<Vec3>& u) {
-  a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
-  arm_.resize(contacts.size()), impulse_.resize(contacts.size()), slip_.resize(contacts.size());
-  parallel_for(contacts.size(), [&](std::size_t i) {
+  const std::size_t n = contacts.size();
+  a_.resize(n), b_.resize(n), feature_.resize(n), gap_.resize(n);
+  arm_.resize(n), impulse_.resize(n), slip_.resize(n);
+  parallel_for(n, [&](std::size_t i) {
+    a_[i] = contacts.a[i], b_[i] = contacts.b[i], feature_[i] = contacts.feature[i], gap_[i] = next_gap[i];
     arm_[i] = body_axes(world, a_[i], contacts.arm[i]);
     impulse_[i] = problem.to_world(i, r[i]);
     slip_[i] = problem.to_world(i, {0.0, u[i].y(), u[i].z()});
   });
-  gap_ = next_gap;
 }
 
 bool WarmStart::same() const {
   if (previous_.size() != a_.size()) return false;
-  for (std::size_t i = 0; i < previous_.size(); ++i)
-    if (previous_[i] != i || !by_name_[i]) return false;
-  return true;
+  return block_max<char>(previous_.size(), 0, [&](std::size_t i) {
+           return static_cast<char>(previous_[i] != i || !by_name_[i]);
+         }) == 0;
 }
 
 double WarmStart::foreseen(std::size_t i) const {

@@ -41,7 +41,7 @@ class WarmStart {
   std::vector<double> gap_;    ///< foreseen [m]
   std::vector<Vec3> slip_;     ///< world axes [m/s]
 
-  std::vector<Run> runs_;
+  std::vector<std::uint32_t> runs_;      ///< of one pair each: the first contact
   std::vector<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none
   std::vector<std::uint8_t> by_name_;    ///< found by its key, not as the nearest of its pair
 };

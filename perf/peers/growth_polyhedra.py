@@ -4,9 +4,8 @@
   /usr/bin/python3 perf/peers/growth_polyhedra.py [--numbers 1000 5000 10000 20000 50000] [--warm 240] [--steps 60] [--set KEY=VALUE ...]
                                                   [--out out/growth_polyhedra] [--program ./epafi]
 
-Settles scenes/library/pile/polyhedra.toml (1000 stones, pgs with 50 sweeps, dt 1/240 s), lays copies on one floor without the walls between
-them, and gives the stones `warm` steps to come to rest again; the `steps` after them are timed on one thread, by the clocks of the stages
-without output. Prints, and writes to table.md: milliseconds per step, microseconds per body and step, that over the smallest
+Settles scenes/library/pile/polyhedra.toml (1000 stones, pgs with 50 sweeps, dt 1/240 s) and sets copies on one floor, walls of 0.2 m between
+them. The `steps` after the first `warm` ones are timed on one thread, by the clocks of the stages without output. Prints, and writes to table.md: milliseconds per step, microseconds per body and step, that over the smallest
 number, contacts per body, the peak of the process over the number of bodies; beside them what the runs got right: largest and mean
 overlap in percent of the radius, kinetic energy as a velocity (root of 2 E / m), bodies lost.
 """
@@ -29,7 +28,9 @@ name = "stones"
 file = "tiles.polyset"
 material = "stone"
 """
+THICK = 0.2
 WALL = '{ shape = { half_space = { normal = [%g, %g, %g] } }, material = "stone", position = [%.17g, %.17g, 0], fixed = true }'
+BETWEEN = '{ shape = { box = { size = [%.17g, %.17g, 4] } }, material = "stone", position = [%.17g, %.17g, 2], fixed = true }'
 
 
 def settled(program, out):
@@ -54,17 +55,19 @@ def write_scene(folder, number, bodies, side):
     """Copies as nearly square as the number allows, about the origin."""
     copies = number // len(bodies)
     along = max(k for k in range(1, int(copies**0.5) + 1) if copies % k == 0)
-    across = copies // along
+    across, pitch = copies // along, side + THICK
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(folder, "tiles.polyset"), "w") as out:
         out.write("polyset 1 20260101 %d %g\n" % (copies * len(bodies), side))
         for k in range(copies):
-            dx, dy = side * (k // along - (across - 1) / 2), side * (k % along - (along - 1) / 2)
+            dx, dy = pitch * (k // along - (across - 1) / 2), pitch * (k % along - (along - 1) / 2)
             for words, rest in bodies:
                 at = ["%.17g" % (float(words[7]) + dx), "%.17g" % (float(words[8]) + dy)]
                 out.write(" ".join(words[:7] + at + words[9:]) + "\n" + "".join(rest))
-    x, y = side * across / 2, side * along / 2
+    x, y = (pitch * across - THICK) / 2, (pitch * along - THICK) / 2
     walls = [WALL % w for w in ((0, 0, 1, 0, 0), (1, 0, 0, -x, 0), (-1, 0, 0, x, 0), (0, 1, 0, 0, -y), (0, -1, 0, 0, y))]
+    walls += [BETWEEN % (THICK, 2 * y, pitch * k - x - THICK / 2, 0) for k in range(1, across)]
+    walls += [BETWEEN % (2 * x, THICK, 0, pitch * k - y - THICK / 2) for k in range(1, along)]
     with open(os.path.join(folder, "pile.toml"), "w") as out:
         out.write(SCENE % ", ".join(walls))
     return copies * sum(float(words[3]) for words, _ in bodies)
