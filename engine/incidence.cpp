@@ -1,17 +1,22 @@
 #include "engine/incidence.h"
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 
 namespace epafi {
 
 void Incidence::build(const ContactSet& contacts, std::size_t bodies) {
-  begin_a_.assign(bodies + 1, 0), begin_b_.assign(bodies + 1, 0);
-  for (std::size_t k = 0; k < contacts.size(); ++k) ++begin_a_[contacts.a[k] + 1], ++begin_b_[contacts.b[k] + 1];
-  for (std::size_t s = 0; s < bodies; ++s) begin_a_[s + 1] += begin_a_[s], begin_b_[s + 1] += begin_b_[s];
-  list_b_.resize(contacts.size());
-  for (std::uint32_t k = 0; k < contacts.size(); ++k) list_b_[begin_b_[contacts.b[k]]++] = k;
-  for (std::size_t s = bodies; s > 0; --s) begin_b_[s] = begin_b_[s - 1];  // the fill moved every start to its end
-  begin_b_[0] = 0;
+  const std::size_t n = contacts.size();
+  begin_a_.resize(bodies + 1);
+  parallel_for(n + 1, [&](std::size_t k) {  // begins the ranges of all bodies behind the A of the one before
+    const std::size_t first = k > 0 ? std::size_t{contacts.a[k - 1]} + 1 : 0, last = k < n ? contacts.a[k] : bodies;
+    for (std::size_t s = first; s <= last; ++s) begin_a_[s] = static_cast<std::uint32_t>(k);
+  });
+  const auto each = [&](std::size_t first, std::size_t last, const auto& f) {
+    for (std::size_t k = first; k < last; ++k) f(contacts.b[k], static_cast<std::uint32_t>(k));
+  };
+  parallel_group(
+      n, bodies, begin_b_, each, [&](std::size_t count) { list_b_.resize(count); },
+      [&](std::uint32_t place, std::uint32_t k) { list_b_[place] = k; });
 }
 
 namespace {

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <string_view>
+#include <string>
+#include <vector>
+
+#include "engine/error.h"
+#include "engine/nearest.h"
 
 namespace epafi {
 
@@ -17,11 +21,16 @@ Target widest() {
   return Target::baseline;
 }
 
-/// Of the environment; names it does not know are no limit: the bits are the same whatever is taken.
+/// Of the environment. A name that means none is refused: who times a narrower loop must not get the widest one.
 Target named() {
   const char* text = std::getenv("EPAFI_TARGET");
-  const std::string_view name = text != nullptr ? text : "";
-  return name == "baseline" ? Target::baseline : name == "avx2" ? Target::avx2 : Target::avx512;
+  if (text == nullptr || *text == '\0') return Target::avx512;
+  static const std::vector<std::string> names{"baseline", "avx2", "avx512"};
+  const auto at = std::find(names.begin(), names.end(), text);
+  if (at != names.end()) return static_cast<Target>(at - names.begin());
+  throw SceneError("EPAFI_TARGET in the environment is '" + std::string(text) + "', no instruction set" +
+                   suggestion(text, names, "there are") +
+                   " (baseline is SSE2; none given: the widest of the processor)");
 }
 
 Target& chosen() {

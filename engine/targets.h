@@ -9,7 +9,8 @@ namespace epafi {
 
 enum class Target { baseline, avx2, avx512 };
 
-/// The widest one of this processor, or the narrower one that the environment names: EPAFI_TARGET = baseline, avx2.
+/// The widest one of this processor, or the narrower one that the environment names: EPAFI_TARGET = baseline, avx2,
+/// avx512. SceneError where it names something else; the program asks before it does anything.
 Target target();
 /// Takes at most this one from now on; for tests and measurements.
 void limit_target(Target most);

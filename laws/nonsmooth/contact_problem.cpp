@@ -1,7 +1,7 @@
 #include "laws/nonsmooth/contact_problem.h"
 
 #include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 
 namespace epafi {
 
@@ -60,7 +60,7 @@ void ContactProblem::load_contacts(const World& world, const ContactSet& contact
   const std::size_t n = contacts.size();
   a = contacts.a, b = contacts.b;
   frame.resize(n), diagonal.resize(n), arm_a.resize(rotates ? n : 0), arm_b.resize(rotates ? n : 0);
-  friction.assign(n, 0.0), offset.assign(n, 0.0), lag.clear();
+  parallel_fill(friction, n, 0.0), parallel_fill(offset, n, 0.0), lag.clear();
   parallel_for(n, [&](std::size_t i) {
     frame[i] = contact_frame(contacts.normal[i]);
     if (rotates) arm_a[i] = contacts.arm[i], arm_b[i] = contacts.arm_b(i, world);
@@ -110,11 +110,11 @@ void ContactProblem::relative_velocities(const BodyVelocities& v, std::vector<Ve
 }
 
 double ContactProblem::mean_effective_mass() const {
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (const Mat3& block : diagonal)
-    if (block(0, 0) > 0.0) sum += block(0, 0), ++count;
-  return count > 0 ? static_cast<double>(count) / sum : 1.0;
+  const auto sums = block_sum<Sum3>(diagonal.size(), [&](std::size_t i) {
+    const double mobility = diagonal[i](0, 0);
+    return mobility > 0.0 ? Sum3{mobility, 1.0, 0.0} : Sum3{};
+  });
+  return sums.b > 0.0 ? sums.b / sums.a : 1.0;
 }
 
 }  // namespace epafi

@@ -267,9 +267,7 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
     else
       parallel_blocks(n, grain, [&](std::size_t b, std::size_t e, std::size_t) { some(first + b, first + e); });
   }
-  double sum = 0.0;
-  for (const double change : change_) sum += change;
-  return sum;
+  return block_sum<double>(change_.size(), [&](std::size_t g) { return change_[g]; });
 }
 
 template <bool Rotates, LaneRule Rule>
@@ -287,16 +285,15 @@ void LaneSweep<Rotates, Rule>::store(Impulses& r) const {
 
 template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::rows == 3) {
-  double sum = 0.0;
   if constexpr (Rule::rows == 3) {  // Clang 14: see angular()
     const auto loop = best_loop<NaturalMapTask<Rotates, Rule>>();
     squares_.resize(groups_.size());
     parallel_blocks(groups_.size(), grain, [&](std::size_t b, std::size_t e, std::size_t) {
       loop({groups_.data() + b, groups_.data() + e, rows_.data(), bodies_.data(), squares_.data() + b, rho});
     });
-    for (const double square : squares_) sum += square;
+    return std::sqrt(block_sum<double>(squares_.size(), [&](std::size_t g) { return squares_[g]; }));
   }
-  return std::sqrt(sum);
+  return 0.0;
 }
 
 template <bool Rotates, LaneRule Rule>

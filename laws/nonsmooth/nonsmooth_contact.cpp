@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 #include "laws/nonsmooth/displacement.h"
 #include "laws/nonsmooth/impact.h"
 #include "laws/nonsmooth/position_correction.h"
@@ -103,7 +103,7 @@ void NonsmoothContact::start(const World& world, const ContactSet& contacts, dou
   if (!warm_start_) return r_.assign(contacts.size(), Vec3::Zero());
   memory_.recall(world, contacts, problem_, r_);
   if (!memory_.same()) solver_->forget();
-  if (problem_.rotates) problem_.lag.assign(contacts.size(), Vec3::Zero());
+  if (problem_.rotates) parallel_fill(problem_.lag, contacts.size(), Vec3(Vec3::Zero()));
   parallel_for(contacts.size(), [&](std::size_t i) {  // rolling, see the header
     if (const auto slip = memory_.slip(i); slip && problem_.rotates && problem_.friction[i] > 0.0) {
       const Vec3 now(0.0, u_before_[i].y(), u_before_[i].z());
@@ -124,17 +124,16 @@ void NonsmoothContact::start(const World& world, const ContactSet& contacts, dou
 /// balls lost 2 % of its energy in 2 s). False when there are none.
 bool NonsmoothContact::release_induced(const World& world, const ContactSet& contacts, double dt) {
   const double threshold = impact_threshold * world.gravity.norm() * dt;
-  bool any = false;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) continue;
+  const auto released = [&](std::size_t i) -> char {
+    if (problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) return 0;
     const double stopped = r_[i].x() * problem_.diagonal[i](0, 0);
-    if (stopped <= threshold) continue;
-    if (contacts.gap[i] <= touching_share * dt * stopped) continue;  // closed, whatever rounding says
-    if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) continue;
+    if (stopped <= threshold) return 0;
+    if (contacts.gap[i] <= touching_share * dt * stopped) return 0;  // closed, whatever rounding says
+    if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) return 0;
     problem_.diagonal[i].setZero(), r_[i].setZero();  // out of this step's problem
-    any = true;
-  }
-  return any;
+    return 1;
+  };
+  return block_max<char>(contacts.size(), 0, released) != 0;
 }
 
 /// r_ and, by foresee(), what follows from it.

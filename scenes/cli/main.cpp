@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "engine/nearest.h"
+#include "engine/targets.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"
@@ -232,5 +233,8 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up
     const int code = p.app.exit(e, std::cout, std::cerr);
     return code == 0 ? epafi::exit_done : epafi::exit_usage;
   }
-  return epafi::guarded(p.chosen);
+  return epafi::guarded([&p] {
+    epafi::target();
+    return p.chosen();
+  });
 }

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <utility>
 
 #include "engine/error.h"
 #include "scenes/cli/list.h"
@@ -39,13 +40,28 @@ TEST_CASE("every entry of every list is listed", "[scenes][list]") {
   CHECK_THROWS_WITH(list_text(r, "shape"), "error: unknown kind 'shape'; did you mean 'shapes'?");
 }
 
-TEST_CASE("a command that does not exist is answered with its name and the nearest one", "[scenes][list]") {
-  FILE* pipe = popen((std::string(EPAFI_BINARY_DIR) + "/bin/epafi rum scene.toml 2>&1").c_str(), "r");
+/// What a shell line with the program in it prints, and its exit code.
+std::pair<int, std::string> answer(const std::string& before, const std::string& after) {
+  FILE* pipe = popen((before + std::string(EPAFI_BINARY_DIR) + "/bin/epafi " + after + " 2>&1").c_str(), "r");
   REQUIRE(pipe != nullptr);
-  std::string said(200, '\0');
-  said.resize(fread(said.data(), 1, said.size(), pipe));
-  CHECK(WEXITSTATUS(pclose(pipe)) == 2);
+  std::string said;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) said.push_back(static_cast<char>(c));
+  return {WEXITSTATUS(pclose(pipe)), said};
+}
+
+TEST_CASE("a command that does not exist is answered with its name and the nearest one", "[scenes][list]") {
+  const auto [code, said] = answer("", "rum scene.toml");
+  CHECK(code == 2);
   CHECK(said.find("error: unknown command 'rum'; did you mean 'run'?") == 0);
+}
+
+TEST_CASE("an instruction set that does not exist is refused, not replaced by the widest", "[scenes][list]") {
+  const auto [code, said] = answer("EPAFI_TARGET=sse2 ", "list");
+  CHECK(code == 2);
+  CHECK(said.find("EPAFI_TARGET in the environment is 'sse2', no instruction set") != std::string::npos);
+  CHECK(said.find("baseline is SSE2") != std::string::npos);
+  CHECK(answer("EPAFI_TARGET=avx ", "list").second.find("did you mean 'avx2'?") != std::string::npos);
+  CHECK(answer("EPAFI_TARGET=baseline ", "list").first == 0);
 }
 
 TEST_CASE("the JSON Schema names every table and key, and its brackets close", "[scenes][schema]") {
