@@ -194,8 +194,8 @@ const Impulses& NonsmoothContact::calmest(double creep) {
   return foreseen_residual(calmed_, calmed_velocities_) < before ? calmed_ : start_;
 }
 
-/// With which the next step would start from r if bodies stayed where they are: r changes its velocities as it would have
-/// changed those of this step, to v.
+/// With which the next step would start from r if bodies stayed where they are: r changes its velocities as it would
+/// have changed those of this step, to v.
 double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelocities& v) {
   u_next_.resize(r.size());
   parallel_for(r.size(), [&](std::size_t i) {
