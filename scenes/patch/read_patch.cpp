@@ -11,6 +11,7 @@
 #include "scenes/patch/patch_case.h"
 #include "scenes/patch/patch_schema.h"
 #include "scenes/railway/profiles.h"
+#include "scenes/reader/file_kind.h"
 #include "scenes/reader/parts.h"
 #include "viz_export/side_file.h"
 
@@ -197,7 +198,7 @@ PatchReading read_document(Document document, const std::string& file) {
   Reading reading(full_registry(), document.root, file);
   reading.problems = std::move(document.problems);
   const bool whole = reading.problems.empty();
-  if (!document.failed) {
+  if (!document.failed && !report_other_kind(reading, FileKind::patch_case)) {
     PatchCase out;
     out.file = file;
     if (const Node* title = reading.root.find("title")) out.title = title->text;

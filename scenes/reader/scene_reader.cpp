@@ -4,6 +4,7 @@
 
 #include "engine/nearest.h"
 #include "scenes/reader/document.h"
+#include "scenes/reader/file_kind.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {
@@ -42,7 +43,7 @@ ReadResult read_document(Document document, const std::string& file, const Regis
   Reading reading(registry, document.root, file);
   reading.problems = std::move(document.problems);
   const bool whole = reading.problems.empty();
-  if (!document.failed) {
+  if (!document.failed && !report_other_kind(reading, FileKind::scene)) {
     Draft draft{reading, {}, {}};
     draft.scene.file = file;
     draft.scene.text = std::move(document.text);

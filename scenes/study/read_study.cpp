@@ -6,6 +6,7 @@
 #include "engine/units.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/expression.h"
+#include "scenes/reader/file_kind.h"
 #include "scenes/reader/table_reader.h"
 #include "scenes/stop.h"
 #include "scenes/study/study.h"
@@ -258,7 +259,7 @@ Study read_study(const std::string& path, const std::vector<std::string>& overri
   const Document document = load_document(path, overrides);
   StudyReader reader(document, path);
   reader.reading.problems = document.problems;
-  if (!document.failed) reader.read(document.root);
+  if (!document.failed && !report_other_kind(reader.reading, FileKind::study)) reader.read(document.root);
   const auto& problems = reader.reading.problems;
   if (std::any_of(problems.begin(), problems.end(), [](const Problem& p) { return p.level == Problem::Level::error; }))
     throw SceneError(problems);

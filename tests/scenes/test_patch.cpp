@@ -36,6 +36,13 @@ std::string problems(const std::string& text) {
 
 }  // namespace
 
+TEST_CASE("a scene or a study is no patch case, and the answer says which command takes it", "[scenes][wheel_rail]") {
+  CHECK(problems("title = \"Bed\"\n[run]\nduration = 1\n[gravity]\n") ==
+        "case.toml:2:1: error: 'run': this file is a scene, not a patch case; it is for epafi run\n");
+  CHECK_THAT(problems("scene = \"bed.toml\"\n"), Catch::Contains("this file is a study, not a patch case"));
+  CHECK_THAT(problems("[run]\nduration = 1\n[patch]\n"), Catch::Contains("unknown table or key 'run'"));
+}
+
 TEST_CASE("a given ellipse has Hertz' pressure and the chosen laws' forces", "[scenes][wheel_rail]") {
   const auto results =
       run("semi_axes = { a = \"8 mm\", b = \"4 mm\" }\nload = 82e3\ncreepage = { longitudinal = -0.001 }\ntangential = "

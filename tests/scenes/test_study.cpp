@@ -64,6 +64,13 @@ TEST_CASE("a wrong study is answered with place and nearest key", "[scenes][stud
   CHECK_THAT(text, Catch::Contains("time_limit 'soon' is no duration"));
 }
 
+TEST_CASE("a scene or a patch case is no study, said once", "[scenes][study]") {
+  const TemporaryFolder folder;
+  const std::string scene = write(folder, "params = { n = 2 }\n[run]\nduration = 1\n[world]\n");
+  CHECK(problems_of(scene) == scene + ":2:1: error: 'run': this file is a scene, not a study; it is for epafi run");
+  CHECK_THAT(problems_of(library + "wheel_rail/hertz.toml"), Catch::Contains("is a patch case, not a study"));
+}
+
 TEST_CASE("an error that the scene does not measure is refused before anything runs", "[scenes][study]") {
   const TemporaryFolder folder;
   Study study = read_study(
@@ -276,11 +283,13 @@ creepage = { longitudinal = -0.002 }
   CHECK_THROWS_WITH(
       run_patch_chart(read_study(write(folder, "scene = \"case.toml\"\nerror = \"area\"\n" + vary), {}), silent),
       Catch::Contains("needs a reference"));
-  CHECK_THROWS_WITH(run_patch_chart(read_study(write(folder, head + "error = \"area\"\nvary = [ { \"patch.normal\" = "
-                                                                    "\"hertz\", \"patch.tangential\" = [[\"fastsim\", \"polach\"]] } ]\n"),
-                                               {}),
-                                    silent),
-                    Catch::Contains("pairs of models"));
+  CHECK_THROWS_WITH(
+      run_patch_chart(
+          read_study(write(folder, head + "error = \"area\"\nvary = [ { \"patch.normal\" = "
+                                          "\"hertz\", \"patch.tangential\" = [[\"fastsim\", \"polach\"]] } ]\n"),
+                     {}),
+          silent),
+      Catch::Contains("pairs of models"));
 }
 
 TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][study]") {
@@ -355,7 +364,8 @@ TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "
   run_bench({library + "stacking/column.toml", {}, {1, 2}, 1, folder / "b", program},
             [&](const std::string& row) { rows.push_back(row); });
   REQUIRE(rows.size() == 3);
-  CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial ") && Catch::Contains("as if "));
+  CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial ") &&
+                          Catch::Contains("as if "));
   CHECK_THAT(rows[2], Catch::Contains("# machine, 2 threads: arithmetic ") && Catch::Contains("triad "));
   const auto cell = [](const std::string& row, int k) {
     std::size_t at = 0;
