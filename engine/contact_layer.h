@@ -14,6 +14,9 @@ class ContactLayer : public ContactModel {
   void reorder(const Reordering& change) override { below_->reorder(change); }
   void visit(StateVisitor& visitor) override { below_->visit(visitor); }
   void publish(const World& world, ContactSet& contacts) const override { below_->publish(world, contacts); }
+  bool publish_gaps(const World& world, const ContactSet& found, ContactSet& gaps) const override {
+    return below_->publish_gaps(world, found, gaps);
+  }
   const ContactModel& below() const { return *below_; }
 
  protected:

@@ -19,6 +19,9 @@ struct StepView {
   bool last = false;        ///< the run ends with this step
 };
 
+/// What an observer looks at of single contacts: nothing, bodies and gaps (16 bytes each), or all columns (104).
+enum class ContactView { none, gaps, all };
+
 /// Called when `is_due`; the simulation measures the energies before if `wants_energy`.
 class Observer {
  public:
@@ -27,9 +30,11 @@ class Observer {
   virtual bool wants_energy(std::uint64_t /*step*/) const { return false; }
   /// It looks at the bodies in this step; where nobody does the next step may begin before this one is shown.
   virtual bool wants_bodies(std::uint64_t step) const { return is_due(step); }
-  /// It looks at single contacts in this step, the last one of the run where `last`; where nobody does they need not be
-  /// written out.
-  virtual bool wants_contacts(std::uint64_t step, bool last) const { return last || is_due(step); }
+  /// In this step, the last one of the run where `last`. What nobody looks at need not be written out: a contact model
+  /// that finds contacts of its own shows them without force and in any order where gaps are enough.
+  virtual ContactView wants_contacts(std::uint64_t step, bool last) const {
+    return last || is_due(step) ? ContactView::all : ContactView::none;
+  }
   virtual void observe(const StepView& view) = 0;
   virtual void visit(StateVisitor&) {}
 };

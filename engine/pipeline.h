@@ -85,6 +85,9 @@ class ContactModel : public StepStage {
   virtual const Extent* extent() const { return nullptr; }
   /// Completes the set for observers where the model has found contacts of its own.
   virtual void publish(const World&, ContactSet&) const {}
+  /// Bodies and gaps of the set, their forces where it has them, then bodies and gaps of the model's own contacts in
+  /// any order. False, and nothing in `gaps`: the set is complete.
+  virtual bool publish_gaps(const World&, const ContactSet& /*found*/, ContactSet& /*gaps*/) const { return false; }
 };
 
 /// Holds bodies back from ways that detection at the end of a drift would miss. Only where the scene asks for it.

@@ -163,27 +163,30 @@ std::optional<Failure> Simulation::look_at_strays() {
 }
 
 void Simulation::observe(bool last) {
-  bool energy = false, any = false, contacts = false;
+  bool energy = false, any = false;
+  ContactView contacts = ContactView::none;
   for (const auto& o : observers) {
-    const bool due = last || o->is_due(steps_);
-    any = any || due, energy = energy || (due && (last || o->wants_energy(steps_)));
-    contacts = contacts || (due && o->wants_contacts(steps_, last));
+    if (!last && !o->is_due(steps_)) continue;
+    any = true, energy = energy || last || o->wants_energy(steps_);
+    contacts = std::max(contacts, o->wants_contacts(steps_, last));
   }
   if (!any) return;
   if (energy) ledger.measure(world);
-  if (contacts) pipeline.contact_model->publish(world, work.contacts);
-  const StepView now = view(last);
-  for (const auto& o : observers)
-    if (last || o->is_due(steps_)) o->observe(now);
+  show_contacts(contacts, last, [&](const StepView& now) {
+    for (const auto& o : observers)
+      if (last || o->is_due(steps_)) o->observe(now);
+  });
 }
 
-StepView Simulation::view(bool last) const {
-  return {world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last};
+void Simulation::show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show) {
+  ContactSet gaps;  // not kept: 40 bytes a sphere
+  if (needed == ContactView::all) pipeline.contact_model->publish(world, work.contacts);
+  const bool own = needed == ContactView::gaps && pipeline.contact_model->publish_gaps(world, work.contacts, gaps);
+  show({world, own ? gaps : work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last});
 }
 
 void Simulation::show(Observer& observer) {
-  if (observer.wants_contacts(steps_, true)) pipeline.contact_model->publish(world, work.contacts);
-  observer.observe(view(true));
+  show_contacts(observer.wants_contacts(steps_, true), true, [&](const StepView& now) { observer.observe(now); });
 }
 
 void Simulation::visit(StateVisitor& visitor) {

@@ -63,7 +63,7 @@ class Simulation {
   void drop_contacts();
   std::optional<Failure> watch();
   void observe(bool last);
-  StepView view(bool last) const;
+  void show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show);
   void reorder(const Reordering& change);
 
   std::uint64_t steps_ = 0;

@@ -34,7 +34,9 @@ class RunMonitor final : public Observer {
   bool is_due(std::uint64_t) const override { return true; }
   bool wants_energy(std::uint64_t step) const override { return step % interval_ == 0; }
   bool wants_bodies(std::uint64_t step) const override { return step % interval_ == 0; }
-  bool wants_contacts(std::uint64_t step, bool last) const override { return last || step % interval_ == 0; }
+  ContactView wants_contacts(std::uint64_t step, bool last) const override {
+    return last || step % interval_ == 0 ? ContactView::gaps : ContactView::none;
+  }
   void observe(const StepView& view) override;
   void visit(StateVisitor& visitor) override;
 

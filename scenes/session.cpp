@@ -12,7 +12,6 @@
 #include "engine/state_snapshot.h"
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
-#include "laws/smooth/fused/fused_spheres.h"
 #include "scenes/peak_memory.h"
 #include "scenes/stop.h"
 #include "viz_export/measures/all_measures.h"
@@ -48,34 +47,6 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
   note = damage + "; it is kept as " + aside.filename().string() + ", a new one begins at step " + std::to_string(from.step);
   return {path, header};
 }
-
-/// Shows the monitor the gaps of fused spheres without having their contacts written out and sorted: it looks every
-/// hundred steps, and writing them out was a fortieth of the time of a large bed.
-class GapsForMonitor final : public Observer {
- public:
-  GapsForMonitor(std::unique_ptr<RunMonitor> monitor, const Pipeline& pipeline)
-      : monitor_(std::move(monitor)), pipeline_(pipeline) {}
-  bool is_due(std::uint64_t step) const override { return monitor_->is_due(step); }
-  bool wants_energy(std::uint64_t step) const override { return monitor_->wants_energy(step); }
-  bool wants_bodies(std::uint64_t step) const override { return monitor_->wants_bodies(step); }
-  bool wants_contacts(std::uint64_t step, bool last) const override {
-    return spheres() == nullptr && monitor_->wants_contacts(step, last);
-  }
-  void observe(const StepView& view) override {
-    const FusedSpheres* model = spheres();
-    if (model == nullptr || !monitor_->wants_contacts(view.step, view.last)) return monitor_->observe(view);
-    ContactSet gaps;  // not kept: 40 bytes a sphere
-    gaps.a = view.contacts.a, gaps.b = view.contacts.b, gaps.gap = view.contacts.gap;
-    model->add_gaps(view.world, gaps);
-    monitor_->observe({view.world, gaps, view.pairs, view.report, view.ledger, view.step, view.dt, view.movable, view.last});
-  }
-  void visit(StateVisitor& visitor) override { monitor_->visit(visitor); }
-
- private:
-  const FusedSpheres* spheres() const { return dynamic_cast<const FusedSpheres*>(pipeline_.contact_model.get()); }
-  std::unique_ptr<RunMonitor> monitor_;
-  const Pipeline& pipeline_;
-};
 
 }  // namespace
 
@@ -155,7 +126,7 @@ void Session::add_observers() {
   auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, assembly_->steps,
                                               std::min<std::uint64_t>(100, frame_every));
   monitor_ = monitor.get();
-  sim.observers.push_back(std::make_unique<GapsForMonitor>(std::move(monitor), sim.pipeline));
+  sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
     const auto& list = all_measures();
     const auto entry = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.entry.name == spec.kind; });

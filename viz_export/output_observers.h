@@ -19,7 +19,9 @@ class StateRecorder final : public Observer {
   StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, std::uint64_t every)
       : run_(run), frames_(frames), surfaces_(shapes), due_(every) {}
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
-  bool wants_contacts(std::uint64_t step, bool last) const override { return frames_ != nullptr && (last || is_due(step)); }
+  ContactView wants_contacts(std::uint64_t step, bool last) const override {
+    return frames_ != nullptr && (last || is_due(step)) ? ContactView::all : ContactView::none;
+  }
   void observe(const StepView& view) override;
 
  private:
@@ -36,8 +38,8 @@ class MeasureRecorder final : public Observer {
                   std::uint64_t every);
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   bool wants_energy(std::uint64_t step) const override { return measure_->wants_energy() && is_due(step); }
-  bool wants_contacts(std::uint64_t step, bool last) const override {
-    return measure_->wants_contacts() && (last || is_due(step));
+  ContactView wants_contacts(std::uint64_t step, bool last) const override {
+    return last || is_due(step) ? measure_->wants_contacts() : ContactView::none;
   }
   void observe(const StepView& view) override;
   void visit(StateVisitor& visitor) override;

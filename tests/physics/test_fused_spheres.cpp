@@ -146,6 +146,7 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
   if (const auto& cell = fused.simulation().world.cell)
     CHECK((cell->virial - generic.simulation().world.cell->virial).norm() < 1e-9 * cell->virial.norm());
 
+  fused.simulation().pipeline.contact_model->publish(fused.simulation().world, fused.simulation().work.contacts);
   const ContactSet &f = fused.simulation().work.contacts, &d = generic.simulation().work.contacts;
   std::size_t k = 0;
   for (std::size_t i = 0; i < d.size(); ++i) {

@@ -39,7 +39,7 @@ class StressMeasure final : public Measure {
  public:
   explicit StressMeasure(MeasureSetup setup) : region_(setup.parameters) {}
   std::vector<std::string> components() const override { return {"pressure", "xx", "yy", "zz", "xy", "xz", "yz"}; }
-  bool wants_contacts() const override { return true; }
+  ContactView wants_contacts() const override { return ContactView::all; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:

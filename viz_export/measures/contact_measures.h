@@ -12,7 +12,7 @@ class ContactMeasure final : public Measure {
   std::vector<std::string> components() const override {
     return {"overlap", "normal_force", "tangential_force", "slip", "point_x", "point_y", "point_z", "count"};
   }
-  bool wants_contacts() const override { return true; }
+  ContactView wants_contacts() const override { return ContactView::all; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:
@@ -27,7 +27,7 @@ class Coordination final : public Measure {
  public:
   explicit Coordination(const MeasureSetup& setup) : least_(setup.parameters.number("least")) {}
   std::vector<std::string> components() const override { return {"number", "without_rattlers", "rattlers"}; }
-  bool wants_contacts() const override { return true; }
+  ContactView wants_contacts() const override { return ContactView::gaps; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:

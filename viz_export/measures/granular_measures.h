@@ -11,7 +11,7 @@ class HysteresisMeasure final : public Measure {
  public:
   explicit HysteresisMeasure(MeasureSetup setup) : setup_(std::move(setup)) {}
   std::vector<std::string> components() const override { return {"overlap", "normal_force", "loop_area"}; }
-  bool wants_contacts() const override { return true; }
+  ContactView wants_contacts() const override { return ContactView::all; }
   void sample(const StepView& view, std::vector<double>& values) override;
   void visit(StateVisitor& visitor, const std::string& prefix) override;
 
@@ -28,7 +28,7 @@ class ForceChains final : public Measure {
  public:
   explicit ForceChains(MeasureSetup setup) : shapes_(setup.shapes) {}
   std::vector<std::string> components() const override { return {"chains", "bodies", "longest", "share", "strong"}; }
-  bool wants_contacts() const override { return true; }
+  ContactView wants_contacts() const override { return ContactView::all; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:

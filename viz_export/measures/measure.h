@@ -28,8 +28,8 @@ class Measure {
   /// One value per component; NaN where the quantity does not exist at this moment.
   virtual void sample(const StepView& view, std::vector<double>& values) = 0;
   virtual bool wants_energy() const { return false; }
-  /// `sample` looks at single contacts: without this the set may lack those of the loop over spheres.
-  virtual bool wants_contacts() const { return false; }
+  /// What `sample` looks at of single contacts: the set may lack those of the loop over spheres, or their other columns.
+  virtual ContactView wants_contacts() const { return ContactView::none; }
   virtual void visit(StateVisitor&, const std::string& /*prefix*/) {}
 };
 

@@ -12,7 +12,7 @@ class WheelsetMeasure final : public Measure {
     return {"distance", "lateral", "vertical", "yaw",     "roll",    "left_x",
             "left_y",   "left_z",  "right_x",  "right_y", "right_z", "contacts"};
   }
-  bool wants_contacts() const override { return true; }
+  ContactView wants_contacts() const override { return ContactView::all; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:

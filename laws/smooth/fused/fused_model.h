@@ -158,8 +158,9 @@ class FusedModel final : public FusedSpheres {
     published_ = true;
   }
 
-  void add_gaps(const World& world, ContactSet& contacts) const override {
-    if (published_ || !blocks_.laid_out()) return;
+  bool publish_gaps(const World& world, const ContactSet& found, ContactSet& contacts) const override {
+    if (published_ || !blocks_.laid_out()) return false;
+    contacts.take_gaps(found);
     const auto& all = blocks_.blocks();
     std::vector<std::size_t>& place = block_results<std::size_t>(all.size() + 1, contacts.size());
     for (std::size_t i = 0; i < all.size(); ++i) place[i + 1] = place[i] + all[i].touching;
@@ -174,6 +175,7 @@ class FusedModel final : public FusedSpheres {
           });
         },
         1);
+    return true;
   }
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }

@@ -19,9 +19,6 @@ class FusedSpheres : public ContactModel {
   virtual void watch(std::span<const Slot> bodies) = 0;
   /// The largest way of a body in the step that has begun over half its margin; infinity: not known.
   virtual double largest_way() const = 0;
-  /// Appends bodies and gaps alone of the contacts that `publish` would write out, in any order: 16 bytes each in the
-  /// place of 104. Nothing where it has done so in this step.
-  virtual void add_gaps(const World& world, ContactSet& contacts) const = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;
 };
