@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "engine/parallel_order.h"
+
 namespace epafi {
 
 ContactMeasure::ContactMeasure(MeasureSetup setup) : setup_(std::move(setup)) {
@@ -41,26 +43,26 @@ void ContactMeasure::sample(const StepView& view, std::vector<double>& values) {
 
 namespace {
 
-/// Touching pairs as (a, b), each once; contacts are sorted, so points of one pair are neighbours.
-std::vector<std::pair<Slot, Slot>> touching_pairs(const ContactSet& c) {
-  std::vector<std::pair<Slot, Slot>> pairs;
-  for (std::size_t k = 0; k < c.size(); ++k) {
-    const bool acts = k < c.force.size() && c.force[k].squaredNorm() > 0;
-    if (!acts && c.gap[k] >= 0) continue;
-    const std::pair<Slot, Slot> pair(c.a[k], c.b[k]);
-    if (pairs.empty() || pairs.back() != pair) pairs.push_back(pair);
-  }
-  return pairs;
-}
-
-/// The bodies that each touches: those of body s are list[begin[s]] to list[begin[s + 1]].
+/// The bodies that each touches, once: those of body s are list[begin[s]] to list[begin[s + 1]].
 struct Neighbours {
   std::vector<std::uint32_t> begin;
   std::vector<Slot> list;
-  Neighbours(std::size_t bodies, const std::vector<std::pair<Slot, Slot>>& pairs) : begin(bodies + 2, 0), list(2 * pairs.size()) {
-    for (const auto& [a, b] : pairs) ++begin[a + 2], ++begin[b + 2];
-    for (std::size_t s = 2; s < begin.size(); ++s) begin[s] += begin[s - 1];
-    for (const auto& [a, b] : pairs) list[begin[a + 1]++] = b, list[begin[b + 1]++] = a;
+  Neighbours(std::size_t bodies, const ContactSet& c) {
+    const auto acts = [&](std::size_t k) {
+      return c.gap[k] < 0 || (k < c.force.size() && c.force[k].squaredNorm() > 0);
+    };
+    const auto is_first = [&](std::size_t k) {  // of its pair: the points of one stand behind each other
+      for (std::size_t j = k; j-- > 0 && c.a[j] == c.a[k] && c.b[j] == c.b[k];)
+        if (acts(j)) return false;
+      return true;
+    };
+    const auto each = [&](std::size_t first, std::size_t last, const auto& f) {
+      for (std::size_t k = first; k < last; ++k)
+        if (acts(k) && is_first(k)) f(c.a[k], c.b[k]), f(c.b[k], c.a[k]);
+    };
+    parallel_group(
+        c.size(), bodies, begin, each, [&](std::size_t count) { list.resize(count); },
+        [&](std::uint32_t place, Slot other) { list[place] = other; });
   }
 };
 
@@ -68,7 +70,7 @@ struct Neighbours {
 
 void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  const Neighbours touched(w.size(), touching_pairs(view.contacts));
+  const Neighbours touched(w.size(), view.contacts);
   std::vector<char> in(w.size(), 0);
   std::vector<int> degree(w.size(), 0);
   std::vector<Slot> leaving;
