@@ -19,8 +19,9 @@ namespace {
 std::string solids_text(const Assembly& a) {
   std::string out;
   for (const SolidParts& s : a.shapes->of<SolidParts>())
-    out += fmt::format("  solid         {} triangles, {} convex parts, volume {:.9g} m^3, moments {:.6g} {:.6g} {:.6g} m^5\n",
-                       s.surface.triangles.size(), s.parts.size(), s.volume, s.inertia(0, 0), s.inertia(1, 1), s.inertia(2, 2));
+    out += fmt::format(
+        "  solid         {} triangles, {} convex parts, volume {:.9g} m^3, moments {:.6g} {:.6g} {:.6g} m^5\n",
+        s.surface.triangles.size(), s.parts.size(), s.volume, s.inertia(0, 0), s.inertia(1, 1), s.inertia(2, 2));
   return out;
 }
 
@@ -29,30 +30,51 @@ bool polyhedra_move(const Scene& scene) {
     const std::string& type = scene.shapes[shape].type;
     return type == "box" || type == "polyhedron" || type == "solid";
   };
-  return std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& b) { return b.moves() && is_polyhedral(b.shape); }) ||
-         std::any_of(scene.fills.begin(), scene.fills.end(), [&](const FillSpec& f) { return std::any_of(f.shapes.begin(), f.shapes.end(), is_polyhedral); });
+  return std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                     [&](const BodySpec& b) { return b.moves() && is_polyhedral(b.shape); }) ||
+         std::any_of(scene.fills.begin(), scene.fills.end(),
+                     [&](const FillSpec& f) { return std::any_of(f.shapes.begin(), f.shapes.end(), is_polyhedral); });
 }
 
-/// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of the
-/// state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose.
-double predicted_memory(Assembly& a, std::size_t free) {
+/// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of
+/// the state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose
+/// and something brings its bodies together. free: bodies that move, `later` of them poured in later.
+double predicted_memory(Assembly& a, std::size_t free, std::size_t later) {
   Simulation& sim = *a.simulation;
   ByteCounter state;
   sim.visit(state);
   const auto hulls = static_cast<double>(a.shapes->of<ConvexHull>().size());
   const bool polyhedra = polyhedra_move(a.scene);
   const auto bodies = static_cast<double>(free);
-  // a packing has about six neighbours per body, each pair counted once; faces touch in up to four points
   // those that spheres have in their own loop are not in the set
   const auto there = static_cast<double>(std::max(sim.work.contacts.size(), sim.work.report.touching));
-  const double contacts = std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
-  const double pairs = std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies - static_cast<double>(sim.work.pairs.pairs.size()));
-  const double output = 6e6 + 14e3 * hulls + (polyhedra ? 2000.0 : 300.0) * bodies;  // HDF5, shapes in it, a frame
+  const bool gathers = sim.world.gravity != Vec3::Zero() || sim.world.cell;
+  const double loose = gathers ? std::max(0.0, 1.0 - there / std::max(1.0, 2.0 * bodies)) : 0.0;
+  // a packing has about six neighbours per body, each pair counted once; faces touch in up to four points
+  const double contacts = loose * std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
+  const double pairs =
+      loose * std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies - static_cast<double>(sim.work.pairs.pairs.size()));
+  // in the set and on its way into it; of spheres in their own loop in the set of a frame alone, beside pair and spring
+  const auto in_set = static_cast<double>(a.plan.bytes_per_contact);
+  const double contact = a.plan.fused_spheres ? in_set + (a.plan.needs.contact_moment ? 190.0 : 60.0) : 2.0 * in_set;
+  const double polyhedral_pair =
+      2 * sizeof(PairCache) + (a.plan.resting_reach < a.plan.reach ? 4 * sizeof(RestingPatch) : 0);
+  // HDF5, what it remembers of the shapes in run.h5 (32 MB at most), a frame
+  const double output = 6e6 + std::min(32e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 300.0) * bodies;
   // a large copy goes to a scratch file, column by column: less than a fifth of it is in memory at once
   const double copy = static_cast<double>(state.total) * (state.total > StateSnapshot::most_in_memory ? 0.2 : 1.0);
-  return static_cast<double>(peak_memory()) + copy + output +
-         contacts * 2.0 * static_cast<double>(a.plan.bytes_per_contact) +
-         pairs * static_cast<double>(3 * sizeof(Pair) + (polyhedra ? 2 * sizeof(PairCache) + (a.plan.resting_reach < a.plan.reach ? 4 * sizeof(RestingPatch) : 0) : 0));
+  return static_cast<double>(peak_memory()) + copy + output + contacts * contact +
+         pairs * (3 * sizeof(Pair) + (polyhedra ? polyhedral_pair : 0.0)) +
+         static_cast<double>(later) * 3.0 * static_cast<double>(a.plan.bytes_per_body);  // state, lists, the loop's own
+}
+
+/// Of the whole run, by the seconds that a step took with `there` of the `free` bodies.
+std::string wall_time_text(double seconds, std::size_t there, std::size_t free) {
+  if (10 * there < free)
+    return "  wall time     not to be told by the first steps: nearly all bodies are poured in later\n";
+  const double all = seconds * static_cast<double>(free) / static_cast<double>(std::max<std::size_t>(1, there));
+  return fmt::format("  wall time     about {} with {} threads, by the first steps (denser states cost more)\n",
+                     clock_text(all), thread_count());
 }
 
 }  // namespace
@@ -62,8 +84,9 @@ std::string check_text(Assembly& a) {
   const World& w = sim.world;
   std::size_t free = 0;
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
-  std::string out =
-      fmt::format("{}: fine\n  bodies        {} free, {} fixed or driven\n", a.scene.file, free, w.size() - free);
+  const std::size_t later = w.ids_given() - w.size();
+  std::string out = fmt::format("{}: fine\n  bodies        {} free, {} fixed or driven{}\n", a.scene.file, free,
+                                w.size() - free, later > 0 ? fmt::format(", {} poured in later", later) : "");
   sim.start();
   if (!sim.pipeline.scheme->needs_initial_forces()) {
     sim.pipeline.broad_phase->find_pairs(sim.world, sim.work.pairs);
@@ -84,11 +107,10 @@ std::string check_text(Assembly& a) {
       return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
     elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
-  out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n", 1e-6 * predicted_memory(a, free),
-                     a.plan.bytes_per_body, a.plan.bytes_per_contact);
-  const double per_step = elapsed / static_cast<double>(std::max<std::uint64_t>(1, sim.steps() - first));
-  return out + fmt::format("  wall time     about {} with {} threads, by the first steps (denser states cost more)\n",
-                           clock_text(per_step * static_cast<double>(a.steps)), thread_count());
+  out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
+                     1e-6 * predicted_memory(a, free + later, later), a.plan.bytes_per_body, a.plan.bytes_per_contact);
+  const auto steps = static_cast<double>(std::max<std::uint64_t>(1, sim.steps() - first));
+  return out + wall_time_text(elapsed / steps * static_cast<double>(a.steps), free, free + later);
 }
 
 }  // namespace epafi

@@ -91,6 +91,34 @@ TEST_CASE("a starter scene is printed, checked, explained and run by the program
   }
 }
 
+TEST_CASE("a check counts what is poured in later, and does not tell the time of a step that is not there yet",
+          "[scenes][commands]") {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& more) {
+    const Captured c = captured([&] { return command_check({ball_in(folder, more).string(), {}}); });
+    REQUIRE(c.code == exit_done);
+    return c.out;
+  };
+  const auto megabytes = [](const std::string& text) { return std::stod(text.substr(text.find("about ") + 6)); };
+  const std::string one = check("");
+  CHECK_THAT(one, Catch::Contains("1 free, 1 fixed or driven\n") && Catch::Contains("wall time     about"));
+  const std::string many = check(R"([[fill]]
+name = "rain"
+shape = "drop"
+material = "m"
+count = 100000
+method = "pour"
+rate = 1e6
+region = { box = { min = [-1, -1, 0.5], max = [1, 1, 1] } }
+[shape.drop]
+sphere = { radius = 0.001 }
+)");
+  CHECK_THAT(many, Catch::Contains("1 free, 1 fixed or driven, 100000 poured in later") &&
+                       Catch::Contains("wall time     not to be told by the first steps"));
+  // a state of 100 bytes and a contact of 100 each at least
+  CHECK(megabytes(many.substr(many.find("memory"))) > megabytes(one.substr(one.find("memory"))) + 20.0);
+}
+
 TEST_CASE("a run ends with the code of what ended it, and goes on from there", "[scenes][commands]") {
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);

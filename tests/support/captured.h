@@ -36,7 +36,13 @@ inline Captured captured(const std::function<int()>& command) {
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
   const int out = redirect(stdout, "out"), err = redirect(stderr, "err");
-  const int code = command();
+  int code = 0;
+  try {
+    code = command();
+  } catch (...) {  // what is said of it must be seen
+    restore(stdout, out), restore(stderr, err);
+    throw;
+  }
   restore(stdout, out), restore(stderr, err);
   return {code, text("out"), text("err")};
 }
