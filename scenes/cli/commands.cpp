@@ -129,6 +129,8 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   const std::filesystem::path folder = options.out.empty()
                                            ? std::filesystem::path("out") / std::filesystem::path(common.scene).stem()
                                            : std::filesystem::path(options.out);
+  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+    throw SceneError("output folder '" + folder.string() + "' is a file; name another with -o");
   if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
     if (!options.force)
       throw SceneError("output folder '" + folder.string() +

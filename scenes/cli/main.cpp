@@ -1,16 +1,12 @@
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <functional>
 #include <iostream>
 
-#include "engine/nearest.h"
 #include "engine/targets.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"
 #include "scenes/cli/study_commands.h"
+#include "scenes/cli/usage.h"
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -25,9 +21,11 @@ void add_scene_flags(CLI::App* command, epafi::CommonOptions& o) {
 }
 
 void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
-  command->add_option("-t,--threads", o.threads, "threads (default: all cores)")->check(CLI::PositiveNumber);
-  command->add_option("--until", o.until, "stop at this simulated time [s], with a checkpoint");
-  command->add_option("--steps", o.steps, "stop after this many steps, with a checkpoint");
+  command->add_option("-t,--threads", o.threads, "threads (default: all cores)")->check(epafi::whole_number(1));
+  command->add_option("--until", o.until, "stop at this simulated time [s], with a checkpoint")
+      ->check(epafi::at_least(0));
+  command->add_option("--steps", o.steps, "stop after this many steps, with a checkpoint")
+      ->check(epafi::whole_number(0, 1'000'000'000'000'000));
   command->add_option("--time-limit", o.time_limit,
                       "stop after this wall time (90s, 3h50m) with a checkpoint, exit code 75");
   command->add_option("--cpu-limit", o.cpu_limit, "the same by processor time of all threads");
@@ -39,8 +37,8 @@ void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
 void add_solve_flags(CLI::App* command, epafi::SolveOptions& o) {
   command->add_option("problems", o.problems, "problem files")->required();
   command->add_option("-m,--method", o.methods, "solvers, by name; `all` for every one (default auto)")->delimiter(',');
-  command->add_option("--tolerance", o.tolerance, "residual to reach (default 1e-6)")->check(CLI::NonNegativeNumber);
-  command->add_option("--max-iterations", o.max_iterations, "iterations at most")->check(CLI::PositiveNumber);
+  command->add_option("--tolerance", o.tolerance, "residual to reach (default 1e-6)")->check(epafi::at_least(0));
+  command->add_option("--max-iterations", o.max_iterations, "iterations at most")->check(epafi::at_least(1));
   command->add_option("--time-limit", o.time_limit, "CPU time of each solve (1s, 0.5s, 2m; default 10s)");
   command->add_option("--solution", o.solution, "write <problem>/reaction to this HDF5 file");
   command->add_option("-o,--out", o.out, "write the rows to this file");
@@ -175,15 +173,15 @@ void add_studies(Program& p) {
   add_study_flags(limits, p.study, "study");
   limits->add_flag("--json", p.study.json, "the limits on stdout");
   add_atlas_flags(limits, p.study);
-  limits->add_option("-j,--jobs", p.study.jobs, "cases at a time")->check(CLI::PositiveNumber);
+  limits->add_option("-j,--jobs", p.study.jobs, "cases at a time")->check(epafi::whole_number(1));
   auto* sweep = p.add("sweep", "the cases of a scene's [sweep]; finished ones are skipped",
                       [&p] { return epafi::command_sweep(p.study, p.sweep); });
   add_study_flags(sweep, p.study, "scene");
-  sweep->add_option("-j,--jobs", p.study.jobs, "cases at a time")->check(CLI::PositiveNumber);
-  sweep->add_option("-t,--threads", p.sweep.threads, "threads of each case")->check(CLI::PositiveNumber);
+  sweep->add_option("-j,--jobs", p.study.jobs, "cases at a time")->check(epafi::whole_number(1));
+  sweep->add_option("-t,--threads", p.sweep.threads, "threads of each case")->check(epafi::whole_number(1));
   sweep->add_flag("--list", p.sweep.list, "number, state and values of every case");
   sweep->add_flag("--collect", p.sweep.collect, "one CSV row per case on stdout");
-  sweep->add_option("--case", p.sweep.one, "this case only, counted from 0")->check(CLI::NonNegativeNumber);
+  sweep->add_option("--case", p.sweep.one, "this case only, counted from 0")->check(epafi::whole_number(0));
 }
 
 void add_bench(Program& p) {
@@ -194,21 +192,10 @@ void add_bench(Program& p) {
       ->allow_extra_args(false);
   bench->add_option("--threads", p.bench.threads, "numbers of threads, as 1,2,4")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(epafi::whole_number(1));
   bench->add_option("--repeats", p.bench.repeats, "runs of each row; the median is printed")
-      ->check(CLI::PositiveNumber);
+      ->check(epafi::whole_number(1));
   bench->add_option("-o,--out", p.bench.out_file, "also write the rows to this file");
-}
-
-/// Says what is wrong with the name of a command; empty if there is a command of this name, or none was given.
-std::string unknown_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return {};
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return {};
-  const auto close = epafi::nearest(argv[1], names);
-  return fmt::format("error: unknown command '{}'; {}there are: {}\n", argv[1],
-                     close ? "did you mean '" + *close + "'? " : "", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -223,13 +210,17 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up
   p.app.set_version_flag("--version", std::string(EPAFI_VERSION));
   p.app.require_subcommand(1);
   for (const auto add : {add_runs, add_lists, add_pages, add_patch, add_studies, add_bench}) add(p);
-  if (const std::string wrong = unknown_command(p.app, argc, argv); !wrong.empty()) {
+  if (const std::string wrong = epafi::unknown_command(p.app, argc, argv); !wrong.empty()) {
     std::cerr << wrong;
     return epafi::exit_usage;
   }
   try {
     p.app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
+    if (const std::string wrong = epafi::unknown_option(p.app, argc, argv); !wrong.empty()) {
+      std::cerr << wrong;
+      return epafi::exit_usage;
+    }
     const int code = p.app.exit(e, std::cout, std::cerr);
     return code == 0 ? epafi::exit_done : epafi::exit_usage;
   }

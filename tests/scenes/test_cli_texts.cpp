@@ -55,6 +55,26 @@ TEST_CASE("a command that does not exist is answered with its name and the neare
   CHECK(said.find("error: unknown command 'rum'; did you mean 'run'?") == 0);
 }
 
+TEST_CASE("an option that does not exist, or is given no number of its kind, is answered with what is",
+          "[scenes][list]") {
+  const auto refused = [](const std::string& line, const std::string& text) {
+    INFO(line);
+    const auto [code, said] = answer("", line);
+    CHECK(code == 2);
+    CHECK_THAT(said, Catch::Contains(text));
+  };
+  refused("run scene.toml --treads 2", "error: unknown option '--treads' of epafi run; did you mean '--threads'?");
+  refused("resume out --force", "error: unknown option '--force' of epafi resume");
+  refused("run -t4", "scene is required");
+  refused("run scene.toml -t 0", "--threads: '0' is no whole number from 1 to 1000000000");
+  refused("run scene.toml --steps -3", "--steps: '-3' is no whole number from 0");
+  refused("run scene.toml --steps 1.5", "--steps: '1.5' is no whole number from 0");
+  refused("run scene.toml --until -1", "--until: '-1' is no number of at least 0");
+  refused("bench scene.toml --threads 1,x", "--threads: 'x' is no whole number from 1");
+  refused("run " + std::string(EPAFI_SOURCE_DIR) + "/scenes/library/impact/bounce.toml -o /dev/null",
+          "output folder '/dev/null' is a file");
+}
+
 TEST_CASE("an instruction set that does not exist is refused, not replaced by the widest", "[scenes][list]") {
   const auto [code, said] = answer("EPAFI_TARGET=sse2 ", "list");
   CHECK(code == 2);
