@@ -19,7 +19,7 @@ set(doors
   "hdf5\\.h|viz_export/hdf5_file\\.cpp,viz_export/hdf5_driver\\.cpp"
   "CGAL/|detection/shapes/hull_from_points\\.cpp,detection/shapes/convex_parts\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
-  "CLI/|scenes/cli/main\\.cpp"
+  "CLI/|scenes/cli/usage\\.h"
   "zlib\\.h|viz_export/vtp_writer\\.cpp"
   "nlohmann/|viz_export/json_reader\\.cpp"
   "catch2/|tests/support/catch\\.h")
