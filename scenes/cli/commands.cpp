@@ -17,6 +17,7 @@
 #include "scenes/cli/new_scene.h"
 #include "scenes/cli/reference.h"
 #include "scenes/cli/schema_json.h"
+#include "scenes/folder_lock.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
@@ -131,7 +132,9 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
                                            : std::filesystem::path(options.out);
   if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
     throw SceneError("output folder '" + folder.string() + "' is a file; name another with -o");
-  if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
+  std::filesystem::create_directories(folder);
+  const FolderLock lock(folder);
+  if (!std::filesystem::is_empty(folder)) {
     if (!options.force)
       throw SceneError("output folder '" + folder.string() +
                        "' is not empty; name another with -o or allow it with --force");
@@ -152,6 +155,7 @@ int command_resume(const std::string& directory, const RunOptions& options) {
   set_threads(options.threads);
   const SessionLimits limits = limits_of(options);
   const std::filesystem::path folder(directory);
+  const FolderLock lock(folder);
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
   Scene scene = read_or_throw(header.scene_path, header.overrides);
   if (scene_hash(scene) != header.scene_hash)

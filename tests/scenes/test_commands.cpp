@@ -8,6 +8,7 @@
 #include "engine/error.h"
 #include "scenes/cli/library.h"
 #include "scenes/cli/new_scene.h"
+#include "scenes/folder_lock.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "viz_export/json_reader.h"
@@ -158,6 +159,27 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   const Captured changed = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
   CHECK(changed.code == exit_usage);
   CHECK_THAT(changed.err, Catch::Contains("has changed since the run was started"));
+}
+
+TEST_CASE("a folder that a run writes into is refused to others until it has ended", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  const fs::path scene = ball_in(folder);
+  RunOptions o;
+  o.out = (folder / "out").string(), o.threads = 1, o.steps = 40, o.quiet = o.force = true;
+  REQUIRE(run_of(scene, o).code == exit_done);
+  const std::string before = text_of(folder / "out" / "summary.json");
+  RunOptions rest;
+  rest.threads = 1, rest.quiet = true;
+  const auto resumed = [&] { return captured([&] { return guarded([&] { return command_resume(o.out, rest); }); }); };
+  {
+    const FolderLock other(o.out);
+    for (const Captured& refused : {run_of(scene, o), resumed()}) {
+      CHECK(refused.code == exit_file);
+      CHECK_THAT(refused.err, Catch::Contains("another run is writing into"));
+    }
+    CHECK(text_of(folder / "out" / "summary.json") == before);
+  }
+  CHECK(resumed().code == exit_done);
 }
 
 TEST_CASE("results are exported and reported by the program", "[scenes][commands]") {
