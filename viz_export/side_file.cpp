@@ -31,14 +31,20 @@ void sync_to_disk(const std::filesystem::path& path) {
   if (!done) fail(path, "sync to disk");
 }
 
-SideFile::SideFile(std::filesystem::path target) : target_(std::move(target)), side_(target_.string() + ".part") {}
+SideFile::SideFile(std::filesystem::path target)
+    : target_(std::move(target)),
+      side_(target_.string() + ".part"),
+      aside_(!std::filesystem::exists(target_) || std::filesystem::is_regular_file(target_)) {
+  if (!aside_) side_ = target_;
+}
 
 SideFile::~SideFile() {
   std::error_code ignored;
-  if (!committed_) std::filesystem::remove(side_, ignored);
+  if (aside_ && !committed_) std::filesystem::remove(side_, ignored);
 }
 
 void SideFile::commit(bool durable) {
+  if (!aside_) return;
   if (durable) sync_to_disk(side_);
   errno = 0;
   if (std::rename(side_.c_str(), target_.c_str()) != 0) fail(target_, "rename the finished file to");

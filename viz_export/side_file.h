@@ -9,7 +9,7 @@ namespace epafi {
 
 class SideFile {
  public:
-  /// `target` is where the file shall stand; write to path() and commit.
+  /// `target` is where the file shall stand; write to path() and commit. A device (/dev/null) is written to as it is.
   explicit SideFile(std::filesystem::path target);
   ~SideFile();  ///< without a commit the side file is removed and the target is as it was
   SideFile(const SideFile&) = delete;
@@ -21,6 +21,7 @@ class SideFile {
 
  private:
   std::filesystem::path target_, side_;
+  bool aside_;  ///< side_ is a file of its own
   bool committed_ = false;
 };
 

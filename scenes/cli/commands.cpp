@@ -15,6 +15,7 @@
 #include "scenes/cli/library.h"
 #include "scenes/cli/list.h"
 #include "scenes/cli/new_scene.h"
+#include "scenes/cli/print.h"
 #include "scenes/cli/reference.h"
 #include "scenes/cli/schema_json.h"
 #include "scenes/folder_lock.h"
@@ -33,7 +34,6 @@ namespace {
 constexpr const char* memory_message = "epafi: not enough memory; `epafi check` tells what the scene needs\n";
 
 void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 
 void print_problems(const std::vector<Problem>& problems) {
   for (const auto& p : problems) say(p.to_string());
@@ -157,6 +157,9 @@ int command_resume(const std::string& directory, const RunOptions& options) {
   const std::filesystem::path folder(directory);
   const FolderLock lock(folder);
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
+  if (!std::filesystem::exists(header.scene_path))
+    throw FileError("the scene '" + header.scene_path +
+                    "' that the run was started from is not there; put it back as it was");
   Scene scene = read_or_throw(header.scene_path, header.overrides);
   if (scene_hash(scene) != header.scene_hash)
     throw SceneError("the scene '" + header.scene_path +
@@ -219,7 +222,9 @@ int command_reference(const std::string& directory, const std::string& broken_sc
 int guarded(const std::function<int()>& command) {
   std::set_terminate(give_up);
   try {
-    return command();
+    const int code = command();
+    flush_printed();
+    return code;
   } catch (const SceneError& e) {
     say(e.what());
     return exit_usage;

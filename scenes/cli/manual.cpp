@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-
 #include "scenes/cli/list.h"
+#include "scenes/cli/print.h"
 
 namespace epafi {
 namespace {
@@ -91,12 +90,12 @@ std::string bash_completion(const ProgramText& program) {
 }
 
 int command_manual(const ProgramText& program) {
-  std::fputs(manual_page(program).c_str(), stdout);
+  print(manual_page(program));
   return 0;
 }
 
 int command_completion(const ProgramText& program) {
-  std::fputs(bash_completion(program).c_str(), stdout);
+  print(bash_completion(program));
   return 0;
 }
 

@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <ctime>
-#include <fstream>
 
 #include "detection/convex_corpus.h"
 #include "detection/narrow/convex_answer.h"
 #include "engine/error.h"
 #include "engine/nearest.h"
 #include "engine/random.h"
+#include "scenes/cli/print.h"
+#include "viz_export/side_file.h"
 
 namespace epafi {
 namespace {
@@ -53,8 +53,7 @@ Row ask_pair(const CorpusPair& p, ConvexMethod method, Random& random) {
   PairMemory memory;
   row.cold = nanoseconds_per_query([&](std::size_t) { last = ask(method, va, vb, pose_a, pose_b); });
   const std::vector<Pose> poses = p.moving_poses(steps, random);
-  row.warm = nanoseconds_per_query(
-      [&](std::size_t k) { last = ask(method, va, vb, pose_a, poses[k], &memory); });
+  row.warm = nanoseconds_per_query([&](std::size_t k) { last = ask(method, va, vb, pose_a, poses[k], &memory); });
   return row;
 }
 
@@ -99,11 +98,10 @@ int command_narrow(const NarrowOptions& options) {
               ? fmt::format("  ],\n  \"mean_ns\": {{\"cold\": {:.1f}, \"warm\": {:.1f}}}\n}}\n", cold / n, warm / n)
               : fmt::format("# mean ns cold {:.1f}, warm {:.1f}\n", cold / n, warm / n);
   if (options.out.empty()) {
-    std::fwrite(text.data(), 1, text.size(), stdout);
+    print(text);
     return 0;
   }
-  std::ofstream out(options.out, std::ios::binary);
-  if (!(out << text).flush()) throw FileError("cannot write '" + options.out + "'");
+  write_whole_file(options.out, {text});
   return 0;
 }
 

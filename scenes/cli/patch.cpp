@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "scenes/cli/commands.h"
+#include "scenes/cli/print.h"
 #include "scenes/patch/evaluate_patch.h"
 #include "viz_export/side_file.h"
 
@@ -14,13 +15,13 @@ int command_patch(const CommonOptions& common, const PatchOptions& options) {
   if (options.geometry) {
     if (!reading.patch->profiles) throw SceneError("--geometry needs a case with a wheel_profile and a rail_profile");
     const std::string csv = patch_geometry_csv(*reading.patch);
-    std::fwrite(csv.data(), 1, csv.size(), stdout);
+    print(csv);
     return exit_done;
   }
   const std::vector<PatchResult> results = evaluate_patch(*reading.patch, !options.maps.empty());
   const std::string text = options.json ? patch_json(results) : patch_table(results);
   if (!options.maps.empty()) write_patch_maps(options.maps, results);
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  print(text);
   return exit_done;
 }
 

@@ -4,8 +4,6 @@
 #include <time.h>
 
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 
 #include "engine/error.h"
 #include "engine/nearest.h"
@@ -14,10 +12,12 @@
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/pgs.h"
 #include "scenes/cli/commands.h"
+#include "scenes/cli/print.h"
 #include "scenes/stop.h"
 #include "viz_export/hdf5_file.h"
 #include "viz_export/json_writer.h"
 #include "viz_export/problem_file.h"
+#include "viz_export/side_file.h"
 
 namespace epafi {
 
@@ -144,7 +144,7 @@ int command_solve(const SolveOptions& o) {
   if (!o.solution.empty()) solution = std::make_unique<Hdf5File>(o.solution, Hdf5File::Mode::create);
   std::vector<Row> rows;
   const bool to_stdout = o.out.empty() && !o.json;
-  if (to_stdout) fmt::print("{}", csv({}));
+  if (to_stdout) print(csv({}));
   for (const std::string& path : o.problems) {
     const ProblemFile file = read_problem(path);
     const ConeProblem problem = blocks_of(file);
@@ -156,7 +156,7 @@ int command_solve(const SolveOptions& o) {
       rows.back().problem = file.name;
       if (to_stdout) {
         const std::string line = csv({rows.back()});
-        fmt::print("{}", line.substr(line.find('\n') + 1)), std::fflush(stdout);
+        print(line.substr(line.find('\n') + 1)), flush_printed();
       }
       const std::string name = solvers.size() > 1 ? file.name + "/" + entry->entry.name : file.name;
       if (solution) write_reaction(*solution, name + "/reaction", r);
@@ -165,10 +165,9 @@ int command_solve(const SolveOptions& o) {
   if (solution) solution->close();
   const std::string text = o.json ? json(rows) : csv(rows);
   if (!o.out.empty()) {
-    std::ofstream out(o.out);
-    if (!(out << text)) throw FileError(o.out + ": cannot be written");
+    write_whole_file(o.out, {text});
   } else if (o.json) {
-    fmt::print("{}", text);
+    print(text);
   }
   return exit_done;
 }

@@ -10,6 +10,7 @@
 #include "engine/error.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/library.h"
+#include "scenes/cli/print.h"
 #include "scenes/stop.h"
 #include "scenes/study/atlas.h"
 #include "scenes/study/bench.h"
@@ -24,7 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 
 void say(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 
 std::function<void(const std::string&)> speaker(const StudyOptions& o) {
   return o.quiet ? std::function<void(const std::string&)>([](const std::string&) {}) : say;
@@ -128,7 +128,7 @@ int command_bench(const StudyOptions& o, const BenchOptions& b) {
     require_file(scene);
     const fs::path folder = fs::temp_directory_path() / fmt::format("epafi-bench-{}", getpid());
     run_bench({scene, o.overrides, b.threads, b.repeats, folder, "/proc/self/exe"}, [&](const std::string& row) {
-      print(row), std::fflush(stdout);
+      print(row), flush_printed();
       if (!row.starts_with("#")) csv += row;
     });
     fs::remove_all(folder);

@@ -75,6 +75,15 @@ TEST_CASE("an option that does not exist, or is given no number of its kind, is 
           "output folder '/dev/null' is a file");
 }
 
+TEST_CASE("what cannot be printed is said, with the code of files", "[scenes][list]") {
+  for (const char* command : {"list", "schema", "new stack", "man"}) {
+    INFO(command);
+    const auto [code, said] = answer("(", std::string(command) + " >/dev/full)");
+    CHECK(code == 3);
+    CHECK_THAT(said, Catch::Contains("cannot write to standard output: No space left on device"));
+  }
+}
+
 TEST_CASE("an instruction set that does not exist is refused, not replaced by the widest", "[scenes][list]") {
   const auto [code, said] = answer("EPAFI_TARGET=sse2 ", "list");
   CHECK(code == 2);

@@ -29,3 +29,11 @@ TEST_CASE("writing where there is no folder is an error with path and cause", "[
                     Catch::Contains("no/a.txt") && Catch::Contains("No such file"));
   CHECK_THROWS_AS(read_whole_file(folder / "a.txt"), FileError);
 }
+
+TEST_CASE("a device is written to and stays what it is", "[viz_export]") {
+  write_whole_file("/dev/null", {"x"});
+  CHECK(std::filesystem::is_character_file("/dev/null"));
+  CHECK_FALSE(std::filesystem::exists("/dev/null.part"));
+  CHECK_THROWS_WITH(write_whole_file("/dev/full", {"x"}), Catch::Contains("/dev/full: cannot write: No space left"));
+  CHECK(std::filesystem::is_character_file("/dev/full"));
+}
