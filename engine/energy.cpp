@@ -92,6 +92,7 @@ double EnergyLedger::relative_error() const {
   // what is left of sums of large terms is rounding: a body at rest high up has no energy error
   const double rounding =
       1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + now_.elastic + now_.dissipated);
+  if (!std::isfinite(error)) return error;
   return std::abs(error) > rounding && reference > 0 ? error / reference : 0.0;
 }
 

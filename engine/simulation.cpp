@@ -56,6 +56,7 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   StageTimer timer(work.report.seconds);
   observe(last);
   timer.lap(Stage::output);
+  if (!std::isfinite(ledger.last().stored())) return tell_of_energy();
   return std::nullopt;
 }
 
@@ -160,6 +161,24 @@ std::optional<Failure> Simulation::look_at_strays() {
     leaving_.push_back(world.id[s]);
   }
   return std::nullopt;
+}
+
+/// Every velocity may be finite yet.
+Failure Simulation::tell_of_energy() {
+  if (is_ahead()) pipeline.contact_model->show(world);
+  Slot fastest = 0;
+  for (Slot s = 1; s < world.size(); ++s)
+    if (world.velocity[s].stableNorm() > world.velocity[fastest].stableNorm()) fastest = s;
+  const Vec3& v = world.velocity[fastest];
+  const Energy& e = ledger.last();
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "the energy became non-finite in step %llu: kinetic %g, potential %g, elastic %g J; the fastest is body %u "
+      "with velocity (%g, %g, %g) m/s",
+      static_cast<unsigned long long>(steps_), e.kinetic, e.potential, e.elastic,
+      static_cast<unsigned>(world.id[fastest]), v.x(), v.y(), v.z());
+  return {"non-finite state", steps_, world.id[fastest], text};
 }
 
 void Simulation::observe(bool last) {

@@ -60,6 +60,7 @@ class Simulation {
   bool nobody_looks() const;
   bool may_run_on(const Extent& seen);
   std::optional<Failure> look_at_strays();
+  Failure tell_of_energy();
   void drop_contacts();
   std::optional<Failure> watch();
   void observe(bool last);

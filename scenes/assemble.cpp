@@ -251,6 +251,19 @@ MeasureSetup Assembly::measure_setup(const MeasureSpec& spec) const {
   return setup;
 }
 
+namespace {
+/// Of the whole duration, one at least.
+std::uint64_t count_steps(const RunSettings& run, double time_step) {
+  constexpr double most = 1e15;  // counted exactly, times too
+  const double steps = std::ceil(run.duration.value / time_step * (1 - 1e-9));
+  if (!(steps <= most))
+    throw SceneError(fmt::format("[run] duration = {:g} s is {:.3g} time steps of {:g} s; at most {:g} can be counted",
+                                 run.duration.value, steps, time_step, most),
+                     run.duration.place);
+  return static_cast<std::uint64_t>(std::max(1.0, steps));
+}
+}  // namespace
+
 std::unique_ptr<Assembly> assemble(Scene scene) {
   auto a = std::make_unique<Assembly>();
   a->scene = std::move(scene);
@@ -282,8 +295,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   sim.time_step = a->time_step.value;
   if (a->plan.resting_reach < a->plan.reach) a->narrow_phase->follow_motion(sim.time_step, a->plan.resting_reach);
   sim.parts_of_step = a->time_step.parts;
-  a->steps =
-      static_cast<std::uint64_t>(std::max(1.0, std::ceil(a->scene.run.duration.value / sim.time_step * (1 - 1e-9))));
+  a->steps = count_steps(a->scene.run, sim.time_step);
   return a;
 }
 

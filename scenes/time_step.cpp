@@ -60,6 +60,9 @@ Survey survey(const Assembly& a) {
   double low = infinity, high = -infinity, fastest = 0;
   for (Slot s = 0; s < w.size(); ++s) {
     if (a.plan.rolling && is_railway(w.shape[s])) continue;  // they touch each other only: railway_step
+    if (const Vec3& v = w.velocity[s]; !std::isfinite(v.squaredNorm()))
+      throw SceneError(
+          fmt::format("{}: a speed of {:g} m/s has no finite energy", body_name(a, w.id[s]), v.stableNorm()));
     fastest = std::max(fastest, w.velocity[s].norm());
     if (!w.is_movable(s)) {
       out.held[w.material[s]] = true, ++out.held_bodies;

@@ -122,7 +122,7 @@ void curves(Page& p, const std::string& name, const std::string& title, const St
     if (moves) plot.lines.push_back(std::move(line));
   }
   if (plot.lines.empty()) return;
-  const fs::path path = p.folder / "report" / name;
+  const fs::path path = p.folder / "report.part" / name;
   p.drawn = p.drawn && draw(plot, path);
   if (!p.drawn) return;
   p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," + base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
@@ -230,11 +230,11 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
     throw FileError("no run in '" + folder.string() + "': summary.json is missing; `epafi run` writes it");
   const FlatJson summary = read_json(folder / "summary.json");
   const StoredRun run(folder / "run.h5");
-  fs::create_directories(folder / "report");
+  fs::create_directories(folder / "report.part");
   Page page{folder, summary, run};
   head(page), pictures(page), energy(page), measures(page), quality(page), stages(page), settings(page);
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
-  fs::remove_all(folder / "report");
+  fs::remove_all(folder / "report.part");
   fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>",
                             escaped(run.title()), "</title>", style, "</head><body>", page.html, "</body></html>\n"});

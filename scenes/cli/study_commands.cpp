@@ -84,7 +84,7 @@ int command_limits(const StudyOptions& o) {
     require_file(file);
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-limits");
-    if (o.force) fs::remove_all(folder);
+    if (o.force) remove_cases(folder);
     fs::create_directories(folder);
     const LimitMap map = run_limits(study, folder, o.jobs, speaker(o));
     write_whole_file(folder / "limits.csv", {limits_csv(map)});
@@ -115,7 +115,9 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
   tell(fmt::format("{} of {} cases to run", todo.size(), sweep.cases.size()));
   const bool whole = run_cases(
       scene, todo, {"/proc/self/exe", s.threads, 0.0, false}, o.jobs, [&](std::size_t k, const CaseResult& r) {
-        tell(fmt::format("case {}: {}{}{}", number[k], r.status, r.trouble.empty() ? "" : ": ", r.trouble));
+        const auto& say_it =
+            r.completed() ? tell : std::function<void(const std::string&)>(say);  // trouble in any case
+        say_it(fmt::format("case {}: {}{}{}", number[k], r.status, r.trouble.empty() ? "" : ": ", r.trouble));
         if (!r.completed()) worst = r.status == "bound_violated" && worst == exit_done ? exit_bound : exit_failed;
       });
   return whole ? worst : exit_interrupt;

@@ -25,12 +25,20 @@ std::vector<std::string> arguments(const std::string& scene, const Case& wanted,
       "epafi", "run", scene, "--quiet", "--force", "-t", std::to_string(limits.threads), "-o", wanted.folder.string()};
   if (limits.least_output) args.push_back("--least-output");
   if (limits.seconds > 0)
-    args.insert(args.end(), {"--cpu-limit", fmt::format("{}s", std::max(1.0, std::ceil(limits.seconds * limits.threads)))});
+    args.insert(args.end(),
+                {"--cpu-limit", fmt::format("{}s", std::max(1.0, std::ceil(limits.seconds * limits.threads)))});
   for (const auto& o : wanted.overrides) args.insert(args.end(), {"--set", o});
   return args;
 }
 
+/// Every case leaves its log: what has none is somebody else's.
+bool is_case(const fs::path& folder) { return fs::is_regular_file(folder / "log.txt"); }
+
 pid_t start(const std::string& scene, const Case& wanted, const CaseLimits& limits) {
+  const bool taken = fs::exists(wanted.folder) && !(fs::is_directory(wanted.folder) && fs::is_empty(wanted.folder));
+  if (taken && !is_case(wanted.folder))
+    throw FileError("'" + wanted.folder.string() +
+                    "' is in the way of a case of that name, and no case itself; name another folder with -o");
   fs::remove_all(wanted.folder);
   fs::create_directories(wanted.folder);
   const std::vector<std::string> args = arguments(scene, wanted, limits);
@@ -129,6 +137,14 @@ bool run_cases(const std::string& scene, const std::vector<Case>& cases, const C
     running.erase(at);
   }
   return whole && SignalWatch::received() == 0;  // also one that came with the end of the last case
+}
+
+void remove_cases(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> cases;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_case(entry.path())) cases.push_back(entry.path());
+  for (const fs::path& one : cases) fs::remove_all(one);
 }
 
 std::optional<CaseResult> finished_case(const Case& wanted, const std::string& scene_hash) {

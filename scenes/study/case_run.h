@@ -35,13 +35,16 @@ struct CaseResult {
   double number(const std::string& name, double otherwise) const { return summary.number(name).value_or(otherwise); }
 };
 
-/// Runs one case and waits for it. The folder is made anew.
+/// Runs one case and waits for it. The folder is made anew; FileError where it holds something else than a case.
 CaseResult run_case(const std::string& scene, const Case& wanted, const CaseLimits& limits);
 
 /// Runs all, `jobs` at a time, in order; `done(i, result)` is called as each ends, in the order of ending.
 /// Returns false where an interruption ended it early.
 bool run_cases(const std::string& scene, const std::vector<Case>& cases, const CaseLimits& limits, int jobs,
                const std::function<void(std::size_t, const CaseResult&)>& done);
+
+/// Takes the cases out of a folder, and leaves all else in it.
+void remove_cases(const std::filesystem::path& folder);
 
 /// The result of a case that was finished earlier with the same scene (hash); empty where there is none.
 std::optional<CaseResult> finished_case(const Case& wanted, const std::string& scene_hash);

@@ -182,6 +182,26 @@ TEST_CASE("a folder that a run writes into is refused to others until it has end
   CHECK(resumed().code == exit_done);
 }
 
+TEST_CASE("numbers whose steps or energies no number holds are refused", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  const fs::path scene = ball_in(folder);
+  RunOptions o;
+  o.out = (folder / "out").string(), o.threads = 1, o.quiet = true;
+  const auto refused = [&](const std::string& override) {
+    const Captured c = run_of(scene, o, {override});
+    CHECK(c.code == exit_usage);
+    return c.err;
+  };
+  CHECK_THAT(refused("run.time_step=1e-320"), Catch::Contains("[run] duration = 0.1 s is inf time steps of"));
+  CHECK_THAT(refused("run.duration=1e300"), Catch::Contains("[run] duration = 1e+300 s is 1e+303 time steps of"));
+  CHECK_THAT(refused("body.ball.velocity=[0, 0, 1e200]"),
+             Catch::Contains("ball: a speed of 1e+200 m/s has no finite energy"));
+  o.force = true;
+  const Captured c = run_of(scene, o, {"world.gravity=[1e160, 0, 0]"});
+  CHECK(c.code == exit_failed);
+  CHECK_THAT(c.err, Catch::Contains("the energy became non-finite in step") && Catch::Contains("fastest is body 1"));
+}
+
 TEST_CASE("results are exported and reported by the program", "[scenes][commands]") {
   const TemporaryFolder folder;
   RunOptions o;

@@ -1,12 +1,17 @@
 // Charts, limits and sweeps: what is read, what is refused, and that the numbers in them are those of the runs.
+#include <sys/wait.h>
+
+#include <cstdlib>
 #include <fstream>
 
+#include "scenes/cli/commands.h"
 #include "scenes/study/atlas.h"
 #include "scenes/study/atlas_page.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
 #include "scenes/study/sweep.h"
+#include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/side_file.h"
@@ -356,6 +361,36 @@ TEST_CASE("a sweep lists its cases, skips finished ones and collects a row each"
   run_cases(scene, {sweep.cases[3]}, {program, 1, 0.0, true}, 2, [](std::size_t, const CaseResult&) {});
   CHECK_THAT(list_sweep(sweep), Catch::Contains("3 completed") && Catch::Contains("0 open"));
   CHECK_THAT(collect_sweep(sweep), Catch::Contains("\n3,completed,3,nsgs,"));
+}
+
+TEST_CASE("a study removes its own cases and nothing else, and tells of trouble also when quiet", "[scenes][study]") {
+  const TemporaryFolder folder;
+  const auto text = [&](const char* name) { return read_whole_file(folder / name); };
+  const std::string scene = (folder / "scene.toml").string();
+  std::ofstream(scene) << "include = [\"" << library << "stacking/column.toml\"]\n[sweep]\n\"params.n\" = [2, 3]\n";
+  std::filesystem::create_directories(folder / "case_0001");
+  write_whole_file(folder / "case_0001" / "letters.txt", {"kept"});
+  const auto sweep = [&](const std::string& more = {}) {
+    const std::string line = program + " sweep " + scene + " -q --force -o " + folder.path().string() + more;
+    return captured([&] { return WEXITSTATUS(std::system(line.c_str())); });
+  };
+  const Captured in_the_way = sweep();
+  CHECK(in_the_way.code == exit_file);
+  CHECK_THAT(in_the_way.err, Catch::Contains("case_0001' is in the way of a case of that name"));
+  CHECK(text("case_0001/letters.txt") == "kept");
+  std::filesystem::rename(folder / "case_0001", folder / "mine");
+  CHECK(sweep().code == exit_done);
+  CHECK(std::filesystem::exists(folder / "case_0001" / "summary.json"));
+  remove_cases(folder.path());
+  CHECK_FALSE(std::filesystem::exists(folder / "case_0000"));
+  CHECK(text("mine/letters.txt") == "kept");
+  CHECK(std::filesystem::exists(scene));
+  const Captured refused = sweep(" --set contact.nonsmooth.iterations=0");
+  CHECK(refused.code != exit_done);
+  CHECK_THAT(refused.err, Catch::Contains("[contact.nonsmooth] iterations"));
+  const Captured failed = sweep(" --set 'world.gravity=[1e160, 0, 0]'");
+  CHECK(failed.code == exit_failed);
+  CHECK_THAT(failed.err, Catch::Contains("case 0: failed: ") && Catch::Contains("the energy became non-finite"));
 }
 
 TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "[scenes][study]") {
