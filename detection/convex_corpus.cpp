@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -86,6 +87,7 @@ class CorpusReader {
 }  // namespace
 
 std::vector<CorpusPair> read_corpus(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) throw FileError("there is no file '" + path + "'");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw FileError("cannot read '" + path + "'");
   return CorpusReader({std::istreambuf_iterator<char>(in), {}}, path).read();

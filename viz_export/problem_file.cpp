@@ -106,8 +106,9 @@ std::variant<GlobalForm, LocalForm> read_hdf5(const std::filesystem::path& path)
 /// Numbers of a text file, one after the other.
 class Numbers {
  public:
-  explicit Numbers(const std::filesystem::path& path) : path_(path), in_(path) {
-    if (!in_) refuse(path, "cannot be opened");
+  explicit Numbers(const std::filesystem::path& path) : path_(path) {
+    if (std::filesystem::is_regular_file(path)) in_.open(path);  // a pipe would be waited for
+    if (!in_.is_open()) refuse(path, "cannot be opened");
   }
   double next(const char* what) {
     double x = 0;

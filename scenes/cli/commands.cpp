@@ -102,6 +102,18 @@ void set_threads(int threads) {
                     thread_count()));
 }
 
+/// Files of an earlier run; beside its frames there may be others.
+void remove_results(const std::filesystem::path& folder) {
+  for (const char* name : {"run.h5", "checkpoint.h5", "measures.csv", "summary.json", "frames.pvd"})
+    std::filesystem::remove(folder / name);
+  if (!std::filesystem::is_directory(folder / "frames")) return;
+  std::vector<std::filesystem::path> frames;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "frames"))
+    if (entry.path().extension() == ".vtp") frames.push_back(entry.path());
+  for (const auto& frame : frames) std::filesystem::remove(frame);
+  if (std::filesystem::is_empty(folder / "frames")) std::filesystem::remove(folder / "frames");
+}
+
 /// What nobody caught, or what cannot travel (inside a parallel loop), ends here: a message, no abort. Checkpoints
 /// stand, they are written aside and renamed.
 [[noreturn]] void give_up() {
@@ -138,8 +150,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
     if (!options.force)
       throw SceneError("output folder '" + folder.string() +
                        "' is not empty; name another with -o or allow it with --force");
-    for (const char* name : {"run.h5", "checkpoint.h5", "measures.csv", "summary.json", "frames.pvd", "frames"})
-      std::filesystem::remove_all(folder / name);
+    remove_results(folder);
   }
   if (options.verbose) say(explain(assembly->scene, assembly->plan));
   if (!options.quiet)

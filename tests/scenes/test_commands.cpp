@@ -161,12 +161,18 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   CHECK_THAT(changed.err, Catch::Contains("has changed since the run was started"));
 }
 
-TEST_CASE("a folder that a run writes into is refused to others until it has ended", "[scenes][commands]") {
+TEST_CASE("a folder that a run writes into is refused to others until it has ended, and keeps what is not of a run",
+          "[scenes][commands]") {
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
   RunOptions o;
   o.out = (folder / "out").string(), o.threads = 1, o.steps = 40, o.quiet = o.force = true;
   REQUIRE(run_of(scene, o).code == exit_done);
+  std::ofstream(folder / "out" / "frames" / "notes.txt") << "kept";  // neither is it taken with the frames
+  std::ofstream(folder / "out" / "frames" / "bodies_999999.vtp") << "gone";
+  REQUIRE(run_of(scene, o).code == exit_done);
+  CHECK(text_of(folder / "out" / "frames" / "notes.txt") == "kept");
+  CHECK_FALSE(fs::exists(folder / "out" / "frames" / "bodies_999999.vtp"));
   const std::string before = text_of(folder / "out" / "summary.json");
   RunOptions rest;
   rest.threads = 1, rest.quiet = true;

@@ -1,12 +1,19 @@
 // What a scene file can do: fill its output folder, nothing else. Names that look like paths or commands stay names.
+#include <sys/stat.h>
+
 #include <filesystem>
+#include <fstream>
 #include <set>
 
+#include "detection/convex_corpus.h"
+#include "scenes/full_registry.h"
+#include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/charts.h"
+#include "viz_export/problem_file.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;
@@ -43,7 +50,8 @@ kind = "energy"
 
 std::set<std::string> tree(const fs::path& folder) {
   std::set<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) names.insert(fs::relative(entry.path(), folder).string());
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    names.insert(fs::relative(entry.path(), folder).string());
   return names;
 }
 
@@ -79,4 +87,26 @@ TEST_CASE("a chart's titles and file names run no command", "[scenes][security]"
   plot.lines.push_back({text, {{0, 1}, {1, 2}}, {}});
   draw(plot, folder / "it's'; system('touch TOUCHED'); '");
   for (const std::string& name : tree(folder.path())) CHECK(name != "TOUCHED");
+}
+
+TEST_CASE("pipes and devices are refused where a file is wanted, not waited for", "[scenes][security]") {
+  const TemporaryFolder folder;
+  for (const char* name : {"pipe", "pipe.dat", "pipe.csv"}) REQUIRE(::mkfifo((folder / name).c_str(), 0600) == 0);
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  CHECK_THROWS_WITH(read_corpus(path("pipe")), Catch::Contains("there is no file"));
+  CHECK_THROWS_WITH(read_corpus("/dev/zero"), Catch::Contains("there is no file '/dev/zero'"));
+  CHECK_THROWS_WITH(read_problem(path("pipe.dat")), Catch::Contains("cannot be opened"));
+  CHECK_THROWS_AS(read_problem(path("pipe")), FileError);
+  CHECK_FALSE(read_scene(path("pipe"), {}, full_registry()).scene);
+  const std::string scene = path("scene.toml");
+  for (const char* body : {"[[body]]\nshape = { mesh = { file = \"pipe\" } }\nmaterial = \"m\"\nfixed = true\n",
+                                  "[[bodies]]\nname = \"p\"\nmaterial = \"m\"\nfile = \"pipe.csv\"\n"}) {
+    std::ofstream(scene)
+        << "run = { duration = 1.0 }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.1 }\n"
+           "material.m = { density = 2500.0, youngs_modulus = 1e6, poissons_ratio = 0.3 }\n"
+        << body;
+    const ReadResult read = read_scene(scene, {}, full_registry());
+    REQUIRE(read.problems.size() == 1);
+    CHECK_THAT(read.problems[0].text, Catch::Contains("there is no file"));
+  }
 }
