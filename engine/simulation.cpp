@@ -56,8 +56,7 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   StageTimer timer(work.report.seconds);
   observe(last);
   timer.lap(Stage::output);
-  if (!std::isfinite(ledger.last().stored())) return tell_of_energy();
-  return std::nullopt;
+  return look_at_energy();
 }
 
 /// Between this step and the next one.
@@ -133,6 +132,10 @@ void Simulation::drop_contacts() {
 }
 
 std::optional<Failure> Simulation::watch() {
+  if (work.report.has_solver && std::isnan(work.report.solver.residual))
+    return Failure{"non-finite state", steps_, std::nullopt,
+                   "the solver's residual became non-finite in step " + std::to_string(steps_) +
+                       ": masses, impulses or speeds are beyond what numbers hold"};
   const Extent* seen = pipeline.contact_model->extent();
   if (seen && (is_ahead() ? seen->finite : seen->is_inside(domain))) return std::nullopt;
   if (is_ahead()) pipeline.contact_model->show(world);
@@ -163,8 +166,8 @@ std::optional<Failure> Simulation::look_at_strays() {
   return std::nullopt;
 }
 
-/// Every velocity may be finite yet.
-Failure Simulation::tell_of_energy() {
+std::optional<Failure> Simulation::look_at_energy() {
+  if (std::isfinite(ledger.last().stored())) return std::nullopt;
   if (is_ahead()) pipeline.contact_model->show(world);
   Slot fastest = 0;
   for (Slot s = 1; s < world.size(); ++s)
@@ -178,7 +181,7 @@ Failure Simulation::tell_of_energy() {
       "with velocity (%g, %g, %g) m/s",
       static_cast<unsigned long long>(steps_), e.kinetic, e.potential, e.elastic,
       static_cast<unsigned>(world.id[fastest]), v.x(), v.y(), v.z());
-  return {"non-finite state", steps_, world.id[fastest], text};
+  return Failure{"non-finite state", steps_, world.id[fastest], text};
 }
 
 void Simulation::observe(bool last) {

@@ -44,6 +44,8 @@ class Simulation {
   /// run_on: nobody but the observers looks at the bodies before the next call, which has the same time step: the
   /// contact model may do its first half at once (10 of 57 ns of a sphere in a bed).
   std::optional<Failure> advance(bool last = false, bool run_on = false);
+  /// The energy as the ledger last had it is no finite number, though every velocity may be one.
+  std::optional<Failure> look_at_energy();
   /// The last call has begun the next step: bodies are not to be looked at.
   bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
   /// Shows one observer the present state, due or not.
@@ -60,7 +62,6 @@ class Simulation {
   bool nobody_looks() const;
   bool may_run_on(const Extent& seen);
   std::optional<Failure> look_at_strays();
-  Failure tell_of_energy();
   void drop_contacts();
   std::optional<Failure> watch();
   void observe(bool last);

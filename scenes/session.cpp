@@ -197,22 +197,25 @@ bool Session::goes_on(const SessionLimits& limits, std::initializer_list<std::ui
 std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
   Simulation& sim = *assembly_->simulation;
   if (sim.steps() % keep_every == 0) files_->last_good.save([this](StateVisitor& v) { walk(v); });
-  if (const auto failure = sim.advance(sim.steps() + 1 == last_step, run_on)) {
-    trouble_ = fmt::format("{}: {}{}", failure->kind, failure->text,
-                           failure->body ? " ('" + body_name(*assembly_, *failure->body) + "')" : "");
-    const ContactSettings& contact = assembly_->scene.contact;
-    trouble_ += contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
-    lost_ = failure->kind == "lost body" ? 1 : 0;
-    if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
-    trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", sim.steps());
-    return Ending::failed;
-  }
+  if (const auto failure = sim.advance(sim.steps() + 1 == last_step, run_on)) return fail(*failure);
   if (const auto bound = monitor_->violated()) {
     trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value,
                            bound->bound, sim.world.time, sim.steps());
     return Ending::bound_violated;
   }
   return std::nullopt;
+}
+
+/// Back to the last good state.
+Ending Session::fail(const Failure& failure) {
+  trouble_ = fmt::format("{}: {}{}", failure.kind, failure.text,
+                         failure.body ? " ('" + body_name(*assembly_, *failure.body) + "')" : "");
+  const ContactSettings& contact = assembly_->scene.contact;
+  trouble_ += contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
+  lost_ = failure.kind == "lost body" ? 1 : 0;
+  if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
+  trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", assembly_->simulation->steps());
+  return Ending::failed;
 }
 
 Ending Session::run(const SessionLimits& limits, bool quiet) {
@@ -248,6 +251,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   const bool is_cut = sim.steps() < last_step && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
+  if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt) ending_ = fail(*failure), save_checkpoint_now();
   if (output_ == Output::least) {
     StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
     sim.show(last);

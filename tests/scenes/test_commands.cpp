@@ -203,9 +203,16 @@ TEST_CASE("numbers whose steps or energies no number holds are refused", "[scene
   CHECK_THAT(refused("body.ball.velocity=[0, 0, 1e200]"),
              Catch::Contains("ball: a speed of 1e+200 m/s has no finite energy"));
   o.force = true;
-  const Captured c = run_of(scene, o, {"world.gravity=[1e160, 0, 0]"});
-  CHECK(c.code == exit_failed);
-  CHECK_THAT(c.err, Catch::Contains("the energy became non-finite in step") && Catch::Contains("fastest is body 1"));
+  for (const std::optional<std::uint64_t> steps :
+       {std::optional<std::uint64_t>(), {1}}) {  // also where a run is cut off
+    o.steps = steps;
+    const Captured c = run_of(scene, o, {"world.gravity=[1e160, 0, 0]"});
+    CHECK(c.code == exit_failed);
+    CHECK_THAT(c.err, Catch::Contains("the energy became non-finite in step") && Catch::Contains("fastest is body 1"));
+  }
+  const Captured heavy = run_of(scene, o, {"material.m.density=1e300", "body.ball.position=[0, 0, 0.01]"});
+  CHECK(heavy.code == exit_failed);
+  CHECK_THAT(heavy.err, Catch::Contains("the solver's residual became non-finite in step"));
 }
 
 TEST_CASE("results are exported and reported by the program", "[scenes][commands]") {
