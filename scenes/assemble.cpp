@@ -13,6 +13,7 @@
 #include "engine/schemes/all_schemes.h"
 #include "scenes/contact_setup.h"
 #include "scenes/generators.h"
+#include "scenes/peak_memory.h"
 #include "scenes/periodic_scene.h"
 #include "scenes/railway/rolling.h"
 #include "scenes/sphere_split.h"
@@ -252,6 +253,19 @@ MeasureSetup Assembly::measure_setup(const MeasureSpec& spec) const {
 }
 
 namespace {
+/// Refuses numbers of bodies before they take what is not there.
+void require_memory(const Scene& scene, const StepPlan& plan) {
+  double bodies = static_cast<double>(scene.bodies.size());
+  for (const FillSpec& fill : scene.fills) {
+    bodies += static_cast<double>(fill.count.value_or(0));
+    const double bytes = bodies * static_cast<double>(plan.bytes_per_body + sizeof(FillBody));
+    if (const auto there = static_cast<double>(memory_there()); bytes > there)
+      throw SceneError(fmt::format("[[fill]] '{}': {:g} bodies take {:.3g} GB at least; {:.3g} GB are there", fill.name,
+                                   bodies, 1e-9 * bytes, 1e-9 * there),
+                       fill.place);
+  }
+}
+
 /// Of the whole duration, one at least.
 std::uint64_t count_steps(const RunSettings& run, double time_step) {
   constexpr double most = 1e15;  // counted exactly, times too
@@ -272,6 +286,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   std::vector<BuiltShape> shapes;
   for (std::size_t s = 0; s < a->scene.shapes.size(); ++s) shapes.push_back(builder.build(s));
   a->plan = plan(a->scene, shapes);
+  require_memory(a->scene, a->plan);
   a->simulation = std::make_unique<Simulation>(World(a->plan.columns), make_pipeline(*a), 0.0);
   Simulation& sim = *a->simulation;
   sim.world.gravity = a->scene.gravity;

@@ -120,6 +120,21 @@ sphere = { radius = 0.001 }
   CHECK(megabytes(many.substr(many.find("memory"))) > megabytes(one.substr(one.find("memory"))) + 20.0);
 }
 
+TEST_CASE("more bodies than memory holds are refused before they take it", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  for (const char* method : {"lattice", "random", "pour"}) {
+    INFO(method);
+    const std::string fill =
+        std::string("[[fill]]\nname = \"sand\"\nshape = \"drop\"\nmaterial = \"m\"\ncount = 1e12\nmethod = \"") +
+        method + "\"\nregion = { box = { min = [0, 0, 0], max = [1e3, 1e3, 1e3] } }\n" +
+        (std::string(method) == "pour" ? "rate = 1e9\n" : "") + "[shape.drop]\nsphere = { radius = 0.001 }\n";
+    const fs::path scene = ball_in(folder, fill);
+    const Captured c = captured([&] { return guarded([&] { return command_check({scene.string(), {}}); }); });
+    CHECK(c.code == exit_usage);
+    CHECK_THAT(c.err, Catch::Contains("[[fill]] 'sand': 1e+12 bodies take") && Catch::Contains("GB are there"));
+  }
+}
+
 TEST_CASE("a run ends with the code of what ended it, and goes on from there", "[scenes][commands]") {
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
