@@ -48,6 +48,13 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
 /// Of the calling thread, below thread_count(); 0 outside loops.
 inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
 
+/// f(thread) by every thread at once.
+template <class F>
+void parallel_team(const F& f) {
+#pragma omp parallel
+  f(thread_number());
+}
+
 /// One value per block, kept by the calling thread from call to call: no allocation inside a step. Not to be nested for
 /// one T.
 template <class T>

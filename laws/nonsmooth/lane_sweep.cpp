@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/parallel_order.h"
+#include "engine/parallel_stages.h"
 #include "engine/targets.h"
 #include "laws/nonsmooth/normal_rule.h"
 #include "laws/nonsmooth/solvers/pgs.h"
@@ -122,7 +123,20 @@ struct ColorTask {
 
   EPAFI_LANES void run() const {
     double* out = change;
-    for (const auto* group = begin; group != end; ++group) *out++ = update(*group);
+    for (const auto* group = begin; group != end; ++group) {
+      if (end - group > ahead) ask_for(group[ahead]);
+      *out++ = update(*group);
+    }
+  }
+
+  /// Bodies of a group soon to come, which lie all over their column: 5000 stones 28.8 for 31.5 ms a step, with two
+  /// threads 15.6 for 18.6. One to four groups ahead are the same.
+  static constexpr std::ptrdiff_t ahead = 2;
+  EPAFI_LANES void ask_for(const typename Sweep::Group& group) const {
+    for (const auto* slots : {&group.a, &group.b})
+      for (const Slot s : *slots)
+        for (std::size_t line = 0; line < sizeof(typename Sweep::Body); line += 64)
+          __builtin_prefetch(reinterpret_cast<const char*>(&bodies[s]) + line);
   }
 
   EPAFI_LANES double update(const typename Sweep::Group& group) const {
@@ -214,7 +228,9 @@ void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const 
   });
 }
 
-/// Within a colour those of most points first; pairs of a colour that runs in sequence get a group each.
+/// Four pairs of as many points, in the order of their bodies: so a thread that takes the same part of every colour
+/// meets the same bodies (5000 stones on two cores that share no second cache: 1.65 times as fast as one, 1.13 where
+/// parts went by points and to whoever came first). Pairs of a colour that runs in sequence get a group each.
 template <bool Rotates, LaneRule Rule>
 void LaneSweep<Rotates, Rule>::form_groups(const Coloring& coloring) {
   const std::size_t colors = coloring.colors();
@@ -231,8 +247,15 @@ void LaneSweep<Rotates, Rule>::form_groups(const Coloring& coloring) {
     for (std::uint32_t points = most_sorted; points >= 1; --points)
       for (const ContactGroup& pair : pairs)
         if (std::min(pair.count, most_sorted) == points) sorted.push_back(&pair);
-    for (std::size_t k = 0, g = begin_[c]; k < sorted.size(); k += each(c), ++g)
-      row_end_[g] = fill(groups_[g], std::span(sorted).subspan(k, std::min(each(c), sorted.size() - k)));
+    std::size_t g = begin_[c];
+    for (std::size_t k = 0; k < sorted.size(); k += each(c), ++g)
+      fill(groups_[g], std::span(sorted).subspan(k, std::min(each(c), sorted.size() - k)));
+    if (!coloring.in_sequence(c))
+      std::sort(groups_.begin() + static_cast<std::ptrdiff_t>(begin_[c]),
+                groups_.begin() + static_cast<std::ptrdiff_t>(g),
+                [](const Group& p, const Group& q) { return p.first[0] < q.first[0]; });
+    for (std::size_t k = begin_[c]; k < g; ++k)
+      row_end_[k] = *std::max_element(groups_[k].count.begin(), groups_[k].count.end());
   };
   parallel_for(colors, form, groups_.size() < 8 * grain ? colors : 1);
   running_sums(row_end_);
@@ -260,13 +283,13 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
   const auto some = [&](std::size_t begin, std::size_t end) {
     loop({groups_.data() + begin, groups_.data() + end, rows_.data(), bodies_.data(), change_.data() + begin, rule});
   };
-  for (std::size_t c = 0; c + 1 < begin_.size(); ++c) {
-    const std::size_t first = begin_[c], n = begin_[c + 1] - first;
-    if (has_sequence_ && c + 2 == begin_.size())
-      some(first, first + n);
-    else
-      parallel_blocks(n, grain, [&](std::size_t b, std::size_t e, std::size_t) { some(first + b, first + e); });
-  }
+  const std::size_t colors = begin_.size() - 1;
+  const auto size = [&](std::size_t c) { return begin_[c + 1] - begin_[c]; };
+  const auto piece = [&](std::size_t c) {
+    return has_sequence_ && c + 1 == colors ? std::max<std::size_t>(1, size(c)) : grain;
+  };
+  parallel_stages(colors, groups_.size() >= 8 * grain, size, piece,
+                  [&](std::size_t c, std::size_t b, std::size_t e) { some(begin_[c] + b, begin_[c] + e); });
   return block_sum<double>(change_.size(), [&](std::size_t g) { return change_[g]; });
 }
 

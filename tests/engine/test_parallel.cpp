@@ -1,4 +1,4 @@
-#include "engine/parallel.h"
+#include "engine/parallel_stages.h"
 
 #include <bit>
 #include <cmath>
@@ -63,6 +63,31 @@ TEST_CASE("a wavefront finishes each part once, after all before it are found", 
       CHECK(std::count(finished.begin(), finished.end(), 1) == static_cast<std::ptrdiff_t>(n));
       CHECK(std::count(early.begin(), early.end(), 0) == static_cast<std::ptrdiff_t>(n));
       CHECK(finder == finisher);
+    }
+  }
+}
+
+TEST_CASE("a stage begins when the one before is done, and none of its pieces is left out",
+          "[engine][parallel][threads]") {
+  const Threads restore;
+  const std::vector<std::size_t> sizes{100, 7, 0, 1000, 1, 64};
+  for (int threads : counts) {
+    set_thread_count(threads);
+    for (const bool pays : {false, true}) {
+      std::vector<std::vector<int>> visits;
+      for (std::size_t n : sizes) visits.emplace_back(n, 0);
+      std::vector<int> early(1000, 0);
+      parallel_stages(
+          sizes.size(), pays, [&](std::size_t s) { return sizes[s]; },
+          [](std::size_t s) { return s == 3 ? std::size_t{1000} : std::size_t{16}; },
+          [&](std::size_t s, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+              ++visits[s][i];
+              for (std::size_t k = 0; s > 0 && k < sizes[s - 1]; ++k) early[i] += visits[s - 1][k] != 1;
+            }
+          });
+      for (const auto& stage : visits) CHECK(std::count(stage.begin(), stage.end(), 1) == std::ssize(stage));
+      CHECK(std::count(early.begin(), early.end(), 0) == std::ssize(early));
     }
   }
 }
