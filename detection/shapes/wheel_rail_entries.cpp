@@ -75,7 +75,7 @@ Entry RailProfile::entry() {
               number("vertical", "", "m", any_number, "amplitude of both rails downwards", 0.0),
               number("cross_level", "", "m", any_number, "amplitude of the right rail below the left", 0.0),
               number("wavelength", "L", "m", positive, "of the sines")}),
-       number("drawn_length", "", "m", positive, "of the rails in pictures", 20.0)},
+       number("drawn_length", "", "m", {1e-3, 1e4}, "of the rails in pictures", 20.0)},
       {},
       ""};
 }
