@@ -132,7 +132,7 @@ void Simulation::drop_contacts() {
 }
 
 std::optional<Failure> Simulation::watch() {
-  if (work.report.has_solver && std::isnan(work.report.solver.residual))
+  if (work.report.has_solver && !std::isfinite(work.report.solver.residual))
     return Failure{"non-finite state", steps_, std::nullopt,
                    "the solver's residual became non-finite in step " + std::to_string(steps_) +
                        ": masses, impulses or speeds are beyond what numbers hold"};
