@@ -115,9 +115,8 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
   tell(fmt::format("{} of {} cases to run", todo.size(), sweep.cases.size()));
   const bool whole = run_cases(
       scene, todo, {"/proc/self/exe", s.threads, 0.0, false}, o.jobs, [&](std::size_t k, const CaseResult& r) {
-        const auto& say_it =
-            r.completed() ? tell : std::function<void(const std::string&)>(say);  // trouble in any case
-        say_it(fmt::format("case {}: {}{}{}", number[k], r.status, r.trouble.empty() ? "" : ": ", r.trouble));
+        (r.completed() ? tell : say)(  // trouble in any case
+            fmt::format("case {}: {}{}{}", number[k], r.status, r.trouble.empty() ? "" : ": ", r.trouble));
         if (!r.completed()) worst = r.status == "bound_violated" && worst == exit_done ? exit_bound : exit_failed;
       });
   return whole ? worst : exit_interrupt;
