@@ -4,9 +4,9 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
-#include <thread>
 #include <vector>
 
 #include "engine/shared_out.h"
@@ -31,20 +31,6 @@ void parallel_for(std::size_t n, const F& f, std::size_t grain = 512) {
   for (std::size_t i = 0; i < n; ++i) f(i);
 }
 
-/// f(begin, end, block) for consecutive blocks of `size` indices covering [0, n), shared out dynamically.
-template <class F>
-void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
-  const std::size_t blocks = (n + size - 1) / size;
-  const auto one = [&](std::size_t b) { f(b * size, std::min(n, (b + 1) * size), b); };
-  const SharedOut meter(blocks > 1);
-  if (blocks < 2 || thread_count() == 1) {
-    for (std::size_t b = 0; b < blocks; ++b) one(b);
-    return;
-  }
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t b = 0; b < blocks; ++b) one(b);
-}
-
 /// Of the calling thread, below thread_count(); 0 outside loops.
 inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
 
@@ -64,32 +50,43 @@ std::vector<T>& block_results(std::size_t blocks, T start) {
   return kept;
 }
 
-/// find(i) for i in [0, n), shared out in order, and finish(i) by the same thread once find(k) of all k <= i is done:
-/// for parts that leave something to later ones and are finished while they are in cache.
-template <class Find, class Finish>
-void parallel_wavefront(std::size_t n, const Find& find, const Finish& finish) {
-  const SharedOut meter(n > 1);
-  if (n < 2 || thread_count() == 1) {
-    for (std::size_t i = 0; i < n; ++i) find(i), finish(i);
-    return;
+/// Pieces [0, n) shared out over threads: each has a run of neighbours, the same in every loop over as many, so that
+/// what it wrote is near it, and helps the others when it is through.
+class Runs {
+ public:
+  explicit Runs(std::size_t n) : n_(n), runs_(std::min(next_.size(), static_cast<std::size_t>(thread_count()))) {
+    for (std::size_t p = 0; p < runs_; ++p) next_[p].piece = n * p / runs_;
   }
-  std::vector<unsigned char>& found = block_results<unsigned char>(n, 0);
-  std::atomic<std::size_t> next{0};
-#pragma omp parallel
-  {
-    std::size_t known = 0;  // all before this one are found
-    for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) {
-      find(i);
-      std::atomic_ref(found[i]).store(1, std::memory_order_release);
-      for (int looks = 0; known <= i; ++looks) {
-        if (std::atomic_ref(found[known]).load(std::memory_order_acquire))
-          ++known, looks = 0;
-        else if (looks > 1000)
-          std::this_thread::yield();  // more threads than cores
-      }
-      finish(i);
+  /// f(piece) for those the calling thread takes, each run from its beginning on.
+  template <class F>
+  void each(std::size_t thread, const F& f) {
+    for (std::size_t k = 0; k < runs_; ++k) {
+      const std::size_t p = (thread + k) % runs_, end = n_ * (p + 1) / runs_;
+      const std::atomic_ref place(next_[p].piece);
+      for (std::size_t i; (i = place.fetch_add(1, std::memory_order_relaxed)) < end;) f(i);
     }
   }
+
+ private:
+  struct alignas(64) Next {
+    std::size_t piece;
+  };
+  std::size_t n_, runs_;
+  std::array<Next, 256> next_;
+};
+
+/// f(begin, end, block) for consecutive blocks of `size` indices covering [0, n), shared out in runs.
+template <class F>
+void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
+  const std::size_t blocks = (n + size - 1) / size;
+  const auto one = [&](std::size_t b) { f(b * size, std::min(n, (b + 1) * size), b); };
+  const SharedOut meter(blocks > 1);
+  if (blocks < 2 || thread_count() == 1) {
+    for (std::size_t b = 0; b < blocks; ++b) one(b);
+    return;
+  }
+  Runs runs(blocks);
+  parallel_team([&](std::size_t thread) { runs.each(thread, one); });
 }
 
 /// Sum of f(i) over [0, n), the same bits for every thread count. T needs T{} as zero and +=.

@@ -1,5 +1,6 @@
 /// @file parallel_stages.h  Loops one after the other over the same things, where each thread keeps its part near.
 #pragma once
+#include <atomic>
 #include <span>
 
 #include "engine/parallel.h"

@@ -1,4 +1,5 @@
 #include "engine/parallel_stages.h"
+#include "engine/parallel_wavefront.h"
 
 #include <bit>
 #include <cmath>
@@ -42,28 +43,39 @@ TEST_CASE("every index is visited once, for every length and thread count", "[en
   }
 }
 
-TEST_CASE("a wavefront finishes each part once, after all before it are found", "[engine][parallel][threads]") {
+TEST_CASE("a wavefront finishes each part once, by its finder and after all its sources",
+          "[engine][parallel][threads]") {
   const Threads restore;
   for (int threads : counts) {
     set_thread_count(threads);
-    for (std::size_t n : {0u, 1u, 2u, 3u, 64u, 500u}) {
-      std::vector<int> found(n, 0), finished(n, 0), early(n, 0);
-      std::vector<std::size_t> finder(n), finisher(n);
-      parallel_wavefront(
-          n,
-          [&](std::size_t i) {
-            double work = 1.0;  // uneven, so that threads overtake each other
-            for (std::size_t k = 0; k < 2000 * (i % 5); ++k) work = std::sqrt(work + 1.0);
-            finder[i] = thread_number(), found[i] = work > 0.0;
-          },
-          [&](std::size_t i) {
-            for (std::size_t k = 0; k <= i; ++k) early[i] += found[k] != 1;
-            finisher[i] = thread_number(), ++finished[i];
-          });
-      CHECK(std::count(finished.begin(), finished.end(), 1) == static_cast<std::ptrdiff_t>(n));
-      CHECK(std::count(early.begin(), early.end(), 0) == static_cast<std::ptrdiff_t>(n));
-      CHECK(finder == finisher);
-    }
+    for (std::size_t trays : {1u, 2u, 40u})
+      for (std::size_t n : {0u, 1u, 2u, 3u, 64u, 500u}) {
+        std::vector<int> found(n, 0), finished(n, 0), early(n, 0);
+        std::vector<std::size_t> finder(n), finisher(n), tray_of(n), tray_then(n);
+        std::vector<std::vector<std::size_t>> sources(n);
+        for (std::size_t i = 0; i < n; ++i)
+          for (std::size_t back : {200u, 40u, 7u, 1u})
+            if (i >= back && (i + back) % 3 != 0) sources[i].push_back(i - back);
+        std::vector<int> busy(trays * static_cast<std::size_t>(threads), 0), taken(n, 0);
+        parallel_wavefront(
+            n, trays, [&](std::size_t i) -> const auto& { return sources[i]; },
+            [&](std::size_t i, std::size_t tray) {
+              double work = 1.0;  // uneven, so that threads overtake each other
+              for (std::size_t k = 0; k < 2000 * (i % 5); ++k) work = std::sqrt(work + 1.0);
+              taken[i] = std::exchange(busy[tray], 1), tray_of[i] = tray;
+              finder[i] = thread_number(), found[i] = work > 0.0;
+            },
+            [&](std::size_t i, std::size_t tray) {
+              for (std::size_t k : sources[i]) early[i] += found[k] != 1;
+              busy[tray] = 0, tray_then[i] = tray;
+              finisher[i] = thread_number(), ++finished[i];
+            });
+        CHECK(std::count(finished.begin(), finished.end(), 1) == static_cast<std::ptrdiff_t>(n));
+        CHECK(std::count(early.begin(), early.end(), 0) == static_cast<std::ptrdiff_t>(n));
+        CHECK(std::count(taken.begin(), taken.end(), 0) == static_cast<std::ptrdiff_t>(n));
+        CHECK(finder == finisher);
+        CHECK(tray_of == tray_then);
+      }
   }
 }
 

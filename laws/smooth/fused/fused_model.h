@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/parallel_order.h"
+#include "engine/parallel_wavefront.h"
 #include "engine/targets.h"
 #include "laws/smooth/choose_law.h"
 #include "laws/smooth/fused/body_pass.h"
@@ -92,7 +93,7 @@ class FusedModel final : public FusedSpheres {
     extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
     const auto loop = best_loop<FirstHalf>();
     parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t i) {
-      loop({pass(world, clock, begin, end, extents_[i])});
+      loop({pass(world, clock, begin, end, 0, extents_[i])});
     });
     return true;
   }
@@ -189,16 +190,18 @@ class FusedModel final : public FusedSpheres {
 
  private:
   using Task = BlockTask<Normal, Tangential, Rolling>;
+  static constexpr std::size_t most_trays = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
 
   /// Later than the velocities of the world by this are those the dampers see [s].
   double lag(const StepClock& clock) const { return damped_ ? clock.velocity_lag * clock.dt : 0.0; }
 
-  BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, Extent& extent) {
+  BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t tray,
+                Extent& extent) {
     return {world,
             blocks_.states().data(),
             blocks_.late_spins(),
-            blocks_.sums(),
-            blocks_.moments(),
+            blocks_.sums(tray),
+            blocks_.moments(tray),
             blocks_.plain(),
             touched_.empty() ? nullptr : is_touched_.data(),
             hurry_.data(),
@@ -248,12 +251,15 @@ class FusedModel final : public FusedSpheres {
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
     const SphereArrays arrays = arrays_of(world, clock.dt);
-    blocks_.set_sums(static_cast<std::size_t>(thread_count()));
-    const auto find = [&](std::size_t i) {
+    const auto threads = static_cast<std::size_t>(thread_count());
+    const std::size_t trays = threads == 1 ? 1 : std::min(most_trays, all.size() / threads + 1);
+    blocks_.set_trays(threads * trays);
+    const auto find = [&](std::size_t i, std::size_t tray) {
+      blocks_.clear_tray(tray);
       SphereArrays mine = arrays;
       const std::size_t first = i * SphereBlocks::block_size;
-      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums()) - first * sizeof(SphereSum);
-      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments()) - first * sizeof(Lanes);
+      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(tray)) - first * sizeof(SphereSum);
+      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(tray)) - first * sizeof(Lanes);
       loop({all[i], law_, wall_laws_, mine});
     };
     next_extents_.assign(onward ? all.size() : 1, Extent{});
@@ -261,22 +267,23 @@ class FusedModel final : public FusedSpheres {
     const auto second_half = best_loop<SecondHalf<false, true>>();
     const auto run_on = best_loop<SecondHalf<true, false>>();
     const auto run_on_shown = best_loop<SecondHalf<true, true>>();
-    const auto finish = [&](std::size_t i) {
-      blocks_.receive(i);
+    const auto finish = [&](std::size_t i, std::size_t tray) {
+      blocks_.receive(i, tray);
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
       if (!clock.scheme)
-        unpack_bodies(world, blocks_.states().data(), blocks_.sums(), blocks_.moments(),
+        unpack_bodies(world, blocks_.states().data(), blocks_.sums(tray), blocks_.moments(tray),
                       touched_.empty() ? nullptr : is_touched_.data(), begin, end);
       else if (!onward)
-        second_half({pass(world, clock, begin, end, extents_[i]), next_extents_[0], most_hurry_[0]});
+        second_half({pass(world, clock, begin, end, tray, extents_[i]), next_extents_[0], most_hurry_[0]});
       else if (knows_ways())
-        run_on({pass(world, clock, begin, end, extents_[i]), next_extents_[i], most_hurry_[i]});
+        run_on({pass(world, clock, begin, end, tray, extents_[i]), next_extents_[i], most_hurry_[i]});
       else
-        run_on_shown({pass(world, clock, begin, end, extents_[i]), next_extents_[i], most_hurry_[i]});
+        run_on_shown({pass(world, clock, begin, end, tray, extents_[i]), next_extents_[i], most_hurry_[i]});
     };
     // records go to later blocks only, and no block reads bodies of an earlier one
-    parallel_wavefront(all.size(), find, finish);
+    parallel_wavefront(
+        all.size(), trays, [&](std::size_t i) -> const auto& { return all[i].sources; }, find, finish);
   }
 
   /// Adds what the blocks found to the report of the generic loop.

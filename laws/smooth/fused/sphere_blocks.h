@@ -116,10 +116,11 @@ class SphereBlocks {
     std::uint8_t* touched = nullptr;   ///< by eight pairs: those that touched at the last call, one bit each
     std::uint32_t size = 0, room = 0;  ///< pairs, and how many there may be; whole eights, `pairs_ahead` among the room
     std::uint32_t record = 0;          ///< of the first pair across blocks in `records`
-    double elastic = 0.0;              ///< stored in the contacts [J]
-    double slipped = 0.0;              ///< lost by slip in the step [J]
-    double viscous = 0.0;              ///< power lost in the dampers [W]
-    Vec3 virial = Vec3::Zero();        ///< force on A times branch, by axis [N m]; in a periodic cell only
+    std::vector<std::uint32_t> sources;  ///< blocks that write records for this one, ascending
+    double elastic = 0.0;                ///< stored in the contacts [J]
+    double slipped = 0.0;                ///< lost by slip in the step [J]
+    double viscous = 0.0;                ///< power lost in the dampers [W]
+    Vec3 virial = Vec3::Zero();          ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
   };
 
@@ -131,8 +132,8 @@ class SphereBlocks {
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
-  /// Adds what other blocks found for the bodies of block i, at which this thread is.
-  void receive(std::size_t i);
+  /// Adds what other blocks found for the bodies of block i to the sums of its tray.
+  void receive(std::size_t i, std::size_t tray);
   /// Whether there is room for that many bodies.
   bool holds(std::size_t bodies) const { return states_.size() == bodies; }
 
@@ -155,18 +156,16 @@ class SphereBlocks {
   std::span<SphereState> states() { return states_; }
   /// By four bodies: laws/smooth/fused/body_pass.h may take them together.
   const std::uint8_t* plain() const { return plain_.data(); }
-  /// Every thread finishes a block before it begins another: their sums stay in cache.
-  void set_sums(std::size_t threads) {
-    sums_.resize(threads * block_size);  // all are zero between two blocks
-    moments_.resize(needs_.rolling ? sums_.size() : 0);
-  }
-  /// Of the first slot of the block that this thread is at.
-  SphereSum* sums() { return sums_.empty() ? nullptr : sums_.data() + thread_number() * block_size; }
+  /// How many sums of a block there are at once.
+  void set_trays(std::size_t trays);
+  /// Of the first slot of the block that has this tray; all zero before its first contact.
+  SphereSum* sums(std::size_t tray) { return sums_.data() + tray * block_size; }
+  void clear_tray(std::size_t tray);
   std::span<SphereSum> records() { return records_; }
   /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.
   Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
   /// Moments against rolling beside sums and records [N m].
-  Lanes* moments() { return moments_.empty() ? nullptr : moments_.data() + thread_number() * block_size; }
+  Lanes* moments(std::size_t tray) { return moments_.empty() ? nullptr : moments_.data() + tray * block_size; }
   Lanes* record_moments() { return record_moments_.data(); }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
@@ -206,6 +205,7 @@ class SphereBlocks {
   void lay_out(Block& block, Slot index, const Filling& with);
   void restore(Block& block, Slot first, std::span<const Kept> kept, const UnwrittenColumn<Load>& rolling);
   void address_records();
+  void list_sources(std::size_t block);
   void take_out(const std::vector<SpherePlane>& planes);
 
   SphereNeeds needs_;
@@ -217,9 +217,11 @@ class SphereBlocks {
   std::vector<std::uint8_t> touched_column_;
   std::vector<SpherePlane> planes_;
   UnwrittenColumn<SphereState> states_;
-  LargeColumn<SphereSum> sums_;
+  UnwrittenColumn<SphereSum> sums_;
   UnwrittenColumn<SphereSum> records_;
-  LargeColumn<Lanes> late_spins_, moments_;
+  LargeColumn<Lanes> late_spins_;
+  UnwrittenColumn<Lanes> moments_;
+  std::vector<std::uint8_t> is_clear_;  ///< by tray: its sums are zero
   UnwrittenColumn<Lanes> record_moments_;
   std::vector<std::uint8_t> plain_;
   std::vector<std::uint32_t> first_;   ///< by slot: its first partner, those of the next slot follow
