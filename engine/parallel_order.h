@@ -16,6 +16,13 @@ void parallel_fill(Column& column, std::size_t n, const typename Column::value_t
       n, [&](std::size_t i) { column[i] = value; }, 4096);
 }
 
+template <class Column>
+void parallel_copy(const Column& from, Column& to) {
+  to.resize(from.size());
+  parallel_for(
+      from.size(), [&](std::size_t i) { to[i] = from[i]; }, 4096);
+}
+
 /// v[k] becomes v[0] + ... + v[k].
 inline void running_sums(std::span<std::uint32_t> v) {
   constexpr std::size_t size = 16384;

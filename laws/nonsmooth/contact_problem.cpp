@@ -39,7 +39,7 @@ Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
 void ContactProblem::load_bodies(const World& world, double dt) {
   rotates = world.rotates();
   const std::size_t n = world.size();
-  inverse_mass = world.inverse_mass;
+  parallel_copy(world.inverse_mass, inverse_mass);
   free.linear.resize(n), free.angular.resize(rotates ? n : 0), inverse_inertia.resize(rotates ? n : 0);
   parallel_for(n, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
@@ -58,7 +58,7 @@ void ContactProblem::load_bodies(const World& world, double dt) {
 
 void ContactProblem::load_contacts(const World& world, const ContactSet& contacts) {
   const std::size_t n = contacts.size();
-  a = contacts.a, b = contacts.b;
+  parallel_copy(contacts.a, a), parallel_copy(contacts.b, b);
   frame.resize(n), diagonal.resize(n), arm_a.resize(rotates ? n : 0), arm_b.resize(rotates ? n : 0);
   parallel_fill(friction, n, 0.0), parallel_fill(offset, n, 0.0), lag.clear();
   parallel_for(n, [&](std::size_t i) {

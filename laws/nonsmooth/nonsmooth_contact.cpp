@@ -75,7 +75,7 @@ class NonsmoothContact final : public ContactModel {
 void NonsmoothContact::load(const World& world, const ContactSet& contacts, double dt) {
   problem_.load_bodies(world, dt);
   problem_.load_contacts(world, contacts);
-  before_.linear = world.velocity, before_.angular = world.angular_velocity;
+  parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
   u_before_.resize(contacts.size()), restitution_.resize(contacts.size());
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   parallel_for(contacts.size(), [&](std::size_t i) {
@@ -143,7 +143,7 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
   if (good > 0.0) {
     foresee(contacts, dt);
     report.residual = measure_residual(problem_, r_, u_, rho_).value;
-    start_ = r_, u_start_ = u_after_;
+    parallel_copy(r_, start_), parallel_copy(u_after_, u_start_);
   }
   start_residual_ = report.residual;
   solved_ = start_residual_ > good;
@@ -186,7 +186,7 @@ const Impulses& NonsmoothContact::calmest(double creep) {
     if (!solved_ && !open && u_[i].norm() < creep) u_start_[i] += u_[i];
   });
   if (!calm) return start_;
-  calmed_ = start_;
+  parallel_copy(start_, calmed_);
   solver_->calm(u_start_, calmed_);
   if (solved_) problem_.velocities(start_, calmed_velocities_);
   const double before = foreseen_residual(start_, solved_ ? calmed_velocities_ : after_);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 #include "engine/registry.h"
 #include "laws/nonsmooth/displacement.h"
 
@@ -31,9 +31,9 @@ bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<do
 
 template <class S>
 double PositionCorrection::move(S& sweep, const ContactProblem& problem, World& world) {
-  nothing_.assign(problem.size(), Vec3::Zero());
-  moved_.linear.assign(world.size(), Vec3::Zero());
-  moved_.angular.assign(problem.free.angular.size(), Vec3::Zero());
+  const Vec3 zero = Vec3::Zero();
+  parallel_fill(nothing_, problem.size(), zero), parallel_fill(moved_.linear, world.size(), zero);
+  parallel_fill(moved_.angular, problem.free.angular.size(), zero);
   coloring_.update(problem);
   sweep.load(problem, demand_, {}, coloring_, nothing_, moved_);
   double total = 0.0;  // sum of squared impulses so far: the last change is measured against it

@@ -91,15 +91,13 @@ class GaussSeidel final : public ContactSolver {
   static constexpr double rounding = 1e-15;  // of ||r||: a change of a few ulp of most impulses is noise
 
   static double norm(const Impulses& r) {
-    double sum = 0.0;
-    for (const Vec3& x : r) sum += x.squaredNorm();
-    return std::sqrt(sum);
+    return std::sqrt(block_sum<double>(r.size(), [&](std::size_t i) { return r[i].squaredNorm(); }));
   }
 
   /// rho ||q||, or rho where q = 0.
   double cheap_scale(const ContactProblem& problem, double rho) const {
-    double q2 = 0.0;
-    for (std::size_t i = 0; i < problem.size(); ++i) q2 += problem.free_relative_velocity(i).squaredNorm();
+    const double q2 = block_sum<double>(
+        problem.size(), [&](std::size_t i) { return problem.free_relative_velocity(i).squaredNorm(); });
     return rho * (q2 > 0.0 ? std::sqrt(q2) : 1.0);
   }
 

@@ -21,37 +21,74 @@ std::uint32_t opposite_image(std::uint32_t image) {
 
 namespace {
 
-/// Appends pairs of one run to a block.
-class RunWriter {
+/// Springs of the contacts of a block that touch, by run and in the order of the pairs.
+class Carried {
  public:
-  explicit RunWriter(SphereBlocks::Block& block) : block_(block) { block.runs.clear(), block.size = 0; }
-  void open(std::int32_t plane, bool across) { block_.runs.push_back({block_.size, block_.size, plane, across}); }
-  void add(Slot a, Slot b, std::uint32_t image) {
-    ++block_.runs.back().end;
-    put({SpherePlace(a), SpherePlace(b)});
-    if (block_.images == nullptr) return;
-    const auto step = [&](int k) { return static_cast<double>(image_step(image >> k)); };
-    block_.images[block_.size - 1] = {Lanes{step(0), step(2), step(4), 0.0}, image >> 8};
+  using Block = SphereBlocks::Block;
+
+  /// planes: those of the block's layout.
+  void take(const Block& block, const std::vector<SpherePlane>& planes) {
+    runs_.clear(), pairs_.clear(), keys_.clear(), springs_.clear(), rolling_.clear();
+    for (const SphereBlocks::Run& run : block.runs) {
+      runs_.push_back({pairs_.size(), pairs_.size(), plane_slot(run, planes), run.across});
+      SphereBlocks::each_touching(block, run, [&](std::uint32_t k) {
+        pairs_.push_back(block.pairs[k]), springs_.push_back(block.springs[k]);
+        keys_.push_back(block.images != nullptr ? block.images[k].key : 0u);
+        if (block.rolling != nullptr) rolling_.push_back(block.rolling[k]);
+      });
+      runs_.back().end = pairs_.size();
+    }
   }
-  void close() {
-    if (block_.runs.back().begin == block_.runs.back().end) return block_.runs.pop_back();
-    while (block_.size % SphereBlocks::pairs_per_byte != 0) {
-      put(block_.pairs[block_.size - 1]);
-      if (block_.images != nullptr) block_.images[block_.size - 1] = block_.images[block_.size - 2];
+  /// To the same pairs of the next layout, which has them in the same order.
+  void give(Block& block, const std::vector<SpherePlane>& planes) const {
+    for (const SphereBlocks::Run& run : block.runs) {
+      const Slot plane = plane_slot(run, planes);
+      for (const Run& old : runs_)
+        if (old.plane == plane && old.across == run.across) give(block, run, old);
     }
   }
 
  private:
-  SphereBlocks::Block& block_;
-  void put(SpherePlaces pair) { block_.pairs[block_.size++] = pair; }
+  struct Run {
+    std::size_t begin, end;
+    Slot plane;
+    bool across;
+  };
+  static Slot plane_slot(const SphereBlocks::Run& run, const std::vector<SpherePlane>& planes) {
+    return run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : no_slot;
+  }
+  void give(Block& block, const SphereBlocks::Run& run, const Run& old) const {
+    const auto order = [](SpherePlaces p, std::uint32_t key) { return std::tuple(p.a.offset, p.b.offset, key); };
+    std::size_t at = old.begin;
+    for (std::uint32_t k = run.begin; k < run.end && at < old.end; ++k) {
+      const auto now = order(block.pairs[k], block.images != nullptr ? block.images[k].key : 0u);
+      while (at < old.end && order(pairs_[at], keys_[at]) < now) ++at;
+      if (at == old.end || order(pairs_[at], keys_[at]) != now) continue;
+      block.springs[k] = springs_[at];
+      if (block.rolling != nullptr) block.rolling[k] = rolling_[at];
+      block.touched[k / SphereBlocks::pairs_per_byte] |=
+          static_cast<std::uint8_t>(1u << (k % SphereBlocks::pairs_per_byte));
+    }
+  }
+
+  std::vector<Run> runs_;
+  std::vector<SpherePlaces> pairs_;
+  std::vector<std::uint32_t> keys_;
+  std::vector<SphereSpring> springs_, rolling_;
 };
+
+SphereImage image_of(std::uint32_t image) {
+  const auto step = [&](int k) { return static_cast<double>(image_step(image >> k)); };
+  return {Lanes{step(0), step(2), step(4), 0.0}, image >> 8};
+}
 
 /// Bytes of springs on their way above which they are not held in the columns as well.
 constexpr std::size_t most_twice = std::size_t{8} << 20;
 
-/// Room for `size`, and little more when it must grow: columns that double waste as much as they hold.
+/// Empty, with room for `size`, and little more when it must grow: columns that double waste as much as they hold.
 template <class Column>
 void make_room(Column& column, std::size_t size) {
+  column.clear();
   if (size > column.capacity()) column.reserve(size + size / 16);
 }
 
@@ -96,21 +133,13 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const auto renew = [&](std::size_t i, std::size_t = 0, std::size_t = 0) {
     const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
     copy_constants(world, list.radius, first, last);
-    thread_local KeptSprings own;
-    std::span<const Kept> kept;
-    if (goes_on) {
-      own.springs.clear(), own.rolling.clear();
-      springs_of(blocks_[i], before, [&](Kept spring, const Load& rolling) {
-        if (needs_.rolling)
-          spring.rolling = static_cast<std::uint32_t>(own.rolling.size()), own.rolling.push_back(rolling);
-        own.springs.push_back(spring);
-      });
-      kept = own.springs;
-    } else {
-      kept = std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]);
-    }
+    thread_local Carried carried;
+    if (goes_on && needs_.friction) carried.take(blocks_[i], before);
     lay_out(blocks_[i], static_cast<Slot>(i), with);
-    if (needs_.friction) restore(blocks_[i], static_cast<Slot>(first), kept, goes_on ? own.rolling : kept_.rolling);
+    if (!needs_.friction) return;
+    if (goes_on) return carried.give(blocks_[i], planes_);
+    restore(blocks_[i], static_cast<Slot>(first),
+            std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
   if (many && !goes_on)
     by_pieces(count, renew, [&](std::size_t begin, std::size_t end) {
@@ -190,22 +219,37 @@ void SphereBlocks::make_rooms(const Filling& with) {
   }
 }
 
+/// Pairs go to their runs in the order of their bodies; runs are filled up to whole eights.
 void SphereBlocks::lay_out(Block& block, Slot index, const Filling& with) {
   const std::size_t begin = index * block_size, end = std::min(states_.size(), begin + block_size);
-  RunWriter writer(block);
-  const auto add = [&](const auto& belongs) {
-    for (std::size_t s = begin; s < end; ++s)
-      for (std::uint32_t k = first_[s]; k < first_[s + 1]; ++k)
-        if (belongs(partners_[k].b)) writer.add(static_cast<Slot>(s), partners_[k].b, partners_[k].image);
-    writer.close();
-  };
-  for (std::size_t plane = 0; plane < planes_.size(); ++plane) {
-    writer.open(static_cast<std::int32_t>(plane), false);
-    add([slot = planes_[plane].slot](Slot b) { return b == slot; });
+  const std::size_t inside = planes_.size(), across = inside + 1;
+  thread_local std::vector<std::uint32_t> run_of, place;
+  run_of.resize(first_[end] - first_[begin]), place.assign(across + 1, 0);
+  for (std::uint32_t k = first_[begin]; k < first_[end]; ++k) {
+    const Slot b = partners_[k].b;
+    const std::int32_t plane = with.list.plane_of[b];
+    const std::size_t run = plane >= 0 ? static_cast<std::size_t>(plane) : b / block_size == index ? inside : across;
+    run_of[k - first_[begin]] = static_cast<std::uint32_t>(run), ++place[run];
   }
-  for (const bool across : {false, true}) {
-    writer.open(-1, across);
-    add([&](Slot b) { return with.list.plane_of[b] < 0 && (b / block_size != index) == across; });
+  block.runs.clear(), block.size = 0;
+  for (std::size_t run = 0; run <= across; ++run) {
+    const std::uint32_t pairs = std::exchange(place[run], block.size);
+    if (pairs == 0) continue;
+    const std::int32_t plane = run < inside ? static_cast<std::int32_t>(run) : -1;
+    block.runs.push_back({block.size, block.size + pairs, plane, run == across});
+    block.size += (pairs + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
+  }
+  for (std::size_t s = begin; s < end; ++s)
+    for (std::uint32_t k = first_[s]; k < first_[s + 1]; ++k) {
+      const std::uint32_t at = place[run_of[k - first_[begin]]]++;
+      block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(partners_[k].b)};
+      if (block.images != nullptr) block.images[at] = image_of(partners_[k].image);
+    }
+  for (std::size_t r = 0; r < block.runs.size(); ++r) {
+    const std::uint32_t last = block.runs[r].end,
+                        next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
+    std::fill(block.pairs + last, block.pairs + next, block.pairs[last - 1]);
+    if (block.images != nullptr) std::fill(block.images + last, block.images + next, block.images[last - 1]);
   }
   if (needs_.friction) std::fill_n(block.springs, block.size, SphereSpring{});
   if (needs_.rolling) {
@@ -280,7 +324,7 @@ void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>
 }
 
 /// kept: springs of a block whose first slot is `first`.
-void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept, const UnwrittenColumn<Load>& rolling) {
+void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept) {
   std::array<std::uint32_t, block_size + 2> begin{};
   for (const Kept& s : kept) ++begin[s.a - first + 2];
   for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
@@ -299,7 +343,7 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept,
       const double* load = (*at)->load;
       block.springs[k].load = Lanes{load[0], load[1], load[2], load[3]};
       if (needs_.rolling) {
-        const Load& moment = rolling[(*at)->rolling];
+        const Load& moment = kept_.rolling[(*at)->rolling];
         block.rolling[k].load = Lanes{moment[0], moment[1], moment[2], moment[3]};
       }
       block.touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
@@ -340,6 +384,18 @@ void SphereBlocks::group_kept(std::size_t count) {
   if (grouped_ && kept_begin_.size() == count + 1) return;
   UnwrittenColumn<Kept>& kept = kept_.springs;
   kept_begin_.assign(count + 1, 0);
+  const auto block = [](const Kept& s) { return s.a / block_size; };
+  const bool in_order = block_max<char>(std::max(kept.size(), std::size_t{1}) - 1, 0, [&](std::size_t k) {
+                          return static_cast<char>(block(kept[k]) > block(kept[k + 1]));
+                        }) == 0;
+  if (in_order)  // as they were taken out, unless bodies went to other slots
+    return parallel_for(
+        count + 1,
+        [&](std::size_t i) {
+          const auto at = std::ranges::lower_bound(kept, i, {}, block);
+          kept_begin_[i] = static_cast<std::uint32_t>(at - kept.begin());
+        },
+        1);
   for (const Kept& s : kept) ++kept_begin_[s.a / block_size + 1];
   for (std::size_t i = 0; i < count; ++i) kept_begin_[i + 1] += kept_begin_[i];
   std::vector<std::uint32_t> next(kept_begin_.begin(), kept_begin_.end() - 1);

@@ -144,9 +144,12 @@ class SphereBlocks {
   }
   template <class F>
   static void each_touching(const Block& block, const F& f) {
-    for (const Run& run : block.runs)
-      for (std::uint32_t k = run.begin; k < run.end; ++k)
-        if (block.touched[k / pairs_per_byte] >> (k % pairs_per_byte) & 1u) f(run, k);
+    for (const Run& run : block.runs) each_touching(block, run, [&](std::uint32_t k) { f(run, k); });
+  }
+  template <class F>
+  static void each_touching(const Block& block, const Run& run, const F& f) {
+    for (std::uint32_t k = run.begin; k < run.end; ++k)
+      if (block.touched[k / pairs_per_byte] >> (k % pairs_per_byte) & 1u) f(k);
   }
 
   std::vector<Block>& blocks() { return blocks_; }
@@ -203,7 +206,7 @@ class SphereBlocks {
   void group_kept(std::size_t count);
   void copy_constants(const World& world, std::span<const double> radius, std::size_t begin, std::size_t end);
   void lay_out(Block& block, Slot index, const Filling& with);
-  void restore(Block& block, Slot first, std::span<const Kept> kept, const UnwrittenColumn<Load>& rolling);
+  void restore(Block& block, Slot first, std::span<const Kept> kept);
   void address_records();
   void list_sources(std::size_t block);
   void take_out(const std::vector<SpherePlane>& planes);
