@@ -48,11 +48,12 @@ void gather_forces(const ContactSet& contacts, const Incidence& incidence, std::
 }
 
 void bodies_of(const ContactSet& contacts, const Incidence& incidence, std::vector<Slot>& bodies) {
-  bodies.clear();
-  for (std::uint32_t k = 0; k < contacts.size(); ++k) {
-    if (incidence.is_first(contacts.a[k], k)) bodies.push_back(contacts.a[k]);
-    if (incidence.is_first_as_b(contacts.b[k], k)) bodies.push_back(contacts.b[k]);
-  }
+  const auto side = [&](std::size_t i) { return i % 2 == 0 ? contacts.a[i / 2] : contacts.b[i / 2]; };
+  const auto is_first = [&](std::size_t i) {
+    const auto k = static_cast<std::uint32_t>(i / 2);
+    return i % 2 == 0 ? incidence.is_first(side(i), k) : incidence.is_first_as_b(side(i), k);
+  };
+  parallel_select(2 * contacts.size(), is_first, side, bodies);
 }
 
 }  // namespace epafi

@@ -65,23 +65,19 @@ bool Simulation::nobody_looks() const {
   return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
 }
 
-/// Bodies that are taken out when they leave the domain are noted now, before they go on.
-bool Simulation::may_run_on(const Extent& seen) {
-  const bool takes_out = steps_ % outlet_interval == 0;
-  if (seen.is_inside(domain)) return leaving_.empty() || !takes_out;
-  if (!seen.finite || domain->outside == Domain::Outside::error) return false;
-  pipeline.contact_model->show(world);
-  if (look_at_strays()) return false;
-  return !takes_out;
+/// The domain as this step sees it: none between two looks for bodies to be taken out, whoever looks meanwhile.
+const std::optional<Domain>& Simulation::watched() const {
+  static const std::optional<Domain> none;
+  return domain && domain->outside == Domain::Outside::remove && steps_ % outlet_interval() != 0 ? none : domain;
 }
 
 std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {
-  const std::size_t before = world.size(), strays = leaving_.size();
+  const std::size_t before = world.size();
   for (auto& event : events) event->before_step(world, dt, leaving_);
   if (world.size() > before) welcome(before);
-  if (leaving_.size() > strays || (strays > 0 && (steps_ - 1) % outlet_interval == 0)) take_out();
+  if (!leaving_.empty()) take_out();
   if (sort) sort_bodies();
-  const std::function<bool(const Extent&)> agree = [this](const Extent& seen) { return may_run_on(seen); };
+  const std::function<bool(const Extent&)> agree = [this](const Extent& seen) { return seen.is_inside(watched()); };
   step(world, pipeline, work, dt, run_on ? &agree : nullptr);
   ledger.add(work.report);
   return watch();
@@ -137,13 +133,13 @@ std::optional<Failure> Simulation::watch() {
                    "the solver's residual became non-finite in step " + std::to_string(steps_) +
                        ": masses, impulses or speeds are beyond what numbers hold"};
   const Extent* seen = pipeline.contact_model->extent();
-  if (seen && (is_ahead() ? seen->finite : seen->is_inside(domain))) return std::nullopt;
+  if (seen && (is_ahead() ? seen->finite : seen->is_inside(watched()))) return std::nullopt;
   if (is_ahead()) pipeline.contact_model->show(world);
   return look_at_strays();
 }
 
 std::optional<Failure> Simulation::look_at_strays() {
-  const auto strays = find_strays(world, domain);
+  const auto strays = find_strays(world, watched());
   for (Slot s : strays) {
     const Vec3 &x = world.position[s], &v = world.velocity[s];
     char text[256];

@@ -29,9 +29,10 @@ class Simulation {
   std::function<int(const World&)> parts_of_step;
   std::uint64_t sort_interval =
       1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
-  /// Steps between removals of the bodies that left a domain with `outside = "delete"`: each one lays all columns,
-  /// pairs and springs out anew, which costs as much as four steps of 20 000 spheres.
-  std::uint64_t outlet_interval = 20;
+  /// Steps between looks for bodies outside a domain with `outside = "delete"`, which are taken out then: that lays all
+  /// columns, pairs and springs out anew, as much work as ten steps of 20 000 spheres (20 for 100: half as long again
+  /// in a hopper that flows). The steps of impulses are a hundred times as long as those of forces.
+  std::uint64_t outlet_interval() const { return pipeline.scheme->needs_initial_forces() ? 100 : 20; }
 
   std::uint64_t steps() const { return steps_; }
   /// Evaluations of the forces: more than steps where a time step is divided.
@@ -60,7 +61,7 @@ class Simulation {
   void welcome(std::size_t before);
   std::optional<Failure> make_step(double dt, bool sort, bool run_on);
   bool nobody_looks() const;
-  bool may_run_on(const Extent& seen);
+  const std::optional<Domain>& watched() const;
   std::optional<Failure> look_at_strays();
   void drop_contacts();
   std::optional<Failure> watch();
@@ -72,7 +73,7 @@ class Simulation {
   std::uint64_t removed_ = 0;
   std::size_t movable_ = 0;       ///< free bodies
   std::uint64_t parts_made_ = 0;  ///< of all time steps
-  std::vector<BodyId> leaving_;   ///< left the domain since the last removal; observers see them until then
+  std::vector<BodyId> leaving_;   ///< to be taken out before the next step; observers see them until then
 };
 
 }  // namespace epafi

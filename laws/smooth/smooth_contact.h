@@ -38,8 +38,8 @@ struct SmoothSums {
 /// Change of the velocities between the middle of the step and the detection, by slot.
 struct VelocityChange {
   std::vector<Vec3> linear, angular;
-  /// lag dt times the stored acceleration, of the bodies of contacts.
-  void predict(const World& world, const ContactSet& contacts, double time);
+  /// time: lag dt, by which the stored acceleration is taken; some: of these bodies; null: of all.
+  void predict(const World& world, const std::vector<Slot>* some, double time);
 };
 
 /// What the parts remember of one contact; parts without memory take no room.
@@ -125,7 +125,12 @@ class SmoothContact final : public ContactModel {
     contacts.with_moment = rolls;
     if (rolls) contacts.moment.resize(contacts.size());
     const double lag = damped_ ? clock.velocity_lag * clock.dt : 0.0;
-    if (lag > 0.0) change_.predict(world, contacts, lag);
+    incidence_.build(contacts, world.size());
+    std::vector<Slot>* const some = clock.touched                        ? clock.touched
+                                    : 4 * contacts.size() < world.size() ? &some_
+                                                                         : nullptr;
+    if (some) bodies_of(contacts, incidence_, *some);
+    if (lag > 0.0) change_.predict(world, some, lag);
     if constexpr (remembers) memory_.advance(contacts);
     EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
     SmoothSums sums;
@@ -136,13 +141,10 @@ class SmoothContact final : public ContactModel {
                              : run<false>(world, contacts, clock.dt, lag > 0.0);
     if constexpr (remembers)
       if (clock.dt == 0.0) memory_.keep();
-    incidence_.build(contacts, world.size());
-    if (clock.touched) {
-      bodies_of(contacts, incidence_, *clock.touched);
-      gather_forces(contacts, incidence_, *clock.touched, world);
-    } else {
+    if (clock.touched)
+      gather_forces(contacts, incidence_, *some, world);
+    else
       gather_forces(contacts, incidence_, world);
-    }
     if (world.cell) world.cell->virial = sums.virial;
     record(sums, contacts, clock.dt, report);
   }
@@ -371,6 +373,7 @@ class SmoothContact final : public ContactModel {
   VelocityChange change_;
   RecordMemory<Record> memory_;
   Incidence incidence_;
+  std::vector<Slot> some_;  ///< bodies of few contacts
   std::vector<SmoothSums> blocks_;
   SmoothSums before_;  ///< of the last call
 };

@@ -51,7 +51,7 @@ TableSchema world_table() {
   std::vector<Field> domain{
       required("min", "", "m", Kind::vec3, {}, "lower corner"),
       required("max", "", "m", Kind::vec3, {}, "upper corner"),
-      with_default(word("outside", "what leaving it does", {"error", "delete"}), Value(std::string("error"))),
+      with_default(word("outside", "what leaving it does; to delete, every 100th step looks (20th with impulses)", {"error", "delete"}), Value(std::string("error"))),
       axes,
       optional("strain_rate", "", "1/s", Kind::vec3, {}, "of the periodic axes, extension positive"),
       optional("pressure", "p", "Pa", Kind::number, positive, "the periodic axes strain towards this contact stress"),

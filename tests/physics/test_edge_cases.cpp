@@ -83,6 +83,10 @@ TEST_CASE("a body that leaves the domain is reported with id, step and place, or
                  Catch::Contains("body 1 left the domain in step 100 "));  // 1 mm at 10 um a step, to rounding
   CHECK_THAT(lost.failure, Catch::Contains("at (0, 0, 0.101"));
   SceneRun taken = start_text(run_table + world("delete") + rest);
+  taken.advance_to(200);  // the look is at every 100th step
+  CHECK(taken.simulation().bodies_removed() == 0);
+  taken.advance_to(201);
+  CHECK(taken.simulation().bodies_removed() == 1);
   taken.advance_to(0);
   CHECK(taken.failure.empty());
   CHECK(taken.simulation().bodies_removed() == 1);

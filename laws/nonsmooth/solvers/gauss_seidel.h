@@ -96,8 +96,8 @@ class GaussSeidel final : public ContactSolver {
 
   /// rho ||q||, or rho where q = 0.
   double cheap_scale(const ContactProblem& problem, double rho) const {
-    const double q2 = block_sum<double>(
-        problem.size(), [&](std::size_t i) { return problem.free_relative_velocity(i).squaredNorm(); });
+    const double q2 = block_sum<double>(problem.size(),
+                                        [&](std::size_t i) { return problem.free_relative_velocity(i).squaredNorm(); });
     return rho * (q2 > 0.0 ? std::sqrt(q2) : 1.0);
   }
 
