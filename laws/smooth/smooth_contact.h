@@ -126,9 +126,8 @@ class SmoothContact final : public ContactModel {
     if (rolls) contacts.moment.resize(contacts.size());
     const double lag = damped_ ? clock.velocity_lag * clock.dt : 0.0;
     incidence_.build(contacts, world.size());
-    std::vector<Slot>* const some = clock.touched                        ? clock.touched
-                                    : 4 * contacts.size() < world.size() ? &some_
-                                                                         : nullptr;
+    std::vector<Slot>* some = clock.touched;
+    if (!some && lag > 0.0 && 4 * contacts.size() < world.size()) some = &some_;
     if (some) bodies_of(contacts, incidence_, *some);
     if (lag > 0.0) change_.predict(world, some, lag);
     if constexpr (remembers) memory_.advance(contacts);

@@ -84,6 +84,8 @@ SphereImage image_of(std::uint32_t image) {
 
 /// Bytes of springs on their way above which they are not held in the columns as well.
 constexpr std::size_t most_twice = std::size_t{8} << 20;
+/// Blocks after which the pages of what is on its way are given back.
+constexpr std::size_t given_back = 64;
 
 /// Empty, with room for `size`, and little more when it must grow: columns that double waste as much as they hold.
 template <class Column>
@@ -92,12 +94,13 @@ void make_room(Column& column, std::size_t size) {
   if (size > column.capacity()) column.reserve(size + size / 16);
 }
 
-/// f(i) for i in [0, count) by all threads, and after every 64 of them gone(begin, end) by this one: threads that give
-/// pages of one column back wait for each other (100 000 spheres, two threads: 39 ms to take them out and in, now 24).
+/// f(i) for i in [0, count) by all threads, and after every `piece` of them gone(begin, end) by this one: threads that
+/// give pages of one column back wait for each other (100 000 spheres, two threads: 39 ms to take them out and in, now
+/// 25).
 template <class F, class Gone>
-void by_pieces(std::size_t count, const F& f, const Gone& gone) {
+void by_pieces(std::size_t count, std::size_t piece, const F& f, const Gone& gone) {
   for (std::size_t begin = 0, end; begin < count; begin = end) {
-    end = std::min(count, begin + 64);
+    end = std::min(count, begin + piece);
     parallel_blocks(end - begin, 1, [&](std::size_t k, std::size_t, std::size_t) { f(begin + k); });
     gone(begin, end);
   }
@@ -130,7 +133,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   if (!goes_on) take_out(before), group_kept(count);
   if (blocks_.size() != count || !fits) blocks_.resize(count), make_rooms(with);
   const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
-  const auto renew = [&](std::size_t i, std::size_t = 0, std::size_t = 0) {
+  const auto renew = [&](std::size_t i) {
     const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
     copy_constants(world, list.radius, first, last);
     thread_local Carried carried;
@@ -141,12 +144,9 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     restore(blocks_[i], static_cast<Slot>(first),
             std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
-  if (many && !goes_on)
-    by_pieces(count, renew, [&](std::size_t begin, std::size_t end) {
-      give_back_pages(kept_.springs.data() + kept_begin_[begin], kept_.springs.data() + kept_begin_[end]);
-    });
-  else
-    parallel_blocks(count, 1, renew);
+  by_pieces(count, many ? given_back : count, renew, [&](std::size_t begin, std::size_t end) {
+    if (many) give_back_pages(kept_.springs.data() + kept_begin_[begin], kept_.springs.data() + kept_begin_[end]);
+  });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
 }
@@ -362,7 +362,7 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   const std::size_t touching = kept_begin_.back();
   kept_.springs.resize(touching), kept_.rolling.resize(needs_.rolling ? touching : 0);
   const bool many = touching * sizeof(Kept) > most_twice;
-  const auto take = [&](std::size_t i, std::size_t = 0, std::size_t = 0) {
+  const auto take = [&](std::size_t i) {
     std::uint32_t at = kept_begin_[i];
     springs_of(blocks_[i], planes, [&](Kept spring, const Load& rolling) {
       if (needs_.rolling) spring.rolling = at, kept_.rolling[at] = rolling;
@@ -371,10 +371,10 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
     blocks_[i].runs.clear();
   };
   laid_out_ = false, grouped_ = true;
-  if (!many) return parallel_blocks(blocks_.size(), 1, take);
-  by_pieces(blocks_.size(), take, [&](std::size_t begin, std::size_t end) {
-    give_back_pages(blocks_[begin].springs, blocks_[end - 1].springs + blocks_[end - 1].room);
+  by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t begin, std::size_t end) {
+    if (many) give_back_pages(blocks_[begin].springs, blocks_[end - 1].springs + blocks_[end - 1].room);
   });
+  if (!many) return;
   blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(rolling_column_), let_go(load_column_),
       let_go(image_column_);
 }
