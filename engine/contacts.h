@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "engine/large_column.h"
 #include "engine/state_visitor.h"
 #include "engine/world.h"
 
@@ -18,12 +19,14 @@ struct Pair {
   auto operator<=>(const Pair&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 sees the 0 of <=>
 };
 
+using PairColumn = UnwrittenColumn<Pair>;
+
 /// Sorted candidate pairs, kept while no body has moved beyond the margin.
 struct PairList {
-  std::vector<Pair> pairs;
+  PairColumn pairs;
   double margin =
       0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
-  std::uint64_t generation = 0;  ///< grows when the list changes: whoever derives data from it derives it again
+  std::uint64_t generation = 0;   ///< grows when the list changes: whoever derives data from it derives it again
   std::vector<double> margins{};  ///< by slot, each body's own in the place of `margin` [m]; empty: one for all
   /// By how much the bodies of a pair may come closer while the list lasts [m].
   double margin_of(const Pair& p) const { return margins.empty() ? margin : 0.5 * (margins[p.a] + margins[p.b]); }

@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "engine/shared_out.h"
@@ -50,29 +51,52 @@ std::vector<T>& block_results(std::size_t blocks, T start) {
   return kept;
 }
 
+/// In a cache line of its own. No first value: 256 of them stand before every short loop.
+struct alignas(64) Counter {
+  std::size_t value;
+};
+
 /// Pieces [0, n) shared out over threads: each has a run of neighbours, the same in every loop over as many, so that
 /// what it wrote is near it, and helps the others when it is through.
 class Runs {
  public:
-  explicit Runs(std::size_t n) : n_(n), runs_(std::min(next_.size(), static_cast<std::size_t>(thread_count()))) {
-    for (std::size_t p = 0; p < runs_; ++p) next_[p].piece = n * p / runs_;
+  /// next: one for each run, of whoever calls; they outlive this.
+  Runs(std::size_t n, std::span<Counter> next) : n_(n), next_(next) {}
+  void start() const {
+    for (std::size_t p = 0; p < next_.size(); ++p) next_[p].value = n_ * p / next_.size();
   }
   /// f(piece) for those the calling thread takes, each run from its beginning on.
   template <class F>
-  void each(std::size_t thread, const F& f) {
-    for (std::size_t k = 0; k < runs_; ++k) {
-      const std::size_t p = (thread + k) % runs_, end = n_ * (p + 1) / runs_;
-      const std::atomic_ref place(next_[p].piece);
+  void each(std::size_t thread, const F& f) const {
+    for (std::size_t k = 0; k < next_.size(); ++k) {
+      const std::size_t p = (thread + k) % next_.size(), end = n_ * (p + 1) / next_.size();
+      const std::atomic_ref place(next_[p].value);
       for (std::size_t i; (i = place.fetch_add(1, std::memory_order_relaxed)) < end;) f(i);
     }
   }
 
  private:
-  struct alignas(64) Next {
-    std::size_t piece;
-  };
-  std::size_t n_, runs_;
-  std::array<Next, 256> next_;
+  std::size_t n_;
+  std::span<Counter> next_;
+};
+
+/// Runs of one loop, with their own counters.
+class LoopRuns {
+ public:
+  explicit LoopRuns(std::size_t n)
+      : runs_(n, std::span(next_).first(std::min(next_.size(), static_cast<std::size_t>(thread_count())))) {
+    runs_.start();
+  }
+  LoopRuns(const LoopRuns&) = delete;
+  LoopRuns& operator=(const LoopRuns&) = delete;
+  template <class F>
+  void each(std::size_t thread, const F& f) const {
+    runs_.each(thread, f);
+  }
+
+ private:
+  std::array<Counter, 256> next_;
+  Runs runs_;
 };
 
 /// f(begin, end, block) for consecutive blocks of `size` indices covering [0, n), shared out in runs.
@@ -85,7 +109,7 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
     for (std::size_t b = 0; b < blocks; ++b) one(b);
     return;
   }
-  Runs runs(blocks);
+  const LoopRuns runs(blocks);
   parallel_team([&](std::size_t thread) { runs.each(thread, one); });
 }
 

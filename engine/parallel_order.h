@@ -8,19 +8,23 @@
 
 namespace epafi {
 
+/// Elements that are worth a fork: 16 kB of them.
+template <class Column>
+inline constexpr std::size_t fill_grain = std::max<std::size_t>(64, 16384 / sizeof(typename Column::value_type));
+
 /// column[0 .. n) = value.
 template <class Column>
 void parallel_fill(Column& column, std::size_t n, const typename Column::value_type& value) {
   column.resize(n);
   parallel_for(
-      n, [&](std::size_t i) { column[i] = value; }, 4096);
+      n, [&](std::size_t i) { column[i] = value; }, fill_grain<Column>);
 }
 
 template <class Column>
 void parallel_copy(const Column& from, Column& to) {
   to.resize(from.size());
   parallel_for(
-      from.size(), [&](std::size_t i) { to[i] = from[i]; }, 4096);
+      from.size(), [&](std::size_t i) { to[i] = from[i]; }, fill_grain<Column>);
 }
 
 /// v[k] becomes v[0] + ... + v[k].
@@ -45,8 +49,8 @@ inline void running_sums(std::span<std::uint32_t> v) {
 }
 
 /// make(i) of all i in [0, n) with is(i), ascending; is is asked twice.
-template <class T, class Is, class Make>
-void parallel_select(std::size_t n, const Is& is, const Make& make, std::vector<T>& out) {
+template <class Is, class Make, class Column>
+void parallel_select(std::size_t n, const Is& is, const Make& make, Column& out) {
   constexpr std::size_t size = 4096;
   std::vector<std::size_t>& place = block_results<std::size_t>((n + size - 1) / size, 0);
   parallel_blocks(n, size, [&](std::size_t begin, std::size_t end, std::size_t b) {

@@ -8,11 +8,6 @@
 namespace epafi {
 
 namespace parallel_detail {
-/// In a cache line of its own.
-struct alignas(64) Counter {
-  std::size_t value = 0;
-};
-
 /// Looks for some microseconds, then sleeps: beside other programs the thread that is waited for may want this core.
 inline void wait_for(Counter& done, std::size_t count) {
   const std::atomic_ref value(done.value);
@@ -23,12 +18,10 @@ inline void wait_for(Counter& done, std::size_t count) {
 }  // namespace parallel_detail
 
 /// f(stage, begin, end) for pieces of [0, size(stage)), of piece(stage) >= 1 items each; none of a stage before all of
-/// the one before are done. Every thread has a part of the pieces, the same of every stage if these are alike, and
-/// helps the others when it is through: a thread that comes late keeps nobody waiting. One fork for all stages; `pays`:
-/// worth it.
+/// the one before are done. Shared out in runs (engine/parallel.h): a thread that comes late keeps nobody waiting. One
+/// fork for all stages; `pays`: worth it.
 template <class Size, class Piece, class F>
 void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piece& piece, const F& f) {
-  using parallel_detail::Counter;
   const auto pieces = [&](std::size_t s) { return (size(s) + piece(s) - 1) / piece(s); };
   const auto threads = static_cast<std::size_t>(thread_count());
   if (!pays || threads == 1) {
@@ -41,19 +34,16 @@ void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piec
   const SharedOut meter(true);
   std::vector<Counter>& counters = block_results<Counter>(stages * (threads + 1), Counter{});
   const std::span next(counters.data(), stages * threads), done(counters.data() + stages * threads, stages);
-  for (std::size_t s = 0; s < stages; ++s)
-    for (std::size_t p = 0; p < threads; ++p) next[s * threads + p].value = pieces(s) * p / threads;
+  const auto runs = [&](std::size_t s) { return Runs(pieces(s), next.subspan(s * threads, threads)); };
+  for (std::size_t s = 0; s < stages; ++s) runs(s).start();
   parallel_team([&](std::size_t thread) {
     for (std::size_t s = 0; s < stages; ++s) {
       if (s > 0) parallel_detail::wait_for(done[s - 1], pieces(s - 1));
-      for (std::size_t k = 0; k < threads; ++k) {  // its own part first
-        const std::size_t p = (thread + k) % threads, end = pieces(s) * (p + 1) / threads;
-        const std::atomic_ref place(next[s * threads + p].value), finished(done[s].value);
-        for (std::size_t i; (i = place.fetch_add(1, std::memory_order_relaxed)) < end;) {
-          f(s, i * piece(s), std::min(size(s), (i + 1) * piece(s)));
-          if (finished.fetch_add(1, std::memory_order_release) + 1 == pieces(s)) finished.notify_all();
-        }
-      }
+      const std::atomic_ref finished(done[s].value);
+      runs(s).each(thread, [&](std::size_t i) {
+        f(s, i * piece(s), std::min(size(s), (i + 1) * piece(s)));
+        if (finished.fetch_add(1, std::memory_order_release) + 1 == pieces(s)) finished.notify_all();
+      });
     }
   });
 }

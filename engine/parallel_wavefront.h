@@ -54,15 +54,14 @@ class Waiting {
 template <class Sources, class Find, class Finish>
 void parallel_wavefront(std::size_t n, std::size_t trays, const Sources& sources, const Find& find,
                         const Finish& finish) {
-  using parallel_detail::Counter;
   const SharedOut meter(n > 1);
   if (n < 2 || thread_count() == 1) {
     for (std::size_t i = 0; i < n; ++i) find(i, std::size_t{0}), finish(i, std::size_t{0});
     return;
   }
   std::vector<unsigned char>& found = block_results<unsigned char>(n, 0);
-  Counter finds;
-  Runs runs(n);
+  Counter finds{};
+  const LoopRuns runs(n);
   parallel_team([&](std::size_t thread) {
     const std::atomic_ref all(finds.value);
     parallel_detail::Waiting waiting(thread * trays, trays);

@@ -58,7 +58,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   parallel_select(
       pairs.pairs.size(), [&](std::size_t k) { return !list.takes(pairs.pairs[k]); },
       [&](std::size_t k) { return pairs.pairs[k]; }, rest_.pairs);
-  if (!rest_.pairs.empty()) rest_.margin = pairs.margin, rest_.margins = pairs.margins;
+  if (!rest_.pairs.empty()) rest_.margin = pairs.margin, parallel_copy(pairs.margins, rest_.margins);
   if (alone) list.margins = pairs.margins;
   model_.set_pairs(world, list);
   known_ = true, generation_ = pairs.generation;

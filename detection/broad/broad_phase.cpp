@@ -1,5 +1,7 @@
 #include "detection/broad/broad_phase.h"
 
+#include "engine/parallel_order.h"
+
 namespace epafi {
 
 void ListBroadPhase::see_time(double now) {
@@ -19,7 +21,7 @@ void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
   bodies_.update(world, setup_, step_time_);
   collect(bodies_, collector_);
   collector_.finish(pairs.pairs);
-  pairs.margin = bodies_.largest_margin(), pairs.margins = bodies_.margin;
+  pairs.margin = bodies_.largest_margin(), parallel_copy(bodies_.margin, pairs.margins);
   ++pairs.generation;
   valid_ = true;
 }

@@ -77,15 +77,14 @@ void PairCollector::group_rest() {
   parallel_for(n, [&](std::size_t s) { sort_run(rest_.data() + rest_begin_[s], rest_.data() + rest_begin_[s + 1]); });
 }
 
-void PairCollector::finish(std::vector<Pair>& pairs) {
+void PairCollector::finish(PairColumn& pairs) {
   group_rest();
   const std::size_t n = bodies_.size();
   begin_.resize(n + 1);
   parallel_for(n, [&](std::size_t s) { begin_[s + 1] = run_[s].size + (rest_begin_[s + 1] - rest_begin_[s]); });
   begin_[0] = 0, running_sums(begin_);
   const std::size_t total = begin_[n];
-  if (total > pairs.capacity()) pairs.reserve(total + total / 8);
-  pairs.resize(total);
+  renew(pairs, total);
   parallel_for(n, [&](std::size_t s) {
     const Run run = run_[s];
     const Slot* own = blocks_[run.block].own.data() + run.begin;

@@ -16,7 +16,7 @@ class PairCollector {
   /// Candidates that are not near are dropped. Each i belongs to one call and one block; blocks may run in parallel.
   void add(std::size_t block, Slot i, std::span<const Slot> candidates);
   /// Writes the sorted list.
-  void finish(std::vector<Pair>& pairs);
+  void finish(PairColumn& pairs);
 
  private:
   struct Block {

@@ -69,7 +69,7 @@ void PeriodicPairs::follow(const World& world) {
   });
 }
 
-void PeriodicPairs::translate(const World& world, std::vector<Pair>& pairs) const {
+void PeriodicPairs::translate(const World& world, PairColumn& pairs) const {
   const std::size_t n = world.size();
   pairs.clear();
   const auto add = [&](Slot a, Slot b, const Wraps& step) {

@@ -23,7 +23,7 @@ class PeriodicPairs final : public BroadPhase {
   };
   void choose_images(const World& world);
   void follow(const World& world);
-  void translate(const World& world, std::vector<Pair>& pairs) const;
+  void translate(const World& world, PairColumn& pairs) const;
   double fat_radius(const World& world, Slot s) const;
 
   BroadSetup setup_;

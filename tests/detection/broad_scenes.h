@@ -53,9 +53,9 @@ inline BroadScene random_scene(const std::string& kind, int n, std::uint64_t see
 }
 
 /// The list by definition, for spheres, half-spaces and one margin for all: fat = exact + (reach + margin)/2 on every side.
-inline std::vector<Pair> pairs_by_definition(const BroadScene& scene, const World& world) {
+inline PairColumn pairs_by_definition(const BroadScene& scene, const World& world) {
   const double fat = 0.5 * (scene.setup.reach + scene.setup.margin);
-  std::vector<Pair> out;
+  PairColumn out;
   for (Slot i = 0; i < world.size(); ++i)
     for (Slot j = i + 1; j < world.size(); ++j) {
       if (!world.is_movable(i) && !world.is_movable(j)) continue;

@@ -16,7 +16,7 @@ void drift(World& world, double dt = 1.0) {
 }
 
 /// Pairs of spheres closer than reach, by brute force.
-std::vector<Pair> close_pairs(const BroadScene& scene) {
+PairColumn close_pairs(const BroadScene& scene) {
   BroadScene tight;
   tight.shapes = scene.shapes, tight.setup.reach = scene.setup.reach;
   return pairs_by_definition(tight, scene.world);
@@ -143,11 +143,11 @@ TEST_CASE("a turned or moved plane lists the bodies it has come near", "[detecti
     scene.world.orientation[plane] =
         Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitY()).toRotationMatrix());  // n = (-0.48, 0, 0.88)
     broad->find_pairs(scene.world, list);
-    CHECK(list.pairs == std::vector<Pair>{{side, plane}});  // 5 * -0.48 + 3 * 0.88 = 0.24 < 0.5
+    CHECK(list.pairs == PairColumn{{side, plane}});  // 5 * -0.48 + 3 * 0.88 = 0.24 < 0.5
     scene.world.orientation[plane] = Quat(1, 0, 0, 0);
     scene.world.position[plane].z() = 4.55;
     broad->find_pairs(scene.world, list);
-    CHECK(list.pairs == std::vector<Pair>{{high, plane}, {side, plane}});
+    CHECK(list.pairs == PairColumn{{high, plane}, {side, plane}});
   }
 }
 
@@ -199,14 +199,14 @@ TEST_CASE("removal and sorting rename slots: the list follows, A keeps the lower
 TEST_CASE("the list is the same for every thread count", "[detection][broad][threads]") {
   const int before = thread_count();
   for (const auto& entry : all_broad_phases()) {
-    std::vector<std::vector<Pair>> results;
+    std::vector<PairColumn> results;
     for (int threads : {1, 2, 3, 4, 7, 8}) {
       set_thread_count(threads);
       BroadScene scene = random_scene("lognormal", 3000, 12);
       scene.add_plane({0, 0, 0}, {0, 0, 1});
       const auto broad = entry.make(scene.setup);
       PairList list;
-      std::vector<Pair> all;
+      PairColumn all;
       for (int k = 0; k < 25; ++k) {
         drift(scene.world);
         broad->find_pairs(scene.world, list);
@@ -242,7 +242,7 @@ TEST_CASE("a spinning needle is listed before its tip arrives", "[detection][bro
       broad->find_pairs(scene.world, list);
       // the sphere is 1.9 m along y; its distance from the needle's axis line is 1.9 cos(angle)
       const bool close = 1.9 * std::cos(angle) <= 0.05;
-      if (close) REQUIRE(list.pairs == std::vector<Pair>{{0, 1}});
+      if (close) REQUIRE(list.pairs == PairColumn{{0, 1}});
       seen = seen || close;
     }
     CHECK(seen);
@@ -335,7 +335,7 @@ TEST_CASE("sizes over 1:100 of equal volume per decade have few candidates, howe
       CHECK(touching > static_cast<std::size_t>(n) / 2);
       CHECK(list.pairs.size() < 10 * touching);
       if (n == 2000) {
-        const std::vector<Pair> all = pairs_by_definition(scene, scene.world);  // margin 0: those that touch
+        const PairColumn all = pairs_by_definition(scene, scene.world);  // margin 0: those that touch
         CHECK(all.size() == touching);
       }
     }

@@ -255,7 +255,7 @@ TEST_CASE("a crowd that moves has the contacts of a search from nothing, over ne
   const int threads = thread_count();
   BatchNarrowPhase narrow(s.shapes, 0.02, true);
   s.pair_all();
-  const std::vector<Pair> all = s.pairs.pairs;
+  const PairColumn all = s.pairs.pairs;
   for (int step = 0; step < 12; ++step) {
     if (step % 3 == 0) {  // a list that has lost some of its pairs and found others again
       s.pairs.pairs.clear(), ++s.pairs.generation;

@@ -87,13 +87,6 @@ constexpr std::size_t most_twice = std::size_t{8} << 20;
 /// Blocks after which the pages of what is on its way are given back.
 constexpr std::size_t given_back = 64;
 
-/// Empty, with room for `size`, and little more when it must grow: columns that double waste as much as they hold.
-template <class Column>
-void make_room(Column& column, std::size_t size) {
-  column.clear();
-  if (size > column.capacity()) column.reserve(size + size / 16);
-}
-
 /// f(i) for i in [0, count) by all threads, and after every `piece` of them gone(begin, end) by this one: threads that
 /// give pages of one column back wait for each other (100 000 spheres, two threads: 39 ms to take them out and in, now
 /// 25).
@@ -104,12 +97,6 @@ void by_pieces(std::size_t count, std::size_t piece, const F& f, const Gone& gon
     parallel_blocks(end - begin, 1, [&](std::size_t k, std::size_t, std::size_t) { f(begin + k); });
     gone(begin, end);
   }
-}
-
-/// `= {}` would keep the room.
-template <class Column>
-void let_go(Column& column) {
-  Column().swap(column);
 }
 
 }  // namespace
@@ -133,7 +120,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   if (!goes_on) take_out(before), group_kept(count);
   if (blocks_.size() != count || !fits) blocks_.resize(count), make_rooms(with);
   const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
-  const auto renew = [&](std::size_t i) {
+  const auto relay = [&](std::size_t i) {
     const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
     copy_constants(world, list.radius, first, last);
     thread_local Carried carried;
@@ -144,7 +131,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     restore(blocks_[i], static_cast<Slot>(first),
             std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
-  by_pieces(count, many ? given_back : count, renew, [&](std::size_t begin, std::size_t end) {
+  by_pieces(count, many ? given_back : count, relay, [&](std::size_t begin, std::size_t end) {
     if (many) give_back_pages(kept_.springs.data() + kept_begin_[begin], kept_.springs.data() + kept_begin_[end]);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
@@ -164,8 +151,7 @@ void SphereBlocks::sort_partners(const SphereList& list, std::size_t slots) {
     }
   };
   parallel_group(
-      list.pairs.size(), slots, first_, each,
-      [&](std::size_t count) { make_room(partners_, count), partners_.resize(count); },
+      list.pairs.size(), slots, first_, each, [&](std::size_t count) { renew(partners_, count); },
       [&](std::uint32_t place, const Partner& p) { partners_[place] = p; });
   parallel_for(slots, [&](std::size_t s) {
     std::sort(partners_.data() + first_[s], partners_.data() + first_[s + 1], [](const Partner& p, const Partner& q) {
@@ -201,13 +187,13 @@ void SphereBlocks::make_rooms(const Filling& with) {
     blocks_[i].room = (need(i) + need(i) / 8 + 64) / pairs_per_byte * pairs_per_byte;
     all += blocks_[i].room;
   }
-  const auto renew = [](auto& column, std::size_t size) {  // the old one goes first
+  const auto anew = [](auto& column, std::size_t size) {  // the old one goes first
     let_go(column);
     column.resize(size);
   };
-  renew(pair_column_, all), renew(spring_column_, needs_.friction ? all : 0);
-  renew(rolling_column_, needs_.rolling ? all : 0), renew(load_column_, needs_.rolling ? all : 0);
-  renew(image_column_, with.periodic ? all : 0), renew(touched_column_, all / pairs_per_byte);
+  anew(pair_column_, all), anew(spring_column_, needs_.friction ? all : 0);
+  anew(rolling_column_, needs_.rolling ? all : 0), anew(load_column_, needs_.rolling ? all : 0);
+  anew(image_column_, with.periodic ? all : 0), anew(touched_column_, all / pairs_per_byte);
   std::size_t at = 0;
   for (Block& block : blocks_) {
     block.pairs = pair_column_.data() + at, block.touched = touched_column_.data() + at / pairs_per_byte;
@@ -280,13 +266,12 @@ void SphereBlocks::address_records() {
     }
   };
   parallel_group(
-      blocks_.size(), blocks_.size(), incoming_begin_, each,
-      [&](std::size_t count) { make_room(incoming_, count), incoming_.resize(count); },
+      blocks_.size(), blocks_.size(), incoming_begin_, each, [&](std::size_t count) { renew(incoming_, count); },
       [&](std::uint32_t place, const Incoming& record) { incoming_[place] = record; }, 1);
   parallel_for(
       blocks_.size(), [&](std::size_t i) { list_sources(i); }, 1);
-  make_room(records_, records), parallel_fill(records_, records, SphereSum{});
-  if (needs_.rolling) make_room(record_moments_, records), parallel_fill(record_moments_, records, Lanes{});
+  renew(records_, records), parallel_fill(records_, records, SphereSum{});
+  if (needs_.rolling) renew(record_moments_, records), parallel_fill(record_moments_, records, Lanes{});
 }
 
 /// Records come in the order of the blocks that write them.

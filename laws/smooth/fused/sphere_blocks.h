@@ -9,9 +9,9 @@
 
 #include "engine/contacts.h"
 #include "engine/lanes.h"
+#include "engine/large_column.h"
 #include "engine/parallel.h"
 #include "engine/state_visitor.h"
-#include "laws/smooth/fused/large_column.h"
 
 namespace epafi {
 

@@ -132,14 +132,17 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
   }
 }
 
-/// Behind `pull`: dashpots, then the rolling springs through the same loops.
+/// Behind `pull` of the friction springs: dashpots, then the rolling springs through the same loops.
 template <int n, class Tangential, class Rolling, bool wall, bool periodic>
 EPAFI_LANES void roll(SphereTile<n>& t, SphereRolling<n>& r, const typename Tangential::Parameters& tangential,
                       const typename Rolling::Parameters& p, const SphereBlocks::Block& block, const SphereArrays& with,
                       SphereTotals<n>& total) {
   for (std::size_t g = 0; g < t.groups; ++g) find_rolling<n, wall, periodic>(t, r, g, with);
   for (std::size_t g = 0; g < t.groups; ++g) damp<n, Tangential>(t, r, g, tangential, total);
-  for (std::size_t g = 0; g < t.groups; ++g) prepare_rolling<n, Tangential, Rolling>(t, r, g, tangential, p, with.dt);
+  for (std::size_t g = 0; g < t.groups; ++g) {
+    prepare_rolling<n, Tangential, Rolling>(t, r, g, tangential, p, with.dt);
+    turn_springs<n>(t, g, block.rolling);
+  }
   pull<n>(t, block.rolling, with.dt > 0.0, total);
   for (std::size_t g = 0; g < t.groups; ++g) {
     r.moment[g] = within(t.load[g] + r.dashpot[g] * r.spin[g], t.limit[g]);

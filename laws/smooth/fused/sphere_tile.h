@@ -61,11 +61,12 @@ struct SphereTile {
   V3 normal[size];   ///< from A to B; of walls: into the wall
   V distance[size];  ///< of centres [m]
   V overlap[size], approach[size], mass[size], radius[size];
-  V3 displacement[size];                             ///< slip of the step [m]
-  V twist[size];                                     ///< about the normal in the step [rad]
-  V force[size];                                     ///< [N]
-  V stiffness[size], compliance[size], limit[size];  ///< of the spring [N/m], [m/N], [N]
-  V square[size];                                    ///< of the spring's load [N^2]
+  V3 displacement[size];  ///< slip of the step [m]
+  V twist[size];          ///< about the normal in the step [rad]
+  V force[size];          ///< [N]
+  V stiffness[size], compliance[size],
+      limit[size];  ///< of the spring [N/m], [m/N] (until it is scaled the old one), [N]
+  V square[size];   ///< of the spring's load [N^2]
   // of the spring: load squared, energy [J], old compliance times stiffness
   V before[size], energy[size], shrink[size];
   V3 start[size], load[size];  ///< of the spring, as it comes into the step and now [N]
@@ -104,7 +105,7 @@ EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSprin
   t.start[g] = load - normal.dot(load) * normal;
   t.before[g] = old.dot(old), t.square[g] = t.start[g].dot(t.start[g]);
   t.energy[g] = 0.5 * t.before[g] * compliance;
-  t.shrink[g] = compliance * t.stiffness[g];
+  t.compliance[g] = compliance;
 }
 
 /// The turned load has its old length, and 1/stiffness: by one division.
@@ -116,6 +117,7 @@ EPAFI_LANES void scale_springs(SphereTile<n>& t, std::size_t g) {
   const V some = select(turns, after, filled<n>(1.0)), k = select(stiff, stiffness, filled<n>(1.0));
   const V both = 1.0 / (some * k);
   t.start[g] = keep(turns, sqrt(t.before[g] * (k * both))) * t.start[g];
+  t.shrink[g] = t.compliance[g] * stiffness;
   t.compliance[g] = keep(stiff, some * both);
 }
 
@@ -154,10 +156,10 @@ EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* s
   for (int l = 0; l < n; ++l) store<n>(springs[pair[l]].load, rows[l]);
 }
 
+/// Behind turn_springs.
 template <int n>
 EPAFI_LANES void pull(SphereTile<n>& t, SphereSpring* springs, bool remember, SphereTotals<n>& total) {
   bool slides[SphereTile<n>::size];
-  for (std::size_t g = 0; g < t.groups; ++g) turn_springs<n>(t, g, springs);
   for (std::size_t g = 0; g < t.groups; ++g) scale_springs<n>(t, g);
   for (std::size_t g = 0; g < t.groups; ++g) slides[g] = stretch_springs<n>(t, g);
   for (std::size_t g = 0; g < t.groups; ++g)

@@ -2,44 +2,39 @@
 /// reads partners all over its columns, and with pages of 4 kB every other such read waits for the page table first
 /// (a bed of 100 000: 26 MB are 6500 pages, twice what the processor remembers).
 #pragma once
-#include <cstdint>
-#include <cstdlib>
+#include <cstddef>
 #include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
 namespace epafi {
+
+inline constexpr std::size_t large_page = std::size_t{2} << 20;
+/// Whole large pages; std::bad_alloc where there are none.
+void* large_pages(std::size_t bytes);
+void free_large_pages(void* p);
+/// The system may take the whole pages within [begin, end): what is there is not read again.
+void give_back_pages(void* begin, void* end);
 
 template <class T>
 struct LargePages {
   using value_type = T;
-  static constexpr std::size_t page = std::size_t{2} << 20;
-  static constexpr std::size_t least = 4 * page;  ///< smaller columns stay where the heap puts them
+  static constexpr std::size_t least = 4 * large_page;  ///< smaller columns stay where the heap puts them
 
   LargePages() = default;
   template <class U>
   LargePages(const LargePages<U>&) {}
 
   T* allocate(std::size_t n) {
-    const std::size_t bytes = n * sizeof(T), whole = (bytes + page - 1) / page * page;
-    if (bytes < least) return static_cast<T*>(::operator new(bytes, std::align_val_t{64}));
-    void* p = std::aligned_alloc(page, whole);
-    if (p == nullptr) throw std::bad_alloc();
-#if defined(__linux__)
-    madvise(p, whole, MADV_HUGEPAGE);  // a wish: refused, the column works as well, only slower
-#endif
-    return static_cast<T*>(p);
+    const std::size_t bytes = n * sizeof(T);
+    return static_cast<T*>(bytes < least ? ::operator new (bytes, std::align_val_t{64}) : large_pages(bytes));
   }
   void deallocate(T* p, std::size_t n) {
     if (n * sizeof(T) < least)
-      ::operator delete(p, std::align_val_t{64});
+      ::operator delete (p, std::align_val_t{64});
     else
-      std::free(p);
+      free_large_pages(p);
   }
   template <class U>
   bool operator==(const LargePages<U>&) const {
@@ -69,14 +64,18 @@ struct UnwrittenPages : LargePages<T> {
 template <class T>
 using UnwrittenColumn = std::vector<T, UnwrittenPages<T>>;
 
-/// The system may take the whole pages within [begin, end): what is there is not read again.
-inline void give_back_pages([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
-#if defined(__linux__)
-  constexpr std::uintptr_t page = 4096;
-  const std::uintptr_t from = (page - reinterpret_cast<std::uintptr_t>(begin) % page) % page;  // to the first whole page
-  const auto bytes = static_cast<std::uintptr_t>(static_cast<char*>(end) - static_cast<char*>(begin));
-  if (bytes >= from + page) madvise(static_cast<char*>(begin) + from, (bytes - from) / page * page, MADV_DONTNEED);
-#endif
+/// `= {}` would keep the room.
+template <class Column>
+void let_go(Column& column) {
+  Column().swap(column);
+}
+
+/// `size` elements, none of them written. What was there is gone, and gone first where the column must grow: by little
+/// more than asked for, columns that double waste as much as they hold.
+template <class T>
+void renew(UnwrittenColumn<T>& column, std::size_t size) {
+  if (size > column.capacity()) let_go(column), column.reserve(size + size / 16);
+  column.clear(), column.resize(size);
 }
 
 }  // namespace epafi

@@ -1,0 +1,34 @@
+#include "engine/large_column.h"
+
+#include <cstdint>
+#include <cstdlib>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace epafi {
+
+void* large_pages(std::size_t bytes) {
+  const std::size_t whole = (bytes + large_page - 1) / large_page * large_page;
+  void* p = std::aligned_alloc(large_page, whole);
+  if (p == nullptr) throw std::bad_alloc();
+#if defined(__linux__)
+  madvise(p, whole, MADV_HUGEPAGE);  // a wish: refused, the column works as well, only slower
+#endif
+  return p;
+}
+
+void free_large_pages(void* p) { std::free(p); }
+
+void give_back_pages([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
+#if defined(__linux__)
+  constexpr std::uintptr_t page = 4096;
+  const std::uintptr_t from =
+      (page - reinterpret_cast<std::uintptr_t>(begin) % page) % page;  // to the first whole page
+  const auto bytes = static_cast<std::uintptr_t>(static_cast<char*>(end) - static_cast<char*>(begin));
+  if (bytes >= from + page) madvise(static_cast<char*>(begin) + from, (bytes - from) / page * page, MADV_DONTNEED);
+#endif
+}
+
+}  // namespace epafi
