@@ -61,12 +61,12 @@ struct SphereTile {
   V3 normal[size];   ///< from A to B; of walls: into the wall
   V distance[size];  ///< of centres [m]
   V overlap[size], approach[size], mass[size], radius[size];
-  V3 displacement[size];  ///< slip of the step [m]
-  V twist[size];          ///< about the normal in the step [rad]
-  V force[size];          ///< [N]
-  V stiffness[size], compliance[size],
-      limit[size];  ///< of the spring [N/m], [m/N] (until it is scaled the old one), [N]
-  V square[size];   ///< of the spring's load [N^2]
+  V3 displacement[size];           ///< slip of the step [m]
+  V twist[size];                   ///< about the normal in the step [rad]
+  V force[size];                   ///< [N]
+  V stiffness[size], limit[size];  ///< of the spring [N/m], [N]
+  V compliance[size];              ///< the old one until it is scaled [m/N]
+  V square[size];                  ///< of the spring's load [N^2]
   // of the spring: load squared, energy [J], old compliance times stiffness
   V before[size], energy[size], shrink[size];
   V3 start[size], load[size];  ///< of the spring, as it comes into the step and now [N]
