@@ -43,8 +43,9 @@ struct BlockTask {
       else
         sweep<n, Normal, Tangential, Rolling, false, true, periodic>(block, run, law, arrays, total);
     }
-    block.touching = total.touching, block.elastic = total.elastic.total(), block.viscous = total.viscous.total();
-    block.slipped = total.slipped.total() + total.released;
+    block.touching = total.touching, block.viscous = total.viscous.total();
+    block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
+    block.slipped = 0.5 * total.twice_slipped.total() + total.released;
     block.virial = {total.virial[0].total(), total.virial[1].total(), total.virial[2].total()};
   }
 };
@@ -234,6 +235,7 @@ class FusedModel final : public FusedSpheres {
                         damped_,
                         Lanes{},
                         Lanes{},
+                        {},
                         blocks_.late_spins(),
                         0,
                         blocks_.record_moments()};
@@ -259,6 +261,7 @@ class FusedModel final : public FusedSpheres {
       SphereArrays mine = arrays;
       const std::size_t first = i * SphereBlocks::block_size;
       mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(tray)) - first * sizeof(SphereSum);
+      mine.nowhere = SpherePlace(static_cast<Slot>(first + SphereBlocks::block_size));
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(tray)) - first * sizeof(Lanes);
       loop({all[i], law_, wall_laws_, mine});
     };

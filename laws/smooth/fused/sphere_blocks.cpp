@@ -432,7 +432,7 @@ void SphereBlocks::visit(StateVisitor& visitor) {
 void SphereBlocks::set_trays(std::size_t trays) {
   if (is_clear_.size() == trays) return;
   let_go(sums_), let_go(moments_);
-  sums_.resize(trays * block_size), moments_.resize(needs_.rolling ? sums_.size() : 0);
+  sums_.resize(trays * (block_size + 1)), moments_.resize(needs_.rolling ? trays * block_size : 0);
   is_clear_.assign(trays, 0);
 }
 

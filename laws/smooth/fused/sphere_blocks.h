@@ -96,7 +96,7 @@ class SphereBlocks {
   static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
   static constexpr std::uint32_t pairs_ahead = 24;    ///< the loop asks for bodies so far ahead: as many pairs stand
                                                       ///< behind the last one
-  static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit;
+  static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit - block_size;
 
   /// Pairs of one plane, inside a block or across blocks: [begin, end) of the block's, begin a multiple of eight,
   /// sorted by (a, b, key).
@@ -161,8 +161,9 @@ class SphereBlocks {
   const std::uint8_t* plain() const { return plain_.data(); }
   /// How many sums of a block there are at once.
   void set_trays(std::size_t trays);
-  /// Of the first slot of the block that has this tray; all zero before its first contact.
-  SphereSum* sums(std::size_t tray) { return sums_.data() + tray * block_size; }
+  /// Of the first slot of the block that has this tray, and one behind the last that nobody reads; all zero before
+  /// its first contact.
+  SphereSum* sums(std::size_t tray) { return sums_.data() + tray * (block_size + 1); }
   void clear_tray(std::size_t tray);
   std::span<SphereSum> records() { return records_; }
   /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.

@@ -15,20 +15,22 @@ struct SphereLaw {
   typename Rolling::Parameters rolling{};
 };
 
-/// Adds those of the n pairs from `k` on that touch, and returns one bit for each. valid: bits of the run's own.
+/// Adds those of the n pairs from `k` on that touch, and returns one bit for each. valid: bits of the run's own. The
+/// normals of all n are found here: their root and division wait beside the look at the next ones.
 template <int n, bool wall, bool periodic>
 EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, std::uint32_t k, unsigned valid,
                           const SpherePlane* plane, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* pair = block.pairs + k;
   VectorsOf<V> d;
-  V radii;
+  V radii, overlap, curvature{}, distance{};
   unsigned bits;
   if constexpr (wall) {
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(pair[l].a).position); }, d.x, d.y, d.z, radii);
     const Vec3 &out = plane->normal, &p = plane->point;
     d.x = out.x() * (d.x - p.x()) + out.y() * (d.y - p.y()) + out.z() * (d.z - p.z());
     bits = less_bits<n>(d.x, radii) & valid;
+    overlap = radii - d.x;
   } else {
     read_columns(
         [&](int l) EPAFI_INLINED {  // in the fourth the sum of both instead of the difference
@@ -40,16 +42,25 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, st
             return apart;
         },
         d.x, d.y, d.z, radii);
-    bits = less_bits<n>(d.dot(d), radii * radii) & valid;
+    const V square = d.dot(d);
+    bits = less_bits<n>(square, radii * radii) & valid;
+    distance = sqrt(square);
+    const MaskOf<V> apart = distance > V{};
+    const V length = select(apart, distance, filled<n>(1.0)), both = 1.0 / (length * radii), inverse = radii * both;
+    d = {inverse * d.x, inverse * d.y, select(apart, inverse * d.z, filled<n>(1.0))};
+    overlap = radii - distance, curvature = length * both;
   }
   for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
     const SphereState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
     __builtin_prefetch(&soon.position), __builtin_prefetch(&soon.spin);
   }
   const std::size_t at = t.count;
-  compress<n>(d.x, bits, t.x + at);
-  if constexpr (!wall) compress<n>(d.y, bits, t.y + at), compress<n>(d.z, bits, t.z + at);
-  compress<n>(radii, bits, t.radii + at);
+  compress<n>(overlap, bits, t.overlap + at);
+  if constexpr (!wall) {  // the normal of a wall stands there already
+    compress<n>(d.x, bits, t.x + at), compress<n>(d.y, bits, t.y + at), compress<n>(d.z, bits, t.z + at);
+    compress<n>(curvature, bits, t.curvature + at);
+  }
+  if constexpr (periodic && !wall) compress<n>(distance, bits, t.distance + at);
   V places;
   static_assert(sizeof(SpherePlaces) == sizeof(double));
   std::memcpy(&places, pair, sizeof places);
@@ -59,35 +70,17 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, st
   return bits;
 }
 
-/// Where the bodies are. Roots and divisions in a loop of their own: they queue for one unit, and no other work waits
-/// in between.
-template <int n, bool wall>
-EPAFI_LANES void find_normal(SphereTile<n>& t, std::size_t g, const SpherePlane* plane) {
-  using V = typename LanesOf<n>::Real;
-  const V radii = t.column(t.radii, g);
-  if constexpr (wall) {
-    const Vec3& out = plane->normal;
-    t.normal[g] = {filled<n>(-out.x()), filled<n>(-out.y()), filled<n>(-out.z())};
-    t.overlap[g] = -(t.column(t.x, g) - radii), t.distance[g] = radii, t.lever[g] = filled<n>(1.0);
-    t.radius[g] = radii;
-  } else {
-    const VectorsOf<V> d{t.column(t.x, g), t.column(t.y, g), t.column(t.z, g)};
-    const V distance = sqrt(d.dot(d));
-    const MaskOf<V> apart = distance > V{};
-    const V length = select(apart, distance, filled<n>(1.0)), both = 1.0 / (length * radii), inverse = radii * both;
-    t.normal[g] = {inverse * d.x, inverse * d.y, select(apart, inverse * d.z, filled<n>(1.0))};
-    t.overlap[g] = radii - distance, t.distance[g] = distance;
-    t.radius[g] = length * both;  // 1/sum of radii for now
-    t.lever[g] = distance * t.radius[g];
-  }
-}
-
-/// Radius of the contact, and with friction how far the surfaces move on each other in the step.
+/// Radius of the contact, and with friction how fast the surfaces move on each other; opening: velocity along the
+/// normal.
 template <int n, bool friction, bool wall>
 EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays& with,
-                            const VectorsOf<typename LanesOf<n>::Real>& velocity) {
+                            const VectorsOf<typename LanesOf<n>::Real>& velocity,
+                            const typename LanesOf<n>::Real& opening) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* bodies = t.bodies + g * n;
+  typename SphereTile<n>::Group& c = t.group[g];
+  const VectorsOf<V> normal = t.normal(g);
+  const V curvature = t.column(t.curvature, g);
   VectorsOf<V> spin_a, spin_b{};
   V radius_a, radius_b{};
   read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(bodies[l].a).spin); }, spin_a.x, spin_a.y, spin_a.z,
@@ -95,13 +88,15 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
   if constexpr (!wall) {
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(bodies[l].b).spin); }, spin_b.x, spin_b.y,
                  spin_b.z, radius_b);
-    t.radius[g] = radius_a * radius_b * t.radius[g];
+    c.radius = radius_a * radius_b * curvature;
+    c.lever = 1.0 - t.column(t.overlap, g) * curvature;
+  } else {
+    c.radius = radius_a, c.lever = filled<n>(1.0);
   }
   if constexpr (friction) {
-    const VectorsOf<V>& normal = t.normal[g];
-    t.twist[g] = 0.5 * with.dt * normal.dot(spin_a + spin_b);
-    const VectorsOf<V> turning = t.lever[g] * (radius_a * spin_a + radius_b * spin_b);
-    t.displacement[g] = with.dt * (velocity - velocity.dot(normal) * normal - turning.cross(normal));
+    c.twist = 0.5 * with.dt * normal.dot(spin_a + spin_b);
+    const VectorsOf<V> turning = (c.lever * radius_a) * spin_a + (c.lever * radius_b) * spin_b;
+    c.slip = velocity - opening * normal - turning.cross(normal);
   }
 }
 
@@ -111,14 +106,16 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
                              const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* bodies = t.bodies + g * n;
+  typename SphereTile<n>::Group& c = t.group[g];
+  const VectorsOf<V> normal = t.normal(g);
   VectorsOf<V> velocity, later;
-  V inverse_mass, none;
-  const VectorsOf<V>& normal = t.normal[g];
+  V inverse_mass, none, opening;
   if constexpr (wall) {
     read_columns([&](int l) EPAFI_INLINED { return -flip_fourth(row<n>(with.state(bodies[l].a).velocity)); },
                  velocity.x, velocity.y, velocity.z, inverse_mass);
-    read_columns([&](int l) EPAFI_INLINED { return -row<n>(with.state(bodies[l].a).predicted); }, later.x, later.y,
+    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(bodies[l].a).predicted); }, later.x, later.y,
                  later.z, none);
+    opening = velocity.dot(normal), c.approach = later.dot(normal);
   } else {
     // the flow of a deforming cell comes on top
     const auto flow = [&](int l) EPAFI_INLINED {
@@ -137,38 +134,37 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
             return apart;
         },
         velocity.x, velocity.y, velocity.z, inverse_mass);
-    later = velocity;
-    if (with.damped)
+    opening = velocity.dot(normal), c.approach = -opening;
+    if (with.damped) {
       read_columns(
           [&](int l) EPAFI_INLINED {
-            const auto apart = row<n>(with.state(bodies[l].b).predicted) - row<n>(with.state(bodies[l].a).predicted);
+            const auto nearer = row<n>(with.state(bodies[l].a).predicted) - row<n>(with.state(bodies[l].b).predicted);
             if constexpr (periodic)
-              return apart + flow(l);
+              return nearer - flow(l);
             else
-              return apart;
+              return nearer;
           },
           later.x, later.y, later.z, none);
+      c.approach = later.dot(normal);
+    }
   }
-  t.mass[g] = 1.0 / inverse_mass;
-  t.approach[g] = -later.dot(normal);
-  if constexpr (friction || !wall) find_radii<n, friction, wall>(t, g, with, velocity);
+  c.mass = 1.0 / inverse_mass;
+  find_radii<n, friction, wall>(t, g, with, velocity, opening);
 }
 
 template <int n, class Normal, class Tangential, class Rolling>
-EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential, Rolling>& law,
-                               SphereTotals<n>& total) {
+EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential, Rolling>& law) {
   using V = typename LanesOf<n>::Real;
   KinematicsOf<V> at;
-  at.overlap = t.overlap[g], at.approach_velocity = t.approach[g];
-  at.effective_mass = t.mass[g], at.effective_radius = t.radius[g];
+  at.overlap = t.column(t.overlap, g), at.approach_velocity = t.group[g].approach;
+  at.effective_mass = t.group[g].mass, at.effective_radius = t.group[g].radius;
   const ResponseOf<V> r = Normal::respond(law.normal, at);
-  const MaskOf<V> used = t.used(g);
-  t.force[g] = r.force;
-  total.elastic.add(g, keep(used, r.energy));
-  total.viscous.add(g, keep(used, (r.force - r.elastic_force) * at.approach_velocity));
+  t.group[g].force = r.force;
+  t.group[g].elastic = r.energy;
+  t.group[g].viscous = (r.force - r.elastic_force) * at.approach_velocity;
   if constexpr (Tangential::is_present)
-    t.stiffness[g] = Tangential::stiffness(law.tangential, r.stiffness),
-    t.limit[g] = Tangential::friction(law.tangential) * r.force;
+    t.group[g].stiffness = Tangential::stiffness(law.tangential, r.stiffness),
+    t.group[g].limit = Tangential::friction(law.tangential) * r.force;
 }
 
 /// What a contact adds to the sum of A, and with the force turned round to that of B.
@@ -216,27 +212,21 @@ EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& forc
   }
 }
 
-template <LaneVector V>
-EPAFI_LANES VectorsOf<V> keep(MaskOf<V> mask, const VectorsOf<V>& x) {
-  return {keep(mask, x.x), keep(mask, x.y), keep(mask, x.z)};
-}
-
 /// Adds to sums; of B to records where it lies in another block.
 template <int n, bool friction, bool wall, bool across, bool periodic>
-EPAFI_LANES void add_forces(const SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
-                            const SphereBlocks::Run& run, const SphereArrays& with, SphereTotals<n>& total) {
+EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
+                            const SphereBlocks::Run& run, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
-  const VectorsOf<V>&normal = t.normal[g], &load = t.load[g];
-  VectorsOf<V> f = -(t.force[g] * normal), moment{};
-  if constexpr (friction) f = f + load, moment = t.lever[g] * normal.cross(load);
-  const MaskOf<V> used = t.used(g);
+  const VectorsOf<V> normal = t.normal(g), &load = t.group[g].load;
+  VectorsOf<V> f = -(t.group[g].force * normal), moment{};
+  if constexpr (friction) f = f + load, moment = t.group[g].lever * normal.cross(load);
   if constexpr (periodic && !wall) {
-    const V arm = keep(used, t.distance[g]);
-    total.virial[0].add(g, arm * normal.x * f.x), total.virial[1].add(g, arm * normal.y * f.y);
-    total.virial[2].add(g, arm * normal.z * f.z);
+    const V arm = t.column(t.distance, g);
+    t.group[g].virial_x = arm * normal.x * f.x, t.group[g].virial_y = arm * normal.y * f.y;
+    t.group[g].virial_z = arm * normal.z * f.z;
   }
   SumRow<n, friction> rows[n];
-  write_sum_rows<n, friction>(keep(used, f), keep(used, moment), rows);
+  write_sum_rows<n, friction>(f, moment, rows);
   const SpherePlaces* bodies = t.bodies + g * n;
   for (int l = 0; l < n; ++l) {  // lane by lane, A and B: the order of a body's sum is not that of groups
     rows[l].add_to(with.sum(bodies[l].a));
@@ -255,27 +245,25 @@ EPAFI_LANES void evaluate(SphereTile<n>& t, SphereBlocks::Block& block, const Sp
                           const SphereLaw<Normal, Tangential, Rolling>& law, const SphereArrays& with,
                           SphereTotals<n>& total) {
   constexpr bool friction = Tangential::is_present;
-  const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
   t.groups = (t.count + n - 1) / n;
-  for (std::size_t k = t.count; k < t.groups * n; ++k) {
-    t.x[k] = t.x[t.count - 1], t.y[k] = t.y[t.count - 1], t.z[k] = t.z[t.count - 1], t.radii[k] = t.radii[t.count - 1];
-    t.bodies[k] = t.bodies[t.count - 1], t.pair[k] = t.pair[t.count - 1];
-  }
-  for (std::size_t g = 0; g < t.groups; ++g) find_normal<n, wall>(t, g, plane);
+  for (std::size_t k = t.count; k < t.groups * n; ++k) t.copy(t.count - 1, k);
   for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
-  for (std::size_t g = 0; g < t.groups; ++g) {  // the law's roots beside the turn: AVX2 46.8 ns a sphere for 48.6
-    find_response<n, Normal, Tangential, Rolling>(t, g, law, total);
-    if constexpr (friction) turn_springs<n>(t, g, block.springs);
-  }
-  if constexpr (friction) pull<n>(t, block.springs, with.dt > 0.0, total);
+  const auto respond = [&](std::size_t g) EPAFI_INLINED { find_response<n, Normal, Tangential, Rolling>(t, g, law); };
+  if constexpr (friction)
+    pull<n>(t, block.springs, with.dt, respond);
+  else
+    for (std::size_t g = 0; g < t.groups; ++g) respond(g);
   if constexpr (Rolling::is_present) {
     SphereRolling<n> r;
-    roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block, with, total);
+    roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block, with);
     for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, run, with);
   }
-  for (std::size_t g = 0; g < t.groups; ++g)
-    add_forces<n, friction, wall, across, periodic>(t, g, block, run, with, total);
-  total.touching += t.count;
+  for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
+  for (std::size_t g = 0; g < t.groups; ++g) {
+    if constexpr (friction && !Rolling::is_present) settle_springs<n>(t, g, block.springs, with.dt);
+    add_forces<n, friction, wall, across, periodic>(t, g, block, run, with);
+  }
+  total_up<n, friction, periodic && !wall>(t, total);
 }
 
 /// What contacts that have opened leave behind.
@@ -305,6 +293,7 @@ EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
   constexpr std::size_t full = SphereTile<n>::most;
   const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
   SphereTile<n> t;
+  if constexpr (wall) t.set_normal(-plane->normal);
   for (std::uint32_t k = run.begin; k < run.end; k += eight) {
     if constexpr (Tangential::is_present)  // their turn comes when 32 that touch have been found
       for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(&block.springs[k + l], 1);
@@ -326,10 +315,7 @@ EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
     t.count = full;
     evaluate<n, Normal, Tangential, Rolling, wall, across, periodic>(t, block, run, law, with, total);
     t.count = found - full;
-    for (std::size_t l = 0; l < eight; ++l) {
-      t.x[l] = t.x[full + l], t.y[l] = t.y[full + l], t.z[l] = t.z[full + l], t.radii[l] = t.radii[full + l];
-      t.bodies[l] = t.bodies[full + l], t.pair[l] = t.pair[full + l];
-    }
+    for (std::size_t l = 0; l < eight; ++l) t.copy(full + l, l);
   }
   if (t.count > 0) evaluate<n, Normal, Tangential, Rolling, wall, across, periodic>(t, block, run, law, with, total);
 }

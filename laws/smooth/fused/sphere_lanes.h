@@ -293,8 +293,15 @@ template <int n>
 struct LaneSum {
   static constexpr std::size_t parts = 8 / n;
   typename LanesOf<n>::Real part[parts]{};
-  /// g: which group of n it is.
-  EPAFI_LANES void add(std::size_t g, typename LanesOf<n>::Real x) { part[g % parts] += x; }
+  /// x(g): of group g of n; groups: a multiple of `parts`.
+  template <class F>
+  EPAFI_LANES void add(std::size_t groups, const F& x) {
+    typename LanesOf<n>::Real sum[parts];  // in registers
+    for (std::size_t p = 0; p < parts; ++p) sum[p] = part[p];
+    for (std::size_t g = 0; g < groups; g += parts)
+      for (std::size_t p = 0; p < parts; ++p) sum[p] += x(g + p);
+    for (std::size_t p = 0; p < parts; ++p) part[p] = sum[p];
+  }
   EPAFI_LANES double total() const {
     double s[8];
     std::memcpy(s, part, sizeof s);

@@ -13,7 +13,7 @@ struct SphereRolling {
   using V3 = VectorsOf<V>;
   static constexpr std::size_t size = SphereTile<n>::size;
   V3 slip[size], spin[size];        ///< velocities at the time of the detection [m/s], [rad/s]
-  V3 angle[size];                   ///< rolled in the step [rad]
+  V3 turning[size];                 ///< against each other, in the middle of the step [rad/s]
   V slip_mobility[size];            ///< [1/kg]
   V inertia[size];                  ///< about the contact [kg m^2]
   V dashpot[size];                  ///< against rolling [N m s]
@@ -62,36 +62,35 @@ template <int n, bool wall, bool periodic>
 EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* bodies = t.bodies + g * n;
-  const VectorsOf<V>& normal = t.normal[g];
+  const VectorsOf<V> normal = t.normal(g);
   SphereSide<n> a, b;
   a.read(
-      with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, t.lever[g]);
+      with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, t.group[g].lever);
   if constexpr (!wall)
     b.read(
-        with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, t.lever[g]);
+        with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, t.group[g].lever);
   VectorsOf<V> velocity = b.velocity - a.velocity;
   if constexpr (periodic && !wall) {  // the flow of a deforming cell comes on top
-    const V length = t.distance[g];
+    const V length = t.column(t.distance, g);
     const Lanes& rate = with.strain_rate;
     velocity =
         velocity + VectorsOf<V>{rate[0] * length * normal.x, rate[1] * length * normal.y, rate[2] * length * normal.z};
   }
-  const VectorsOf<V> turning = t.lever[g] * (a.radius * a.late_spin + b.radius * b.late_spin);
+  const VectorsOf<V> turning = t.group[g].lever * (a.radius * a.late_spin + b.radius * b.late_spin);
   r.slip[g] = in_plane(velocity, normal) - turning.cross(normal);
   r.spin[g] = in_plane(b.late_spin - a.late_spin, normal);
-  r.angle[g] = with.dt * in_plane(b.spin - a.spin, normal);
+  r.turning[g] = in_plane(b.spin - a.spin, normal);
   r.slip_mobility[g] = a.slip_mobility + b.slip_mobility;
   r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
 }
 
 /// The friction spring pulls with t.load; it and its dashpot slide together.
 template <int n, class Tangential>
-EPAFI_LANES void damp(const SphereTile<n>& t, SphereRolling<n>& r, std::size_t g,
-                      const typename Tangential::Parameters& p, SphereTotals<n>& total) {
+EPAFI_LANES void damp(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const typename Tangential::Parameters& p) {
   using V = typename LanesOf<n>::Real;
-  const V dashpot = 2.0 * p.damping * sqrt(t.stiffness[g] / r.slip_mobility[g]);
-  r.friction[g] = within(t.load[g] + dashpot * r.slip[g], t.limit[g]);
-  total.viscous.add(g, keep(t.used(g), (r.friction[g] - t.load[g]).dot(r.slip[g])));
+  const V dashpot = 2.0 * p.damping * sqrt(t.group[g].stiffness / r.slip_mobility[g]);
+  r.friction[g] = within(t.group[g].load + dashpot * r.slip[g], t.group[g].limit);
+  t.group[g].viscous += (r.friction[g] - t.group[g].load).dot(r.slip[g]);
 }
 
 /// The rolling spring takes the place of the friction spring in the tile.
@@ -101,11 +100,13 @@ EPAFI_LANES void prepare_rolling(SphereTile<n>& t, SphereRolling<n>& r, std::siz
                                  const typename Rolling::Parameters& p, double dt) {
   using V = typename LanesOf<n>::Real;
   RollingStepOf<V> step;
-  step.normal_stiffness = t.stiffness[g] / Tangential::stiffness(tangential, 1.0), step.normal_force = t.force[g];
-  step.radius = t.radius[g], step.inertia = r.inertia[g], step.spin = sqrt(r.spin[g].dot(r.spin[g])), step.dt = dt;
+  step.normal_stiffness = t.group[g].stiffness / Tangential::stiffness(tangential, 1.0),
+  step.normal_force = t.group[g].force;
+  step.radius = t.group[g].radius, step.inertia = r.inertia[g], step.spin = sqrt(r.spin[g].dot(r.spin[g])),
+  step.dt = dt;
   r.dashpot[g] = Rolling::damping(p, step);
-  t.stiffness[g] = Rolling::stiffness(p, step), t.limit[g] = Rolling::limit(p, step);
-  t.displacement[g] = r.angle[g];
+  t.group[g].stiffness = Rolling::stiffness(p, step), t.group[g].limit = Rolling::limit(p, step);
+  t.group[g].slip = r.turning[g];
 }
 
 /// Adds the moments to the sums as add_forces does the forces; of B to records where it lies in another block.
@@ -113,10 +114,9 @@ template <int n, bool wall, bool across>
 EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, std::size_t g,
                              const SphereBlocks::Block& block, const SphereBlocks::Run& run, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
-  const MaskOf<V> used = t.used(g);
   const VectorsOf<V>&moment = r.moment[g], &friction = r.friction[g];
   RowOf<n> rows[n], pulls[n];
-  write_rows(keep(used, moment.x), keep(used, moment.y), keep(used, moment.z), V{}, rows);
+  write_rows(moment.x, moment.y, moment.z, V{}, rows);
   write_rows(friction.x, friction.y, friction.z, V{}, pulls);
   const SpherePlaces* bodies = t.bodies + g * n;
   const std::uint32_t* pair = t.pair + g * n;
@@ -135,19 +135,22 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
 /// Behind `pull` of the friction springs: dashpots, then the rolling springs through the same loops.
 template <int n, class Tangential, class Rolling, bool wall, bool periodic>
 EPAFI_LANES void roll(SphereTile<n>& t, SphereRolling<n>& r, const typename Tangential::Parameters& tangential,
-                      const typename Rolling::Parameters& p, const SphereBlocks::Block& block, const SphereArrays& with,
-                      SphereTotals<n>& total) {
+                      const typename Rolling::Parameters& p, const SphereBlocks::Block& block,
+                      const SphereArrays& with) {
+  for (std::size_t g = 0; g < t.groups; ++g) settle_springs<n>(t, g, block.springs, with.dt);
   for (std::size_t g = 0; g < t.groups; ++g) find_rolling<n, wall, periodic>(t, r, g, with);
-  for (std::size_t g = 0; g < t.groups; ++g) damp<n, Tangential>(t, r, g, tangential, total);
-  for (std::size_t g = 0; g < t.groups; ++g) {
+  for (std::size_t g = 0; g < t.groups; ++g) damp<n, Tangential>(t, r, g, tangential);
+  pull<n>(t, block.rolling, with.dt, [&](std::size_t g) EPAFI_INLINED {
     prepare_rolling<n, Tangential, Rolling>(t, r, g, tangential, p, with.dt);
-    turn_springs<n>(t, g, block.rolling);
-  }
-  pull<n>(t, block.rolling, with.dt > 0.0, total);
+  });
   for (std::size_t g = 0; g < t.groups; ++g) {
-    r.moment[g] = within(t.load[g] + r.dashpot[g] * r.spin[g], t.limit[g]);
-    total.viscous.add(g, keep(t.used(g), (r.moment[g] - t.load[g]).dot(r.spin[g])));
-    t.load[g] = r.friction[g];
+    typename SphereTile<n>::Group& c = t.group[g];
+    const auto stored = c.twice_stored, slipped = c.twice_slipped;  // of the friction springs
+    settle_springs<n>(t, g, block.rolling, with.dt);
+    c.twice_stored += stored, c.twice_slipped += slipped;
+    r.moment[g] = within(c.load + r.dashpot[g] * r.spin[g], c.limit);
+    c.viscous += (r.moment[g] - c.load).dot(r.spin[g]);
+    c.load = r.friction[g];
   }
 }
 

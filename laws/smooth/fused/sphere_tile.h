@@ -16,6 +16,7 @@ struct SphereArrays {
   double dt;
   bool damped;
   Lanes cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]; fourth 0
+  SpherePlace nowhere{};         ///< of a sum that nobody reads: for lanes behind the last contact
   // with rolling: spins by slot, then as sums and records
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;
@@ -37,13 +38,12 @@ struct SphereArrays {
 /// What a run found: sums in the order of the contacts that touch.
 template <int n>
 struct SphereTotals {
-  LaneSum<n> elastic, slipped, viscous;  ///< [J], [J], [W]
-  LaneSum<n> virial[3];
-  double released = 0.0;  ///< energy of the springs of contacts that opened [J]
+  LaneSum<n> elastic, viscous;             ///< of the normal parts [J], [W]
+  LaneSum<n> twice_stored, twice_slipped;  ///< of the springs [J]
+  LaneSum<n> virial[3];                    ///< with a periodic cell [N m]
+  double released = 0.0;                   ///< energy of the springs of contacts that opened [J]
   std::size_t touching = 0;
 };
-
-inline constexpr LanesOf<2>::Mask pair_masks[2] = {{-1, 0}, {-1, -1}};
 
 /// Contacts on their way through the loops. Lanes behind the last contact repeat it and add nothing.
 template <int n>
@@ -53,35 +53,53 @@ struct SphereTile {
   static constexpr std::size_t most = 32, size = most / n;
   static constexpr std::size_t room = most + 16;  ///< a look at eight pairs may write that far
   std::size_t count = 0, groups = 0;              ///< of contacts, of groups that hold them
-  alignas(64) double x[room], y[room], z[room];   ///< from centre to centre [m]; of walls: x, how far above
-  alignas(64) double radii[room];                 ///< sum of both [m]
+  alignas(64) double x[room], y[room], z[room];   ///< normal from A to B; of walls: into the wall
+  alignas(64) double overlap[room];               ///< [m]
+  alignas(64) double curvature[room];             ///< 1/sum of radii [1/m]; not of walls
+  alignas(64) double distance[room];              ///< of centres, in a periodic cell [m]
   alignas(64) SpherePlaces bodies[room];
   alignas(64) std::uint32_t pair[room];
-  V lever[size];     ///< distance over sum of radii
-  V3 normal[size];   ///< from A to B; of walls: into the wall
-  V distance[size];  ///< of centres [m]
-  V overlap[size], approach[size], mass[size], radius[size];
-  V3 displacement[size];           ///< slip of the step [m]
-  V twist[size];                   ///< about the normal in the step [rad]
-  V force[size];                   ///< [N]
-  V stiffness[size], limit[size];  ///< of the spring [N/m], [N]
-  V compliance[size];              ///< the old one until it is scaled [m/N]
-  V square[size];                  ///< of the spring's load [N^2]
-  // of the spring: load squared, energy [J], old compliance times stiffness
-  V before[size], energy[size], shrink[size];
-  V3 start[size], load[size];  ///< of the spring, as it comes into the step and now [N]
+  struct Group {
+    V lever;  ///< distance over sum of radii
+    V approach, mass, radius;
+    V3 slip;         ///< velocity, in the middle of the step [m/s]; of rolling springs [rad/s]
+    V twist;         ///< about the normal in the step [rad]
+    V force;         ///< [N]
+    V stiffness;     ///< of the spring [N/m]
+    V limit;         ///< of its load [N]
+    V compliance;    ///< the old one until it is scaled [m/N]
+    V square;        ///< of its load [N^2]
+    V before;        ///< the same as it comes into the step
+    V energy;        ///< twice its energy then [J]
+    V shrink;        ///< old compliance times stiffness
+    V3 start, load;  ///< as it comes into the step, and now [N]
+    // what SphereTotals sums
+    V elastic, viscous, twice_stored, twice_slipped;
+    V virial_x, virial_y, virial_z;
+  };
+  Group group[size];
+  bool slides[size];  ///< some spring of the group is at its limit
 
   EPAFI_LANES V column(const double* c, std::size_t g) const {
     V out;
-    std::memcpy(&out, c + g * n, sizeof out);
+    std::memcpy(&out, __builtin_assume_aligned(c + g * n, sizeof out), sizeof out);
     return out;
   }
-  /// All but the lanes behind the last contact.
-  EPAFI_LANES MaskOf<V> used(std::size_t g) const {
-    if constexpr (n == 2) return pair_masks[count - g * n > 1];  // SSE2 does not compare such numbers
+  EPAFI_LANES void set_normal(const Vec3& all) {
+    std::fill_n(x, room, all.x()), std::fill_n(y, room, all.y()), std::fill_n(z, room, all.z());
+  }
+  EPAFI_LANES V3 normal(std::size_t g) const { return {column(x, g), column(y, g), column(z, g)}; }
+  /// A contact once more, before it is in a group.
+  EPAFI_LANES void copy(std::size_t from, std::size_t to) {
+    x[to] = x[from], y[to] = y[from], z[to] = z[from];
+    overlap[to] = overlap[from], curvature[to] = curvature[from], distance[to] = distance[from];
+    bodies[to] = bodies[from], pair[to] = pair[from];
+  }
+  /// Lanes of the last group that hold a contact; all those of others do.
+  EPAFI_LANES MaskOf<V> used() const {
     MaskOf<V> lane{};
-    for (int l = 0; l < n; ++l) lane[l] = l;
-    return lane < static_cast<long long>(count - g * n) + MaskOf<V>{};
+    for (std::size_t l = 0; l < n; ++l) lane[l] = (groups - 1) * n + l < count ? -1 : 0;
+    return lane;
   }
 };
 
@@ -97,74 +115,102 @@ template <int n>
 EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSpring* springs) {
   using V = typename LanesOf<n>::Real;
   const std::uint32_t* pair = t.pair + g * n;
-  const VectorsOf<V>& normal = t.normal[g];
+  const VectorsOf<V> normal = t.normal(g);
   VectorsOf<V> old;
   V compliance;
   read_columns([&](int l) EPAFI_INLINED { return row<n>(springs[pair[l]].load); }, old.x, old.y, old.z, compliance);
-  const VectorsOf<V> load = old + t.twist[g] * normal.cross(old);
-  t.start[g] = load - normal.dot(load) * normal;
-  t.before[g] = old.dot(old), t.square[g] = t.start[g].dot(t.start[g]);
-  t.energy[g] = 0.5 * t.before[g] * compliance;
-  t.compliance[g] = compliance;
+  const VectorsOf<V> load = old + t.group[g].twist * normal.cross(old);
+  t.group[g].start = load - normal.dot(load) * normal;
+  t.group[g].before = old.dot(old), t.group[g].square = t.group[g].start.dot(t.group[g].start);
+  t.group[g].energy = t.group[g].before * compliance;
+  t.group[g].compliance = compliance;
 }
 
 /// The turned load has its old length, and 1/stiffness: by one division.
 template <int n>
 EPAFI_LANES void scale_springs(SphereTile<n>& t, std::size_t g) {
   using V = typename LanesOf<n>::Real;
-  const V after = t.square[g], stiffness = t.stiffness[g];
-  const MaskOf<V> turns = after > filled<n>(1e-200), stiff = stiffness > V{};  // loads below 1e-100 N are none
-  const V some = select(turns, after, filled<n>(1.0)), k = select(stiff, stiffness, filled<n>(1.0));
+  const V after = t.group[g].square, stiffness = t.group[g].stiffness;
+  const MaskOf<V> stiff = stiffness > V{};
+  const V some = max(after, filled<n>(1e-200)), k = select(stiff, stiffness, filled<n>(1.0));  // below 1e-100 N: none
   const V both = 1.0 / (some * k);
-  t.start[g] = keep(turns, sqrt(t.before[g] * (k * both))) * t.start[g];
-  t.shrink[g] = t.compliance[g] * stiffness;
-  t.compliance[g] = keep(stiff, some * both);
+  t.group[g].start = sqrt(t.group[g].before * (k * both)) * t.group[g].start;
+  t.group[g].shrink = t.group[g].compliance * stiffness;
+  t.group[g].compliance = keep(stiff, some * both);
 }
 
-/// True where some lane slides.
 template <int n>
-EPAFI_LANES bool stretch_springs(SphereTile<n>& t, std::size_t g) {
+EPAFI_LANES void stretch_springs(SphereTile<n>& t, std::size_t g, double dt) {
   using V = typename LanesOf<n>::Real;
-  const V shrink = t.shrink[g];  // below 1 where the contact has become softer; a new one has no load
-  t.load[g] = select(shrink < filled<n>(1.0), shrink, filled<n>(1.0)) * t.start[g] + t.stiffness[g] * t.displacement[g];
-  t.square[g] = t.load[g].dot(t.load[g]);
-  return less_bits<n>(t.limit[g] * t.limit[g], t.square[g]) != 0;
+  const V shrink = t.group[g].shrink;  // below 1 where the contact has become softer; a new one has no load
+  t.group[g].load = min(shrink, filled<n>(1.0)) * t.group[g].start + (dt * t.group[g].stiffness) * t.group[g].slip;
+  t.group[g].square = t.group[g].load.dot(t.group[g].load);
+  t.slides[g] = less_bits<n>(t.group[g].limit * t.group[g].limit, t.group[g].square) != 0;
 }
 
 template <int n>
 EPAFI_LANES void slide(SphereTile<n>& t, std::size_t g) {
   using V = typename LanesOf<n>::Real;
-  const V square = t.square[g], limit = t.limit[g];
+  const V square = t.group[g].square, limit = t.group[g].limit;
   const MaskOf<V> slides = square > limit * limit;
-  t.load[g] = select(slides, limit / sqrt(select(slides, square, filled<n>(1.0))), filled<n>(1.0)) * t.load[g];
-  t.square[g] = t.load[g].dot(t.load[g]);
+  t.group[g].load =
+      select(slides, limit / sqrt(select(slides, square, filled<n>(1.0))), filled<n>(1.0)) * t.group[g].load;
+  t.group[g].square = t.group[g].load.dot(t.group[g].load);
 }
 
+/// respond(g) finds stiffness and limit. Roots and divisions of one group wait beside the turn of the next one.
+template <int n, class F>
+EPAFI_LANES void pull(SphereTile<n>& t, const SphereSpring* springs, double dt, const F& respond) {
+  for (std::size_t g = 0; g < t.groups; ++g) {
+    respond(g);
+    turn_springs<n>(t, g, springs);
+    if (g > 0) scale_springs<n>(t, g - 1);
+    if (g > 1) stretch_springs<n>(t, g - 2, dt);
+  }
+  scale_springs<n>(t, t.groups - 1);
+  for (std::size_t g = t.groups - std::min<std::size_t>(t.groups, 2); g < t.groups; ++g) stretch_springs<n>(t, g, dt);
+  for (std::size_t g = 0; g < t.groups; ++g)
+    if (t.slides[g]) slide<n>(t, g);
+}
+
+/// What the springs are worth now, and what they remember where time has passed.
 template <int n>
-EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* springs, bool remember,
-                                SphereTotals<n>& total) {
+EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* springs, double dt) {
   using V = typename LanesOf<n>::Real;
   const std::uint32_t* pair = t.pair + g * n;
-  const V energy = 0.5 * t.square[g] * t.compliance[g];
-  const V work = 0.5 * (t.start[g] + t.load[g]).dot(t.displacement[g]);
-  const MaskOf<V> used = t.used(g);
-  total.elastic.add(g, keep(used, energy));
-  total.slipped.add(g, keep(used, work - (energy - t.energy[g])));
-  if (!remember) return;
+  typename SphereTile<n>::Group& c = t.group[g];
+  const V energy = c.square * c.compliance;
+  c.twice_stored = energy;
+  c.twice_slipped = dt * (c.start + c.load).dot(c.slip) - (energy - c.energy);  // work less growth
+  if (!(dt > 0.0)) return;
   RowOf<n> rows[n];
-  write_rows(t.load[g].x, t.load[g].y, t.load[g].z, t.compliance[g], rows);
+  write_rows(c.load.x, c.load.y, c.load.z, c.compliance, rows);
   for (int l = 0; l < n; ++l) store<n>(springs[pair[l]].load, rows[l]);
 }
 
-/// Behind turn_springs.
-template <int n>
-EPAFI_LANES void pull(SphereTile<n>& t, SphereSpring* springs, bool remember, SphereTotals<n>& total) {
-  bool slides[SphereTile<n>::size];
-  for (std::size_t g = 0; g < t.groups; ++g) scale_springs<n>(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g) slides[g] = stretch_springs<n>(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g)
-    if (slides[g]) slide<n>(t, g);
-  for (std::size_t g = 0; g < t.groups; ++g) settle_springs<n>(t, g, springs, remember, total);
+/// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25
+/// instructions of 560 for four contacts.
+template <int n, bool friction, bool periodic>
+EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total) {
+  using V = typename LanesOf<n>::Real;
+  using Group = typename SphereTile<n>::Group;
+  constexpr std::size_t parts = LaneSum<n>::parts;
+  const std::size_t whole = (t.groups + parts - 1) / parts * parts;
+  const auto add = [&](LaneSum<n>& sum, V Group::*x) EPAFI_INLINED {
+    if (t.count < SphereTile<n>::most) {
+      V& last = t.group[t.groups - 1].*x;
+      last = keep(t.used(), last);
+      for (std::size_t g = t.groups; g < whole; ++g) t.group[g].*x = V{};
+    }
+    sum.add(whole, [&](std::size_t g) EPAFI_INLINED { return t.group[g].*x; });
+  };
+  add(total.elastic, &Group::elastic), add(total.viscous, &Group::viscous);
+  if constexpr (friction)
+    add(total.twice_stored, &Group::twice_stored), add(total.twice_slipped, &Group::twice_slipped);
+  if constexpr (periodic)
+    add(total.virial[0], &Group::virial_x), add(total.virial[1], &Group::virial_y),
+        add(total.virial[2], &Group::virial_z);
+  total.touching += t.count;
 }
 
 }  // namespace epafi
