@@ -12,6 +12,7 @@ namespace {
 constexpr double cell_per_size = 1.0;    // cell edge over largest body of the class
 constexpr double level_ratio = 2.0;      // sizes in one class
 constexpr std::size_t block_size = 512;  // bodies per parallel block
+constexpr std::uint32_t together = 4;
 }  // namespace
 
 std::int64_t SpatialHash::Axis::cell(double x) const {
@@ -88,7 +89,7 @@ void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
 
 void SpatialHash::sort_bodies(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
-  cell_of_.resize(all.size()), ball_.resize(all.size()), slot_.resize(all.size());
+  cell_of_.resize(all.size()), ball_.resize(all.size() + together), slot_.resize(all.size() + together);
   parallel_for(all.size(), [&](std::size_t k) {
     const Level& level = level_[level_of_[k]];
     const Vec3 x = bodies.position(all[k]);
@@ -123,12 +124,13 @@ std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std
   const auto scan = [&](std::uint32_t begin, std::uint32_t end) {
     begin = std::max(begin, first);
     if (begin >= end) return;
-    if (found.size() < n + (end - begin)) found.resize(2 * (n + (end - begin)));
+    if (found.size() < n + (end - begin) + together) found.resize(2 * (n + (end - begin)) + together);
     Slot* out = found.data() + n;
-    for (std::uint32_t k = begin; k < end; ++k) {  // no branch: half of the candidates hit
-      *out = slot_[k];
-      out += static_cast<int>(ball.overlaps(ball_[k]));
-    }
+    for (std::uint32_t k = begin; k < end; k += together)
+      for (std::uint32_t l = 0; l < together; ++l) {  // no branch: half of the candidates hit
+        *out = slot_[k + l];
+        out += static_cast<int>(ball.overlaps(ball_[k + l])) & static_cast<int>(k + l < end);
+      }
     n = static_cast<std::size_t>(out - found.data());
   };
   const auto [mx, my, mz] = std::array{level.axis[0].mask, level.axis[1].mask, level.axis[2].mask};
