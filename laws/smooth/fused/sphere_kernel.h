@@ -45,9 +45,8 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, st
     const V square = d.dot(d);
     bits = less_bits<n>(square, radii * radii) & valid;
     distance = sqrt(square);
-    const MaskOf<V> apart = distance > V{};
-    const V length = select(apart, distance, filled<n>(1.0)), both = 1.0 / (length * radii), inverse = radii * both;
-    d = {inverse * d.x, inverse * d.y, select(apart, inverse * d.z, filled<n>(1.0))};
+    const V length = max(distance, filled<n>(1e-150)), both = 1.0 / (length * radii), inverse = radii * both;
+    d = {inverse * d.x, inverse * d.y, inverse * d.z + keep(distance == V{}, filled<n>(1.0))};  // z where they are one
     overlap = radii - distance, curvature = length * both;
   }
   for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before

@@ -132,7 +132,7 @@ EPAFI_LANES void scale_springs(SphereTile<n>& t, std::size_t g) {
   using V = typename LanesOf<n>::Real;
   const V after = t.group[g].square, stiffness = t.group[g].stiffness;
   const MaskOf<V> stiff = stiffness > V{};
-  const V some = max(after, filled<n>(1e-200)), k = select(stiff, stiffness, filled<n>(1.0));  // below 1e-100 N: none
+  const V some = max(after, filled<n>(1e-200)), k = max(stiffness, filled<n>(1e-100));  // no division by 0
   const V both = 1.0 / (some * k);
   t.group[g].start = sqrt(t.group[g].before * (k * both)) * t.group[g].start;
   t.group[g].shrink = t.group[g].compliance * stiffness;
@@ -151,11 +151,10 @@ EPAFI_LANES void stretch_springs(SphereTile<n>& t, std::size_t g, double dt) {
 template <int n>
 EPAFI_LANES void slide(SphereTile<n>& t, std::size_t g) {
   using V = typename LanesOf<n>::Real;
-  const V square = t.group[g].square, limit = t.group[g].limit;
-  const MaskOf<V> slides = square > limit * limit;
-  t.group[g].load =
-      select(slides, limit / sqrt(select(slides, square, filled<n>(1.0))), filled<n>(1.0)) * t.group[g].load;
-  t.group[g].square = t.group[g].load.dot(t.group[g].load);
+  typename SphereTile<n>::Group& c = t.group[g];
+  const V part = c.limit / sqrt(max(c.square, filled<n>(1e-300)));  // 1 or more where a spring holds
+  c.load = min(part, filled<n>(1.0)) * c.load;
+  c.square = c.load.dot(c.load);
 }
 
 /// respond(g) finds stiffness and limit. Roots and divisions of one group wait beside the turn of the next one.
