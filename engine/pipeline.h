@@ -38,6 +38,12 @@ class Scheme : public StepStage {
 
 struct Extent;
 
+/// Leave for the contact model to do the first half of the next step too.
+struct RunOn {
+  std::function<bool(const Extent&)> agrees;  ///< to where the bodies are in this step
+  bool bounded = true;  ///< it will ask where they are in the next one, not only whether somewhere
+};
+
 /// What a stage that acts needs to know about the step.
 struct StepClock {
   double dt = 0.0;  ///< [s]
@@ -47,8 +53,7 @@ struct StepClock {
   /// Where it is given, only the bodies of contacts get their forces, those of others are left as they are: these
   /// bodies.
   std::vector<Slot>* touched = nullptr;
-  /// The model may do the first half of the next step too, of the same dt, if this agrees to where the bodies are.
-  const std::function<bool(const Extent&)>* run_on = nullptr;
+  const RunOn* run_on = nullptr;  ///< where it is given, the next step has the same dt
 };
 
 /// Finds the pairs of bodies that may touch.

@@ -77,8 +77,8 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) 
   if (world.size() > before) welcome(before);
   if (!leaving_.empty()) take_out();
   if (sort) sort_bodies();
-  const std::function<bool(const Extent&)> agree = [this](const Extent& seen) { return seen.is_inside(watched()); };
-  step(world, pipeline, work, dt, run_on ? &agree : nullptr);
+  const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
+  step(world, pipeline, work, dt, run_on ? &leave : nullptr);
   ledger.add(work.report);
   return watch();
 }

@@ -15,8 +15,7 @@ double watched(World& world, Pipeline& stage, double dt, const Half& half) {
 
 }  // namespace
 
-void step(World& world, Pipeline& stage, Workspace& work, double dt,
-          const std::function<bool(const Extent&)>* run_on) {
+void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn* run_on) {
   StageTimer timer(work.report.seconds);
   StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get(), nullptr, run_on};
   double held = 0.0;

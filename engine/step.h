@@ -13,8 +13,7 @@ struct Workspace {
 
 /// Advances the world by one step: integrate, find pairs, find contacts, let them act, integrate. run_on: as
 /// StepClock::run_on.
-void step(World& world, Pipeline& stage, Workspace& work, double dt,
-          const std::function<bool(const Extent&)>* run_on = nullptr);
+void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn* run_on = nullptr);
 
 /// Evaluates the contact forces of the present state, without moving anything.
 void evaluate_forces(World& world, Pipeline& stage, Workspace& work);

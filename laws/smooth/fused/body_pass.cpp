@@ -84,7 +84,7 @@ void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen) cons
 
 void BodyPass::measure_others(std::size_t from, std::size_t to, Vec3& most) const {
   for (std::size_t s = from; s < to; ++s) {
-    const Vec3 way = static_cast<double>(hurry[s]) * world.velocity[s];
+    const Vec3 way = hurry[s] * world.velocity[s];
     most = most.cwiseMax(way.cwiseProduct(way));
   }
 }

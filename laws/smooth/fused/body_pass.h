@@ -69,11 +69,12 @@ struct BodyPass {
   Lanes* moments;               ///< the same
   const std::uint8_t* plain;    ///< by four bodies: all free and of equal moments
   const std::uint8_t* touched;  ///< by slot: forces of the world come on top; null: nowhere
-  const float* hurry;           ///< by slot: 1/half the margin of the list [1/m]
+  const double* hurry;          ///< by slot: 1/half the margin of the list [1/m]
   const std::uint8_t* watched;  ///< by slot: others look at the body in the world; null: nobody does
   Scheme& scheme;               ///< for the others
   double dt, lag;               ///< lag: of the predicted velocity [s]
   std::size_t begin, end;       ///< slots, begin a multiple of four
+  bool bounded;                 ///< somebody asks where the bodies of the next step are
   Extent& extent;               ///< of the bodies seen
 
   /// f(s) for all plain fours, others(from, to) for the rest.
@@ -170,8 +171,18 @@ struct SecondHalf : BodyPass {
 
   template <int n>
   EPAFI_LANES void run() const {
+    if constexpr (onward && !shown)
+      if (world.rotates() && moments == nullptr && touched == nullptr && watched == nullptr && !bounded)
+        return pass<n, true>();
+    pass<n, false>();
+  }
+
+ private:
+  /// alone: the bodies turn, nobody else pushes or watches them, and nobody asks where they are.
+  template <int n, bool alone>
+  EPAFI_LANES void pass() const {
     const RowOf<n> none = splat<n>(Extent::none), zero = splat<n>(0.0);
-    Passing<n> p{none, splat<n>(-Extent::none), zero, zero, zero};
+    Passing<n> p{none, splat<n>(-Extent::none), zero, zero};
     const Kept<n> kept{states,        sums,
                        moments,       touched,
                        hurry,         watched,
@@ -180,7 +191,7 @@ struct SecondHalf : BodyPass {
                        splat<n>(lag), world.rotates()};
     each(
         [&](std::size_t s) EPAFI_INLINED {
-          for (std::size_t k = s; k < s + 4; ++k) one<n>(k, kept, p);
+          for (std::size_t k = s; k < s + 4; ++k) one<n, alone>(k, kept, p);
         },
         [&](std::size_t from, std::size_t to) {
           finish_others(from, to);
@@ -189,9 +200,9 @@ struct SecondHalf : BodyPass {
         });
     extent.finite = extent.finite && is_zero(p.finite);
     if constexpr (!onward) return;
-    next.finite = next.finite && is_zero(p.finite_next);
+    next.finite = next.finite && is_zero(p.finite);  // a position says it of its velocity too
     Lanes low, high;
-    epafi::store<n>(low, p.low), epafi::store<n>(high, p.high);
+    epafi::store<n>(low, alone ? -none : p.low), epafi::store<n>(high, alone ? none : p.high);  // or anywhere
     for (int k = 0; k < 3; ++k)
       next.low[k] = std::min(next.low[k], low[k]), next.high[k] = std::max(next.high[k], high[k]);
     if constexpr (shown) return;
@@ -199,7 +210,6 @@ struct SecondHalf : BodyPass {
     for (int k = 0; k < 3; ++k) most_hurry[k] = std::max(most_hurry[k], low[k]);
   }
 
- private:
   /// What all bodies share, in registers: as members, which a store to a body might change, they would be read again
   /// for each (AVX2: 43.2 for 43.9 ns a sphere and step).
   template <int n>
@@ -208,7 +218,7 @@ struct SecondHalf : BodyPass {
     SphereSum* sums;
     Lanes* moments;
     const std::uint8_t* touched;
-    const float* hurry;
+    const double* hurry;
     const std::uint8_t* watched;
     std::size_t begin;
     RowOf<n> gravity, dt, half_dt, lag;
@@ -216,57 +226,58 @@ struct SecondHalf : BodyPass {
   };
   template <int n>
   struct Passing {
-    RowOf<n> low, high, finite, finite_next, hurry;
+    RowOf<n> low, high, finite, hurry;
   };
 
-  template <int n>
+  template <int n, bool alone>
   EPAFI_LANES void one(std::size_t s, const Kept<n>& kept, Passing<n>& p) const {
     SphereState& state = kept.states[s];
     SphereSum& sum = kept.sums[s - kept.begin];
     const double radius = state.position[3], inverse_mass = state.velocity[3];
     RowOf<n> force = row<n>(sum.force), torque = splat<n>(radius) * row<n>(sum.pull);
-    const bool more = kept.touched != nullptr && kept.touched[s] != 0;
+    const bool more = !alone && kept.touched != nullptr && kept.touched[s] != 0;
+    const bool rolls = !alone && kept.moments != nullptr, rotates = alone || kept.rotates;
     if (more) force = load<n>(world.force[s].data()) + force;
     const RowOf<n> a = kept.gravity + splat<n>(inverse_mass) * force, kick = kept.half_dt * a;
-    RowOf<n> v = row<n>(state.velocity) + kick;
-    p.finite = p.finite + splat<n>(0.0) * v;
-    RowOf<n> w = row<n>(state.spin);
-    if (kept.rotates) {
-      if (kept.moments != nullptr) torque = torque + row<n>(kept.moments[s - kept.begin]);
-      torque = (more ? load<n>(world.torque[s].data()) : splat<n>(0.0)) + torque;
+    RowOf<n> v = row<n>(state.velocity) + kick, w = row<n>(state.spin);
+    if (rotates) {
+      if (rolls) torque = torque + row<n>(kept.moments[s - kept.begin]);
+      if (more) torque = load<n>(world.torque[s].data()) + torque;
       const RowOf<n> change = splat<n>(state.predicted[3]) * (kept.half_dt * torque);
       w = w + change;
-      p.finite = p.finite + splat<n>(0.0) * w;
       if constexpr (onward) w = w + change, epafi::store<n>(state.spin, w);
-      if (kept.moments != nullptr) {
+      if (rolls) {
         kept.moments[s - kept.begin] = Lanes{};
         if constexpr (onward) epafi::store<n>(late_spins[s], w + splat<n>(state.predicted[3]) * (kept.lag * torque));
       }
     }
     if constexpr (onward) {
-      constexpr std::size_t next_block = SphereBlocks::block_size;  // its turn is next: into the second cache
-      __builtin_prefetch(&states[s + next_block], 1, 2), __builtin_prefetch(&states[s + next_block].spin, 1, 2);
+      const SphereState& soon = (&state)[SphereBlocks::block_size];  // its turn is next: into the second cache
+      __builtin_prefetch(&soon, 1, 2), __builtin_prefetch(&soon.spin, 1, 2);
       v = v + kick;
       const RowOf<n> x = row<n>(state.position) + without_fourth(kept.dt) * v;
       epafi::store<n>(state.position, x), epafi::store<n>(state.velocity, v);
       const RowOf<n> later = v + kept.lag * a;
       epafi::store<n>(state.predicted, with_fourth(later, row<n>(state.predicted)));
-      p.low = least(p.low, x), p.high = most(p.high, x);
-      p.finite_next = p.finite_next + splat<n>(0.0) * x;
+      if constexpr (!alone) p.low = least(p.low, x), p.high = most(p.high, x);
+      p.finite = p.finite + splat<n>(0.0) * (x + w);
       if constexpr (!shown) {
-        const RowOf<n> way = splat<n>(static_cast<double>(kept.hurry[s])) * v;
+        const RowOf<n> way = splat<n>(kept.hurry[s]) * v;
         p.hurry = most(p.hurry, way * way);
       }
+    } else {
+      p.finite = p.finite + splat<n>(0.0) * (v + w);
     }
+    sum = SphereSum{};
+    if constexpr (alone) return;
     if (!onward || shown || kept.watched != nullptr) {
       write<n>(world.force[s].data(), force);
-      if (kept.rotates) write<n>(world.torque[s].data(), torque);
+      if (rotates) write<n>(world.torque[s].data(), torque);
     }
     if (!onward || shown || (kept.watched != nullptr && kept.watched[s] != 0)) {
       write<n>(world.position[s].data(), row<n>(state.position)), write<n>(world.velocity[s].data(), v);
-      if (kept.rotates) write<n>(world.angular_velocity[s].data(), w);
+      if (rotates) write<n>(world.angular_velocity[s].data(), w);
     }
-    sum = SphereSum{};
   }
 };
 

@@ -72,10 +72,8 @@ class FusedModel final : public FusedSpheres {
 
   void set_pairs(const World& world, const SphereList& list) override {
     hurry_.resize(list.margins.size());
-    parallel_for(hurry_.size(), [&](std::size_t s) {  // half a unit in the last place more than it is
-      const double margin = list.margins[s];
-      hurry_[s] = margin > 0.0 ? static_cast<float>(2.0 * (1.0 + 1e-6) / margin) : 0.0f;
-    });
+    parallel_for(hurry_.size(),
+                 [&](std::size_t s) { hurry_[s] = list.margins[s] > 0.0 ? 2.0 / list.margins[s] : 0.0; });
     watched_.clear(), wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
@@ -130,7 +128,7 @@ class FusedModel final : public FusedSpheres {
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
     is_touched_.resize(others ? world.size() : 0);
     for (Slot s : touched_) is_touched_[s] = 1;
-    const bool onward = has_extent_ && clock.run_on && (*clock.run_on)(seen());
+    const bool onward = has_extent_ && clock.run_on && clock.run_on->agrees(seen());
     run_blocks(world, clock, onward);
     for (Slot s : touched_) is_touched_[s] = 0;
     count(clock.dt, report);
@@ -212,6 +210,7 @@ class FusedModel final : public FusedSpheres {
             lag(clock),
             begin,
             end,
+            clock.run_on == nullptr || clock.run_on->bounded,
             extent};
   }
 
@@ -406,7 +405,7 @@ class FusedModel final : public FusedSpheres {
   std::unique_ptr<ContactModel> generic_;
   bool damped_ = false, others_ = true;
   bool packed_ = false;                         ///< the blocks hold the bodies as they are
-  std::vector<float> hurry_;                    ///< 1/half the margin, by slot [1/m]; empty: others move too
+  std::vector<double> hurry_;                   ///< 1/half the margin, by slot [1/m]; empty: others move too
   std::vector<std::uint8_t> watched_;           ///< by slot; empty: the blocks have all contacts
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   double largest_way_ = Extent::none;           ///< of the step that has begun, over half the margin

@@ -45,7 +45,7 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SphereBlocks::Block& block, st
     const V square = d.dot(d);
     bits = less_bits<n>(square, radii * radii) & valid;
     distance = sqrt(square);
-    const V length = max(distance, filled<n>(1e-150)), both = 1.0 / (length * radii), inverse = radii * both;
+    const V length = at_least<n>(distance, 1e-150), both = 1.0 / (length * radii), inverse = radii * both;
     d = {inverse * d.x, inverse * d.y, inverse * d.z + keep(distance == V{}, filled<n>(1.0))};  // z where they are one
     overlap = radii - distance, curvature = length * both;
   }

@@ -189,6 +189,31 @@ EPAFI_LANES void write_both(const VectorsOf<LanesOf<8>::Real>& a, const VectorsO
   }
 }
 
+/// max(x, low) and min(x, high); NaN stays. Of those with a constant GCC 12 makes a comparison and a choice, four
+/// micro-operations for one: 2 % of the step of a bed by SSE2 and by AVX2.
+template <int n>
+EPAFI_LANES typename LanesOf<n>::Real at_least(typename LanesOf<n>::Real x, double low) {
+  const auto bound = typename LanesOf<n>::Real{} + low;
+#if EPAFI_WIDE_BUILTINS
+  if constexpr (n == 2) return __builtin_ia32_maxpd(bound, x);
+  if constexpr (n == 4) return __builtin_ia32_maxpd256(bound, x);
+  if constexpr (n == 8) return __builtin_ia32_maxpd512_mask(bound, x, bound, -1, 4);
+#else
+  return max(x, bound);
+#endif
+}
+template <int n>
+EPAFI_LANES typename LanesOf<n>::Real at_most(typename LanesOf<n>::Real x, double high) {
+  const auto bound = typename LanesOf<n>::Real{} + high;
+#if EPAFI_WIDE_BUILTINS
+  if constexpr (n == 2) return __builtin_ia32_minpd(bound, x);
+  if constexpr (n == 4) return __builtin_ia32_minpd256(bound, x);
+  if constexpr (n == 8) return __builtin_ia32_minpd512_mask(bound, x, bound, -1, 4);
+#else
+  return min(x, bound);
+#endif
+}
+
 /// One bit for each lane where a < b.
 template <int n>
 EPAFI_LANES unsigned less_bits(typename LanesOf<n>::Real a, typename LanesOf<n>::Real b) {

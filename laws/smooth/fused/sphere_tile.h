@@ -132,7 +132,7 @@ EPAFI_LANES void scale_springs(SphereTile<n>& t, std::size_t g) {
   using V = typename LanesOf<n>::Real;
   const V after = t.group[g].square, stiffness = t.group[g].stiffness;
   const MaskOf<V> stiff = stiffness > V{};
-  const V some = max(after, filled<n>(1e-200)), k = max(stiffness, filled<n>(1e-100));  // no division by 0
+  const V some = at_least<n>(after, 1e-200), k = at_least<n>(stiffness, 1e-100);  // no division by 0
   const V both = 1.0 / (some * k);
   t.group[g].start = sqrt(t.group[g].before * (k * both)) * t.group[g].start;
   t.group[g].shrink = t.group[g].compliance * stiffness;
@@ -143,7 +143,7 @@ template <int n>
 EPAFI_LANES void stretch_springs(SphereTile<n>& t, std::size_t g, double dt) {
   using V = typename LanesOf<n>::Real;
   const V shrink = t.group[g].shrink;  // below 1 where the contact has become softer; a new one has no load
-  t.group[g].load = min(shrink, filled<n>(1.0)) * t.group[g].start + (dt * t.group[g].stiffness) * t.group[g].slip;
+  t.group[g].load = at_most<n>(shrink, 1.0) * t.group[g].start + (dt * t.group[g].stiffness) * t.group[g].slip;
   t.group[g].square = t.group[g].load.dot(t.group[g].load);
   t.slides[g] = less_bits<n>(t.group[g].limit * t.group[g].limit, t.group[g].square) != 0;
 }
@@ -152,8 +152,8 @@ template <int n>
 EPAFI_LANES void slide(SphereTile<n>& t, std::size_t g) {
   using V = typename LanesOf<n>::Real;
   typename SphereTile<n>::Group& c = t.group[g];
-  const V part = c.limit / sqrt(max(c.square, filled<n>(1e-300)));  // 1 or more where a spring holds
-  c.load = min(part, filled<n>(1.0)) * c.load;
+  const V part = c.limit / sqrt(at_least<n>(c.square, 1e-300));  // 1 or more where a spring holds
+  c.load = at_most<n>(part, 1.0) * c.load;
   c.square = c.load.dot(c.load);
 }
 
