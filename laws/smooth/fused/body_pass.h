@@ -183,12 +183,13 @@ struct SecondHalf : BodyPass {
   EPAFI_LANES void pass() const {
     const RowOf<n> none = splat<n>(Extent::none), zero = splat<n>(0.0);
     Passing<n> p{none, splat<n>(-Extent::none), zero, zero};
-    const Kept<n> kept{states,        sums,
-                       moments,       touched,
-                       hurry,         watched,
-                       begin,         load<n>(world.gravity.data()),
-                       splat<n>(dt),  splat<n>(0.5 * dt),
-                       splat<n>(lag), world.rotates()};
+    const Kept<n> kept{states,         sums,
+                       moments,        touched,
+                       hurry,          watched,
+                       begin,          load<n>(world.gravity.data()),
+                       splat<n>(dt),   splat<n>(0.5 * dt),
+                       splat<n>(lag),  zero,
+                       world.rotates()};
     each(
         [&](std::size_t s) EPAFI_INLINED {
           for (std::size_t k = s; k < s + 4; ++k) one<n, alone>(k, kept, p);
@@ -221,7 +222,7 @@ struct SecondHalf : BodyPass {
     const double* hurry;
     const std::uint8_t* watched;
     std::size_t begin;
-    RowOf<n> gravity, dt, half_dt, lag;
+    RowOf<n> gravity, dt, half_dt, lag, none;
     bool rotates;
   };
   template <int n>
@@ -268,7 +269,7 @@ struct SecondHalf : BodyPass {
     } else {
       p.finite = p.finite + splat<n>(0.0) * (v + w);
     }
-    sum = SphereSum{};
+    epafi::store<n>(sum.force, kept.none), epafi::store<n>(sum.pull, kept.none);
     if constexpr (alone) return;
     if (!onward || shown || kept.watched != nullptr) {
       write<n>(world.force[s].data(), force);

@@ -444,7 +444,10 @@ void SphereBlocks::clear_tray(std::size_t tray) {
 
 void SphereBlocks::receive(std::size_t i, std::size_t tray) {
   SphereSum* const mine = sums(tray);
-  for (std::uint32_t k = incoming_begin_[i]; k < incoming_begin_[i + 1]; ++k) {
+  const std::size_t end = incoming_begin_[i + 1];
+  for (std::size_t k = incoming_begin_[i]; k < end; ++k) {
+    constexpr std::size_t ahead = 16;  // records lie in the order of their owners: half of this loop waited for them
+    __builtin_prefetch(&records_[incoming_[std::min(k + ahead, end - 1)].record]);
     const auto& [record, slot] = incoming_[k];
     SphereSum& sum = mine[slot % block_size];
     sum.force += records_[record].force;
