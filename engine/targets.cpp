@@ -14,9 +14,10 @@ namespace {
 
 Target widest() {
 #if defined(__x86_64__)
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return Target::baseline;
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
     return Target::avx512;
-  if (__builtin_cpu_supports("avx2")) return Target::avx2;
+  return Target::avx2;
 #endif
   return Target::baseline;
 }

@@ -1,8 +1,9 @@
 /// @file targets.h  One loop compiled for several instruction sets, the widest that this processor runs chosen at run
 /// time. `Task::run() const`, or `Task::run<lanes>() const` for 2, 4 or 8 numbers a register, and all below it must be
 /// inlined (EPAFI_LANES): functions of their own keep the baseline.
-/// Contraction is off everywhere, so the bits are the same; tests/laws/test_pgs.cpp holds that. Include it in a
-/// .cpp that is compiled with -fno-math-errno: sqrt must be one instruction for four lanes.
+/// Contraction is off everywhere, so the bits are the same; tests/laws/test_pgs.cpp holds that. A product and sum in
+/// one instruction stands only where the product is exact. Include it in a .cpp that is compiled with -fno-math-errno:
+/// sqrt must be one instruction for four lanes.
 #pragma once
 
 namespace epafi {
@@ -30,11 +31,11 @@ void run_baseline(const Task& task) {
 // EPAFI_ONE_TARGET: for builds with sanitizers, which take minutes for each copy of the loop over spheres
 #if defined(__x86_64__) && !defined(EPAFI_ONE_TARGET)
 template <class Task>
-[[gnu::target("avx2")]] void run_avx2(const Task& task) {
+[[gnu::target("avx2,fma")]] void run_avx2(const Task& task) {
   run<4>(task);
 }
 template <class Task>
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void run_avx512(const Task& task) {
+[[gnu::target("avx512f,avx512vl,avx512dq,fma")]] void run_avx512(const Task& task) {
   run<8>(task);
 }
 #endif

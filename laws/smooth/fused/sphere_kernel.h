@@ -34,20 +34,20 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const Sph
   } else {
     read_columns(
         [&](int l) EPAFI_INLINED {  // in the fourth the sum of both instead of the difference
-          const auto apart =
-              row<n>(with.state(pair[l].b).position) - flip_fourth(row<n>(with.state(pair[l].a).position));
+          const auto between = apart<n>(with.state(pair[l].a).position, with.state(pair[l].b).position);
           if constexpr (periodic)
-            return apart + row<n>(with.cell_size) * row<n>(images[k + static_cast<std::size_t>(l)].cells);
+            return between + row<n>(with.cell_size) * row<n>(images[k + static_cast<std::size_t>(l)].cells);
           else
-            return apart;
+            return between;
         },
         d.x, d.y, d.z, radii);
+    d.z += filled<n>(1e-150);  // no rounding, but the normal is z where centres are one
     const V square = d.dot(d);
     bits = less_bits<n>(square, radii * radii) & valid;
     distance = sqrt(square);
-    const V length = at_least<n>(distance, 1e-150), both = 1.0 / (length * radii), inverse = radii * both;
-    d = {inverse * d.x, inverse * d.y, inverse * d.z + keep(distance == V{}, filled<n>(1.0))};  // z where they are one
-    overlap = radii - distance, curvature = length * both;
+    const V both = 1.0 / (distance * radii), inverse = radii * both;
+    d = inverse * d;
+    overlap = radii - distance, curvature = distance * both;
   }
   for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
     const SphereState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
@@ -125,15 +125,14 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
     };
     read_columns(
         [&](int l) EPAFI_INLINED {
-          const auto apart =
-              row<n>(with.state(bodies[l].b).velocity) - flip_fourth(row<n>(with.state(bodies[l].a).velocity));
+          const auto moving = apart<n>(with.state(bodies[l].a).velocity, with.state(bodies[l].b).velocity);
           if constexpr (periodic)
-            return apart + flow(l);
+            return moving + flow(l);
           else
-            return apart;
+            return moving;
         },
         velocity.x, velocity.y, velocity.z, inverse_mass);
-    opening = velocity.dot(normal), c.approach = -opening;
+    opening = velocity.dot(normal);
     if (with.damped) {
       read_columns(
           [&](int l) EPAFI_INLINED {
@@ -145,6 +144,8 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
           },
           later.x, later.y, later.z, none);
       c.approach = later.dot(normal);
+    } else {
+      c.approach = -opening;
     }
   }
   c.mass = 1.0 / inverse_mass;

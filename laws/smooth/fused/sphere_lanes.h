@@ -57,6 +57,14 @@ EPAFI_LANES HalfRows flip_fourth(HalfRows x) {
   constexpr LanesOf<2>::Mask sign{0, static_cast<long long>(1ull << 63)};
   return {x.xy, reinterpret_cast<LanesOf<2>::Real>(reinterpret_cast<LanesOf<2>::Mask>(x.zw) ^ sign)};
 }
+/// b - a, in the fourth b + a. A product with 1 or -1 is exact: fused with the sum it has the bits of the two alone.
+template <int n>
+EPAFI_LANES RowOf<n> apart(const Lanes& a, const Lanes& b) {
+#if EPAFI_WIDE_BUILTINS
+  if constexpr (n > 2) return __builtin_ia32_vfmaddpd256(Lanes{-1.0, -1.0, -1.0, 1.0}, a, b);
+#endif
+  return row<n>(b) - flip_fourth(row<n>(a));
+}
 
 /// The same number four times.
 template <int n>

@@ -126,17 +126,17 @@ EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSprin
   t.group[g].compliance = compliance;
 }
 
-/// The turned load has its old length, and 1/stiffness: by one division.
+/// The turned load has its old length, and 1/stiffness: by one division. Without stiffness it becomes 1e100, of no
+/// load.
 template <int n>
 EPAFI_LANES void scale_springs(SphereTile<n>& t, std::size_t g) {
   using V = typename LanesOf<n>::Real;
   const V after = t.group[g].square, stiffness = t.group[g].stiffness;
-  const MaskOf<V> stiff = stiffness > V{};
   const V some = at_least<n>(after, 1e-200), k = at_least<n>(stiffness, 1e-100);  // no division by 0
   const V both = 1.0 / (some * k);
   t.group[g].start = sqrt(t.group[g].before * (k * both)) * t.group[g].start;
   t.group[g].shrink = t.group[g].compliance * stiffness;
-  t.group[g].compliance = keep(stiff, some * both);
+  t.group[g].compliance = some * both;
 }
 
 template <int n>
