@@ -256,3 +256,27 @@ TEST_CASE("steps that begin the next one at once give the same bits as steps tha
   if (c.overrides == leaking) CHECK(one.simulation().bodies_removed() > 20);
   set_thread_count(1);
 }
+
+TEST_CASE("spheres whose centres coincide push each other along z, in the fused loop as in the generic one",
+          "[physics][fused]") {
+  set_thread_count(1);
+  const std::vector<std::string> few{"params.n=40"};
+  const auto push = [](SceneRun& run) {
+    World& world = run.simulation().world;
+    const Slot a = world.slot_of(static_cast<BodyId>(world.ids_given() - 1)),
+               b = world.slot_of(static_cast<BodyId>(world.ids_given() - 2));
+    world.position[a] = world.position[b] = Vec3(0, 0, 1), world.velocity[a] = world.velocity[b] = Vec3::Zero();
+    run.simulation().start();
+    return world.force[a];
+  };
+  SceneRun generic = generic_run("bed/bed.toml", few);
+  const Vec3 expected = push(generic);
+  REQUIRE(std::abs(expected.z()) > 1.0);
+  for (const Target widest : {Target::baseline, Target::avx2, Target::avx512}) {
+    limit_target(widest);
+    SceneRun fused = prepare_scene(library("bed/bed.toml"), few);
+    REQUIRE(fused.assembly->plan.fused_spheres);
+    CHECK((push(fused) - expected).norm() < 1e-9 * expected.norm());
+  }
+  limit_target(Target::avx512);
+}
