@@ -21,6 +21,19 @@ struct Pair {
 
 using PairColumn = UnwrittenColumn<Pair>;
 
+/// Pairs that a contact model detects itself, of free spheres and of free spheres with fixed half-spaces, by the lower
+/// slot; of a half-space by that of its sphere.
+struct SpherePairs {
+  static constexpr Slot plane = Slot{1} << 31;  ///< a partner with this bit is a place in `planes`
+
+  std::vector<std::uint32_t> first;      ///< by slot: its first partner, those of the next slot follow
+  UnwrittenColumn<Slot> partner;         ///< ascending, of a pair of spheres the higher slot
+  UnwrittenColumn<std::uint32_t> image;  ///< beside them, as Pair::image from the lower slot; without a cell empty
+  std::vector<Slot> planes;              ///< the half-spaces, ascending
+
+  std::size_t size() const { return partner.size(); }
+};
+
 /// Sorted candidate pairs, kept while no body has moved beyond the margin.
 struct PairList {
   PairColumn pairs;
@@ -28,6 +41,7 @@ struct PairList {
       0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
   std::uint64_t generation = 0;   ///< grows when the list changes: whoever derives data from it derives it again
   std::vector<double> margins{};  ///< by slot, each body's own in the place of `margin` [m]; empty: one for all
+  SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
   /// By how much the bodies of a pair may come closer while the list lasts [m].
   double margin_of(const Pair& p) const { return margins.empty() ? margin : 0.5 * (margins[p.a] + margins[p.b]); }
 };

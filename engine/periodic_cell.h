@@ -27,6 +27,15 @@ inline std::uint32_t image_code(const Wraps& w) { return image_code(w.x(), w.y()
 /// -1, 0 or 1 of two bits.
 constexpr int image_step(std::uint32_t bits) { return (bits & 3u) == 3u ? -1 : static_cast<int>(bits & 3u); }
 
+/// The same pair seen from B: the code of Pair::image, its key in the next byte; both turn their sign.
+constexpr std::uint32_t opposite_image(std::uint32_t image) {
+  const auto turned = [](std::uint32_t code) {
+    const auto bits = [code](int k) { return -static_cast<int>(code >> (2 * k) & 3u); };
+    return image_code(bits(0), bits(1), bits(2));
+  };
+  return turned(image) | turned(image >> 8) << 8;
+}
+
 struct PeriodicCell {
   Vec3 low = Vec3::Zero(), size = Vec3::Ones();  ///< [m]; used along periodic axes only
   std::array<bool, 3> repeats{};

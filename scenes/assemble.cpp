@@ -141,6 +141,9 @@ BroadSetup broad_setup(const Assembly& a) {
   setup.reach = a.plan.reach;
   for (const auto& row : pair_table())
     for (const auto& cell : row) setup.filter.has_cell.push_back(cell.batch != nullptr);
+  setup.spheres.wanted = a.plan.fused_spheres;
+  if (a.plan.fused_spheres)
+    for (const auto& b : a.scene.bodies) setup.spheres.fixed.push_back(b.fixed);
   return setup;
 }
 
@@ -156,10 +159,13 @@ void set_broad_phase(Assembly& a) {
     name = choice.name, a.plan.broad_phase_reason = choice.reason;
   }
   a.plan.broad_phase = name;
-  auto broad_phase = make_broad_phase(name, setup, world);
+  std::unique_ptr<BroadPhase> broad_phase;
   if (world.cell) {
-    broad_phase = std::make_unique<PeriodicPairs>(setup, std::move(broad_phase));
+    BroadSetup inner = setup;
+    inner.spheres.wanted = false;
+    broad_phase = std::make_unique<PeriodicPairs>(setup, make_broad_phase(name, inner, world));
   } else {
+    broad_phase = make_broad_phase(name, setup, world);
     auto* list = dynamic_cast<ListBroadPhase*>(broad_phase.get());
     if (list && a.plan.fused_spheres) {
       static_cast<void>(broad_phase.release());  // `list` has it
@@ -190,9 +196,8 @@ Pipeline make_pipeline(Assembly& a) {
   p.narrow_phase = std::move(narrow_phase);
   if (a.plan.fused_spheres) {
     auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.sphere_material);
-    std::vector<bool> fixed;
-    for (const auto& b : a.scene.bodies) fixed.push_back(b.fixed);
-    p.narrow_phase = std::make_unique<SphereSplit>(*a.shapes, std::move(p.narrow_phase), *model, std::move(fixed));
+    p.narrow_phase =
+        std::make_unique<SphereSplit>(*a.shapes, std::move(p.narrow_phase), *model, broad_setup(a).spheres);
     p.contact_model = std::move(model);
   } else {
     p.contact_model = make_contact_model(a.scene);

@@ -1,67 +1,87 @@
 #include "scenes/sphere_split.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "engine/parallel_order.h"
 
 namespace epafi {
 
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
-  list_->find_pairs(world, pairs);
-  wear_ = std::isfinite(way_) ? list_->bodies().wear(world) : infinity;  // a sum is of use where ways are known
+  const std::uint64_t before = pairs.generation;
+  if (worn_.outdated())
+    list_->renew_pairs(world, pairs, worn_.of_slow);
+  else
+    list_->find_pairs(world, pairs);
+  worn_ = {};
+  wear_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, 0.0);
+  if (pairs.generation != before) return;
+  const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
+  parallel_blocks(
+      ways_known_ ? world.size() : 0, SphereBlocks::block_size,
+      [&](std::size_t begin, std::size_t end, std::size_t b) { wear_[b] = list_->bodies().wear(begin, end, at).most; });
 }
 
 bool WornPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
   const auto* model = dynamic_cast<const FusedSpheres*>(pipeline_.contact_model.get());
-  way_ = model ? model->largest_way() : infinity;
-  wear_ += way_;
-  return wear_ < 1.0 - 1e-6;  // sums are rounded
+  const std::span<const double> ways = model ? model->largest_ways() : std::span<const double>{};
+  ways_known_ = !ways.empty() && list_->bodies().size() == world.size();
+  if (!ways_known_ || wear_.size() != ways.size()) return wear_.clear(), false;
+  constexpr double nearly = 1.0 - 1e-6;  // sums are rounded
+  worn_ = {}, doubtful_.clear();
+  for (std::size_t b = 0; b < ways.size(); ++b)
+    if ((wear_[b] += ways[b]) >= nearly) doubtful_.push_back(b);
+  const auto at = [bodies = model->bodies()](std::size_t s) {
+    return Vec3(bodies[s].position[0], bodies[s].position[1], bodies[s].position[2]);
+  };
+  std::vector<Wear>& found = block_results<Wear>(doubtful_.size(), Wear{});
+  parallel_for(
+      doubtful_.size(),
+      [&](std::size_t k) {
+        const std::size_t begin = doubtful_[k] * SphereBlocks::block_size;
+        found[k] = list_->bodies().wear(begin, std::min(begin + SphereBlocks::block_size, world.size()), at);
+        wear_[doubtful_[k]] = found[k].most;
+      },
+      1);
+  for (const Wear& w : found) worn_.most = std::max(worn_.most, w.most), worn_.of_slow = worn_.of_slow || w.of_slow;
+  return worn_.most < nearly;
 }
 
 void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet& contacts) {
   const bool fresh = !known_ || generation_ != pairs.generation || model_.waits_for_pairs();
   if (fresh) split(world, pairs);
-  others_->collide(world, rest_, contacts);
-  if (!fresh || rest_.pairs.empty()) return;
+  others_->collide(world, pairs, contacts);
+  if (!fresh || pairs.pairs.empty()) return;
   watched_.clear();
-  others_->looks_at(rest_, watched_);
+  others_->looks_at(pairs, watched_);
   model_.watch(watched_);
 }
 
 void SphereSplit::split(const World& world, const PairList& pairs) {
-  const auto& spheres = shapes_.of<Sphere>();
   const auto& planes = shapes_.of<HalfSpace>();
-  UnwrittenColumn<double> radius(world.size());
-  UnwrittenColumn<std::int32_t> plane_of(world.size());
-  const auto slots = world.size();
-  parallel_for(slots, [&](std::size_t s) {
-    const ShapeRef ref{world.shape[s]};
-    const bool free = ref.type() == ShapeStore::type_of<Sphere>() && world.is_movable(static_cast<Slot>(s));
-    radius[s] = free ? spheres[ref.index()].radius : SphereList::not_a_sphere, plane_of[s] = -1;
-  });
-  const auto moves = [&](std::size_t s) { return !(radius[s] > 0.0) && !is_fixed(world, static_cast<Slot>(s)); };
-  const bool alone = block_max<char>(slots, 0, [&](std::size_t s) { return static_cast<char>(moves(s)); }) == 0;
-  SphereList list{pairs.pairs, radius, plane_of, {}, {}};
-  const auto is_plane = [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    return ShapeRef{world.shape[s]}.type() == ShapeStore::type_of<HalfSpace>() && is_fixed(world, s);
-  };
-  const auto plane = [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    return SpherePlane{s, world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal,
-                       world.position[s]};
-  };
-  parallel_select(world.size(), is_plane, plane, list.planes);
-  for (std::size_t k = 0; k < list.planes.size(); ++k) plane_of[list.planes[k].slot] = static_cast<std::int32_t>(k);
-  ++rest_.generation;
-  parallel_select(
-      pairs.pairs.size(), [&](std::size_t k) { return !list.takes(pairs.pairs[k]); },
-      [&](std::size_t k) { return pairs.pairs[k]; }, rest_.pairs);
-  if (!rest_.pairs.empty()) rest_.margin = pairs.margin, parallel_copy(pairs.margins, rest_.margins);
-  if (alone) list.margins = pairs.margins;
+  SphereList list{pairs.spheres, {}, {}, {}};
+  for (const Slot s : pairs.spheres.planes)
+    list.planes.push_back(
+        {s, world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal, world.position[s]});
+  UnwrittenColumn<double> radius;
+  if (!known_ || bodies_ != world.size()) {
+    read_bodies(world, radius);
+    list.radius = radius;
+  }
+  if (alone_) list.margins = pairs.margins;
   model_.set_pairs(world, list);
-  known_ = true, generation_ = pairs.generation;
+  known_ = true, generation_ = pairs.generation, bodies_ = world.size();
+}
+
+void SphereSplit::read_bodies(const World& world, UnwrittenColumn<double>& radius) {
+  const auto& spheres = shapes_.of<Sphere>();
+  radius.resize(world.size());
+  alone_ = block_max<char>(world.size(), 0, [&](std::size_t i) {
+             const auto s = static_cast<Slot>(i);
+             const bool free = roles_.of(world, s) == SphereRole::sphere;
+             radius[i] = free ? spheres[ShapeRef{world.shape[s]}.index()].radius : 0.0;
+             return static_cast<char>(!free && !roles_.is_fixed(world, s));
+           }) == 0;
 }
 
 }  // namespace epafi

@@ -1,5 +1,5 @@
-/// @file sphere_split.h  Sorts the pair list of a scene with many spheres: pairs of free spheres, and of free spheres
-/// with fixed planes, go to the fused contact model, all others to the narrow phase.
+/// @file sphere_split.h  Hands the pair list of a scene with many spheres on: pairs of free spheres, and of free
+/// spheres with fixed planes, go to the fused contact model, all others to the narrow phase.
 #pragma once
 #include <memory>
 
@@ -10,9 +10,9 @@
 
 namespace epafi {
 
-/// The list of a scene with many spheres: while the ways that the model knows of add up to less than the margins nobody
-/// looks at the bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all bytes of a
-/// step).
+/// The list of a scene with many spheres: while the ways that the model knows of add up to less than the margins in a
+/// block nobody looks at its bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all
+/// bytes of a step).
 class WornPairs final : public BroadPhase {
  public:
   /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.
@@ -21,41 +21,40 @@ class WornPairs final : public BroadPhase {
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
-  void reorder(const Reordering& change) override { wear_ = infinity, list_->reorder(change); }
-  void visit(StateVisitor& visitor) override { wear_ = infinity, list_->visit(visitor); }
+  void reorder(const Reordering& change) override { wear_.clear(), list_->reorder(change); }
+  void visit(StateVisitor& visitor) override { wear_.clear(), list_->visit(visitor); }
 
  private:
   std::unique_ptr<ListBroadPhase> list_;
   const Pipeline& pipeline_;
-  double way_ = infinity;   ///< of this step, as the model knows it
-  double wear_ = infinity;  ///< at least the largest way of a body over half its margin
+  std::vector<double> wear_;  ///< by block of the model: at least the largest wear of its bodies; empty: not known
+  bool ways_known_ = false;   ///< in this step
+  Wear worn_;                 ///< what was seen when the list ended
+  std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
 };
 
 class SphereSplit final : public NarrowPhase {
  public:
-  /// model must outlive this; fixed: by body id, true for bodies that never move; ids beyond it are free.
-  SphereSplit(const ShapeStore& shapes, std::unique_ptr<NarrowPhase> others, FusedSpheres& model,
-              std::vector<bool> fixed)
-      : shapes_(shapes), others_(std::move(others)), model_(model), fixed_(std::move(fixed)) {}
+  /// model must outlive this.
+  SphereSplit(const ShapeStore& shapes, std::unique_ptr<NarrowPhase> others, FusedSpheres& model, SphereRoles roles)
+      : shapes_(shapes), others_(std::move(others)), model_(model), roles_(std::move(roles)) {}
   const char* name() const override { return "spheres apart"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
   void reorder(const Reordering& change) override { known_ = false, others_->reorder(change); }
-  void visit(StateVisitor& visitor) override { others_->visit(visitor); }
+  void visit(StateVisitor& visitor) override { known_ = false, others_->visit(visitor); }
 
  private:
   void split(const World& world, const PairList& pairs);
-  bool is_fixed(const World& world, Slot s) const {
-    const auto id = static_cast<std::size_t>(world.id[s]);
-    return id < fixed_.size() && fixed_[id];
-  }
+  void read_bodies(const World& world, UnwrittenColumn<double>& radius);
 
   const ShapeStore& shapes_;
   std::unique_ptr<NarrowPhase> others_;
   FusedSpheres& model_;
-  std::vector<bool> fixed_;
-  bool known_ = false;
+  SphereRoles roles_;
+  bool known_ = false;      ///< the bodies are in the slots in which the model has seen them
+  bool alone_ = false;      ///< nothing moves but free spheres
+  std::size_t bodies_ = 0;  ///< as many as there were then
   std::uint64_t generation_ = 0;
-  PairList rest_;
   std::vector<Slot> watched_;
 };
 

@@ -29,7 +29,7 @@ const std::vector<BroadPhaseEntry>& all_broad_phases() {
 
 BroadChoice choose_broad_phase(const World& world, const BroadSetup& setup) {
   FatBodies bodies;
-  bodies.update(world, setup, 0.0);
+  bodies.update(world, setup, 0.0, false);
   const std::size_t n = bodies.ordinary.size();
   const std::string count = std::to_string(n);
   if (n < few) return {"all-pairs", count + " bounded bodies: below " + std::to_string(few) + " no structure pays"};

@@ -1,5 +1,7 @@
 #include "detection/broad/broad_phase.h"
 
+#include <utility>
+
 #include "engine/parallel_order.h"
 
 namespace epafi {
@@ -11,16 +13,23 @@ void ListBroadPhase::see_time(double now) {
 
 bool ListBroadPhase::keeps_pairs(const World& world) {
   see_time(world.time);
-  if (world.size() != bodies_.size()) valid_ = false;
-  return valid_ && !bodies_.outdated(world);
+  if (world.size() != bodies_.size()) valid_ = known_ = false;
+  if (!valid_) return false;
+  const Wear wear = bodies_.wear(world);
+  worn_by_slow_ = wear.of_slow;
+  return !wear.outdated();
 }
 
 void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
-  if (keeps_pairs(world)) return;
-  if (valid_) bodies_.learn(world, step_time_);
-  bodies_.update(world, setup_, step_time_);
+  if (!keeps_pairs(world)) renew_pairs(world, pairs, worn_by_slow_);
+}
+
+void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_by_slow) {
+  if (valid_) bodies_.learn(world, step_time_, worn_by_slow);
+  bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
   collect(bodies_, collector_);
   collector_.finish(pairs.pairs);
+  if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
   pairs.margin = bodies_.largest_margin(), parallel_copy(bodies_.margin, pairs.margins);
   ++pairs.generation;
   valid_ = true;

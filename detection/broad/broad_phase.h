@@ -16,10 +16,13 @@ class ListBroadPhase : public BroadPhase {
 
   void find_pairs(const World& world, PairList& pairs) final;
   bool keeps_pairs(const World& world) final;
+  /// Builds the list anew whatever bodies() says of it.
+  void renew_pairs(const World& world, PairList& pairs, bool worn_by_slow);
   /// The time has come to `now`: of steps in which neither of both is called.
   void see_time(double now);
   /// The next call builds anew: the list names slots.
-  void reorder(const Reordering&) override { valid_ = false; }
+  void reorder(const Reordering&) override { valid_ = known_ = false; }
+  void visit(StateVisitor&) override { known_ = false; }  ///< it may be another state that comes in
   const FatBodies& bodies() const { return bodies_; }
 
  protected:
@@ -32,6 +35,8 @@ class ListBroadPhase : public BroadPhase {
   FatBodies bodies_;
   PairCollector collector_;
   bool valid_ = false;
+  bool worn_by_slow_ = false;    ///< as the last look at all bodies says
+  bool known_ = false;           ///< the bodies are in the slots in which bodies_ has seen them
   double last_time_ = infinity;  ///< of the last call [s]
   double step_time_ = 0.0;       ///< dt as seen between two calls [s]; 0: not known yet
 };

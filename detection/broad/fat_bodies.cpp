@@ -31,67 +31,59 @@ double surface_speed(const World& world, Slot s, double turning_radius) {
 }
 }  // namespace
 
-bool FatBodies::near_plane(Slot i, std::size_t k) const {
-  const Slot w = apart[k];
-  const Vec3& n = plane_normal[k];
-  const Vec3 to_ball = position(i) - position(w);
-  double corner = -infinity;
-  if (!boxes.empty()) corner = n.dot(boxes[i].centre() - position(w)) - n.cwiseAbs().dot(Vec3(0.5 * boxes[i].extent()));
-  return std::max(corner, n.dot(to_ball) - ball[i].r) <= half[w];  // half of a half-space: its own fattening
+/// Of the nearest corner of the box over the half-space [m].
+double FatBodies::corner_depth(Slot i, const ApartPlane& p) const {
+  return p.normal.dot(boxes[i].centre() - p.point) - p.normal.cwiseAbs().dot(Vec3(0.5 * boxes[i].extent()));
 }
 
 FatBodies::FatBodies() : least_share_(least_margin) {}
 
-void FatBodies::learn(const World& world, double step_time) {
+void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
   if (!boxes.empty() || !(step_time > 0.0) || world.size() != size()) return;  // pairs of other shapes cost more
-  const auto is_slow = [&](std::size_t i) { return margin[i] <= 1.001 * least_share_ * radius[i]; };
-  const bool by_slow_one = block_max<char>(size(), 0, [&](std::size_t i) {
-                             return static_cast<char>(is_slow(i) && way(world, i) > 0.5 * margin[i]);
-                           }) != 0;
   const double life = (world.time - taken_at_) / step_time, best = best_share_times_life / least_share_;
-  if (by_slow_one && life < best)
+  if (worn_by_slow && life < best)
     least_share_ = std::min(1.4 * least_share_, most_learned);
-  else if (!by_slow_one || life > 2.0 * best)  // where fast bodies end the lists, margins of slow ones buy nothing
+  else if (!worn_by_slow || life > 2.0 * best)  // where fast bodies end the lists, margins of slow ones buy nothing
     least_share_ = std::max(least_share_ / 1.4, least_margin);
 }
 
-void FatBodies::update(const World& world, const BroadSetup& setup, double step_time) {
+void FatBodies::update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies) {
   taken_at_ = world.time;
-  const std::size_t n = world.size();
-  ball.resize(n), half.resize(n), radius.resize(n), margin.resize(n);
-  id.resize(n), type.resize(n), immovable.resize(n);
-  if (world.has_orientation()) orientation.resize(n);
-  read_shapes(world, *setup.shapes);
-  find_median_radius();
-  choose_margins(world, setup, step_time);
-  fatten(world, setup);
-  set_apart(world, *setup.shapes);
+  if (!same_bodies) read_shapes(world, setup), find_median_radius();
+  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
+  // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
+  // margin whatever K is, so that only the fast ones make the list longer.
+  const Sum3 sum = block_sum<Sum3>(setup.margin > 0.0 ? 0 : world.size(), [&](std::size_t i) {
+    if (immovable[i] || !(radius[i] > 0.0)) return Sum3{};
+    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i)) / radius[i], 1.0, 0.0};
+  });
+  const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
+  fatten(world, setup, step_time,
+         motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps);
+  set_apart(same_bodies);
+  set_planes(world, *setup.shapes);
 }
 
-void FatBodies::read_shapes(const World& world, const ShapeStore& shapes) {
-  parallel_for(world.size(), [&](std::size_t i) {
+void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
+  const std::size_t n = world.size();
+  ball.resize(n), half.resize(n), radius.resize(n), margin.resize(n);
+  id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted ? n : 0);
+  parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     const ShapeRef ref{world.shape[s]};
     id[i] = static_cast<std::uint32_t>(world.id[s]), type[i] = ref.type();
     immovable[i] = !world.is_movable(s);
-    radius[i] = shapes.bounding_radius(ref);
-    if (world.has_orientation()) orientation[i] = world.orientation[s];
+    radius[i] = setup.shapes->bounding_radius(ref);
+    if (!role.empty()) role[i] = setup.spheres.of(world, s);
   });
-}
-
-/// Whether the last one still is: radii hardly ever change. A look at all by all threads, which to find it has not.
-bool FatBodies::median_holds() const {
-  const Sum3 seen = block_sum<Sum3>(size(), [&](std::size_t i) {
-    if (immovable[i] || !std::isfinite(radius[i])) return Sum3{};
-    return Sum3{radius[i] < median_radius_ ? 1.0 : 0.0, radius[i] <= median_radius_ ? 1.0 : 0.0, 1.0};
-  });
-  const double middle = std::floor(seen.c / 2.0);
-  return seen.c > 0.0 && seen.a <= middle && middle < seen.b;
+  round_ = block_max<char>(n, 0, [&](std::size_t i) {
+             return static_cast<char>(type[i] != ShapeStore::type_of<Sphere>() &&
+                                      type[i] != ShapeStore::type_of<HalfSpace>());
+           }) == 0;
 }
 
 /// Works in `half`, which is written later.
 void FatBodies::find_median_radius() {
-  if (median_holds()) return;
   half.clear(), median_radius_ = 0.0;
   for (std::size_t i = 0; i < size(); ++i)
     if (!immovable[i] && std::isfinite(radius[i])) half.push_back(radius[i]);
@@ -103,105 +95,89 @@ void FatBodies::find_median_radius() {
   half.resize(size());
 }
 
-void FatBodies::choose_margins(const World& world, const BroadSetup& setup, double step_time) {
-  if (setup.margin > 0.0) {
-    margin.assign(world.size(), setup.margin);
-    return;
-  }
-  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
-  // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
-  // margin whatever K is, so that only the fast ones make the list longer.
-  const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
-    if (immovable[i] || !(radius[i] > 0.0)) return Sum3{};
-    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i)) / radius[i], 1.0, 0.0};
-  });
-  const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
-  const double steps = motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps;
-  const double small = 4.0 * median_radius_;
-  parallel_for(world.size(), [&](std::size_t i) {
-    const double step = step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i));
-    const double wanted = 2.0 * headroom * steps * step;
-    if (!std::isfinite(wanted))
-      margin[i] = 0.0;  // a turning half-space: its list lasts one step
-    else if (immovable[i])
-      margin[i] = std::min(wanted, most_margin * small);
-    else
-      margin[i] = std::clamp(wanted, least_share_ * std::min(radius[i], small), most_margin * radius[i]);
-  });
+/// steps: how long the list of the fast ones shall last.
+double FatBodies::margin_of(const World& world, Slot s, double step_time, double steps) const {
+  const double step = step_time * surface_speed(world, s, turning_radius(s)), small = 4.0 * median_radius_;
+  const double wanted = 2.0 * headroom * steps * step;
+  if (!std::isfinite(wanted)) return 0.0;  // a turning half-space: its list lasts one step
+  if (immovable[s]) return std::min(wanted, most_margin * small);
+  return std::clamp(wanted, least_share_ * std::min(radius[s], small), most_margin * radius[s]);
 }
 
-void FatBodies::fatten(const World& world, const BroadSetup& setup) {
-  const bool round = block_max<char>(size(), 0, [&](std::size_t i) {
-                       return static_cast<char>(type[i] != ShapeStore::type_of<Sphere>() &&
-                                                type[i] != ShapeStore::type_of<HalfSpace>());
-                     }) == 0;
-  boxes.resize(round ? 0 : world.size());
+void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_time, double steps) {
+  boxes.resize(round_ ? 0 : world.size()), orientation.resize(world.has_orientation() ? world.size() : 0);
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
+    margin[i] = setup.margin > 0.0 ? setup.margin : margin_of(world, s, step_time, steps);
+    if (world.has_orientation()) orientation[i] = world.orientation[s];
     const Vec3& x = world.position[s];
     // four units in the last place of the coordinate: far from the origin the box itself is rounded
     const double rounding = 0x1p-50 * x.cwiseAbs().maxCoeff();
     const double fat = 0.5 * (setup.reach + margin[i]) + rounding;
     if (!std::isfinite(radius[i])) {
       half[i] = fat, ball[i] = {x.x(), x.y(), x.z(), infinity};
-      if (!round) boxes[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
+      if (!round_) boxes[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
       return;
     }
     half[i] = radius[i] + fat, ball[i] = {x.x(), x.y(), x.z(), radius[i] + fat};
-    if (round) return;
+    if (round_) return;
     boxes[i] = setup.shapes->bounding_box(world, s).fattened(fat);
     half[i] = std::max((boxes[i].max - x).maxCoeff(), (x - boxes[i].min).maxCoeff());
   });
 }
 
-void FatBodies::set_apart(const World& world, const ShapeStore& shapes) {
+void FatBodies::set_apart(bool same_bodies) {
+  // a body that is nowhere has no neighbours: whoever watches the state reports it
+  const auto is_somewhere = [&](std::size_t s) { return position(s).allFinite() && half[s] >= 0.0; };
+  const bool all = block_max<char>(size(), 0, [&](std::size_t s) { return static_cast<char>(!is_somewhere(s)); }) == 0;
+  if (same_bodies && all && complete_) return;
+  complete_ = all;
   const double giant = giant_ratio * median_radius_;
   const auto giants = block_sum<std::size_t>(
       size(), [&](std::size_t i) { return static_cast<std::size_t>(std::isfinite(radius[i]) && radius[i] > giant); });
   const bool giants_apart = giants <= most_giants;
-  // a body that is nowhere has no neighbours: whoever watches the state reports it
-  const auto is_somewhere = [&](std::size_t s) { return position(s).allFinite() && half[s] >= 0.0; };
   const auto is_apart = [&](std::size_t s) { return !std::isfinite(radius[s]) || (giants_apart && radius[s] > giant); };
   const auto slot = [](std::size_t s) { return static_cast<Slot>(s); };
   parallel_select(
       size(), [&](std::size_t s) { return is_somewhere(s) && !is_apart(s); }, slot, ordinary);
   parallel_select(
       size(), [&](std::size_t s) { return is_somewhere(s) && is_apart(s); }, slot, apart);
-  plane_normal.clear();
+  const auto is_sphere = [&](Slot s) { return role[s] == SphereRole::sphere; };
+  ordered_spheres = !role.empty() && std::ranges::all_of(ordinary, is_sphere) && std::ranges::none_of(apart, is_sphere);
+  only_spheres = ordered_spheres && std::ranges::all_of(apart, [&](Slot s) { return role[s] == SphereRole::plane; });
+}
+
+void FatBodies::set_planes(const World& world, const ShapeStore& shapes) {
+  plane.clear(), sphere_planes.clear();
   for (const Slot s : apart) {
-    const ShapeRef ref{world.shape[s]};
-    const bool plane = ref.type() == ShapeStore::type_of<HalfSpace>();
-    plane_normal.push_back(plane ? Vec3(world.pose(s).orientation * shapes.of<HalfSpace>()[ref.index()].normal)
-                                 : Vec3::Zero());
+    ApartPlane& p = plane.emplace_back();
+    if (type[s] != ShapeStore::type_of<HalfSpace>()) continue;
+    p.normal = world.pose(s).orientation * shapes.of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
+    p.point = position(s), p.reach = half[s];
+    if (role.empty() || role[s] != SphereRole::plane) continue;
+    p.place = SpherePairs::plane | static_cast<Slot>(sphere_planes.size());
+    sphere_planes.push_back(s);
   }
 }
 
-bool FatBodies::outdated(const World& world) const {
-  if (world.size() != size()) return true;
-  const bool rotates = world.has_orientation();
-  // a maximum is the same for every thread count
-  return block_max<char>(size(), 0, [&](std::size_t i) {
-           const double way = (world.position[i] - position(i)).squaredNorm(), allowed = 0.5 * margin[i];
-           if (!rotates || !(turning_radius(i) > 0.0)) return static_cast<char>(way > allowed * allowed);
-           // a turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|, as |q - q0| = 2 sin(t/4)
-           const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
-           return static_cast<char>(std::sqrt(way) + 2.0 * turning_radius(i) * std::sqrt(turn) > allowed);
-         }) != 0;
-}
-
-/// Of the body's surface since update [m].
+/// Of the body's surface since update [m]. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|, as |q - q0|
+/// = 2 sin(t/4).
 double FatBodies::way(const World& world, std::size_t i) const {
   const double straight = (world.position[i] - position(i)).norm();
   if (!world.has_orientation() || !(turning_radius(i) > 0.0)) return straight;
   return straight + 2.0 * turning_radius(i) * (world.orientation[i].coeffs() - orientation[i].coeffs()).norm();
 }
 
-double FatBodies::wear(const World& world) const {
-  if (world.size() != size()) return infinity;
-  return block_max<double>(size(), 0.0, [&](std::size_t i) {
-    const double moved = way(world, i);
-    return moved > 0.0 ? moved / (0.5 * margin[i]) : 0.0;
+Wear FatBodies::wear(const World& world) const {
+  if (world.size() != size()) return {infinity, false};
+  constexpr std::size_t block = 4096;
+  std::vector<Wear>& part = block_results<Wear>((size() + block - 1) / block, Wear{});
+  parallel_blocks(size(), block, [&](std::size_t begin, std::size_t end, std::size_t b) {
+    for (std::size_t i = begin; i < end; ++i) part[b].see(over_margin(way(world, i), i), is_slow(i));
   });
+  Wear all;
+  for (const Wear& w : part) all.most = std::max(all.most, w.most), all.of_slow = all.of_slow || w.of_slow;
+  return all;
 }
 
 double FatBodies::largest_margin() const {

@@ -2,11 +2,13 @@
 /// Fat means the exact bound plus (reach + margin)/2 on every side, the margin being the body's own. Two bodies are near when
 /// their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all lists are the same.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "detection/aabb.h"
+#include "detection/broad/sphere_roles.h"
 #include "detection/shape_store.h"
 
 namespace epafi {
@@ -24,6 +26,7 @@ struct BroadSetup {
   double reach = 0.0;   ///< pairs whose gap may become smaller than this are wanted [m], >= 0
   double margin = 0.0;  ///< one margin for all bodies [m]; <= 0: each body its own, from its size and motion
   PairFilter filter{};
+  SphereRoles spheres{};  ///< which pairs are listed apart from the others
 };
 
 /// Fat bounding ball; 32 bytes, so that a candidate costs half a cache line.
@@ -33,6 +36,23 @@ struct Ball {
     const double dx = x - o.x, dy = y - o.y, dz = z - o.z, s = r + o.r;
     return dx * dx + dy * dy + dz * dz <= s * s;
   }
+};
+
+/// What a body is tested against where apart[k] is a half-space.
+struct ApartPlane {
+  Vec3 normal = Vec3::Zero();  ///< world axes; zero where it is none
+  Vec3 point = Vec3::Zero();
+  double reach = 0.0;          ///< its own fattening [m]
+  Slot place = no_slot;        ///< of that role: as SpherePairs lists it
+  bool is_plane() const { return normal.squaredNorm() > 0.0; }
+};
+
+/// The largest way of a body (of its surface, with rotation) since the list was taken over half its margin.
+struct Wear {
+  double most = 0.0;
+  bool of_slow = false;  ///< one of the slow ones, whose margin is the least, is beyond 1
+  bool outdated() const { return most > 1.0; }
+  void see(double wear, bool slow) { most = std::max(most, wear), of_slow = of_slow || (slow && wear > 1.0); }
 };
 
 /// Bounding columns by slot, and the state they were taken from.
@@ -45,10 +65,14 @@ struct FatBodies {
   std::vector<double> margin;          ///< [m]
   std::vector<std::uint32_t> id, type;
   std::vector<char> immovable;
+  std::vector<SphereRole> role;        ///< with setup.spheres.wanted
   std::vector<Quat> orientation;       ///< when the boxes were taken, in worlds that rotate
   std::vector<Slot> ordinary;          ///< bounded bodies, ascending
   std::vector<Slot> apart;             ///< unbounded ones and a few giants, ascending: tested one by one against all
-  std::vector<Vec3> plane_normal;      ///< of apart[k], world axes; zero where it is no half-space
+  std::vector<ApartPlane> plane;       ///< of apart[k]
+  std::vector<Slot> sphere_planes;     ///< half-spaces of that role, ascending
+  bool only_spheres = false;           ///< every pair is one of PairList::spheres
+  bool ordered_spheres = false;        ///< all ordinary bodies are such spheres, and none apart is
 
   std::size_t size() const { return ball.size(); }
   /// Fat, world axes [m].
@@ -60,32 +84,46 @@ struct FatBodies {
   /// Of what a rotation moves [m]: 0 for spheres.
   double turning_radius(std::size_t i) const { return type[i] == ShapeStore::type_of<Sphere>() ? 0.0 : radius[i]; }
   bool near(Slot i, Slot j) const { return ball[i].overlaps(ball[j]) && (boxes.empty() || boxes[i].overlaps(boxes[j])); }
-  /// The fat body reaches the fattened half-space apart[k].
-  bool near_plane(Slot i, std::size_t k) const;
+  /// The fat body reaches the fattened half-space.
+  bool near_plane(Slot i, const ApartPlane& p) const {
+    const double depth = p.normal.dot(position(i) - p.point) - ball[i].r;
+    return (boxes.empty() ? depth : std::max(depth, corner_depth(i, p))) <= p.reach;
+  }
+  bool is_sphere_apart(Slot i) const { return !role.empty() && role[i] == SphereRole::sphere; }
   bool may_touch(Slot i, Slot j, const PairFilter& filter) const {
     return !(immovable[i] && immovable[j]) && (id[i] < id[j] ? filter.allows(type[i], type[j]) : filter.allows(type[j], type[i]));
   }
 
   /// Takes everything from the world; step_time is dt [s] where it is known, else 0 (margins from sizes alone).
-  void update(const World& world, const BroadSetup& setup, double step_time);
-  /// The list is outdated: how long it lasted says how large the margins of slow bodies ought to be. Before update.
-  void learn(const World& world, double step_time);
-  /// Some body has moved (its surface, with rotation) by more than half its margin since update.
-  bool outdated(const World& world) const;
-  /// The largest way of a body since update over half its margin.
-  double wear(const World& world) const;
+  /// same_bodies: in the same slots as at the last call.
+  void update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies);
+  /// The list is worn: how long it lasted says how large the margins of slow bodies ought to be. Before update.
+  void learn(const World& world, double step_time, bool worn_by_slow);
+  Wear wear(const World& world) const;
+  /// Of spheres, or bodies that stay: at(s) says where slot s of [begin, end) is now.
+  template <class At>
+  Wear wear(std::size_t begin, std::size_t end, const At& at) const {
+    Wear most;
+    for (std::size_t s = begin; s < end; ++s) most.see(over_margin((at(s) - position(s)).norm(), s), is_slow(s));
+    return most;
+  }
   double largest_margin() const;
 
  private:
   double median_radius_ = 0.0;
   double least_share_;  ///< least margin over radius
   double taken_at_ = 0.0;  ///< time of the last update [s]
-  void read_shapes(const World& world, const ShapeStore& shapes);
+  bool round_ = false;     ///< all are spheres and half-spaces
+  bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
+  void read_shapes(const World& world, const BroadSetup& setup);
+  double over_margin(double way, std::size_t i) const { return way > 0.0 ? way / (0.5 * margin[i]) : 0.0; }
+  bool is_slow(std::size_t i) const { return margin[i] <= 1.001 * least_share_ * radius[i]; }
   double way(const World& world, std::size_t i) const;
-  void choose_margins(const World& world, const BroadSetup& setup, double step_time);
-  void fatten(const World& world, const BroadSetup& setup);
-  void set_apart(const World& world, const ShapeStore& shapes);
-  bool median_holds() const;
+  double corner_depth(Slot i, const ApartPlane& p) const;
+  double margin_of(const World& world, Slot s, double step_time, double steps) const;
+  void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);
+  void set_apart(bool same_bodies);
+  void set_planes(const World& world, const ShapeStore& shapes);
   void find_median_radius();
 };
 

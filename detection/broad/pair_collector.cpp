@@ -23,17 +23,28 @@ void sort_run(Slot* first, Slot* last) {
 }
 }  // namespace
 
-void PairCollector::begin(std::size_t blocks) {
+void PairCollector::begin(std::size_t blocks, bool in_order) {
+  in_order_ = in_order;
+  sort_apart();
   if (blocks_.size() < blocks + 1) blocks_.resize(blocks + 1);
-  for (Block& b : blocks_) b.own.clear(), b.rest.clear();
-  parallel_fill(run_, bodies_.size(), Run{});
+  for (Block& b : blocks_) b.own.clear(), b.rest.clear(), b.spheres.clear();
+  if (bodies_.only_spheres)
+    run_.clear();
+  else
+    parallel_fill(run_, bodies_.size(), Run{});
   // pairs of two apart bodies, in a block of their own
-  const auto& apart = bodies_.apart;
-  for (std::size_t k = 0; k < apart.size(); ++k)
-    for (std::size_t l = k + 1; l < apart.size(); ++l) {
-      const Slot i = apart[k], j = apart[l];
+  Block& last = blocks_.back();
+  for (std::size_t k = 0; k < bodies_.apart.size(); ++k)
+    for (std::size_t l = k + 1; l < bodies_.apart.size(); ++l) {
+      const Slot i = bodies_.apart[k], j = bodies_.apart[l];
       if (!bodies_.may_touch(i, j, filter_) || !bodies_.near(i, j)) continue;
-      bodies_.id[i] < bodies_.id[j] ? blocks_.back().rest.push_back({i, j}) : blocks_.back().rest.push_back({j, i});
+      const bool first = bodies_.is_sphere_apart(i), second = bodies_.is_sphere_apart(j);
+      if (first && (second || bodies_.plane[l].place != no_slot))
+        last.spheres.insert(last.spheres.end(), {i, 1, second ? j : bodies_.plane[l].place});
+      else if (second && bodies_.plane[k].place != no_slot)
+        last.spheres.insert(last.spheres.end(), {j, 1, bodies_.plane[k].place});
+      else
+        bodies_.id[i] < bodies_.id[j] ? last.rest.push_back({i, j}) : last.rest.push_back({j, i});
     }
 }
 
@@ -44,24 +55,126 @@ void PairCollector::place(Block& block, Slot i, Slot j) {
     block.rest.push_back({j, i});
 }
 
-void PairCollector::add_apart(Block& block, Slot i) {
+void PairCollector::sort_apart() {
+  planes_.assign((bodies_.sphere_planes.size() + 3) / 4, FourPlanes{});
+  for (FourPlanes& four : planes_) four.reach = lanes(-infinity);  // a place without a plane: nobody is near
+  other_.clear();
+  std::size_t n = 0;
   for (std::size_t k = 0; k < bodies_.apart.size(); ++k) {
-    const Slot w = bodies_.apart[k];
-    if (!bodies_.may_touch(i, w, filter_)) continue;
-    const bool plane = bodies_.plane_normal[k].squaredNorm() > 0.0;
-    if (plane ? bodies_.near_plane(i, k) : bodies_.near(i, w)) place(block, i, w);
+    const ApartPlane& p = bodies_.plane[k];
+    if (p.place == no_slot) {
+      other_.push_back(k);
+      continue;
+    }
+    FourPlanes& four = planes_[n / 4];
+    const std::size_t l = n++ % 4;
+    four.normal.x[l] = p.normal.x(), four.normal.y[l] = p.normal.y(), four.normal.z[l] = p.normal.z();
+    four.point.x[l] = p.point.x(), four.point.y[l] = p.point.y(), four.point.z[l] = p.point.z(),
+    four.reach[l] = p.reach;
   }
 }
 
-void PairCollector::add(std::size_t block, Slot i, std::span<const Slot> candidates) {
+void PairCollector::add_planes(Block& block, Slot i) const {
+  const Ball& ball = bodies_.ball[i];
+  const Lanes3 x{lanes(ball.x), lanes(ball.y), lanes(ball.z)};
+  for (std::size_t g = 0; g < planes_.size(); ++g) {
+    const LaneMask near = planes_[g].normal.dot(x - planes_[g].point) - lanes(ball.r) <= planes_[g].reach;
+    if (!any(near)) continue;
+    for (std::size_t l = 0; l < 4; ++l)
+      if (near[l] != 0) block.spheres.push_back(SpherePairs::plane | static_cast<Slot>(4 * g + l));
+  }
+}
+
+void PairCollector::add_apart(Block& block, Slot i) {
+  const bool sphere = bodies_.is_sphere_apart(i);
+  if (sphere) add_planes(block, i);
+  const std::size_t count = sphere ? other_.size() : bodies_.apart.size();
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t k = sphere ? other_[n] : n;
+    const Slot w = bodies_.apart[k];
+    const ApartPlane& plane = bodies_.plane[k];
+    if (!bodies_.may_touch(i, w, filter_)) continue;
+    if (!(plane.is_plane() ? bodies_.near_plane(i, plane) : bodies_.near(i, w))) continue;
+    if (sphere && bodies_.is_sphere_apart(w))
+      block.spheres.push_back(w);
+    else
+      place(block, i, w);
+  }
+}
+
+/// Of bodies that are near, without a branch: half of them count.
+void PairCollector::add_higher(Block& block, Slot i, std::span<const Slot> candidates) const {
+  const std::size_t begin = block.spheres.size();
+  block.spheres.resize(begin + candidates.size());
+  Slot *const first = block.spheres.data() + begin, *out = first;
+  for (Slot j : candidates) *out = j, out += static_cast<int>(j > i);
+  sort_run(first, out);
+  block.spheres.resize(begin + static_cast<std::size_t>(out - first));
+}
+
+void PairCollector::add(std::size_t block, Slot i, std::span<const Slot> candidates, bool met) {
   Block& mine = blocks_[block];
-  const std::size_t begin = mine.own.size();
-  for (Slot j : candidates)
-    if (bodies_.near(i, j) && bodies_.may_touch(i, j, filter_)) place(mine, i, j);
+  const std::size_t begin = mine.own.size(), head = mine.spheres.size();
+  const bool sphere = bodies_.is_sphere_apart(i), sure = met && bodies_.boxes.empty();
+  if (sphere) mine.spheres.insert(mine.spheres.end(), {i, 0});
+  if (in_order_)
+    add_higher(mine, i, candidates);
+  else
+    for (Slot j : candidates) {
+      if (!sure && !bodies_.near(i, j)) continue;
+      if (sphere && bodies_.is_sphere_apart(j))
+        mine.spheres.push_back(j);
+      else if (bodies_.may_touch(i, j, filter_))
+        place(mine, i, j);
+    }
   add_apart(mine, i);
+  if (sphere) mine.spheres[head + 1] = static_cast<Slot>(mine.spheres.size() - head - 2);
+  if (bodies_.only_spheres) return;
   sort_run(mine.own.data() + begin, mine.own.data() + mine.own.size());
   run_[i] = {static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(begin),
              static_cast<std::uint32_t>(mine.own.size() - begin)};
+}
+
+namespace {
+/// f(sphere, its partners) of what Block::spheres holds.
+template <class F>
+void each_sphere(const std::vector<Slot>& spheres, const F& f) {
+  for (const Slot *p = spheres.data(), *last = p + spheres.size(); p != last; p += 2 + p[1])
+    f(p[0], std::span(p + 2, p[1]));
+}
+}  // namespace
+
+void PairCollector::finish(SpherePairs& pairs) const {
+  pairs.planes = bodies_.sphere_planes;
+  if (in_order_) return join_in_order(pairs);
+  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t b = begin; b < end; ++b)
+      each_sphere(blocks_[b].spheres, [&](Slot i, std::span<const Slot> partners) {
+        for (Slot j : partners) (j & SpherePairs::plane) != 0 ? f(i, j) : f(std::min(i, j), std::max(i, j));
+      });
+  };
+  parallel_group(
+      blocks_.size(), bodies_.size(), pairs.first, each, [&](std::size_t count) { renew(pairs.partner, count); },
+      [&](std::uint32_t place, Slot b) { pairs.partner[place] = b; }, 4);
+  parallel_for(bodies_.size(), [&](std::size_t s) {
+    sort_run(pairs.partner.data() + pairs.first[s], pairs.partner.data() + pairs.first[s + 1]);
+  });
+}
+
+void PairCollector::join_in_order(SpherePairs& pairs) const {
+  parallel_fill(pairs.first, bodies_.size() + 1, 0);
+  const auto each = [&](const auto& f) {
+    parallel_blocks(blocks_.size(), 1,
+                    [&](std::size_t b, std::size_t, std::size_t) { each_sphere(blocks_[b].spheres, f); });
+  };
+  each([&](Slot i, std::span<const Slot> partners) {
+    pairs.first[i + 1] = static_cast<std::uint32_t>(partners.size());
+  });
+  running_sums(pairs.first);
+  renew(pairs.partner, pairs.first.back());
+  each([&](Slot i, std::span<const Slot> partners) {
+    std::copy(partners.begin(), partners.end(), pairs.partner.begin() + pairs.first[i]);
+  });
 }
 
 void PairCollector::group_rest() {
@@ -78,6 +191,7 @@ void PairCollector::group_rest() {
 }
 
 void PairCollector::finish(PairColumn& pairs) {
+  if (bodies_.only_spheres) return pairs.clear();
   group_rest();
   const std::size_t n = bodies_.size();
   begin_.resize(n + 1);

@@ -4,6 +4,7 @@
 #pragma once
 #include "detection/broad/fat_bodies.h"
 #include "engine/contacts.h"
+#include "engine/lanes.h"
 
 namespace epafi {
 
@@ -11,17 +12,22 @@ class PairCollector {
  public:
   PairCollector(const FatBodies& bodies, const PairFilter& filter) : bodies_(bodies), filter_(filter) {}
 
-  void begin(std::size_t blocks);
+  /// in_order: with bodies.ordered_spheres, of a method that hands in the bodies by ascending slots, in ascending blocks,
+  /// each with all that it is near: nothing is left to be sorted then.
+  void begin(std::size_t blocks, bool in_order = false);
   /// Candidates of ordinary body i: of every near pair of ordinary bodies one side is handed in as the other's candidate, once.
   /// Candidates that are not near are dropped. Each i belongs to one call and one block; blocks may run in parallel.
-  void add(std::size_t block, Slot i, std::span<const Slot> candidates);
-  /// Writes the sorted list.
+  /// met: the balls of all candidates are known to overlap that of i.
+  void add(std::size_t block, Slot i, std::span<const Slot> candidates, bool met = false);
+  /// Writes the sorted list, and that of the spheres where the setup wants it.
   void finish(PairColumn& pairs);
+  void finish(SpherePairs& pairs) const;
 
  private:
   struct Block {
     std::vector<Slot> own;  ///< partners b of runs with one A
     std::vector<Pair> rest;
+    std::vector<Slot> spheres;  ///< a sphere, the number of its partners, these; and so on
   };
   struct Run {
     std::uint32_t block = 0, begin = 0, size = 0;
@@ -29,11 +35,23 @@ class PairCollector {
   const FatBodies& bodies_;
   const PairFilter& filter_;
   std::vector<Block> blocks_;
+  bool in_order_ = false;
+  /// Half-spaces that spheres are listed with, four at a time: a list tests each of them against every sphere.
+  struct FourPlanes {
+    Lanes3 normal, point;
+    Lanes reach;
+  };
+  std::vector<FourPlanes> planes_;
+  std::vector<std::size_t> other_;                 ///< places in bodies_.apart of all others
   std::vector<Run> run_;                           ///< by slot of A
   std::vector<std::uint32_t> rest_begin_, begin_;  ///< by slot of A
   std::vector<Slot> rest_;                         ///< partners, grouped by A
 
+  void sort_apart();
+  void add_planes(Block& block, Slot i) const;
   void add_apart(Block& block, Slot i);
+  void add_higher(Block& block, Slot i, std::span<const Slot> candidates) const;
+  void join_in_order(SpherePairs& pairs) const;
   void place(Block& block, Slot i, Slot j);
   void group_rest();
 };

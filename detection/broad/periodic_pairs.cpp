@@ -103,7 +103,7 @@ void PeriodicPairs::find_pairs(const World& world, PairList& pairs) {
     shown_ = World(Columns{.rotation = world.rotates(), .orientation = world.has_orientation()}), valid_ = false;
   if (valid_ && shown_.size() != world.size() + images_.size()) valid_ = false;
   if (valid_) follow(world);
-  if (!valid_ || list_->bodies().outdated(shown_)) {
+  if (!valid_ || list_->bodies().wear(shown_).outdated()) {
     choose_images(world);
     valid_ = false;
     follow(world);
@@ -114,6 +114,7 @@ void PeriodicPairs::find_pairs(const World& world, PairList& pairs) {
   inner_->find_pairs(shown_, found_);
   if (found_.generation == before) return;
   translate(world, pairs.pairs);
+  if (setup_.spheres.wanted) take_spheres(world, setup_.spheres, pairs);
   pairs.margin = found_.margin;  // an image has its own, which its body does not know
   ++pairs.generation;
 }

@@ -9,6 +9,7 @@ namespace epafi {
 
 class PeriodicPairs final : public BroadPhase {
  public:
+  /// inner: lists all pairs, those of spheres among them.
   PeriodicPairs(BroadSetup setup, std::unique_ptr<BroadPhase> inner);
   const char* name() const override { return inner_->name(); }
   /// Pair::image holds image_code of B's place in the low byte, of its place along unwrapped paths (the key of the

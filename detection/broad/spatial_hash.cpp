@@ -4,15 +4,16 @@
 #include <bit>
 #include <cmath>
 
+#include "engine/lane_bits.h"
 #include "engine/parallel_order.h"
 
 namespace epafi {
 
 namespace {
-constexpr double cell_per_size = 1.0;    // cell edge over largest body of the class
+constexpr double cell_per_size = 1.5;    // cell edge over largest body of the class
 constexpr double level_ratio = 2.0;      // sizes in one class
 constexpr std::size_t block_size = 512;  // bodies per parallel block
-constexpr std::uint32_t together = 4;
+constexpr std::uint32_t most_lanes = 8;
 }  // namespace
 
 std::int64_t SpatialHash::Axis::cell(double x) const {
@@ -89,7 +90,9 @@ void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
 
 void SpatialHash::sort_bodies(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
-  cell_of_.resize(all.size()), ball_.resize(all.size() + together), slot_.resize(all.size() + together);
+  cell_of_.resize(all.size());
+  for (auto* column : {&x_, &y_, &z_, &r_}) column->resize(all.size() + most_lanes);
+  slot_.resize(all.size() + most_lanes);
   parallel_for(all.size(), [&](std::size_t k) {
     const Level& level = level_[level_of_[k]];
     const Vec3 x = bodies.position(all[k]);
@@ -106,62 +109,109 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
   };
   parallel_group(
       all.size(), cells_, start_, each, [](std::size_t) {},
-      [&](std::uint32_t place, Slot s) { ball_[place] = bodies.ball[s], slot_[place] = s; });
+      [&](std::uint32_t place, Slot s) {
+        const Ball& b = bodies.ball[s];
+        x_[place] = b.x, y_[place] = b.y, z_[place] = b.z, r_[place] = b.r, slot_[place] = s;
+      });
 }
 
-std::size_t SpatialHash::search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,
-                                std::vector<Slot>& found, std::size_t n) const {
-  const Aabb box = bodies.box(slot_[body]);
-  const Ball ball = ball_[body];
-  std::array<std::int64_t, 3> from{}, to{};
-  for (int d = 0; d < 3; ++d) {
-    const Axis& a = level.axis[static_cast<std::size_t>(d)];
-    auto &lo = from[static_cast<std::size_t>(d)], &hi = to[static_cast<std::size_t>(d)];
-    lo = a.cell(box.min[d] - level.half), hi = a.cell(box.max[d] + level.half);
-    if (hi - lo >= a.mask) lo = 0, hi = a.mask;  // the whole folded axis, each cell once
+template <int n>
+EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball, double half, std::uint32_t first,
+                                            std::vector<Slot>& found, std::size_t count) const {
+  using V = typename LanesOf<n>::Real;
+  const double centre[] = {ball.x, ball.y, ball.z}, reach = half + level.half;
+  std::int64_t from[3], to[3];
+  for (std::size_t d = 0; d < 3; ++d) {
+    const Axis& a = level.axis[d];
+    from[d] = a.cell(centre[d] - reach), to[d] = a.cell(centre[d] + reach);
+    if (to[d] - from[d] >= a.mask) from[d] = 0, to[d] = a.mask;  // the whole folded axis, each cell once
   }
-  const std::uint32_t first = own_level ? body + 1 : 0;  // of its own level those behind it: each pair once
-  const auto scan = [&](std::uint32_t begin, std::uint32_t end) {
+  const V x = V{} + ball.x, y = V{} + ball.y, z = V{} + ball.z, r = V{} + ball.r;
+  const auto at = [](const double* column, std::uint32_t k) EPAFI_INLINED {
+    V out;
+    std::memcpy(&out, column + k, sizeof out);
+    return out;
+  };
+  const double *const xs = x_.data(), *const ys = y_.data(), *const zs = z_.data(), *const rs = r_.data();
+  const Slot* const slots = slot_.data();
+  const auto scan = [&](std::uint32_t begin, std::uint32_t end) EPAFI_INLINED {
     begin = std::max(begin, first);
     if (begin >= end) return;
-    if (found.size() < n + (end - begin) + together) found.resize(2 * (n + (end - begin)) + together);
-    Slot* out = found.data() + n;
-    for (std::uint32_t k = begin; k < end; k += together)
-      for (std::uint32_t l = 0; l < together; ++l) {  // no branch: half of the candidates hit
-        *out = slot_[k + l];
-        out += static_cast<int>(ball.overlaps(ball_[k + l])) & static_cast<int>(k + l < end);
-      }
-    n = static_cast<std::size_t>(out - found.data());
+    if (found.size() < count + (end - begin) + n) found.resize(2 * (count + (end - begin)) + most_lanes);
+    for (std::uint32_t k = begin; k < end; k += n) {  // as Ball::overlaps
+      const V dx = x - at(xs, k), dy = y - at(ys, k), dz = z - at(zs, k), sum = r + at(rs, k);
+      const unsigned apart = less_bits<n>(sum * sum, dx * dx + dy * dy + dz * dz);
+      const unsigned valid = end - k < n ? (1u << (end - k)) - 1u : (1u << n) - 1u;
+      count += write_chosen<n>(~apart & valid, slots + k, found.data() + count);
+    }
   };
-  const auto [mx, my, mz] = std::array{level.axis[0].mask, level.axis[1].mask, level.axis[2].mask};
+  const std::int64_t mx = level.axis[0].mask, my = level.axis[1].mask, mz = level.axis[2].mask;
   const std::int64_t x0 = from[0] & mx, x1 = to[0] & mx;
-  for (std::int64_t z = from[2]; z <= to[2]; ++z)
-    for (std::int64_t y = from[1]; y <= to[1]; ++y) {
-      const std::uint32_t* row = start_.data() + level.table + ((z & mz) * (my + 1) + (y & my)) * (mx + 1);
+  for (std::int64_t k = from[2]; k <= to[2]; ++k)
+    for (std::int64_t j = from[1]; j <= to[1]; ++j) {
+      const std::uint32_t* row = start_.data() + level.table + ((k & mz) * (my + 1) + (j & my)) * (mx + 1);
       if (x0 <= x1)
         scan(row[x0], row[x1 + 1]);
       else
         scan(row[0], row[x1 + 1]), scan(row[x0], row[mx + 1]);
     }
-  return n;
+  return count;
 }
+
+/// The search of some bodies, compiled for each instruction set.
+struct SpatialHash::Block {
+  const SpatialHash& hash;
+  const FatBodies& bodies;
+  PairCollector& collector;
+  std::vector<Slot>& found;
+  std::size_t begin, end, block;
+
+  template <int n>
+  EPAFI_LANES void run() const {
+    if (bodies.ordered_spheres)
+      in_slots<n>();
+    else
+      in_cells<n>();
+  }
+
+ private:
+  /// Bodies in the order of the cells, each with those behind it and with larger ones: every pair once.
+  template <int n>
+  EPAFI_LANES void in_cells() const {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Slot s = hash.slot_[k];
+      std::size_t own = 0, count = 0;
+      while (own + 1 < hash.levels_ && k >= hash.level_[own + 1].first) ++own;
+      for (std::size_t l = 0; l <= own; ++l)
+        if (hash.level_[l].count > 0)
+          count = hash.search<n>(hash.level_[l], bodies.ball[s], bodies.half[s],
+                                 l == own ? static_cast<std::uint32_t>(k) + 1 : 0, found, count);
+      collector.add(block, s, std::span(found).first(count), true);
+    }
+  }
+  /// In the order of the slots, each with those of higher slot: twice the cells, but nothing is to be sorted after it.
+  template <int n>
+  EPAFI_LANES void in_slots() const {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Slot s = bodies.ordinary[k];
+      std::size_t count = 0;
+      for (std::size_t l = 0; l < hash.levels_; ++l)
+        if (hash.level_[l].count > 0)
+          count = hash.search<n>(hash.level_[l], bodies.ball[s], bodies.half[s], 0, found, count);
+      collector.add(block, s, std::span(found).first(count), true);
+    }
+  }
+};
 
 void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
   const std::size_t n = bodies.ordinary.size(), blocks = (n + block_size - 1) / block_size;
   set_levels(bodies);
   sort_bodies(bodies);
-  collector.begin(blocks);
+  collector.begin(blocks, bodies.ordered_spheres);
   if (found_.size() < blocks) found_.resize(blocks);
+  const auto search_block = best_loop<Block>();
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t block) {
-    std::vector<Slot>& found = found_[block];
-    for (std::size_t k = begin; k < end; ++k) {
-      std::size_t own = 0, count = 0;
-      while (own + 1 < levels_ && k >= level_[own + 1].first) ++own;
-      for (std::size_t l = 0; l <= own; ++l)
-        if (level_[l].count > 0)
-          count = search(bodies, level_[l], static_cast<std::uint32_t>(k), l == own, found, count);
-      collector.add(block, slot_[k], std::span(found).first(count));
-    }
+    search_block({*this, bodies, collector, found_[block], begin, end, block});
   });
 }
 

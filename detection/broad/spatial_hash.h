@@ -35,18 +35,20 @@ class SpatialHash final : public ListBroadPhase {
   std::size_t levels_ = 0, cells_ = 0;           ///< cells of all levels
   std::vector<std::uint8_t> level_of_;           ///< by position in bodies.ordinary
   std::vector<std::uint32_t> cell_of_, start_;   ///< start_[table + cell]: first body of the cell in the sorted columns
-  std::vector<Ball> ball_;                       ///< sorted by level and cell, as is the next one
+  std::vector<double> x_, y_, z_, r_;            ///< fat balls, sorted by level and cell, as is the next one
   std::vector<Slot> slot_;
   std::vector<std::vector<Slot>> found_;         ///< candidates, one column per block
+  struct Block;
 
   void collect(const FatBodies& bodies, PairCollector& collector) override;
   void set_levels(const FatBodies& bodies);
   void set_grid(Level& level, const Vec3& low, const Vec3& high);
   void sort_bodies(const FatBodies& bodies);
-  /// Appends the bodies of the level whose fat balls meet that of the body behind found[n]; of its own level those
-  /// behind it. Returns the new count: `found` only grows.
-  std::size_t search(const FatBodies& bodies, const Level& level, std::uint32_t body, bool own_level,
-                     std::vector<Slot>& found, std::size_t n) const;
+  /// Appends the bodies of the level whose fat balls meet this one behind found[count], of those from `first` on in the
+  /// sorted columns. Returns the new count: `found` only grows.
+  template <int n>
+  std::size_t search(const Level& level, const Ball& ball, double half, std::uint32_t first, std::vector<Slot>& found,
+                     std::size_t count) const;
 };
 
 }  // namespace epafi

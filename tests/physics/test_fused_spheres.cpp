@@ -1,5 +1,7 @@
 // The fast path of spheres against the generic loop, which is its reference: the same forces to rounding, the same
 // ledger, the same contacts for observers; and the same bits for every thread count.
+#include "detection/broad/all_broad_phases.h"
+#include "detection/broad/periodic_pairs.h"
 #include "detection/narrow/narrow_phase.h"
 #include "engine/parallel.h"
 #include "engine/targets.h"
@@ -64,6 +66,11 @@ SceneRun generic_run(const std::string& scene, const std::vector<std::string>& o
   a.simulation->pipeline.narrow_phase =
       std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
   a.simulation->pipeline.contact_model = make_contact_model(a.scene);
+  const World& world = a.simulation->world;
+  BroadSetup all{a.shapes.get(), a.plan.reach};  // no pair is listed apart
+  auto list = make_broad_phase("spatial-hash", all, world);
+  if (world.cell) list = std::make_unique<PeriodicPairs>(all, std::move(list));
+  a.simulation->pipeline.broad_phase = std::move(list);
   return run;
 }
 

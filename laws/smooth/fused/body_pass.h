@@ -113,29 +113,45 @@ EPAFI_LANES FourVectors acceleration(const BodyPass& p, std::size_t s, const Fou
 
 /// Half a kick and the drift, and what the loop over contacts reads of the bodies.
 struct FirstHalf : BodyPass {
+  Vec3* most_hurry;  ///< as that of SecondHalf; null: nobody asks
+
   template <int n>
   EPAFI_LANES void run() const {
+    const auto others = [&](std::size_t from, std::size_t to) {
+      begin_others(from, to, extent);
+      if (most_hurry != nullptr) measure_others(from, to, *most_hurry);
+    };
     if constexpr (n == 2) {  // shuffles of four cost more than they save: two loops over what the first cache holds
-      for (std::size_t s = begin; s < end; s += 64) begin_others(s, std::min(end, s + 64), extent);
+      for (std::size_t s = begin; s < end; s += 64) others(s, std::min(end, s + 64));
       return;
     }
     const FourVectors gravity = FourVectors::of_vector(world.gravity);
-    FourVectors low{lanes(Extent::none), lanes(Extent::none), lanes(Extent::none)}, high = -1.0 * low;
-    Lanes finite{};
-    each([&](std::size_t s) EPAFI_INLINED { four(s, gravity, low, high, finite); },
-         [&](std::size_t from, std::size_t to) { begin_others(from, to, extent); });
-    const Lanes* rows_low[] = {&low.a, &low.b, &low.c};
-    const Lanes* rows_high[] = {&high.a, &high.b, &high.c};
-    for (int k = 0; k < 12; ++k) {
-      extent.low[k % 3] = std::min(extent.low[k % 3], (*rows_low[k / 4])[k % 4]);
-      extent.high[k % 3] = std::max(extent.high[k % 3], (*rows_high[k / 4])[k % 4]);
-    }
-    extent.finite = extent.finite && all_finite(finite);
+    Passing p{{lanes(Extent::none), lanes(Extent::none), lanes(Extent::none)},
+              {lanes(-Extent::none), lanes(-Extent::none), lanes(-Extent::none)},
+              {},
+              Lanes{}};
+    each([&](std::size_t s) EPAFI_INLINED { four(s, gravity, p); }, others);
+    const auto join = [](const FourVectors& v, double* most, const auto& choose) EPAFI_INLINED {
+      const Lanes rows[] = {v.a, v.b, v.c};
+      for (int k = 0; k < 12; ++k) most[k % 3] = choose(most[k % 3], rows[k / 4][k % 4]);
+    };
+    const auto larger = [](double a, double b) { return std::max(a, b); };
+    join(p.low, extent.low.data(), [](double a, double b) { return std::min(a, b); });
+    join(p.high, extent.high.data(), larger);
+    if (most_hurry != nullptr) join(p.hurry, most_hurry->data(), larger);
+    extent.finite = extent.finite && all_finite(p.finite);
   }
 
  private:
-  EPAFI_LANES void four(std::size_t s, const FourVectors& gravity, FourVectors& low, FourVectors& high,
-                        Lanes& finite) const {
+  struct Passing {
+    FourVectors low, high, hurry;
+    Lanes finite;
+  };
+  EPAFI_LANES static void raise(FourVectors& most, const FourVectors& v) {
+    most = {max(most.a, v.a), max(most.b, v.b), max(most.c, v.c)};
+  }
+
+  EPAFI_LANES void four(std::size_t s, const FourVectors& gravity, Passing& p) const {
     Lanes* rows = &states[s].position;
     constexpr std::size_t stride = sizeof(SphereState) / sizeof(Lanes);
     const FourVectors a = acceleration(*this, s, gravity, FourVectors::load(world.force.data() + s));
@@ -145,9 +161,15 @@ struct FirstHalf : BodyPass {
     v.store(world.velocity.data() + s), x.store(world.position.data() + s);
     x.write_rows(rows, stride), v.write_rows(rows + 1, stride);
     (lag == 0.0 ? v : v + lag * a).write_rows(rows + 3, stride);
-    low = {min(low.a, x.a), min(low.b, x.b), min(low.c, x.c)};
-    high = {max(high.a, x.a), max(high.b, x.b), max(high.c, x.c)};
-    see_finite(finite, x);
+    p.low = {min(p.low.a, x.a), min(p.low.b, x.b), min(p.low.c, x.c)};
+    raise(p.high, x);
+    see_finite(p.finite, x);
+    if (most_hurry != nullptr) {
+      Lanes each_hurry;
+      __builtin_memcpy(&each_hurry, hurry + s, sizeof each_hurry);
+      const FourVectors way = FourVectors::of_scalars(each_hurry) * v;
+      raise(p.hurry, way * way);
+    }
     if (!world.rotates()) return;
     FourVectors w = FourVectors::load(world.angular_velocity.data() + s);
     const FourVectors torque = FourVectors::load(world.torque.data() + s);

@@ -85,20 +85,22 @@ class FusedModel final : public FusedSpheres {
   }
 
   bool move(World& world, const StepClock& clock) override {
-    if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return false;
+    if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return ways_.clear(), false;
     packed_ = true, behind_ = ahead_ && knows_ways();
-    if (!ahead_) largest_way_ = Extent::none;
     if (std::exchange(ahead_, false)) return true;
     extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
+    most_hurry_.assign(extents_.size(), Vec3::Zero());
     const auto loop = best_loop<FirstHalf>();
     parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t i) {
-      loop({pass(world, clock, begin, end, 0, extents_[i])});
+      loop({pass(world, clock, begin, end, 0, extents_[i]), knows_ways() ? &most_hurry_[i] : nullptr});
     });
+    find_ways(clock.dt);
     return true;
   }
 
   bool is_ahead() const override { return ahead_; }
-  double largest_way() const override { return largest_way_; }
+  std::span<const double> largest_ways() const override { return ways_; }
+  std::span<const SphereState> bodies() const override { return blocks_.states(); }
   void show(World& world) const override {
     if (!behind_ && !(ahead_ && knows_ways())) return;
     parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -135,11 +137,8 @@ class FusedModel final : public FusedSpheres {
     if (world.cell) deform(*world.cell, others, clock.dt, report);
     extent_ = seen();
     if (!onward) return;
-    extents_.swap(next_extents_), ahead_ = true, largest_way_ = Extent::none;
-    if (!knows_ways()) return;
-    Vec3 most = Vec3::Zero();
-    for (const Vec3& hurry : most_hurry_) most = most.cwiseMax(hurry);
-    largest_way_ = clock.dt * std::sqrt(most.sum());
+    extents_.swap(next_extents_), ahead_ = true;
+    find_ways(clock.dt);
   }
 
   const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
@@ -216,6 +215,11 @@ class FusedModel final : public FusedSpheres {
 
   /// The bodies are where the blocks have them; the world is told when somebody looks.
   bool knows_ways() const { return !hurry_.empty(); }
+
+  void find_ways(double dt) {
+    ways_.resize(knows_ways() ? most_hurry_.size() : 0);
+    for (std::size_t i = 0; i < ways_.size(); ++i) ways_[i] = dt * std::sqrt(most_hurry_[i].sum());
+  }
 
   /// Of all bodies in this step.
   Extent seen() const {
@@ -408,7 +412,7 @@ class FusedModel final : public FusedSpheres {
   std::vector<double> hurry_;                   ///< 1/half the margin, by slot [1/m]; empty: others move too
   std::vector<std::uint8_t> watched_;           ///< by slot; empty: the blocks have all contacts
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
-  double largest_way_ = Extent::none;           ///< of the step that has begun, over half the margin
+  std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
   bool ahead_ = false;                          ///< the first half of the next step is done
   bool behind_ = false;                         ///< the world has velocities of before
   std::vector<Slot> touched_;                   ///< bodies with forces of the generic loop

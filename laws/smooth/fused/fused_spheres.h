@@ -17,8 +17,11 @@ class FusedSpheres : public ContactModel {
   virtual void set_pairs(const World& world, const SphereList& list) = 0;
   /// Others look at these bodies in every step until the list changes; after set_pairs.
   virtual void watch(std::span<const Slot> bodies) = 0;
-  /// The largest way of a body in the step that has begun over half its margin; infinity: not known.
-  virtual double largest_way() const = 0;
+  /// By block of SphereBlocks::block_size: the largest way of a body in the step that has begun over half its margin,
+  /// or more; empty: not known.
+  virtual std::span<const double> largest_ways() const = 0;
+  /// Where all bodies are then; by slot.
+  virtual std::span<const SphereState> bodies() const = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;
 };

@@ -11,14 +11,6 @@
 
 namespace epafi {
 
-std::uint32_t opposite_image(std::uint32_t image) {
-  const auto turned = [](std::uint32_t code) {
-    const auto bits = [code](int k) { return -static_cast<int>(code >> (2 * k) & 3u); };
-    return image_code(bits(0), bits(1), bits(2));
-  };
-  return turned(image) | turned(image >> 8) << 8;
-}
-
 namespace {
 
 /// Springs of the contacts of a block that touch, by run and in the order of the pairs.
@@ -106,26 +98,25 @@ void by_pieces(std::size_t count, std::size_t piece, const F& f, const Gone& gon
 void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   EPAFI_REQUIRE(world.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
   const std::size_t count = (world.size() + block_size - 1) / block_size;
-  sort_partners(list, world.size());
+  const SpherePairs& pairs = list.pairs;
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
   plain_.resize((world.size() + 3) / 4);
   if (states_.size() != world.size()) parallel_fill(states_, world.size(), SphereState{});
   late_spins_.resize(needs_.rolling ? world.size() : 0);
-  pairs_ = partners_.size();
-  const Filling with{list, world.cell.has_value()};
+  pairs_ = pairs.size();
   bool fits = blocks_.size() == count;
   for (std::size_t i = 0; fits && i < count; ++i)
-    fits = need(i) <= blocks_[i].room && with.periodic == (blocks_[i].images != nullptr);
+    fits = need(pairs, i) <= blocks_[i].room && pairs.image.empty() == (blocks_[i].images == nullptr);
   const bool goes_on = laid_out_ && fits;
   if (!goes_on) take_out(before), group_kept(count);
-  if (blocks_.size() != count || !fits) blocks_.resize(count), make_rooms(with);
+  if (blocks_.size() != count || !fits) blocks_.resize(count), make_rooms(pairs);
   const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
   const auto relay = [&](std::size_t i) {
     const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
-    copy_constants(world, list.radius, first, last);
+    if (!list.radius.empty()) copy_constants(world, list.radius, first, last);
     thread_local Carried carried;
     if (goes_on && needs_.friction) carried.take(blocks_[i], before);
-    lay_out(blocks_[i], static_cast<Slot>(i), with);
+    lay_out(blocks_[i], static_cast<Slot>(i), pairs);
     if (!needs_.friction) return;
     if (goes_on) return carried.give(blocks_[i], planes_);
     restore(blocks_[i], static_cast<Slot>(first),
@@ -138,34 +129,11 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   address_records();
 }
 
-/// By the lower slot of each pair, of a plane by its sphere; among them by the other slot and the image.
-void SphereBlocks::sort_partners(const SphereList& list, std::size_t slots) {
-  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
-    for (const Pair& p : list.pairs.subspan(begin, end - begin)) {
-      if (!list.takes(p)) continue;
-      const bool plane = !list.is_sphere(p.a) || !list.is_sphere(p.b);
-      if (plane)
-        list.is_sphere(p.a) ? f(p.a, Partner{p.b, 0}) : f(p.b, Partner{p.a, 0});
-      else
-        p.a < p.b ? f(p.a, Partner{p.b, p.image}) : f(p.b, Partner{p.a, opposite_image(p.image)});
-    }
-  };
-  parallel_group(
-      list.pairs.size(), slots, first_, each, [&](std::size_t count) { renew(partners_, count); },
-      [&](std::uint32_t place, const Partner& p) { partners_[place] = p; });
-  parallel_for(slots, [&](std::size_t s) {
-    std::sort(partners_.data() + first_[s], partners_.data() + first_[s + 1], [](const Partner& p, const Partner& q) {
-      return std::pair(p.b, p.image >> 8) < std::pair(q.b, q.image >> 8);
-    });
-  });
-}
-
 void SphereBlocks::copy_constants(const World& world, std::span<const double> radius, std::size_t begin,
                                   std::size_t end) {
   const bool may_be_plain = has_plain_bodies(world);
   for (std::size_t s = begin; s < end; ++s) {
-    const double r = std::max(radius[s], 0.0);  // of others, which no pair names
-    states_[s].position[3] = states_[s].spin[3] = r;
+    states_[s].position[3] = states_[s].spin[3] = radius[s];
     states_[s].velocity[3] = world.inverse_mass[s];
     if (world.rotates()) states_[s].predicted[3] = world.inverse_inertia[s].x();
     if (s % 4 == 0) plain_[s / 4] = may_be_plain && are_plain(world, s);
@@ -173,18 +141,19 @@ void SphereBlocks::copy_constants(const World& world, std::span<const double> ra
 }
 
 /// Pairs of a block with all that its runs may be filled up with.
-std::uint32_t SphereBlocks::need(std::size_t block) const {
+std::uint32_t SphereBlocks::need(const SpherePairs& list, std::size_t block) const {
   const std::size_t begin = block * block_size, end = std::min(states_.size(), begin + block_size);
-  const auto pairs = static_cast<std::uint32_t>(first_[end] - first_[begin]);
+  const auto pairs = static_cast<std::uint32_t>(list.first[end] - list.first[begin]);
   const auto runs = static_cast<std::uint32_t>(planes_.size() + 2);
   return (pairs + runs * (pairs_per_byte - 1) + pairs_ahead + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
 }
 
 /// Gives every block room in the columns, an eighth more than it needs now: the next lists fit in too.
-void SphereBlocks::make_rooms(const Filling& with) {
+void SphereBlocks::make_rooms(const SpherePairs& pairs) {
   std::size_t all = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    blocks_[i].room = (need(i) + need(i) / 8 + 64) / pairs_per_byte * pairs_per_byte;
+    const std::uint32_t least = need(pairs, i);
+    blocks_[i].room = (least + least / 8 + 64) / pairs_per_byte * pairs_per_byte;
     all += blocks_[i].room;
   }
   const auto anew = [](auto& column, std::size_t size) {  // the old one goes first
@@ -193,43 +162,45 @@ void SphereBlocks::make_rooms(const Filling& with) {
   };
   anew(pair_column_, all), anew(spring_column_, needs_.friction ? all : 0);
   anew(rolling_column_, needs_.rolling ? all : 0), anew(load_column_, needs_.rolling ? all : 0);
-  anew(image_column_, with.periodic ? all : 0), anew(touched_column_, all / pairs_per_byte);
+  const bool periodic = !pairs.image.empty();
+  anew(image_column_, periodic ? all : 0), anew(touched_column_, all / pairs_per_byte);
   std::size_t at = 0;
   for (Block& block : blocks_) {
     block.pairs = pair_column_.data() + at, block.touched = touched_column_.data() + at / pairs_per_byte;
     block.springs = needs_.friction ? spring_column_.data() + at : nullptr;
     block.rolling = needs_.rolling ? rolling_column_.data() + at : nullptr;
     block.loads = needs_.rolling ? load_column_.data() + at : nullptr;
-    block.images = with.periodic ? image_column_.data() + at : nullptr;
+    block.images = periodic ? image_column_.data() + at : nullptr;
     at += block.room;
   }
 }
 
 /// Pairs go to their runs in the order of their bodies; runs are filled up to whole eights.
-void SphereBlocks::lay_out(Block& block, Slot index, const Filling& with) {
+void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
   const std::size_t begin = index * block_size, end = std::min(states_.size(), begin + block_size);
   const std::size_t inside = planes_.size(), across = inside + 1;
-  thread_local std::vector<std::uint32_t> run_of, place;
-  run_of.resize(first_[end] - first_[begin]), place.assign(across + 1, 0);
-  for (std::uint32_t k = first_[begin]; k < first_[end]; ++k) {
-    const Slot b = partners_[k].b;
-    const std::int32_t plane = with.list.plane_of[b];
-    const std::size_t run = plane >= 0 ? static_cast<std::size_t>(plane) : b / block_size == index ? inside : across;
-    run_of[k - first_[begin]] = static_cast<std::uint32_t>(run), ++place[run];
-  }
+  const std::uint32_t first = pairs.first[begin], last_pair = pairs.first[end];
+  const auto run_of = [&](Slot b) {
+    return (b & SpherePairs::plane) != 0 ? std::size_t{b & ~SpherePairs::plane} : b < end ? inside : across;
+  };
+  thread_local std::vector<std::uint32_t> place;
+  place.assign(across + 1, 0);
+  for (std::uint32_t k = first; k < last_pair; ++k) ++place[run_of(pairs.partner[k])];
   block.runs.clear(), block.size = 0;
   for (std::size_t run = 0; run <= across; ++run) {
-    const std::uint32_t pairs = std::exchange(place[run], block.size);
-    if (pairs == 0) continue;
+    const std::uint32_t count = std::exchange(place[run], block.size);
+    if (count == 0) continue;
     const std::int32_t plane = run < inside ? static_cast<std::int32_t>(run) : -1;
-    block.runs.push_back({block.size, block.size + pairs, plane, run == across});
-    block.size += (pairs + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
+    block.runs.push_back({block.size, block.size + count, plane, run == across});
+    block.size += (count + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
   }
   for (std::size_t s = begin; s < end; ++s)
-    for (std::uint32_t k = first_[s]; k < first_[s + 1]; ++k) {
-      const std::uint32_t at = place[run_of[k - first_[begin]]]++;
-      block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(partners_[k].b)};
-      if (block.images != nullptr) block.images[at] = image_of(partners_[k].image);
+    for (std::uint32_t k = pairs.first[s]; k < pairs.first[s + 1]; ++k) {
+      const Slot b = pairs.partner[k];
+      const std::size_t run = run_of(b);
+      const std::uint32_t at = place[run]++;
+      block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(run < inside ? planes_[run].slot : b)};
+      if (block.images != nullptr) block.images[at] = image_of(pairs.image[k]);
     }
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
     const std::uint32_t last = block.runs[r].end,

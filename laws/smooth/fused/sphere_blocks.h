@@ -34,19 +34,12 @@ struct SpherePlane {
   Vec3 point = Vec3::Zero();
 };
 
-/// What the blocks are laid out from: of the pairs they take those of two spheres, and of a sphere and a plane.
+/// What the blocks are laid out from.
 struct SphereList {
-  static constexpr double not_a_sphere = -1.0;
-  std::span<const Pair> pairs;
-  std::span<const double> radius;          ///< by slot: of a free sphere [m], or not_a_sphere
-  std::span<const std::int32_t> plane_of;  ///< by slot: index in `planes`, or -1
-  std::vector<SpherePlane> planes;
+  const SpherePairs& pairs;
+  std::vector<SpherePlane> planes;  ///< of pairs.planes
+  std::span<const double> radius;   ///< by slot, of free spheres [m]; empty: the bodies are those of the last list
   std::span<const double> margins;  ///< by slot [m]; empty: others move too, or the list has none
-
-  bool is_sphere(Slot s) const { return radius[s] > 0.0; }
-  bool takes(const Pair& p) const {
-    return (is_sphere(p.a) && (is_sphere(p.b) || plane_of[p.b] >= 0)) || (is_sphere(p.b) && plane_of[p.a] >= 0);
-  }
 };
 
 /// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies
@@ -86,9 +79,6 @@ struct alignas(32) SphereImage {
   Lanes cells;            ///< from B to the image, -1, 0 or 1, by axis; 0
   std::uint32_t key = 0;  ///< image code of the contact's key
 };
-
-/// The same pair seen from B: both codes, of Pair::image, turn their sign.
-std::uint32_t opposite_image(std::uint32_t image);
 
 class SphereBlocks {
  public:
@@ -188,25 +178,15 @@ class SphereBlocks {
     UnwrittenColumn<Kept> springs;
     UnwrittenColumn<Load> rolling;  ///< with rolling; one for each spring that ever was there
   };
-  /// Pairs of a block as they come from the list, by A.
-  struct Partner {
-    Slot b;
-    std::uint32_t image;  ///< as Pair::image; 0 with planes, which repeat in themselves
-  };
-  struct Filling {
-    const SphereList& list;
-    bool periodic;
-  };
   static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, const std::vector<SpherePlane>& planes);
   /// planes: those of the block's layout.
   template <class Put>
   static void springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put);
-  void sort_partners(const SphereList& list, std::size_t slots);
-  std::uint32_t need(std::size_t block) const;
-  void make_rooms(const Filling& with);
+  std::uint32_t need(const SpherePairs& pairs, std::size_t block) const;
+  void make_rooms(const SpherePairs& pairs);
   void group_kept(std::size_t count);
   void copy_constants(const World& world, std::span<const double> radius, std::size_t begin, std::size_t end);
-  void lay_out(Block& block, Slot index, const Filling& with);
+  void lay_out(Block& block, Slot index, const SpherePairs& pairs);
   void restore(Block& block, Slot first, std::span<const Kept> kept);
   void address_records();
   void list_sources(std::size_t block);
@@ -228,8 +208,6 @@ class SphereBlocks {
   std::vector<std::uint8_t> is_clear_;  ///< by tray: its sums are zero
   UnwrittenColumn<Lanes> record_moments_;
   std::vector<std::uint8_t> plain_;
-  std::vector<std::uint32_t> first_;   ///< by slot: its first partner, those of the next slot follow
-  UnwrittenColumn<Partner> partners_;  ///< of the last layout
   struct Incoming {
     std::uint32_t record;
     Slot slot;  ///< of the body whose sum takes it
