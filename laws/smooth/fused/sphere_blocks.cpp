@@ -107,23 +107,35 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   bool fits = blocks_.size() == count;
   for (std::size_t i = 0; fits && i < count; ++i)
     fits = need(pairs, i) <= blocks_[i].room && pairs.image.empty() == (blocks_[i].images == nullptr);
-  const bool goes_on = laid_out_ && fits;
-  if (!goes_on) take_out(before), group_kept(count);
-  if (blocks_.size() != count || !fits) blocks_.resize(count), make_rooms(pairs);
-  const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
+  if (!laid_out_) group_kept(count);
+  Rooms old;  // the springs of a layout go over block by block
+  std::vector<Block> old_blocks;
+  if (!fits) {
+    old_blocks.swap(blocks_), std::swap(old, rooms_);
+    if (!laid_out_) old_blocks.clear(), old = Rooms{};
+    blocks_.resize(count), make_rooms(pairs);
+  }
+  const std::vector<Block>& from = fits ? blocks_ : old_blocks;
   const auto relay = [&](std::size_t i) {
     const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
     if (!list.radius.empty()) copy_constants(world, list.radius, first, last);
     thread_local Carried carried;
-    if (goes_on && needs_.friction) carried.take(blocks_[i], before);
+    const bool carries = laid_out_ && needs_.friction && i < from.size();
+    if (carries) carried.take(from[i], before);
     lay_out(blocks_[i], static_cast<Slot>(i), pairs);
-    if (!needs_.friction) return;
-    if (goes_on) return carried.give(blocks_[i], planes_);
-    restore(blocks_[i], static_cast<Slot>(first),
-            std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
+    if (carries)
+      carried.give(blocks_[i], planes_);
+    else if (needs_.friction && !laid_out_)
+      restore(blocks_[i], static_cast<Slot>(first),
+              std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
-  by_pieces(count, many ? given_back : count, relay, [&](std::size_t begin, std::size_t end) {
+  const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
+  const bool many_old = old.springs.size() * sizeof(SphereSpring) > most_twice;
+  by_pieces(count, many || many_old ? given_back : count, relay, [&](std::size_t begin, std::size_t end) {
     if (many) give_back_pages(kept_.springs.data() + kept_begin_[begin], kept_.springs.data() + kept_begin_[end]);
+    end = std::min(end, old_blocks.size());
+    if (many_old && begin < end)
+      give_back_pages(old_blocks[begin].springs, old_blocks[end - 1].springs + old_blocks[end - 1].room);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
@@ -156,21 +168,17 @@ void SphereBlocks::make_rooms(const SpherePairs& pairs) {
     blocks_[i].room = (least + least / 8 + 64) / pairs_per_byte * pairs_per_byte;
     all += blocks_[i].room;
   }
-  const auto anew = [](auto& column, std::size_t size) {  // the old one goes first
-    let_go(column);
-    column.resize(size);
-  };
-  anew(pair_column_, all), anew(spring_column_, needs_.friction ? all : 0);
-  anew(rolling_column_, needs_.rolling ? all : 0), anew(load_column_, needs_.rolling ? all : 0);
   const bool periodic = !pairs.image.empty();
-  anew(image_column_, periodic ? all : 0), anew(touched_column_, all / pairs_per_byte);
+  rooms_.pairs.resize(all), rooms_.springs.resize(needs_.friction ? all : 0), rooms_.images.resize(periodic ? all : 0);
+  rooms_.rolling.resize(needs_.rolling ? all : 0), rooms_.loads.resize(needs_.rolling ? all : 0);
+  rooms_.touched.resize(all / pairs_per_byte);
   std::size_t at = 0;
   for (Block& block : blocks_) {
-    block.pairs = pair_column_.data() + at, block.touched = touched_column_.data() + at / pairs_per_byte;
-    block.springs = needs_.friction ? spring_column_.data() + at : nullptr;
-    block.rolling = needs_.rolling ? rolling_column_.data() + at : nullptr;
-    block.loads = needs_.rolling ? load_column_.data() + at : nullptr;
-    block.images = periodic ? image_column_.data() + at : nullptr;
+    block.pairs = rooms_.pairs.data() + at, block.touched = rooms_.touched.data() + at / pairs_per_byte;
+    block.springs = needs_.friction ? rooms_.springs.data() + at : nullptr;
+    block.rolling = needs_.rolling ? rooms_.rolling.data() + at : nullptr;
+    block.loads = needs_.rolling ? rooms_.loads.data() + at : nullptr;
+    block.images = periodic ? rooms_.images.data() + at : nullptr;
     at += block.room;
   }
 }
@@ -331,8 +339,7 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
     if (many) give_back_pages(blocks_[begin].springs, blocks_[end - 1].springs + blocks_[end - 1].room);
   });
   if (!many) return;
-  blocks_.clear(), let_go(pair_column_), let_go(spring_column_), let_go(rolling_column_), let_go(load_column_),
-      let_go(image_column_);
+  blocks_.clear(), rooms_ = Rooms{};
 }
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.

@@ -194,11 +194,15 @@ class SphereBlocks {
 
   SphereNeeds needs_;
   std::vector<Block> blocks_;
-  UnwrittenColumn<SpherePlaces> pair_column_;
-  UnwrittenColumn<SphereSpring> spring_column_, rolling_column_;
-  UnwrittenColumn<SphereLoads> load_column_;
-  UnwrittenColumn<SphereImage> image_column_;
-  std::vector<std::uint8_t> touched_column_;
+  /// What the blocks of a layout point into.
+  struct Rooms {
+    UnwrittenColumn<SpherePlaces> pairs;
+    UnwrittenColumn<SphereSpring> springs, rolling;
+    UnwrittenColumn<SphereLoads> loads;
+    UnwrittenColumn<SphereImage> images;
+    std::vector<std::uint8_t> touched;
+  };
+  Rooms rooms_;
   std::vector<SpherePlane> planes_;
   UnwrittenColumn<SphereState> states_;
   UnwrittenColumn<SphereSum> sums_;
