@@ -8,8 +8,8 @@ namespace epafi {
 
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const std::uint64_t before = pairs.generation;
-  if (worn_.outdated())
-    list_->renew_pairs(world, pairs, worn_.of_slow);
+  if (worn_.out)
+    list_->renew_pairs(world, pairs, worn_.by_slow);
   else
     list_->find_pairs(world, pairs);
   worn_ = {};
@@ -43,8 +43,9 @@ bool WornPairs::keeps_pairs(const World& world) {
         wear_[doubtful_[k]] = found[k].most;
       },
       1);
-  for (const Wear& w : found) worn_.most = std::max(worn_.most, w.most), worn_.of_slow = worn_.of_slow || w.of_slow;
-  return worn_.most < nearly;
+  bool keeps = true;
+  for (const Wear& w : found) worn_ += w.worn, keeps = keeps && w.most < nearly;
+  return keeps;
 }
 
 void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet& contacts) {

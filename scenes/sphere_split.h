@@ -29,7 +29,7 @@ class WornPairs final : public BroadPhase {
   const Pipeline& pipeline_;
   std::vector<double> wear_;  ///< by block of the model: at least the largest wear of its bodies; empty: not known
   bool ways_known_ = false;   ///< in this step
-  Wear worn_;                 ///< what was seen when the list ended
+  Worn worn_;                 ///< what was seen when the list ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
 };
 

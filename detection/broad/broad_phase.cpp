@@ -15,9 +15,9 @@ bool ListBroadPhase::keeps_pairs(const World& world) {
   see_time(world.time);
   if (world.size() != bodies_.size()) valid_ = known_ = false;
   if (!valid_) return false;
-  const Wear wear = bodies_.wear(world);
-  worn_by_slow_ = wear.of_slow;
-  return !wear.outdated();
+  const Worn worn = bodies_.worn(world);
+  worn_by_slow_ = worn.by_slow;
+  return !worn.out;
 }
 
 void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {

@@ -11,9 +11,9 @@ namespace {
 constexpr double least_margin =
     0.06;  // of the bounding radius: what a body at rest may creep; 0.04-0.2 cost the same within 10 %
 constexpr double most_learned = 0.25;  // of spheres: the same where bodies at rest often begin to move
-// A list of spheres costs 400 ns a body, a pair more per step 2.5 ns, and a margin larger by its radius 8 pairs: with a
-// life L of the list that grows like the margin m, the sum is least at m L = 400/(2.5 8).
-constexpr double best_share_times_life = 20.0;
+// A list of spheres costs 300 ns a body, a pair more per step 2.5 ns, and a margin larger by its radius 8 pairs: with a
+// life L of the list that grows like the margin m, the sum is least at m L = 300/(2.5 8).
+constexpr double best_share_times_life = 15.0;
 constexpr double most_margin =
     2.0;  // of the bounding radius: for the few fast ones; with 0.5 what falls from a hopper asks for a list every
           // 14 steps, with 6 bodies near a mesh look at too many triangles
@@ -162,24 +162,23 @@ void FatBodies::set_planes(const World& world, const ShapeStore& shapes) {
   }
 }
 
-/// Of the body's surface since update [m]. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|, as |q - q0|
-/// = 2 sin(t/4).
-double FatBodies::way(const World& world, std::size_t i) const {
-  const double straight = (world.position[i] - position(i)).norm();
-  if (!world.has_orientation() || !(turning_radius(i) > 0.0)) return straight;
-  return straight + 2.0 * turning_radius(i) * (world.orientation[i].coeffs() - orientation[i].coeffs()).norm();
+/// Its surface has moved by more than half its margin. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|,
+/// as |q - q0| = 2 sin(t/4).
+inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates) const {
+  const double way = (world.position[i] - position(i)).squaredNorm(), allowed = 0.5 * margin[i];
+  if (!rotates || !(turning_radius(i) > 0.0)) return way > allowed * allowed;
+  const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
+  return std::sqrt(way) + 2.0 * turning_radius(i) * std::sqrt(turn) > allowed;
 }
 
-Wear FatBodies::wear(const World& world) const {
-  if (world.size() != size()) return {infinity, false};
-  constexpr std::size_t block = 4096;
-  std::vector<Wear>& part = block_results<Wear>((size() + block - 1) / block, Wear{});
-  parallel_blocks(size(), block, [&](std::size_t begin, std::size_t end, std::size_t b) {
-    for (std::size_t i = begin; i < end; ++i) part[b].see(over_margin(way(world, i), i), is_slow(i));
-  });
-  Wear all;
-  for (const Wear& w : part) all.most = std::max(all.most, w.most), all.of_slow = all.of_slow || w.of_slow;
-  return all;
+Worn FatBodies::worn(const World& world) const {
+  if (world.size() != size()) return {true, false};
+  const auto any = [&](const auto& f) {
+    return block_max<char>(size(), 0, [&](std::size_t i) { return static_cast<char>(f(i)); }) != 0;
+  };
+  const bool rotates = world.has_orientation();
+  if (!any([&](std::size_t i) { return is_beyond(world, i, rotates); })) return {};
+  return {true, any([&](std::size_t i) { return is_slow(i) && is_beyond(world, i, rotates); })};
 }
 
 double FatBodies::largest_margin() const {

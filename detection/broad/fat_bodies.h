@@ -47,12 +47,21 @@ struct ApartPlane {
   bool is_plane() const { return normal.squaredNorm() > 0.0; }
 };
 
-/// The largest way of a body (of its surface, with rotation) since the list was taken over half its margin.
+/// Whether a list is outdated.
+struct Worn {
+  bool out = false, by_slow = false;  ///< by_slow: one of the slow ones, whose margin is the least, is beyond it
+  void see(bool beyond, bool slow) { out = out || beyond, by_slow = by_slow || (beyond && slow); }
+  Worn& operator+=(const Worn& o) {
+    out = out || o.out, by_slow = by_slow || o.by_slow;
+    return *this;
+  }
+};
+
+/// The largest way of a body since the list was taken over half its margin; the list is outdated above 1.
 struct Wear {
   double most = 0.0;
-  bool of_slow = false;  ///< one of the slow ones, whose margin is the least, is beyond 1
-  bool outdated() const { return most > 1.0; }
-  void see(double wear, bool slow) { most = std::max(most, wear), of_slow = of_slow || (slow && wear > 1.0); }
+  Worn worn{};
+  void see(double wear, bool slow) { most = std::max(most, wear), worn.see(wear > 1.0, slow); }
 };
 
 /// Bounding columns by slot, and the state they were taken from.
@@ -99,7 +108,8 @@ struct FatBodies {
   void update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies);
   /// The list is worn: how long it lasted says how large the margins of slow bodies ought to be. Before update.
   void learn(const World& world, double step_time, bool worn_by_slow);
-  Wear wear(const World& world) const;
+  /// Whether some body has moved by more than half its margin, and a slow one too.
+  Worn worn(const World& world) const;
   /// Of spheres, or bodies that stay: at(s) says where slot s of [begin, end) is now.
   template <class At>
   Wear wear(std::size_t begin, std::size_t end, const At& at) const {
@@ -117,8 +127,8 @@ struct FatBodies {
   bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
   void read_shapes(const World& world, const BroadSetup& setup);
   double over_margin(double way, std::size_t i) const { return way > 0.0 ? way / (0.5 * margin[i]) : 0.0; }
+  bool is_beyond(const World& world, std::size_t i, bool rotates) const;
   bool is_slow(std::size_t i) const { return margin[i] <= 1.001 * least_share_ * radius[i]; }
-  double way(const World& world, std::size_t i) const;
   double corner_depth(Slot i, const ApartPlane& p) const;
   double margin_of(const World& world, Slot s, double step_time, double steps) const;
   void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);

@@ -103,7 +103,7 @@ void PeriodicPairs::find_pairs(const World& world, PairList& pairs) {
     shown_ = World(Columns{.rotation = world.rotates(), .orientation = world.has_orientation()}), valid_ = false;
   if (valid_ && shown_.size() != world.size() + images_.size()) valid_ = false;
   if (valid_) follow(world);
-  if (!valid_ || list_->bodies().wear(shown_).outdated()) {
+  if (!valid_ || list_->bodies().worn(shown_).out) {
     choose_images(world);
     valid_ = false;
     follow(world);
