@@ -4,23 +4,36 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/parallel.h"
+
 namespace epafi {
 
-Overlap measure_overlap(const World& world, const ContactSet& contacts, const ShapeStore& shapes) {
-  Overlap o;
-  double sum = 0;
-  for (std::size_t k = 0; k < contacts.size();) {
-    const Slot a = contacts.a[k], b = contacts.b[k];
-    double deepest = 0;
-    for (; k < contacts.size() && contacts.a[k] == a && contacts.b[k] == b; ++k)
-      deepest = std::max(deepest, -contacts.gap[k]);
-    if (deepest <= 0) continue;
-    const double radius = std::min(shapes.bounding_radius({world.shape[a]}), shapes.bounding_radius({world.shape[b]}));
-    o.max = std::max(o.max, deepest), o.max_relative = std::max(o.max_relative, deepest / radius);
-    sum += deepest, ++o.pairs;
+namespace {
+struct OverlapSum {
+  double max = 0.0, max_relative = 0.0, sum = 0.0;
+  std::size_t pairs = 0;
+  OverlapSum& operator+=(const OverlapSum& o) {
+    max = std::max(max, o.max), max_relative = std::max(max_relative, o.max_relative);
+    sum += o.sum, pairs += o.pairs;
+    return *this;
   }
-  if (o.pairs > 0) o.mean = sum / static_cast<double>(o.pairs);
-  return o;
+};
+}  // namespace
+
+Overlap measure_overlap(const World& world, const ContactSet& contacts, const ShapeStore& shapes) {
+  const auto same = [&](std::size_t k, std::size_t l) {
+    return contacts.a[k] == contacts.a[l] && contacts.b[k] == contacts.b[l];
+  };
+  const OverlapSum all = block_sum<OverlapSum>(contacts.size(), [&](std::size_t first) {
+    if (first > 0 && same(first - 1, first)) return OverlapSum{};  // the first contact of a pair stands for it
+    double deepest = 0.0;
+    for (std::size_t k = first; k < contacts.size() && same(first, k); ++k) deepest = std::max(deepest, -contacts.gap[k]);
+    if (deepest <= 0.0) return OverlapSum{};
+    const double radius = std::min(shapes.bounding_radius({world.shape[contacts.a[first]]}),
+                                   shapes.bounding_radius({world.shape[contacts.b[first]]}));
+    return OverlapSum{deepest, deepest / radius, deepest, 1};
+  });
+  return {all.max, all.pairs > 0 ? all.sum / static_cast<double>(all.pairs) : 0.0, all.max_relative, all.pairs};
 }
 
 RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies,
