@@ -12,13 +12,15 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
     list_->renew_pairs(world, pairs, worn_.by_slow);
   else
     list_->find_pairs(world, pairs);
-  worn_ = {};
+  worn_ = {}, wear_.clear();
+  const bool fresh = pairs.generation != before;
+  if (!fresh && !ways_known_) return;  // what the list has gone through is not known then
   wear_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, 0.0);
-  if (pairs.generation != before) return;
+  if (fresh) return;
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
-  parallel_blocks(
-      ways_known_ ? world.size() : 0, SphereBlocks::block_size,
-      [&](std::size_t begin, std::size_t end, std::size_t b) { wear_[b] = list_->bodies().wear(begin, end, at).most; });
+  parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
+    wear_[b] = list_->bodies().wear(begin, end, at).most;
+  });
 }
 
 bool WornPairs::keeps_pairs(const World& world) {
