@@ -79,11 +79,13 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
 void SphereSplit::read_bodies(const World& world, UnwrittenColumn<double>& radius) {
   const auto& spheres = shapes_.of<Sphere>();
   radius.resize(world.size());
+  parallel_for(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    const bool free = roles_.of(world, s) == SphereRole::sphere;
+    radius[i] = free ? spheres[ShapeRef{world.shape[s]}.index()].radius : 0.0;
+  });
   alone_ = block_max<char>(world.size(), 0, [&](std::size_t i) {
-             const auto s = static_cast<Slot>(i);
-             const bool free = roles_.of(world, s) == SphereRole::sphere;
-             radius[i] = free ? spheres[ShapeRef{world.shape[s]}.index()].radius : 0.0;
-             return static_cast<char>(!free && !roles_.is_fixed(world, s));
+             return static_cast<char>(!(radius[i] > 0.0) && !roles_.is_fixed(world, static_cast<Slot>(i)));
            }) == 0;
 }
 

@@ -82,7 +82,7 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
            }) == 0;
 }
 
-/// Of some thousand bodies: it says what a giant is, and no more.
+/// Of some thousand bodies: it says what a giant is and which margins are large, no more.
 void FatBodies::find_median_radius() {
   constexpr std::size_t most_asked = 4096;
   const std::size_t stride = size() / most_asked + 1;

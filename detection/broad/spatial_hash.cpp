@@ -165,10 +165,11 @@ struct SpatialHash::Block {
   PairCollector& collector;
   std::vector<Slot>& found;
   std::size_t begin, end, block;
+  bool in_order;
 
   template <int n>
   EPAFI_LANES void run() const {
-    if (bodies.ordered_spheres)
+    if (in_order)
       in_slots<n>();
     else
       in_cells<n>();
@@ -189,15 +190,12 @@ struct SpatialHash::Block {
       collector.add(block, s, std::span(found).first(count), true);
     }
   }
-  /// In the order of the slots, each with those of higher slot: twice the cells, but nothing is to be sorted after it.
+  /// Of one class, in the order of the slots, each with all it is near: twice the cells, but nothing is to be sorted.
   template <int n>
   EPAFI_LANES void in_slots() const {
     for (std::size_t k = begin; k < end; ++k) {
       const Slot s = bodies.ordinary[k];
-      std::size_t count = 0;
-      for (std::size_t l = 0; l < hash.levels_; ++l)
-        if (hash.level_[l].count > 0)
-          count = hash.search<n>(hash.level_[l], bodies.ball[s], bodies.half[s], 0, found, count);
+      const std::size_t count = hash.search<n>(hash.level_[0], bodies.ball[s], bodies.half[s], 0, found, 0);
       collector.add(block, s, std::span(found).first(count), true);
     }
   }
@@ -207,11 +205,13 @@ void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
   const std::size_t n = bodies.ordinary.size(), blocks = (n + block_size - 1) / block_size;
   set_levels(bodies);
   sort_bodies(bodies);
-  collector.begin(blocks, bodies.ordered_spheres);
+  // among several classes large bodies would search the cells of small ones (1:10 lognormal: 514 ns a body for 285)
+  const bool in_order = bodies.ordered_spheres && levels_ == 1;
+  collector.begin(blocks, in_order);
   if (found_.size() < blocks) found_.resize(blocks);
   const auto search_block = best_loop<Block>();
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t block) {
-    search_block({*this, bodies, collector, found_[block], begin, end, block});
+    search_block({*this, bodies, collector, found_[block], begin, end, block, in_order});
   });
 }
 

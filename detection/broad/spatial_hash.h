@@ -1,7 +1,6 @@
 /// @file spatial_hash.h  Bodies sorted into uniform cells, one grid per size class (Ericson 2005, ch. 7; Mirtich 1996 for levels).
 /// Each class spans a factor of two in size. A body searches its own class and the larger ones, so a dust grain beside a
-/// boulder costs a few look-ups; spheres that are listed by slots (PairList::spheres) search all classes. The cell table is
-/// an array, no hash map: where the bodies are too sparse for a dense array,
+/// boulder costs a few look-ups. The cell table is an array, no hash map: where the bodies are too sparse for a dense array,
 /// the grid is folded (cell index modulo a power of two) and the aliases fall to the exact test.
 /// Fails (slow, still right) where most bodies overlap each other.
 #pragma once
