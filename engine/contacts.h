@@ -4,6 +4,7 @@
 #pragma once
 #include <compare>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "engine/large_column.h"
@@ -40,7 +41,9 @@ struct PairList {
   double margin =
       0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
   std::uint64_t generation = 0;   ///< grows when the list changes: whoever derives data from it derives it again
-  std::vector<double> margins{};  ///< by slot, each body's own in the place of `margin` [m]; empty: one for all
+  /// By slot, each body's own in the place of `margin` [m]; empty: one for all. Those of the broad phase, until it makes
+  /// the next list.
+  std::span<const double> margins{};
   SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
   /// By how much the bodies of a pair may come closer while the list lasts [m].
   double margin_of(const Pair& p) const { return margins.empty() ? margin : 0.5 * (margins[p.a] + margins[p.b]); }

@@ -23,7 +23,9 @@ bool is_finite(const World& world, Slot s) {
 namespace {
 
 /// x*0 is 0 for every finite number and NaN for all others: their sum says of all at once.
-bool all_finite(const std::vector<Vec3>& column) {
+bool all_finite(const StateColumn<Vec3>& column) {
+  const auto strange = [&](std::size_t s) { return static_cast<char>(!column[s].allFinite()); };
+  if (column.in_records()) return block_max<char>(column.size(), 0, strange) == 0;
   constexpr std::size_t rows = 512;
   return block_max<char>((column.size() + rows - 1) / rows, 0, [&](std::size_t block) {
            const std::size_t begin = block * rows, end = std::min(column.size(), begin + rows);

@@ -20,11 +20,11 @@ void parallel_fill(Column& column, std::size_t n, const typename Column::value_t
       n, [&](std::size_t i) { column[i] = value; }, fill_grain<Column>);
 }
 
-template <class Column>
-void parallel_copy(const Column& from, Column& to) {
+template <class From, class To>
+void parallel_copy(const From& from, To& to) {
   to.resize(from.size());
   parallel_for(
-      from.size(), [&](std::size_t i) { to[i] = from[i]; }, fill_grain<Column>);
+      from.size(), [&](std::size_t i) { to[i] = from[i]; }, fill_grain<To>);
 }
 
 /// v[k] becomes v[0] + ... + v[k].

@@ -68,10 +68,6 @@ class BroadPhase : public StepStage {
 class NarrowPhase : public StepStage {
  public:
   virtual void collide(const World& world, const PairList& pairs, ContactSet& contacts) = 0;
-  /// Appends the bodies, some more than once, that `collide` looks at until this list changes.
-  virtual void looks_at(const PairList& pairs, std::vector<Slot>& bodies) const {
-    for (const Pair& p : pairs.pairs) bodies.push_back(p.a), bodies.push_back(p.b);
-  }
 };
 
 /// Lets the contacts act. Smooth: writes world.force (and torque). Non-smooth: changes world.velocity (and angular
@@ -84,8 +80,6 @@ class ContactModel : public StepStage {
   virtual bool move(World&, const StepClock&) { return false; }
   /// The first half of the next step is done: of the world only the positions are up to date.
   virtual bool is_ahead() const { return false; }
-  /// Within a step: positions and velocities, where the model has moved the bodies without telling the world.
-  virtual void show(World&) const {}
   /// What the model has seen of the bodies on its way through the step; null: nothing.
   virtual const Extent* extent() const { return nullptr; }
   /// Completes the set for observers where the model has found contacts of its own.

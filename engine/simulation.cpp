@@ -134,7 +134,6 @@ std::optional<Failure> Simulation::watch() {
                        ": masses, impulses or speeds are beyond what numbers hold"};
   const Extent* seen = pipeline.contact_model->extent();
   if (seen && (is_ahead() ? seen->finite : seen->is_inside(watched()))) return std::nullopt;
-  if (is_ahead()) pipeline.contact_model->show(world);
   return look_at_strays();
 }
 
@@ -164,7 +163,6 @@ std::optional<Failure> Simulation::look_at_strays() {
 
 std::optional<Failure> Simulation::look_at_energy() {
   if (std::isfinite(ledger.last().stored())) return std::nullopt;
-  if (is_ahead()) pipeline.contact_model->show(world);
   Slot fastest = 0;
   for (Slot s = 1; s < world.size(); ++s)
     if (world.velocity[s].stableNorm() > world.velocity[fastest].stableNorm()) fastest = s;

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/state_column.h"
 #include "engine/types.h"
 
 namespace epafi {
@@ -31,6 +32,10 @@ class StateVisitor {
     const std::size_t wanted = bytes_of(name, sizeof(T), values.size() * sizeof(T));
     if (wanted != values.size() * sizeof(T)) values.resize(wanted / sizeof(T));
     exchange(name, sizeof(T), reinterpret_cast<std::byte*>(values.data()), wanted);
+  }
+  template <class T>
+  void column(std::string_view name, StateColumn<T>& values) {
+    values.as_vector([&](std::vector<T>& all) { column(name, all); });
   }
   template <class T>
   requires is_plain<T>

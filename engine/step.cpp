@@ -24,10 +24,7 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn
     held = watched(world, stage, dt, [&] { stage.scheme->first_half(world, dt); });
   }
   timer.lap(Stage::integrate);
-  if (!stage.broad_phase->keeps_pairs(world)) {
-    stage.contact_model->show(world);
-    stage.broad_phase->find_pairs(world, work.pairs);
-  }
+  if (!stage.broad_phase->keeps_pairs(world)) stage.broad_phase->find_pairs(world, work.pairs);
   timer.lap(Stage::broad_phase);
   stage.narrow_phase->collide(world, work.pairs, work.contacts);
   timer.lap(Stage::narrow_phase);

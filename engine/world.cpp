@@ -9,6 +9,17 @@
 
 namespace epafi {
 
+namespace {
+template <class T>
+std::size_t bytes_of_one(const std::vector<T>&) {
+  return sizeof(T);
+}
+template <class T>
+std::size_t bytes_of_one(const StateColumn<T>& column) {
+  return column.in_records() ? 0 : sizeof(T);
+}
+}  // namespace
+
 template <class F>
 void World::each_column(F&& f) {
   f("world/id", id), f("world/shape", shape), f("world/material", material), f("world/inverse_mass", inverse_mass);
@@ -60,10 +71,12 @@ void World::add(const Body& body, BodyId new_id) {
   EPAFI_REQUIRE(slot_of(new_id) == no_slot, "a body comes once");
   slot_of_[static_cast<std::uint32_t>(new_id)] = static_cast<Slot>(size());
   const bool free = body.mass > 0.0;
-  each_column([](const char*, auto& column) { column.emplace_back(); });
+  const auto s = static_cast<Slot>(size());
+  resize_states(s + 1);
+  each_column([&](const char*, auto& column) { column.resize(s + 1); });
   id.back() = new_id, shape.back() = body.shape, material.back() = body.material;
   inverse_mass.back() = free ? 1.0 / body.mass : 0.0;
-  position.back() = body.position, velocity.back() = body.velocity;
+  position[s] = body.position, velocity[s] = body.velocity;
   if (columns_.force) force.back().setZero();
   if (columns_.external_force) external_force.back() = body.external_force;
   if (columns_.periodic) wraps.back().setZero();
@@ -72,18 +85,20 @@ void World::add(const Body& body, BodyId new_id) {
     inverse_inertia.back() = free ? Vec3(body.inertia.cwiseInverse()) : Vec3(0, 0, 0);
     if (columns_.force) torque.back().setZero();
     if (columns_.anisotropy) angular_momentum.back().setZero();
-    set_angular_velocity(static_cast<Slot>(size() - 1), body.angular_velocity);
+    set_angular_velocity(s, body.angular_velocity);
   }
 }
 
 Reordering World::reorder(std::span<const Slot> order) {
   Reordering result{std::vector<Slot>(size(), no_slot)};
   each_column([&](const char*, auto& column) {
-    std::remove_reference_t<decltype(column)> sorted;
+    std::vector<std::remove_reference_t<decltype(column[0])>> sorted;
     sorted.reserve(order.size());
     for (Slot s : order) sorted.push_back(column[s]);
-    column.assign(sorted.begin(), sorted.end());  // in place: whoever holds an array over the column keeps it
+    column.resize(order.size());  // in place: whoever holds an array over the column keeps it
+    for (std::size_t k = 0; k < sorted.size(); ++k) column[k] = sorted[k];
   });
+  resize_states(order.size());
   for (Slot k = 0; k < order.size(); ++k) result.new_slot[order[k]] = k;
   for (Slot& s : slot_of_)
     if (s != no_slot) s = result.new_slot[s];
@@ -106,12 +121,36 @@ void World::visit(StateVisitor& visitor) {
   visitor.value("world/time", time);
   visitor.column("world/slot_of", slot_of_);
   if (cell) visitor.value("world/cell", *cell);
-  each_column([&](const char* name, auto& column) { visitor.column(name, column); });
+  each_column([&](const char* name, auto& column) {
+    resize_states(size());  // id came first
+    visitor.column(name, column);
+  });
+}
+
+void World::reserve(std::size_t bodies) {
+  slot_of_.reserve(bodies);
+  if (columns_.states) states_.reserve(bodies), place_states();
+  each_column([&](const char*, auto& column) { column.reserve(bodies); });
+}
+
+void World::resize_states(std::size_t n) {
+  if (!columns_.states || states_.size() == n) return;
+  states_.resize(n, BodyState{});
+  place_states();
+}
+
+void World::place_states() {
+  if (!columns_.states) return;
+  const auto join = [this](StateColumn<Vec3>& column, Lanes BodyState::*part) {
+    column.join(states_.empty() ? nullptr : &(states_[0].*part), sizeof(BodyState), states_.size());
+  };
+  join(position, &BodyState::position), join(velocity, &BodyState::velocity);
+  if (columns_.rotation) join(angular_velocity, &BodyState::spin);
 }
 
 std::size_t World::bytes_per_body() const {
-  std::size_t bytes = sizeof(Slot);  // slot_of
-  const_cast<World*>(this)->each_column([&](const char*, auto& column) { bytes += sizeof(column[0]); });
+  std::size_t bytes = sizeof(Slot) + (columns_.states ? sizeof(BodyState) : 0);  // slot_of
+  const_cast<World*>(this)->each_column([&](const char*, auto& column) { bytes += bytes_of_one(column); });
   return bytes;
 }
 

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/large_column.h"
 #include "engine/periodic_cell.h"
 #include "engine/rotation.h"
+#include "engine/state_column.h"
 #include "engine/state_visitor.h"
 #include "engine/types.h"
 
@@ -24,6 +26,7 @@ struct Columns {
   bool external_force = false;  ///< constant forces on some bodies
   bool periodic = false;        ///< cells passed by each body
   bool held_force = false;      ///< contact forces on fixed and driven bodies are summed too
+  bool states = false;  ///< position, velocity and spin of a body lie in one BodyState: a contact model reads them so
 };
 
 /// One body as it enters the world.
@@ -46,7 +49,12 @@ struct Reordering {
 
 class World {
  public:
-  explicit World(Columns columns = {}) : columns_(columns) {}
+  explicit World(Columns columns = {}) : columns_(columns) { place_states(); }
+  World(const World&) = delete;
+  World(World&&) = default;
+  World& operator=(const World&) = delete;
+  World& operator=(World&&) = default;
+  ~World() = default;
 
   double time = 0.0;                   ///< [s]
   Vec3 gravity = Vec3::Zero();         ///< [m/s^2]
@@ -56,19 +64,22 @@ class World {
   std::vector<std::uint32_t> shape;
   std::vector<std::uint16_t> material;
   std::vector<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
-  std::vector<Vec3> position;          ///< [m]
-  std::vector<Vec3> velocity;          ///< [m/s]
+  StateColumn<Vec3> position;          ///< [m]
+  StateColumn<Vec3> velocity;          ///< [m/s]
   std::vector<Wraps> wraps;            ///< cells passed; with columns().periodic
   std::vector<Vec3> force;             ///< contact force at the last detection [N]; with columns().force
   std::vector<Vec3> external_force;    ///< [N]; with columns().external_force
   std::vector<Quat> orientation;       ///< with columns().rotation and columns().orientation
-  std::vector<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next two
+  StateColumn<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next two
   std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]
   std::vector<Vec3> torque;            ///< [N m]; with columns().force
   std::vector<Vec3>
       angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
 
   std::size_t size() const { return id.size(); }
+  /// With columns().states: where position, velocity and spin of the bodies are; else empty.
+  std::span<BodyState> states() { return states_; }
+  std::span<const BodyState> states() const { return states_; }
   bool rotates() const { return columns_.rotation; }
   bool has_orientation() const { return columns_.rotation && columns_.orientation; }
   const Columns& columns() const { return columns_; }
@@ -133,6 +144,8 @@ class World {
     add(body, id_of_body);
     return id_of_body;
   }
+  /// So that no column moves or doubles on the way to so many bodies.
+  void reserve(std::size_t bodies);
   /// A name for a body that comes later; it has no slot until then.
   BodyId reserve();
   void add(const Body& body, BodyId reserved);
@@ -148,12 +161,15 @@ class World {
  private:
   Columns columns_;
   std::vector<Slot> slot_of_;  ///< by body id
+  UnwrittenColumn<BodyState> states_;  ///< with columns().states
 
   Vec3 apply_inverse_inertia_at(Slot s, const Vec3& x) const;
   void apply_angular_impulse_at(Slot s, const Vec3& impulse);
   void rotate_at(Slot s, double dt);
   template <class F>
   void each_column(F&& f);
+  void resize_states(std::size_t n);
+  void place_states();
 };
 
 /// Slots along a Morton (Z-order) curve over the bodies' positions, cell of 1/1024 of the largest extent.

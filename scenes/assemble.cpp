@@ -50,20 +50,9 @@ BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, cons
   return id;
 }
 
-/// So that columns do not double on the way to `bodies`.
-void make_room(World& w, std::size_t bodies) {
-  const Columns& has = w.columns();
-  w.id.reserve(bodies), w.shape.reserve(bodies), w.material.reserve(bodies), w.inverse_mass.reserve(bodies);
-  for (auto* column : {&w.position, &w.velocity}) column->reserve(bodies);
-  w.force.reserve(has.force ? bodies : 0), w.orientation.reserve(w.has_orientation() ? bodies : 0);
-  if (!has.rotation) return;
-  for (auto* column : {&w.angular_velocity, &w.inverse_inertia}) column->reserve(bodies);
-  w.torque.reserve(has.force ? bodies : 0);
-}
-
 void add_bodies(Assembly& a, ShapeBuilder& builder) {
   const auto& bodies = a.scene.bodies;
-  make_room(a.simulation->world, bodies.size()), a.body_ids.reserve(bodies.size());
+  a.simulation->world.reserve(bodies.size()), a.body_ids.reserve(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const BodySpec& b = bodies[k];
     const Place& place = a.scene.groups[b.group].place;
@@ -104,7 +93,7 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
   auto& ids = a.fill_ids.emplace_back();
   ids.reserve(result.bodies.size());
   if (fill.method != FillSpec::Method::pour)
-    make_room(a.simulation->world, a.simulation->world.size() + result.bodies.size());
+    a.simulation->world.reserve(a.simulation->world.size() + result.bodies.size());
   for (std::size_t k = 0; k < result.bodies.size(); ++k) {
     const FillBody& f = result.bodies[k];
     BodySpec spec;

@@ -139,7 +139,7 @@ void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shape
     for (std::size_t s : f.shapes) count(s, f.material, 100);  // how many is known later; a fill is many
   constexpr std::size_t fewest = 100;                          // below, the layout costs more than the loop gains
   if (spheres < fewest || materials.size() != 1) return;
-  plan.fused_spheres = true, plan.sphere_material = *materials.begin();
+  plan.fused_spheres = plan.columns.states = true, plan.sphere_material = *materials.begin();
 }
 
 /// Wheels on rails by laws of rolling contact, and springs: named only where a scene has them.

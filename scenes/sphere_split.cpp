@@ -33,9 +33,7 @@ bool WornPairs::keeps_pairs(const World& world) {
   worn_ = {}, doubtful_.clear();
   for (std::size_t b = 0; b < ways.size(); ++b)
     if ((wear_[b] += ways[b]) >= nearly) doubtful_.push_back(b);
-  const auto at = [bodies = model->bodies()](std::size_t s) {
-    return Vec3(bodies[s].position[0], bodies[s].position[1], bodies[s].position[2]);
-  };
+  const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
   std::vector<Wear>& found = block_results<Wear>(doubtful_.size(), Wear{});
   parallel_for(
       doubtful_.size(),
@@ -51,34 +49,25 @@ bool WornPairs::keeps_pairs(const World& world) {
 }
 
 void SphereSplit::collide(const World& world, const PairList& pairs, ContactSet& contacts) {
-  const bool fresh = !known_ || generation_ != pairs.generation || model_.waits_for_pairs();
-  if (fresh) split(world, pairs);
+  if (!known_ || generation_ != pairs.generation || model_.waits_for_pairs()) split(world, pairs);
   others_->collide(world, pairs, contacts);
-  if (!fresh || pairs.pairs.empty()) return;
-  watched_.clear();
-  others_->looks_at(pairs, watched_);
-  model_.watch(watched_);
 }
 
 void SphereSplit::split(const World& world, const PairList& pairs) {
   const auto& planes = shapes_.of<HalfSpace>();
-  SphereList list{pairs.spheres, {}, {}, {}};
+  SphereList list{pairs.spheres, {}, {}, !pairs.pairs.empty()};
   for (const Slot s : pairs.spheres.planes)
     list.planes.push_back(
         {s, world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal, world.position[s]});
-  UnwrittenColumn<double> radius;
-  if (!known_ || bodies_ != world.size()) {
-    read_bodies(world, radius);
-    list.radius = radius;
-  }
+  if (!known_ || bodies_ != world.size()) read_bodies(world);
   if (alone_) list.margins = pairs.margins;
   model_.set_pairs(world, list);
   known_ = true, generation_ = pairs.generation, bodies_ = world.size();
 }
 
-void SphereSplit::read_bodies(const World& world, UnwrittenColumn<double>& radius) {
+void SphereSplit::read_bodies(const World& world) {
   const auto& spheres = shapes_.of<Sphere>();
-  radius.resize(world.size());
+  UnwrittenColumn<double> radius(world.size());
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     const bool free = roles_.of(world, s) == SphereRole::sphere;
@@ -87,6 +76,7 @@ void SphereSplit::read_bodies(const World& world, UnwrittenColumn<double>& radiu
   alone_ = block_max<char>(world.size(), 0, [&](std::size_t i) {
              return static_cast<char>(!(radius[i] > 0.0) && !roles_.is_fixed(world, static_cast<Slot>(i)));
            }) == 0;
+  model_.set_bodies(std::move(radius));
 }
 
 }  // namespace epafi

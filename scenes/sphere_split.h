@@ -45,7 +45,7 @@ class SphereSplit final : public NarrowPhase {
 
  private:
   void split(const World& world, const PairList& pairs);
-  void read_bodies(const World& world, UnwrittenColumn<double>& radius);
+  void read_bodies(const World& world);
 
   const ShapeStore& shapes_;
   std::unique_ptr<NarrowPhase> others_;
@@ -55,7 +55,6 @@ class SphereSplit final : public NarrowPhase {
   bool alone_ = false;      ///< nothing moves but free spheres
   std::size_t bodies_ = 0;  ///< as many as there were then
   std::uint64_t generation_ = 0;
-  std::vector<Slot> watched_;
 };
 
 }  // namespace epafi

@@ -30,9 +30,10 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_
   collect(bodies_, collector_);
   collector_.finish(pairs.pairs);
   if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
-  pairs.margin = bodies_.largest_margin(), parallel_copy(bodies_.margin, pairs.margins);
+  pairs.margin = bodies_.largest_margin(), pairs.margins = bodies_.margin;
   ++pairs.generation;
   valid_ = true;
+  if (bodies_.size() >= many_bodies) rest(), collector_.rest();
 }
 
 }  // namespace epafi

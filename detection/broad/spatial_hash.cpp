@@ -115,6 +115,11 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
       });
 }
 
+void SpatialHash::rest() {
+  let_go(level_of_), let_go(cell_of_), let_go(start_), let_go(slot_), let_go(found_);
+  for (auto* column : {&x_, &y_, &z_, &r_}) let_go(*column);
+}
+
 template <int n>
 EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball, double half, std::uint32_t first,
                                             std::vector<Slot>& found, std::size_t count) const {

@@ -164,16 +164,4 @@ void BatchNarrowPhase::visit(StateVisitor& visitor) {
   restored_ = true, known_ = false;
 }
 
-void BatchNarrowPhase::looks_at(const PairList& list, std::vector<Slot>& bodies) const {
-  if (seconds_ > 0.0) return NarrowPhase::looks_at(list, bodies);  // at the velocity of every body
-  std::vector<std::size_t>& place = block_results<std::size_t>(blocks_.size() + 1, bodies.size());
-  for (std::size_t i = 0; i < blocks_.size(); ++i) place[i + 1] = place[i] + 2 * blocks_[i].pairs.size();
-  bodies.resize(place.back());
-  const auto copy = [&](std::size_t i) {
-    std::size_t at = place[i];
-    for (const Pair& p : blocks_[i].pairs) bodies[at++] = p.a, bodies[at++] = p.b;
-  };
-  parallel_for(blocks_.size(), copy, 1);
-}
-
 }  // namespace epafi

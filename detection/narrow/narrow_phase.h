@@ -23,7 +23,6 @@ class BatchNarrowPhase : public NarrowPhase {
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
   /// Not those near no triangle of a mesh.
-  void looks_at(const PairList& pairs, std::vector<Slot>& bodies) const override;
   void reorder(const Reordering&) override { known_ = restored_ = false; }
   /// Of the resting patches; what else is remembered changes no bit.
   void visit(StateVisitor& visitor) override;

@@ -233,7 +233,7 @@ void NonsmoothContact::add_impacts() {
 }
 
 void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt) {
-  world.velocity = after_.linear;
+  parallel_copy(after_.linear, world.velocity);
   parallel_for(world.rotates() ? world.size() : 0, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     if (world.is_movable(s) && problem_.incidence.count(s) > 0) world.apply_angular_impulse(s, moments_[k]);

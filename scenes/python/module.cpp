@@ -108,12 +108,7 @@ class Run {
 
  private:
   /// Poured bodies must not move the columns: arrays handed out point into them.
-  void keep_in_place(std::size_t bodies) {
-    World& w = world();
-    w.id.reserve(bodies), w.shape.reserve(bodies), w.material.reserve(bodies), w.inverse_mass.reserve(bodies);
-    w.position.reserve(bodies), w.velocity.reserve(bodies), w.force.reserve(w.columns().force ? bodies : 0);
-    if (w.rotates()) w.orientation.reserve(bodies), w.angular_velocity.reserve(bodies);
-  }
+  void keep_in_place(std::size_t bodies) { world().reserve(bodies); }
   std::unique_ptr<Assembly> assembly_;
   std::vector<MeasureRecorder*> recorders_;
 };
@@ -122,8 +117,10 @@ class Run {
 template <class T, class Column>
 py::array view(Column& column, py::ssize_t width, const py::object& owner, bool writable = false) {
   const auto n = static_cast<py::ssize_t>(column.size());
-  T* data = reinterpret_cast<T*>(column.data());
-  const auto row = static_cast<py::ssize_t>(sizeof(column[0]));
+  T* data = n > 0 ? reinterpret_cast<T*>(&column[0]) : nullptr;
+  std::size_t stride = sizeof(column[0]);
+  if constexpr (requires { column.stride(); }) stride = column.stride();
+  const auto row = static_cast<py::ssize_t>(stride);
   py::array out = width == 1 ? py::array(py::dtype::of<T>(), {n}, {row}, data, owner)
                              : py::array(py::dtype::of<T>(), {n, width}, {row, static_cast<py::ssize_t>(sizeof(T))}, data, owner);
   if (!writable) py::detail::array_proxy(out.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;

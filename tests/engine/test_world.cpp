@@ -61,8 +61,11 @@ struct Tape : StateVisitor {
 }  // namespace
 
 TEST_CASE("columns and handles follow bodies through random sorting and removal", "[engine][world]") {
-  for (bool rotation : {false, true}) {
-    World world = numbered_world(200, {.rotation = rotation, .force = true, .external_force = true});
+  const bool rotation = GENERATE(false, true), states = GENERATE(false, true);
+  {
+    World world =
+        numbered_world(200, {.rotation = rotation, .force = true, .external_force = true, .states = states});
+    CHECK(world.states().size() == (states ? 200 : 0));
     Random random(3, 1);
     std::set<std::uint32_t> alive;
     for (std::uint32_t k = 0; k < 200; ++k) alive.insert(k);
@@ -102,6 +105,9 @@ TEST_CASE("a world pays for the columns it declares", "[engine][world]") {
   CHECK(lean.bytes_per_body() == 4 + 4 + 4 + 2 + 8 + 48);
   // + force, external force, torque, angular velocity, inverse inertia 24 each, orientation 32
   CHECK(full.bytes_per_body() == lean.bytes_per_body() + 5 * 24 + 32);
+  World together({.rotation = true, .force = true, .external_force = true, .states = true});
+  together.add(numbered(1));
+  CHECK(together.bytes_per_body() == full.bytes_per_body() - 3 * 24 + sizeof(BodyState));
   CHECK(lean.orientation.empty());
   CHECK(lean.force.empty());
   CHECK(lean.pose(0).orientation.coeffs() == Quat(1, 0, 0, 0).coeffs());
@@ -205,14 +211,16 @@ TEST_CASE("the state hash does not depend on slots, and sees the last bit", "[en
   CHECK(state_hash(other) != hash);
 }
 
-TEST_CASE("one walk saves, loads and counts the whole state", "[engine][world]") {
-  World world = numbered_world(40, {.rotation = true, .force = true, .external_force = true});
+TEST_CASE("one walk saves, loads and counts the whole state, wherever position, velocity and spin lie", "[engine][world]") {
+  const bool from_states = GENERATE(false, true), to_states = GENERATE(false, true);
+  World world =
+      numbered_world(40, {.rotation = true, .force = true, .external_force = true, .states = from_states});
   world.time = 1.25;
   world.remove(std::vector<BodyId>{static_cast<BodyId>(5), static_cast<BodyId>(11)});
   Tape tape;
   world.visit(tape);
   CHECK(std::set<std::string>(tape.names.begin(), tape.names.end()).size() == tape.names.size());
-  World copy({.rotation = true, .force = true, .external_force = true});
+  World copy({.rotation = true, .force = true, .external_force = true, .states = to_states});
   tape.loading = true;
   copy.visit(tape);
   CHECK(copy.time == 1.25);
@@ -225,4 +233,31 @@ TEST_CASE("one walk saves, loads and counts the whole state", "[engine][world]")
   std::size_t saved = 0;
   for (const auto& c : tape.columns) saved += c.size();
   CHECK(bytes.total == saved);
+}
+
+TEST_CASE("position, velocity and spin lie in the body's state, and room for more bodies leaves them there", "[engine][world]") {
+  World world({.rotation = true, .states = true});
+  world.reserve(30);
+  for (int k = 0; k < 3; ++k) world.add(numbered(k));
+  const BodyState* const first = world.states().data();
+  for (int k = 3; k < 30; ++k) world.add(numbered(k));
+  CHECK(world.states().data() == first);
+  CHECK(consistent(world));
+  const BodyState& state = world.states()[7];
+  for (int k = 0; k < 3; ++k) {
+    CHECK(state.position[k] == world.position[7][k]);
+    CHECK(state.velocity[k] == world.velocity[7][k]);
+    CHECK(state.spin[k] == world.angular_velocity[7][k]);
+  }
+  world.states()[8].velocity[1] = 2.5;
+  CHECK(world.velocity[8].y() == 2.5);
+  const StateColumn<Vec3> alone = world.position;  // a copy is a column of its own
+  world.position[0].x() = 9.0;
+  CHECK(alone[0].x() == 0.0);
+  CHECK(alone.stride() == sizeof(Vec3));
+  world.position = alone;
+  CHECK(world.states()[0].position[0] == 0.0);
+  std::size_t seen = 0;
+  for (const Vec3& x : world.position) seen += x == alone[seen] ? 1 : 0;
+  CHECK(seen == 30);
 }

@@ -6,35 +6,25 @@
 
 namespace epafi {
 
-Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::vector<Vec3>& column) {
+Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::function<Vec3(Slot)>& of) {
   Vec3 sum = Vec3::Zero();
   double weight = 0;
   for (BodyId b : bodies) {
     const Slot s = world.slot_of(b);
     if (s == no_slot) continue;
     const double w = world.is_movable(s) ? 1.0 / world.inverse_mass[s] : 1.0;
-    sum += w * column[s], weight += w;
+    sum += w * of(s), weight += w;
   }
   return sum / weight;  // NaN when all are gone
 }
 
-namespace {
-
-/// Positions along unwrapped paths.
-std::vector<Vec3> paths(const World& w) {
-  std::vector<Vec3> x(w.size());
-  for (Slot s = 0; s < w.size(); ++s) x[s] = w.unwrapped(s);
-  return x;
-}
-
-}  // namespace
-
 void BodyMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  Vec3 v = Vec3::Zero();
-  if (quantity_ == BodyQuantity::position) v = mean_over(w, setup_.bodies[0], w.cell ? paths(w) : w.position);
-  if (quantity_ == BodyQuantity::velocity) v = mean_over(w, setup_.bodies[0], w.velocity);
-  if (quantity_ == BodyQuantity::angular_velocity && w.rotates()) v = mean_over(w, setup_.bodies[0], w.angular_velocity);
+  const Vec3 v = mean_over(w, setup_.bodies[0], [&](Slot s) -> Vec3 {
+    if (quantity_ == BodyQuantity::position) return w.unwrapped(s);
+    if (quantity_ == BodyQuantity::velocity) return w.velocity[s];
+    return w.rotates() ? w.angular_velocity[s] : Vec3(Vec3::Zero());
+  });
   values = {v.x(), v.y(), v.z()};
 }
 

@@ -1,5 +1,6 @@
 /// @file measure.h  A named quantity sampled during a run, with components. One file per kind, one line in all_measures.h.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,6 +35,6 @@ class Measure {
 };
 
 /// Centre of the bodies' masses (plain mean for fixed ones), skipping those that were removed.
-Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::vector<Vec3>& column);
+Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::function<Vec3(Slot)>& of);
 
 }  // namespace epafi

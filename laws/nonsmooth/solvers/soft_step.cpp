@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "engine/parallel.h"
+#include "engine/parallel_order.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/pgs.h"
@@ -33,7 +34,7 @@ void SoftStep::see(const World& world, const ContactSet& contacts, double dt) {
     if (world.is_movable(contacts.b[i])) arm = std::min(arm, contacts.arm_b(i, world).squaredNorm());
   }
   fastest_ = farthest_push * std::sqrt(arm) / dt;
-  before_.linear = world.velocity, before_.angular = world.angular_velocity;
+  parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
 }
 
 SolverReport SoftStep::solve(const ContactProblem& problem, Impulses& r) {

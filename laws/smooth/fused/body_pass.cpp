@@ -2,16 +2,13 @@
 
 namespace epafi {
 
-void pack_bodies(const World& world, double lag, SphereState* states, Lanes* late_spins, std::size_t begin,
-                 std::size_t end) {
-  const bool rotates = world.rotates();
-  static constexpr double still[3] = {0.0, 0.0, 0.0};
+void predict_bodies(World& world, double lag, Lanes* late_spins, std::size_t begin, std::size_t end) {
+  const std::span<BodyState> states = world.states();
   for (std::size_t i = begin; i < end; ++i) {
     const auto s = static_cast<Slot>(i);
-    const double *x = world.position[s].data(), *v = world.velocity[s].data(),
-                 *w = rotates ? world.angular_velocity[s].data() : still;
-    double* to = reinterpret_cast<double*>(&states[i]);  // number by number: a row of lanes would go through the stack
-    for (int k = 0; k < 3; ++k) to[k] = x[k], to[4 + k] = v[k], to[8 + k] = w[k], to[12 + k] = v[k];
+    const double* v = world.velocity[s].data();
+    double* to = reinterpret_cast<double*>(&states[i].predicted);  // a row of lanes would go through the stack
+    for (int k = 0; k < 3; ++k) to[k] = v[k];
     if (late_spins != nullptr) {
       Vec3 late = world.angular_velocity[s];
       if (lag != 0.0 && world.is_movable(s)) late += world.apply_inverse_inertia(s, lag * world.torque[s]);
@@ -19,12 +16,12 @@ void pack_bodies(const World& world, double lag, SphereState* states, Lanes* lat
     }
     if (lag == 0.0) continue;
     const Vec3 change = lag * world.acceleration(s);
-    for (int k = 0; k < 3; ++k) to[12 + k] += change[k];
+    for (int k = 0; k < 3; ++k) to[k] += change[k];
   }
 }
 
-void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, Lanes* moments,
-                   const std::uint8_t* touched, std::size_t begin, std::size_t end) {
+void unpack_bodies(World& world, SphereSum* sums, Lanes* moments, const std::uint8_t* touched, std::size_t begin,
+                   std::size_t end) {
   const bool rotates = world.rotates();
   for (std::size_t s = begin; s < end; ++s) {
     double* from = reinterpret_cast<double*>(&sums[s - begin]);
@@ -33,7 +30,7 @@ void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, Lan
     for (int k = 0; k < 3; ++k) force[k] = add ? force[k] + from[k] : from[k];
     if (rotates) {
       double* torque = world.torque[s].data();
-      const double radius = states[s].position[3];
+      const double radius = world.states()[s].position[3];
       for (int k = 0; k < 3; ++k) {
         const double more = moments != nullptr ? moments[s - begin][k] : 0.0;
         torque[k] = (add ? torque[k] : 0.0) + (radius * from[4 + k] + more);
@@ -41,18 +38,6 @@ void unpack_bodies(World& world, const SphereState* states, SphereSum* sums, Lan
     }
     for (int k = 0; k < 8; ++k) from[k] = 0.0;
     if (moments != nullptr) moments[s - begin] = Lanes{};
-  }
-}
-
-void show_motion(World& world, const SphereState* states, std::size_t begin, std::size_t end) {
-  const bool rotates = world.rotates();
-  for (std::size_t s = begin; s < end; ++s) {
-    const double* from = reinterpret_cast<const double*>(&states[s]);
-    double *x = world.position[s].data(), *v = world.velocity[s].data();
-    for (int k = 0; k < 3; ++k) x[k] = from[k], v[k] = from[4 + k];
-    if (!rotates) continue;
-    double* w = world.angular_velocity[s].data();
-    for (int k = 0; k < 3; ++k) w[k] = from[8 + k];
   }
 }
 
@@ -69,11 +54,15 @@ bool are_plain(const World& world, std::size_t begin) {
   return true;
 }
 
-void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen) const {
+void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen, Vec3& most_hurry) const {
   scheme.first_half(world, dt, from, to);
-  pack_bodies(world, lag, states, late_spins, from, to);
+  predict_bodies(world, lag, late_spins, from, to);
   double sum = 0.0;
   for (std::size_t s = from; s < to; ++s) {
+    if (hurry != nullptr) {
+      const Vec3 way = hurry[s] * world.velocity[s];
+      most_hurry = most_hurry.cwiseMax(way.cwiseProduct(way));
+    }
     if (!(world.inverse_mass[s] > 0.0)) continue;
     const double* x = world.position[s].data();
     for (int k = 0; k < 3; ++k)
@@ -82,16 +71,8 @@ void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen) cons
   seen.finite = seen.finite && sum == 0.0;
 }
 
-void BodyPass::measure_others(std::size_t from, std::size_t to, Vec3& most) const {
-  for (std::size_t s = from; s < to; ++s) {
-    const Vec3 way = hurry[s] * world.velocity[s];
-    most = most.cwiseMax(way.cwiseProduct(way));
-  }
-}
-
 void BodyPass::finish_others(std::size_t from, std::size_t to) const {
-  unpack_bodies(world, states, sums + (from - begin), moments != nullptr ? moments + (from - begin) : nullptr, touched,
-                from, to);
+  unpack_bodies(world, sums + (from - begin), moments != nullptr ? moments + (from - begin) : nullptr, touched, from, to);
   scheme.second_half(world, dt, from, to);
   double sum = 0.0;
   for (std::size_t s = from; s < to; ++s) {

@@ -70,29 +70,26 @@ class FusedModel final : public FusedSpheres {
   const char* name() const override { return "fused spheres"; }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
 
+  void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
+
   void set_pairs(const World& world, const SphereList& list) override {
     hurry_.resize(list.margins.size());
     parallel_for(hurry_.size(),
                  [&](std::size_t s) { hurry_[s] = list.margins[s] > 0.0 ? 2.0 / list.margins[s] : 0.0; });
-    watched_.clear(), wall_laws_.clear();
+    others_listed_ = list.others, wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
   }
 
-  void watch(std::span<const Slot> bodies) override {
-    parallel_fill(watched_, blocks_.states().size(), std::uint8_t{0});
-    for (Slot s : bodies) watched_[s] = 1;
-  }
-
   bool move(World& world, const StepClock& clock) override {
-    if (!clock.scheme->has_ranges() || !blocks_.holds(world.size())) return ways_.clear(), false;
-    packed_ = true, behind_ = ahead_ && knows_ways();
+    if (!clock.scheme->has_ranges() || blocks_.bodies() != world.size()) return ways_.clear(), false;
+    predicted_ = true;
     if (std::exchange(ahead_, false)) return true;
     extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
     most_hurry_.assign(extents_.size(), Vec3::Zero());
     const auto loop = best_loop<FirstHalf>();
     parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t i) {
-      loop({pass(world, clock, begin, end, 0, extents_[i]), knows_ways() ? &most_hurry_[i] : nullptr});
+      loop({pass(world, clock, begin, end, 0, extents_[i]), most_hurry_[i]});
     });
     find_ways(clock.dt);
     return true;
@@ -100,24 +97,17 @@ class FusedModel final : public FusedSpheres {
 
   bool is_ahead() const override { return ahead_; }
   std::span<const double> largest_ways() const override { return ways_; }
-  std::span<const SphereState> bodies() const override { return blocks_.states(); }
-  void show(World& world) const override {
-    if (!behind_ && !(ahead_ && knows_ways())) return;
-    parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
-      for (std::size_t s = begin; s < end; s += 4)
-        if (blocks_.plain()[s / 4]) show_motion(world, blocks_.states().data(), s, s + 4);
-    });
-  }
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     if (std::exchange(published_, false)) contacts.give_back();
     const bool others = contacts.size() > 0 || others_;
+    if (!radius_.empty()) blocks_.set_constants(world, radius_), let_go(radius_);
     // reads the force of the last step: before the generic loop writes
-    if (!packed_)
+    if (!predicted_)
       parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
-        pack_bodies(world, lag(clock), blocks_.states().data(), blocks_.late_spins(), begin, end);
+        predict_bodies(world, lag(clock), blocks_.late_spins(), begin, end);
       });
-    has_extent_ = packed_ && clock.scheme, packed_ = false;
+    has_extent_ = predicted_ && clock.scheme, predicted_ = false;
     touched_.clear();
     if (others) {
       StepClock some = clock;
@@ -136,9 +126,13 @@ class FusedModel final : public FusedSpheres {
     count(clock.dt, report);
     if (world.cell) deform(*world.cell, others, clock.dt, report);
     extent_ = seen();
-    if (!onward) return;
+    if (!onward) {
+      forces_rest_ = false;
+      return;
+    }
     extents_.swap(next_extents_), ahead_ = true;
     find_ways(clock.dt);
+    if (!std::exchange(forces_rest_, true) && !others && !tells_forces()) rest_forces(world);
   }
 
   const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
@@ -179,7 +173,7 @@ class FusedModel final : public FusedSpheres {
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
   void visit(StateVisitor& visitor) override {
-    ahead_ = behind_ = false;  // it may be another state that comes in
+    ahead_ = false;  // it may be another state that comes in
     generic_->visit(visitor), blocks_.visit(visitor);
     visitor.value("spheres/others", others_);
     visitor.value("spheres/viscous_power", viscous_power_);
@@ -196,14 +190,14 @@ class FusedModel final : public FusedSpheres {
   BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t tray,
                 Extent& extent) {
     return {world,
-            blocks_.states().data(),
+            world.states().data(),
             blocks_.late_spins(),
             blocks_.sums(tray),
             blocks_.moments(tray),
             blocks_.plain(),
             touched_.empty() ? nullptr : is_touched_.data(),
-            hurry_.data(),
-            watched_.empty() ? nullptr : watched_.data(),
+            knows_ways() ? hurry_.data() : nullptr,
+            tells_forces(),
             *clock.scheme,
             clock.dt,
             lag(clock),
@@ -213,8 +207,27 @@ class FusedModel final : public FusedSpheres {
             extent};
   }
 
-  /// The bodies are where the blocks have them; the world is told when somebody looks.
   bool knows_ways() const { return !hurry_.empty(); }
+  /// In every step; else of steps that somebody looks at only.
+  bool tells_forces() const { return others_listed_ || !knows_ways(); }
+
+  /// Nobody reads the forces of plain bodies until the next look, which has them written anew: their pages, 48 of 600
+  /// bytes a sphere, go back where they are many.
+  void rest_forces(World& world) const {
+    constexpr std::size_t fewest = 200'000, size = SphereBlocks::block_size;
+    if (world.size() < fewest) return;
+    const auto is_plain = [](std::uint8_t four) { return four != 0; };
+    std::size_t begin = 0;
+    const auto give_back = [&](std::size_t end) {
+      for (auto* column : {&world.force, &world.torque})
+        if (!column->empty()) give_back_pages(column->data() + begin, column->data() + end);
+    };
+    const std::size_t blocks = world.size() / size;
+    for (std::size_t b = 0; b < blocks; ++b)
+      if (const auto* four = blocks_.plain() + b * size / 4; !std::all_of(four, four + size / 4, is_plain))
+        give_back(b * size), begin = (b + 1) * size;
+    give_back(blocks * size);
+  }
 
   void find_ways(double dt) {
     ways_.resize(knows_ways() ? most_hurry_.size() : 0);
@@ -231,7 +244,7 @@ class FusedModel final : public FusedSpheres {
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, double dt) {
     SphereArrays arrays{blocks_.planes().data(),
-                        blocks_.states().data(),
+                        world.states().data(),
                         0,
                         blocks_.records().data(),
                         dt,
@@ -270,22 +283,19 @@ class FusedModel final : public FusedSpheres {
     };
     next_extents_.assign(onward ? all.size() : 1, Extent{});
     most_hurry_.assign(next_extents_.size(), Vec3::Zero());
-    const auto second_half = best_loop<SecondHalf<false, true>>();
-    const auto run_on = best_loop<SecondHalf<true, false>>();
-    const auto run_on_shown = best_loop<SecondHalf<true, true>>();
+    const auto second_half = best_loop<SecondHalf<false>>();
+    const auto run_on = best_loop<SecondHalf<true>>();
     const auto finish = [&](std::size_t i, std::size_t tray) {
       blocks_.receive(i, tray);
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
       if (!clock.scheme)
-        unpack_bodies(world, blocks_.states().data(), blocks_.sums(tray), blocks_.moments(tray),
+        unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray),
                       touched_.empty() ? nullptr : is_touched_.data(), begin, end);
-      else if (!onward)
-        second_half({pass(world, clock, begin, end, tray, extents_[i]), next_extents_[0], most_hurry_[0]});
-      else if (knows_ways())
-        run_on({pass(world, clock, begin, end, tray, extents_[i]), next_extents_[i], most_hurry_[i]});
+      else if (onward)
+        run_on({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[i], most_hurry_[i]}});
       else
-        run_on_shown({pass(world, clock, begin, end, tray, extents_[i]), next_extents_[i], most_hurry_[i]});
+        second_half({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[0], most_hurry_[0]}});
     };
     // records go to later blocks only, and no block reads bodies of an earlier one
     parallel_wavefront(
@@ -324,8 +334,8 @@ class FusedModel final : public FusedSpheres {
                       std::uint32_t k) const {
     const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
     const bool wall = run.plane >= 0;
-    const SphereState &a = blocks_.states()[block.pairs[k].a.slot()],
-                      &b = blocks_.states()[(wall ? block.pairs[k].a : block.pairs[k].b).slot()];
+    const BodyState &a = world.states()[block.pairs[k].a.slot()],
+                    &b = world.states()[(wall ? block.pairs[k].a : block.pairs[k].b).slot()];
     const double radius_a = a.position[3], radius_b = b.position[3];
     KinematicsOf<double> at;
     if (wall) {
@@ -366,7 +376,7 @@ class FusedModel final : public FusedSpheres {
   ContactPoint geometry(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
                         std::uint32_t k) const {
     const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
-    const double radius_a = blocks_.states()[a].position[3];
+    const double radius_a = world.states()[a].position[3];
     ContactPoint c;
     if (run.plane >= 0) {
       const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
@@ -375,7 +385,7 @@ class FusedModel final : public FusedSpheres {
       return c;
     }
     const Vec3 d = world.branch(a, b, Feature{key_of(world, block, run, k)} << 56);
-    const double radius_b = blocks_.states()[b].position[3], distance = d.norm(), sum = radius_a + radius_b;
+    const double radius_b = world.states()[b].position[3], distance = d.norm(), sum = radius_a + radius_b;
     c.gap = distance - sum, c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
     c.effective_radius = radius_a * radius_b / sum, c.arm = radius_a / sum * distance * c.normal;
     return c;
@@ -408,13 +418,14 @@ class FusedModel final : public FusedSpheres {
   std::vector<Law> wall_laws_;
   std::unique_ptr<ContactModel> generic_;
   bool damped_ = false, others_ = true;
-  bool packed_ = false;                         ///< the blocks hold the bodies as they are
+  bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
+  UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
   std::vector<double> hurry_;                   ///< 1/half the margin, by slot [1/m]; empty: others move too
-  std::vector<std::uint8_t> watched_;           ///< by slot; empty: the blocks have all contacts
+  bool others_listed_ = false;                  ///< there are pairs that the blocks do not have
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
+  bool forces_rest_ = false;                    ///< those of the world are of long ago
   bool ahead_ = false;                          ///< the first half of the next step is done
-  bool behind_ = false;                         ///< the world has velocities of before
   std::vector<Slot> touched_;                   ///< bodies with forces of the generic loop
   std::vector<std::uint8_t> is_touched_;        ///< the same by slot
   std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block

@@ -13,15 +13,13 @@ namespace epafi {
 
 class FusedSpheres : public ContactModel {
  public:
+  /// Bodies are in new slots; radius: of the free spheres among them, else 0 [m].
+  virtual void set_bodies(UnwrittenColumn<double> radius) = 0;
   /// The pairs that this model detects itself, whenever the list changes.
   virtual void set_pairs(const World& world, const SphereList& list) = 0;
-  /// Others look at these bodies in every step until the list changes; after set_pairs.
-  virtual void watch(std::span<const Slot> bodies) = 0;
   /// By block of SphereBlocks::block_size: the largest way of a body in the step that has begun over half its margin,
   /// or more; empty: not known.
   virtual std::span<const double> largest_ways() const = 0;
-  /// Where all bodies are then; by slot.
-  virtual std::span<const SphereState> bodies() const = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;
 };

@@ -100,8 +100,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const std::size_t count = (world.size() + block_size - 1) / block_size;
   const SpherePairs& pairs = list.pairs;
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
-  plain_.resize((world.size() + 3) / 4);
-  if (states_.size() != world.size()) parallel_fill(states_, world.size(), SphereState{});
+  bodies_ = world.size();
   late_spins_.resize(needs_.rolling ? world.size() : 0);
   pairs_ = pairs.size();
   bool fits = blocks_.size() == count;
@@ -117,8 +116,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   }
   const std::vector<Block>& from = fits ? blocks_ : old_blocks;
   const auto relay = [&](std::size_t i) {
-    const std::size_t first = i * block_size, last = std::min(world.size(), first + block_size);
-    if (!list.radius.empty()) copy_constants(world, list.radius, first, last);
+    const std::size_t first = i * block_size;
     thread_local Carried carried;
     const bool carries = laid_out_ && needs_.friction && i < from.size();
     if (carries) carried.take(from[i], before);
@@ -141,20 +139,23 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   address_records();
 }
 
-void SphereBlocks::copy_constants(const World& world, std::span<const double> radius, std::size_t begin,
-                                  std::size_t end) {
+void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
+  plain_.resize((world.size() + 3) / 4);
   const bool may_be_plain = has_plain_bodies(world);
-  for (std::size_t s = begin; s < end; ++s) {
-    states_[s].position[3] = states_[s].spin[3] = radius[s];
-    states_[s].velocity[3] = world.inverse_mass[s];
-    if (world.rotates()) states_[s].predicted[3] = world.inverse_inertia[s].x();
-    if (s % 4 == 0) plain_[s / 4] = may_be_plain && are_plain(world, s);
-  }
+  const std::span<BodyState> states = world.states();
+  parallel_for(plain_.size(), [&](std::size_t four) {
+    plain_[four] = may_be_plain && are_plain(world, 4 * four);
+    for (std::size_t s = 4 * four; s < std::min(world.size(), 4 * four + 4); ++s) {
+      states[s].position[3] = states[s].spin[3] = radius[s];
+      states[s].velocity[3] = world.inverse_mass[s];
+      if (world.rotates()) states[s].predicted[3] = world.inverse_inertia[s].x();
+    }
+  }, 128);
 }
 
 /// Pairs of a block with all that its runs may be filled up with.
 std::uint32_t SphereBlocks::need(const SpherePairs& list, std::size_t block) const {
-  const std::size_t begin = block * block_size, end = std::min(states_.size(), begin + block_size);
+  const std::size_t begin = block * block_size, end = std::min(bodies_, begin + block_size);
   const auto pairs = static_cast<std::uint32_t>(list.first[end] - list.first[begin]);
   const auto runs = static_cast<std::uint32_t>(planes_.size() + 2);
   return (pairs + runs * (pairs_per_byte - 1) + pairs_ahead + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
@@ -185,7 +186,7 @@ void SphereBlocks::make_rooms(const SpherePairs& pairs) {
 
 /// Pairs go to their runs in the order of their bodies; runs are filled up to whole eights.
 void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
-  const std::size_t begin = index * block_size, end = std::min(states_.size(), begin + block_size);
+  const std::size_t begin = index * block_size, end = std::min(bodies_, begin + block_size);
   const std::size_t inside = planes_.size(), across = inside + 1;
   const std::uint32_t first = pairs.first[begin], last_pair = pairs.first[end];
   const auto run_of = [&](Slot b) {

@@ -15,14 +15,7 @@
 
 namespace epafi {
 
-/// What the loop reads of a body: 128 bytes, two cache lines. The fourth numbers stay from one layout to the next.
-struct alignas(64) SphereState {
-  Lanes position;   ///< x y z [m], radius [m]
-  Lanes velocity;   ///< x y z [m/s], 1/mass [1/kg]
-  Lanes spin;       ///< x y z [rad/s], radius [m]
-  Lanes predicted;  ///< velocity at the time of the detection [m/s], 1/moment of inertia [1/(kg m^2)]
-};
-/// What it writes. The torque over the radius: both bodies of a contact feel the same one.
+/// What the loop writes of a body; it reads BodyState. The torque over the radius: both bodies of a contact feel the same one.
 struct alignas(64) SphereSum {
   Lanes force, pull;  ///< x y z [N], unused
 };
@@ -38,8 +31,8 @@ struct SpherePlane {
 struct SphereList {
   const SpherePairs& pairs;
   std::vector<SpherePlane> planes;  ///< of pairs.planes
-  std::span<const double> radius;   ///< by slot, of free spheres [m]; empty: the bodies are those of the last list
   std::span<const double> margins;  ///< by slot [m]; empty: others move too, or the list has none
+  bool others = false;              ///< the scene has other pairs
 };
 
 /// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies
@@ -51,7 +44,7 @@ struct SpherePlace {
   explicit SpherePlace(Slot s) : offset(unit * s) {}
   Slot slot() const { return offset / unit; }
 };
-static_assert(sizeof(SphereState) % SpherePlace::unit == 0);
+static_assert(sizeof(BodyState) % SpherePlace::unit == 0);
 
 /// Two spheres, a < b, or a sphere and the slot of a plane.
 struct SpherePlaces {
@@ -124,8 +117,10 @@ class SphereBlocks {
 
   /// Adds what other blocks found for the bodies of block i to the sums of its tray.
   void receive(std::size_t i, std::size_t tray);
-  /// Whether there is room for that many bodies.
-  bool holds(std::size_t bodies) const { return states_.size() == bodies; }
+  /// The fourth numbers of the bodies' states, and which bodies are plain; radius: by slot, of free spheres [m].
+  void set_constants(World& world, std::span<const double> radius);
+  /// Bodies of the last layout.
+  std::size_t bodies() const { return bodies_; }
 
   /// f(block, run, pair) for all pairs that touched at the last call, in the order of the layout.
   template <class F>
@@ -145,8 +140,6 @@ class SphereBlocks {
   std::vector<Block>& blocks() { return blocks_; }
   const std::vector<Block>& blocks() const { return blocks_; }
   const std::vector<SpherePlane>& planes() const { return planes_; }
-  std::span<const SphereState> states() const { return states_; }
-  std::span<SphereState> states() { return states_; }
   /// By four bodies: laws/smooth/fused/body_pass.h may take them together.
   const std::uint8_t* plain() const { return plain_.data(); }
   /// How many sums of a block there are at once.
@@ -185,7 +178,6 @@ class SphereBlocks {
   std::uint32_t need(const SpherePairs& pairs, std::size_t block) const;
   void make_rooms(const SpherePairs& pairs);
   void group_kept(std::size_t count);
-  void copy_constants(const World& world, std::span<const double> radius, std::size_t begin, std::size_t end);
   void lay_out(Block& block, Slot index, const SpherePairs& pairs);
   void restore(Block& block, Slot first, std::span<const Kept> kept);
   void address_records();
@@ -204,7 +196,6 @@ class SphereBlocks {
   };
   Rooms rooms_;
   std::vector<SpherePlane> planes_;
-  UnwrittenColumn<SphereState> states_;
   UnwrittenColumn<SphereSum> sums_;
   UnwrittenColumn<SphereSum> records_;
   LargeColumn<Lanes> late_spins_;
@@ -221,7 +212,7 @@ class SphereBlocks {
   KeptSprings kept_;                           ///< while the layout waits
   std::vector<std::uint32_t> kept_begin_;      ///< by block, once they are grouped
   bool laid_out_ = false, grouped_ = false;    ///< kept_ is in the order of the blocks
-  std::size_t pairs_ = 0;
+  std::size_t pairs_ = 0, bodies_ = 0;
 };
 
 }  // namespace epafi

@@ -50,7 +50,7 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const Sph
     overlap = radii - distance, curvature = distance * both;
   }
   for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
-    const SphereState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
+    const BodyState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
     __builtin_prefetch(&soon.position), __builtin_prefetch(&soon.spin);
   }
   const std::size_t at = t.count;

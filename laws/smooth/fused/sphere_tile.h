@@ -10,7 +10,7 @@ namespace epafi {
 /// What the pairs of a block read and write.
 struct SphereArrays {
   const SpherePlane* planes;
-  const SphereState* states;
+  const BodyState* states;
   std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
   SphereSum* records;
   double dt;
@@ -22,9 +22,9 @@ struct SphereArrays {
   std::uintptr_t moments = 0;
   Lanes* record_moments = nullptr;
 
-  EPAFI_LANES const SphereState& state(SpherePlace p) const {
-    return *reinterpret_cast<const SphereState*>(reinterpret_cast<const char*>(states) +
-                                                 sizeof(SphereState) / SpherePlace::unit * std::size_t{p.offset});
+  EPAFI_LANES const BodyState& state(SpherePlace p) const {
+    return *reinterpret_cast<const BodyState*>(reinterpret_cast<const char*>(states) +
+                                                 sizeof(BodyState) / SpherePlace::unit * std::size_t{p.offset});
   }
   EPAFI_LANES SphereSum& sum(SpherePlace p) const {
     return *reinterpret_cast<SphereSum*>(sums + p.offset);  // NOLINT: an address
