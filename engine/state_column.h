@@ -2,10 +2,12 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <iterator>
 #include <vector>
 
 #include "engine/lanes.h"
+#include "engine/large_column.h"
 
 namespace epafi {
 
@@ -88,9 +90,10 @@ class StateColumn {
   template <class F>
   void as_vector(const F& f) {
     if (!in_records_) return f(own_), stand_alone();
-    std::vector<T> all(begin(), end());
+    LargeColumn<T> all(begin(), end());
     f(all);
-    for (std::size_t s = 0; s < size_; ++s) (*this)[s] = all[s];
+    for (std::size_t s = 0; s < size_; ++s)  // mostly they are only saved: records that nobody writes to stay in the cache
+      if (std::memcmp(&(*this)[s], &all[s], sizeof(T)) != 0) (*this)[s] = all[s];
   }
 
  private:

@@ -35,7 +35,10 @@ class StateVisitor {
   }
   template <class T>
   void column(std::string_view name, StateColumn<T>& values) {
-    values.as_vector([&](std::vector<T>& all) { column(name, all); });
+    if (only_counts())
+      exchange(name, sizeof(T), nullptr, values.size() * sizeof(T));
+    else
+      values.as_vector([&](auto& all) { column(name, all); });
   }
   template <class T>
   requires is_plain<T>
@@ -45,6 +48,8 @@ class StateVisitor {
   }
 
  protected:
+  /// `exchange` looks at the number of bytes only.
+  virtual bool only_counts() const { return false; }
   /// Bytes the column shall have: `current` when saving, the stored size when loading (a multiple of `element`).
   virtual std::size_t bytes_of(std::string_view name, std::size_t element, std::size_t current) = 0;
   /// Copies out of `data` (saving) or into it (loading).
@@ -57,6 +62,7 @@ class ByteCounter : public StateVisitor {
   std::size_t total = 0;
 
  protected:
+  bool only_counts() const override { return true; }
   std::size_t bytes_of(std::string_view, std::size_t, std::size_t current) override { return current; }
   void exchange(std::string_view, std::size_t, std::byte*, std::size_t bytes) override { total += bytes; }
 };

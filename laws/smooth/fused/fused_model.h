@@ -126,13 +126,9 @@ class FusedModel final : public FusedSpheres {
     count(clock.dt, report);
     if (world.cell) deform(*world.cell, others, clock.dt, report);
     extent_ = seen();
-    if (!onward) {
-      forces_rest_ = false;
-      return;
-    }
+    if (!onward) return;
     extents_.swap(next_extents_), ahead_ = true;
     find_ways(clock.dt);
-    if (!std::exchange(forces_rest_, true) && !others && !tells_forces()) rest_forces(world);
   }
 
   const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
@@ -210,24 +206,6 @@ class FusedModel final : public FusedSpheres {
   bool knows_ways() const { return !hurry_.empty(); }
   /// In every step; else of steps that somebody looks at only.
   bool tells_forces() const { return others_listed_ || !knows_ways(); }
-
-  /// Nobody reads the forces of plain bodies until the next look, which has them written anew: their pages, 48 of 600
-  /// bytes a sphere, go back where they are many.
-  void rest_forces(World& world) const {
-    constexpr std::size_t fewest = 200'000, size = SphereBlocks::block_size;
-    if (world.size() < fewest) return;
-    const auto is_plain = [](std::uint8_t four) { return four != 0; };
-    std::size_t begin = 0;
-    const auto give_back = [&](std::size_t end) {
-      for (auto* column : {&world.force, &world.torque})
-        if (!column->empty()) give_back_pages(column->data() + begin, column->data() + end);
-    };
-    const std::size_t blocks = world.size() / size;
-    for (std::size_t b = 0; b < blocks; ++b)
-      if (const auto* four = blocks_.plain() + b * size / 4; !std::all_of(four, four + size / 4, is_plain))
-        give_back(b * size), begin = (b + 1) * size;
-    give_back(blocks * size);
-  }
 
   void find_ways(double dt) {
     ways_.resize(knows_ways() ? most_hurry_.size() : 0);
@@ -424,7 +402,6 @@ class FusedModel final : public FusedSpheres {
   bool others_listed_ = false;                  ///< there are pairs that the blocks do not have
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
-  bool forces_rest_ = false;                    ///< those of the world are of long ago
   bool ahead_ = false;                          ///< the first half of the next step is done
   std::vector<Slot> touched_;                   ///< bodies with forces of the generic loop
   std::vector<std::uint8_t> is_touched_;        ///< the same by slot
