@@ -17,10 +17,11 @@ struct Polygon {
   static constexpr std::size_t most = 24;
   std::size_t count = 0;
   std::array<Vec3, most> corner;
+  std::uint32_t own = 0;  ///< bits: corners that no cut has made
   std::size_t size() const { return count; }
   const Vec3& operator[](std::size_t k) const { return corner[k]; }
   void assign(const Polygon& from) {
-    count = from.count;
+    count = from.count, own = from.own;
     std::copy_n(from.corner.begin(), count, corner.begin());
   }
 };
@@ -28,17 +29,22 @@ struct Polygon {
 /// What is left of the polygon below the plane: itself where that is all, or `other`. Each cut adds one corner at most.
 const Polygon* cut(const Plane& plane, const Polygon* from, Polygon& other) {
   std::array<double, Polygon::most> above;
-  double highest = -infinity;
-  for (std::size_t k = 0; k < from->count; ++k)
-    above[k] = plane.above(from->corner[k]), highest = std::max(highest, above[k]);
+  double lowest = infinity, highest = -infinity;
+  for (std::size_t k = 0; k < from->count; ++k) {
+    above[k] = plane.above(from->corner[k]);
+    lowest = std::min(lowest, above[k]), highest = std::max(highest, above[k]);
+  }
   if (!(highest > 0.0)) return from;
-  other.count = 0;
+  other.count = 0, other.own = 0;
+  if (!(lowest < 0.0)) return &other;
   std::size_t last = from->count - 1;
   for (std::size_t k = 0; k < from->count; last = k++) {
     if ((above[k] > 0.0) != (above[last] > 0.0))
       other.corner[other.count++] =
           from->corner[last] + above[last] / (above[last] - above[k]) * (from->corner[k] - from->corner[last]);
-    if (!(above[k] > 0.0)) other.corner[other.count++] = from->corner[k];
+    if (above[k] > 0.0) continue;
+    other.own |= (from->own >> k & 1) << other.count;
+    other.corner[other.count++] = from->corner[k];
   }
   return &other;
 }
@@ -113,21 +119,25 @@ bool take_faces(const PolyhedronView& p, std::span<const std::uint16_t> faces, c
     if (count + most_faces > Polygon::most) return false;
     const Vec3 normal = turn(p.face_normals[f]);
     Polygon& polygon = side.facet[i];
-    polygon.count = count;
+    polygon.count = count, polygon.own = (1u << count) - 1;
     for (std::uint32_t k = 0; k < count; ++k) polygon.corner[k] = place(p.vertices[p.face_vertices[begin + k]]);
     side.plane[i] = {normal, p.face_offsets[f] + normal.dot(place(Vec3::Zero()))};
   }
   return true;
 }
 
-void cut_facets(Side& own, const Side& other, Scratch& s) {
+/// Corners that a cut has made are edges of one body in faces of the other: both bodies' facets have them. made: they
+/// are wanted.
+void cut_facets(Side& own, const Side& other, bool made, Scratch& s) {
   for (std::size_t i = 0; i < own.count; ++i) {
     const Polygon& left = s.cutter.run(own.facet[i], other.count, [&](std::size_t j) { return other.plane[j]; });
     if (left.count < 3)
       own.facet[i].count = 0;
     else if (&left != &own.facet[i])
       own.facet[i].assign(left);
-    for (std::size_t k = 0; k < own.facet[i].count; ++k) s.corners.push_back(own.facet[i].corner[k]);
+    const Polygon& facet = own.facet[i];
+    for (std::size_t k = 0; k < facet.count; ++k)
+      if (made || (facet.own >> k & 1)) s.corners.push_back(facet.corner[k]);
   }
 }
 
@@ -247,8 +257,8 @@ bool find_cells(const PolyhedronPair& pair, const NearFaces& near, std::vector<O
   if (!find_apex(pair.a, s.a) || !find_apex(pair.b, s.b)) return false;
   s.b.apex = place(s.b.apex), s.b.along = turn(s.b.along);
   s.corners.clear(), s.in_b.clear();
-  cut_facets(s.a, s.b, s);
-  cut_facets(s.b, s.a, s);
+  const bool fewer_of_a = s.a.count < s.b.count;
+  cut_facets(s.a, s.b, fewer_of_a, s), cut_facets(s.b, s.a, !fewer_of_a, s);
   if (s.corners.empty()) return false;
   for (const Vec3& x : s.corners) s.in_b.push_back(back * (x - pair.offset));
   const double least = thinnest_cell * (pair.a.radius + pair.b.radius);
