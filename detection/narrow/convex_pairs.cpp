@@ -148,6 +148,13 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
     if (recall_resting(pair, *q.resting, q.reach, patch, normal)) return add_patch(q, patch, normal, radius, sink);
     q.resting->count = 0;
   }
+  if (q.area && q.cache) {
+    OverlapForm& form = q.cache->polyhedra.form;
+    if (form.kind != OverlapForm::Kind::none &&
+        collide_form(pair, form, {radius, q.a.orientation.toRotationMatrix()}, sink))
+      return;
+    form = {};
+  }
   if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
   const PolyhedronDistance d = polyhedron_distance(pair, limit, q.cache ? &q.cache->polyhedra : nullptr);
   if (d.beyond)
@@ -155,7 +162,11 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   else if (q.cache)
     q.cache->axis.setZero();
   if (d.beyond) return;
-  if (q.area) return collide_volumes(pair, d.axis, radius, q.a.orientation.toRotationMatrix(), sink);
+  if (q.area) {
+    const OverlapForm form = collide_volumes(pair, d.axis, {radius, q.a.orientation.toRotationMatrix()}, sink);
+    if (q.cache) q.cache->polyhedra.form = form;
+    return;
+  }
   if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
   const Patch patch = contact_patch(pair, d, q.reach, r.sweep_a, r.sweep_b);
   if (q.resting && patch.count > 0) keep_resting(pair, d.axis, patch, q.reach, *q.resting);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "detection/narrow/overlap_faces.h"
+#include "detection/narrow/overlap_forms.h"
 #include "detection/narrow/overlap_solid.h"
 
 namespace epafi {
@@ -18,6 +20,9 @@ struct Scratch {
   std::vector<Plane> near;
   std::vector<std::uint32_t> face;  ///< of each near plane
   std::vector<Volume> volume;       ///< of the cell of each near plane
+  std::vector<OverlapCell> cells;   ///< of both fields
+  std::vector<std::uint32_t> bounds_a, bounds_b;
+  std::vector<Vec3> points;
 };
 
 Scratch& scratch() {
@@ -106,9 +111,8 @@ void cells_by_cutting(Scratch& s) {
   }
 }
 
-/// f(face, normal, volume, centroid, depth there) for the cells of one body's field. rounding: of heights [m].
-template <class F>
-void each_cell(const Layer& layer, double rounding, Scratch& s, const F& f) {
+/// The cells of one body's field. rounding: of heights [m].
+void find_cells(const Layer& layer, bool of_a, double rounding, Scratch& s) {
   keep_near(layer, s);
   s.volume.assign(s.near.size(), {});
   if (s.near.size() == 1) {
@@ -124,40 +128,79 @@ void each_cell(const Layer& layer, double rounding, Scratch& s, const F& f) {
     if (!(s.volume[i].volume > 0.0)) continue;
     const Vec3 centroid = s.volume[i].centroid();
     const double depth = -s.near[i].above(centroid);
-    if (depth > 0.0) f(s.face[i], s.near[i].normal, s.volume[i].volume, centroid, depth);
+    if (depth > 0.0) s.cells.push_back({of_a, s.face[i], s.volume[i].volume, depth, centroid});
+  }
+}
+
+/// Faces that bound the overlap: no others come nearer to one that has a form than twice this slack [m].
+void find_bounds(const Layer& layer, double slack, std::vector<std::uint32_t>& out) {
+  out.clear();
+  for (std::size_t k = 0; k < layer.faces.size(); ++k)
+    if (layer.high[k] > -slack) out.push_back(layer.faces[k]);
+}
+
+/// Any overlap: cut out of the bodies, then into cells. An overlap that has a form ends as that, although the axis did
+/// not tell: what a pair remembers must not be seen in the bits.
+OverlapForm cut_cells(const PolyhedronPair& pair, const SeparatingAxis& axis, Scratch& s) {
+  s.cells.clear();
+  if (!intersect(pair, axis, s.overlap)) return {};
+  const double size = pair.a.radius + pair.b.radius;
+  find_bounds(s.overlap.a, thinnest_cell * size, s.bounds_a),
+      find_bounds(s.overlap.b, thinnest_cell * size, s.bounds_b);
+  OverlapForm form = form_of(pair, s.bounds_a, s.bounds_b);
+  if (find_cells(pair, form, s.cells)) return form;
+  s.points.clear();
+  for (std::size_t i = 0; i < s.overlap.solid.points(); ++i) s.points.push_back(s.overlap.solid.point(i));
+  form = {OverlapForm::Kind::faces, 0, 0, near_faces(pair, s.points)};
+  if (find_cells(pair, form, s.cells)) return form;
+  s.cells.clear();
+  s.whole = s.overlap.solid.volume();
+  find_cells(s.overlap.a, true, 4e-15 * size, s), find_cells(s.overlap.b, false, 4e-15 * size, s);
+  return {};
+}
+
+void add_cells(const PolyhedronPair& pair, const std::vector<OverlapCell>& cells, const CellPlacing& placing,
+               ContactSink& sink) {
+  for (const OverlapCell& c : cells) {
+    const double overlap = 2.0 * c.depth;
+    const Vec3 normal = c.of_a ? pair.a.face_normals[c.face] : Vec3(-(pair.rotation * pair.b.face_normals[c.face]));
+    const Feature feature =
+        c.of_a ? make_feature(FeatureKind::cell_a, c.face, 0) : make_feature(FeatureKind::cell_b, 0, c.face);
+    sink.add({-overlap, placing.to_world * normal, placing.to_world * c.centroid, placing.radius, feature,
+              0.5 * c.volume / overlap});
   }
 }
 
 }  // namespace
 
-void collide_volumes(const PolyhedronPair& pair, const SeparatingAxis& axis, double radius, const Mat3& to_world,
-                     ContactSink& sink) {
+OverlapForm collide_volumes(const PolyhedronPair& pair, const SeparatingAxis& axis, const CellPlacing& placing,
+                            ContactSink& sink) {
   Scratch& s = scratch();
-  if (!intersect(pair, axis, s.overlap)) return;
-  s.whole = s.overlap.solid.volume();
-  const double rounding = 4e-15 * (pair.a.radius + pair.b.radius);
-  const auto emit = [&](const Layer& layer, double side, FeatureKind kind) {
-    each_cell(layer, rounding, s,
-              [&](std::uint32_t face, const Vec3& outward, double volume, const Vec3& centroid, double depth) {
-                const double overlap = 2.0 * depth;
-                const Feature feature = side > 0.0 ? make_feature(kind, face, 0) : make_feature(kind, 0, face);
-                sink.add({-overlap, to_world * (side * outward), to_world * centroid, radius, feature,
-                          0.5 * volume / overlap});
-              });
-  };
-  emit(s.overlap.a, 1.0, FeatureKind::cell_a);
-  emit(s.overlap.b, -1.0, FeatureKind::cell_b);
+  OverlapForm form = form_of(axis);
+  if (!find_cells(pair, form, s.cells)) form = cut_cells(pair, axis, s);
+  add_cells(pair, s.cells, placing, sink);
+  return form;
+}
+
+bool collide_form(const PolyhedronPair& pair, const OverlapForm& form, const CellPlacing& placing, ContactSink& sink) {
+  Scratch& s = scratch();
+  if (!find_cells(pair, form, s.cells)) return false;
+  add_cells(pair, s.cells, placing, sink);
+  return true;
 }
 
 void collide_volume_with_plane(const PolyhedronView& a, const Vec3& up, double height, const Mat3& rotation,
                                double radius, ContactSink& sink) {
-  ClippedSolid& below = scratch().cell;
-  double low = infinity;
-  for (const Vec3& x : a.vertices) low = std::min(low, up.dot(x));
-  if (!(low + height < 0.0)) return;
-  below.assign(a, Mat3::Identity(), Vec3::Zero());
-  if (!below.clip({up, -height})) return;
-  const Volume v = below.volume();
+  const std::uint32_t lowest = ConvexHull::support_vertex(a, -up);
+  const double low = height + up.dot(a.vertices[lowest]);
+  if (!(low < 0.0)) return;
+  Volume v = corner_below(a, lowest, up, low);
+  if (!(v.volume > 0.0)) {
+    ClippedSolid& below = scratch().cell;
+    below.assign(a, Mat3::Identity(), Vec3::Zero());
+    if (!below.clip({up, -height})) return;
+    v = below.volume();
+  }
   if (!(v.volume > 0.0)) return;
   const Vec3 centroid = v.centroid();
   const double overlap = -2.0 * (height + up.dot(centroid));

@@ -12,10 +12,18 @@
 
 namespace epafi {
 
-/// Cells of both bodies; nothing where they do not overlap. axis: see intersect(). radius: effective [m]. to_world:
-/// turns A's axes into the world's.
-void collide_volumes(const PolyhedronPair& pair, const SeparatingAxis& axis, double radius, const Mat3& to_world,
-                     ContactSink& sink);
+/// How cells become contacts.
+struct CellPlacing {
+  double radius;  ///< effective [m]
+  Mat3 to_world;  ///< turns A's axes into the world's
+};
+
+/// Cells of both bodies; nothing where they do not overlap. axis: see intersect(). The form found, for the next step.
+OverlapForm collide_volumes(const PolyhedronPair& pair, const SeparatingAxis& axis, const CellPlacing& placing,
+                            ContactSink& sink);
+
+/// The same, bit by bit, where the overlap still has this form, with no need for an axis; nothing and false where not.
+bool collide_form(const PolyhedronPair& pair, const OverlapForm& form, const CellPlacing& placing, ContactSink& sink);
 
 /// The part of A below a plane: `up` its outward normal in A's axes, A's centre at `height` above it [m].
 void collide_volume_with_plane(const PolyhedronView& a, const Vec3& up, double height, const Mat3& rotation,

@@ -35,8 +35,24 @@ struct AxisReference {
   Vec3 offset, offset_b;   ///< B's centre from A's, in A's and in B's axes [m]
 };
 
+/// Faces of A and of B that an overlap is between, sorted.
+struct NearFaces {
+  static constexpr std::size_t most = 8;  ///< of each body; more: the overlap is cut out of the bodies
+  std::uint8_t count_a = 0, count_b = 0;
+  std::array<std::uint16_t, most> a, b;
+};
+
+/// What an overlap is between, where that says all (overlap_forms.h, overlap_faces.h).
+struct OverlapForm {
+  enum class Kind : std::uint8_t { none, edges, face_vertex, vertex_face, faces };
+  Kind kind = Kind::none;      ///< of A, then of B
+  std::uint32_t a = 0, b = 0;  ///< edge, face or vertex
+  NearFaces near;              ///< of kind `faces`
+};
+
 struct PairMemory {
   NearestFeatures nearest;                        ///< of the last time they were apart
+  OverlapForm form;                               ///< of the last overlap
   std::uint8_t kind = 0;                          ///< of the last axis (SeparatingAxis::Kind), 0: none
   std::uint8_t uses = 0, wait = 0, patience = 0;  ///< of `reference`: a pair that moves fast does without one
   bool tried = false;                             ///< a reference was asked for

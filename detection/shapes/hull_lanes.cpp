@@ -73,6 +73,30 @@ struct Heights {
   }
 };
 
+/// Counts the faces that are not below and takes off the own ones among them: a mask that is asked group by group costs
+/// as much as the heights.
+struct AllBelow {
+  EPAFI_LANES static bool run(std::span<const FaceLanes> faces, std::span<const Vec3> points, double least,
+                              std::span<const std::uint32_t> own) {
+    LaneMask high{0, 0, 0, 0};
+    for (const FaceLanes& f : faces) {
+      Lanes highest = lanes(-INFINITY);
+      for (const Vec3& x : points) highest = max(highest, f.normal.dot(all(x)));
+      high -= highest - f.offset >= lanes(least);
+    }
+    long long others = high[0] + high[1] + high[2] + high[3];
+    for (const std::uint32_t k : own) {
+      const FaceLanes& f = faces[k / lane_count];
+      const std::size_t lane = k % lane_count;
+      double highest = -INFINITY;
+      for (const Vec3& x : points)
+        highest = max(highest, f.normal.x[lane] * x.x() + f.normal.y[lane] * x.y() + f.normal.z[lane] * x.z());
+      others -= highest - f.offset[lane] >= least;
+    }
+    return others == 0;
+  }
+};
+
 struct HighFaces {
   EPAFI_LANES static std::size_t run(const FaceHeights& of, std::size_t faces, double point, double centre,
                                      std::uint32_t* out) {
@@ -168,6 +192,7 @@ HullKernels kernels() {
   return {Built::name,
           &Built::template call<Farthest>,
           &Built::template call<Heights>,
+          &Built::template call<AllBelow>,
           &Built::template call<HighFaces>,
           &Built::template call<PromisingEdges>,
           &Built::template call<CrossingArcs>};

@@ -65,6 +65,9 @@ struct HullKernels {
   std::uint32_t (*farthest)(std::span<const VertexLanes>, const Vec3& d);
   /// Heights of x above all faces; the first face of the largest.
   std::uint32_t (*heights)(std::span<const FaceLanes>, const Vec3& x, double* out);
+  /// Every point is lower than `least` (finite) above every face but those of `own`.
+  bool (*all_below)(std::span<const FaceLanes>, std::span<const Vec3> points, double least,
+                    std::span<const std::uint32_t> own);
   /// Faces whose point is at `point` or higher and whose centre at `centre` or higher.
   std::size_t (*high_faces)(const FaceHeights&, std::size_t faces, double point, double centre, std::uint32_t* out);
   /// Edges over whose arcs a separation above `best` is not excluded by their two faces: see AxisSide. inner: radius of

@@ -64,6 +64,34 @@ TEST_CASE("the farthest vertex and the heights of faces are those of plain loops
     }
 }
 
+TEST_CASE("points below all faces but some are told from others on every instruction set", "[detection][lanes]") {
+  Random random(74, 0);
+  std::size_t below = 0, tried = 0;
+  for (const ConvexHull& h : bodies(random))
+    for (int k = 0; k < 40; ++k) {
+      const auto faces = static_cast<std::uint32_t>(h.face_normals.size());
+      std::vector<Vec3> points;
+      for (int i = 0; i < 1 + k % 5; ++i) points.push_back(random.uniform(0.2, 1.0) * random_direction(random));
+      std::vector<double> height(faces, -infinity);
+      for (std::uint32_t f = 0; f < faces; ++f)
+        for (const Vec3& x : points) height[f] = std::max(height[f], h.face_normals[f].dot(x) - h.face_offsets[f]);
+      // the highest faces are the own ones; the bound is the height of the next one, or just above it
+      std::vector<std::uint32_t> order(faces);
+      for (std::uint32_t f = 0; f < faces; ++f) order[f] = f;
+      std::sort(order.begin(), order.end(), [&](auto f, auto g) { return height[f] > height[g]; });
+      const std::size_t own = static_cast<std::size_t>(k % 4);
+      const double next = height[order[own]];
+      for (const double least : {next, std::nextafter(next, infinity)}) {
+        ++tried, below += least > next;
+        for (const HullKernels& loops : all_hull_kernels()) {
+          INFO(loops.name);
+          CHECK(loops.all_below(h.lanes.faces, points, least, {order.data(), own}) == (least > next));
+        }
+      }
+    }
+  CHECK(tried == 2 * below);
+}
+
 TEST_CASE("faces and edges let through are those of plain loops on every instruction set", "[detection][lanes]") {
   Random random(72, 0);
   std::size_t let = 0, held = 0;

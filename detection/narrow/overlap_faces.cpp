@@ -1,0 +1,272 @@
+#include "detection/narrow/overlap_faces.h"
+
+#include <algorithm>
+
+#include "detection/narrow/clipped_solid.h"
+
+namespace epafi {
+namespace {
+
+constexpr std::size_t most_faces = NearFaces::most;
+// Of twice the bound. A set is right where all its faces are within the first and all others beyond the last, so that
+// rounding cannot make two sets right; between them it is looked for at the middle.
+constexpr double within = 1.9, middle = 1.95, beyond = 2.0;
+
+/// A convex polygon of a fixed room.
+struct Polygon {
+  static constexpr std::size_t most = 24;
+  std::size_t count = 0;
+  std::array<Vec3, most> corner;
+  std::uint32_t own = 0;  ///< bits: corners that no cut has made
+  std::size_t size() const { return count; }
+  const Vec3& operator[](std::size_t k) const { return corner[k]; }
+  void assign(const Polygon& from) {
+    count = from.count, own = from.own;
+    std::copy_n(from.corner.begin(), count, corner.begin());
+  }
+};
+
+/// What is left of the polygon below the plane: itself where that is all, or `other`. Each cut adds one corner at most.
+const Polygon* cut(const Plane& plane, const Polygon* from, Polygon& other) {
+  std::array<double, Polygon::most> above;
+  double lowest = infinity, highest = -infinity;
+  for (std::size_t k = 0; k < from->count; ++k) {
+    above[k] = plane.above(from->corner[k]);
+    lowest = std::min(lowest, above[k]), highest = std::max(highest, above[k]);
+  }
+  if (!(highest > 0.0)) return from;
+  other.count = 0, other.own = 0;
+  if (!(lowest < 0.0)) return &other;
+  std::size_t last = from->count - 1;
+  for (std::size_t k = 0; k < from->count; last = k++) {
+    if ((above[k] > 0.0) != (above[last] > 0.0))
+      other.corner[other.count++] =
+          from->corner[last] + above[last] / (above[last] - above[k]) * (from->corner[k] - from->corner[last]);
+    if (above[k] > 0.0) continue;
+    other.own |= (from->own >> k & 1) << other.count;
+    other.corner[other.count++] = from->corner[k];
+  }
+  return &other;
+}
+
+/// Cuts by many planes in turn.
+class Cutter {
+ public:
+  /// The polygon that is left, valid until the next one.
+  template <class PlaneOf>
+  const Polygon& run(const Polygon& from, std::size_t planes, const PlaneOf& plane) {
+    const Polygon* left = &from;
+    for (std::size_t j = 0; j < planes && left->count > 2; ++j)
+      left = cut(plane(j), left, left == &spare_[0] ? spare_[1] : spare_[0]);
+    return *left;
+  }
+
+ private:
+  std::array<Polygon, 2> spare_;
+};
+
+/// The near faces of one body, in A's axes.
+struct Side {
+  std::size_t count = 0;
+  std::array<std::uint32_t, most_faces> face;
+  std::array<Plane, most_faces> plane;
+  std::array<Polygon, most_faces> facet;  ///< of the overlap
+  Vec3 apex;                              ///< on all planes
+  Vec3 along;                             ///< of an edge that is on all planes, unit; 0: the apex alone
+  /// The apex nearest to x: cells far smaller than the overlap keep their digits.
+  Vec3 apex_near(const Vec3& x) const { return apex + along.dot(x - apex) * along; }
+};
+
+struct Scratch {
+  Side a, b;
+  Cutter cutter;
+  std::vector<Vec3> corners, in_b;
+};
+Scratch& scratch() {
+  static thread_local Scratch s;  // results do not depend on it
+  return s;
+}
+
+/// What all the faces share, in the body's axes: an edge of two faces, or a vertex. False where there is nothing.
+bool find_apex(const PolyhedronView& p, Side& side) {
+  const auto shared = [&](std::uint32_t v) {
+    const auto fan = p.fans.subspan(p.fan_begin[v], p.fan_begin[v + 1] - p.fan_begin[v]);
+    return std::all_of(side.face.begin(), side.face.begin() + static_cast<std::ptrdiff_t>(side.count),
+                       [&](std::uint32_t f) { return std::ranges::find(fan, f) != fan.end(); });
+  };
+  const std::uint32_t first = side.face[0];
+  std::size_t found = 0;
+  for (std::uint32_t k = p.face_begin[first]; k < p.face_begin[first + 1]; ++k) {
+    const Vec3& x = p.vertices[p.face_vertices[k]];
+    if (!shared(p.face_vertices[k])) continue;
+    if (found++ == 0)
+      side.apex = x, side.along.setZero();
+    else
+      side.along = (x - side.apex).normalized();
+  }
+  return found > 0;
+}
+
+/// place(x): of the body's own axes, turn(n): of its directions.
+template <class Place, class Turn>
+bool take_faces(const PolyhedronView& p, std::span<const std::uint16_t> faces, const Place& place, const Turn& turn,
+                Side& side) {
+  side.count = faces.size();
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::uint32_t f = side.face[i] = faces[i];
+    if (!(f < p.face_normals.size())) return false;  // of another part of the body
+    const std::uint32_t begin = p.face_begin[f], count = p.face_begin[f + 1] - begin;
+    if (count + most_faces > Polygon::most) return false;
+    const Vec3 normal = turn(p.face_normals[f]);
+    Polygon& polygon = side.facet[i];
+    polygon.count = count, polygon.own = (1u << count) - 1;
+    for (std::uint32_t k = 0; k < count; ++k) polygon.corner[k] = place(p.vertices[p.face_vertices[begin + k]]);
+    side.plane[i] = {normal, p.face_offsets[f] + normal.dot(place(Vec3::Zero()))};
+  }
+  return true;
+}
+
+/// Corners that a cut has made are edges of one body in faces of the other: both bodies' facets have them. made: they
+/// are wanted.
+void cut_facets(Side& own, const Side& other, bool made, Scratch& s) {
+  for (std::size_t i = 0; i < own.count; ++i) {
+    const Polygon& left = s.cutter.run(own.facet[i], other.count, [&](std::size_t j) { return other.plane[j]; });
+    if (left.count < 3)
+      own.facet[i].count = 0;
+    else if (&left != &own.facet[i])
+      own.facet[i].assign(left);
+    const Polygon& facet = own.facet[i];
+    for (std::size_t k = 0; k < facet.count; ++k)
+      if (made || (facet.own >> k & 1)) s.corners.push_back(facet.corner[k]);
+  }
+}
+
+/// The faces are all that come near the overlap, and all of them do. in_own: its corners in the body's axes.
+bool are_near(const PolyhedronView& view, const Side& side, std::span<const Vec3> corners, std::span<const Vec3> in_own,
+              double least) {
+  std::array<double, most_faces> nearest;
+  double bound = infinity;
+  for (std::size_t i = 0; i < side.count; ++i) {
+    double low = infinity, high = -infinity;
+    for (const Vec3& x : corners) {
+      const double above = side.plane[i].above(x);
+      low = std::min(low, above), high = std::max(high, above);
+    }
+    nearest[i] = -high, bound = std::min(bound, -low);
+  }
+  if (!(bound > least)) return false;
+  for (std::size_t i = 0; i < side.count; ++i)
+    if (!(nearest[i] < within * bound)) return false;
+  return hull_kernels().all_below(view.face_lanes, in_own, -beyond * bound, {side.face.data(), side.count});
+}
+
+/// A sum of cones over parts of planes. Of a flat overlap the corners of a cone are nearly in one plane with its apex:
+/// base times height keeps the digits that a triple product would lose.
+struct Cones {
+  Vec3 apex;
+  double volume = 0.0, depth = 0.0;  ///< depth: below `own` of the centroid, times the volume
+  Vec3 moment = Vec3::Zero();        ///< about the apex
+
+  /// own: a plane through the apex.
+  void add(const Polygon& base, const Plane& plane, const Plane& own) {
+    const double height = -plane.above(apex);
+    const Vec3& p = base[0];
+    for (std::size_t k = 2; k < base.size(); ++k) {
+      const Vec3 &q = base[k - 1], &r = base[k];
+      const double of_tetrahedron = height * plane.normal.dot((q - p).cross(r - p)) / 6.0;
+      volume += of_tetrahedron;
+      depth -= 0.25 * of_tetrahedron * (own.above(p) + own.above(q) + own.above(r));
+      moment += 0.25 * of_tetrahedron * ((p - apex) + (q - apex) + (r - apex));
+    }
+  }
+};
+
+/// Cones from far off lose the digits of the overlap's own size.
+bool is_at_hand(const Side& side, std::span<const Vec3> corners) {
+  constexpr double far = 8.0;  // extents; errors grow by as much
+  double extent = 0.0;
+  for (const Vec3& x : corners) extent = std::max(extent, (x - corners[0]).squaredNorm());
+  return (side.apex_near(corners[0]) - corners[0]).squaredNorm() <= far * far * extent;
+}
+
+/// The field of one body. False where a cell is as thin as rounding.
+bool add_field(const Side& own, const Side& other, bool of_a, double least, Scratch& s, std::vector<OverlapCell>& out) {
+  for (std::size_t i = 0; i < own.count; ++i) {
+    Cones cell;
+    bool empty = true;
+    for (std::size_t f = 0; f < other.count; ++f) {
+      if (other.facet[f].count == 0) continue;
+      const Polygon& part = s.cutter.run(other.facet[f], own.count, [&](std::size_t j) -> Plane {
+        return {own.plane[j].normal - own.plane[i].normal, own.plane[j].offset - own.plane[i].offset};
+      });
+      if (part.count < 3) continue;
+      if (empty) cell.apex = own.apex_near(part[0]), empty = false;
+      cell.add(part, other.plane[f], own.plane[i]);
+    }
+    if (empty) continue;
+    if (!(cell.volume > 0.0) || !(cell.depth > least * cell.volume)) return false;
+    out.push_back({of_a, own.face[i], cell.volume, cell.depth / cell.volume, cell.apex + cell.moment / cell.volume});
+  }
+  return true;
+}
+
+/// Of one body; corners in its axes. False where there are too many.
+bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, std::uint8_t& count,
+                  std::array<std::uint16_t, most_faces>& out) {
+  const auto range = [&](std::size_t f) {
+    double low = infinity, high = -infinity;
+    for (const Vec3& x : corners) {
+      const double above = p.face_normals[f].dot(x) - p.face_offsets[f];
+      low = std::min(low, above), high = std::max(high, above);
+    }
+    return std::pair(low, high);
+  };
+  double bound = infinity;
+  for (std::size_t f = 0; f < p.face_normals.size(); ++f) bound = std::min(bound, -range(f).first);
+  count = 0;
+  for (std::size_t f = 0; f < p.face_normals.size(); ++f) {
+    if (!(-range(f).second < middle * bound)) continue;
+    if (count == most_faces || f > 0xffffu) return false;
+    out[count++] = static_cast<std::uint16_t>(f);
+  }
+  return true;
+}
+
+}  // namespace
+
+NearFaces near_faces(const PolyhedronPair& pair, std::span<const Vec3> corners) {
+  NearFaces out;
+  std::vector<Vec3>& in_b = scratch().in_b;
+  in_b.clear();
+  for (const Vec3& x : corners) in_b.push_back(pair.rotation.transpose() * (x - pair.offset));
+  const bool few = collect_near(pair.a, corners, out.count_a, out.a) && collect_near(pair.b, in_b, out.count_b, out.b);
+  const bool written_down = std::min(out.count_a, out.count_b) < 2 || std::max(out.count_a, out.count_b) < 3;
+  if (!few || written_down) out.count_a = out.count_b = 0;
+  return out;
+}
+
+bool find_cells(const PolyhedronPair& pair, const NearFaces& near, std::vector<OverlapCell>& out) {
+  if (near.count_a == 0) return false;
+  Scratch& s = scratch();
+  const Mat3 back = pair.rotation.transpose();
+  const auto turn = [&](const Vec3& n) -> Vec3 { return pair.rotation * n; };
+  const auto place = [&](const Vec3& x) -> Vec3 { return pair.rotation * x + pair.offset; };
+  const auto same = [](const Vec3& x) { return x; };
+  if (!take_faces(pair.a, {near.a.data(), near.count_a}, same, same, s.a)) return false;
+  if (!take_faces(pair.b, {near.b.data(), near.count_b}, place, turn, s.b)) return false;
+  if (!find_apex(pair.a, s.a) || !find_apex(pair.b, s.b)) return false;
+  s.b.apex = place(s.b.apex), s.b.along = turn(s.b.along);
+  s.corners.clear(), s.in_b.clear();
+  const bool fewer_of_a = s.a.count < s.b.count;
+  cut_facets(s.a, s.b, fewer_of_a, s), cut_facets(s.b, s.a, !fewer_of_a, s);
+  if (s.corners.empty()) return false;
+  for (const Vec3& x : s.corners) s.in_b.push_back(back * (x - pair.offset));
+  const double least = thinnest_cell * (pair.a.radius + pair.b.radius);
+  if (!are_near(pair.a, s.a, s.corners, s.corners, least) || !are_near(pair.b, s.b, s.corners, s.in_b, least))
+    return false;
+  if (!is_at_hand(s.a, s.corners) || !is_at_hand(s.b, s.corners)) return false;
+  out.clear();
+  return add_field(s.a, s.b, true, least, s, out) && add_field(s.b, s.a, false, least, s, out);
+}
+
+}  // namespace epafi
