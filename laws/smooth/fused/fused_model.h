@@ -398,7 +398,7 @@ class FusedModel final : public FusedSpheres {
   bool damped_ = false, others_ = true;
   bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
-  std::vector<double> hurry_;                   ///< 1/half the margin, by slot [1/m]; empty: others move too
+  UnwrittenColumn<double> hurry_;               ///< 1/half the margin, by slot [1/m]; empty: others move too
   bool others_listed_ = false;                  ///< there are pairs that the blocks do not have
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
