@@ -106,7 +106,8 @@ struct Placing {
 
 bool corner_in_face(const PolyhedronView& tip, std::uint32_t vertex, const PolyhedronView& other, std::uint32_t face,
                     const Placing& place, bool tip_is_a, std::vector<OverlapCell>& out) {
-  auto& [pyramid, corners] = scratch();
+  Pyramid& pyramid = scratch().pyramid;
+  std::vector<Vec3>& corners = scratch().corners;
   const double least = thinnest(tip, other);
   const Vec3 &v = tip.vertices[vertex], &n = other.face_normals[face], up = place.turn.transpose() * n;
   const double height = n.dot(place(v)) - other.face_offsets[face];

@@ -53,7 +53,8 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later) {
   // a packing has about six neighbours per body, each pair counted once; faces touch in up to four points
   const double contacts = loose * std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
   const double pairs =
-      loose * std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies - static_cast<double>(sim.work.pairs.pairs.size()));
+      loose * std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies -
+                                static_cast<double>(sim.work.pairs.pairs.size() + sim.work.pairs.spheres.size()));
   // in the set and on its way into it; of spheres in their own loop in the set of a frame alone, beside pair and spring
   const auto in_set = static_cast<double>(a.plan.bytes_per_contact);
   const double contact = a.plan.fused_spheres ? in_set + (a.plan.needs.contact_moment ? 190.0 : 60.0) : 2.0 * in_set;
@@ -63,9 +64,10 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later) {
   const double output = 6e6 + std::min(32e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 300.0) * bodies;
   // a large copy goes to a scratch file, column by column: less than a fifth of it is in memory at once
   const double copy = static_cast<double>(state.total) * (state.total > StateSnapshot::most_in_memory ? 0.2 : 1.0);
+  const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
   return static_cast<double>(peak_memory()) + copy + output + contacts * contact +
          pairs * (3 * sizeof(Pair) + (polyhedra ? polyhedral_pair : 0.0)) +
-         static_cast<double>(later) * 3.0 * static_cast<double>(a.plan.bytes_per_body);  // state, lists, the loop's own
+         static_cast<double>(later) * beside * static_cast<double>(a.plan.bytes_per_body);
 }
 
 /// Of the whole run, by the seconds that a step took with `there` of the `free` bodies.
