@@ -92,7 +92,8 @@ class StateColumn {
     if (!in_records_) return f(own_), stand_alone();
     LargeColumn<T> all(begin(), end());
     f(all);
-    for (std::size_t s = 0; s < size_; ++s)  // mostly they are only saved: records that nobody writes to stay in the cache
+    const std::size_t n = std::min(size_, all.size());
+    for (std::size_t s = 0; s < n; ++s)  // mostly they are only saved: records that nobody writes to stay in the cache
       if (std::memcmp(&(*this)[s], &all[s], sizeof(T)) != 0) (*this)[s] = all[s];
   }
 
