@@ -14,8 +14,9 @@ class ContactLayer : public ContactModel {
   void reorder(const Reordering& change) override { below_->reorder(change); }
   void visit(StateVisitor& visitor) override { below_->visit(visitor); }
   void publish(const World& world, ContactSet& contacts) const override { below_->publish(world, contacts); }
-  bool publish_gaps(const World& world, const ContactSet& found, ContactSet& gaps) const override {
-    return below_->publish_gaps(world, found, gaps);
+  std::size_t gap_parts() const override { return below_->gap_parts(); }
+  void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
+    below_->append_gaps(world, part, gaps);
   }
   const ContactModel& below() const { return *below_; }
 

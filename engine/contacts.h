@@ -86,8 +86,6 @@ struct ContactSet {
   void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
   /// Canonical order, with force and moment where they are filled.
   void sort();
-  /// Becomes bodies, gaps and forces of another set, without its other columns.
-  void take_gaps(const ContactSet& of) { a = of.a, b = of.b, gap = of.gap, force = of.force; }
   /// Appends all of `other` behind this.
   void append(const ContactSet& other);
   /// From B's centre to the contact point [m].

@@ -13,7 +13,7 @@ double kinetic_energy(const World& world, Slot s) {
   if (world.rotates()) {
     const bool even = world.is_isotropic(s);  // the axes do not matter
     const Vec3 &spin = world.angular_velocity[s], w = even ? spin : Vec3(world.orientation[s].conjugate() * spin);
-    twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia[s]).sum();
+    twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia_of(s)).sum();
   }
   return 0.5 * twice;
 }

@@ -6,6 +6,9 @@
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 namespace epafi {
 
@@ -28,6 +31,12 @@ void give_back_pages([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
       (page - reinterpret_cast<std::uintptr_t>(begin) % page) % page;  // to the first whole page
   const auto bytes = static_cast<std::uintptr_t>(static_cast<char*>(end) - static_cast<char*>(begin));
   if (bytes >= from + page) madvise(static_cast<char*>(begin) + from, (bytes - from) / page * page, MADV_DONTNEED);
+#endif
+}
+
+void give_back_heap() {
+#if defined(__GLIBC__)
+  malloc_trim(0);
 #endif
 }
 

@@ -11,11 +11,19 @@
 namespace epafi {
 
 inline constexpr std::size_t large_page = std::size_t{2} << 20;
+/// Bodies from which on memory that rests goes back to the system: to ask for it again is one thread's work.
+inline constexpr std::size_t many_bodies = 200'000;
 /// Whole large pages; std::bad_alloc where there are none.
 void* large_pages(std::size_t bytes);
 void free_large_pages(void* p);
 /// The system may take the whole pages within [begin, end): what is there is not read again.
 void give_back_pages(void* begin, void* end);
+template <class Column>
+void give_back_pages(Column& column) {
+  give_back_pages(column.data(), column.data() + column.size());
+}
+/// The system may take what the heap keeps of pieces that are free: the reading of a scene leaves much behind.
+void give_back_heap();
 
 template <class T>
 struct LargePages {

@@ -84,9 +84,10 @@ class ContactModel : public StepStage {
   virtual const Extent* extent() const { return nullptr; }
   /// Completes the set for observers where the model has found contacts of its own.
   virtual void publish(const World&, ContactSet&) const {}
-  /// Bodies and gaps of the set, their forces where it has them, then bodies and gaps of the model's own contacts in
-  /// any order. False, and nothing in `gaps`: the set is complete.
-  virtual bool publish_gaps(const World&, const ContactSet& /*found*/, ContactSet& /*gaps*/) const { return false; }
+  /// Parts of the contacts that the model has found itself and not completed the set with.
+  virtual std::size_t gap_parts() const { return 0; }
+  /// Appends bodies and gaps of a part, in any order; several threads may ask.
+  virtual void append_gaps(const World&, std::size_t /*part*/, ContactSet& /*gaps*/) const {}
 };
 
 /// Holds bodies back from ways that detection at the end of a drift would miss. Only where the scene asks for it.

@@ -195,10 +195,9 @@ void Simulation::observe(bool last) {
 }
 
 void Simulation::show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show) {
-  ContactSet gaps;  // not kept: 40 bytes a sphere
   if (needed == ContactView::all) pipeline.contact_model->publish(world, work.contacts);
-  const bool own = needed == ContactView::gaps && pipeline.contact_model->publish_gaps(world, work.contacts, gaps);
-  show({world, own ? gaps : work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last});
+  show({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last,
+        pipeline.contact_model.get()});
 }
 
 void Simulation::show(Observer& observer) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 
 #include "engine/error.h"
 #include "engine/hash.h"
@@ -29,9 +30,12 @@ void World::each_column(F&& f) {
   if (columns_.periodic) f("world/wraps", wraps);
   if (!columns_.rotation) return;
   if (columns_.orientation) f("world/orientation", orientation);
-  f("world/angular_velocity", angular_velocity), f("world/inverse_inertia", inverse_inertia);
+  f("world/angular_velocity", angular_velocity);
   if (columns_.force) f("world/torque", torque);
-  if (columns_.anisotropy) f("world/angular_momentum", angular_momentum);
+  if (columns_.anisotropy)
+    f("world/inverse_inertia", inverse_inertia), f("world/angular_momentum", angular_momentum);
+  else
+    f("world/inverse_moment", inverse_moment);
 }
 
 Vec3 World::apply_inverse_inertia_at(Slot s, const Vec3& x) const {
@@ -41,10 +45,6 @@ Vec3 World::apply_inverse_inertia_at(Slot s, const Vec3& x) const {
 }
 
 void World::apply_angular_impulse_at(Slot s, const Vec3& impulse) {
-  if (!columns_.anisotropy) {
-    angular_velocity[s] += apply_inverse_inertia(s, impulse);
-    return;
-  }
   angular_momentum[s] += impulse;
   angular_velocity[s] = apply_inverse_inertia(s, angular_momentum[s]);
 }
@@ -57,7 +57,6 @@ void World::set_angular_velocity(Slot s, const Vec3& w) {
 }
 
 void World::rotate_at(Slot s, double dt) {
-  EPAFI_REQUIRE(columns_.anisotropy, "a body with unequal principal moments needs columns().anisotropy");
   rotate_freely(orientation[s], angular_momentum[s], inverse_inertia[s], dt);
   angular_velocity[s] = apply_inverse_inertia(s, angular_momentum[s]);
 }
@@ -69,8 +68,10 @@ BodyId World::reserve() {
 
 void World::add(const Body& body, BodyId new_id) {
   EPAFI_REQUIRE(slot_of(new_id) == no_slot, "a body comes once");
+  const bool free = body.mass > 0.0, even = (body.inertia.array() == body.inertia.x()).all();
+  if (free && !even && columns_.rotation && !columns_.anisotropy)
+    throw std::invalid_argument("World::add: a body with unequal principal moments needs columns().anisotropy");
   slot_of_[static_cast<std::uint32_t>(new_id)] = static_cast<Slot>(size());
-  const bool free = body.mass > 0.0;
   const auto s = static_cast<Slot>(size());
   resize_states(s + 1);
   each_column([&](const char*, auto& column) { column.resize(s + 1); });
@@ -82,9 +83,12 @@ void World::add(const Body& body, BodyId new_id) {
   if (columns_.periodic) wraps.back().setZero();
   if (columns_.rotation) {
     if (columns_.orientation) orientation.back() = body.orientation.normalized();
-    inverse_inertia.back() = free ? Vec3(body.inertia.cwiseInverse()) : Vec3(0, 0, 0);
     if (columns_.force) torque.back().setZero();
-    if (columns_.anisotropy) angular_momentum.back().setZero();
+    const Vec3 inverse = free ? Vec3(body.inertia.cwiseInverse()) : Vec3(0, 0, 0);
+    if (columns_.anisotropy)
+      inverse_inertia.back() = inverse, angular_momentum.back().setZero();
+    else
+      inverse_moment.back() = inverse.x();
     set_angular_velocity(s, body.angular_velocity);
   }
 }

@@ -70,8 +70,9 @@ class World {
   std::vector<Vec3> force;             ///< contact force at the last detection [N]; with columns().force
   std::vector<Vec3> external_force;    ///< [N]; with columns().external_force
   std::vector<Quat> orientation;       ///< with columns().rotation and columns().orientation
-  StateColumn<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next two
-  std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]
+  StateColumn<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next ones
+  std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]; with columns().anisotropy, else the next one
+  std::vector<double> inverse_moment;  ///< of bodies with equal principal moments [1/(kg m^2)]
   std::vector<Vec3> torque;            ///< [N m]; with columns().force
   std::vector<Vec3>
       angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
@@ -114,15 +115,15 @@ class World {
   Vec3 acceleration(Slot s) const { return free_acceleration(s) + inverse_mass[s] * force[s]; }
   /// I^-1 x in world axes.
   Vec3 apply_inverse_inertia(Slot s, const Vec3& x) const {
-    if (is_isotropic(s)) return inverse_inertia[s].x() * x;  // spheres, cubes and fixed bodies: no axes
+    if (is_isotropic(s)) return inverse_inertia_of(s).x() * x;  // spheres, cubes and fixed bodies: no axes
     return apply_inverse_inertia_at(s, x);
   }
   /// Changes the angular momentum by an impulse [N m s] and the angular velocity with it; free bodies only.
   void apply_angular_impulse(Slot s, const Vec3& impulse) {
-    if (!columns_.anisotropy && is_isotropic(s))
-      angular_velocity[s] += inverse_inertia[s].x() * impulse;
-    else
+    if (columns_.anisotropy)
       apply_angular_impulse_at(s, impulse);
+    else
+      angular_velocity[s] += inverse_moment[s] * impulse;
   }
   void set_angular_velocity(Slot s, const Vec3& w);
   /// Motion of the orientation over dt: torque-free for free bodies, with constant angular velocity for driven ones.
@@ -135,10 +136,16 @@ class World {
   }
   /// Equal principal moments: spheres, cubes; fixed bodies too.
   bool is_isotropic(Slot s) const {
+    if (!columns_.anisotropy) return true;
     const Vec3& i = inverse_inertia[s];
     return i.x() == i.y() && i.y() == i.z();
   }
+  /// Principal axes [1/(kg m^2)]; zero for fixed bodies.
+  Vec3 inverse_inertia_of(Slot s) const {
+    return columns_.anisotropy ? inverse_inertia[s] : Vec3(Vec3::Constant(inverse_moment[s]));
+  }
 
+  /// std::invalid_argument where its principal moments are unequal and the world has no column for that.
   BodyId add(const Body& body) {
     const BodyId id_of_body = reserve();
     add(body, id_of_body);

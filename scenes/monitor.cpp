@@ -20,19 +20,28 @@ struct OverlapSum {
 };
 }  // namespace
 
-Overlap measure_overlap(const World& world, const ContactSet& contacts, const ShapeStore& shapes) {
-  const auto same = [&](std::size_t k, std::size_t l) {
-    return contacts.a[k] == contacts.a[l] && contacts.b[k] == contacts.b[l];
+Overlap measure_overlap(const World& world, const GapPieces& gaps, const ShapeStore& shapes) {
+  const auto smaller = [&](Slot a, Slot b) {
+    return std::min(shapes.bounding_radius({world.shape[a]}), shapes.bounding_radius({world.shape[b]}));
   };
-  const OverlapSum all = block_sum<OverlapSum>(contacts.size(), [&](std::size_t first) {
-    if (first > 0 && same(first - 1, first)) return OverlapSum{};  // the first contact of a pair stands for it
-    double deepest = 0.0;
-    for (std::size_t k = first; k < contacts.size() && same(first, k); ++k) deepest = std::max(deepest, -contacts.gap[k]);
-    if (deepest <= 0.0) return OverlapSum{};
-    const double radius = std::min(shapes.bounding_radius({world.shape[contacts.a[first]]}),
-                                   shapes.bounding_radius({world.shape[contacts.b[first]]}));
-    return OverlapSum{deepest, deepest / radius, deepest, 1};
-  });
+  std::vector<OverlapSum>& sums = block_results<OverlapSum>(gaps.size(), OverlapSum{});
+  parallel_for(
+      gaps.size(),
+      [&](std::size_t piece) {
+        gaps.read(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
+          const auto same = [&](std::size_t k, std::size_t l) { return c.a[k] == c.a[l] && c.b[k] == c.b[l]; };
+          for (std::size_t first = begin; first < end; ++first) {
+            if (first > 0 && same(first - 1, first)) continue;  // the first contact of a pair stands for it
+            double deepest = 0.0;
+            for (std::size_t k = first; k < c.size() && same(first, k); ++k) deepest = std::max(deepest, -c.gap[k]);
+            if (deepest <= 0.0) continue;
+            sums[piece] += {deepest, deepest / smaller(c.a[first], c.b[first]), deepest, 1};
+          }
+        });
+      },
+      1);
+  OverlapSum all;
+  for (const OverlapSum& sum : sums) all += sum;
   return {all.max, all.pairs > 0 ? all.sum / static_cast<double>(all.pairs) : 0.0, all.max_relative, all.pairs};
 }
 
@@ -68,7 +77,7 @@ void RunMonitor::observe(const StepView& view) {
 }
 
 void RunMonitor::look(const StepView& view) {
-  last_overlap_ = measure_overlap(view.world, view.contacts, shapes_);
+  last_overlap_ = measure_overlap(view.world, view.gaps(), shapes_);
   if (view.last || view.step * 10 >= steps_ * 9) {
     totals_.overlap_max = std::max(totals_.overlap_max, last_overlap_.max);
     totals_.overlap_relative = std::max(totals_.overlap_relative, last_overlap_.max_relative);

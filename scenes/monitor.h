@@ -16,7 +16,7 @@ struct Overlap {
   double max_relative = 0.0;     ///< to the smaller body's bounding radius
   std::size_t pairs = 0;
 };
-Overlap measure_overlap(const World& world, const ContactSet& contacts, const ShapeStore& shapes);
+Overlap measure_overlap(const World& world, const GapPieces& gaps, const ShapeStore& shapes);
 
 /// A bound of the scene with what was seen.
 struct BoundCheck {

@@ -87,6 +87,7 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
                   StateSnapshot(folder_ / ".last_good")});
   add_observers();
   std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 208 bytes each, more than there
+  give_back_heap();                                       // 39 bytes a sphere of a million
 }
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,

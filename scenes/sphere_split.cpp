@@ -8,8 +8,8 @@ namespace epafi {
 
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const std::uint64_t before = pairs.generation;
-  if (worn_.out)
-    list_->renew_pairs(world, pairs, worn_.by_slow);
+  if (worn_.out && model())
+    model()->make_way(), list_->renew_pairs(world, pairs, worn_.by_slow);
   else
     list_->find_pairs(world, pairs);
   worn_ = {}, wear_.clear();
@@ -25,8 +25,7 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
 
 bool WornPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
-  const auto* model = dynamic_cast<const FusedSpheres*>(pipeline_.contact_model.get());
-  const std::span<const double> ways = model ? model->largest_ways() : std::span<const double>{};
+  const std::span<const double> ways = model() ? model()->largest_ways() : std::span<const double>{};
   ways_known_ = !ways.empty() && list_->bodies().size() == world.size();
   if (!ways_known_ || wear_.size() != ways.size()) return wear_.clear(), false;
   constexpr double nearly = 1.0 - 1e-6;  // sums are rounded

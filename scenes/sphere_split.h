@@ -25,6 +25,9 @@ class WornPairs final : public BroadPhase {
   void visit(StateVisitor& visitor) override { wear_.clear(), list_->visit(visitor); }
 
  private:
+  /// Null where it is another one.
+  FusedSpheres* model() const { return dynamic_cast<FusedSpheres*>(pipeline_.contact_model.get()); }
+
   std::unique_ptr<ListBroadPhase> list_;
   const Pipeline& pipeline_;
   std::vector<double> wear_;  ///< by block of the model: at least the largest wear of its bodies; empty: not known

@@ -31,12 +31,12 @@ std::uint32_t AabbTree::partition(const FatBodies& bodies, std::uint32_t first, 
   double least = infinity, most = 0.0;
   Aabb centres;
   for (auto s = begin; s != end; ++s) {
-    least = std::min(least, bodies.half[*s]), most = std::max(most, bodies.half[*s]);
+    least = std::min(least, bodies.half_of(*s)), most = std::max(most, bodies.half_of(*s));
     centres.include(bodies.position(*s));
   }
   if (most > mixed_sizes * least) {
     const double limit = most / mixed_sizes;
-    const auto middle = std::partition(begin, end, [&](Slot s) { return bodies.half[s] > limit; });
+    const auto middle = std::partition(begin, end, [&](Slot s) { return bodies.half_of(s) > limit; });
     return static_cast<std::uint32_t>(middle - begin);
   }
   int axis = 0;

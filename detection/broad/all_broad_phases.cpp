@@ -34,7 +34,10 @@ BroadChoice choose_broad_phase(const World& world, const BroadSetup& setup) {
   const std::string count = std::to_string(n);
   if (n < few) return {"all-pairs", count + " bounded bodies: below " + std::to_string(few) + " no structure pays"};
   double least = infinity, most = 0.0;
-  for (Slot s : bodies.ordinary) least = std::min(least, bodies.radius[s]), most = std::max(most, bodies.radius[s]);
+  for (Slot s : bodies.ordinary) {
+    const double radius = setup.shapes->bounding_radius({world.shape[s]});
+    least = std::min(least, radius), most = std::max(most, radius);
+  }
   char ratio[32];
   std::snprintf(ratio, sizeof ratio, "%.3g", least > 0.0 ? most / least : infinity);
   return {"spatial-hash", count + " bodies, sizes 1:" + ratio + ": one grid per factor of two in size; " +

@@ -27,13 +27,15 @@ void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
 void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_by_slow) {
   if (valid_) bodies_.learn(world, step_time_, worn_by_slow);
   bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
+  const bool many = bodies_.size() >= many_bodies;
   collect(bodies_, collector_);
+  if (many) rest();
   collector_.finish(pairs.pairs);
   if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
   pairs.margin = bodies_.largest_margin(), pairs.margins = bodies_.margin;
   ++pairs.generation;
   valid_ = true;
-  if (bodies_.size() >= many_bodies) rest(), collector_.rest();
+  if (many) collector_.rest(), give_back_heap();
 }
 
 }  // namespace epafi

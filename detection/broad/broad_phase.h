@@ -28,14 +28,11 @@ class ListBroadPhase : public BroadPhase {
  protected:
   /// Hands every ordinary body and its candidates to the collector.
   virtual void collect(const FatBodies& bodies, PairCollector& collector) = 0;
-  /// Lets go of what is needed while a list is made only: 60 of 600 bytes a sphere.
+  /// Lets go of what is needed while candidates are collected only: 60 of 600 bytes a sphere.
   virtual void rest() {}
   bool slots_changed() const { return !valid_; }  ///< within collect: what was kept by slot is void
 
  private:
-  /// Of fewer, what a list needs stays from one to the next: to ask the system for it again is one thread's work.
-  static constexpr std::size_t many_bodies = 200'000;
-
   BroadSetup setup_;
   FatBodies bodies_;
   PairCollector collector_;

@@ -49,96 +49,111 @@ void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
 
 void FatBodies::update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies) {
   taken_at_ = world.time;
-  if (!same_bodies) read_shapes(world, setup), find_median_radius();
+  if (!same_bodies) read_shapes(world, setup), find_median_radius(world, *setup.shapes);
   // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
   // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
   // margin whatever K is, so that only the fast ones make the list longer.
   const Sum3 sum = block_sum<Sum3>(setup.margin > 0.0 ? 0 : world.size(), [&](std::size_t i) {
-    if (immovable[i] || !(radius[i] > 0.0)) return Sum3{};
-    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i)) / radius[i], 1.0, 0.0};
+    const double r = radius_of(world, *setup.shapes, i);
+    if (immovable[i] || !(r > 0.0)) return Sum3{};
+    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i)) / r, 1.0, 0.0};
   });
   const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
   fatten(world, setup, step_time,
          motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps);
-  set_apart(same_bodies);
-  set_planes(world, *setup.shapes);
+  set_apart(world, *setup.shapes, same_bodies);
+  set_planes(world, setup);
 }
 
 void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
-  ball.resize(n), half.resize(n), radius.resize(n), margin.resize(n);
+  static_assert(AllShapes::size <= 256);
+  ball.resize(n), margin.resize(n), slow_.resize(n);
   id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted ? n : 0);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
-    const ShapeRef ref{world.shape[s]};
-    id[i] = static_cast<std::uint32_t>(world.id[s]), type[i] = ref.type();
+    id[i] = static_cast<std::uint32_t>(world.id[s]);
+    type[i] = static_cast<std::uint8_t>(ShapeRef{world.shape[s]}.type());
     immovable[i] = !world.is_movable(s);
-    radius[i] = setup.shapes->bounding_radius(ref);
     if (!role.empty()) role[i] = setup.spheres.of(world, s);
   });
   round_ = block_max<char>(n, 0, [&](std::size_t i) {
-             return static_cast<char>(type[i] != ShapeStore::type_of<Sphere>() &&
-                                      type[i] != ShapeStore::type_of<HalfSpace>());
+             return static_cast<char>(!is_sphere(i) && type[i] != ShapeStore::type_of<HalfSpace>());
            }) == 0;
+  half.resize(round_ ? 0 : n), radius.resize(round_ ? 0 : n);
+  parallel_for(radius.size(), [&](std::size_t i) { radius[i] = setup.shapes->bounding_radius({world.shape[i]}); });
 }
 
 /// Of some thousand bodies: it says what a giant is and which margins are large, no more.
-void FatBodies::find_median_radius() {
+void FatBodies::find_median_radius(const World& world, const ShapeStore& shapes) {
   constexpr std::size_t most_asked = 4096;
   const std::size_t stride = size() / most_asked + 1;
   std::vector<double> sample;
+  const auto take = [&](std::size_t i) {
+    const double r = radius_of(world, shapes, i);
+    if (std::isfinite(r)) sample.push_back(r);
+  };
   for (std::size_t i = 0; i < size(); i += stride)
-    if (!immovable[i] && std::isfinite(radius[i])) sample.push_back(radius[i]);
+    if (!immovable[i]) take(i);
   if (sample.empty())
-    for (double r : radius)
-      if (std::isfinite(r)) sample.push_back(r);
+    for (std::size_t i = 0; i < size(); ++i) take(i);
   const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
   median_radius_ = 0.0;
   if (!sample.empty()) std::nth_element(sample.begin(), middle, sample.end()), median_radius_ = *middle;
 }
 
 /// steps: how long the list of the fast ones shall last.
-double FatBodies::margin_of(const World& world, Slot s, double step_time, double steps) const {
+double FatBodies::margin_of(const World& world, Slot s, double radius, double step_time, double steps) const {
   const double step = step_time * surface_speed(world, s, turning_radius(s)), small = 4.0 * median_radius_;
   const double wanted = 2.0 * headroom * steps * step;
   if (!std::isfinite(wanted)) return 0.0;  // a turning half-space: its list lasts one step
   if (immovable[s]) return std::min(wanted, most_margin * small);
-  return std::clamp(wanted, least_share_ * std::min(radius[s], small), most_margin * radius[s]);
+  return std::clamp(wanted, least_share_ * std::min(radius, small), most_margin * radius);
+}
+
+/// By how much the exact bound of a body grows on every side [m].
+double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup) const {
+  // four units in the last place of the coordinate: far from the origin the box itself is rounded
+  return 0.5 * (setup.reach + margin[s]) + 0x1p-50 * world.position[s].cwiseAbs().maxCoeff();
 }
 
 void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_time, double steps) {
   boxes.resize(round_ ? 0 : world.size()), orientation.resize(world.has_orientation() ? world.size() : 0);
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
-    margin[i] = setup.margin > 0.0 ? setup.margin : margin_of(world, s, step_time, steps);
+    const double r = radius_of(world, *setup.shapes, i);
+    margin[i] = setup.margin > 0.0 ? setup.margin : margin_of(world, s, r, step_time, steps);
+    slow_[i] = margin[i] <= 1.001 * least_share_ * r;
     if (world.has_orientation()) orientation[i] = world.orientation[s];
     const Vec3& x = world.position[s];
-    // four units in the last place of the coordinate: far from the origin the box itself is rounded
-    const double rounding = 0x1p-50 * x.cwiseAbs().maxCoeff();
-    const double fat = 0.5 * (setup.reach + margin[i]) + rounding;
-    if (!std::isfinite(radius[i])) {
-      half[i] = fat, ball[i] = {x.x(), x.y(), x.z(), infinity};
-      if (!round_) boxes[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
+    const double fat = fattening(world, s, setup);
+    ball[i] = {x.x(), x.y(), x.z(), r + fat};
+    if (round_) return;
+    if (!std::isfinite(r)) {
+      half[i] = fat, boxes[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
       return;
     }
-    half[i] = radius[i] + fat, ball[i] = {x.x(), x.y(), x.z(), radius[i] + fat};
-    if (round_) return;
     boxes[i] = setup.shapes->bounding_box(world, s).fattened(fat);
     half[i] = std::max((boxes[i].max - x).maxCoeff(), (x - boxes[i].min).maxCoeff());
   });
 }
 
-void FatBodies::set_apart(bool same_bodies) {
+void FatBodies::set_apart(const World& world, const ShapeStore& shapes, bool same_bodies) {
   // a body that is nowhere has no neighbours: whoever watches the state reports it
-  const auto is_somewhere = [&](std::size_t s) { return position(s).allFinite() && half[s] >= 0.0; };
+  const auto is_somewhere = [&](std::size_t s) { return position(s).allFinite() && half_of(s) >= 0.0; };
   const bool all = block_max<char>(size(), 0, [&](std::size_t s) { return static_cast<char>(!is_somewhere(s)); }) == 0;
   if (same_bodies && all && complete_) return;
   complete_ = all;
   const double giant = giant_ratio * median_radius_;
-  const auto giants = block_sum<std::size_t>(
-      size(), [&](std::size_t i) { return static_cast<std::size_t>(std::isfinite(radius[i]) && radius[i] > giant); });
+  const auto giants = block_sum<std::size_t>(size(), [&](std::size_t i) {
+    const double r = radius_of(world, shapes, i);
+    return static_cast<std::size_t>(std::isfinite(r) && r > giant);
+  });
   const bool giants_apart = giants <= most_giants;
-  const auto is_apart = [&](std::size_t s) { return !std::isfinite(radius[s]) || (giants_apart && radius[s] > giant); };
+  const auto is_apart = [&](std::size_t s) {
+    const double r = radius_of(world, shapes, s);
+    return !std::isfinite(r) || (giants_apart && r > giant);
+  };
   const auto slot = [](std::size_t s) { return static_cast<Slot>(s); };
   parallel_select(
       size(), [&](std::size_t s) { return is_somewhere(s) && !is_apart(s); }, slot, ordinary);
@@ -149,13 +164,13 @@ void FatBodies::set_apart(bool same_bodies) {
   only_spheres = ordered_spheres && std::ranges::all_of(apart, [&](Slot s) { return role[s] == SphereRole::plane; });
 }
 
-void FatBodies::set_planes(const World& world, const ShapeStore& shapes) {
+void FatBodies::set_planes(const World& world, const BroadSetup& setup) {
   plane.clear(), sphere_planes.clear();
   for (const Slot s : apart) {
     ApartPlane& p = plane.emplace_back();
     if (type[s] != ShapeStore::type_of<HalfSpace>()) continue;
-    p.normal = world.pose(s).orientation * shapes.of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
-    p.point = position(s), p.reach = half[s];
+    p.normal = world.pose(s).orientation * setup.shapes->of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
+    p.point = position(s), p.reach = fattening(world, s, setup);
     if (role.empty() || role[s] != SphereRole::plane) continue;
     p.place = SpherePairs::plane | static_cast<Slot>(sphere_planes.size());
     sphere_planes.push_back(s);
@@ -178,7 +193,7 @@ Worn FatBodies::worn(const World& world) const {
   };
   const bool rotates = world.has_orientation();
   if (!any([&](std::size_t i) { return is_beyond(world, i, rotates); })) return {};
-  return {true, any([&](std::size_t i) { return is_slow(i) && is_beyond(world, i, rotates); })};
+  return {true, any([&](std::size_t i) { return slow_[i] != 0 && is_beyond(world, i, rotates); })};
 }
 
 double FatBodies::largest_margin() const {

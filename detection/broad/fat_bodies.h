@@ -69,10 +69,11 @@ struct FatBodies {
   FatBodies();
   std::vector<Aabb> boxes;             ///< fat, world axes [m]; empty where all are spheres and half-spaces: their balls say it
   std::vector<Ball> ball;              ///< fat, about the centre of mass [m]
-  std::vector<double> half;            ///< largest distance from the centre to a face of the fat box [m]
-  std::vector<double> radius;          ///< bounding radius of the shape [m]; infinite for half-spaces
+  std::vector<double> half;            ///< as half_of; with boxes
+  std::vector<double> radius;          ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
   std::vector<double> margin;          ///< [m]
-  std::vector<std::uint32_t> id, type;
+  std::vector<std::uint32_t> id;
+  std::vector<std::uint8_t> type;
   std::vector<char> immovable;
   std::vector<SphereRole> role;        ///< with setup.spheres.wanted
   std::vector<Quat> orientation;       ///< when the boxes were taken, in worlds that rotate
@@ -91,7 +92,9 @@ struct FatBodies {
   /// When the boxes were taken [m].
   Vec3 position(std::size_t i) const { return {ball[i].x, ball[i].y, ball[i].z}; }
   /// Of what a rotation moves [m]: 0 for spheres.
-  double turning_radius(std::size_t i) const { return type[i] == ShapeStore::type_of<Sphere>() ? 0.0 : radius[i]; }
+  double turning_radius(std::size_t i) const { return is_sphere(i) ? 0.0 : round_ ? infinity : radius[i]; }
+  /// Largest distance from the centre to a face of the fat box [m].
+  double half_of(std::size_t i) const { return half.empty() ? ball[i].r : half[i]; }
   bool near(Slot i, Slot j) const { return ball[i].overlaps(ball[j]) && (boxes.empty() || boxes[i].overlaps(boxes[j])); }
   /// The fat body reaches the fattened half-space.
   bool near_plane(Slot i, const ApartPlane& p) const {
@@ -114,7 +117,7 @@ struct FatBodies {
   template <class At>
   Wear wear(std::size_t begin, std::size_t end, const At& at) const {
     Wear most;
-    for (std::size_t s = begin; s < end; ++s) most.see(over_margin((at(s) - position(s)).norm(), s), is_slow(s));
+    for (std::size_t s = begin; s < end; ++s) most.see(over_margin((at(s) - position(s)).norm(), s), slow_[s] != 0);
     return most;
   }
   double largest_margin() const;
@@ -125,16 +128,21 @@ struct FatBodies {
   double taken_at_ = 0.0;  ///< time of the last update [s]
   bool round_ = false;     ///< all are spheres and half-spaces
   bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
+  std::vector<char> slow_;  ///< has the least margin of its size
+  bool is_sphere(std::size_t i) const { return type[i] == ShapeStore::type_of<Sphere>(); }
+  double radius_of(const World& world, const ShapeStore& shapes, std::size_t i) const {
+    return round_ ? shapes.bounding_radius({world.shape[i]}) : radius[i];
+  }
   void read_shapes(const World& world, const BroadSetup& setup);
   double over_margin(double way, std::size_t i) const { return way > 0.0 ? way / (0.5 * margin[i]) : 0.0; }
   bool is_beyond(const World& world, std::size_t i, bool rotates) const;
-  bool is_slow(std::size_t i) const { return margin[i] <= 1.001 * least_share_ * radius[i]; }
   double corner_depth(Slot i, const ApartPlane& p) const;
-  double margin_of(const World& world, Slot s, double step_time, double steps) const;
+  double margin_of(const World& world, Slot s, double radius, double step_time, double steps) const;
+  double fattening(const World& world, Slot s, const BroadSetup& setup) const;
   void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);
-  void set_apart(bool same_bodies);
-  void set_planes(const World& world, const ShapeStore& shapes);
-  void find_median_radius();
+  void set_apart(const World& world, const ShapeStore& shapes, bool same_bodies);
+  void set_planes(const World& world, const BroadSetup& setup);
+  void find_median_radius(const World& world, const ShapeStore& shapes);
 };
 
 }  // namespace epafi

@@ -24,7 +24,7 @@ std::int64_t SpatialHash::Axis::cell(double x) const {
 void SpatialHash::set_levels(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
   level_of_.resize(all.size());
-  double largest = block_max<double>(all.size(), 0.0, [&](std::size_t k) { return bodies.half[all[k]]; });
+  double largest = block_max<double>(all.size(), 0.0, [&](std::size_t k) { return bodies.half_of(all[k]); });
   std::array<double, most_levels> below{};  // class l holds halves in (below[l], below[l - 1]]
   for (std::size_t l = 0; l < most_levels; ++l) below[l] = largest /= level_ratio;
   below[most_levels - 1] = -1.0;
@@ -38,10 +38,10 @@ void SpatialHash::set_levels(const FatBodies& bodies) {
     for (std::size_t k = begin; k < end; ++k) {
       const Slot s = all[k];
       std::size_t l = 0;
-      while (bodies.half[s] <= below[l]) ++l;
+      while (bodies.half_of(s) <= below[l]) ++l;
       level_of_[k] = static_cast<std::uint8_t>(l);
       Level& level = parts[b].level[l];
-      ++level.count, level.half = std::max(level.half, bodies.half[s]);
+      ++level.count, level.half = std::max(level.half, bodies.half_of(s));
       parts[b].centres[l].include(bodies.position(s));
     }
   });
@@ -190,7 +190,7 @@ struct SpatialHash::Block {
       while (own + 1 < hash.levels_ && k >= hash.level_[own + 1].first) ++own;
       for (std::size_t l = 0; l <= own; ++l)
         if (hash.level_[l].count > 0)
-          count = hash.search<n>(hash.level_[l], bodies.ball[s], bodies.half[s],
+          count = hash.search<n>(hash.level_[l], bodies.ball[s], bodies.half_of(s),
                                  l == own ? static_cast<std::uint32_t>(k) + 1 : 0, found, count);
       collector.add(block, s, std::span(found).first(count), true);
     }
@@ -200,7 +200,7 @@ struct SpatialHash::Block {
   EPAFI_LANES void in_slots() const {
     for (std::size_t k = begin; k < end; ++k) {
       const Slot s = bodies.ordinary[k];
-      const std::size_t count = hash.search<n>(hash.level_[0], bodies.ball[s], bodies.half[s], 0, found, 0);
+      const std::size_t count = hash.search<n>(hash.level_[0], bodies.ball[s], bodies.half_of(s), 0, found, 0);
       collector.add(block, s, std::span(found).first(count), true);
     }
   }

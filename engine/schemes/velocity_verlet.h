@@ -45,10 +45,11 @@ class VelocityVerlet final : public Scheme {
     Vec3& v = world.velocity[s];
     for (int k = 0; k < 3; ++k) v[k] += dt * (free[k] + inverse_mass * force[k]);
     if (!world.rotates()) return;
-    const Vec3 &inverse = world.inverse_inertia[s], &torque = world.torque[s];
-    if (world.columns().anisotropy || !world.is_isotropic(s)) return world.apply_angular_impulse(s, dt * torque);
+    const Vec3& torque = world.torque[s];
+    if (world.columns().anisotropy) return world.apply_angular_impulse(s, dt * torque);
+    const double inverse = world.inverse_moment[s];
     Vec3& w = world.angular_velocity[s];
-    for (int k = 0; k < 3; ++k) w[k] += inverse.x() * (dt * torque[k]);
+    for (int k = 0; k < 3; ++k) w[k] += inverse * (dt * torque[k]);
   }
 };
 

@@ -46,7 +46,7 @@ void ContactProblem::load_bodies(const World& world, double dt) {
     free.linear[k] = world.velocity[k] + dt * world.free_acceleration(s);
     if (!rotates) return;
     free.angular[k] = world.angular_velocity[k];
-    const Vec3& j = world.inverse_inertia[k];
+    const Vec3 j = world.inverse_inertia_of(s);
     if (j.x() == j.y() && j.y() == j.z()) {  // spheres, cubes and fixed bodies: the axes do not matter
       inverse_inertia[k] = j.x() * Mat3::Identity();
     } else {

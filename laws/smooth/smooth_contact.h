@@ -297,7 +297,7 @@ class SmoothContact final : public ContactModel {
   /// 1/m + r^2/I of a body pushed sideways at its contact point, I the harmonic mean of its moments; 0 when not free.
   static double slip_mobility(const World& world, Slot s, const Vec3& arm) {
     if (!world.is_movable(s)) return 0.0;
-    return world.inverse_mass[s] + arm.squaredNorm() * world.inverse_inertia[s].sum() / 3.0;
+    return world.inverse_mass[s] + arm.squaredNorm() * world.inverse_inertia_of(s).sum() / 3.0;
   }
 
   /// Moment on A against rolling.
@@ -332,7 +332,7 @@ class SmoothContact final : public ContactModel {
   /// 1/(I + m r^2) of a body that rolls about its contact point, I the harmonic mean of its moments; 0 when not free.
   static double rolling_mobility(const World& world, Slot s, const Vec3& arm) {
     if (!world.is_movable(s)) return 0.0;
-    return 1.0 / (3.0 / world.inverse_inertia[s].sum() + arm.squaredNorm() / world.inverse_mass[s]);
+    return 1.0 / (3.0 / world.inverse_inertia_of(s).sum() + arm.squaredNorm() / world.inverse_mass[s]);
   }
 
   /// Power that fixed and driven bodies put into the contact: minus the force on them times the velocity there.

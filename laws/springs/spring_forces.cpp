@@ -165,7 +165,7 @@ SpringRates spring_rates(const std::vector<SpringElement>& springs, const World&
     SpringRates sum;
     for (const SpringElement& k : springs) {
       if (k.body != one.body) continue;
-      const double reach = world.rotates() ? k.attachment.squaredNorm() * world.inverse_inertia[s].maxCoeff() : 0.0;
+      const double reach = world.rotates() ? k.attachment.squaredNorm() * world.inverse_inertia_of(s).maxCoeff() : 0.0;
       const double mobility = std::max(world.inverse_mass[s], reach);
       sum.square += k.stiffness.maxCoeff() * mobility, sum.damping += k.damping.maxCoeff() * mobility;
     }

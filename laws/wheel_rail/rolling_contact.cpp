@@ -58,7 +58,8 @@ class RollingContact final : public ContactLayer {
     visitor.column("rolling/strips", records_), visitor.value("rolling/lost_power", lost_power_);
   }
   void publish(const World& world, ContactSet& contacts) const override;
-  bool publish_gaps(const World& world, const ContactSet& found, ContactSet& gaps) const override;
+  std::size_t gap_parts() const override { return ContactLayer::gap_parts() + (published_ ? 0 : 1); }
+  void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override;
 
  private:
   const StripStart* start_of(const RollingRegion& r) const;
@@ -206,15 +207,13 @@ void RollingContact::publish(const World& world, ContactSet& contacts) const {
   contacts.sort();
 }
 
-bool RollingContact::publish_gaps(const World& world, const ContactSet& found, ContactSet& gaps) const {
-  if (published_) return false;
-  if (!ContactLayer::publish_gaps(world, found, gaps)) gaps.take_gaps(found);
+void RollingContact::append_gaps(const World& world, std::size_t part, ContactSet& gaps) const {
+  if (part < ContactLayer::gap_parts()) return ContactLayer::append_gaps(world, part, gaps);
   for (std::size_t k = 0; k < forces_.size(); ++k) {
     if (!forces_[k].touches) continue;
     const RollingRegion& r = regions_.all[k];
     gaps.a.push_back(r.wheelset), gaps.b.push_back(r.track), gaps.gap.push_back(-r.approach);
   }
-  return true;
 }
 
 }  // namespace

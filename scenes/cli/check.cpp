@@ -94,7 +94,7 @@ std::string check_text(Assembly& a) {
     sim.pipeline.broad_phase->find_pairs(sim.world, sim.work.pairs);
     sim.pipeline.narrow_phase->collide(sim.world, sim.work.pairs, sim.work.contacts);
   }
-  const Overlap overlap = measure_overlap(w, sim.work.contacts, *a.shapes);
+  const Overlap overlap = measure_overlap(w, {w, sim.work.contacts, sim.pipeline.contact_model.get()}, *a.shapes);
   out += fmt::format(
       "  at t = 0      {} candidate pairs, {} contacts, {} pairs overlap, worst {:.3g} m ({:.2g} of the radius)\n",
       sim.work.pairs.pairs.size(), sim.work.contacts.size(), overlap.pairs, overlap.max, overlap.max_relative);

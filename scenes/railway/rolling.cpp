@@ -94,7 +94,7 @@ TimeStep railway_step(const Assembly& a) {
         if (ShapeRef{w.shape[t]}.type() != ShapeStore::type_of<RailProfile>()) continue;
         const MaterialPair& pair = setup.materials.of(w.material[s], w.material[t]);
         const RollingLimits l = rolling_limits(setup, pair, load, r, w.velocity[s].norm());
-        const Vec3& i = w.inverse_inertia[s];
+        const Vec3 i = w.inverse_inertia_of(s);
         const double up = 2.0 * l.stiffness * std::max(w.inverse_mass[s], half * half * i.x());
         const double creep = 2.0 * l.damping * std::max({w.inverse_mass[s], r * r * i.y(), half * half * i.z()});
         if (up > square || creep > damping) what = "wheel on rail";

@@ -223,7 +223,7 @@ TEST_CASE("a spinning needle is listed before its tip arrives", "[detection][bro
   for (const auto& entry : all_broad_phases()) {
     INFO(entry.entry.name);
     BroadScene scene;
-    scene.world = World({.rotation = true});
+    scene.world = World({.rotation = true, .anisotropy = true});
     scene.setup.shapes = &scene.shapes;
     Body needle;
     needle.mass = 1.0, needle.inertia = Vec3(1, 10, 10), needle.angular_velocity = Vec3(0, 0, 1);

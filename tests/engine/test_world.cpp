@@ -34,7 +34,7 @@ bool consistent(const World& world) {
     if (world.position[s] != b.position || world.velocity[s] != b.velocity || world.inverse_mass[s] != 1.0 / b.mass) return false;
     if (world.columns().external_force && world.external_force[s] != b.external_force) return false;
     if (world.rotates() && world.angular_velocity[s] != b.angular_velocity) return false;
-    if (world.rotates() && world.inverse_inertia[s] != Vec3(b.inertia.cwiseInverse())) return false;
+    if (world.rotates() && world.inverse_inertia_of(s) != Vec3(b.inertia.cwiseInverse())) return false;
   }
   return true;
 }
@@ -64,7 +64,7 @@ TEST_CASE("columns and handles follow bodies through random sorting and removal"
   const bool rotation = GENERATE(false, true), states = GENERATE(false, true);
   {
     World world =
-        numbered_world(200, {.rotation = rotation, .force = true, .external_force = true, .states = states});
+        numbered_world(200, {.rotation = rotation, .anisotropy = rotation, .force = true, .external_force = true, .states = states});
     CHECK(world.states().size() == (states ? 200 : 0));
     Random random(3, 1);
     std::set<std::uint32_t> alive;
@@ -99,15 +99,23 @@ TEST_CASE("columns and handles follow bodies through random sorting and removal"
 }
 
 TEST_CASE("a world pays for the columns it declares", "[engine][world]") {
-  World lean({.rotation = false, .force = false}), full({.rotation = true, .force = true, .external_force = true});
+  World lean({.rotation = false, .force = false}), full({.rotation = true, .anisotropy = true, .force = true, .external_force = true});
   lean.add(numbered(1)), full.add(numbered(1));
   // id, shape, slot 4 each, material 2, inverse mass 8, position and velocity 24 each
   CHECK(lean.bytes_per_body() == 4 + 4 + 4 + 2 + 8 + 48);
-  // + force, external force, torque, angular velocity, inverse inertia 24 each, orientation 32
-  CHECK(full.bytes_per_body() == lean.bytes_per_body() + 5 * 24 + 32);
-  World together({.rotation = true, .force = true, .external_force = true, .states = true});
+  // + force, external force, torque, angular velocity and momentum, inverse inertia 24 each, orientation 32
+  CHECK(full.bytes_per_body() == lean.bytes_per_body() + 6 * 24 + 32);
+  World together({.rotation = true, .anisotropy = true, .force = true, .external_force = true, .states = true});
   together.add(numbered(1));
   CHECK(together.bytes_per_body() == full.bytes_per_body() - 3 * 24 + sizeof(BodyState));
+  World even({.rotation = true, .force = true, .external_force = true});
+  Body ball = numbered(1);
+  CHECK_THROWS_AS(even.add(ball), std::invalid_argument);  // its moments are unequal
+  ball.inertia = Vec3::Constant(2.0);
+  even.add(ball);
+  CHECK(even.bytes_per_body() == full.bytes_per_body() - 24 - (24 - 8));  // no momentum, one moment
+  CHECK(even.inverse_inertia_of(0) == Vec3(0.5, 0.5, 0.5));
+  CHECK(even.apply_inverse_inertia(0, Vec3(1, 2, 3)) == Vec3(0.5, 1, 1.5));
   CHECK(lean.orientation.empty());
   CHECK(lean.force.empty());
   CHECK(lean.pose(0).orientation.coeffs() == Quat(1, 0, 0, 0).coeffs());
@@ -127,7 +135,7 @@ TEST_CASE("acceleration is gravity and forces over mass; fixed bodies have none"
 }
 
 TEST_CASE("I^-1 x is that of the turned body", "[engine][world]") {
-  World world({.rotation = true});
+  World world({.rotation = true, .anisotropy = true});
   Body b = numbered(0);
   b.inertia = Vec3(1, 2, 4);
   b.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix());
@@ -187,7 +195,7 @@ TEST_CASE("Morton neighbours are near: sorting shortens the walk along the slots
 }
 
 TEST_CASE("the state hash does not depend on slots, and sees the last bit", "[engine][world][hash]") {
-  World world = numbered_world(50, {.rotation = true}), other = numbered_world(50, {.rotation = true});
+  World world = numbered_world(50, {.rotation = true, .anisotropy = true}), other = numbered_world(50, {.rotation = true, .anisotropy = true});
   const std::string hash = state_hash(world);
   CHECK(hash.size() == 16);
   world.reorder(morton_order(world));
@@ -214,13 +222,13 @@ TEST_CASE("the state hash does not depend on slots, and sees the last bit", "[en
 TEST_CASE("one walk saves, loads and counts the whole state, wherever position, velocity and spin lie", "[engine][world]") {
   const bool from_states = GENERATE(false, true), to_states = GENERATE(false, true);
   World world =
-      numbered_world(40, {.rotation = true, .force = true, .external_force = true, .states = from_states});
+      numbered_world(40, {.rotation = true, .anisotropy = true, .force = true, .external_force = true, .states = from_states});
   world.time = 1.25;
   world.remove(std::vector<BodyId>{static_cast<BodyId>(5), static_cast<BodyId>(11)});
   Tape tape;
   world.visit(tape);
   CHECK(std::set<std::string>(tape.names.begin(), tape.names.end()).size() == tape.names.size());
-  World copy({.rotation = true, .force = true, .external_force = true, .states = to_states});
+  World copy({.rotation = true, .anisotropy = true, .force = true, .external_force = true, .states = to_states});
   tape.loading = true;
   copy.visit(tape);
   CHECK(copy.time == 1.25);
@@ -236,7 +244,7 @@ TEST_CASE("one walk saves, loads and counts the whole state, wherever position, 
 }
 
 TEST_CASE("position, velocity and spin lie in the body's state, and room for more bodies leaves them there", "[engine][world]") {
-  World world({.rotation = true, .states = true});
+  World world({.rotation = true, .anisotropy = true, .states = true});
   world.reserve(30);
   for (int k = 0; k < 3; ++k) world.add(numbered(k));
   const BodyState* const first = world.states().data();

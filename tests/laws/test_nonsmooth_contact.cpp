@@ -259,7 +259,7 @@ TEST_CASE("momentum of colliding free bodies is conserved to rounding", "[laws][
       const double m = 1.0 / x.world.inverse_mass[s];
       p += m * x.world.velocity[s];
       l += m * x.world.position[s].cross(x.world.velocity[s]);
-      l += x.world.angular_velocity[s] / x.world.inverse_inertia[s].x();
+      l += x.world.angular_velocity[s] / x.world.inverse_inertia_of(s).x();
     }
     return std::pair(p, l);
   };

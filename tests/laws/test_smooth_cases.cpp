@@ -124,7 +124,7 @@ double leaves_dome(bool rolls, double modulus) {
   rig.add_sphere(r, 2500, (reach - overlap) * Vec3(std::sin(start), 0, std::cos(start)),
                  v * Vec3(std::cos(start), 0, -std::sin(start)), {0, rolls ? v / r : 0.0, 0});
   rig.add_sphere(R, 2500, {0, 0, 0}, {0, 0, 0});
-  rig.world.inverse_mass[1] = 0.0, rig.world.inverse_inertia[1].setZero(), rig.world.material[1] = 1;
+  rig.world.inverse_mass[1] = 0.0, rig.world.inverse_moment[1] = 0.0, rig.world.material[1] = 1;
   rig.world.gravity = {0, 0, -g};
   rig.start();
   const double dt = 2e-5 * std::cbrt(1e9 / modulus);  // as the period of the contact

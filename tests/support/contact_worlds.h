@@ -38,7 +38,7 @@ inline ContactProblem stack_problem(int n, double mu, double dt = 1.0 / 240, dou
 inline ContactProblem random_problem(int n, std::uint64_t seed, bool rotates, double mu) {
   Random random(seed, 0);
   const auto vec = [&](double s) { return Vec3(random.uniform(-s, s), random.uniform(-s, s), random.uniform(-s, s)); };
-  World world{Columns{.rotation = rotates, .force = false}};
+  World world{Columns{.rotation = rotates, .anisotropy = rotates, .force = false}};
   for (int i = 0; i < n; ++i) {
     Body body{.position = vec(1.0), .velocity = vec(1.0), .angular_velocity = vec(1.0)};
     body.mass = random.uniform(0.5, 2.0);

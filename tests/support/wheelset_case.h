@@ -119,7 +119,7 @@ inline Eigen::Matrix<double, 6, 1> accelerations(Simulation& sim, Slot s) {
   World& w = sim.world;
   evaluate_forces(w, sim.pipeline, sim.work);
   const Mat3 R = w.orientation[s].toRotationMatrix(),
-             I = R * w.inverse_inertia[s].cwiseInverse().asDiagonal() * R.transpose();
+             I = R * w.inverse_inertia_of(s).cwiseInverse().asDiagonal() * R.transpose();
   const Vec3 turn = w.angular_velocity[s];
   Eigen::Matrix<double, 6, 1> a;
   a << w.acceleration(s), I.inverse() * (w.torque[s] - turn.cross(I * turn));

@@ -20,7 +20,7 @@ const CheckpointHeader header{"0.1.0", "00ff", "scenes/a.toml", "[run]\nduration
 const CheckpointExpectation expected{"0.1.0", "00ff"};
 
 World some_world(std::uint64_t seed, int bodies) {
-  World world({.rotation = true, .force = true, .external_force = true});
+  World world({.rotation = true, .anisotropy = true, .force = true, .external_force = true});
   Random random(seed, 0);
   const auto any = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
   std::vector<BodyId> leaving;

@@ -47,22 +47,25 @@ namespace {
 struct Neighbours {
   std::vector<std::uint32_t> begin;
   std::vector<Slot> list;
-  Neighbours(std::size_t bodies, const ContactSet& c) {
-    const auto acts = [&](std::size_t k) {
+  Neighbours(std::size_t bodies, const GapPieces& gaps) {
+    const auto acts = [](const ContactSet& c, std::size_t k) {
       return c.gap[k] < 0 || (k < c.force.size() && c.force[k].squaredNorm() > 0);
     };
-    const auto is_first = [&](std::size_t k) {  // of its pair: the points of one stand behind each other
+    const auto is_first = [&](const ContactSet& c, std::size_t k) {  // of its pair
       for (std::size_t j = k; j-- > 0 && c.a[j] == c.a[k] && c.b[j] == c.b[k];)
-        if (acts(j)) return false;
+        if (acts(c, j)) return false;
       return true;
     };
     const auto each = [&](std::size_t first, std::size_t last, const auto& f) {
-      for (std::size_t k = first; k < last; ++k)
-        if (acts(k) && is_first(k)) f(c.a[k], c.b[k]), f(c.b[k], c.a[k]);
+      for (std::size_t piece = first; piece < last; ++piece)
+        gaps.read(piece, [&](const ContactSet& c, std::size_t from, std::size_t to) {
+          for (std::size_t k = from; k < to; ++k)
+            if (acts(c, k) && is_first(c, k)) f(c.a[k], c.b[k]), f(c.b[k], c.a[k]);
+        });
     };
     parallel_group(
-        c.size(), bodies, begin, each, [&](std::size_t count) { list.resize(count); },
-        [&](std::uint32_t place, Slot other) { list[place] = other; });
+        gaps.size(), bodies, begin, each, [&](std::size_t count) { list.resize(count); },
+        [&](std::uint32_t place, Slot other) { list[place] = other; }, 4);
   }
 };
 
@@ -70,7 +73,7 @@ struct Neighbours {
 
 void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  const Neighbours touched(w.size(), view.contacts);
+  const Neighbours touched(w.size(), view.gaps());
   std::vector<char> in(w.size(), 0);
   std::vector<int> degree(w.size(), 0);
   std::vector<Slot> leaving;

@@ -60,7 +60,7 @@ void BodyPass::begin_others(std::size_t from, std::size_t to, Extent& seen, Vec3
   double sum = 0.0;
   for (std::size_t s = from; s < to; ++s) {
     if (hurry != nullptr) {
-      const Vec3 way = hurry[s] * world.velocity[s];
+      const Vec3 way = double{hurry[s]} * world.velocity[s];
       most_hurry = most_hurry.cwiseMax(way.cwiseProduct(way));
     }
     if (!(world.inverse_mass[s] > 0.0)) continue;

@@ -30,7 +30,7 @@ struct BodyPass {
   Lanes* moments;               ///< the same
   const std::uint8_t* plain;    ///< by four bodies: all free and of equal moments
   const std::uint8_t* touched;  ///< by slot: forces of the world come on top; null: nowhere
-  const double* hurry;          ///< by slot: 1/half the margin of the list [1/m]; null: nobody asks for ways
+  const float* hurry;           ///< by slot: 1/half the margin of the list [1/m]; null: nobody asks for ways
   bool tells_forces;            ///< others ask for the forces of every step
   Scheme& scheme;               ///< for the others
   double dt, lag;               ///< lag: of the predicted velocity [s]
@@ -171,7 +171,7 @@ struct SecondHalf : BodyPass {
     SphereSum* sums;
     Lanes* moments;
     const std::uint8_t* touched;
-    const double* hurry;
+    const float* hurry;
     std::size_t begin;
     RowOf<n> gravity, dt, half_dt, lag, none;
     bool rotates, tells_forces;

@@ -69,13 +69,13 @@ class FusedModel final : public FusedSpheres {
 
   const char* name() const override { return "fused spheres"; }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
-
+  void make_way() override { blocks_.make_way(); }
   void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
 
   void set_pairs(const World& world, const SphereList& list) override {
     hurry_.resize(list.margins.size());
     parallel_for(hurry_.size(),
-                 [&](std::size_t s) { hurry_[s] = list.margins[s] > 0.0 ? 2.0 / list.margins[s] : 0.0; });
+                 [&](std::size_t s) { hurry_[s] = list.margins[s] > 0.0 ? static_cast<float>(2.0 / list.margins[s]) : 0.0f; });
     others_listed_ = list.others, wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
@@ -92,6 +92,9 @@ class FusedModel final : public FusedSpheres {
       loop({pass(world, clock, begin, end, 0, extents_[i]), most_hurry_[i]});
     });
     find_ways(clock.dt);
+    // 48 bytes a sphere that nobody reads before they are written again
+    if (clock.run_on != nullptr && !tells_forces() && world.size() >= many_bodies)
+      give_back_pages(world.force), give_back_pages(world.torque);
     return true;
   }
 
@@ -147,24 +150,19 @@ class FusedModel final : public FusedSpheres {
     published_ = true;
   }
 
-  bool publish_gaps(const World& world, const ContactSet& found, ContactSet& contacts) const override {
-    if (published_ || !blocks_.laid_out()) return false;
-    contacts.take_gaps(found);
-    const auto& all = blocks_.blocks();
-    std::vector<std::size_t>& place = block_results<std::size_t>(all.size() + 1, contacts.size());
-    for (std::size_t i = 0; i < all.size(); ++i) place[i + 1] = place[i] + all[i].touching;
-    contacts.a.resize(place.back()), contacts.b.resize(place.back()), contacts.gap.resize(place.back());
-    parallel_for(
-        all.size(),
-        [&](std::size_t i) {
-          std::size_t at = place[i];
-          blocks_.each_touching(all[i], [&](const auto& run, std::uint32_t k) {
-            contacts.a[at] = all[i].pairs[k].a.slot(), contacts.b[at] = all[i].pairs[k].b.slot();
-            contacts.gap[at++] = geometry(world, all[i], run, k).gap;
-          });
-        },
-        1);
-    return true;
+  std::size_t gap_parts() const override {
+    return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size();
+  }
+  void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
+    const SphereBlocks::Block& block = blocks_.blocks()[part];
+    std::size_t at = gaps.size();
+    const auto make_room = [&](std::size_t size) { gaps.a.resize(size), gaps.b.resize(size), gaps.gap.resize(size); };
+    make_room(at + block.size);
+    SphereBlocks::each_touching(block, [&](const auto& run, std::uint32_t k) {
+      gaps.a[at] = block.pairs[k].a.slot(), gaps.b[at] = block.pairs[k].b.slot();
+      gaps.gap[at++] = gap_of(world, block, run, k);
+    });
+    make_room(at);
   }
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
@@ -350,21 +348,36 @@ class FusedModel final : public FusedSpheres {
     return run.plane >= 0 ? image_code(world.wraps[a] - world.wraps[b]) : block.images[k].key;
   }
 
+  /// From A to B, or from the plane to A, of contact k of a block [m].
+  Vec3 branch(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+              std::uint32_t k) const {
+    const Slot a = block.pairs[k].a.slot();
+    if (run.plane >= 0) return world.position[a] - blocks_.planes()[static_cast<std::size_t>(run.plane)].point;
+    return world.branch(a, block.pairs[k].b.slot(), Feature{key_of(world, block, run, k)} << 56);
+  }
+  /// [m]
+  double gap_of(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
+                std::uint32_t k) const {
+    const Vec3 d = branch(world, block, run, k);
+    const double radius_a = world.states()[block.pairs[k].a.slot()].position[3];
+    if (run.plane >= 0) return blocks_.planes()[static_cast<std::size_t>(run.plane)].normal.dot(d) - radius_a;
+    return d.norm() - (radius_a + world.states()[block.pairs[k].b.slot()].position[3]);
+  }
   /// Gap, normal, arm and radius of contact k of a block, from its lower slot to the other.
   ContactPoint geometry(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
                         std::uint32_t k) const {
-    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
-    const double radius_a = world.states()[a].position[3];
+    const double radius_a = world.states()[block.pairs[k].a.slot()].position[3];
     ContactPoint c;
+    c.gap = gap_of(world, block, run, k);
     if (run.plane >= 0) {
-      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
-      c.gap = plane.normal.dot(world.position[a] - plane.point) - radius_a, c.normal = -plane.normal;
+      c.normal = -blocks_.planes()[static_cast<std::size_t>(run.plane)].normal;
       c.effective_radius = radius_a, c.arm = radius_a * c.normal;
       return c;
     }
-    const Vec3 d = world.branch(a, b, Feature{key_of(world, block, run, k)} << 56);
-    const double radius_b = world.states()[b].position[3], distance = d.norm(), sum = radius_a + radius_b;
-    c.gap = distance - sum, c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+    const Vec3 d = branch(world, block, run, k);
+    const double radius_b = world.states()[block.pairs[k].b.slot()].position[3], distance = d.norm(),
+                 sum = radius_a + radius_b;
+    c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
     c.effective_radius = radius_a * radius_b / sum, c.arm = radius_a / sum * distance * c.normal;
     return c;
   }
@@ -398,7 +411,7 @@ class FusedModel final : public FusedSpheres {
   bool damped_ = false, others_ = true;
   bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
-  UnwrittenColumn<double> hurry_;               ///< 1/half the margin, by slot [1/m]; empty: others move too
+  UnwrittenColumn<float> hurry_;                ///< 1/half the margin, by slot [1/m]; empty: others move too
   bool others_listed_ = false;                  ///< there are pairs that the blocks do not have
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin

@@ -148,7 +148,7 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
     for (std::size_t s = 4 * four; s < std::min(world.size(), 4 * four + 4); ++s) {
       states[s].position[3] = states[s].spin[3] = radius[s];
       states[s].velocity[3] = world.inverse_mass[s];
-      if (world.rotates()) states[s].predicted[3] = world.inverse_inertia[s].x();
+      if (world.rotates()) states[s].predicted[3] = world.inverse_inertia_of(static_cast<Slot>(s)).x();
     }
   }, 128);
 }
@@ -161,12 +161,12 @@ std::uint32_t SphereBlocks::need(const SpherePairs& list, std::size_t block) con
   return (pairs + runs * (pairs_per_byte - 1) + pairs_ahead + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
 }
 
-/// Gives every block room in the columns, an eighth more than it needs now: the next lists fit in too.
+/// Gives every block room in the columns, a sixteenth more than it needs now: the next lists fit in too.
 void SphereBlocks::make_rooms(const SpherePairs& pairs) {
   std::size_t all = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const std::uint32_t least = need(pairs, i);
-    blocks_[i].room = (least + least / 8 + 64) / pairs_per_byte * pairs_per_byte;
+    blocks_[i].room = (least + least / 16 + 64) / pairs_per_byte * pairs_per_byte;
     all += blocks_[i].room;
   }
   const bool periodic = !pairs.image.empty();

@@ -111,6 +111,8 @@ class SphereBlocks {
 
   /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
   void rebuild(const World& world, const SphereList& list);
+  /// Records go until the next rebuild.
+  void make_way() { let_go(records_), let_go(record_moments_), let_go(incoming_); }
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
