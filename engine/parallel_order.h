@@ -70,9 +70,9 @@ void parallel_select(std::size_t n, const Is& is, const Make& make, Column& out)
 /// `begin` gets where the values of each key begin, one entry more than keys at least; room(count) makes room for all,
 /// put(place, value) writes them, those of a key in the order of the items. Every thread counts for itself (4 bytes a
 /// key), eight at most, `grain` items at least.
-template <class Each, class Room, class Put>
-void parallel_group(std::size_t n, std::size_t keys, std::vector<std::uint32_t>& begin, const Each& each,
-                    const Room& room, const Put& put, std::size_t grain = 4096) {
+template <class Begin, class Each, class Room, class Put>
+void parallel_group(std::size_t n, std::size_t keys, Begin& begin, const Each& each, const Room& room,
+                    const Put& put, std::size_t grain = 4096) {
   const std::size_t parts = std::min({static_cast<std::size_t>(thread_count()), std::size_t{8}, n / grain});
   const SharedOut meter(n >= 2 * grain);
   parallel_fill(begin, keys + 2, 0);

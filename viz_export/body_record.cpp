@@ -1,9 +1,10 @@
 #include "viz_export/body_record.h"
 
 #include <cmath>
+#include <numeric>
 
 #include "engine/energy.h"
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 
 namespace epafi {
 
@@ -27,54 +28,75 @@ const Surface* SurfaceCache::of(const World& world, Slot body) {
 }
 
 BodyList::BodyList(const World& world, SurfaceCache& surfaces) : world_(&world), surfaces_(&surfaces) {
-  slots_.reserve(world.size());
-  for (std::uint32_t id = 0; id < world.ids_given(); ++id)
-    if (const Slot s = world.slot_of(static_cast<BodyId>(id)); s != no_slot) slots_.push_back(s);
+  const auto slot = [&](std::size_t id) { return world.slot_of(static_cast<BodyId>(id)); };
+  parallel_select(
+      world.ids_given(), [&](std::size_t id) { return slot(id) != no_slot; }, slot, place_);
 }
 
-/// Without the surface, which is looked up in a map that grows.
-BodyRecord BodyList::made(Slot s) const {
-  BodyRecord r;
-  r.id = static_cast<std::uint32_t>(world_->id[s]), r.shape = world_->shape[s], r.material = world_->material[s];
-  r.mass = world_->is_movable(s) ? 1.0 / world_->inverse_mass[s] : 0.0;
-  r.radius = surfaces_->shapes().bounding_radius({world_->shape[s]});
-  r.pose = world_->pose(s), r.velocity = world_->velocity[s];
-  if (world_->rotates()) r.angular_velocity = world_->angular_velocity[s];
-  r.kinetic_energy = kinetic_energy(*world_, s);
-  return r;
+BodyList::BodyList(const std::vector<BodyRecord>& records) : records_(&records), place_(records.size()) {
+  std::iota(place_.begin(), place_.end(), Slot{0});
+}
+
+BodyList BodyList::only(const std::vector<std::uint32_t>& places) const {
+  BodyList out;
+  out.records_ = records_, out.world_ = world_, out.surfaces_ = surfaces_;
+  out.place_.resize(places.size());
+  parallel_for(places.size(), [&](std::size_t k) { out.place_[k] = place_[places[k]]; });
+  return out;
+}
+
+std::uint32_t BodyList::id(std::size_t k) const {
+  return value(k, &BodyRecord::id, [this](Slot s) { return world_->id[s]; });
+}
+std::uint32_t BodyList::shape(std::size_t k) const {
+  return value(k, &BodyRecord::shape, [this](Slot s) { return world_->shape[s]; });
+}
+std::uint16_t BodyList::material(std::size_t k) const {
+  return value(k, &BodyRecord::material, [this](Slot s) { return world_->material[s]; });
+}
+double BodyList::mass(std::size_t k) const {
+  return value(k, &BodyRecord::mass,
+               [this](Slot s) { return world_->is_movable(s) ? 1.0 / world_->inverse_mass[s] : 0.0; });
+}
+double BodyList::radius(std::size_t k) const {
+  return value(k, &BodyRecord::radius,
+               [this](Slot s) { return surfaces_->shapes().bounding_radius({world_->shape[s]}); });
+}
+Pose BodyList::pose(std::size_t k) const {
+  return value(k, &BodyRecord::pose, [this](Slot s) { return world_->pose(s); });
+}
+Vec3 BodyList::position(std::size_t k) const {
+  return records_ != nullptr ? (*records_)[place_[k]].pose.position : world_->position[place_[k]];
+}
+Vec3 BodyList::velocity(std::size_t k) const {
+  return value(k, &BodyRecord::velocity, [this](Slot s) { return world_->velocity[s]; });
+}
+Vec3 BodyList::angular_velocity(std::size_t k) const {
+  return value(k, &BodyRecord::angular_velocity,
+               [this](Slot s) { return world_->rotates() ? world_->angular_velocity[s] : Vec3(Vec3::Zero()); });
+}
+double BodyList::kinetic_energy(std::size_t k) const {
+  return value(k, &BodyRecord::kinetic_energy, [this](Slot s) { return epafi::kinetic_energy(*world_, s); });
+}
+bool BodyList::is_sphere(std::size_t k) const {
+  return records_ != nullptr ? (*records_)[place_[k]].surface == nullptr
+                             : ShapeRef{world_->shape[place_[k]]}.type() == BodyRecord::sphere_type;
+}
+const Surface* BodyList::surface(std::size_t k) const {
+  return value(k, &BodyRecord::surface, [this](Slot s) { return surfaces_->of(*world_, s); });
 }
 
 BodyRecord BodyList::operator[](std::size_t k) const {
-  if (records_ != nullptr) return (*records_)[k];
-  BodyRecord r = made(slots_[k]);
-  r.surface = surfaces_->of(*world_, slots_[k]);
-  return r;
+  if (records_ != nullptr) return (*records_)[place_[k]];
+  return {id(k),   shape(k),    material(k),         mass(k),          radius(k), surface(k),
+          pose(k), velocity(k), angular_velocity(k), kinetic_energy(k)};
 }
 
-std::vector<BodyRecord> BodyList::all() const {
-  if (records_ != nullptr) return *records_;
-  std::vector<BodyRecord> records(slots_.size());
-  parallel_for(slots_.size(), [&](std::size_t k) { records[k] = made(slots_[k]); });
-  for (std::size_t k = 0; k < slots_.size(); ++k) records[k].surface = surfaces_->of(*world_, slots_[k]);
-  return records;
-}
-
-std::vector<ContactRecord> contact_records(const World& world, const ContactSet& contacts) {
-  std::vector<ContactRecord> records;
-  if (contacts.force.size() != contacts.size()) return records;  // nobody has evaluated forces yet
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const Vec3& force = contacts.force[i];
-    if (contacts.gap[i] >= 0.0 && force.squaredNorm() == 0.0) continue;
-    const Slot a = contacts.a[i], b = contacts.b[i];
-    ContactRecord r;
-    r.id_a = static_cast<std::uint32_t>(world.id[a]), r.id_b = static_cast<std::uint32_t>(world.id[b]);
-    r.from = world.is_movable(a) ? world.position[a] : contacts.point(i, world);
-    r.to = world.is_movable(b) ? Vec3(world.position[a] + world.branch(a, b, contacts.feature[i])) : contacts.point(i, world);
-    r.force = force;
-    r.normal_force = -force.dot(contacts.normal[i]);
-    r.overlap = std::max(0.0, -contacts.gap[i]);
-    records.push_back(r);
-  }
+std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces) {
+  const BodyList list(world, surfaces);
+  std::vector<BodyRecord> records;
+  records.reserve(list.size());
+  for (std::size_t k = 0; k < list.size(); ++k) records.push_back(list[k]);
   return records;
 }
 

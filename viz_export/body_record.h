@@ -5,7 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine/contacts.h"
+#include "engine/large_column.h"
+#include "engine/world.h"
 #include "viz_export/surface.h"
 
 namespace epafi {
@@ -25,16 +26,6 @@ struct BodyRecord {
   bool is_wall() const { return mass == 0.0; }
 };
 
-/// One contact as a frame shows it.
-struct ContactRecord {
-  std::uint32_t id_a = 0, id_b = 0;
-  Vec3 from = Vec3::Zero(),
-       to = Vec3::Zero();     ///< centre of A and of B; the contact point in place of a wall's centre [m]
-  Vec3 force = Vec3::Zero();  ///< on A [N]
-  double normal_force = 0.0;  ///< > 0 pushes the bodies apart [N]
-  double overlap = 0.0;       ///< [m], >= 0
-};
-
 /// Surfaces of the shapes that occur, made once each. Half-spaces are cut to squares as large as the bodies' extent
 /// when the first surface was made.
 class SurfaceCache {
@@ -51,30 +42,46 @@ class SurfaceCache {
   std::map<std::uint32_t, std::unique_ptr<Surface>> made_;
 };
 
-/// Bodies in the order of their ids, each record made when it is asked for: together they take 152 bytes a body.
+/// Bodies in the order of their ids, each value fetched when it is asked for: records of all take 152 bytes a body.
 class BodyList {
  public:
   BodyList(const World& world, SurfaceCache& surfaces);
   /// Of records that somebody keeps meanwhile.
-  BodyList(const std::vector<BodyRecord>& records) : records_(&records) {}
-  std::size_t size() const { return records_ != nullptr ? records_->size() : slots_.size(); }
+  BodyList(const std::vector<BodyRecord>& records);
+  /// Those of this list at `places`, ascending.
+  BodyList only(const std::vector<std::uint32_t>& places) const;
+  std::size_t size() const { return place_.size(); }
+
+  std::uint32_t id(std::size_t k) const;
+  std::uint32_t shape(std::size_t k) const;
+  std::uint16_t material(std::size_t k) const;
+  double mass(std::size_t k) const;    ///< [kg], 0 for fixed and driven bodies
+  double radius(std::size_t k) const;  ///< of the bounding sphere [m]
+  Pose pose(std::size_t k) const;
+  Vec3 position(std::size_t k) const;          ///< [m]
+  Vec3 velocity(std::size_t k) const;          ///< [m/s]
+  Vec3 angular_velocity(std::size_t k) const;  ///< world axes [rad/s]
+  double kinetic_energy(std::size_t k) const;  ///< [J]
+  bool is_sphere(std::size_t k) const;
+  bool is_wall(std::size_t k) const { return mass(k) == 0.0; }
+  /// Null for spheres; not by two threads at once, the cache grows.
+  const Surface* surface(std::size_t k) const;
   BodyRecord operator[](std::size_t k) const;
-  /// All of them, made in parallel.
-  std::vector<BodyRecord> all() const;
 
  private:
-  BodyRecord made(Slot s) const;
+  BodyList() = default;
+  /// A record's member, or what of(slot) gives.
+  template <class T, class Of>
+  T value(std::size_t k, T BodyRecord::*member, const Of& of) const {
+    return records_ != nullptr ? (*records_)[place_[k]].*member : static_cast<T>(of(place_[k]));
+  }
   const std::vector<BodyRecord>* records_ = nullptr;
   const World* world_ = nullptr;
   SurfaceCache* surfaces_ = nullptr;
-  std::vector<Slot> slots_;
+  UnwrittenColumn<Slot> place_;  ///< among the records, or slots
 };
 
 /// All bodies in the order of their ids.
-inline std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces) {
-  return BodyList(world, surfaces).all();
-}
-/// Contacts that touch or carry force, in canonical order.
-std::vector<ContactRecord> contact_records(const World& world, const ContactSet& contacts);
+std::vector<BodyRecord> body_records(const World& world, SurfaceCache& surfaces);
 
 }  // namespace epafi

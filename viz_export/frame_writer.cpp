@@ -3,42 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <optional>
 
 #include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
+#include "viz_export/frame_columns.h"
+#include "viz_export/write_at_once.h"
 
 namespace epafi {
 
 namespace {
 
-/// f(k) for every member, one column of T.
-template <class T, class F>
-VtpArray column(const char* name, std::size_t n, const F& f) {
-  std::vector<T> values(n);
-  parallel_for(n, [&](std::size_t k) { values[k] = static_cast<T>(f(k)); });
-  return {name, 1, std::move(values)};
-}
-
+/// Columns that spheres and polygons share; of(k) is the body of point or polygon k.
 template <class F>
-std::vector<float> triples(std::size_t n, const F& f) {
-  std::vector<float> values(3 * n);
-  parallel_for(n, [&](std::size_t k) {
-    const Vec3 v = f(k);
-    for (int c = 0; c < 3; ++c) values[3 * k + static_cast<std::size_t>(c)] = static_cast<float>(v[c]);
-  });
-  return values;
-}
-
-/// Columns that spheres and polygons share; body(k) is the body of point or polygon k.
-template <class F>
-std::vector<VtpArray> body_columns(std::size_t n, const F& body) {
+std::vector<VtpArray> body_columns(const BodyList& b, FrameColumns& rows, const F& of) {
   std::vector<VtpArray> out;
-  out.push_back(column<std::uint32_t>("id", n, [&](std::size_t k) { return body(k).id; }));
-  out.push_back(column<std::uint16_t>("material", n, [&](std::size_t k) { return body(k).material; }));
-  out.push_back(column<float>("speed", n, [&](std::size_t k) { return body(k).velocity.norm(); }));
-  out.push_back(column<float>("kinetic_energy", n, [&](std::size_t k) { return body(k).kinetic_energy; }));
-  out.push_back({"velocity", 3, triples(n, [&](std::size_t k) { return body(k).velocity; })});
+  out.push_back(rows.scalar<std::uint32_t>("id", [&b, of](std::size_t k) { return b.id(of(k)); }));
+  out.push_back(rows.scalar<std::uint16_t>("material", [&b, of](std::size_t k) { return b.material(of(k)); }));
+  out.push_back(rows.scalar<float>("speed", [&b, of](std::size_t k) { return b.velocity(of(k)).norm(); }));
+  out.push_back(rows.scalar<float>("kinetic_energy", [&b, of](std::size_t k) { return b.kinetic_energy(of(k)); }));
+  out.push_back({"velocity", 3, rows.vectors([&b, of](std::size_t k) { return b.velocity(of(k)); })});
   return out;
 }
 
@@ -48,37 +32,44 @@ void require_countable(std::size_t corners) {
     throw FileError("a frame of " + std::to_string(corners) + " corners is too large for .vtp with 32-bit indices");
 }
 
-VtpCells rows_of(std::size_t cells, std::int32_t corners) {
+/// One cell a row, of `corners` points of its own.
+VtpCells cells_of(FrameColumns& rows, std::int32_t corners) {
+  const auto n = static_cast<std::size_t>(corners);
   VtpCells out;
-  require_countable(cells * static_cast<std::size_t>(corners));
-  out.connectivity.resize(cells * static_cast<std::size_t>(corners)), out.offsets.resize(cells);
-  std::iota(out.connectivity.begin(), out.connectivity.end(), 0);
-  for (std::size_t c = 0; c < cells; ++c) out.offsets[c] = static_cast<std::int32_t>(c + 1) * corners;
+  out.connectivity = rows.add<std::int32_t>(n, [corners](std::size_t k, std::int32_t* to) {
+    for (std::int32_t c = 0; c < corners; ++c) to[c] = static_cast<std::int32_t>(k) * corners + c;
+  });
+  out.offsets = rows.add<std::int32_t>(
+      1, [corners](std::size_t k, std::int32_t* to) { *to = static_cast<std::int32_t>(k + 1) * corners; });
+  require_countable(out.connectivity.size());
   return out;
 }
 
 }  // namespace
 
-PolyData draw_spheres(const std::vector<const BodyRecord*>& bodies, double time) {
-  const auto body = [&](std::size_t k) -> const BodyRecord& { return *bodies[k]; };
+PolyData draw_spheres(const BodyList& bodies, double time) {
+  FrameColumns rows(bodies.size());
   PolyData d;
   d.time = time;
-  d.points = triples(bodies.size(), [&](std::size_t k) { return body(k).pose.position; });
-  d.vertices = rows_of(bodies.size(), 1);
-  d.point_data = body_columns(bodies.size(), body);
-  d.point_data.push_back(column<float>("radius", bodies.size(), [&](std::size_t k) { return body(k).radius; }));
+  d.points = rows.vectors([&](std::size_t k) { return bodies.position(k); });
+  d.vertices = cells_of(rows, 1);
+  d.point_data = body_columns(bodies, rows, [](std::size_t k) { return k; });
+  d.point_data.push_back(rows.scalar<float>("radius", [&](std::size_t k) { return bodies.radius(k); }));
   d.point_data.push_back(
-      {"angular_velocity", 3, triples(bodies.size(), [&](std::size_t k) { return body(k).angular_velocity; })});
+      {"angular_velocity", 3, rows.vectors([&](std::size_t k) { return bodies.angular_velocity(k); })});
+  rows.fill();
   return d;
 }
 
-PolyData draw_surfaces(const std::vector<const BodyRecord*>& bodies, double time) {
+PolyData draw_surfaces(const BodyList& bodies, double time) {
+  std::vector<const Surface*> surface(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) surface[k] = bodies.surface(k);
   struct Start {
     std::size_t point, corner, polygon;
   };
   std::vector<Start> start(bodies.size() + 1, Start{0, 0, 0});
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const Surface& s = *bodies[k]->surface;
+    const Surface& s = *surface[k];
     start[k + 1] = {start[k].point + s.points.size(), start[k].corner + s.connectivity.size(),
                     start[k].polygon + s.offsets.size()};
   }
@@ -91,10 +82,11 @@ PolyData draw_surfaces(const std::vector<const BodyRecord*>& bodies, double time
   parallel_for(
       bodies.size(),
       [&](std::size_t k) {
-        const Surface& s = *bodies[k]->surface;
-        const Mat3 turn = bodies[k]->pose.orientation.toRotationMatrix();
+        const Surface& s = *surface[k];
+        const Pose pose = bodies.pose(k);
+        const Mat3 turn = pose.orientation.toRotationMatrix();
         for (std::size_t i = 0; i < s.points.size(); ++i) {
-          const Eigen::Vector3f x = (bodies[k]->pose.position + turn * s.points[i]).cast<float>();
+          const Eigen::Vector3f x = (pose.position + turn * s.points[i]).cast<float>();
           std::copy_n(x.data(), 3, &d.points[3 * (start[k].point + i)]);
         }
         for (std::size_t i = 0; i < s.connectivity.size(); ++i)
@@ -105,23 +97,25 @@ PolyData draw_surfaces(const std::vector<const BodyRecord*>& bodies, double time
         }
       },
       16);
-  d.cell_data = body_columns(owner.size(), [&](std::size_t f) -> const BodyRecord& { return *bodies[owner[f]]; });
+  FrameColumns polygons(owner.size());
+  d.cell_data = body_columns(bodies, polygons, [&](std::size_t f) { return owner[f]; });
+  polygons.fill();
   return d;
 }
 
-PolyData draw_contacts(const std::vector<ContactRecord>& contacts, double time) {
-  const std::size_t n = contacts.size();
-  const auto at = [&](std::size_t k) -> const ContactRecord& { return contacts[k]; };
+PolyData draw_contacts(const ContactList& c, double time) {
+  FrameColumns rows(c.size());
   PolyData d;
   d.time = time;
-  d.points = triples(2 * n, [&](std::size_t k) { return k % 2 == 0 ? at(k / 2).from : at(k / 2).to; });
-  d.lines = rows_of(n, 2);
-  d.cell_data.push_back(column<float>("force_magnitude", n, [&](std::size_t k) { return at(k).force.norm(); }));
-  d.cell_data.push_back(column<float>("normal_force", n, [&](std::size_t k) { return at(k).normal_force; }));
-  d.cell_data.push_back(column<float>("overlap", n, [&](std::size_t k) { return at(k).overlap; }));
-  d.cell_data.push_back(column<std::uint32_t>("id_a", n, [&](std::size_t k) { return at(k).id_a; }));
-  d.cell_data.push_back(column<std::uint32_t>("id_b", n, [&](std::size_t k) { return at(k).id_b; }));
-  d.cell_data.push_back({"force", 3, triples(n, [&](std::size_t k) { return at(k).force; })});
+  d.points = rows.add<float>(6, [&](std::size_t k, float* to) { FrameColumns::put(c.from(k), to), FrameColumns::put(c.to(k), to + 3); });
+  d.lines = cells_of(rows, 2);
+  d.cell_data.push_back(rows.scalar<float>("force_magnitude", [&](std::size_t k) { return c.force(k).norm(); }));
+  d.cell_data.push_back(rows.scalar<float>("normal_force", [&](std::size_t k) { return c.normal_force(k); }));
+  d.cell_data.push_back(rows.scalar<float>("overlap", [&](std::size_t k) { return c.overlap(k); }));
+  d.cell_data.push_back(rows.scalar<std::uint32_t>("id_a", [&](std::size_t k) { return c.id_a(k); }));
+  d.cell_data.push_back(rows.scalar<std::uint32_t>("id_b", [&](std::size_t k) { return c.id_b(k); }));
+  d.cell_data.push_back({"force", 3, rows.vectors([&](std::size_t k) { return c.force(k); })});
+  rows.fill();
   return d;
 }
 
@@ -141,26 +135,50 @@ FrameWriter::FrameWriter(std::filesystem::path folder, double time) : FrameWrite
   }
 }
 
-void FrameWriter::put(int part, const std::string& kind, const PolyData& data, VtpEncoding encoding) {
-  const std::string file = fmt::format("frames/{}_{:06d}.vtp", kind, next_);
-  write_vtp(folder_ / file, data, encoding);
-  list_.add(data.time, part, file);
+/// One file of a frame: written, or listed again.
+struct FrameWriter::Entry {
+  int part;
+  std::string file;
+  std::optional<VtpFile> content = std::nullopt;
+  std::vector<double> poses = {};  ///< of walls
+};
+
+FrameWriter::Entry FrameWriter::entry(int part, const char* kind, PolyData data, VtpEncoding encoding) const {
+  return {part, fmt::format("frames/{}_{:06d}.vtp", kind, next_), VtpFile(std::move(data), encoding)};
 }
 
-void FrameWriter::put_walls(const std::vector<const BodyRecord*>& walls, double time) {
+FrameWriter::Entry FrameWriter::walls_entry(const BodyList& walls, double time) const {
   std::vector<double> poses;
-  for (const BodyRecord* w : walls) {
-    poses.push_back(w->id);
-    poses.insert(poses.end(), w->pose.position.data(), w->pose.position.data() + 3);
-    poses.insert(poses.end(), w->pose.orientation.coeffs().data(), w->pose.orientation.coeffs().data() + 4);
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    const Pose pose = walls.pose(k);
+    poses.push_back(walls.id(k));
+    poses.insert(poses.end(), pose.position.data(), pose.position.data() + 3);
+    poses.insert(poses.end(), pose.orientation.coeffs().data(), pose.orientation.coeffs().data() + 4);
   }
-  if (poses == wall_poses_ && !wall_file_.empty()) {
-    list_.add(time, 3, wall_file_);
-    return;
-  }
-  put(3, "walls", draw_surfaces(walls, time), VtpEncoding::compressed);
-  wall_file_ = list_.entries().back().file;
-  wall_poses_ = std::move(poses);
+  if (poses == wall_poses_ && !wall_file_.empty()) return {3, wall_file_};
+  Entry drawn = entry(3, "walls", draw_surfaces(walls, time), VtpEncoding::compressed);
+  drawn.poses = std::move(poses);
+  return drawn;
+}
+
+std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& bodies,
+                                                  const ContactList& contacts) const {
+  std::vector<std::uint32_t> spheres, solids, walls, others;
+  const auto place = [](std::size_t k) { return static_cast<std::uint32_t>(k); };
+  parallel_select(
+      bodies.size(), [&](std::size_t k) { return bodies.is_sphere(k); }, place, spheres);
+  parallel_select(
+      bodies.size(), [&](std::size_t k) { return !bodies.is_sphere(k); }, place, others);
+  for (const std::uint32_t k : others) (bodies.is_wall(k) ? walls : solids).push_back(k);
+  std::vector<Entry> out;
+  if (!spheres.empty())
+    out.push_back(entry(0, "spheres", draw_spheres(bodies.only(spheres), time), VtpEncoding::plain));
+  if (!solids.empty())
+    out.push_back(entry(1, "bodies", draw_surfaces(bodies.only(solids), time), VtpEncoding::compressed));
+  // also none: readers count the parts of a frame
+  out.push_back(entry(2, "contacts", draw_contacts(contacts, time), VtpEncoding::plain));
+  if (!walls.empty()) out.push_back(walls_entry(bodies.only(walls), time));
+  return out;
 }
 
 void FrameWriter::visit(StateVisitor& visitor) {
@@ -171,15 +189,21 @@ void FrameWriter::visit(StateVisitor& visitor) {
   if (!wall_file_.empty() && !std::filesystem::exists(folder_ / wall_file_, none)) wall_file_.clear();
 }
 
-void FrameWriter::write(double time, const std::vector<BodyRecord>& bodies,
-                        const std::vector<ContactRecord>& contacts) {
-  if (!list_.entries().empty() && list_.entries().back().time >= time) return;
-  std::vector<const BodyRecord*> spheres, solids, walls;
-  for (const BodyRecord& b : bodies) (b.surface == nullptr ? spheres : b.is_wall() ? walls : solids).push_back(&b);
-  if (!spheres.empty()) put(0, "spheres", draw_spheres(spheres, time), VtpEncoding::plain);
-  if (!solids.empty()) put(1, "bodies", draw_surfaces(solids, time), VtpEncoding::compressed);
-  put(2, "contacts", draw_contacts(contacts, time), VtpEncoding::plain);  // also none: readers count the parts of a frame
-  if (!walls.empty()) put_walls(walls, time);
+void FrameWriter::write(double time, const BodyList& bodies, const ContactList& contacts,
+                        const std::function<void()>& meanwhile) {
+  const bool is_new = list_.entries().empty() || list_.entries().back().time < time;
+  std::vector<Entry> files = is_new ? draw(time, bodies, contacts) : std::vector<Entry>();
+  write_at_once(files.size() + 1, [&](std::size_t k) {
+    if (k == 0 && meanwhile) meanwhile();
+    if (k == 0 || !files[k - 1].content) return;
+    files[k - 1].content->write(folder_ / files[k - 1].file);
+    files[k - 1].content.reset();  // gives back 24 MB; behind the loop that took 1.3 ms of one thread
+  });
+  if (!is_new) return;
+  for (Entry& e : files) {
+    list_.add(time, e.part, e.file);
+    if (!e.poses.empty()) wall_file_ = e.file, wall_poses_ = std::move(e.poses);
+  }
   list_.write();
   ++next_;
 }

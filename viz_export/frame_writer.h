@@ -3,21 +3,23 @@
 /// frames.pvd.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "engine/state_visitor.h"
 #include "viz_export/body_record.h"
+#include "viz_export/contact_list.h"
 #include "viz_export/vtp_writer.h"
 
 namespace epafi {
 
 /// Centres with radius, id, material, speed, kinetic_energy, velocity, angular_velocity.
-PolyData draw_spheres(const std::vector<const BodyRecord*>& bodies, double time);
+PolyData draw_spheres(const BodyList& bodies, double time);
 /// Polygons in world axes, with id, material, speed, kinetic_energy and velocity on every polygon.
-PolyData draw_surfaces(const std::vector<const BodyRecord*>& bodies, double time);
+PolyData draw_surfaces(const BodyList& bodies, double time);
 /// Lines with force, force_magnitude, normal_force, overlap, id_a, id_b.
-PolyData draw_contacts(const std::vector<ContactRecord>& contacts, double time);
+PolyData draw_contacts(const ContactList& contacts, double time);
 
 class FrameWriter {
  public:
@@ -27,14 +29,18 @@ class FrameWriter {
   FrameWriter(std::filesystem::path folder, double time);
 
   /// A frame of the same time as the last one is not written again. Kinds without members get no file.
-  void write(double time, const std::vector<BodyRecord>& bodies, const std::vector<ContactRecord>& contacts);
+  /// `meanwhile` writes another file of the same time beside them; its error goes first.
+  void write(double time, const BodyList& bodies, const ContactList& contacts,
+             const std::function<void()>& meanwhile = {});
   std::size_t frames() const { return next_; }
   /// Where the walls were last written: without it a run that goes on writes them once more.
   void visit(StateVisitor& visitor);
 
  private:
-  void put(int part, const std::string& kind, const PolyData& data, VtpEncoding encoding);
-  void put_walls(const std::vector<const BodyRecord*>& walls, double time);
+  struct Entry;
+  Entry entry(int part, const char* kind, PolyData data, VtpEncoding encoding) const;
+  Entry walls_entry(const BodyList& walls, double time) const;
+  std::vector<Entry> draw(double time, const BodyList& bodies, const ContactList& contacts) const;
   std::filesystem::path folder_;
   PvdFile list_;
   std::size_t next_ = 0;            ///< number of the next frame

@@ -8,14 +8,16 @@
 namespace epafi {
 
 void StateRecorder::observe(const StepView& view) {
-  BodyList bodies(view.world, surfaces_);
-  std::vector<BodyRecord> records;
-  if (frames_ != nullptr) records = bodies.all(), bodies = BodyList(records);
-  if (run_ != nullptr)
-    run_->add_snapshot(
-        {view.step, view.world.time, state_hash(view.world), view.world.rotates(), view.world.has_orientation()},
-        bodies);
-  if (frames_ != nullptr) frames_->write(view.world.time, records, contact_records(view.world, view.contacts));
+  const World& world = view.world;
+  const BodyList bodies(world, surfaces_);
+  const auto snapshot = [&] {
+    if (run_ == nullptr) return;
+    run_->add_snapshot({view.step, world.time, state_hash(world), world.rotates(), world.has_orientation()}, bodies);
+  };
+  if (frames_ != nullptr)
+    frames_->write(world.time, bodies, ContactList(world, view.contacts), snapshot);
+  else
+    snapshot();
 }
 
 MeasureRecorder::MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,

@@ -32,12 +32,16 @@ void append_column(Hdf5File& file, const std::string& name, std::size_t n, const
   file.append<T>(name, values);
 }
 
+/// Doubles of a column on their way to the file: one room for all columns of a snapshot, since the first use of a page
+/// takes longer than writing into it.
+using Room = UnwrittenColumn<double>;
+
 /// Writes `width` doubles per body.
 template <class F>
-void write_rows(Hdf5File& file, const std::string& name, std::size_t width, std::size_t n, const F& row) {
-  std::vector<double> values(width * n);
+void write_rows(Hdf5File& file, Room& values, const std::string& name, std::size_t width, std::size_t n, const F& row) {
+  values.resize(width * n);
   for (std::size_t k = 0; k < n; ++k) row(k, &values[width * k]);
-  file.write<double>(name, values, {.columns = width});
+  file.write<double>(name, std::span<const double>(values), {.columns = width});
 }
 
 void put(const Vec3& v, double* to) { std::copy_n(v.data(), 3, to); }
@@ -120,15 +124,15 @@ void RunFile::drop_after(std::uint64_t step, double time) {
 void RunFile::append_bodies(Hdf5File& file, const BodyList& bodies) {
   // rows by id: ids that came and went between two snapshots leave rows of zero mass and radius
   const std::size_t n = bodies.size();
-  const std::size_t known = n == 0 ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies[n - 1].id + 1u);
+  const std::size_t known = n == 0 ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies.id(n - 1) + 1u);
   const std::size_t fresh = known - bodies_known_;
   if (fresh == 0) return;
   constexpr std::uint32_t nobody = ~std::uint32_t{0};
   std::vector<std::uint32_t> rows(fresh, nobody);  // place in `bodies`
   for (std::size_t k = n; k-- > 0;) {
-    const BodyRecord b = bodies[k];
-    if (b.id < bodies_known_) break;
-    rows[b.id - bodies_known_] = static_cast<std::uint32_t>(k);
+    const std::uint32_t id = bodies.id(k);
+    if (id < bodies_known_) break;
+    rows[id - bodies_known_] = static_cast<std::uint32_t>(k);
   }
   for (const std::uint32_t k : rows)
     if (k != nobody) add_surface(file, bodies[k]);
@@ -148,7 +152,8 @@ void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
   if (b.surface == nullptr || surfaces_.count(b.shape) != 0) return;
   const auto number = static_cast<std::int32_t>(surfaces_.size());
   const std::string group = numbered("shapes", static_cast<std::size_t>(number));
-  write_rows(file, group + "/points", 3, b.surface->points.size(),
+  Room points;
+  write_rows(file, points, group + "/points", 3, b.surface->points.size(),
              [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
   file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
   file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
@@ -164,19 +169,21 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
   const std::string group = numbered("snapshots", snapshots_);
   const std::size_t n = bodies.size();
   std::vector<std::uint32_t> ids(n);
-  for (std::size_t k = 0; k < n; ++k) ids[k] = bodies[k].id;
+  for (std::size_t k = 0; k < n; ++k) ids[k] = bodies.id(k);
   file.write<std::uint32_t>(group + "/id", ids);
-  write_rows(file, group + "/position", 3, n, [&](std::size_t k, double* to) { put(bodies[k].pose.position, to); });
-  write_rows(file, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies[k].velocity, to); });
+  Room room;
+  room.reserve((stamp.has_orientation ? 4 : 3) * n);
+  write_rows(file, room, group + "/position", 3, n, [&](std::size_t k, double* to) { put(bodies.position(k), to); });
+  write_rows(file, room, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies.velocity(k), to); });
   if (stamp.has_orientation)
-    write_rows(file, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
-      const Quat q = bodies[k].pose.orientation;
+    write_rows(file, room, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
+      const Quat q = bodies.pose(k).orientation;
       to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
     });
   if (stamp.rotates)
-    write_rows(file, group + "/angular_velocity", 3, n,
-               [&](std::size_t k, double* to) { put(bodies[k].angular_velocity, to); });
-  write_rows(file, group + "/kinetic_energy", 1, n, [&](std::size_t k, double* to) { *to = bodies[k].kinetic_energy; });
+    write_rows(file, room, group + "/angular_velocity", 3, n,
+               [&](std::size_t k, double* to) { put(bodies.angular_velocity(k), to); });
+  write_rows(file, room, group + "/kinetic_energy", 1, n, [&](std::size_t k, double* to) { *to = bodies.kinetic_energy(k); });
   file.set_attribute(group, "step", stamp.step);
   file.set_attribute(group, "time", stamp.time);
   file.set_attribute(group, "state_hash", stamp.state_hash);

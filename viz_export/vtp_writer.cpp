@@ -23,7 +23,7 @@ using Bytes = std::span<const char>;
 constexpr std::size_t block_bytes = std::size_t{1} << 18;  // 32 KiB to 1 MiB compress equally well; larger forks less
 
 template <class T>
-Bytes bytes_of(const std::vector<T>& values) {
+Bytes bytes_of(const VtpColumn<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
@@ -61,8 +61,8 @@ std::string compress_blocks(Bytes data) {
 /// Collects the appended section while the XML head is written: each array is named by its offset.
 class Appended {
  public:
-  explicit Appended(VtpEncoding encoding) : encoding_(encoding) {}
-  /// `data` must live until write().
+  Appended(VtpEncoding encoding, std::vector<VtpPart>& parts) : encoding_(encoding), parts_(parts) {}
+  /// `data` must live as long as the parts.
   std::size_t add(Bytes data) {
     const std::size_t offset = size_;
     std::string head;
@@ -76,20 +76,10 @@ class Appended {
     parts_.push_back({std::move(head), data});
     return offset;
   }
-  void write(std::ostream& out) const {
-    for (const Part& p : parts_) {
-      out.write(p.head.data(), static_cast<std::streamsize>(p.head.size()));
-      out.write(p.data.data(), static_cast<std::streamsize>(p.data.size()));
-    }
-  }
 
  private:
-  struct Part {
-    std::string head;
-    Bytes data;
-  };
   VtpEncoding encoding_;
-  std::vector<Part> parts_;
+  std::vector<VtpPart>& parts_;
   std::size_t size_ = 0;
 };
 
@@ -134,10 +124,12 @@ void begin_appended(std::string& head) {
 
 }  // namespace
 
-void write_vtp(const std::filesystem::path& path, const PolyData& d, VtpEncoding encoding) {
-  Appended appended(encoding);
+VtpFile::VtpFile(PolyData data, VtpEncoding encoding) : data_(std::move(data)) {
+  const PolyData& d = data_;
+  Appended appended(encoding, parts_);
   const char* compressor = encoding == VtpEncoding::compressed ? R"( compressor="vtkZLibDataCompressor")" : "";
-  std::string head = fmt::format(
+  std::string& head = head_;
+  head = fmt::format(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{}>\n<PolyData>\n"
       "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
@@ -153,14 +145,24 @@ void write_vtp(const std::filesystem::path& path, const PolyData& d, VtpEncoding
   head += cells_tag(appended, "Polys", d.polygons);
   head += "</Piece>\n</PolyData>\n";
   begin_appended(head);
+}
+
+void VtpFile::write(const std::filesystem::path& path) const {
   SideFile side(path);
   std::ofstream out(side.path(), std::ios::binary);
-  out << head;
-  appended.write(out);
+  out << head_;
+  for (const VtpPart& p : parts_) {
+    out.write(p.head.data(), static_cast<std::streamsize>(p.head.size()));
+    out.write(p.data.data(), static_cast<std::streamsize>(p.data.size()));
+  }
   out << "\n</AppendedData>\n</VTKFile>\n";
   out.close();
   if (!out) throw FileError(path.string() + ": cannot write the frame (is the disk full?)");
   side.commit(false);
+}
+
+void write_vtp(const std::filesystem::path& path, PolyData data, VtpEncoding encoding) {
+  VtpFile(std::move(data), encoding).write(path);
 }
 
 namespace {

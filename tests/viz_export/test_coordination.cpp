@@ -61,7 +61,7 @@ std::vector<double> by_definition(const World& world, const ContactSet& c, int l
 TEST_CASE("coordination counts pairs that touch, rattlers taken away, for every thread count",
           "[viz_export][measures]") {
   const int threads = thread_count();
-  for (const auto& [bodies, pairs] : {std::pair<Slot, std::size_t>{2, 1}, {40, 90}, {40, 110}, {3000, 9000}}) {
+  for (const auto& [bodies, pairs] : {std::pair<Slot, std::size_t>{2, 1}, {40, 90}, {40, 110}, {3000, 9000}, {13000, 37000}}) {
     World world;
     for (Slot s = 0; s < bodies; ++s) {
       Body body;
@@ -76,7 +76,7 @@ TEST_CASE("coordination counts pairs that touch, rattlers taken away, for every 
     const PairList none;
     const StepReport report;
     const EnergyLedger ledger;
-    for (const int n : {1, 3}) {
+    for (const int n : {1, 2, 3, 7}) {
       set_thread_count(n);
       std::vector<double> values;
       measure.sample({world, contacts, none, report, ledger, 0, 0.1, 0, false}, values);

@@ -11,16 +11,10 @@ using namespace epafi;
 
 namespace {
 
-std::vector<const BodyRecord*> pointers(const std::vector<BodyRecord>& bodies) {
-  std::vector<const BodyRecord*> out;
-  for (const BodyRecord& b : bodies) out.push_back(&b);
-  return out;
-}
-
 template <class T>
-const std::vector<T>& values(const std::vector<VtpArray>& arrays, const std::string& name) {
+const VtpColumn<T>& values(const std::vector<VtpArray>& arrays, const std::string& name) {
   for (const VtpArray& a : arrays)
-    if (a.name == name) return std::get<std::vector<T>>(a.values);
+    if (a.name == name) return std::get<VtpColumn<T>>(a.values);
   throw std::runtime_error("no array " + name);
 }
 
@@ -55,12 +49,12 @@ TEST_CASE("spheres are drawn as points that carry their numbers", "[viz_export][
   SurfaceCache surfaces(scene.shapes);
   auto bodies = body_records(scene.world, surfaces);
   bodies.erase(bodies.begin());
-  const PolyData d = draw_spheres(pointers(bodies), 0.5);
-  CHECK(d.points == std::vector<float>{0, 0, 0.5f, 1, 2, 0.5f, 2, 4, 0.5f});
-  CHECK(d.vertices.connectivity == std::vector<std::int32_t>{0, 1, 2});
-  CHECK(d.vertices.offsets == std::vector<std::int32_t>{1, 2, 3});
-  CHECK(values<std::uint32_t>(d.point_data, "id") == std::vector<std::uint32_t>{1, 2, 3});
-  CHECK(values<float>(d.point_data, "radius") == std::vector<float>{0.1f, 0.11f, 0.12f});
+  const PolyData d = draw_spheres(bodies, 0.5);
+  CHECK(d.points == VtpColumn<float>{0, 0, 0.5f, 1, 2, 0.5f, 2, 4, 0.5f});
+  CHECK(d.vertices.connectivity == VtpColumn<std::int32_t>{0, 1, 2});
+  CHECK(d.vertices.offsets == VtpColumn<std::int32_t>{1, 2, 3});
+  CHECK(values<std::uint32_t>(d.point_data, "id") == VtpColumn<std::uint32_t>{1, 2, 3});
+  CHECK(values<float>(d.point_data, "radius") == VtpColumn<float>{0.1f, 0.11f, 0.12f});
   CHECK(values<float>(d.point_data, "velocity")[4] == 1.0f);
   CHECK(values<float>(d.point_data, "speed")[2] == static_cast<float>(std::sqrt(6.0)));  // velocity (1, 2, -1)
 }
@@ -71,7 +65,7 @@ TEST_CASE("a half-space is drawn as a square on its plane that reaches beyond al
   scene.world.orientation[0] = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // z turns to -y
   SurfaceCache surfaces(scene.shapes);
   const auto bodies = body_records(scene.world, surfaces);
-  const std::vector<const BodyRecord*> wall{&bodies[0]};
+  const std::vector<BodyRecord> wall{bodies[0]};
   const PolyData d = draw_surfaces(wall, 0.0);
   REQUIRE(d.points.size() == 12);
   Aabb square;
@@ -80,21 +74,21 @@ TEST_CASE("a half-space is drawn as a square on its plane that reaches beyond al
     square.include(Vec3(d.points[3 * k], d.points[3 * k + 1], d.points[3 * k + 2]));
   }
   CHECK((square.min.x() < -0.1 && square.max.x() > 9.2 && square.min.z() < 0.3 && square.max.z() > 0.7));
-  CHECK(d.polygons.offsets == std::vector<std::int32_t>{4});
+  CHECK(d.polygons.offsets == VtpColumn<std::int32_t>{4});
 }
 
 TEST_CASE("contacts that touch or carry force are lines between centres, to the contact point at a wall",
           "[viz_export][frames]") {
   SmallScene scene(3);
-  const auto contacts = contact_records(scene.world, scene.contacts);
+  const ContactList contacts(scene.world, scene.contacts);
   REQUIRE(contacts.size() == 2);
-  CHECK((contacts[0].id_a == 0 && contacts[0].from == Vec3(0, 0, 0) && contacts[0].to == Vec3(0, 0, 0.5)));
-  CHECK((contacts[0].normal_force == 7.0 && contacts[0].overlap == 0.01));
-  CHECK((contacts[1].from == Vec3(0, 0, 0.5) && contacts[1].to == Vec3(1, 2, 0.5)));
-  CHECK(contacts[1].normal_force == 3.0);  // force on A is (-3, 4, 0), the normal x
+  CHECK((contacts.id_a(0) == 0 && contacts.from(0) == Vec3(0, 0, 0) && contacts.to(0) == Vec3(0, 0, 0.5)));
+  CHECK((contacts.normal_force(0) == 7.0 && contacts.overlap(0) == 0.01));
+  CHECK((contacts.from(1) == Vec3(0, 0, 0.5) && contacts.to(1) == Vec3(1, 2, 0.5)));
+  CHECK(contacts.normal_force(1) == 3.0);  // force on A is (-3, 4, 0), the normal x
   const PolyData d = draw_contacts(contacts, 0.0);
   CHECK(d.points.size() == 12);
-  CHECK(values<float>(d.cell_data, "force_magnitude") == std::vector<float>{7, 5});
+  CHECK(values<float>(d.cell_data, "force_magnitude") == VtpColumn<float>{7, 5});
 }
 
 TEST_CASE("walls are written again only when they moved, and every time lists one", "[viz_export][frames]") {
@@ -106,7 +100,7 @@ TEST_CASE("walls are written again only when they moved, and every time lists on
     scene.world.time = k;
     if (k == 2) scene.world.position[0].z() = -0.5;
     const auto bodies = body_records(scene.world, surfaces);
-    frames.write(scene.world.time, bodies, contact_records(scene.world, scene.contacts));
+    frames.write(scene.world.time, bodies, ContactList(scene.world, scene.contacts));
     frames.write(scene.world.time, bodies, {});  // the same time again: nothing
   }
   CHECK(frames.frames() == 4);

@@ -15,7 +15,7 @@ PolyData grid(std::int32_t n) {
   PolyData d;
   for (std::int32_t k = 0; k < (n + 1) * (n + 1); ++k)
     for (std::int32_t c : {k % (n + 1), k / (n + 1), 0}) d.points.push_back(static_cast<float>(c));
-  std::vector<std::uint32_t> number;
+  VtpColumn<std::uint32_t> number;
   for (std::int32_t f = 0; f < n * n; ++f) {
     const std::int32_t corner = f % n + (f / n) * (n + 1);
     for (std::int32_t k : {corner, corner + 1, corner + n + 2, corner + n + 1}) d.polygons.connectivity.push_back(k);

@@ -33,8 +33,8 @@ PolyData triangle() {
   d.time = 0.1;
   d.points = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   d.polygons = {{0, 1, 2}, {3}};
-  d.point_data.push_back({"height", 1, std::vector<double>{1, 2, 3}});
-  d.cell_data.push_back({"id", 1, std::vector<std::uint32_t>{7}});
+  d.point_data.push_back({"height", 1, VtpColumn<double>{1, 2, 3}});
+  d.cell_data.push_back({"id", 1, VtpColumn<std::uint32_t>{7}});
   return d;
 }
 
@@ -80,7 +80,7 @@ TEST_CASE("the raw data begin where a parser that waits for more bytes still see
   const TemporaryFolder folder;
   for (std::size_t arrays : {0u, 1u, 7u, 40u}) {
     PolyData data = triangle();
-    for (std::size_t k = 0; k < arrays; ++k) data.point_data.push_back({"a" + std::to_string(k), 1, std::vector<double>{1, 2, 3}});
+    for (std::size_t k = 0; k < arrays; ++k) data.point_data.push_back({"a" + std::to_string(k), 1, VtpColumn<double>{1, 2, 3}});
     write_vtp(folder / "x.vtp", data, VtpEncoding::plain);
     const std::string text = read_whole_file(folder / "x.vtp");
     const std::size_t tag = text.find("<AppendedData"), end = text.find('>', tag), ended = end - tag + 1 + 13;  // "/>" in place of ">", "\n</VTKFile>\n"

@@ -4,18 +4,26 @@
 #include <cmath>
 #include <limits>
 
+#include "viz_export/measures/ordered_sum.h"
+
 namespace epafi {
 
-Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::function<Vec3(Slot)>& of) {
+namespace {
+struct Weighed {
   Vec3 sum = Vec3::Zero();
-  double weight = 0;
-  for (BodyId b : bodies) {
-    const Slot s = world.slot_of(b);
-    if (s == no_slot) continue;
+  double weight = 0.0;
+  Weighed& operator+=(const Weighed& o) { return sum += o.sum, weight += o.weight, *this; }
+};
+}  // namespace
+
+Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::function<Vec3(Slot)>& of) {
+  const Weighed all = ordered_sum(bodies.size(), Weighed{}, [&](std::size_t k) -> Weighed {
+    const Slot s = world.slot_of(bodies[k]);
+    if (s == no_slot) return {};
     const double w = world.is_movable(s) ? 1.0 / world.inverse_mass[s] : 1.0;
-    sum += w * of(s), weight += w;
-  }
-  return sum / weight;  // NaN when all are gone
+    return {w * of(s), w};
+  });
+  return all.sum / all.weight;  // NaN when all are gone
 }
 
 void BodyMeasure::sample(const StepView& view, std::vector<double>& values) {

@@ -1,5 +1,6 @@
 #include "viz_export/measures/contact_measures.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "engine/parallel_order.h"
@@ -45,8 +46,8 @@ namespace {
 
 /// The bodies that each touches, once: those of body s are list[begin[s]] to list[begin[s + 1]].
 struct Neighbours {
-  std::vector<std::uint32_t> begin;
-  std::vector<Slot> list;
+  UnwrittenColumn<std::uint32_t> begin;
+  UnwrittenColumn<Slot> list;
   Neighbours(std::size_t bodies, const GapPieces& gaps) {
     const auto acts = [](const ContactSet& c, std::size_t k) {
       return c.gap[k] < 0 || (k < c.force.size() && c.force[k].squaredNorm() > 0);
@@ -69,31 +70,93 @@ struct Neighbours {
   }
 };
 
+constexpr int gone = -1;
+
+/// Takes away who has fewer than `least` neighbours left, and then who has too few without them, until nobody has: who
+/// is left does not depend on the order (the core of a graph: Seidman 1983). Every thread has bodies of its own, 4096 at
+/// least; what those of others lose to them they are told of in the next round.
+class Rattlers {
+ public:
+  /// degree: neighbours of each body, `gone` where it is not one; in the end those left, `gone` of who has left.
+  Rattlers(const Neighbours& touched, double least, UnwrittenColumn<int>& degree)
+      : touched_(touched), least_(least), degree_(degree) {
+    constexpr std::size_t grain = 4096;
+    const SharedOut meter(degree.size() >= 2 * grain);
+    parts_.resize(std::clamp<std::size_t>(degree.size() / grain, 1, static_cast<std::size_t>(thread_count())));
+    each_part([&](Part& mine, Slot begin, Slot end) {
+      for (Slot s = begin; s < end; ++s)
+        if (degree_[s] != gone && degree_[s] < least_) mine.leaving.push_back(s);
+      take_away(mine, begin, end);
+    });
+    while (pass_on())
+      each_part([&](Part& mine, Slot begin, Slot end) {
+        for (const Part& other : parts_)
+          for (const Slot s : other.told)
+            if (s >= begin && s < end) lose_one(mine, s);
+        take_away(mine, begin, end);
+      });
+  }
+
+ private:
+  struct alignas(64) Part {
+    std::vector<Slot> leaving;     ///< of its own
+    std::vector<Slot> tell, told;  ///< of others, once for each neighbour that left: in this round, in the one before
+  };
+
+  template <class F>
+  void each_part(const F& f) {
+    const std::size_t n = degree_.size(), parts = parts_.size();
+    parallel_blocks(parts, 1, [&](std::size_t p, std::size_t, std::size_t) {
+      f(parts_[p], static_cast<Slot>(n * p / parts), static_cast<Slot>(n * (p + 1) / parts));
+    });
+  }
+  void lose_one(Part& mine, Slot s) {
+    if (degree_[s] != gone && degree_[s]-- == least_) mine.leaving.push_back(s);
+  }
+  void take_away(Part& mine, Slot begin, Slot end) {
+    while (!mine.leaving.empty()) {
+      const Slot s = mine.leaving.back();
+      mine.leaving.pop_back(), degree_[s] = gone;
+      for (std::uint32_t k = touched_.begin[s]; k < touched_.begin[s + 1]; ++k) {
+        const Slot other = touched_.list[k];
+        if (other >= begin && other < end) lose_one(mine, other);
+        else mine.tell.push_back(other);
+      }
+    }
+  }
+  bool pass_on() {
+    bool any = false;
+    for (Part& p : parts_) p.told.swap(p.tell), p.tell.clear(), any = any || !p.told.empty();
+    return any;
+  }
+
+  const Neighbours& touched_;
+  double least_;
+  UnwrittenColumn<int>& degree_;
+  std::vector<Part> parts_;
+};
+
+/// How many are left, and the sum of their degrees; whole numbers, exact in any order.
+Sum3 count_left(const UnwrittenColumn<int>& degree) {
+  return block_sum<Sum3>(degree.size(), [&](std::size_t s) {
+    return degree[s] == gone ? Sum3{} : Sum3{1.0, static_cast<double>(degree[s]), 0.0};
+  });
+}
+
 }  // namespace
 
 void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const Neighbours touched(w.size(), view.gaps());
-  std::vector<char> in(w.size(), 0);
-  std::vector<int> degree(w.size(), 0);
-  std::vector<Slot> leaving;
-  double bodies = 0, sum = 0;
-  for (Slot s = 0; s < w.size(); ++s) {
-    if (!w.is_movable(s)) continue;
-    degree[s] = static_cast<int>(touched.begin[s + 1] - touched.begin[s]);
-    in[s] = 1, bodies += 1, sum += degree[s];
-    if (degree[s] < least_) leaving.push_back(s);
-  }
-  values = {bodies > 0 ? sum / bodies : 0.0, 0.0, 0.0};
-  while (!leaving.empty()) {  // whoever loses its last needed neighbour leaves after it
-    const Slot s = leaving.back();
-    leaving.pop_back(), in[s] = 0;
-    for (std::uint32_t k = touched.begin[s]; k < touched.begin[s + 1]; ++k)
-      if (const Slot other = touched.list[k]; in[other] && degree[other]-- == least_) leaving.push_back(other);
-  }
-  double kept = 0, kept_sum = 0;
-  for (Slot s = 0; s < w.size(); ++s) kept += in[s], kept_sum += in[s] ? degree[s] : 0;
-  values[1] = kept > 0 ? kept_sum / kept : 0.0, values[2] = bodies - kept;
+  UnwrittenColumn<int> degree(w.size());
+  parallel_for(w.size(), [&](std::size_t s) {
+    const bool is_body = w.is_movable(static_cast<Slot>(s));
+    degree[s] = is_body ? static_cast<int>(touched.begin[s + 1] - touched.begin[s]) : gone;
+  });
+  const Sum3 all = count_left(degree);
+  const Rattlers taken(touched, least_, degree);
+  const Sum3 left = count_left(degree);
+  values = {all.a > 0 ? all.b / all.a : 0.0, left.a > 0 ? left.b / left.a : 0.0, all.a - left.a};
 }
 
 }  // namespace epafi
