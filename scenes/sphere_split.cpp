@@ -2,16 +2,19 @@
 
 #include <algorithm>
 
+#include "engine/large_column.h"
 #include "engine/parallel_order.h"
 
 namespace epafi {
 
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const std::uint64_t before = pairs.generation;
-  if (worn_.out && model())
-    model()->make_way(), list_->renew_pairs(world, pairs, worn_.by_slow);
-  else
+  if (worn_.out) {
+    if (world.size() >= many_bodies) model()->make_way();
+    list_->renew_pairs(world, pairs, worn_.by_slow);
+  } else {
     list_->find_pairs(world, pairs);
+  }
   worn_ = {}, wear_.clear();
   const bool fresh = pairs.generation != before;
   if (!fresh && !ways_known_) return;  // what the list has gone through is not known then

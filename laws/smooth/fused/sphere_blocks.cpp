@@ -161,12 +161,14 @@ std::uint32_t SphereBlocks::need(const SpherePairs& list, std::size_t block) con
   return (pairs + runs * (pairs_per_byte - 1) + pairs_ahead + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
 }
 
-/// Gives every block room in the columns, a sixteenth more than it needs now: the next lists fit in too.
+/// Gives every block room in the columns, an eighth more than it needs now, a sixteenth of many bodies: the next lists
+/// fit in too. With a sixteenth a bed of 100 000 that settles moved in 2.1 instead of 1.7 ns per sphere and step.
 void SphereBlocks::make_rooms(const SpherePairs& pairs) {
+  const std::uint32_t share = bodies_ < many_bodies ? 8 : 16;
   std::size_t all = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const std::uint32_t least = need(pairs, i);
-    blocks_[i].room = (least + least / 16 + 64) / pairs_per_byte * pairs_per_byte;
+    blocks_[i].room = (least + least / share + 64) / pairs_per_byte * pairs_per_byte;
     all += blocks_[i].room;
   }
   const bool periodic = !pairs.image.empty();
