@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "viz_export/measures/ordered_sum.h"
+#include "engine/parallel.h"
 
 namespace epafi {
 
@@ -17,7 +17,7 @@ struct Weighed {
 }  // namespace
 
 Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::function<Vec3(Slot)>& of) {
-  const Weighed all = ordered_sum(bodies.size(), Weighed{}, [&](std::size_t k) -> Weighed {
+  const Weighed all = block_sum<Weighed>(bodies.size(), [&](std::size_t k) -> Weighed {
     const Slot s = world.slot_of(bodies[k]);
     if (s == no_slot) return {};
     const double w = world.is_movable(s) ? 1.0 / world.inverse_mass[s] : 1.0;

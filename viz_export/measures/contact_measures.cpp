@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/large_column.h"
 #include "engine/parallel_order.h"
 
 namespace epafi {
@@ -48,7 +49,7 @@ namespace {
 struct Neighbours {
   UnwrittenColumn<std::uint32_t> begin;
   UnwrittenColumn<Slot> list;
-  Neighbours(std::size_t bodies, const GapPieces& gaps) {
+  void find(std::size_t bodies, const GapPieces& gaps) {
     const auto acts = [](const ContactSet& c, std::size_t k) {
       return c.gap[k] < 0 || (k < c.force.size() && c.force[k].squaredNorm() > 0);
     };
@@ -147,8 +148,12 @@ Sum3 count_left(const UnwrittenColumn<int>& degree) {
 
 void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
-  const Neighbours touched(w.size(), view.gaps());
-  UnwrittenColumn<int> degree(w.size());
+  // to ask for 3 MB of 100 000 spheres at every sample was all that one thread did
+  thread_local Neighbours kept;
+  thread_local UnwrittenColumn<int> kept_degree;
+  Neighbours& touched = kept;  // of the caller
+  UnwrittenColumn<int>& degree = kept_degree;
+  touched.find(w.size(), view.gaps()), degree.resize(w.size());
   parallel_for(w.size(), [&](std::size_t s) {
     const bool is_body = w.is_movable(static_cast<Slot>(s));
     degree[s] = is_body ? static_cast<int>(touched.begin[s + 1] - touched.begin[s]) : gone;
@@ -157,6 +162,7 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const Rattlers taken(touched, least_, degree);
   const Sum3 left = count_left(degree);
   values = {all.a > 0 ? all.b / all.a : 0.0, left.a > 0 ? left.b / left.a : 0.0, all.a - left.a};
+  if (w.size() >= many_bodies) touched = {}, let_go(degree);
 }
 
 }  // namespace epafi
