@@ -190,7 +190,6 @@ TEST_CASE("capsules agree with GJK on their axes", "[detection][narrow]") {
 }
 
 TEST_CASE("exchanging the bodies turns the normal and keeps gap and point", "[detection][narrow]") {
-  Random random(62, 0);
   for (int k = 0; k < 60; ++k) {
     Scene s = mixed(static_cast<std::uint64_t>(k), 12), t;
     t.shapes = s.shapes;
