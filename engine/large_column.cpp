@@ -13,11 +13,10 @@
 namespace epafi {
 
 void* large_pages(std::size_t bytes) {
-  const std::size_t whole = (bytes + large_page - 1) / large_page * large_page;
-  void* p = std::aligned_alloc(large_page, whole);
+  void* p = std::aligned_alloc(large_page, (bytes + large_page - 1) / large_page * large_page);
   if (p == nullptr) throw std::bad_alloc();
 #if defined(__linux__)
-  madvise(p, whole, MADV_HUGEPAGE);  // a wish: refused, the column works as well, only slower
+  madvise(p, bytes / large_page * large_page, MADV_HUGEPAGE);  // a wish: refused, the column works as well, only slower
 #endif
   return p;
 }

@@ -13,7 +13,7 @@ namespace epafi {
 inline constexpr std::size_t large_page = std::size_t{2} << 20;
 /// Bodies from which on memory that rests goes back to the system: to ask for it again is one thread's work.
 inline constexpr std::size_t many_bodies = 200'000;
-/// Whole large pages; std::bad_alloc where there are none.
+/// As many whole large pages as fit in, small ones behind them; std::bad_alloc where there are none.
 void* large_pages(std::size_t bytes);
 void free_large_pages(void* p);
 /// The system may take the whole pages within [begin, end): what is there is not read again.
@@ -28,7 +28,7 @@ void give_back_heap();
 template <class T>
 struct LargePages {
   using value_type = T;
-  static constexpr std::size_t least = 4 * large_page;  ///< smaller columns stay where the heap puts them
+  static constexpr std::size_t least = large_page;  ///< smaller columns stay where the heap puts them
 
   LargePages() = default;
   template <class U>
