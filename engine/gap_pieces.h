@@ -1,5 +1,5 @@
-/// @file gap_pieces.h  Bodies and gaps of the contacts of a step, a piece at a time: columns of all that a contact model
-/// finds itself took 40 bytes a sphere.
+/// @file gap_pieces.h  Bodies and gaps of the contacts of a step, a piece at a time: columns of all that a contact
+/// model finds itself took 40 bytes a sphere.
 #pragma once
 #include <algorithm>
 

@@ -78,8 +78,8 @@ void let_go(Column& column) {
   Column().swap(column);
 }
 
-/// `size` elements, none of them written. What was there is gone, and gone first where the column must grow: by a quarter
-/// more than asked for, which takes no memory until it is written.
+/// `size` elements, none of them written. What was there is gone, and gone first where the column must grow: by a
+/// quarter more than asked for, which takes no memory until it is written.
 template <class T>
 void renew(UnwrittenColumn<T>& column, std::size_t size) {
   if (size > column.capacity()) let_go(column), column.reserve(size + size / 4);

@@ -58,7 +58,6 @@ RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>
   for (const auto& b : bounds_) {
     const std::string name = b.body.empty() ? b.quantity : b.quantity + "." + b.body;
     checks_.push_back({name, 0.0, b.limit, true});
-    overlap_is_bounded_ = overlap_is_bounded_ || b.quantity == "overlap_relative";
   }
 }
 
@@ -77,15 +76,8 @@ void RunMonitor::observe(const StepView& view) {
   if (view.step % interval_ == 0 || view.last) look(view);
 }
 
-/// To look at it takes 50 ns a sphere, as long as one to two steps.
-bool RunMonitor::wants_overlap(std::uint64_t step, bool last) const {
-  if (last) return true;
-  const bool counts = overlap_is_bounded_ || step * 10 >= steps_ * 9;
-  return step % (counts ? interval_ : 10 * interval_) == 0;
-}
-
 void RunMonitor::look(const StepView& view) {
-  if (wants_overlap(view.step, view.last)) last_overlap_ = measure_overlap(view.world, view.gaps(), shapes_);
+  last_overlap_ = measure_overlap(view.world, view.gaps(), shapes_);
   if (view.last || view.step * 10 >= steps_ * 9) {
     totals_.overlap_max = std::max(totals_.overlap_max, last_overlap_.max);
     totals_.overlap_relative = std::max(totals_.overlap_relative, last_overlap_.max_relative);

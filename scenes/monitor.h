@@ -27,8 +27,7 @@ struct BoundCheck {
 
 class RunMonitor final : public Observer {
  public:
-  /// steps: of the whole run; overlap counts over its last tenth. interval: steps between looks at bounds, and at the
-  /// overlap where it counts or is bounded; elsewhere only the progress line shows it, and every tenth look has it.
+  /// steps: of the whole run; overlap counts over its last tenth. interval: steps between looks at overlap and bounds.
   /// bound_bodies: of [bounds], then of [accuracy].
   RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies, const ShapeStore& shapes,
              std::uint64_t steps, std::uint64_t interval);
@@ -36,7 +35,7 @@ class RunMonitor final : public Observer {
   bool wants_energy(std::uint64_t step) const override { return step % interval_ == 0; }
   bool wants_bodies(std::uint64_t step) const override { return step % interval_ == 0; }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
-    return wants_overlap(step, last) ? ContactView::gaps : ContactView::none;
+    return last || step % interval_ == 0 ? ContactView::gaps : ContactView::none;
   }
   void observe(const StepView& view) override;
   void visit(StateVisitor& visitor) override;
@@ -61,7 +60,6 @@ class RunMonitor final : public Observer {
   Overlap last_overlap() const { return last_overlap_; }
 
  private:
-  bool wants_overlap(std::uint64_t step, bool last) const;
   void look(const StepView& view);
   void look_at_momentum(const StepView& view);
   void check(const StepView& view);
@@ -82,7 +80,6 @@ class RunMonitor final : public Observer {
   std::vector<BoundCheck> checks_;
   const ShapeStore& shapes_;
   std::uint64_t steps_, interval_;
-  bool overlap_is_bounded_ = false;
   Totals totals_;
   Momentum momentum_;
   Overlap last_overlap_;

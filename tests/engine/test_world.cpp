@@ -63,8 +63,8 @@ struct Tape : StateVisitor {
 TEST_CASE("columns and handles follow bodies through random sorting and removal", "[engine][world]") {
   const bool rotation = GENERATE(false, true), states = GENERATE(false, true);
   {
-    World world =
-        numbered_world(200, {.rotation = rotation, .anisotropy = rotation, .force = true, .external_force = true, .states = states});
+    World world = numbered_world(200, {.rotation = rotation, .anisotropy = rotation, .force = true,
+                                       .external_force = true, .states = states});
     CHECK(world.states().size() == (states ? 200 : 0));
     Random random(3, 1);
     std::set<std::uint32_t> alive;
@@ -99,7 +99,8 @@ TEST_CASE("columns and handles follow bodies through random sorting and removal"
 }
 
 TEST_CASE("a world pays for the columns it declares", "[engine][world]") {
-  World lean({.rotation = false, .force = false}), full({.rotation = true, .anisotropy = true, .force = true, .external_force = true});
+  World lean({.rotation = false, .force = false});
+  World full({.rotation = true, .anisotropy = true, .force = true, .external_force = true});
   lean.add(numbered(1)), full.add(numbered(1));
   // id, shape, slot 4 each, material 2, inverse mass 8, position and velocity 24 each
   CHECK(lean.bytes_per_body() == 4 + 4 + 4 + 2 + 8 + 48);
@@ -195,7 +196,8 @@ TEST_CASE("Morton neighbours are near: sorting shortens the walk along the slots
 }
 
 TEST_CASE("the state hash does not depend on slots, and sees the last bit", "[engine][world][hash]") {
-  World world = numbered_world(50, {.rotation = true, .anisotropy = true}), other = numbered_world(50, {.rotation = true, .anisotropy = true});
+  World world = numbered_world(50, {.rotation = true, .anisotropy = true});
+  World other = numbered_world(50, {.rotation = true, .anisotropy = true});
   const std::string hash = state_hash(world);
   CHECK(hash.size() == 16);
   world.reorder(morton_order(world));
@@ -221,8 +223,8 @@ TEST_CASE("the state hash does not depend on slots, and sees the last bit", "[en
 
 TEST_CASE("one walk saves, loads and counts the whole state, wherever position, velocity and spin lie", "[engine][world]") {
   const bool from_states = GENERATE(false, true), to_states = GENERATE(false, true);
-  World world =
-      numbered_world(40, {.rotation = true, .anisotropy = true, .force = true, .external_force = true, .states = from_states});
+  World world = numbered_world(40, {.rotation = true, .anisotropy = true, .force = true, .external_force = true,
+                                    .states = from_states});
   world.time = 1.25;
   world.remove(std::vector<BodyId>{static_cast<BodyId>(5), static_cast<BodyId>(11)});
   Tape tape;

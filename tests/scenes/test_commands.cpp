@@ -135,6 +135,20 @@ TEST_CASE("more bodies than memory holds are refused before they take it", "[sce
   }
 }
 
+TEST_CASE("a run that ends early tells the overlap it was left with", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  RunOptions o;
+  o.out = (folder / "out").string(), o.threads = 1, o.steps = 5, o.quiet = true;
+  const Captured run =
+      run_of(ball_in(folder), o, {"contact.method=smooth", "run.time_step=1e-5", "run.output_interval=1e-5",
+                                  "body.ball.position=[0, 0, 0.01]", "body.ball.velocity=[0, 0, -1]"});
+  CHECK(run.code == exit_done);
+  // 1 m/s for 5 steps of 1e-5 s, hardly braked yet: looked at after the fourth or the fifth
+  const double overlap = read_json(folder / "out" / "summary.json").number("overlap.max").value();
+  CHECK(overlap > 3.9e-5);
+  CHECK(overlap < 5.1e-5);
+}
+
 TEST_CASE("a run ends with the code of what ended it, and goes on from there", "[scenes][commands]") {
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);

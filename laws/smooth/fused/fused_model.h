@@ -74,8 +74,9 @@ class FusedModel final : public FusedSpheres {
 
   void set_pairs(const World& world, const SphereList& list) override {
     hurry_.resize(list.margins.size());
-    parallel_for(hurry_.size(),
-                 [&](std::size_t s) { hurry_[s] = list.margins[s] > 0.0 ? static_cast<float>(2.0 / list.margins[s]) : 0.0f; });
+    parallel_for(hurry_.size(), [&](std::size_t s) {
+      hurry_[s] = list.margins[s] > 0.0 ? static_cast<float>(2.0 / list.margins[s]) : 0.0f;
+    });
     others_listed_ = list.others, wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
