@@ -33,11 +33,22 @@ void DriveBody::before_step(World& world, double dt, std::vector<BodyId>&) {
   world.angular_velocity[s] = motion_.rotation_axis * (motion_.rotation_rate * (active / dt));
 }
 
+/// It stands still in this step and in the next one.
+bool DriveBody::rests_next(const World& world, double dt) const {
+  const double now = active_time(world.time), next = world.time + dt;
+  return world.slot_of(body_) == no_slot || (active_time(next) == now && active_time(next + dt) == now);
+}
+
 void RemoveBodies::before_step(World& world, double dt, std::vector<BodyId>& leaving) {
   // removed in the step that would pass the time, half a step before at most
-  if (world.time + 0.5 * dt < time_) return;
+  if (!is_due(world.time, dt)) return;
   for (BodyId b : bodies_)
     if (world.slot_of(b) != no_slot) leaving.push_back(b);
+}
+
+bool RemoveBodies::rests_next(const World& world, double dt) const {
+  return !is_due(world.time + dt, dt) ||
+         std::ranges::all_of(bodies_, [&](BodyId b) { return world.slot_of(b) == no_slot; });
 }
 
 }  // namespace epafi

@@ -14,6 +14,9 @@ class Event {
   virtual ~Event() = default;
   /// Acts on the state of time t before the step to t + dt; bodies to be taken out are appended to `leaving`.
   virtual void before_step(World& world, double dt, std::vector<BodyId>& leaving) = 0;
+  /// Asked behind before_step(world, dt): the next call, as long a step later, will change nothing and look at no body.
+  /// A contact model may begin that step before it then.
+  virtual bool rests_next(const World& /*world*/, double /*dt*/) const { return false; }
   virtual void visit(StateVisitor&) {}
 };
 
@@ -36,6 +39,7 @@ class DriveBody final : public Event {
  public:
   DriveBody(BodyId body, Motion motion, const Vec3& start) : body_(body), motion_(motion), start_(start) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  bool rests_next(const World& world, double dt) const override;
 
  private:
   Vec3 position_at(double time) const;
@@ -50,8 +54,10 @@ class RemoveBodies final : public Event {
  public:
   RemoveBodies(std::vector<BodyId> bodies, double time) : bodies_(std::move(bodies)), time_(time) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  bool rests_next(const World& world, double dt) const override;
 
  private:
+  bool is_due(double time, double dt) const { return time + 0.5 * dt >= time_; }
   std::vector<BodyId> bodies_;
   double time_;
 };

@@ -61,7 +61,7 @@ std::optional<Failure> Simulation::advance(bool last, bool run_on) {
 
 /// Between this step and the next one.
 bool Simulation::nobody_looks() const {
-  if (parts_of_step || !events.empty() || pipeline.guard || steps_ % sort_interval == 0) return false;
+  if (parts_of_step || pipeline.guard || steps_ % sort_interval == 0) return false;
   return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
 }
 
@@ -78,7 +78,8 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) 
   if (!leaving_.empty()) take_out();
   if (sort) sort_bodies();
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
-  step(world, pipeline, work, dt, run_on ? &leave : nullptr);
+  const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
+  step(world, pipeline, work, dt, rest ? &leave : nullptr);
   ledger.add(work.report);
   return watch();
 }

@@ -27,7 +27,7 @@ struct Ball {
 void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
   constexpr int trials = 20;
   const auto& queue = setup_.bodies;
-  if (next_ >= queue.size() || queue[next_].time > world.time) return;
+  if (!waits(world.time)) return;
   std::vector<Ball> balls;  // whatever may be in the way: the box grown by both radii
   for (Slot s = 0; s < world.size(); ++s) {
     if (!world.is_movable(s)) continue;
@@ -36,7 +36,7 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
     if (world.cell || (((x - setup_.low).array() > -r).all() && ((setup_.high - x).array() > -r).all()))
       balls.push_back({x, r});
   }
-  while (next_ < queue.size() && queue[next_].time <= world.time) {
+  while (waits(world.time)) {
     const WaitingBody& waiting = queue[next_];
     Random random(setup_.seed, (next_ << 24) + tried_);
     bool placed = false;

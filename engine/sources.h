@@ -28,9 +28,13 @@ class PourBodies final : public Event {
   };
   explicit PourBodies(Setup setup) : setup_(std::move(setup)) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  bool rests_next(const World& world, double dt) const override { return !waits(world.time + dt); }
   void visit(StateVisitor& visitor) override;
   const Setup& setup() const { return setup_; }
   std::uint64_t poured() const { return next_; }
+
+  /// Some body is to come.
+  bool waits(double time) const { return next_ < setup_.bodies.size() && setup_.bodies[next_].time <= time; }
 
  private:
   Setup setup_;

@@ -30,13 +30,15 @@ Overlap measure_overlap(const World& world, const GapPieces& gaps, const ShapeSt
       [&](std::size_t piece) {
         gaps.read(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
           const auto same = [&](std::size_t k, std::size_t l) { return c.a[k] == c.a[l] && c.b[k] == c.b[l]; };
+          OverlapSum sum;
           for (std::size_t first = begin; first < end; ++first) {
             if (first > 0 && same(first - 1, first)) continue;  // the first contact of a pair stands for it
             double deepest = 0.0;
             for (std::size_t k = first; k < c.size() && same(first, k); ++k) deepest = std::max(deepest, -c.gap[k]);
             if (deepest <= 0.0) continue;
-            sums[piece] += {deepest, deepest / smaller(c.a[first], c.b[first]), deepest, 1};
+            sum += {deepest, deepest / smaller(c.a[first], c.b[first]), deepest, 1};
           }
+          sums[piece] += sum;
         });
       },
       1);
@@ -89,12 +91,11 @@ void RunMonitor::look(const StepView& view) {
 
 void RunMonitor::look_at_momentum(const StepView& view) {
   const World& w = view.world;
+  // walls take momentum: the balance is that of closed systems only
+  if (w.columns().external_force || std::ranges::find(w.inverse_mass, 0.0) != w.inverse_mass.end()) return;
   double magnitude = 0, mass = 0;
-  for (Slot s = 0; s < w.size(); ++s) {
-    if (!w.is_movable(s)) return;  // walls take momentum: the balance is that of closed systems only
+  for (Slot s = 0; s < w.size(); ++s)
     magnitude += w.velocity[s].norm() / w.inverse_mass[s], mass += 1.0 / w.inverse_mass[s];
-  }
-  if (w.columns().external_force) return;
   const Vec3 p = linear_momentum(w) - mass * w.time * w.gravity;
   if (momentum_.started == 0) {
     for (int k = 0; k < 3; ++k) momentum_.start[k] = p[k];

@@ -26,6 +26,16 @@ const std::vector<std::string> bed_on_a_box{"params.n=2200", "body.floor.shape={
 const std::vector<std::string> leaking{"params.n=1500", "body.floor.position=[0, 0, -1]",
                                        "world.domain={ min = [-1, -1, -0.01], max = [1, 1, 1], outside = \"delete\" }"};
 
+/// The floor begins to rise and stops, other spheres come in meanwhile; a gate goes.
+const std::vector<std::string> rising{"params.n=2200",
+                                      "body.floor.shape={ box = { size = [1, 1, 1] } }",
+                                      "body.floor.position=[0, 0, -0.5]",
+                                      "body.floor.fixed=false",
+                                      "body.floor.motion={ velocity = [0, 0, 0.1], from = 0.01, until = 0.02 }",
+                                      "fill.0.method=pour",
+                                      "fill.0.rate=150000"};
+const std::vector<std::string> opening{"params.n=400", "params.open_at=0.05"};
+
 /// Layers that shear in a cell that repeats along x and y, on a plane and on held spheres (which are left to the
 /// generic loop).
 const std::vector<std::string> flow{"params.lx=12",
@@ -239,7 +249,8 @@ TEST_CASE("steps that begin the next one at once give the same bits as steps tha
   set_thread_count(GENERATE(1, 2));
   const Case c =
       GENERATE(Case{"bed/bed.toml", small_bed, 1300, 0}, Case{"bed/bed.toml", bed_on_a_box, 1300, 0},
-               Case{"bed/bed.toml", leaking, 1700, 0}, Case{"bed/bed.toml", with(bed_on_a_box, rolling), 3400, 0});
+               Case{"bed/bed.toml", leaking, 1700, 0}, Case{"bed/bed.toml", with(bed_on_a_box, rolling), 3400, 0},
+               Case{"bed/bed.toml", rising, 1300, 0}, Case{"hopper/hopper.toml", opening, 1800, 0});
   INFO(c.scene << ", " << c.overrides.back());
   const auto run = [&c](bool run_on) {
     SceneRun r = prepare_scene(library(c.scene), c.overrides);

@@ -5,6 +5,7 @@
 /// that do not touch are listed.
 #pragma once
 #include <array>
+#include <bit>
 #include <span>
 
 #include "engine/contacts.h"
@@ -135,8 +136,9 @@ class SphereBlocks {
   }
   template <class F>
   static void each_touching(const Block& block, const Run& run, const F& f) {
-    for (std::uint32_t k = run.begin; k < run.end; ++k)
-      if (block.touched[k / pairs_per_byte] >> (k % pairs_per_byte) & 1u) f(k);
+    for (std::uint32_t k = run.begin; k < run.end; k += pairs_per_byte)
+      for (unsigned bits = block.touched[k / pairs_per_byte]; bits != 0; bits &= bits - 1u)
+        f(k + static_cast<std::uint32_t>(std::countr_zero(bits)));
   }
 
   std::vector<Block>& blocks() { return blocks_; }
