@@ -45,6 +45,11 @@ struct PairList {
   /// the next list.
   std::span<const double> margins{};
   SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
+  /// Until the next list is made.
+  void give_back() {
+    let_go(pairs), margins = {};
+    let_go(spheres.first), let_go(spheres.partner), let_go(spheres.image);
+  }
   /// By how much the bodies of a pair may come closer while the list lasts [m].
   double margin_of(const Pair& p) const { return margins.empty() ? margin : 0.5 * (margins[p.a] + margins[p.b]); }
 };

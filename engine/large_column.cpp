@@ -1,5 +1,6 @@
 #include "engine/large_column.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 
@@ -31,6 +32,12 @@ void give_back_pages([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
   const auto bytes = static_cast<std::uintptr_t>(static_cast<char*>(end) - static_cast<char*>(begin));
   if (bytes >= from + page) madvise(static_cast<char*>(begin) + from, (bytes - from) / page * page, MADV_DONTNEED);
 #endif
+}
+
+void give_back_piece(void* column, void* begin, void* end) {
+  const auto whole = [](void* p) { return reinterpret_cast<std::uintptr_t>(p) / large_page * large_page; };
+  const auto from = std::max(whole(begin), reinterpret_cast<std::uintptr_t>(column)), to = whole(end);
+  if (from < to) give_back_pages(reinterpret_cast<void*>(from), reinterpret_cast<void*>(to));
 }
 
 void give_back_heap() {

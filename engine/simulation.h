@@ -61,6 +61,7 @@ class Simulation {
   void welcome(std::size_t before);
   std::optional<Failure> make_step(double dt, bool sort, bool run_on);
   bool nobody_looks() const;
+  void make_room();
   const std::optional<Domain>& watched() const;
   std::optional<Failure> look_at_strays();
   void drop_contacts();

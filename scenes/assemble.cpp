@@ -35,7 +35,7 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
   body.position = spec.position, body.velocity = spec.velocity, body.angular_velocity = spec.angular_velocity;
   body.shape = shape.ref.packed, body.material = static_cast<std::uint16_t>(spec.material);
   body.orientation = spec.orientation * shape.frame.orientation;
-  body.external_force = spec.force;
+  if (spec.force) body.external_force = *spec.force;
   if (!spec.moves()) return body;
   const double rho = shape.mass > 0 ? 1.0 : density(a.scene, spec.material, place);
   body.mass = shape.mass > 0 ? shape.mass : rho * shape.volume, body.inertia = rho * shape.frame.moments;

@@ -202,7 +202,7 @@ void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
     bill.pay(where != nullptr, name, why, where != nullptr ? *where : Place{});
     return where != nullptr;
   };
-  plan.columns.external_force = pay(find([](const BodySpec& b) { return b.force.squaredNorm() > 0; }), "external force",
+  plan.columns.external_force = pay(find([](const BodySpec& b) { return b.force.has_value(); }), "external force",
                                     "a body has a constant force");
   plan.columns.periodic = pay(scene.cell ? &scene.cell->place : nullptr, "images",
                               "the domain repeats: images of bodies at its faces, cells passed by each body");

@@ -103,12 +103,12 @@ struct BodySpec {
   bool continuous = false;                                    ///< held back from passing through others within a step
   Rare<Motion> motion;                                        ///< motion = { ... } of a driven body
   Rare<Servo> servo;                                          ///< motion = { servo = { ... } } of one that presses
-  std::optional<double> remove_at;                            ///< [s]
+  Rare<double> remove_at;                                     ///< [s]
   Vec3 position = Vec3::Zero();                               ///< of the centre of mass [m]
   Quat orientation = Quat(1, 0, 0, 0);                        ///< of the author's axes, unit
   Vec3 velocity = Vec3::Zero();                               ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();                       ///< world axes [rad/s]
-  Vec3 force = Vec3::Zero();                                  ///< constant external force [N]
+  Rare<Vec3> force;                                           ///< constant external force [N]
   Rare<Place> spin_place;                                     ///< where an angular velocity was written
   bool moves() const { return !fixed && !motion && !servo; }  ///< free: has mass, is integrated
 };

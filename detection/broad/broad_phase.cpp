@@ -26,8 +26,9 @@ void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
 
 void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_by_slow) {
   if (valid_) bodies_.learn(world, step_time_, worn_by_slow);
+  const bool many = world.size() >= many_bodies;
+  if (many) pairs.give_back();
   bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
-  const bool many = bodies_.size() >= many_bodies;
   collect(bodies_, collector_);
   if (many) rest();
   collector_.finish(pairs.pairs);

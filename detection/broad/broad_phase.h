@@ -21,7 +21,10 @@ class ListBroadPhase : public BroadPhase {
   /// The time has come to `now`: of steps in which neither of both is called.
   void see_time(double now);
   /// The next call builds anew: the list names slots.
-  void reorder(const Reordering&) override { valid_ = known_ = false; }
+  void reorder(const Reordering&) override {
+    valid_ = known_ = false;
+    if (bodies_.size() >= many_bodies) bodies_.rest();
+  }
   void visit(StateVisitor&) override { known_ = false; }  ///< it may be another state that comes in
   const FatBodies& bodies() const { return bodies_; }
 

@@ -65,6 +65,13 @@ void FatBodies::update(const World& world, const BroadSetup& setup, double step_
   set_planes(world, setup);
 }
 
+void FatBodies::rest() {
+  let_go(boxes), let_go(ball), let_go(half), let_go(radius), let_go(margin), let_go(id), let_go(type);
+  let_go(immovable), let_go(role), let_go(orientation), let_go(ordinary), let_go(apart), let_go(plane);
+  let_go(sphere_planes), let_go(slow_);
+  complete_ = false;
+}
+
 void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);

@@ -121,6 +121,8 @@ struct FatBodies {
     return most;
   }
   double largest_margin() const;
+  /// Lets go of the columns until the next update, which must not name the same bodies then.
+  void rest();
 
  private:
   double median_radius_ = 0.0;

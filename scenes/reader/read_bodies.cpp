@@ -125,7 +125,8 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   body.fixed = v.has("fixed") && v.boolean("fixed");
   body.continuous = v.has("continuous") && v.boolean("continuous");
   body.position = vec3("position"), body.velocity = vec3("velocity");
-  body.angular_velocity = vec3("angular_velocity"), body.force = vec3("force");
+  body.angular_velocity = vec3("angular_velocity");
+  if (const Vec3 force = vec3("force"); force.squaredNorm() > 0) body.force = force;
   body.orientation = read_orientation(reading, v, table.label);
   if (v.written("angular_velocity")) body.spin_place = v.place_of("angular_velocity");
   body.motion = read_motion(reading, v, table.label);

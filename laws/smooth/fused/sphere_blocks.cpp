@@ -130,10 +130,11 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
   const bool many_old = old.springs.size() * sizeof(SphereSpring) > most_twice;
   by_pieces(count, many || many_old ? given_back : count, relay, [&](std::size_t begin, std::size_t end) {
-    if (many) give_back_pages(kept_.springs.data() + kept_begin_[begin], kept_.springs.data() + kept_begin_[end]);
+    Kept* const kept = kept_.springs.data();
+    if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
     end = std::min(end, old_blocks.size());
     if (many_old && begin < end)
-      give_back_pages(old_blocks[begin].springs, old_blocks[end - 1].springs + old_blocks[end - 1].room);
+      give_back_piece(old.springs.data(), old_blocks[begin].springs, old_blocks[end - 1].springs + old_blocks[end - 1].room);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
@@ -341,10 +342,11 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   };
   laid_out_ = false, grouped_ = true;
   by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t begin, std::size_t end) {
-    if (many) give_back_pages(blocks_[begin].springs, blocks_[end - 1].springs + blocks_[end - 1].room);
+    if (many)
+      give_back_piece(rooms_.springs.data(), blocks_[begin].springs, blocks_[end - 1].springs + blocks_[end - 1].room);
   });
   if (!many) return;
-  blocks_.clear(), rooms_ = Rooms{};
+  blocks_.clear(), rooms_ = Rooms{}, make_way();
 }
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.
