@@ -65,9 +65,9 @@ void PourBodies::visit(StateVisitor& visitor) {
 void Outlet::before_step(World& world, double, std::vector<BodyId>& leaving) {
   const std::vector<BodyId> gone = leaving;  // those that another has taken are not counted here
   for (Slot s = 0; s < world.size(); ++s) {
-    if (!world.is_movable(s) || std::find(gone.begin(), gone.end(), world.id[s]) != gone.end()) continue;
     const Vec3& x = world.position[s];
-    if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any()) continue;
+    if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any() || !world.is_movable(s)) continue;
+    if (std::ranges::find(gone, world.id[s]) != gone.end()) continue;
     leaving.push_back(world.id[s]);
     tally_.count += 1.0, tally_.mass += 1.0 / world.inverse_mass[s];
   }
