@@ -86,7 +86,7 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
         new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_),
                   StateSnapshot(folder_ / ".last_good")});
   add_observers();
-  std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 208 bytes each, more than there
+  std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 184 bytes each, more than there
   give_back_heap();                                       // 39 bytes a sphere of a million
 }
 

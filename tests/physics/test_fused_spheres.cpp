@@ -26,14 +26,14 @@ const std::vector<std::string> bed_on_a_box{"params.n=2200", "body.floor.shape={
 const std::vector<std::string> leaking{"params.n=1500", "body.floor.position=[0, 0, -1]",
                                        "world.domain={ min = [-1, -1, -0.01], max = [1, 1, 1], outside = \"delete\" }"};
 
-/// The floor begins to rise and stops, other spheres come in meanwhile; a gate goes.
+/// The floor begins to rise and stops, spheres come in one by one, every tenth step; a gate goes.
 const std::vector<std::string> rising{"params.n=2200",
                                       "body.floor.shape={ box = { size = [1, 1, 1] } }",
                                       "body.floor.position=[0, 0, -0.5]",
                                       "body.floor.fixed=false",
                                       "body.floor.motion={ velocity = [0, 0, 0.1], from = 0.01, until = 0.02 }",
                                       "fill.0.method=pour",
-                                      "fill.0.rate=150000"};
+                                      "fill.0.rate=2000"};
 const std::vector<std::string> opening{"params.n=400", "params.open_at=0.05"};
 
 /// Layers that shear in a cell that repeats along x and y, on a plane and on held spheres (which are left to the

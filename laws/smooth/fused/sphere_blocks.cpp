@@ -134,7 +134,8 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
     end = std::min(end, old_blocks.size());
     if (many_old && begin < end)
-      give_back_piece(old.springs.data(), old_blocks[begin].springs, old_blocks[end - 1].springs + old_blocks[end - 1].room);
+      give_back_piece(old.springs.data(), old_blocks[begin].springs,
+                      old_blocks[end - 1].springs + old_blocks[end - 1].room);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
@@ -163,8 +164,8 @@ std::uint32_t SphereBlocks::need(const SpherePairs& list, std::size_t block) con
 }
 
 /// Gives every block room in the columns, an eighth more than it needs now, a sixteenth of many bodies: the next lists
-/// fit in too. With a sixteenth a bed of 100 000 that settles moved in 2.1 instead of 1.7 ns per sphere and step. Columns
-/// below a large page take no memory for what nobody writes: a half more, and a hopper that fills moves seldom.
+/// fit in too. With a sixteenth a bed of 100 000 that settles moved in 2.1 instead of 1.7 ns per sphere and step.
+/// Columns below a large page take no memory for what nobody writes: a half more, and a hopper that fills moves seldom.
 void SphereBlocks::make_rooms(const SpherePairs& pairs) {
   constexpr std::size_t few_bodies = 32'768;
   const std::uint32_t share = bodies_ < few_bodies ? 2 : bodies_ < many_bodies ? 8 : 16;
