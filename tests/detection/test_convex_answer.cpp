@@ -13,7 +13,7 @@ using testing::upright;
 
 namespace {
 
-ConvexHull hull_of(const CorpusBody& body) { return ConvexHull::from_faces(body.vertices, body.faces).hull; }
+ConvexHull corpus_hull(const CorpusBody& body) { return ConvexHull::from_faces(body.vertices, body.faces).hull; }
 
 }  // namespace
 
@@ -22,7 +22,7 @@ TEST_CASE("support functions alone give the right class of every pair, and their
   int wrong = 0, outside = 0, intervals = 0;
   double worst = 0.0;
   for (const auto& p : support::read_corpus(EPAFI_SOURCE_DIR "/tests/data/convex_pairs.bin")) {
-    const ConvexHull a = hull_of(p.a), b = hull_of(p.b);
+    const ConvexHull a = corpus_hull(p.a), b = corpus_hull(p.b);
     const auto d = ask(ConvexMethod::gjk_epa, a.view(), b.view(), {p.a.centre, upright}, {p.b.centre, upright});
     CHECK(std::isfinite(d.distance));
     CHECK(std::abs(d.normal.norm() - 1.0) < 1e-14);
@@ -39,7 +39,7 @@ TEST_CASE("support functions alone give the right class of every pair, and their
 TEST_CASE("the axis test alone is exact while bodies overlap and a bound while they do not", "[detection][answer]") {
   int bounds = 0;
   for (const auto& p : support::read_corpus(EPAFI_SOURCE_DIR "/tests/data/convex_pairs.bin")) {
-    const ConvexHull a = hull_of(p.a), b = hull_of(p.b);
+    const ConvexHull a = corpus_hull(p.a), b = corpus_hull(p.b);
     const auto d = ask(ConvexMethod::sat, a.view(), b.view(), {p.a.centre, upright}, {p.b.centre, upright});
     CHECK(d.distance <= p.distance + p.resolution());
     if (p.distance < -p.resolution()) CHECK(d.distance >= p.distance - p.resolution());

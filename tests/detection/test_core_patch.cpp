@@ -1,30 +1,18 @@
 #include "detection/narrow/core_patch.h"
 
-#include "detection/narrow/convex_pairs.h"
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"
+#include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using support::about, support::contacts, support::deepest;
 using testing::upright;
 
 namespace {
 
-Quat about(const Vec3& axis, double angle) { return Quat(Eigen::AngleAxisd(angle, axis.normalized())); }
 const Box table(Vec3(1, 1, 0.25));  // its top at z = 0.25
-
-template <class A, class B>
-ContactSet contacts(const A& a, const Pose& pa, const B& b, const Pose& pb, double reach = 0.0) {
-  ContactSet set;
-  ContactSink sink(set);
-  sink.begin(0, 1);
-  collide(a, b, PairQuery{pa, pb, reach, false, nullptr}, sink);
-  sink.end();
-  return set;
-}
-
-double deepest(const ContactSet& c) { return *std::min_element(c.gap.begin(), c.gap.end()); }
 
 }  // namespace
 

@@ -6,20 +6,13 @@
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/ellipsoid.h"
 #include "tests/support/catch.h"
+#include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using support::difference;
 using testing::upright;
-
-namespace {
-
-template <class A, class B>
-MinkowskiDifference difference(const A& a, const Pose& pa, const B& b, const Pose& pb) {
-  return MinkowskiDifference(ConvexRef::to(a), ConvexRef::to(b), pa, pb);
-}
-
-}  // namespace
 
 TEST_CASE("the polytope gives the depth of polyhedra that the features give", "[detection][epa]") {
   Random random(31, 0);

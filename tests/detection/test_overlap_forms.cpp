@@ -29,7 +29,7 @@ ContactSet contacts(const ConvexHull& a, const Pose& pa, const ConvexHull& b, co
   return set;
 }
 
-bool same_bits(const ContactSet& x, const ContactSet& y) {
+bool same_contacts(const ContactSet& x, const ContactSet& y) {
   return x.feature == y.feature && x.gap == y.gap && x.normal == y.normal && x.arm == y.arm && x.area == y.area;
 }
 
@@ -206,7 +206,7 @@ TEST_CASE("cells do not show what a pair remembers", "[detection][volume]") {
       pose.position -= (axis.gap + random.uniform(-2e-4, 2e-3)) * axis.normal;
       const OverlapForm before = cache.polyhedra.form;
       const ContactSet with = contacts(a, {}, b, pose, &cache), without = contacts(a, {}, b, pose, nullptr);
-      REQUIRE(same_bits(with, without));
+      REQUIRE(same_contacts(with, without));
       const OverlapForm after = cache.polyhedra.form;
       const bool same = before.kind == after.kind && before.a == after.a && before.b == after.b &&
                         before.near.count_a == after.near.count_a && before.near.count_b == after.near.count_b;
@@ -231,7 +231,7 @@ TEST_CASE("a memory of other bodies does no harm", "[detection][volume]") {
         const ConvexHull &a = first_large ? large : small, &b = second_large ? large : small;
         const PolyhedronPair pair = overlapping(a, b, 1e-3, random);
         const Pose pose{pair.offset, Quat(pair.rotation)};
-        CHECK(same_bits(contacts(a, {}, b, pose, &cache), contacts(a, {}, b, pose, nullptr)));
+        CHECK(same_contacts(contacts(a, {}, b, pose, &cache), contacts(a, {}, b, pose, nullptr)));
       }
   }
 }
@@ -258,7 +258,7 @@ TEST_CASE("a form is found from the faces that bound an overlap, where its axis 
     const OverlapForm found = collide_volumes(pair, axis, {1.0, Mat3::Identity()}, sink);
     const OverlapForm found_again = collide_volumes(pair, other, {1.0, Mat3::Identity()}, sink_again);
     CHECK((found.kind == found_again.kind && found.a == found_again.a && found.b == found_again.b));
-    CHECK(same_bits(set, again));
+    CHECK(same_contacts(set, again));
   }
   CHECK(forms > 60);
 }

@@ -12,7 +12,7 @@ namespace {
 
 const double cant = std::atan(1.0 / 40.0);
 
-ProfilePoints table(const std::string& name) {
+ProfilePoints profile_table(const std::string& name) {
   std::ifstream in(std::string(EPAFI_SOURCE_DIR) + "/tests/data/wheel_rail/" + name);
   std::stringstream text;
   text << in.rdbuf();
@@ -40,9 +40,9 @@ TEST_CASE("built-in profiles agree with independent tables to a micrometre", "[d
       if (points.z[k] < deepest) w = std::max(w, std::abs(profile.at(points.y[k]).z - points.z[k]));
     return w;
   };
-  CHECK(worst(s1002(), table("wheel_s1002.csv"), 1.0) < 2e-7);  // 1.2e-4 mm steps at the joints of the definition
-  CHECK(worst(uic60(), table("rail_uic60_1in40.csv"), 0.013) < 1e-6);
-  CHECK(worst(Profile(*built_in_profile("60e1")), table("rail_60e1.csv"), 0.013) < 1e-6);
+  CHECK(worst(s1002(), profile_table("wheel_s1002.csv"), 1.0) < 2e-7);  // 1.2e-4 mm steps at the joints of the definition
+  CHECK(worst(uic60(), profile_table("rail_uic60_1in40.csv"), 0.013) < 1e-6);
+  CHECK(worst(Profile(*built_in_profile("60e1")), profile_table("rail_60e1.csv"), 0.013) < 1e-6);
   CHECK(built_in_profile("s1003") == nullptr);
 }
 

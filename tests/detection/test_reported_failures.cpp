@@ -5,17 +5,17 @@
 #include "detection/narrow/narrow_phase.h"
 #include "detection/narrow/triangle_solid.h"
 #include "tests/support/catch.h"
+#include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"
 
 using namespace epafi;
+using support::about;
 using testing::upright;
 
 namespace {
 
-Quat about(const Vec3& axis, double angle) { return Quat(Eigen::AngleAxisd(angle, axis.normalized())); }
-
-struct Found {
+struct Touch {
   ContactSet contacts;
   std::size_t degenerate = 0;
   double deepest() const {
@@ -25,7 +25,7 @@ struct Found {
 
 /// Two bodies through the pair table, as in a step.
 template <class A, class B>
-Found touch(const A& a, const Pose& pose_a, const B& b, const Pose& pose_b, double reach = 0.0) {
+Touch touch(const A& a, const Pose& pose_a, const B& b, const Pose& pose_b, double reach = 0.0) {
   ShapeStore shapes;
   World world(Columns{.rotation = true, .force = false});
   Body body;
@@ -36,7 +36,7 @@ Found touch(const A& a, const Pose& pose_a, const B& b, const Pose& pose_b, doub
   world.add(body);
   BatchNarrowPhase narrow(shapes, reach, false);
   const PairList pairs{{{0, 1}}, 0.0, 1};
-  Found found;
+  Touch found;
   narrow.collide(world, pairs, found.contacts);
   found.degenerate = narrow.degenerate_pairs();
   for (std::size_t k = 0; k < found.contacts.size(); ++k) {
@@ -46,7 +46,7 @@ Found touch(const A& a, const Pose& pose_a, const B& b, const Pose& pose_b, doub
   return found;
 }
 
-double distance(const ConvexHull& a, const Pose& pa, const ConvexHull& b, const Pose& pb,
+double signed_distance(const ConvexHull& a, const Pose& pa, const ConvexHull& b, const Pose& pb,
                 ConvexMethod method = ConvexMethod::automatic) {
   const auto d = ask(method, a.view(), b.view(), pa, pb);
   CHECK(d.normal.allFinite());
@@ -62,8 +62,8 @@ constexpr ConvexMethod both[] = {ConvexMethod::automatic, ConvexMethod::gjk_epa}
 TEST_CASE("reported: cubes of edge 2 offset by exactly 1.9 along z touch 0.1 deep along z", "[detection][reported]") {
   const Box cube(Vec3::Ones());
   for (const auto method : both)
-    CHECK(distance(cube.hull, {}, cube.hull, {{0, 0, 1.9}, upright}, method) == Approx(-0.1).epsilon(1e-13));
-  const Found f = touch(cube, {}, cube, {{0, 0, 1.9}, upright});
+    CHECK(signed_distance(cube.hull, {}, cube.hull, {{0, 0, 1.9}, upright}, method) == Approx(-0.1).epsilon(1e-13));
+  const Touch f = touch(cube, {}, cube, {{0, 0, 1.9}, upright});
   REQUIRE(f.contacts.size() == 4);
   CHECK(f.contacts.normal[0] == Vec3(0, 0, 1));
 }
@@ -77,7 +77,7 @@ TEST_CASE("reported: a thin box on a plate, where the origin lies outside the po
     const double exact = c.z() - 0.0185 - 0.005;
     const Quat turn = about(Vec3::UnitZ(), random.uniform(0, 3));
     for (const auto method : both)
-      CHECK(std::abs(distance(plate.hull, {}, thin.hull, {c, turn}, method) - exact) < 2e-12);
+      CHECK(std::abs(signed_distance(plate.hull, {}, thin.hull, {c, turn}, method) - exact) < 2e-12);
   }
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("reported: equal boxes in equal turns kiss with a gap below an epsilon
     for (const double gap : {1e-17, 1e-16, 1e-15, -1e-16, 0.0}) {
       const Vec3 centre = turn * Vec3(0.1 + gap, 0.02, 0.03);
       for (const auto method : both)
-        CHECK(std::abs(distance(box.hull, {Vec3::Zero(), turn}, box.hull, {centre, turn}, method)) < 2e-15);
+        CHECK(std::abs(signed_distance(box.hull, {Vec3::Zero(), turn}, box.hull, {centre, turn}, method)) < 2e-15);
     }
   }
 }
@@ -98,11 +98,11 @@ TEST_CASE("reported: a plate of 0.46 by 0.48 by 0.01 in a box, and a slab agains
           "[detection][reported]") {
   const Box plate(Vec3(0.23, 0.24, 0.005)), box(Vec3(0.1, 0.1, 0.1));
   for (const auto method : both)
-    CHECK(std::abs(distance(plate.hull, {}, box.hull, {{0.05, 0.02, 0.1}, upright}, method) + 0.005) < 1e-14);
+    CHECK(std::abs(signed_distance(plate.hull, {}, box.hull, {{0.05, 0.02, 0.1}, upright}, method) + 0.005) < 1e-14);
   const Box slab(Vec3(0.025, 0.195, 0.735));
   const Cylinder can(0.1, 0.3);
   for (const double depth : {1e-3, 1e-6, 1e-9}) {
-    const Found f =
+    const Touch f =
         touch(slab, {}, can, {{0.025 + 0.1 - depth, 0.01, 0.2}, upright});  // axis along z, beside the wide face
     REQUIRE(f.contacts.size() >= 1);
     CHECK(std::abs(f.deepest() + depth) < 2e-12);
@@ -115,14 +115,14 @@ TEST_CASE("reported: cubes on a diagonal leave by a face, not towards a vertex",
   const Box cube(Vec3::Constant(0.5));
   for (const double s : {0.9, 0.99, 0.999999})
     for (const auto method : both)
-      CHECK(std::abs(distance(cube.hull, {}, cube.hull, {{s, s, s}, upright}, method) - (s - 1.0)) < 1e-13);
+      CHECK(std::abs(signed_distance(cube.hull, {}, cube.hull, {{s, s, s}, upright}, method) - (s - 1.0)) < 1e-13);
 }
 
 TEST_CASE("reported: two faces 2.5e-4 deep are not dropped, at any step of a slow approach", "[detection][reported]") {
   const Box box(Vec3(0.5, 0.5, 0.5));
   for (int k = -50; k <= 50; ++k) {
     const double gap = 1e-5 * k + 2.5e-6;
-    const Found f = touch(box, {}, box, {{0, 0, 1 + gap}, upright});
+    const Touch f = touch(box, {}, box, {{0, 0, 1 + gap}, upright});
     CHECK(f.contacts.size() == (gap < 0 ? 4 : 0));
     if (gap < 0) CHECK(std::abs(f.deepest() - gap) < 3e-16);
   }
@@ -131,7 +131,7 @@ TEST_CASE("reported: two faces 2.5e-4 deep are not dropped, at any step of a slo
 TEST_CASE("reported: boxes of half size 1 to 100 keep their contacts", "[detection][reported]") {
   for (const double h : {1.0, 3.0, 10.0, 30.0, 100.0}) {
     const Box box(Vec3::Constant(h));
-    const Found f = touch(box, {}, box, {{0.1 * h, 0.2 * h, 2 * h - 1e-3}, upright});
+    const Touch f = touch(box, {}, box, {{0.1 * h, 0.2 * h, 2 * h - 1e-3}, upright});
     CHECK(f.contacts.size() == 4);
     CHECK(std::abs(f.deepest() + 1e-3) < 1e-15 * 2 * h);
   }
@@ -144,12 +144,12 @@ TEST_CASE("reported: clearly separated hulls are never at distance 0, overlappin
   const Box cube(Vec3::Constant(0.5));
   for (int k = 0; k < 3000; ++k) {
     const Pose pb{random.uniform(2.1, 6) * testing::random_direction(random), testing::random_turn(random)};
-    const double d = distance(a, {}, b, pb);
+    const double d = signed_distance(a, {}, b, pb);
     CHECK(d > pb.position.norm() - a.radius - b.radius - 1e-12);
     CHECK(d > 0.09);
     const Pose inside{random.uniform(0, 0.999) * testing::random_direction(random),
                       testing::random_turn(random)};  // inner spheres meet
-    CHECK(distance(cube.hull, {}, cube.hull, inside) < 0.0);
+    CHECK(signed_distance(cube.hull, {}, cube.hull, inside) < 0.0);
   }
 }
 
@@ -172,13 +172,13 @@ TEST_CASE("reported: a disjoint cylinder and capsule are apart, barely touching 
   const Cylinder cylinder(0.5, 2.0);
   const Capsule capsule(0.25, 1.0);
   for (const double gap : {0.3, 1e-3, 1e-6, 1e-9, 1e-12}) {
-    const Found above = touch(cylinder, {}, capsule, {{0.1, 0.1, 1.0 + 0.5 + 0.25 + gap}, upright}, 1.0);
+    const Touch above = touch(cylinder, {}, capsule, {{0.1, 0.1, 1.0 + 0.5 + 0.25 + gap}, upright}, 1.0);
     REQUIRE(above.contacts.size() >= 1);
     CHECK(std::abs(above.deepest() - gap) < 1e-14);
-    const Found below = touch(cylinder, {}, capsule, {{0.1, 0.1, 1.0 + 0.5 + 0.25 - gap}, upright}, 1.0);
+    const Touch below = touch(cylinder, {}, capsule, {{0.1, 0.1, 1.0 + 0.5 + 0.25 - gap}, upright}, 1.0);
     REQUIRE(below.contacts.size() >= 1);
     CHECK(std::abs(below.deepest() + gap) < 1e-14);
-    const Found beside = touch(cylinder, {}, capsule, {{0.5 + 0.25 + gap, 0, 0.2}, about(Vec3::UnitY(), 1e-3)}, 1.0);
+    const Touch beside = touch(cylinder, {}, capsule, {{0.5 + 0.25 + gap, 0, 0.2}, about(Vec3::UnitY(), 1e-3)}, 1.0);
     REQUIRE(beside.contacts.size() >= 1);
     CHECK(beside.deepest() < gap);  // leaning by 1e-3 over half a metre comes nearer by up to 5e-4
     CHECK(beside.deepest() > gap - 6e-4);
@@ -197,7 +197,7 @@ TEST_CASE("reported: the normal does not flip while a box hovers over or sinks i
   const Sphere point{1e-9};  // a point that comes from 0.24 inside to 0.25, the surface, and beyond
   for (int k = 0; k <= 40; ++k) {
     const double z = 0.24 + 5e-4 * k + 1e-7;
-    const Found f = touch(ground, {}, point, {{0.1, 0.2, z}, upright}, 0.1);
+    const Touch f = touch(ground, {}, point, {{0.1, 0.2, z}, upright}, 0.1);
     REQUIRE(f.contacts.size() == 1);
     CHECK(f.contacts.normal[0] == Vec3(0, 0, 1));
     CHECK(std::abs(f.contacts.gap[0] - (z - 0.25 - 1e-9)) < 1e-15);
@@ -225,7 +225,7 @@ TEST_CASE("reported: a ground of 20 km carries a box of 1 m with its normal upri
     for (int k = 0; k < 100; ++k) {
       const double depth = std::pow(10.0, -random.uniform(2, 6));
       const Vec3 c(random.uniform(-0.49, 0.49) * side, random.uniform(-0.49, 0.49) * side, 10.5 - depth);
-      const Found f = touch(ground, {}, box, {c, about(Vec3::UnitZ(), random.uniform(0, 1))});
+      const Touch f = touch(ground, {}, box, {c, about(Vec3::UnitZ(), random.uniform(0, 1))});
       REQUIRE(f.contacts.size() == 4);
       for (const Vec3& n : f.contacts.normal) CHECK(n == Vec3(0, 0, 1));
       CHECK(std::abs(f.deepest() + depth) < 1e-14);
@@ -236,7 +236,7 @@ TEST_CASE("reported: a ground of 20 km carries a box of 1 m with its normal upri
 TEST_CASE("reported: boxes at coordinates of 9e4 overlap as they do at the origin", "[detection][reported]") {
   const Box box(Vec3(1, 1, 1));
   const Vec3 far(9e4, -9e4, 9e4);  // 1.75 is a sum of powers of two: stored exactly
-  CHECK(distance(box.hull, {far, upright}, box.hull, {far + Vec3(1.75, 0.5, 0.25), upright}) == -0.25);
+  CHECK(signed_distance(box.hull, {far, upright}, box.hull, {far + Vec3(1.75, 0.5, 0.25), upright}) == -0.25);
 }
 
 TEST_CASE("reported: close parallel faces end, at every gap from 1e-3 to nothing", "[detection][reported]") {
@@ -275,7 +275,7 @@ TEST_CASE("reported: a sphere in every place about a box, its centre included, h
     for (int j = -2; j <= 2; ++j)
       for (int k = -2; k <= 2; ++k) {
         const Vec3 c(0.25 * i, 0.2 * j, 0.15 * k);  // faces, edges, vertices and the centre exactly
-        const Found f = touch(box, {}, Sphere{0.1}, {c, upright}, 1.0);
+        const Touch f = touch(box, {}, Sphere{0.1}, {c, upright}, 1.0);
         REQUIRE(f.contacts.size() == 1);
         const Vec3 out = c.cwiseAbs() - box.half;
         CHECK(f.contacts.gap[0] == Approx(out.maxCoeff() - 0.1).margin(1e-15));
@@ -293,7 +293,7 @@ TEST_CASE("reported: nearly identical triangles, and equal hulls in one pose, ov
   for (int k = 0; k < 60; ++k) {
     const ConvexHull hull = support::random_hull(random, 4 + static_cast<std::size_t>(k % 20));
     const double exact = support::brute_force_distance(hull, {}, hull, {});
-    for (const auto method : both) CHECK(std::abs(distance(hull, {}, hull, {}, method) - exact) < 1e-11);
+    for (const auto method : both) CHECK(std::abs(signed_distance(hull, {}, hull, {}, method) - exact) < 1e-11);
   }
 }
 
@@ -306,7 +306,7 @@ TEST_CASE("reported: a cylinder on a floor of two triangles touches under itself
     const double depth = 1e-3 * random.uniform();
     const Pose pose{{random.uniform(-20, 20), random.uniform(-20, 20), 0.4 - depth},
                     about(Vec3::UnitZ(), random.uniform(0, 3))};
-    const Found f = touch(can, pose, floor, {});
+    const Touch f = touch(can, pose, floor, {});
     REQUIRE(f.contacts.size() >= 3);
     CHECK(std::abs(f.deepest() + depth) < 1e-13);
     for (const Vec3& arm : f.contacts.arm) CHECK(std::sqrt(arm.x() * arm.x() + arm.y() * arm.y()) < 0.3 + 1e-12);

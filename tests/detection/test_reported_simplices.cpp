@@ -1,13 +1,14 @@
 // Failures that users of other libraries reported in public trackers and that lie inside GJK or EPA, rebuilt from their
 // descriptions: simplices without area, polytopes that are not convex, wrong starts. The answers are closed forms.
 #include "detection/narrow/convex_answer.h"
-#include "detection/narrow/convex_pairs.h"
 #include "detection/narrow/epa.h"
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"
+#include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
 
 using namespace epafi;
+using support::difference;
 using testing::random_direction;
 using testing::random_turn;
 using testing::upright;
@@ -15,11 +16,6 @@ using testing::upright;
 namespace {
 
 constexpr ConvexMethod methods[] = {ConvexMethod::automatic, ConvexMethod::gjk_epa};
-
-template <class A, class B>
-MinkowskiDifference difference(const A& a, const Pose& pa, const B& b, const Pose& pb) {
-  return {ConvexRef::to(a), ConvexRef::to(b), pa, pb};
-}
 
 Simplex simplex_of(const std::vector<Vec3>& points) {
   Simplex s;

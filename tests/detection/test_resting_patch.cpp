@@ -32,14 +32,14 @@ Pose at_gap(const A& a, const B& b, const Vec3& d, const Quat& turn, double gap)
   return pose;
 }
 
-struct Errors {
+struct Differences {
   int kept = 0, others = 0;
   double gap = 0.0, arm = 0.0, normal = 0.0, other_gap = 0.0;  ///< all but the first over the way
 };
 
 /// A pair is asked, moved by up to `way`, and asked again with its resting patch and without.
 template <class A, class B>
-void compare(const A& a, const B& b, Pose pose, double way, Random& random, Errors& e) {
+void compare(const A& a, const B& b, Pose pose, double way, Random& random, Differences& e) {
   RestingPatch resting;
   PairQuery q{{{0.3, -0.2, 0.1}, testing::random_turn(random)}, {}, 0.005};
   const auto placed = [&] {
@@ -76,7 +76,7 @@ TEST_CASE("contact points that rest follow their features to second order in the
   Random random(71, 0);
   const Box box(Vec3(0.5, 0.4, 0.3)), other(Vec3(0.3, 0.3, 0.2));
   for (const double way : {0.25e-6, 0.125e-6}) {
-    Errors hulls, boxes;
+    Differences hulls, boxes;
     for (int k = 0; k < 400; ++k) {
       const ConvexHull a = support::random_hull(random, 20, Vec3::Constant(0.5));
       const ConvexHull b = support::random_hull(random, 14, Vec3::Constant(0.4));
@@ -88,7 +88,7 @@ TEST_CASE("contact points that rest follow their features to second order in the
       pose.position += Vec3(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0.0);  // over edges and corners too
       compare(box, other, pose, way, random, boxes);
     }
-    for (const Errors& e : {hulls, boxes}) {
+    for (const Differences& e : {hulls, boxes}) {
       INFO(way << ": kept " << e.kept << ", others " << e.others << ", gap " << e.gap << ", over the way: arm " << e.arm
                << ", normal " << e.normal << ", gap of others " << e.other_gap);
       CHECK(e.kept > 350);

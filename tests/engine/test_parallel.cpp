@@ -10,19 +10,16 @@
 #include "engine/random.h"
 #include "engine/report.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 
 namespace {
-struct Threads {  ///< restores the thread count
-  int before = thread_count();
-  ~Threads() { set_thread_count(before); }
-};
 const auto counts = {1, 2, 3, 4, 7, 8};
 }  // namespace
 
 TEST_CASE("every index is visited once, for every length and thread count", "[engine][parallel]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   for (int threads : counts) {
     set_thread_count(threads);
     for (std::size_t n : {0u, 1u, 2u, 511u, 512u, 1023u, 1024u, 1025u, 5000u}) {
@@ -45,7 +42,7 @@ TEST_CASE("every index is visited once, for every length and thread count", "[en
 
 TEST_CASE("a wavefront finishes each part once, by its finder and after all its sources",
           "[engine][parallel][threads]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   for (int threads : counts) {
     set_thread_count(threads);
     for (std::size_t trays : {1u, 2u, 40u})
@@ -81,7 +78,7 @@ TEST_CASE("a wavefront finishes each part once, by its finder and after all its 
 
 TEST_CASE("a stage begins when the one before is done, and none of its pieces is left out",
           "[engine][parallel][threads]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   const std::vector<std::size_t> sizes{100, 7, 0, 1000, 1, 64};
   for (int threads : counts) {
     set_thread_count(threads);
@@ -105,7 +102,7 @@ TEST_CASE("a stage begins when the one before is done, and none of its pieces is
 }
 
 TEST_CASE("sums and maxima are the same bits for every thread count", "[engine][parallel][threads]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   Random random(1, 1);
   std::vector<double> x(100001);
   for (double& v : x) v = std::exp(random.uniform(-30, 30)) * (random.uniform() < 0.5 ? -1 : 1);
@@ -141,7 +138,7 @@ TEST_CASE("a sum is exact where its terms are integers, a maximum starts from it
 }
 
 TEST_CASE("the serial part of a stage is what lies outside loops worth sharing out", "[engine][parallel]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   using namespace std::chrono_literals;
   const auto sleep = [](auto...) { std::this_thread::sleep_for(10ms); };
   for (int threads : {1, 2}) {

@@ -4,21 +4,18 @@
 #include <numeric>
 
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 
 namespace {
-struct Threads {  ///< restores the thread count
-  int before = thread_count();
-  ~Threads() { set_thread_count(before); }
-};
-const auto counts = {1, 2, 3, 8, 16};
+const auto thread_counts = {1, 2, 3, 8, 16};
 const auto lengths = {0u, 1u, 2u, 4095u, 4096u, 8192u, 16385u, 70001u};
 }  // namespace
 
 TEST_CASE("running sums are those of one thread", "[engine][parallel]") {
-  const Threads restore;
-  for (const int threads : counts) {
+  const support::KeepThreads keep;
+  for (const int threads : thread_counts) {
     set_thread_count(threads);
     for (const std::size_t n : lengths) {
       std::vector<std::uint32_t> v(n), wanted(n);
@@ -31,9 +28,9 @@ TEST_CASE("running sums are those of one thread", "[engine][parallel]") {
 }
 
 TEST_CASE("selecting keeps the order and takes exactly those asked for", "[engine][parallel]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   const auto is = [](std::size_t i) { return i * 2654435761u % 7 < 3; };
-  for (const int threads : counts) {
+  for (const int threads : thread_counts) {
     set_thread_count(threads);
     for (const std::size_t n : lengths) {
       std::vector<std::uint64_t> wanted, found(5, 99);
@@ -47,12 +44,12 @@ TEST_CASE("selecting keeps the order and takes exactly those asked for", "[engin
 }
 
 TEST_CASE("grouping by key is a stable sort, for every number of threads", "[engine][parallel]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   struct Item {
     std::uint32_t key, value;
     bool operator==(const Item&) const = default;
   };
-  for (const int threads : counts) {
+  for (const int threads : thread_counts) {
     set_thread_count(threads);
     for (const std::size_t n : lengths)
       for (const std::size_t keys : {1u, 7u, 5000u}) {

@@ -19,7 +19,7 @@ struct Case {
   Eigen::VectorXd tributary;
 };
 
-const Case& ball(int across) {
+const Case& ball_on_block(int across) {
   static std::vector<std::pair<int, Case>> made;
   for (const auto& [n, c] : made)
     if (n == across) return c;
@@ -44,7 +44,7 @@ const Case& ball(int across) {
 
 TEST_CASE("multipliers carry the load, penalties penetrate by force over stiffness, augmentation closes the gap",
           "[laws][wheel_rail][fem]") {
-  const Case& c = ball(6);
+  const Case& c = ball_on_block(6);
   for (const SurfaceProblem* s : {&c.nodes, &c.surface}) {
     const double penalty = s == &c.nodes ? 1e11 : 1e16;
     const SurfaceContact exact = solve_surface_contact(*s, {true, N}, Enforcement::lagrange, 0.0);
@@ -72,7 +72,7 @@ TEST_CASE("a ball on a block of hexahedra comes within 2 % of Hertz and nearer o
   const HertzContact h = hertz_of_force(A, A, modulus, N);
   double last = 1.0;
   for (const int n : {4, 6, 8}) {
-    const Case& c = ball(n);
+    const Case& c = ball_on_block(n);
     const SurfaceContact s = solve_surface_contact(c.nodes, {true, N}, Enforcement::lagrange, 0.0);
     // pressures at the nodes against the half sphere, in the mean: peak and edge alike
     double error = 0.0, size = 0.0;
@@ -162,7 +162,7 @@ TEST_CASE("pressures on hexahedra converge to Hertz with the first order of thei
 TEST_CASE("stresses under a ball are those of Huber", "[laws][wheel_rail][fem][slow]") {
   // on the axis (Johnson 1985, eq. 3.45): s_z = -p0 / (1 + z^2/a^2), s_r = -p0 ((1 + nu)(1 - z/a atan(a/z)) - 1 / (2 (1
   // + z^2/a^2))); the largest equivalent stress is 0.62 p0 at 0.48 a
-  const Case& c = ball(10);  // elements of a quarter of the radius
+  const Case& c = ball_on_block(10);  // elements of a quarter of the radius
   const HertzContact h = hertz_of_force(A, A, modulus, N);
   const SurfaceContact s = solve_surface_contact(c.nodes, {true, N}, Enforcement::lagrange, 0.0);
   const BlockStress b = block_stresses(c.mesh, modulus * (1.0 - nu * nu), nu, s.p);
@@ -186,7 +186,7 @@ TEST_CASE("stresses under a ball are those of Huber", "[laws][wheel_rail][fem][s
 
 TEST_CASE("the flexibility of the block is symmetric and far from the force that of a half-space",
           "[laws][wheel_rail][fem]") {
-  const Case& c = ball(6);
+  const Case& c = ball_on_block(6);
   const auto& W = c.nodes.W;
   // the far faces follow a force in the middle, whoever is loaded: the asymmetry measures what that costs
   CHECK((W - W.transpose()).norm() < 2e-3 * W.norm());

@@ -16,7 +16,7 @@ using namespace epafi;
 namespace {
 
 using std::numbers::pi;
-const ElasticPair steel{210e9 / 2.6, 0.3, 0.0};
+const ElasticPair half_spaces{210e9 / 2.6, 0.3, 0.0};
 
 std::vector<double> quadratic(const PatchGrid& g, double A, double B) {
   std::vector<double> gap(g.size());
@@ -62,16 +62,16 @@ TEST_CASE("convolutions by transform equal the plain double sum", "[laws][wheel_
   for (std::size_t k = 0; k < p.size(); ++k)
     p[k] = std::sin(1.0 + 5.0 * static_cast<double>(k)), q.x[k] = std::cos(2.0 * static_cast<double>(k)),
     q.y[k] = p[k] * p[k];
-  PressureKernel normal(g, steel);
+  PressureKernel normal(g, half_spaces);
   normal.apply(p, u);
-  TractionKernel difference(g, steel, KernelKind::difference);
+  TractionKernel difference(g, half_spaces, KernelKind::difference);
   difference.apply(q, v);
   for (std::size_t i = 0; i < p.size(); ++i) {
     double uz = 0.0, ux = 0.0, uy = 0.0;
     for (std::size_t j = 0; j < p.size(); ++j) {
       const double x = g.x(i % 7) - g.x(j % 7), y = g.y(i / 7) - g.y(j / 7);
-      const Influence k = influence(x, y, 0.5 * g.dx, 0.5 * g.dy, steel),
-                      n = influence(x + g.dx, y, 0.5 * g.dx, 0.5 * g.dy, steel);
+      const Influence k = influence(x, y, 0.5 * g.dx, 0.5 * g.dy, half_spaces),
+                      n = influence(x + g.dx, y, 0.5 * g.dx, 0.5 * g.dy, half_spaces);
       uz += k.zz * p[j];
       ux += (k.xx - n.xx) * q.x[j] + (k.xy - n.xy) * q.y[j];
       uy += (k.xy - n.xy) * q.x[j] + (k.yy - n.yy) * q.y[j];
@@ -85,9 +85,9 @@ TEST_CASE("convolutions by transform equal the plain double sum", "[laws][wheel_
 
 TEST_CASE("the influence of a far rectangle is that of a point force", "[laws][wheel_rail]") {
   // Boussinesq and Cerruti: u_z = (1 - nu) P / (pi G r), u_x = P/(pi G r) ((1 - nu) + nu x^2/r^2)  for two bodies
-  const double x = 0.3, y = -0.2, r = std::hypot(x, y), P = 4e-6, s = P / (pi * steel.shear_modulus * r),
-               nu = steel.poissons_ratio;
-  const Influence k = influence(x, y, 1e-3, 1e-3, steel);
+  const double x = 0.3, y = -0.2, r = std::hypot(x, y), P = 4e-6, s = P / (pi * half_spaces.shear_modulus * r),
+               nu = half_spaces.poissons_ratio;
+  const Influence k = influence(x, y, 1e-3, 1e-3, half_spaces);
   CHECK(k.zz == Approx(s * (1.0 - nu)).epsilon(1e-5));
   CHECK(k.xx == Approx(s * (1.0 - nu + nu * x * x / r / r)).epsilon(1e-5));
   CHECK(k.xy == Approx(s * nu * x * y / r / r).epsilon(1e-5));
@@ -96,11 +96,11 @@ TEST_CASE("the influence of a far rectangle is that of a point force", "[laws][w
 TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and approach, of second order",
           "[laws][wheel_rail]") {
   const double A = 0.5 / 0.46, B = 0.5 / 0.3;
-  const HertzContact h = hertz_of_force(A, B, steel.effective_modulus(), 80e3);
+  const HertzContact h = hertz_of_force(A, B, half_spaces.effective_modulus(), 80e3);
   double last = 0.0;
   for (const std::size_t n : {16u, 32u, 64u}) {
     const PatchGrid g{n, n, 2.2 * h.ellipse.a / static_cast<double>(n), 2.2 * h.ellipse.b / static_cast<double>(n)};
-    const HalfSpaceNormal s = solve_half_space_normal(g, quadratic(g, A, B), steel, {true, 80e3});
+    const HalfSpaceNormal s = solve_half_space_normal(g, quadratic(g, A, B), half_spaces, {true, 80e3});
     const double error =
         std::max(std::abs(s.max_pressure / h.max_pressure - 1.0), std::abs(s.approach / h.approach - 1.0));
     CHECK(s.report.converged);
@@ -108,7 +108,7 @@ TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and app
     if (n >= 32) {
       CHECK(error < 1e-3);
       CHECK(error < 0.5 * last);
-      const HalfSpaceNormal by_approach = solve_half_space_normal(g, quadratic(g, A, B), steel, {false, s.approach});
+      const HalfSpaceNormal by_approach = solve_half_space_normal(g, quadratic(g, A, B), half_spaces, {false, s.approach});
       CHECK(by_approach.normal_force == Approx(80e3).epsilon(1e-5));
     }
     last = error;
@@ -137,20 +137,20 @@ TEST_CASE("regions apart press on each other with the share of their distance", 
   CHECK(apart == Approx(10e-3 - std::sqrt(0.6 * 20e-6) - std::sqrt(0.6 * 16e-6)).margin(1e-5));
   const NormalTarget target{false, approach};
   const auto solve = [&](const InfluenceRange& range) {
-    return solve_half_space_normal(g, gap, steel, target, 1e-9, Separation(overlaps, range));
+    return solve_half_space_normal(g, gap, half_spaces, target, 1e-9, Separation(overlaps, range));
   };
   // nearer than `full`: one half-space; farther than `none`: each for itself
-  const auto whole = solve_half_space_normal(g, gap, steel, target, 1e-9), near = solve({apart + 1e-6, 1.0});
+  const auto whole = solve_half_space_normal(g, gap, half_spaces, target, 1e-9), near = solve({apart + 1e-6, 1.0});
   CHECK(near.normal_force == whole.normal_force);
-  const double alone = solve_half_space_normal(g, first, steel, target, 1e-9).normal_force +
-                       solve_half_space_normal(g, second, steel, target, 1e-9).normal_force;
+  const double alone = solve_half_space_normal(g, first, half_spaces, target, 1e-9).normal_force +
+                       solve_half_space_normal(g, second, half_spaces, target, 1e-9).normal_force;
   CHECK(solve({0.0, 0.5 * apart}).normal_force == Approx(alone).epsilon(1e-7));
   CHECK(alone > 1.02 * whole.normal_force);
   // between: the share as a gap that the other region's pressures have closed, to and fro
   const InfluenceRange range{0.5 * apart, 1.5 * apart};
   const double share = std::pow(0.5, 0.8);
   const HalfSpaceNormal part = solve(range);
-  PressureKernel kernel(g, steel);
+  PressureKernel kernel(g, half_spaces);
   std::vector<double> u(g.size()), p(g.size(), 0.0), one(g.size()), seen(g.size());
   for (int round = 0; round < 30; ++round) {
     const std::vector<double> before = p;
@@ -158,7 +158,7 @@ TEST_CASE("regions apart press on each other with the share of their distance", 
       for (std::size_t k = 0; k < p.size(); ++k) one[k] = (g.y(k / g.nx) > 0.0) != upper ? share * before[k] : 0.0;
       kernel.apply(one, u);
       for (std::size_t k = 0; k < p.size(); ++k) seen[k] = (upper ? second : first)[k] + u[k];
-      const auto s = solve_half_space_normal(g, seen, steel, target, 1e-10);
+      const auto s = solve_half_space_normal(g, seen, half_spaces, target, 1e-10);
       for (std::size_t k = 0; k < p.size(); ++k)
         if ((g.y(k / g.nx) > 0.0) == upper) p[k] = s.pressure[k];
     }

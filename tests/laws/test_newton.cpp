@@ -20,12 +20,6 @@ SolverReport solve(const SolverEntry& entry, const ContactProblem& p, Impulses& 
   return entry.make(parameters)->solve(p, r);
 }
 
-double residual_of(const ContactProblem& p, const Impulses& r) {
-  BodyVelocities v;
-  std::vector<Vec3> u;
-  return measure_residual(p, r, p.mean_effective_mass(), v, u).value;
-}
-
 /// Two stacks side by side on the same plane: their bodies share nothing that can move.
 ContactProblem two_stacks(int low, int high) {
   World world{Columns{.rotation = true, .force = false}};

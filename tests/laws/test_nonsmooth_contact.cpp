@@ -4,6 +4,7 @@
 #include "engine/parallel.h"
 #include "engine/random.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/rigid_experiment.h"
 
 using namespace epafi;
@@ -331,10 +332,7 @@ TEST_CASE("B05: the resultant of hyperstatic supports is the weight, the velocit
 }
 
 TEST_CASE("steps are the same bits for every thread count", "[laws][nonsmooth]") {
-  struct Threads {
-    int before = thread_count();
-    ~Threads() { set_thread_count(before); }
-  } restore;
+  const support::KeepThreads keep;
   const auto hash = [](int threads) {
     set_thread_count(threads);
     RigidExperiment x({.friction = 0.4, .restitution = 0.3, .dt = 2e-3, .reach = 5e-3});

@@ -10,8 +10,8 @@ using namespace epafi::experiments;
 
 namespace {
 
-const Material ball{"ball", 4000, 1e9, 0.3}, rigid{"rigid", 1000, infinity, 0.0};
-constexpr double radius = 2.5e-3, speed = 3.9;
+const Material fast_ball{"ball", 4000, 1e9, 0.3};
+constexpr double ball_radius = 2.5e-3, ball_speed = 3.9;
 
 struct LawCase {
   const char* law;
@@ -20,15 +20,15 @@ struct LawCase {
 };
 
 std::vector<LawCase> cases() {
-  const double k = 1e9 * radius;
+  const double k = 1e9 * ball_radius;
   return {{"linear", "coulomb-spring", parameters_of({{"stiffness", k}})},
           {"hertz", "coulomb-spring"},
           {"hertz-mindlin", ""},
           {"hertz-mindlin", "mindlin-deresiewicz"},
-          {"hunt-crossley", "mindlin", parameters_of({{"reference_speed", speed}})},
+          {"hunt-crossley", "mindlin", parameters_of({{"reference_speed", ball_speed}})},
           {"kuwabara-kono", "mindlin", parameters_of({{"relaxation_time", 1e-7}})},
           {"power-law", "coulomb-spring",
-           parameters_of({{"stiffness", k * std::pow(1e-2 * radius, -1.0)}, {"exponent", 2}})},
+           parameters_of({{"stiffness", k * std::pow(1e-2 * ball_radius, -1.0)}, {"exponent", 2}})},
           {"walton-braun", "coulomb-spring", parameters_of({{"stiffness", k}})},
           {"dmt", "mindlin", parameters_of({{"work_of_adhesion", 0.05}})},
           {"jkr", "mindlin", parameters_of({{"work_of_adhesion", 0.05}})}};
@@ -37,14 +37,14 @@ std::vector<LawCase> cases() {
 /// Energy after over energy before, the worst over three phases of the first touch.
 double energy_ratio(const LawCase& c, double e, double mu, double degrees, int steps) {
   ContactChoice choice{c.law, e, mu, 0.0, c.parameters, mu > 0 ? c.tangential : "none", ""};
-  const SmoothSetup setup = setup_of(choice, {ball, rigid});
-  const double angle = degrees * pi / 180, normal = speed * std::cos(angle);
-  const double mass = 4.0 / 3.0 * pi * radius * radius * radius * ball.density;
-  const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, mass, radius, normal, 1}).contact_time;
+  const SmoothSetup setup = setup_of(choice, {fast_ball, rigid});
+  const double angle = degrees * pi / 180, normal = ball_speed * std::cos(angle);
+  const double mass = 4.0 / 3.0 * pi * ball_radius * ball_radius * ball_radius * fast_ball.density;
+  const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, mass, ball_radius, normal, 1}).contact_time;
   double worst = 0.0;
   for (int phase = 0; phase < 3; ++phase) {
     const double dt = time / steps;
-    Rig rig = sphere_on_plane(setup, radius, (phase + 0.5) / 3 * normal * dt, {speed * std::sin(angle), 0, -normal},
+    Rig rig = sphere_on_plane(setup, ball_radius, (phase + 0.5) / 3 * normal * dt, {ball_speed * std::sin(angle), 0, -normal},
                               mu > 0 ? Vec3(0, 200, 100) : Vec3(0, 0, 0));
     const double before = kinetic_energy(rig.world);
     rig.start();

@@ -7,6 +7,7 @@
 #include "laws/nonsmooth/solvers/pgs.h"
 #include "laws/nonsmooth/sweep.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/contact_worlds.h"
 
 using namespace epafi;
@@ -19,11 +20,6 @@ std::unique_ptr<ContactSolver> solver(const std::string& name, double iterations
   for (const SolverEntry& s : all_solvers())
     if (s.entry.name == name) return s.make(p);
   return nullptr;
-}
-double residual_of(const ContactProblem& p, const Impulses& r) {
-  BodyVelocities v;
-  std::vector<Vec3> u;
-  return measure_residual(p, r, p.mean_effective_mass(), v, u).value;
 }
 /// The solvers that sweep.
 std::vector<SolverEntry> sweepers() { return {pgs_entry(), nsgs_entry()}; }
@@ -40,11 +36,6 @@ ContactProblem solvable(ContactProblem p) {
   return p;
 }
 
-/// Restores the number of threads.
-struct Threads {
-  int before = thread_count();
-  ~Threads() { set_thread_count(before); }
-};
 }  // namespace
 
 TEST_CASE("every solver says truly whether it reached its tolerance, and the exact ones reach it", "[laws][pgs]") {
@@ -90,7 +81,7 @@ TEST_CASE("an exact warm start is confirmed, a good one halves the sweeps", "[la
 }
 
 TEST_CASE("Gauss-Seidel gives the same bits for every thread count", "[laws][pgs]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   const ContactProblem p = lattice_problem(14, 0.5, 4);  // colours of over 1024 pairs, so that they do run in parallel
   for (const SolverEntry& entry : sweepers()) {
     set_thread_count(1);

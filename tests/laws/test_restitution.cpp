@@ -14,15 +14,15 @@ namespace {
 
 constexpr double radius = 2.5e-3;
 
-struct Case {
+struct ImpactCase {
   std::string law;
   double speed = 1.0, density = 4000, modulus = 1e9;
   Parameters parameters{};
 };
 
 /// Parameters of a law whose stiffness is like that of a Hertzian contact of the modulus.
-Case make_case(const std::string& law, double exponent, double speed, double density, double modulus) {
-  Case c{law, speed, density, modulus, {}};
+ImpactCase make_case(const std::string& law, double exponent, double speed, double density, double modulus) {
+  ImpactCase c{law, speed, density, modulus, {}};
   const double stiffness = modulus * radius;
   if (law == "linear" || law == "walton-braun") c.parameters.set("stiffness", stiffness);
   if (law == "power-law") {
@@ -33,14 +33,14 @@ Case make_case(const std::string& law, double exponent, double speed, double den
   return c;
 }
 
-SmoothSetup setup_for(const Case& c, double e, bool locate) {
+SmoothSetup setup_for(const ImpactCase& c, double e, bool locate) {
   SmoothSetup setup = setup_of({c.law, e, 0, 0, c.parameters}, {{"m", c.density, c.modulus, 0.3}, rigid});
   setup.locate = locate;
   return setup;
 }
 
 /// Largest error of e over phases of the first touch.
-double worst_error(const Case& c, double e, int steps, int phases, bool locate) {
+double worst_error(const ImpactCase& c, double e, int steps, int phases, bool locate) {
   const SmoothSetup setup = setup_for(c, e, locate);
   const double mass = 4.0 / 3.0 * pi * radius * radius * radius * c.density;
   const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, mass, radius, c.speed, 1}).contact_time;
@@ -83,7 +83,7 @@ TEST_CASE("locating the edges of a contact within the step makes coarse impacts 
   // the laws whose parts are powers; at 50 steps, worst of 16 phases, and over e
   for (const char* law : {"linear", "hertz"}) {
     for (double e : asked) {
-      const Case c = make_case(law, 1.5, 1.0, 4000, 1e9);
+      const ImpactCase c = make_case(law, 1.5, 1.0, 4000, 1e9);
       const double plain = worst_error(c, e, 50, 16, false), located = worst_error(c, e, 50, 16, true);
       INFO(law << " e " << e << " plain " << plain << " located " << located);
       CHECK(located < 0.5 * plain);
@@ -97,7 +97,7 @@ TEST_CASE("table: error of the restitution at 20, 50, 100, 1000 steps per contac
       "|\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const LawRow& row : exact_laws)
     for (double e : {0.2, 0.5, 0.8, 1.0}) {
-      const Case c = make_case(row.law, row.exponent, 1.0, 4000, 1e9);
+      const ImpactCase c = make_case(row.law, row.exponent, 1.0, 4000, 1e9);
       std::printf("| %s", row.law);
       if (std::string(row.law) == "power-law") std::printf(" n = %g", row.exponent);
       std::printf(" | %g", e);
@@ -126,7 +126,7 @@ TEST_CASE("the Hunt-Crossley family returns the restitution of its published fac
   CHECK(Flores::restitution(0.5) == Approx(0.47044478).margin(1e-8));
   for (const Published& p : table)
     for (double e : {0.5, 0.9}) {
-      const Case c{p.law, 2.0, 4000, 1e9, parameters_of({{"reference_speed", 2.0}})};
+      const ImpactCase c{p.law, 2.0, 4000, 1e9, parameters_of({{"reference_speed", 2.0}})};
       const SmoothSetup setup = setup_for(c, e, false);
       const double mass = 4.0 / 3.0 * pi * radius * radius * radius * c.density;
       const double time =
@@ -152,7 +152,7 @@ TEST_CASE("viscoelastic spheres return a restitution that falls with the speed (
   for (const auto& [q, e] : table) {
     for (double speed : {0.1, 3.0}) {
       const double A = q / (std::pow(k / mass, 0.4) * std::pow(speed, 0.2));
-      const Case c{"kuwabara-kono", speed, 4000, 1e9, parameters_of({{"relaxation_time", A}})};
+      const ImpactCase c{"kuwabara-kono", speed, 4000, 1e9, parameters_of({{"relaxation_time", A}})};
       const SmoothSetup setup = setup_for(c, 1.0, false);
       const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, mass, radius, speed, 1}).contact_time;
       Rig rig = sphere_on_plane(setup, radius, 1e-10, {0, 0, -speed});

@@ -14,11 +14,11 @@ using namespace epafi::experiments;
 
 namespace {
 
-const Material glass{"glass", 2500, 1e8, 0.25}, wall{"wall", 1000, infinity, 0.0};
+const Material soft_glass{"glass", 2500, 1e8, 0.25}, wall{"wall", 1000, infinity, 0.0};
 
 /// n spheres of mixed radii thrown into an open box.
 Rig heap(const ContactChoice& choice, int n, double spacing = 0.0125, std::uint64_t seed = 3) {
-  Rig rig(setup_of(choice, {glass, wall}));
+  Rig rig(setup_of(choice, {soft_glass, wall}));
   rig.world.gravity = {0, 0, -9.81};
   Random random(seed, 0);
   const int side = static_cast<int>(std::ceil(std::cbrt(n)));
@@ -68,7 +68,7 @@ class Copier : public StateVisitor {
 }  // namespace
 
 TEST_CASE("contact forces are equal and opposite and open contacts carry none", "[laws][smooth]") {
-  Rig rig(setup_of(full_law(), {glass}));
+  Rig rig(setup_of(full_law(), {soft_glass}));
   Random random(1, 1);
   for (int k = 0; k < 60; ++k) {
     const auto draw = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
@@ -102,7 +102,7 @@ TEST_CASE("contact forces are equal and opposite and open contacts carry none", 
 }
 
 TEST_CASE("a frictionless law reads no spin, no curvature and no orientation", "[laws][smooth]") {
-  const SmoothSetup setup = setup_of({"linear", 0.9, 0, 0, parameters_of({{"stiffness", 1e5}})}, {glass});
+  const SmoothSetup setup = setup_of({"linear", 0.9, 0, 0, parameters_of({{"stiffness", 1e5}})}, {soft_glass});
   const Needs needs = smooth_needs(setup);
   CHECK_FALSE((needs.rotation || needs.memory || needs.slip_velocity || needs.curvature || needs.contact_moment));
   Rig rig(setup);
@@ -122,11 +122,11 @@ TEST_CASE("a frictionless law reads no spin, no curvature and no orientation", "
 }
 
 TEST_CASE("needs follow the parts: friction asks for rotation and memory, rolling for a moment", "[laws][smooth]") {
-  const Needs friction = smooth_needs(setup_of({"hertz", 1, 0.3}, {glass}));
+  const Needs friction = smooth_needs(setup_of({"hertz", 1, 0.3}, {soft_glass}));
   CHECK((friction.rotation && friction.memory && friction.slip_velocity && friction.curvature));
   CHECK_FALSE(friction.contact_moment);
-  CHECK(smooth_needs(setup_of({"hertz", 1, 0.3, 0.1}, {glass})).contact_moment);
-  const Needs none = smooth_needs(setup_of({"hertz-mindlin", 1, 0.0}, {glass}));
+  CHECK(smooth_needs(setup_of({"hertz", 1, 0.3, 0.1}, {soft_glass})).contact_moment);
+  const Needs none = smooth_needs(setup_of({"hertz-mindlin", 1, 0.0}, {soft_glass}));
   CHECK_FALSE((none.rotation || none.memory));
 }
 
@@ -203,7 +203,7 @@ TEST_CASE("the energy ledger of a heap with damping, slip and rolling closes to 
 TEST_CASE("a driven wall's work enters the ledger", "[laws][smooth][energy]") {
   // a wall coming up at u hits a resting sphere: e = 1 gives 2 u, e gives (1 + e) u
   for (double e : {1.0, 0.5}) {
-    Rig rig(setup_of({"hertz", e, 0.3}, {glass, wall}));
+    Rig rig(setup_of({"hertz", e, 0.3}, {soft_glass, wall}));
     rig.wall_material = 1;
     rig.add_sphere(0.01, 2500, {0, 0, 0.010001}, {0, 0, 0});
     rig.add_plane(Vec3::UnitZ(), Vec3::Zero(), {0.2, 0, 1});
@@ -245,20 +245,20 @@ TEST_CASE("impossible set-ups are refused by name", "[laws][smooth][errors]") {
     return std::string("accepted");
   };
   using Catch::Contains;
-  CHECK_THAT(message(setup_of({"herz"}, {glass})), Contains("law 'herz' is unknown") && Contains("hertz-mindlin"));
-  CHECK_THAT(message(setup_of({"linear"}, {glass})), Contains("stiffness [N/m]"));
+  CHECK_THAT(message(setup_of({"herz"}, {soft_glass})), Contains("law 'herz' is unknown") && Contains("hertz-mindlin"));
+  CHECK_THAT(message(setup_of({"linear"}, {soft_glass})), Contains("stiffness [N/m]"));
   ContactChoice mixed{"linear", 1, 0.3, 0, parameters_of({{"stiffness", 1e5}})};
   mixed.tangential = "mindlin";
-  CHECK_THAT(message(setup_of(mixed, {glass})), Contains("'mindlin' needs a Hertzian normal law, not 'linear'"));
+  CHECK_THAT(message(setup_of(mixed, {soft_glass})), Contains("'mindlin' needs a Hertzian normal law, not 'linear'"));
   mixed.tangential = "glue";
-  CHECK_THAT(message(setup_of(mixed, {glass})), Contains("tangential 'glue' is unknown"));
-  CHECK_THAT(message(setup_of({"hertz", 1, 0, 0.1}, {glass})), Contains("rolling law 'spring' needs friction"));
+  CHECK_THAT(message(setup_of(mixed, {soft_glass})), Contains("tangential 'glue' is unknown"));
+  CHECK_THAT(message(setup_of({"hertz", 1, 0, 0.1}, {soft_glass})), Contains("rolling law 'spring' needs friction"));
   CHECK_THAT(message(setup_of({"hertz"}, {Material{"jelly", 1000}})),
              Contains("youngs_modulus [Pa] of material 'jelly'"));
   CHECK_THAT(message(setup_of({"hertz"}, {wall})), Contains("both are rigid"));
-  CHECK_THAT(message(setup_of({"hunt-crossley"}, {glass})), Contains("reference_speed"));
-  CHECK(message(setup_of({"hertz"}, {glass, wall})) == "accepted");  // wall against wall does not occur
-  const auto warnings = check_smooth(setup_of({"hertz", 0.0}, {glass}));
+  CHECK_THAT(message(setup_of({"hunt-crossley"}, {soft_glass})), Contains("reference_speed"));
+  CHECK(message(setup_of({"hertz"}, {soft_glass, wall})) == "accepted");  // wall against wall does not occur
+  const auto warnings = check_smooth(setup_of({"hertz", 0.0}, {soft_glass}));
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].level == Problem::Level::warning);
 }
@@ -272,7 +272,7 @@ TEST_CASE("every listed law can be made and names its source", "[laws][smooth]")
                                                   {"exponent", 1.5},
                                                   {"relaxation_time", 1e-6},
                                                   {"work_of_adhesion", 0.05}})},
-                                  {glass});
+                                  {soft_glass});
       CHECK(make_smooth_contact(setup) != nullptr);
     }
     CHECK_FALSE(law.source.empty());
@@ -310,7 +310,7 @@ TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above 
           "[laws][critical_step][B02]") {
   const double k = 1e6, m = 1e-3;
   for (double part : {0.99, 1.01}) {
-    const SmoothSetup setup = setup_of({"linear", 1, 0, 0, parameters_of({{"stiffness", k}})}, {glass, wall});
+    const SmoothSetup setup = setup_of({"linear", 1, 0, 0, parameters_of({{"stiffness", k}})}, {soft_glass, wall});
     const double radius = std::cbrt(m / (4.0 / 3.0 * pi * 2500));
     Rig rig = sphere_on_plane(setup, radius, -1e-3, {0, 0, 0});
     rig.world.gravity = {0, 0, -1e-3 * k / m};  // rests at overlap 1e-3 and stays closed
@@ -333,7 +333,7 @@ TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above 
 
 TEST_CASE("a chain of damped contacts is quiet below its stable step and flickers above", "[laws][critical_step]") {
   const double k = 1e6, radius = 5e-3, overlap = 1e-6;
-  const SmoothSetup setup = setup_of({"linear", 0.2, 0, 0, parameters_of({{"stiffness", k}})}, {glass, wall});
+  const SmoothSetup setup = setup_of({"linear", 0.2, 0, 0, parameters_of({{"stiffness", k}})}, {soft_glass, wall});
   for (double part : {0.97, 1.03}) {
     Rig rig(setup);
     constexpr int n = 40;  // the chain's own bound cos(pi/(2 n + 2)) is 1e-3 below that of an endless one

@@ -228,7 +228,7 @@ TEST_CASE(
 namespace {
 
 /// One contact moved by hand through the spring: overlap and sliding along given lines, work done ON it.
-struct Driven {
+struct DrivenContact {
   Hertz::Parameters normal{1e9, 0.0};
   Mindlin::Parameters tangential{0.3, 0.8};
   Spring spring{};
@@ -256,7 +256,7 @@ struct Driven {
 TEST_CASE("shear, unload, shear back, reload costs half the shear energy and never gives any (case A13)",
           "[laws][friction][A13]") {
   const double d1 = 1e-5;
-  Driven contact;
+  DrivenContact contact;
   contact.move(d1, {0, 0, 0}, 100);
   const double kt = Mindlin::stiffness(contact.tangential, Hertz::respond(contact.normal, {d1, 0, 1, 1e-3}).stiffness);
   const double shear = 0.1 * 0.3 * contact.normal_force() / kt;
@@ -276,7 +276,7 @@ TEST_CASE("no random closed cycle of overlap and slip takes energy out of a cont
   double worst = 1.0;
   for (std::uint64_t cycle = 0; cycle < 1000; ++cycle) {
     Random random(7, cycle);
-    Driven contact;
+    DrivenContact contact;
     Vec3 place = Vec3::Zero();
     const double start = random.uniform(0.2e-5, 1e-5);
     contact.move(start, {0, 0, 0}, 100);

@@ -1,6 +1,7 @@
 // Clumps: mass properties of unions, motion and impacts beside single spheres, walls of every kind.
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "detection/shapes/clump.h"
 #include "engine/random.h"
@@ -13,7 +14,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 const std::string head = R"(title = "c"
 run = { duration = 1.0, time_step = 2e-6, output_interval = 0.1 }

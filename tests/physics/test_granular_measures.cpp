@@ -9,7 +9,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-std::string head(double duration, double restitution, const std::string& step = "\"auto\"") {
+std::string measured_head(double duration, double restitution, const std::string& step = "\"auto\"") {
   return "title = \"m\"\nrun = { duration = " + std::to_string(duration) + ", time_step = " + step +
          ", output_interval = 0.01 }\n" +
          "material.m = { density = 2500.0, youngs_modulus = \"10 MPa\", poissons_ratio = 0.25 }\n" +
@@ -21,7 +21,7 @@ std::string head(double duration, double restitution, const std::string& step = 
 
 TEST_CASE("the loop of one contact encloses the energy that it loses", "[physics][measures]") {
   for (double e : {0.3, 0.8, 1.0}) {
-    auto run = start_text(head(0.004, e, "1e-6") + R"(
+    auto run = start_text(measured_head(0.004, e, "1e-6") + R"(
 [[body]]
 name = "a"
 shape = "ball"
@@ -48,7 +48,7 @@ between = ["a", "b"]
 
 TEST_CASE("a loaded column is one force chain, what lies beside it is none", "[physics][measures]") {
   // read before the column, which nothing holds aside, gives way
-  auto run = start_text(head(0.08, 0.1) + R"(world = { gravity = [0, 0, -10] }
+  auto run = start_text(measured_head(0.08, 0.1) + R"(world = { gravity = [0, 0, -10] }
 [[body]]
 name = "floor"
 shape = { half_space = { normal = [0, 0, 1] } }
@@ -99,7 +99,7 @@ body = "column"
 }
 
 TEST_CASE("cones and ridges have the slope they were built with", "[physics][measures]") {
-  auto run = start_text(head(1e-5, 0.5, "1e-5") + R"X(
+  auto run = start_text(measured_head(1e-5, 0.5, "1e-5") + R"X(
 [[body]]
 name = "cone"
 repeat = [20, 8]
@@ -127,7 +127,7 @@ axis = "x"
 TEST_CASE("Lacey's index is 0 for groups apart and 1 by chance", "[physics][measures]") {
   const auto lacey = [](const std::string& a, const std::string& b) {
     auto run =
-        start_text(head(1e-5, 0.5, "1e-5") +
+        start_text(measured_head(1e-5, 0.5, "1e-5") +
                    "[[body]]\nname = \"a\"\nrepeat = [2, 4, 4]\nshape = \"ball\"\nmaterial = \"m\"\nposition = [" + a +
                    ", \"= 0.1*j + 0.05\", \"= 0.1*k + 0.05\"]\n[[body]]\nname = \"b\"\nrepeat = [2, 4, 4]\nshape = "
                    "\"ball\"\nmaterial = \"m\"\nposition = [" +

@@ -71,7 +71,7 @@ const std::vector<std::pair<std::string, std::string>>& shapes() {
   return all;
 }
 
-const std::string head = R"(
+const std::string rest_head = R"(
 world = { gravity = [0, 0, -9.81] }
 material.stone = { density = 2500.0, youngs_modulus = "20 MPa", poissons_ratio = 0.3 }
 )";
@@ -104,7 +104,7 @@ std::set<std::tuple<Slot, Slot, Feature>> loaded(const Simulation& sim, double w
 
 /// Runs to the end; the last half second must be rest.
 void check_rest(const std::string& method, const std::string& scene, double drop) {
-  SceneRun run = start_text(head + method + scene);
+  SceneRun run = start_text(rest_head + method + scene);
   Simulation& sim = run.simulation();
   double weight = 0;
   for (Slot s = 0; s < sim.world.size(); ++s)

@@ -9,7 +9,7 @@ using namespace epafi::experiments;
 
 namespace {
 
-const std::string head = R"(title = "s"
+const std::string servo_head = R"(title = "s"
 material.m = { density = 2000.0, youngs_modulus = "10 MPa", poissons_ratio = 0.25 }
 )";
 
@@ -17,7 +17,7 @@ material.m = { density = 2000.0, youngs_modulus = "10 MPa", poissons_ratio = 0.2
 
 TEST_CASE("a servo wall closes in as a damped body does and then carries its force", "[physics][servo]") {
   // v = v_max (1 - exp(-t/tau)), tau = m v_max / F = 0.05 s, until it meets the ball between it and the floor
-  auto run = start_text(head + R"(
+  auto run = start_text(servo_head + R"(
 run = { duration = 3.2, time_step = 2e-5, output_interval = 0.1 }
 contact = { method = "smooth", restitution = 0.5, friction = 0.3, smooth = { law = "hertz-mindlin" } }
 [[body]]
@@ -60,7 +60,7 @@ body = "lid"
 
 TEST_CASE("a servo wall presses a bed of many spheres with its stress", "[physics][servo]") {
   // 128 spheres on a fixed plane: those contacts go through the fused loop, the lid's do not
-  auto run = start_text(head + R"(
+  auto run = start_text(servo_head + R"(
 run = { duration = 0.25, time_step = 1e-5, output_interval = 0.1 }
 contact = { method = "smooth", restitution = 0.2, friction = 0.3, smooth = { law = "hertz-mindlin" } }
 [[body]]
@@ -107,7 +107,7 @@ TEST_CASE("an adaptive time step resolves slow impacts as well as fast ones at l
         "[[body]]\nname = \"a\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nvelocity = [%g, 0, 0]\n"
         "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.01 } }\nmaterial = \"m\"\nposition = [0.021, 0, 0]\n",
         step.c_str(), speed);
-    return start_text(head + text);
+    return start_text(servo_head + text);
   };
   const double speed = 0.1;
   auto fixed = run_at(speed, "auto"), adaptive = run_at(speed, "adaptive");

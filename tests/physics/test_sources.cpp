@@ -44,7 +44,7 @@ double distance(const FillSpec::Size& size, const F& cumulated) {
 
 double phi(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
-const std::string head = R"(title = "s"
+const std::string source_head = R"(title = "s"
 run = { duration = 1.0, time_step = 1e-3, output_interval = 0.1 }
 material.m = { density = 1000.0, youngs_modulus = "10 kPa", poissons_ratio = 0.25 }
 contact = { method = "smooth", restitution = 0.5, friction = 0.3, smooth = { law = "hertz-mindlin" } }
@@ -100,7 +100,7 @@ TEST_CASE("own velocities of a fill are normal, independent, and leave the place
 
 TEST_CASE("shares of mass in a table become shares of number", "[physics][fill]") {
   // equal masses of sizes 1 and 2: eight small bodies for each large one
-  auto run = start_text(head + R"(
+  auto run = start_text(source_head + R"(
 [[fill]]
 name = "sand"
 shape = "ball"
@@ -119,7 +119,7 @@ region = { box = { min = [0, 0, 0], max = [1, 1, 1] } }
 }
 
 TEST_CASE("a source pours its bodies at their times, and a restart pours the same", "[physics][fill]") {
-  const std::string scene = head + R"(world = { gravity = [0, 0, -10] }
+  const std::string scene = source_head + R"(world = { gravity = [0, 0, -10] }
 [[fill]]
 name = "rain"
 shape = "ball"
@@ -157,7 +157,7 @@ body = "rain[0]"
 
 TEST_CASE("mass poured per second is the rate asked for, and nothing overlaps when it comes", "[physics][fill]") {
   // bodies of 4.19 g leave their box all at one speed; the last comes at 0.5 s
-  auto run = start_text(head + R"([[fill]]
+  auto run = start_text(source_head + R"([[fill]]
 shape = "ball"
 material = "m"
 size = { distribution = "uniform", min = 0.5, max = 1.5 }
@@ -184,7 +184,7 @@ region = { box = { min = [-0.2, -0.2, 0.8], max = [0.2, 0.2, 1.0] } }
 
 TEST_CASE("an outlet takes out what comes into it and counts it once", "[physics][outlet]") {
   // twenty balls at rest in a row at heights of 0.1 to 2 m fall through a box at the ground
-  auto run = start_text(head + R"X(world = { gravity = [0, 0, -10] }
+  auto run = start_text(source_head + R"X(world = { gravity = [0, 0, -10] }
 [[body]]
 name = "row"
 repeat = 20
@@ -211,7 +211,7 @@ outlet = "sink"
 }
 
 TEST_CASE("fills are named in measures and bounds like bodies", "[physics][fill]") {
-  auto run = start_text(head + R"(world = { gravity = [0, 0, -10] }
+  auto run = start_text(source_head + R"(world = { gravity = [0, 0, -10] }
 [[fill]]
 name = "cloud"
 shape = "ball"

@@ -11,6 +11,7 @@
 #include "scenes/folder_lock.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
+#include "tests/support/document.h"
 #include "viz_export/json_reader.h"
 
 using namespace epafi;
@@ -19,11 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::string root = EPAFI_SOURCE_DIR;
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A ball that falls onto a floor for 0.1 s.
 fs::path ball_in(const TemporaryFolder& folder, const std::string& more = {}) {
@@ -63,13 +59,13 @@ TEST_CASE("lists, schema and reference are printed by the program as the tree ha
   }
   CHECK(std::count(scenes.out.begin(), scenes.out.end(), '\n') == static_cast<std::ptrdiff_t>(files) + 1);
   CHECK_THAT(captured([] { return command_list("solvers"); }).out, Catch::Contains("pgs"));
-  CHECK(captured([] { return command_schema(); }).out == text_of(root + "/scenes/scene.schema.json"));
+  CHECK(captured([] { return command_schema(); }).out == support::read_text(root + "/scenes/scene.schema.json"));
   const TemporaryFolder folder;
   CHECK(command_reference((folder / "pages").string(), root + "/tests/data/broken") == exit_done);
   std::size_t pages = 0;
   for (const auto& entry : fs::directory_iterator(folder / "pages")) {
     ++pages;
-    CHECK(text_of(entry.path()) == text_of(root + "/docs/reference/" + entry.path().filename().string()));
+    CHECK(support::read_text(entry.path()) == support::read_text(root + "/docs/reference/" + entry.path().filename().string()));
   }
   CHECK(pages > 5);
 }
@@ -200,9 +196,9 @@ TEST_CASE("a folder that a run writes into is refused to others until it has end
   std::ofstream(folder / "out" / "frames" / "notes.txt") << "kept";  // neither is it taken with the frames
   std::ofstream(folder / "out" / "frames" / "bodies_999999.vtp") << "gone";
   REQUIRE(run_of(scene, o).code == exit_done);
-  CHECK(text_of(folder / "out" / "frames" / "notes.txt") == "kept");
+  CHECK(support::read_text(folder / "out" / "frames" / "notes.txt") == "kept");
   CHECK_FALSE(fs::exists(folder / "out" / "frames" / "bodies_999999.vtp"));
-  const std::string before = text_of(folder / "out" / "summary.json");
+  const std::string before = support::read_text(folder / "out" / "summary.json");
   RunOptions rest;
   rest.threads = 1, rest.quiet = true;
   const auto resumed = [&] { return captured([&] { return guarded([&] { return command_resume(o.out, rest); }); }); };
@@ -212,7 +208,7 @@ TEST_CASE("a folder that a run writes into is refused to others until it has end
       CHECK(refused.code == exit_file);
       CHECK_THAT(refused.err, Catch::Contains("another run is writing into"));
     }
-    CHECK(text_of(folder / "out" / "summary.json") == before);
+    CHECK(support::read_text(folder / "out" / "summary.json") == before);
   }
   CHECK(resumed().code == exit_done);
 }
@@ -254,7 +250,7 @@ TEST_CASE("results are exported and reported by the program", "[scenes][commands
   CHECK(fs::exists(folder / "out/snapshots.csv"));
   const Captured page = captured([&] { return command_report(o.out, (folder / "page.html").string()); });
   CHECK(page.code == exit_done);
-  CHECK_THAT(text_of(folder / "page.html"), Catch::Contains("<html"));
+  CHECK_THAT(support::read_text(folder / "page.html"), Catch::Contains("<html"));
 }
 
 TEST_CASE("what a command throws becomes a message and a code", "[scenes][commands]") {

@@ -8,17 +8,11 @@
 #include <sstream>
 
 #include "tests/support/catch.h"
+#include "tests/support/document.h"
 
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 int shell(const std::string& command) { return std::system(command.c_str()); }
 
@@ -32,7 +26,7 @@ struct ReportedRun {
     const std::string scene = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/tutorials/04_stones.toml";
     REQUIRE(shell(program + " run " + scene + " -q --set params.n=5 --until 0.2 -o " + folder.string() + " 2>/dev/null") == 0);
     REQUIRE(shell(program + " report " + folder.string() + " 2>/dev/null") == 0);
-    page = text_of(folder / "report.html");
+    page = epafi::support::read_text(folder / "report.html");
   }
   ~ReportedRun() { fs::remove_all(folder); }
 };
@@ -57,7 +51,7 @@ TEST_CASE("a report has all its parts and asks for nothing from outside", "[scen
   CHECK(count(run.page, "src='") == count(run.page, "src='data:image/svg+xml;base64,"));
   for (const char* outside : {"<script", "<link", "@import", "url(", "href="}) CHECK(count(run.page, outside) == 0);
   if (shell("command -v gnuplot > /dev/null") == 0) CHECK(count(run.page, "src='data:image") >= 2);
-  const std::string state = text_of(run.folder / "summary.json");
+  const std::string state = epafi::support::read_text(run.folder / "summary.json");
   const auto at = state.find("\"state_hash\": \"");
   REQUIRE(at != state.npos);
   CHECK(run.page.find(state.substr(at + 15, 16)) != run.page.npos);
@@ -72,7 +66,7 @@ TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary"
   const ReportedRun run;
   const fs::path said = run.folder / "said";
   REQUIRE(shell(python + " " + EPAFI_SOURCE_DIR + "/examples/read_run.py " + run.folder.string() + " > " + said.string()) == 0);
-  const std::string text = text_of(said), summary = text_of(run.folder / "summary.json");
+  const std::string text = epafi::support::read_text(said), summary = epafi::support::read_text(run.folder / "summary.json");
   CHECK(count(text, "t = ") == 5);  // at 0, 0.05, 0.1, 0.15, 0.2 s
   CHECK(text.find("measure energy ") != text.npos);
   const double last = std::stod(text.substr(text.rfind("kinetic energy ") + 15));
@@ -85,7 +79,7 @@ TEST_CASE("a folder without a run has no report, and the message says why", "[sc
   fs::create_directories(folder);
   const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2> " + (folder / "said").string();
   CHECK(WEXITSTATUS(shell(command)) == 3);
-  CHECK(text_of(folder / "said").find("summary.json is missing") != std::string::npos);
+  CHECK(epafi::support::read_text(folder / "said").find("summary.json is missing") != std::string::npos);
   fs::remove_all(folder);
 }
 
@@ -102,7 +96,7 @@ TEST_CASE("a browser shows the report without a network", "[scenes][report][slow
                              " --headless --no-sandbox --disable-gpu --user-data-dir=profile --host-resolver-rules='MAP * ~NOTFOUND'"
                              " --window-size=1100,2400 ";
   REQUIRE(shell(common + "--dump-dom report.html > dom.html 2> log") == 0);
-  const std::string dom = text_of(run.folder / "dom.html");
+  const std::string dom = epafi::support::read_text(run.folder / "dom.html");
   for (const char* part : {"Pictures", "Energy balance", "Measures", "Where the time went", "Settings"})
     CHECK(dom.find(part) != std::string::npos);
   CHECK(count(dom, "<figure>") == count(run.page, "<figure>"));  // parsed as written: nothing left open

@@ -14,7 +14,7 @@ using namespace epafi;
 
 namespace {
 
-const std::string problems = EPAFI_SOURCE_DIR "/tests/data/problems/";
+const std::string problem_files = EPAFI_SOURCE_DIR "/tests/data/problems/";
 
 std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
   std::vector<std::vector<std::string>> rows;
@@ -29,7 +29,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
 
 SolveOptions solving(std::vector<std::string> files, std::vector<std::string> methods) {
   SolveOptions o;
-  for (auto& file : files) o.problems.push_back(problems + file);
+  for (auto& file : files) o.problems.push_back(problem_files + file);
   o.methods = std::move(methods);
   return o;
 }
@@ -61,7 +61,7 @@ TEST_CASE("solve prints a row per problem and method, and writes impulses that o
     INFO(rows[k][0] << " " << rows[k][1]);
     CHECK(rows[k][2] == "solved");
     CHECK(std::stod(rows[k][5]) <= 1e-8);
-    const GlobalForm form = std::get<GlobalForm>(read_problem(problems + rows[k][0] + ".hdf5").form);
+    const GlobalForm form = std::get<GlobalForm>(read_problem(problem_files + rows[k][0] + ".hdf5").form);
     const std::vector<double> flat = solution.read<double>(rows[k][0] + "/" + rows[k][1] + "/reaction");
     REQUIRE(flat.size() == static_cast<std::size_t>(form.w.size()));
     const Eigen::VectorXd r = Eigen::Map<const Eigen::VectorXd>(flat.data(), form.w.size());

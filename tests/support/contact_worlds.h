@@ -2,7 +2,7 @@
 /// detection.
 #pragma once
 #include "engine/random.h"
-#include "laws/nonsmooth/contact_problem.h"
+#include "laws/nonsmooth/residual.h"
 
 namespace epafi::test {
 
@@ -86,6 +86,12 @@ inline ContactProblem lattice_problem(int n, double mu, int points = 1) {
   p.load_contacts(world, contacts);
   p.friction.assign(p.size(), mu);
   return p;
+}
+
+inline double residual_of(const ContactProblem& p, const Impulses& r) {
+  BodyVelocities v;
+  std::vector<Vec3> u;
+  return measure_residual(p, r, p.mean_effective_mass(), v, u).value;
 }
 
 }  // namespace epafi::test

@@ -11,7 +11,7 @@ using Catch::Contains;
 
 namespace {
 
-const RunFileHeader header{"0.1.0", "00ff", "a title", "[run]\n", {"params.n=2"}};
+const RunFileHeader run_header{"0.1.0", "00ff", "a title", "[run]\n", {"params.n=2"}};
 
 /// Writes snapshots `from` .. `to` of a scene whose step k is at time 0.1 k; body 6 is added at step 3, body 2 leaves
 /// at 4.
@@ -58,7 +58,7 @@ TEST_CASE("run.h5 gives back every snapshot and measure bit for bit", "[viz_expo
   const TemporaryFolder folder;
   SmallScene scene(5);
   SurfaceCache surfaces(scene.shapes);
-  RunFile file(folder / "run.h5", header);
+  RunFile file(folder / "run.h5", run_header);
   run_steps(file, scene, surfaces, 0, 6);
   const StoredRun run(folder / "run.h5");
   REQUIRE(run.snapshots() == 6);
@@ -81,18 +81,18 @@ TEST_CASE("a run continued from a checkpoint leaves the file of an uninterrupted
   const auto checkpoint = GENERATE(0, 2, 3, 4);  // also before the body is added and before one leaves
   SmallScene straight_scene(5), scene(5);
   SurfaceCache straight_surfaces(straight_scene.shapes), surfaces(scene.shapes);
-  RunFile straight(folder / "straight.h5", header);
+  RunFile straight(folder / "straight.h5", run_header);
   run_steps(straight, straight_scene, straight_surfaces, 0, 8);
   {
-    RunFile file(folder / "run.h5", header);
+    RunFile file(folder / "run.h5", run_header);
     run_steps(file, scene, surfaces, 0, 6);
   }
   const auto step = static_cast<std::uint64_t>(checkpoint);
   SmallScene again(5);  // the state of the checkpoint
   SurfaceCache again_surfaces(again.shapes);
-  RunFile unused(folder / "unused.h5", header);
+  RunFile unused(folder / "unused.h5", run_header);
   run_steps(unused, again, again_surfaces, 0, step + 1);
-  RunFile file(folder / "run.h5", header, step, 0.1 * checkpoint);
+  RunFile file(folder / "run.h5", run_header, step, 0.1 * checkpoint);
   file.add_snapshot({step, 0.1 * checkpoint, "is there already", true}, std::vector<BodyRecord>{});
   run_steps(file, again, again_surfaces, step + 1, 8);
   check_equal(StoredRun(folder / "run.h5"), StoredRun(folder / "straight.h5"));
@@ -104,10 +104,10 @@ TEST_CASE("run files that are cut, of another scene or no run files are refused"
   SmallScene scene(5);
   SurfaceCache surfaces(scene.shapes);
   {
-    RunFile file(path, header);
+    RunFile file(path, run_header);
     run_steps(file, scene, surfaces, 0, 3);
   }
-  RunFileHeader other = header;
+  RunFileHeader other = run_header;
   other.scene_hash = "beef";
   CHECK_THROWS_WITH(RunFile(path, other, 1, 0.1), Contains("another scene"));
   const std::string good = read_whole_file(path);

@@ -4,6 +4,7 @@
 
 #include "engine/error.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/frame_writer.h"
@@ -11,15 +12,8 @@
 
 using namespace epafi;
 
-namespace {
-struct Threads {  ///< restores the thread count
-  int before = thread_count();
-  ~Threads() { set_thread_count(before); }
-};
-}  // namespace
-
 TEST_CASE("of files written at once all are tried and the first that fails is told of", "[viz_export][write]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   for (const int threads : {1, 2, 4}) {
     set_thread_count(threads);
     std::vector<int> tried(5, 0);
@@ -35,7 +29,7 @@ TEST_CASE("of files written at once all are tried and the first that fails is to
 }
 
 TEST_CASE("a frame has the same bytes for every thread count, beside another file", "[viz_export][write]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   SmallScene scene(20000);  // long enough to be shared out
   SurfaceCache surfaces(scene.shapes);
   const BodyList bodies(scene.world, surfaces);
@@ -58,7 +52,7 @@ TEST_CASE("a frame has the same bytes for every thread count, beside another fil
 
 TEST_CASE("a frame is listed once all its files are written, and what failed beside it goes first",
           "[viz_export][write]") {
-  const Threads restore;
+  const support::KeepThreads keep;
   SmallScene scene(100);
   SurfaceCache surfaces(scene.shapes);
   const BodyList bodies(scene.world, surfaces);

@@ -36,7 +36,7 @@ struct BlockTask {
     SphereTotals<n> total;
     for (const SphereBlocks::Run& run : block.runs) {
       if (run.plane >= 0)
-        sweep<n, Normal, Tangential, Rolling, true, false, periodic>(
+        sweep<n, Normal, Tangential, Rolling, true, false, false>(  // a plane has no image
             block, run, wall_laws[static_cast<std::size_t>(run.plane)], arrays, total);
       else if (!run.across)
         sweep<n, Normal, Tangential, Rolling, false, false, periodic>(block, run, law, arrays, total);
