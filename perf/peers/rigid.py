@@ -32,7 +32,7 @@ ENGINES = {  # name: source, flags, libraries, header that must be there, varian
     "MuJoCo": ("mujoco.cpp", [], ["-lmujoco"], "/usr/include/mujoco/mujoco.h", [[], ["hard=1"]]),
 }
 PILE = "scenes/library/pile/poly_1000.polyset"
-EPAFI = {"pile": [["solver=pgs"], ["solver=soft-step", "iterations=4"]], "": [["solver=newton", "iterations=100", "tolerance=1e-3"], ["solver=soft-step", "iterations=4"]]}
+EPAFI = {"pile": [["solver=pgs"], ["solver=soft-step", "iterations=4"]], "": [["solver=newton", "iterations=100"], ["solver=soft-step", "iterations=4"]]}
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--cases", nargs="+", default=["stack-20", "stack-100", "mass-10000", "pyramid-50", "pile-1000"])
@@ -224,21 +224,22 @@ def run_peer(driver, options, dt, seconds, share):
 
 
 def run_epafi(scene, settings, dt, seconds, free, share):
-    """The same of Epafi, a mean: the whole run less one that ends where the share begins; a third one writes the poses."""
+    """The same of Epafi, a mean by the clocks of its stages but output: a run that ends where the share begins and goes on; a second one writes the poses."""
     folder = os.path.join(o.out, "epafi")
     words = [w for s in (*settings, "run.time_step=%.17g" % dt, "run.duration=%.17g" % seconds, "run.output_interval=0.1") for w in ("--set", s)]
 
-    def run(*more):
-        command = [program, "run", scene, *words, "-t", "1", "-q", "--force", "-o", folder, *more]
-        subprocess.run(command, stderr=subprocess.DEVNULL)  # a stack that falls breaks a bound of its scene and ends there
+    def call(command, *more):  # a stack that falls breaks a bound of its scene and ends there
+        subprocess.run([program, command, *more, "-t", "1", "-q"], stderr=subprocess.DEVNULL)
         with open(os.path.join(folder, "summary.json")) as file:
-            summary = json.load(file)
-        return summary["cpu_time"], summary["steps"]
+            return json.load(file)
 
-    (part, first), (whole, last) = run("--least-output", "--until", "%.17g" % ((1 - share) * seconds)), run("--least-output")
-    if last <= first:
+    def run(*more):
+        return call("run", scene, *words, "--force", "-o", folder, *more)
+
+    first, last = run("--least-output", "--until", "%.17g" % ((1 - share) * seconds)), call("resume", folder)
+    if last["steps"] <= first["steps"]:
         return None
-    ms = 1e3 * (whole - part) / (last - first)
+    ms = 1e3 * sum(v for stage, v in last["stage_seconds"].items() if stage != "output") / (last["steps"] - first["steps"])
     run()
     samples = []
     with h5py.File(os.path.join(folder, "run.h5")) as file:
