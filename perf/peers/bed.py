@@ -7,16 +7,16 @@ Settles scenes/library/bed/bed.toml with Epafi, writes its last snapshot as bodi
 bed.liggghts (those two), and times the same number of steps of 5e-5 s on one thread from there: Hertz-Mindlin with history, double
 precision, five plane walls. A code that is not installed has no row. Prints, and writes to table.md: nanoseconds of processor time per
 sphere and step (median, smallest, largest), and as a check that all did the same work the touching neighbours (Epafi counts walls,
-the others do not) and the height of the bed's centre of mass. Of every code the same run without the timed steps is subtracted.
+the others do not) and the height of the bed's centre of mass. Epafi's is the time of a run that goes on, of the others the same
+run without the timed steps is subtracted.
 Needs numpy; of Debian: lammps, liggghts, yade.
 """
-import json
 import os
 import re
 import shutil
 
 import numpy
-from runs import options, print_table, processor_time, settled, take_turns, write_csv, yade_result
+from runs import options, print_table, processor_time, resumed, settled, take_turns, write_csv, yade_result
 
 SCENE = "scenes/library/bed/bed.toml"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
@@ -146,13 +146,8 @@ def run_peer(command):
 
 
 def run_epafi():
-    def until(steps):
-        command = [program, "run", "bed.toml", "--until", "%.9g" % ((steps + 0.5) * STEP), "-q", "--force", "--json", "--least-output", "-t", "1", "-o", "epafi"]
-        seconds, text = processor_time(command, o.out)
-        return seconds, json.loads(text)["measures"]
-
-    (start, _), (whole, last) = until(o.warm), until(o.warm + o.steps)
-    return 1e9 * (whole - start) / o.steps / o.n, last["contacts"]["number"]["last"], last["middle"]["z"]["last"]
+    seconds, _, last = resumed(program, "bed.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
+    return 1e9 * seconds / o.steps / o.n, last["measures"]["contacts"]["number"]["last"], last["measures"]["middle"]["z"]["last"]
 
 
 bed, side = settle()

@@ -5,17 +5,18 @@
                                                   [--out out/growth_polyhedra] [--program ./epafi]
 
 Settles scenes/library/pile/polyhedra.toml (1000 stones, pgs with 50 sweeps, dt 1/240 s) and sets copies on one floor, walls of 0.2 m between
-them. The first `warm` steps, in which the copies settle anew, and the `steps` after them (the same run resumed) are timed on one thread, by the clocks of the
-stages without output. Prints, and writes to table.md: for both microseconds per body and step and sweeps per step (fewer where the
+them. The first `warm` steps, in which the copies settle anew, and the `steps` after them (the same run resumed) are timed on one thread, without
+output. Prints, and writes to table.md: for both microseconds per body and step and sweeps per step (fewer where the
 tolerance is met), the first over that of the smallest number, milliseconds per step at the end, contacts per body, the peak of the
 process over the number of bodies; beside them what the runs got right: largest and mean overlap in percent of the radius, kinetic energy
 as a velocity (root of 2 E / m), bodies lost.
 """
 import argparse
-import json
 import os
 import subprocess
 import sys
+
+from runs import resumed, without_output
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PILE = os.path.join(HERE, "..", "..", "scenes", "library", "pile")
@@ -75,14 +76,6 @@ def write_scene(folder, number, bodies, side):
     return copies * sum(float(words[3]) for words, _ in bodies)
 
 
-def run(folder, *command):
-    """Seconds without output, and the summary."""
-    subprocess.run([o.program, *command, "-t", "1", "-q"], cwd=folder, check=True)
-    with open(os.path.join(folder, "run", "summary.json")) as file:
-        summary = json.load(file)
-    return sum(v for stage, v in summary["stage_seconds"].items() if stage != "output"), summary
-
-
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--numbers", type=int, nargs="+", default=[1000, 5000, 10000, 20000, 50000])
 parser.add_argument("--warm", type=int, default=240)
@@ -102,8 +95,8 @@ for number in o.numbers:
     folder = os.path.join(o.out, str(number))
     mass = write_scene(folder, number, bodies, side)
     settings = [word for s in o.set for word in ("--set", s)]
-    before, start = run(folder, "run", "pile.toml", "--force", "--least-output", "--steps", str(o.warm), "-o", "run", *settings)
-    after, s = run(folder, "resume", "run", "--steps", str(o.warm + o.steps))  # goes on: of two runs the difference was noise
+    after, start, s = resumed(o.program, "pile.toml", "run", o.warm, o.warm + o.steps, *settings, cwd=folder)
+    before = without_output(start)
     settling, ms = 1e6 * before / o.warm / number, 1e3 * after / o.steps
     sweeps = [d["iterations"]["mean"] * d["steps"] for d in (start, s)]
     first = first or settling

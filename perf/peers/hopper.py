@@ -14,7 +14,7 @@ import re
 import shutil
 
 import numpy
-from runs import options, print_table, processor_time, settled, take_turns, write_csv, yade_result
+from runs import options, print_table, processor_time, resumed, settled, take_turns, write_csv, yade_result
 
 SCENES = "scenes/library/hopper"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
@@ -127,16 +127,12 @@ def run_peer(command):
 
 
 def run_epafi():
-    def until(steps):
-        command = [program, "run", "hopper.toml", "--until", "%.9g" % ((steps + 0.5) * STEP), "-q", "--force", "--least-output", "-t", "1", "-o", "epafi"]
-        return processor_time(command, o.out)[0]
-
-    start, whole = until(o.warm), until(o.warm + o.steps)
+    seconds, _, _ = resumed(program, "hopper.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
     with open(os.path.join(o.out, "epafi", "measures.csv")) as file:
         rows = [line.strip().split(",") for line in file if ",outflow,mass," in line]
     out = {round(float(r[0]) / STEP): float(r[3]) for r in rows}
     found = flow([-out[k] for k in range(o.warm, o.warm + o.steps + 1, o.steps // PARTS) if k in out])
-    return 1e9 * (whole - start) / o.steps / n, *(found or (numpy.nan, numpy.nan))
+    return 1e9 * seconds / o.steps / n, *(found or (numpy.nan, numpy.nan))
 
 
 YADE = """import math, resource

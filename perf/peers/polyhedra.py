@@ -6,18 +6,17 @@
 n convex polyhedra of 8 to 20 vertices on a sphere of 5 mm stand on a lattice in a box, fall and come to rest in `warm` steps of
 5e-5 s; then `steps` more are timed on one thread. Both codes read the same vertices. Prints, and writes to table.md: microseconds
 of processor time per body and step, contacts per body, the height of the centre of mass, bodies that left the box. The start is
-subtracted; a code that is not installed has no row. The laws differ: YADE's force is a constant times the volume (5e6 N/m^3) and
+not counted; a code that is not installed has no row. The laws differ: YADE's force is a constant times the volume (5e6 N/m^3) and
 is damped by a share of every force, Epafi's has a potential, a modulus (2 kPa: the same step, overlaps of the same size) and
 loses by restitution. Needs numpy; of Debian: yade.
 """
 import csv
-import json
 import os
 import shutil
 import subprocess
 
 import numpy
-from runs import options, processor_time, yade_result
+from runs import options, resumed, yade_result
 
 PER_VOLUME, E, NU, FRICTION, DENSITY, STEP, SIZE = 5e6, 2e3, 0.3, 0.5, 2500.0, 5e-5, 5e-3
 parser = options(__doc__, steps=100, warm=3000, repeats=1, skin=2e-4, out="out/peers_polyhedra")
@@ -64,17 +63,13 @@ def write_scene(side, all_vertices):
 
 
 def run_epafi(side):
-    def until(steps):
-        command = [program, "run", "pile.toml", "--until", "%.9g" % ((steps + 0.5) * STEP), "-q", "--force", "--json", "--least-output", "-t", "1", "-o", "epafi"]
-        return json.loads(processor_time(command, o.out)[1])
-
-    start, whole = until(o.warm), until(o.warm + o.steps)
+    seconds, _, whole = resumed(program, "pile.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
     subprocess.run([program, "export", "epafi", "--format", "csv"], cwd=o.out, check=True, capture_output=True)
     with open(os.path.join(o.out, "epafi", "snapshots.csv")) as file:
         free = [[float(r[c]) for c in ("time", "x", "y", "z", "mass")] for r in csv.DictReader(file) if float(r["mass"]) > 0]
     last = numpy.array([r for r in free if r[0] == free[-1][0]])
     gone = int(((last[:, 1:3] < 0) | (last[:, 1:3] > side)).any(1).sum())
-    return 1e6 * (whole["cpu_time"] - start["cpu_time"]) / o.steps / o.n, whole["measures"]["contacts"]["number"]["last"], numpy.average(last[:, 3], weights=last[:, 4]), gone
+    return 1e6 * seconds / o.steps / o.n, whole["measures"]["contacts"]["number"]["last"], numpy.average(last[:, 3], weights=last[:, 4]), gone
 
 
 YADE = """import math, resource

@@ -14,7 +14,6 @@ Needs numpy and h5py; of Debian: g++, libbullet-dev, libode-dev, libmujoco-dev.
 """
 import argparse
 import itertools
-import json
 import os
 import shutil
 import statistics
@@ -22,6 +21,7 @@ import subprocess
 
 import h5py
 import numpy
+from runs import resumed
 
 HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "rigid")
 BULLET = ["-DBT_USE_DOUBLE_PRECISION", "-I/usr/include/bullet"]
@@ -224,23 +224,16 @@ def run_peer(driver, options, dt, seconds, share):
 
 
 def run_epafi(scene, settings, dt, seconds, free, share):
-    """The same of Epafi, a mean by the clocks of its stages but output: a run that ends where the share begins and goes on; a second one writes the poses."""
+    """The same of Epafi, a mean (runs.py); a second run writes the poses."""
     folder = os.path.join(o.out, "epafi")
     words = [w for s in (*settings, "run.time_step=%.17g" % dt, "run.duration=%.17g" % seconds, "run.output_interval=0.1") for w in ("--set", s)]
-
-    def call(command, *more):  # a stack that falls breaks a bound of its scene and ends there
-        subprocess.run([program, command, *more, "-t", "1", "-q"], stderr=subprocess.DEVNULL)
-        with open(os.path.join(folder, "summary.json")) as file:
-            return json.load(file)
-
-    def run(*more):
-        return call("run", scene, *words, "--force", "-o", folder, *more)
-
-    first, last = run("--least-output", "--until", "%.17g" % ((1 - share) * seconds)), call("resume", folder)
+    steps = round(seconds / dt)
+    # a stack that falls breaks a bound of its scene and ends there
+    taken, first, last = resumed(program, scene, folder, round((1 - share) * steps), steps, *words)
     if last["steps"] <= first["steps"]:
         return None
-    ms = 1e3 * sum(v for stage, v in last["stage_seconds"].items() if stage != "output") / (last["steps"] - first["steps"])
-    run()
+    ms = 1e3 * taken / (last["steps"] - first["steps"])
+    subprocess.run([program, "run", scene, *words, "-t", "1", "-q", "--force", "-o", folder], stderr=subprocess.DEVNULL)
     samples = []
     with h5py.File(os.path.join(folder, "run.h5")) as file:
         for key in sorted(file["snapshots"]):

@@ -1,6 +1,7 @@
-"""What the comparisons of perf/peers share: a settled state, the processor time of a program, the table. Needs numpy."""
+"""What the comparisons of perf/peers share: a settled state, the time of a program, the table. Needs numpy."""
 import argparse
 import csv
+import json
 import os
 import re
 import resource
@@ -47,6 +48,24 @@ def processor_time(command, folder):
     text = subprocess.run(command, cwd=folder, env=dict(os.environ, OMP_NUM_THREADS="1"), capture_output=True, text=True).stdout
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, text
+
+
+def without_output(summary):
+    """Processor seconds of the steps of a run on one thread, without what it wrote and measured."""
+    return summary["cpu_time"] - summary["stage_seconds"]["output"]
+
+
+def resumed(program, scene, folder, warm, last, *words, cwd=None):
+    """Processor seconds without output that Epafi takes from step `warm` to step `last`, and both summaries: one run that ends at `warm` and goes
+    on. (A run less a shorter one came out below zero where steps are quick and others use the machine.) A run that fails ends early."""
+    def call(*command):
+        subprocess.run([program, *command, "-t", "1", "-q"], cwd=cwd, stderr=subprocess.DEVNULL)
+        with open(os.path.join(cwd or "", folder, "summary.json")) as file:
+            return json.load(file)
+
+    before = call("run", scene, *words, "--force", "--least-output", "--steps", str(warm), "-o", folder)
+    after = call("resume", folder, "--steps", str(last))
+    return without_output(after), before, after
 
 
 def yade_result(script, folder):
