@@ -146,8 +146,8 @@ def run_peer(command):
 
 
 def run_epafi():
-    seconds, _, last = resumed(program, "bed.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
-    return 1e9 * seconds / o.steps / o.n, last["measures"]["contacts"]["number"]["last"], last["measures"]["middle"]["z"]["last"]
+    first, last = resumed(program, "bed.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
+    return 1e9 * last["cpu_time"] / (last["steps"] - first["steps"]) / o.n, last["measures"]["contacts"]["number"]["last"], last["measures"]["middle"]["z"]["last"]
 
 
 bed, side = settle()

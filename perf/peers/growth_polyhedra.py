@@ -95,8 +95,8 @@ for number in o.numbers:
     folder = os.path.join(o.out, str(number))
     mass = write_scene(folder, number, bodies, side)
     settings = [word for s in o.set for word in ("--set", s)]
-    after, start, s = resumed(o.program, "pile.toml", "run", o.warm, o.warm + o.steps, *settings, cwd=folder)
-    before = without_output(start)
+    start, s = resumed(o.program, "pile.toml", "run", o.warm, o.warm + o.steps, *settings, cwd=folder)
+    before, after = without_output(start), without_output(s)
     settling, ms = 1e6 * before / o.warm / number, 1e3 * after / o.steps
     sweeps = [d["iterations"]["mean"] * d["steps"] for d in (start, s)]
     first = first or settling

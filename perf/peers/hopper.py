@@ -127,12 +127,12 @@ def run_peer(command):
 
 
 def run_epafi():
-    seconds, _, _ = resumed(program, "hopper.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
+    first, last = resumed(program, "hopper.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
     with open(os.path.join(o.out, "epafi", "measures.csv")) as file:
         rows = [line.strip().split(",") for line in file if ",outflow,mass," in line]
     out = {round(float(r[0]) / STEP): float(r[3]) for r in rows}
     found = flow([-out[k] for k in range(o.warm, o.warm + o.steps + 1, o.steps // PARTS) if k in out])
-    return 1e9 * seconds / o.steps / n, *(found or (numpy.nan, numpy.nan))
+    return 1e9 * last["cpu_time"] / (last["steps"] - first["steps"]) / n, *(found or (numpy.nan, numpy.nan))
 
 
 YADE = """import math, resource

@@ -63,13 +63,13 @@ def write_scene(side, all_vertices):
 
 
 def run_epafi(side):
-    seconds, _, whole = resumed(program, "pile.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
+    before, after = resumed(program, "pile.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
     subprocess.run([program, "export", "epafi", "--format", "csv"], cwd=o.out, check=True, capture_output=True)
     with open(os.path.join(o.out, "epafi", "snapshots.csv")) as file:
         free = [[float(r[c]) for c in ("time", "x", "y", "z", "mass")] for r in csv.DictReader(file) if float(r["mass"]) > 0]
     last = numpy.array([r for r in free if r[0] == free[-1][0]])
     gone = int(((last[:, 1:3] < 0) | (last[:, 1:3] > side)).any(1).sum())
-    return 1e6 * seconds / o.steps / o.n, whole["measures"]["contacts"]["number"]["last"], numpy.average(last[:, 3], weights=last[:, 4]), gone
+    return 1e6 * after["cpu_time"] / (after["steps"] - before["steps"]) / o.n, after["measures"]["contacts"]["number"]["last"], numpy.average(last[:, 3], weights=last[:, 4]), gone
 
 
 YADE = """import math, resource

@@ -21,7 +21,7 @@ import subprocess
 
 import h5py
 import numpy
-from runs import resumed
+from runs import resumed, without_output
 
 HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "rigid")
 BULLET = ["-DBT_USE_DOUBLE_PRECISION", "-I/usr/include/bullet"]
@@ -224,15 +224,15 @@ def run_peer(driver, options, dt, seconds, share):
 
 
 def run_epafi(scene, settings, dt, seconds, free, share):
-    """The same of Epafi, a mean (runs.py); a second run writes the poses."""
+    """The same of Epafi, a mean by the clocks of its stages; a second run writes the poses."""
     folder = os.path.join(o.out, "epafi")
     words = [w for s in (*settings, "run.time_step=%.17g" % dt, "run.duration=%.17g" % seconds, "run.output_interval=0.1") for w in ("--set", s)]
     steps = round(seconds / dt)
     # a stack that falls breaks a bound of its scene and ends there
-    taken, first, last = resumed(program, scene, folder, round((1 - share) * steps), steps, *words)
+    first, last = resumed(program, scene, folder, round((1 - share) * steps), steps, *words)
     if last["steps"] <= first["steps"]:
         return None
-    ms = 1e3 * taken / (last["steps"] - first["steps"])
+    ms = 1e3 * without_output(last) / (last["steps"] - first["steps"])
     subprocess.run([program, "run", scene, *words, "-t", "1", "-q", "--force", "-o", folder], stderr=subprocess.DEVNULL)
     samples = []
     with h5py.File(os.path.join(folder, "run.h5")) as file:

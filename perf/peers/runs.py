@@ -1,4 +1,4 @@
-"""What the comparisons of perf/peers share: a settled state, the time of a program, the table. Needs numpy."""
+"""What the comparisons of perf/peers share: a settled state, the processor time of a program, the table. Needs numpy."""
 import argparse
 import csv
 import json
@@ -50,22 +50,21 @@ def processor_time(command, folder):
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, text
 
 
-def without_output(summary):
-    """Processor seconds of the steps of a run on one thread, without what it wrote and measured."""
-    return summary["cpu_time"] - summary["stage_seconds"]["output"]
-
-
 def resumed(program, scene, folder, warm, last, *words, cwd=None):
-    """Processor seconds without output that Epafi takes from step `warm` to step `last`, and both summaries: one run that ends at `warm` and goes
-    on. (A run less a shorter one came out below zero where steps are quick and others use the machine.) A run that fails ends early."""
+    """Epafi's summaries at steps `warm` and `last` of one run that ends at `warm` and goes on: the times of the second are those of the steps after
+    `warm`. (A run less a shorter one came out below zero where steps are quick and others use the machine.) A run that fails has fewer steps."""
     def call(*command):
-        subprocess.run([program, *command, "-t", "1", "-q"], cwd=cwd, stderr=subprocess.DEVNULL)
+        subprocess.run([program, *command, "-t", "1", "-q"], cwd=cwd)
         with open(os.path.join(cwd or "", folder, "summary.json")) as file:
             return json.load(file)
 
-    before = call("run", scene, *words, "--force", "--least-output", "--steps", str(warm), "-o", folder)
-    after = call("resume", folder, "--steps", str(last))
-    return without_output(after), before, after
+    return (call("run", scene, *words, "--force", "--least-output", "--steps", str(warm), "-o", folder),
+            call("resume", folder, "--steps", str(last)))
+
+
+def without_output(summary):
+    """Seconds by the clocks of the stages but output, which waits for the disk."""
+    return sum(seconds for stage, seconds in summary["stage_seconds"].items() if stage != "output")
 
 
 def yade_result(script, folder):

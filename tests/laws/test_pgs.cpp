@@ -7,8 +7,8 @@
 #include "laws/nonsmooth/solvers/pgs.h"
 #include "laws/nonsmooth/sweep.h"
 #include "tests/support/catch.h"
-#include "tests/support/keep_threads.h"
 #include "tests/support/contact_worlds.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 using namespace epafi::test;
