@@ -1,8 +1,8 @@
 // The commands of the program: what they print, and with which code they end.
 #include "scenes/cli/commands.h"
 
+#include <fstream>
 #include <new>
-#include <sstream>
 #include <stdexcept>
 
 #include "engine/error.h"
