@@ -35,6 +35,27 @@ EPAFI_LANES unsigned less_bits(typename LanesOf<n>::Real a, typename LanesOf<n>:
 #endif
 }
 
+template <int n>
+struct FloatsOf {
+  typedef float Real __attribute__((vector_size(4 * n)));
+};
+/// The same of n floats: 4, 8 or 16.
+template <int n>
+EPAFI_LANES unsigned less_float_bits(typename FloatsOf<n>::Real a, typename FloatsOf<n>::Real b) {
+#if EPAFI_WIDE_BUILTINS
+  if constexpr (n == 4)
+    return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<FloatsOf<4>::Real>(a < b)));
+  if constexpr (n == 8)
+    return static_cast<unsigned>(__builtin_ia32_movmskps256(reinterpret_cast<FloatsOf<8>::Real>(a < b)));
+  if constexpr (n == 16) return static_cast<std::uint16_t>(__builtin_ia32_cmpps512_mask(a, b, 1, -1, 4));
+#else
+  const auto less = a < b;
+  unsigned bits = 0;
+  for (int l = 0; l < n; ++l) bits |= static_cast<unsigned>(less[l] & 1) << l;
+  return bits;
+#endif
+}
+
 /// Places of the set bits of eight, and how many they are.
 struct BitPlaces {
   std::array<std::array<std::uint8_t, 8>, 256> at{};
@@ -59,6 +80,10 @@ EPAFI_LANES auto place_bytes(unsigned bits) {
 /// Writes from[l] of the bits l of n that are set, one behind the other, and returns how many; n are read and written.
 template <int n>
 EPAFI_LANES unsigned write_chosen(unsigned bits, const std::uint32_t* from, std::uint32_t* to) {
+  if constexpr (n == 16) {
+    const unsigned first = write_chosen<8>(bits & 0xffu, from, to);
+    return first + write_chosen<8>(bits >> 8, from + 8, to + first);
+  }
 #if EPAFI_WIDE_BUILTINS
   if constexpr (n == 8) {
     using Eight = int __attribute__((vector_size(32)));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "engine/lane_bits.h"
 #include "engine/parallel_order.h"
@@ -13,13 +14,10 @@ namespace {
 constexpr double cell_per_size = 1.5;    // cell edge over largest body of the class
 constexpr double level_ratio = 2.0;      // sizes in one class
 constexpr std::size_t block_size = 512;  // bodies per parallel block
-constexpr std::uint32_t most_lanes = 8;
+constexpr std::uint32_t most_lanes = 16;
+constexpr float above = 1.0f + 0x1p-20f, below = 1.0f - 0x1p-20f;  // sums and differences of floats are rounded
+constexpr double most_cells = 1e15;                                // along an axis
 }  // namespace
-
-std::int64_t SpatialHash::Axis::cell(double x) const {
-  // not negative after the clamp, so truncation is floor; NaN never comes here
-  return static_cast<std::int64_t>(std::clamp((x - origin) * inverse_cell, 0.0, last));
-}
 
 void SpatialHash::set_levels(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
@@ -73,17 +71,21 @@ void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
   level.half += 0x1p-48 * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
   const double cell = std::max(cell_per_size * 2.0 * level.half, 1e-300);
   std::array<double, 3> cells{};
+  double most = 0.0;
   for (int k = 0; k < 3; ++k) {
     Axis& a = level.axis[static_cast<std::size_t>(k)];
     a.origin = low[k], a.inverse_cell = 1.0 / cell;
-    a.last = std::min(std::floor((high[k] - low[k]) / cell), 1e15);
+    most = std::max(most, (high[k] - low[k]) / cell);
+    a.last = std::min(std::floor((high[k] - low[k]) / cell), most_cells);
     cells[static_cast<std::size_t>(k)] = a.last + 1.0;
   }
+  // two places rounded to floats, three axes: sqrt(3) 2^-23 of the largest; too far for floats: all is in doubt
+  level.doubt = most < most_cells ? static_cast<float>(0x1p-22 * most) : std::numeric_limits<float>::infinity();
   // fold the longest axis until the table has at most some four entries per body
   std::array<std::uint64_t, 3> size{};
   for (std::size_t k = 0; k < 3; ++k) size[k] = std::bit_ceil(static_cast<std::uint64_t>(cells[k]));
-  const double most = 4.0 * level.count + 64.0;
-  while (static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]) > most)
+  const double entries = 4.0 * level.count + 64.0;
+  while (static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]) > entries)
     *std::max_element(size.begin(), size.end()) /= 2;
   for (std::size_t k = 0; k < 3; ++k) level.axis[k].mask = static_cast<std::int64_t>(size[k]) - 1;
 }
@@ -111,7 +113,9 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
       all.size(), cells_, start_, each, [](std::size_t) {},
       [&](std::uint32_t place, Slot s) {
         const Ball& b = bodies.ball[s];
-        x_[place] = b.x, y_[place] = b.y, z_[place] = b.z, r_[place] = b.r, slot_[place] = s;
+        const auto& axis = level_[level_at(place)].axis;
+        x_[place] = axis[0].place(b.x), y_[place] = axis[1].place(b.y), z_[place] = axis[2].place(b.z);
+        r_[place] = static_cast<float>(b.r * axis[0].inverse_cell), slot_[place] = s;
       });
 }
 
@@ -122,32 +126,44 @@ void SpatialHash::rest() {
 
 template <int n>
 EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball, double half, std::uint32_t first,
-                                            std::vector<Slot>& found, std::size_t count) const {
-  using V = typename LanesOf<n>::Real;
+                                            const FatBodies& bodies, std::vector<Slot>& found,
+                                            std::size_t count) const {
+  constexpr int m = 2 * n;
+  using V = typename FloatsOf<m>::Real;
   const double centre[] = {ball.x, ball.y, ball.z}, reach = half + level.half;
   std::int64_t from[3], to[3];
+  V x[3];
   for (std::size_t d = 0; d < 3; ++d) {
     const Axis& a = level.axis[d];
+    x[d] = V{} + a.place(centre[d]);
     from[d] = a.cell(centre[d] - reach), to[d] = a.cell(centre[d] + reach);
     if (to[d] - from[d] >= a.mask) from[d] = 0, to[d] = a.mask;  // the whole folded axis, each cell once
   }
-  const V x = V{} + ball.x, y = V{} + ball.y, z = V{} + ball.z, r = V{} + ball.r;
-  const auto at = [](const double* column, std::uint32_t k) EPAFI_INLINED {
+  const V r = V{} + static_cast<float>(ball.r * level.axis[0].inverse_cell), none{};
+  const auto at = [](const float* column, std::uint32_t k) EPAFI_INLINED {
     V out;
     std::memcpy(&out, column + k, sizeof out);
     return out;
   };
-  const double *const xs = x_.data(), *const ys = y_.data(), *const zs = z_.data(), *const rs = r_.data();
+  const float *const xs = x_.data(), *const ys = y_.data(), *const zs = z_.data(), *const rs = r_.data();
   const Slot* const slots = slot_.data();
   const auto scan = [&](std::uint32_t begin, std::uint32_t end) EPAFI_INLINED {
     begin = std::max(begin, first);
     if (begin >= end) return;
-    if (found.size() < count + (end - begin) + n) found.resize(2 * (count + (end - begin)) + most_lanes);
-    for (std::uint32_t k = begin; k < end; k += n) {  // as Ball::overlaps
-      const V dx = x - at(xs, k), dy = y - at(ys, k), dz = z - at(zs, k), sum = r + at(rs, k);
-      const unsigned apart = less_bits<n>(sum * sum, dx * dx + dy * dy + dz * dz);
-      const unsigned valid = end - k < n ? (1u << (end - k)) - 1u : (1u << n) - 1u;
-      count += write_chosen<n>(~apart & valid, slots + k, found.data() + count);
+    if (found.size() < count + (end - begin) + m) found.resize(2 * (count + (end - begin)) + most_lanes);
+    for (std::uint32_t k = begin; k < end; k += m) {  // as Ball::overlaps, but for what floats cannot tell
+      const V dx = x[0] - at(xs, k), dy = x[1] - at(ys, k), dz = x[2] - at(zs, k), sum = r + at(rs, k);
+      const V square = dx * dx + dy * dy + dz * dz, far = sum * above + level.doubt, close = sum * below - level.doubt;
+      const unsigned valid = end - k < m ? (1u << (end - k)) - 1u : (1u << m) - 1u;
+      const unsigned maybe = ~less_float_bits<m>(far * far, square) & valid;
+      const V sure = close < none ? none : close * close;
+      Slot* const behind = found.data() + count;
+      count += write_chosen<m>(maybe, slots + k, behind);
+      if ((maybe & ~less_float_bits<m>(square, sure)) != 0) [[unlikely]] {
+        Slot* const last = found.data() + count;
+        const auto is_far = [&](Slot s) { return !ball.overlaps(bodies.ball[s]); };
+        count -= static_cast<std::size_t>(last - std::remove_if(behind, last, is_far));
+      }
     }
   };
   const std::int64_t mx = level.axis[0].mask, my = level.axis[1].mask, mz = level.axis[2].mask;
@@ -186,12 +202,12 @@ struct SpatialHash::Block {
   EPAFI_LANES void in_cells() const {
     for (std::size_t k = begin; k < end; ++k) {
       const Slot s = hash.slot_[k];
-      std::size_t own = 0, count = 0;
-      while (own + 1 < hash.levels_ && k >= hash.level_[own + 1].first) ++own;
+      const std::size_t own = hash.level_at(k);
+      std::size_t count = 0;
       for (std::size_t l = 0; l <= own; ++l)
         if (hash.level_[l].count > 0)
           count = hash.search<n>(hash.level_[l], bodies.ball[s], bodies.half_of(s),
-                                 l == own ? static_cast<std::uint32_t>(k) + 1 : 0, found, count);
+                                 l == own ? static_cast<std::uint32_t>(k) + 1 : 0, bodies, found, count);
       collector.add(block, s, std::span(found).first(count), true);
     }
   }
@@ -200,7 +216,7 @@ struct SpatialHash::Block {
   EPAFI_LANES void in_slots() const {
     for (std::size_t k = begin; k < end; ++k) {
       const Slot s = bodies.ordinary[k];
-      const std::size_t count = hash.search<n>(hash.level_[0], bodies.ball[s], bodies.half_of(s), 0, found, 0);
+      const std::size_t count = hash.search<n>(hash.level_[0], bodies.ball[s], bodies.half_of(s), 0, bodies, found, 0);
       collector.add(block, s, std::span(found).first(count), true);
     }
   }

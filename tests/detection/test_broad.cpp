@@ -62,6 +62,28 @@ TEST_CASE("lengths of 1e-6 to 1e3 m and coordinates of 1e6 m change no list", "[
       }
 }
 
+TEST_CASE("distances a hair's breadth from the sum of the radii are told apart at any scale",
+          "[detection][broad][scale]") {
+  for (const double unit : {1e-30, 1.0, 1e30})
+    for (const double far : {1.0, 1e4, 1e20}) {  // clusters so far apart, of which one is at the origin
+      INFO("unit " << unit << ", clusters " << far << " apart");
+      BroadScene scene;
+      scene.setup.shapes = &scene.shapes, scene.setup.margin = 0.1 * unit;
+      Random random(11, 0);
+      for (int i = 0; i < 600; ++i) {
+        const Vec3 x = random_point(random, 8.0) + far * Vec3(i % 3 == 0, i % 3 == 1, 0.0);
+        const double apart = 1.1 * (1.0 + (i % 2 == 0 ? 1e-12 : -1e-12));  // radii and margins: 1.1
+        scene.add_sphere(unit * x, 0.5 * unit);
+        scene.add_sphere(unit * (x + apart * random_point(random, 1.0).normalized()), 0.5 * unit);
+      }
+      std::vector<PairList> lists;
+      for (const auto& entry : all_broad_phases())
+        entry.make(scene.setup)->find_pairs(scene.world, lists.emplace_back());
+      CHECK(lists[0].pairs.size() > 700);
+      for (const PairList& list : lists) CHECK(list.pairs == lists[0].pairs);
+    }
+}
+
 TEST_CASE("over many steps no close pair is missing, all methods agree, and lists are kept", "[detection][broad]") {
   for (const std::string kind : {"mono", "lognormal", "bimodal", "clustered"})
     for (double margin : {0.0, 0.2}) {
