@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/error.h"
 #include "engine/parallel.h"
 #include "laws/nonsmooth/cone.h"
 
@@ -52,6 +53,7 @@ double ConeProblem::penetration_rate(const std::vector<Vec3>& u) const {
 }
 
 void ConeProblem::load(const ContactProblem& p) {
+  EPAFI_REQUIRE(p.diagonal.size() == p.size(), "the blocks W_ii are loaded before a solver reads them");
   reference = 0.0;
   friction = p.friction, diagonal = p.diagonal;
   q.resize(p.size()), rows.resize(p.size());

@@ -17,6 +17,18 @@ void add_turning(const Mat3& j, const Vec3& arm, Vec3& c0, Vec3& c1, Vec3& c2) {
   c2 += Vec3(xz, yz, y * n2.x() - x * n2.y());
 }
 
+/// n.(W_ii n) = 1/m_a + 1/m_b + sum over both bodies of (arm x n).I^-1 (arm x n).
+double normal_mobility(const ContactProblem& p, std::size_t i) {
+  const Slot a = p.a[i], b = p.b[i];
+  double mobility = p.inverse_mass[a] + p.inverse_mass[b];
+  if (!p.rotates) return mobility;
+  for (const auto& [slot, arm] : {std::pair(a, &p.arm_a[i]), std::pair(b, &p.arm_b[i])}) {
+    const Vec3 lever = arm->cross(p.frame[i].normal);
+    mobility += lever.dot(p.inverse_inertia[slot] * lever);
+  }
+  return mobility;
+}
+
 /// W_ii = (1/m_a + 1/m_b) 1 + sum over both bodies of (arm x d_j).I^-1 (arm x d_k) over the axes d of the frame.
 Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
   const Slot a = p.a[i], b = p.b[i];
@@ -59,25 +71,25 @@ void ContactProblem::load_bodies(const World& world, double dt) {
 void ContactProblem::load_contacts(const World& world, const ContactSet& contacts) {
   const std::size_t n = contacts.size();
   parallel_copy(contacts.a, a), parallel_copy(contacts.b, b);
-  frame.resize(n), diagonal.resize(n), arm_a.resize(rotates ? n : 0), arm_b.resize(rotates ? n : 0);
+  frame.resize(n), mobility.resize(n), diagonal.clear(), arm_a.resize(rotates ? n : 0), arm_b.resize(rotates ? n : 0);
   parallel_fill(friction, n, 0.0), parallel_fill(offset, n, 0.0), lag.clear();
   parallel_for(n, [&](std::size_t i) {
     frame[i] = contact_frame(contacts.normal[i]);
     if (rotates) arm_a[i] = contacts.arm[i], arm_b[i] = contacts.arm_b(i, world);
-    diagonal[i] = diagonal_block(*this, i);
+    mobility[i] = normal_mobility(*this, i);
   });
   incidence.build(contacts, world.size());
 }
 
-Vec3 ContactProblem::relative_velocity(std::size_t i, const BodyVelocities& v) const {
-  Vec3 u = v.linear[b[i]] - v.linear[a[i]];
-  if (rotates) u += v.angular[b[i]].cross(arm_b[i]) - v.angular[a[i]].cross(arm_a[i]);
-  return to_frame(i, u);
-}
-
-Vec3 ContactProblem::free_relative_velocity(std::size_t i) const {
-  if (!is_free(a[i]) && !is_free(b[i])) return Vec3::Zero();
-  return with_offset(i, relative_velocity(i, free));
+void ContactProblem::load_diagonal() {
+  if (diagonal.size() == size()) return;
+  diagonal.resize(size());
+  parallel_for(size(), [&](std::size_t i) {
+    if (mobility[i] > 0.0)
+      diagonal[i] = diagonal_block(*this, i);
+    else
+      diagonal[i].setZero();
+  });
 }
 
 ContactProblem::BodyImpulse ContactProblem::impulse_on(Slot s, const Impulses& r) const {
@@ -110,9 +122,8 @@ void ContactProblem::relative_velocities(const BodyVelocities& v, std::vector<Ve
 }
 
 double ContactProblem::mean_effective_mass() const {
-  const auto sums = block_sum<Sum3>(diagonal.size(), [&](std::size_t i) {
-    const double mobility = diagonal[i](0, 0);
-    return mobility > 0.0 ? Sum3{mobility, 1.0, 0.0} : Sum3{};
+  const auto sums = block_sum<Sum3>(size(), [&](std::size_t i) {
+    return mobility[i] > 0.0 ? Sum3{mobility[i], 1.0, 0.0} : Sum3{};
   });
   return sums.b > 0.0 ? sums.b / sums.a : 1.0;
 }

@@ -36,7 +36,8 @@ struct ContactProblem {
   std::vector<double> friction;    ///< mu >= 0
   std::vector<double> offset;      ///< w_N [m/s]: the contact demands u_N = (H^T v)_N + w_N >= 0
   std::vector<Vec3> lag;           ///< w_T [m/s], (0, t1, t2): what the slip of the step is measured against; empty: 0
-  std::vector<Mat3> diagonal;      ///< W_ii [1/kg]; 0 where neither body can move
+  std::vector<double> mobility;    ///< W_NN of the contact itself [1/kg]; 0 where neither body can move
+  std::vector<Mat3> diagonal;      ///< W_ii [1/kg], once they are loaded; 0 where the mobility is
   Incidence incidence;
 
   std::size_t size() const { return a.size(); }
@@ -44,13 +45,27 @@ struct ContactProblem {
 
   /// Bodies with v_free = v + dt * acceleration by everything but contact.
   void load_bodies(const World& world, double dt);
-  /// Geometry of the contacts and W_ii; sets friction and offset to 0. Needs the bodies.
+  /// Geometry of the contacts and their mobilities; sets friction and offset to 0. Needs the bodies.
   void load_contacts(const World& world, const ContactSet& contacts);
+  /// What solvers need beside: a step that starts with its solution has none (a tenth of it for a pyramid at rest).
+  void load_diagonal();
+  /// Takes a contact out: no impulse acts there.
+  void leave_out(std::size_t i) {
+    mobility[i] = 0.0;
+    if (!diagonal.empty()) diagonal[i].setZero();
+  }
 
   /// (H^T v)_i: velocity of B against A at contact i, in its frame.
-  Vec3 relative_velocity(std::size_t i, const BodyVelocities& v) const;
+  Vec3 relative_velocity(std::size_t i, const BodyVelocities& v) const {
+    Vec3 u = v.linear[b[i]] - v.linear[a[i]];
+    if (rotates) u += v.angular[b[i]].cross(arm_b[i]) - v.angular[a[i]].cross(arm_a[i]);
+    return to_frame(i, u);
+  }
   /// q_i = (H^T v_free + w)_i; 0 where neither body can move, as no impulse could change it.
-  Vec3 free_relative_velocity(std::size_t i) const;
+  Vec3 free_relative_velocity(std::size_t i) const {
+    if (!is_free(a[i]) && !is_free(b[i])) return Vec3::Zero();
+    return with_offset(i, relative_velocity(i, free));
+  }
   /// World vector of an impulse in the frame of contact i, acting on B.
   Vec3 to_world(std::size_t i, const Vec3& r) const {
     return frame[i].normal * r.x() + frame[i].tangent1 * r.y() + frame[i].tangent2 * r.z();

@@ -33,7 +33,7 @@ bool Impacts::find(const ContactProblem& problem, const Step& step) {
   fastest_ = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const bool closes = step.gap[i] <= 0.0 || step.gap[i] < step.dt * (approach_[i] + pull_[i]);
-    if (problem.diagonal[i](0, 0) <= 0.0) continue;
+    if (problem.mobility[i] <= 0.0) continue;
     if (closes) fastest_ = std::max(fastest_, approach_[i]);
     any = any || step.restitution[i] > 0.0;
   }
@@ -55,7 +55,7 @@ void Impacts::poisson(const Step& step, ContactSolver& solver) {
   // touching: gravity alone closes the gap within the step, or the fastest body within a billionth of it
   const double touching = step.dt * std::max(step.threshold, closed_share * fastest_);
   for (std::size_t i = 0; i < impact_.size(); ++i)
-    if (step.gap[i] > touching && step.gap[i] >= step.dt * (approach_[i] + pull_[i])) impact_.diagonal[i].setZero();
+    if (step.gap[i] > touching && step.gap[i] >= step.dt * (approach_[i] + pull_[i])) impact_.leave_out(i);
   r_c_.assign(impact_.size(), Vec3::Zero());
   solver.solve(impact_, r_c_);
   r_ = r_c_;
@@ -109,7 +109,7 @@ void Impacts::sequential(const Step& step) {
   std::priority_queue<Event, std::vector<Event>, std::greater<>> queue;
   const auto gravity = [&](std::size_t i) { return 2.0 * pull_[i] / step.dt; };  // closes the gap, [m/s^2]
   const auto expect = [&](std::uint32_t i, double now) {
-    if (impact_.diagonal[i](0, 0) <= 0.0 || approach_[i] <= threshold_) return;
+    if (impact_.mobility[i] <= 0.0 || approach_[i] <= threshold_) return;
     const double g = std::max(0.0, gap[i]), root = approach_[i] * approach_[i] + 2.0 * gravity(i) * g;
     if (root < 0.0) return;  // turns round before it touches
     const double later = 2.0 * g / (approach_[i] + std::sqrt(root));

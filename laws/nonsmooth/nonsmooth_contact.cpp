@@ -44,12 +44,12 @@ class NonsmoothContact final : public ContactModel {
   void start(const World& world, const ContactSet& contacts, double dt);
   SolverReport solve(const World& world, const ContactSet& contacts, double dt);
   bool release_induced(const World& world, const ContactSet& contacts, double dt);
-  void account(const World& world, StepReport& report) const;
+  void account(const World& world, ContactSet& contacts, double dt, StepReport& report) const;
   void foresee(const ContactSet& contacts, double dt);
   void add_impacts();
-  void write_back(World& world, ContactSet& contacts, double dt);
+  void write_back(World& world) const;
   const Impulses& calmest(double creep);
-  double foreseen_residual(const Impulses& r, const BodyVelocities& v);
+  double foreseen_residual(const Impulses& r, const BodyVelocities* v);
 
   std::string name_;
   MaterialTable materials_;
@@ -61,6 +61,7 @@ class NonsmoothContact final : public ContactModel {
 
   ContactProblem problem_;
   double rho_ = 1.0;  ///< scale of the residual [kg]
+  FreeMotion free_motion_;
   Impulses r_, start_, calmed_;
   double start_residual_ = infinity;
   bool solved_ = true;  ///< the start was not good enough
@@ -126,11 +127,11 @@ bool NonsmoothContact::release_induced(const World& world, const ContactSet& con
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   const auto released = [&](std::size_t i) -> char {
     if (problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) return 0;
-    const double stopped = r_[i].x() * problem_.diagonal[i](0, 0);
+    const double stopped = r_[i].x() * problem_.mobility[i];
     if (stopped <= threshold) return 0;
     if (contacts.gap[i] <= touching_share * dt * stopped) return 0;  // closed, whatever rounding says
     if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) return 0;
-    problem_.diagonal[i].setZero(), r_[i].setZero();  // out of this step's problem
+    problem_.leave_out(i), r_[i].setZero();  // out of this step's problem
     return 1;
   };
   return block_max<char>(contacts.size(), 0, released) != 0;
@@ -142,19 +143,22 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
   const double good = solver_->good_start();
   if (good > 0.0) {
     foresee(contacts, dt);
-    report.residual = measure_residual(problem_, r_, u_, rho_).value;
+    free_motion_ = measure_free_motion(problem_);
+    report.residual = measure_residual(problem_, r_, u_, rho_, free_motion_).value;
     parallel_copy(r_, start_), parallel_copy(u_after_, u_start_);
   }
   start_residual_ = report.residual;
   solved_ = start_residual_ > good;
-  if (solved_) report.iterations = solver_->solve(problem_, r_).iterations;
-  for (int pass = 0; pass < 3 && release_induced(world, contacts, dt); ++pass) {
+  const auto solve = [&] {
+    problem_.load_diagonal();
     report.iterations += solver_->solve(problem_, r_).iterations;
-    solved_ = true;
-  }
+  };
+  if (solved_) solve();
+  for (int pass = 0; pass < 3 && release_induced(world, contacts, dt); ++pass) solve(), solved_ = true;
   if (solved_) {
     foresee(contacts, dt);
-    report.residual = measure_residual(problem_, r_, u_, rho_).value;
+    free_motion_ = measure_free_motion(problem_);  // without the contacts that were released
+    report.residual = measure_residual(problem_, r_, u_, rho_, free_motion_).value;
   }
   report.converged = report.residual <= tolerance_;
   return report;
@@ -189,24 +193,27 @@ const Impulses& NonsmoothContact::calmest(double creep) {
   parallel_copy(start_, calmed_);
   solver_->calm(u_start_, calmed_);
   if (solved_) problem_.velocities(start_, calmed_velocities_);
-  const double before = foreseen_residual(start_, solved_ ? calmed_velocities_ : after_);
+  const double before = foreseen_residual(start_, solved_ ? &calmed_velocities_ : nullptr);
   problem_.velocities(calmed_, calmed_velocities_);
-  return foreseen_residual(calmed_, calmed_velocities_) < before ? calmed_ : start_;
+  return foreseen_residual(calmed_, &calmed_velocities_) < before ? calmed_ : start_;
 }
 
 /// With which the next step would start from r if bodies stayed where they are: r changes its velocities as it would
-/// have changed those of this step, to v.
-double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelocities& v) {
+/// have changed those of this step, to v; null: to those that this step came to.
+double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelocities* v) {
   u_next_.resize(r.size());
   parallel_for(r.size(), [&](std::size_t i) {
-    const Vec3 change = problem_.relative_velocity(i, v) - u_before_[i];
+    const Vec3 change = (v ? problem_.relative_velocity(i, *v) : u_after_[i]) - u_before_[i];
     u_next_[i] = problem_.with_offset(i, u_after_[i] + change);
   });
-  return measure_residual(problem_, r, u_next_, rho_).value;
+  return measure_residual(problem_, r, u_next_, rho_, free_motion_).value;
 }
 
-/// Energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their work.
-void NonsmoothContact::account(const World& world, StepReport& report) const {
+/// Forces, and the energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their
+/// work.
+void NonsmoothContact::account(const World& world, ContactSet& contacts, double dt, StepReport& report) const {
+  contacts.force.resize(contacts.size());
+  if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
   const auto driven = [&](Slot s, const Vec3& arm) -> Vec3 {
     if (world.is_movable(s)) return Vec3::Zero();
     return world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
@@ -214,6 +221,7 @@ void NonsmoothContact::account(const World& world, StepReport& report) const {
   const auto sums = block_sum<Sum3>(problem_.size(), [&](std::size_t i) {
     const Vec3 mean = 0.5 * (u_before_[i] + u_after_[i]);
     const Vec3 none = Vec3::Zero(), impulse = problem_.to_world(i, r_[i]);
+    contacts.force[i] = -impulse / dt;
     const Vec3 wall = driven(problem_.b[i], problem_.rotates ? problem_.arm_b[i] : none) -
                       driven(problem_.a[i], problem_.rotates ? problem_.arm_a[i] : none);
     return Sum3{-r_[i].dot(mean), -impulse.dot(wall), r_[i].x() > 0.0 ? 1.0 : 0.0};
@@ -232,15 +240,12 @@ void NonsmoothContact::add_impacts() {
   });
 }
 
-void NonsmoothContact::write_back(World& world, ContactSet& contacts, double dt) {
+void NonsmoothContact::write_back(World& world) const {
   parallel_copy(after_.linear, world.velocity);
   parallel_for(world.rotates() ? world.size() : 0, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     if (world.is_movable(s) && problem_.incidence.count(s) > 0) world.apply_angular_impulse(s, moments_[k]);
   });
-  contacts.force.resize(contacts.size());
-  if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
-  parallel_for(contacts.size(), [&](std::size_t i) { contacts.force[i] = -problem_.to_world(i, r_[i]) / dt; });
 }
 
 /// v_{k+1}, u_{k+1}, with w what the solver sees of it, and by it the gaps at the next detection.
@@ -263,6 +268,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.has_solver = true;
   report.elastic = 0.0;
   const double threshold = impact_threshold * world.gravity.norm() * clock.dt;
+  if (impacts_.separate()) problem_.load_diagonal();
   const bool impact = impacts_.separate() &&
                       impacts_.apply(problem_, {contacts.gap, restitution_, before_, threshold, clock.dt}, *solver_);
   solver_->see(world, contacts, clock.dt);
@@ -270,8 +276,8 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   // impacts do not recur: r_ without them
   if (warm_start_) memory_.remember(world, contacts, problem_, calmest(creep * threshold), next_gap_, u_after_);
   if (impact) add_impacts();
-  account(world, report);
-  write_back(world, contacts, clock.dt);
+  account(world, contacts, clock.dt, report);
+  write_back(world);
   // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
   if (impact) report.dissipated -= displace(world, impacts_.displacement());
   const BodyVelocities* own = solver_->displacement();

@@ -11,8 +11,7 @@ struct NormalRule {
     Lanes step;  ///< 1/W_NN, 0 where nothing moves
   };
   static void pack(const ContactProblem& problem, std::size_t i, LaneData& data, std::size_t lane) {
-    const Mat3& w = problem.diagonal[i];
-    data.step[lane] = w(0, 0) > 0.0 ? 1.0 / w(0, 0) : 0.0;
+    data.step[lane] = problem.mobility[i] > 0.0 ? 1.0 / problem.mobility[i] : 0.0;
   }
   EPAFI_LANES void update(const LaneData& d, Lanes, Lanes (&r)[1], const Lanes (&u)[1]) const {
     r[0] = max(Lanes{}, r[0] - d.step * u[0]);

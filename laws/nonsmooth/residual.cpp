@@ -10,35 +10,45 @@ namespace epafi {
 
 namespace {
 
+/// A sum of squares and a maximum.
 struct Norms {
-  double map2 = 0.0, q2 = 0.0;           // sums of squares
-  double penetration = 0.0, q_max2 = 0.0;  // maxima
+  double squares = 0.0, most = 0.0;
   Norms& operator+=(const Norms& o) {
-    map2 += o.map2, q2 += o.q2;
-    penetration = std::max(penetration, o.penetration), q_max2 = std::max(q_max2, o.q_max2);
+    squares += o.squares, most = std::max(most, o.most);
     return *this;
   }
 };
 
+/// f(i) of the contacts that impulses move.
+template <class F>
+Norms norms_of(const ContactProblem& problem, const F& f) {
+  return block_sum<Norms>(problem.size(), [&](std::size_t i) { return problem.mobility[i] <= 0.0 ? Norms{} : f(i); });
+}
+
 }  // namespace
 
-Residual measure_residual(const ContactProblem& problem, const Impulses& r, const std::vector<Vec3>& u, double rho) {
-  EPAFI_REQUIRE(r.size() == problem.size() && u.size() == r.size(), "one impulse and one velocity per contact");
-  const auto norms = block_sum<Norms>(problem.size(), [&](std::size_t i) {
-    if (problem.diagonal[i](0, 0) <= 0.0) return Norms{};  // between two bodies that no impulse moves
+FreeMotion measure_free_motion(const ContactProblem& problem) {
+  const Norms q = norms_of(problem, [&](std::size_t i) {
     const double q2 = problem.free_relative_velocity(i).squaredNorm();
-    return Norms{natural_map(r[i], u[i], problem.friction[i], rho).squaredNorm(), q2, -u[i].x(), q2};
+    return Norms{q2, q2};
   });
-  const double scale = norms.q2 > 0.0 ? std::sqrt(norms.q2) : 1.0;
-  const double q_max = norms.q_max2 > 0.0 ? std::sqrt(norms.q_max2) : 1.0;
-  return {std::sqrt(norms.map2) / (rho * scale), norms.penetration / q_max};
+  return {q.squares > 0.0 ? std::sqrt(q.squares) : 1.0, q.most > 0.0 ? std::sqrt(q.most) : 1.0};
+}
+
+Residual measure_residual(const ContactProblem& problem, const Impulses& r, const std::vector<Vec3>& u, double rho,
+                          const FreeMotion& q) {
+  EPAFI_REQUIRE(r.size() == problem.size() && u.size() == r.size(), "one impulse and one velocity per contact");
+  const Norms map = norms_of(problem, [&](std::size_t i) {
+    return Norms{natural_map(r[i], u[i], problem.friction[i], rho).squaredNorm(), -u[i].x()};
+  });
+  return {std::sqrt(map.squares) / (rho * q.norm), map.most / q.largest};
 }
 
 Residual measure_residual(const ContactProblem& problem, const Impulses& r, double rho, BodyVelocities& v,
                           std::vector<Vec3>& u) {
   problem.velocities(r, v);
   problem.relative_velocities(v, u);
-  return measure_residual(problem, r, u, rho);
+  return measure_residual(problem, r, u, rho, measure_free_motion(problem));
 }
 
 }  // namespace epafi

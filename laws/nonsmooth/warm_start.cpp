@@ -18,8 +18,10 @@ Vec3 body_axes(const World& world, Slot s, const Vec3& x) {
 }
 }  // namespace
 
-/// First remembered contact of the pair, or the place where it would stand.
-std::size_t WarmStart::find_pair(Slot a, Slot b) const {
+/// First remembered contact of the pair, or the place where it would stand; guess: where it is at rest.
+std::size_t WarmStart::find_pair(Slot a, Slot b, std::size_t guess) const {
+  const auto is = [&](std::size_t k) { return a_[k] == a && b_[k] == b; };
+  if (guess < a_.size() && is(guess) && (guess == 0 || !is(guess - 1))) return guess;
   std::size_t low = 0, high = a_.size();
   while (low < high) {
     const std::size_t mid = (low + high) / 2;
@@ -32,7 +34,7 @@ std::size_t WarmStart::find_pair(Slot a, Slot b) const {
 /// By key; then what is left of the pair on both sides, nearest first come.
 void WarmStart::match_run(const World& world, const ContactSet& contacts, Run run) {
   const Slot a = contacts.a[run.begin], b = contacts.b[run.begin];
-  const std::size_t first = find_pair(a, b);
+  const std::size_t first = find_pair(a, b, run.begin);
   std::size_t last = first;
   while (last < a_.size() && a_[last] == a && b_[last] == b) ++last;
   std::size_t old = first;
@@ -71,7 +73,7 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
     const Run run{runs_[k], k + 1 < runs_.size() ? runs_[k + 1] : static_cast<std::uint32_t>(contacts.size())};
     match_run(world, contacts, run);
     for (std::uint32_t i = run.begin; i < run.end; ++i) {
-      const bool known = previous_[i] != unmatched && problem.diagonal[i](0, 0) > 0.0;
+      const bool known = previous_[i] != unmatched && problem.mobility[i] > 0.0;
       r[i] = known ? project_cone(problem.to_frame(i, impulse_[previous_[i]]), problem.friction[i]) : Vec3::Zero();
     }
   });

@@ -32,7 +32,7 @@ class WarmStart {
     std::uint32_t begin, end;
   };
   void match_run(const World& world, const ContactSet& contacts, Run run);
-  std::size_t find_pair(Slot a, Slot b) const;
+  std::size_t find_pair(Slot a, Slot b, std::size_t guess) const;
 
   std::vector<Slot> a_, b_;
   std::vector<Feature> feature_;

@@ -36,7 +36,7 @@ ContactProblem star(int n) {
   for (Slot b = 1; b <= static_cast<Slot>(n); ++b) contacts.append(0, b, {.gap = 0.0});
   ContactProblem p;
   p.load_bodies(world, 0.1);
-  p.load_contacts(world, contacts);
+  p.load_contacts(world, contacts), p.load_diagonal();
   return p;
 }
 }  // namespace

@@ -6,6 +6,7 @@
 #include "laws/nonsmooth/solvers/pgs.h"
 #include "tests/support/catch.h"
 #include "tests/support/contact_worlds.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 using namespace epafi::test;
@@ -39,7 +40,7 @@ ContactProblem two_stacks(int low, int high) {
     }
   ContactProblem p;
   p.load_bodies(world, 1.0 / 240);
-  p.load_contacts(world, contacts);
+  p.load_contacts(world, contacts), p.load_diagonal();
   p.friction.assign(p.size(), 0.5);
   return p;
 }
@@ -138,7 +139,7 @@ TEST_CASE("auto leaves each island to what it needs and meets the tolerance of t
 }
 
 TEST_CASE("the accurate solvers give the same bits for every thread count", "[laws][auto]") {
-  const int before = thread_count();
+  const support::KeepThreads keep;
   const ContactProblem p = two_stacks(12, 30);
   for (const SolverEntry& entry : {newton_entry(), proximal_entry(), auto_entry()}) {
     set_thread_count(1);
@@ -151,5 +152,4 @@ TEST_CASE("the accurate solvers give the same bits for every thread count", "[la
       CHECK(r == reference);
     }
   }
-  set_thread_count(before);
 }

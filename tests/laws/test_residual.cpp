@@ -45,7 +45,7 @@ TEST_CASE("rho = 1/mean(W_NN) makes the residual independent of the unit of mass
   ContactProblem light = stack_problem(5, 0.5), heavy = light;
   for (double& m : heavy.inverse_mass) m *= 1e-3;
   for (Mat3& j : heavy.inverse_inertia) j *= 1e-3;
-  for (Mat3& w : heavy.diagonal) w *= 1e-3;
+  for (double& w : heavy.mobility) w *= 1e-3;
   Random random(3, 3);
   Impulses r(light.size());
   for (Vec3& x : r) x = Vec3(random.uniform(0, 30), random.uniform(-5, 5), random.uniform(-5, 5));
