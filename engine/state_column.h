@@ -1,4 +1,5 @@
-/// @file state_column.h  Position, velocity and spin of the bodies: a column each, or all of a body in one place.
+/// @file state_column.h  Position, velocity, spin and inertia of the bodies: a column each, or all of a body in one
+/// place.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -11,8 +12,8 @@
 
 namespace epafi {
 
-/// What moves of a body beside what a loop over contacts reads with it: 128 bytes, two cache lines. The fourth numbers
-/// and `predicted` are the contact model's own.
+/// What moves of a body beside what a loop over contacts reads with it: 128 bytes, two cache lines. Radii, `predicted`
+/// and, of bodies with unequal moments, its fourth number are the contact model's own.
 struct alignas(64) BodyState {
   Lanes position;   ///< x y z [m], radius [m]
   Lanes velocity;   ///< x y z [m/s], 1/mass [1/kg]

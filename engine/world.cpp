@@ -76,7 +76,7 @@ void World::add(const Body& body, BodyId new_id) {
   resize_states(s + 1);
   each_column([&](const char*, auto& column) { column.resize(s + 1); });
   id.back() = new_id, shape.back() = body.shape, material.back() = body.material;
-  inverse_mass.back() = free ? 1.0 / body.mass : 0.0;
+  inverse_mass[s] = free ? 1.0 / body.mass : 0.0;
   position[s] = body.position, velocity[s] = body.velocity;
   if (columns_.force) force.back().setZero();
   if (columns_.external_force) external_force.back() = body.external_force;
@@ -88,7 +88,7 @@ void World::add(const Body& body, BodyId new_id) {
     if (columns_.anisotropy)
       inverse_inertia.back() = inverse, angular_momentum.back().setZero();
     else
-      inverse_moment.back() = inverse.x();
+      inverse_moment[s] = inverse.x();
     set_angular_velocity(s, body.angular_velocity);
   }
 }
@@ -145,12 +145,18 @@ void World::resize_states(std::size_t n) {
 
 void World::place_states() {
   if (!columns_.states) return;
-  const auto join = [this](StateColumn<Vec3>& column, Lanes BodyState::*part) {
-    column.join(states_.empty() ? nullptr : &(states_[0].*part), sizeof(BodyState), states_.size());
+  const auto join = [this](auto& column, Lanes BodyState::*part, std::size_t at) {
+    void* const first = states_.empty() ? nullptr : reinterpret_cast<double*>(&(states_[0].*part)) + at;
+    column.join(first, sizeof(BodyState), states_.size());
   };
-  join(position, &BodyState::position), join(velocity, &BodyState::velocity);
-  if (columns_.rotation) join(angular_velocity, &BodyState::spin);
+  join(position, &BodyState::position, 0), join(velocity, &BodyState::velocity, 0);
+  join(inverse_mass, &BodyState::velocity, 3);
+  if (!columns_.rotation) return;
+  join(angular_velocity, &BodyState::spin, 0);
+  if (!columns_.anisotropy) join(inverse_moment, &BodyState::predicted, 3);
 }
+
+void World::rest_forces() { give_back_pages(force), give_back_pages(torque); }
 
 std::size_t World::bytes_per_body() const {
   std::size_t bytes = sizeof(Slot) + (columns_.states ? sizeof(BodyState) : 0);  // slot_of

@@ -26,7 +26,7 @@ struct Columns {
   bool external_force = false;  ///< constant forces on some bodies
   bool periodic = false;        ///< cells passed by each body
   bool held_force = false;      ///< contact forces on fixed and driven bodies are summed too
-  bool states = false;  ///< position, velocity and spin of a body lie in one BodyState: a contact model reads them so
+  bool states = false;  ///< what moves of a body and its inertia lie in one BodyState: a contact model reads them so
 };
 
 /// One body as it enters the world.
@@ -63,7 +63,7 @@ class World {
   std::vector<BodyId> id;  ///< of each slot
   std::vector<std::uint32_t> shape;
   std::vector<std::uint16_t> material;
-  std::vector<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
+  StateColumn<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
   StateColumn<Vec3> position;          ///< [m]
   StateColumn<Vec3> velocity;          ///< [m/s]
   std::vector<Wraps> wraps;            ///< cells passed; with columns().periodic
@@ -72,13 +72,13 @@ class World {
   std::vector<Quat> orientation;       ///< with columns().rotation and columns().orientation
   StateColumn<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next ones
   std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]; with columns().anisotropy, else the next one
-  std::vector<double> inverse_moment;  ///< of bodies with equal principal moments [1/(kg m^2)]
+  StateColumn<double> inverse_moment;  ///< of bodies with equal principal moments [1/(kg m^2)]
   std::vector<Vec3> torque;            ///< [N m]; with columns().force
   std::vector<Vec3>
       angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
 
   std::size_t size() const { return id.size(); }
-  /// With columns().states: where position, velocity and spin of the bodies are; else empty.
+  /// With columns().states: where position, velocity, spin and inertia of the bodies are; else empty.
   std::span<BodyState> states() { return states_; }
   std::span<const BodyState> states() const { return states_; }
   bool rotates() const { return columns_.rotation; }
@@ -156,6 +156,8 @@ class World {
   /// A name for a body that comes later; it has no slot until then.
   BodyId reserve();
   void add(const Body& body, BodyId reserved);
+  /// Nobody reads forces and torques before they are written again, or they are 0: their pages go back to the system.
+  void rest_forces();
   /// Takes the bodies out; slots close up. The caller hands the result to every stage.
   Reordering remove(std::span<const BodyId> bodies);
   /// Puts the body of slot order[k] into slot k.
@@ -167,7 +169,7 @@ class World {
 
  private:
   Columns columns_;
-  std::vector<Slot> slot_of_;  ///< by body id
+  std::vector<Slot> slot_of_;          ///< by body id
   UnwrittenColumn<BodyState> states_;  ///< with columns().states
 
   Vec3 apply_inverse_inertia_at(Slot s, const Vec3& x) const;

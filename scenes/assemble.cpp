@@ -62,6 +62,7 @@ void add_bodies(Assembly& a, ShapeBuilder& builder) {
                                    body_name(a.scene, k), a.scene.shapes[b.shape].type),
                        place);
     a.body_ids.push_back(add_body(a, shape, b, place));
+    if (k % many_bodies == many_bodies - 1) a.simulation->world.rest_forces();  // 48 bytes each
   }
 }
 
@@ -221,7 +222,10 @@ void warn_of_distance(Assembly& a) {
 
 std::vector<BodyId> Assembly::ids(const NamedBodies& named) const {
   std::vector<BodyId> out;
-  for (std::size_t b : named.bodies) out.push_back(body_ids[b]);
+  for (const auto& [first, count] : named.bodies) {
+    const auto begin = body_ids.begin() + static_cast<std::ptrdiff_t>(first);
+    out.insert(out.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
+  }
   for (const auto& [fill, one] : named.fills) {
     const auto& all = fill_ids[fill];
     if (!one)

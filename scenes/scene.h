@@ -193,7 +193,11 @@ struct CellSpec {
 
 /// What a name stands for: bodies of the scene and of its fills.
 struct NamedBodies {
-  std::vector<std::size_t> bodies;                                        ///< indices of Scene::bodies
+  /// Scene::bodies[first .. first + count): a name of a million is one of them.
+  struct Range {
+    std::size_t first = 0, count = 0;
+  };
+  std::vector<Range> bodies;
   std::vector<std::pair<std::size_t, std::optional<std::size_t>>> fills;  ///< index of the fill, of its body or all
 };
 

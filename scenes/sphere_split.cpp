@@ -17,6 +17,7 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   }
   worn_ = {}, wear_.clear();
   const bool fresh = pairs.generation != before;
+  if (fresh && world.size() >= many_bodies) listed_ = &pairs;
   if (!fresh && !ways_known_) return;  // what the list has gone through is not known then
   wear_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, 0.0);
   if (fresh) return;
@@ -28,6 +29,8 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
 
 bool WornPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
+  if (listed_ && model() && !model()->waits_for_pairs())  // it has its own: 18 bytes a sphere
+    let_go(listed_->spheres.first), let_go(listed_->spheres.partner), listed_ = nullptr;
   const std::span<const double> ways = model() ? model()->largest_ways() : std::span<const double>{};
   ways_known_ = !ways.empty() && list_->bodies().size() == world.size();
   if (!ways_known_ || wear_.size() != ways.size()) return wear_.clear(), false;

@@ -34,6 +34,7 @@ class WornPairs final : public BroadPhase {
   bool ways_known_ = false;   ///< in this step
   Worn worn_;                 ///< what was seen when the list ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
+  PairList* listed_ = nullptr;         ///< of many bodies, until the model has laid its pairs out
 };
 
 class SphereSplit final : public NarrowPhase {

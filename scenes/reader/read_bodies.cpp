@@ -255,8 +255,9 @@ NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& plac
   std::vector<std::string> names;
   for (const auto& group : draft.scene.groups) {
     const bool whole = group.name == name, maybe_one = !group.name.empty() && name.rfind(group.name + "[", 0) == 0;
-    for (std::size_t k = 0; k < group.count && (whole || maybe_one); ++k)
-      if (whole || body_name(group, k) == name) found.bodies.push_back(group.first + k);
+    if (whole && group.count > 0) found.bodies.push_back({group.first, group.count});
+    for (std::size_t k = 0; k < group.count && maybe_one; ++k)
+      if (body_name(group, k) == name) found.bodies.push_back({group.first + k, 1});
     if (!group.name.empty()) names.push_back(group.name);
   }
   for (std::size_t f = 0; f < draft.scene.fills.size(); ++f) {

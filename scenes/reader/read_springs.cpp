@@ -7,7 +7,8 @@ namespace {
 /// One body by name; reports an unknown one and several.
 std::optional<std::size_t> one_body(Draft& draft, const TableValues& v, const char* key, const std::string& label) {
   const NamedBodies found = find_bodies(draft, v.text(key), v.place_of(key), label);
-  if (found.bodies.size() == 1 && found.fills.empty()) return found.bodies.front();
+  if (found.bodies.size() == 1 && found.bodies.front().count == 1 && found.fills.empty())
+    return found.bodies.front().first;
   if (!found.bodies.empty() || !found.fills.empty())
     draft.reading.error(v.place_of(key), label + " " + key + ": '" + v.text(key) + "' are several bodies; name one");
   return std::nullopt;

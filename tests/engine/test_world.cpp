@@ -108,13 +108,18 @@ TEST_CASE("a world pays for the columns it declares", "[engine][world]") {
   CHECK(full.bytes_per_body() == lean.bytes_per_body() + 6 * 24 + 32);
   World together({.rotation = true, .anisotropy = true, .force = true, .external_force = true, .states = true});
   together.add(numbered(1));
-  CHECK(together.bytes_per_body() == full.bytes_per_body() - 3 * 24 + sizeof(BodyState));
+  CHECK(together.bytes_per_body() == full.bytes_per_body() - 3 * 24 - 8 + sizeof(BodyState));
+  CHECK(together.states()[0].velocity[3] == full.inverse_mass[0]);
   World even({.rotation = true, .force = true, .external_force = true});
   Body ball = numbered(1);
   CHECK_THROWS_AS(even.add(ball), std::invalid_argument);  // its moments are unequal
   ball.inertia = Vec3::Constant(2.0);
   even.add(ball);
   CHECK(even.bytes_per_body() == full.bytes_per_body() - 24 - (24 - 8));  // no momentum, one moment
+  World beads({.rotation = true, .force = true, .external_force = true, .states = true});
+  beads.add(ball);
+  CHECK(beads.bytes_per_body() == even.bytes_per_body() - 3 * 24 - 2 * 8 + sizeof(BodyState));
+  CHECK(beads.states()[0].predicted[3] == 0.5);
   CHECK(even.inverse_inertia_of(0) == Vec3(0.5, 0.5, 0.5));
   CHECK(even.apply_inverse_inertia(0, Vec3(1, 2, 3)) == Vec3(0.5, 1, 1.5));
   CHECK(lean.orientation.empty());

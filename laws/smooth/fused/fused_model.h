@@ -94,8 +94,7 @@ class FusedModel final : public FusedSpheres {
     });
     find_ways(clock.dt);
     // 48 bytes a sphere that nobody reads before they are written again
-    if (clock.run_on != nullptr && !tells_forces() && world.size() >= many_bodies)
-      give_back_pages(world.force), give_back_pages(world.torque);
+    if (clock.run_on != nullptr && !tells_forces() && world.size() >= many_bodies) world.rest_forces();
     return true;
   }
 
@@ -151,9 +150,7 @@ class FusedModel final : public FusedSpheres {
     published_ = true;
   }
 
-  std::size_t gap_parts() const override {
-    return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size();
-  }
+  std::size_t gap_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
     const SphereBlocks::Block& block = blocks_.blocks()[part];
     std::size_t at = gaps.size();
@@ -267,8 +264,8 @@ class FusedModel final : public FusedSpheres {
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
       if (!clock.scheme)
-        unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray),
-                      touched_.empty() ? nullptr : is_touched_.data(), begin, end);
+        unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray), touched_.empty() ? nullptr : is_touched_.data(),
+                      begin, end);
       else if (onward)
         run_on({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[i], most_hurry_[i]}});
       else
@@ -409,7 +406,7 @@ class FusedModel final : public FusedSpheres {
   Law law_;
   std::vector<Law> wall_laws_;
   std::unique_ptr<ContactModel> generic_;
-  bool damped_ = false, others_ = true;
+  bool damped_ = false, others_ = false;
   bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
   UnwrittenColumn<float> hurry_;                ///< 1/half the margin, by slot [1/m]; empty: others move too

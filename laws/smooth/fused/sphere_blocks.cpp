@@ -97,6 +97,7 @@ void by_pieces(std::size_t count, std::size_t piece, const F& f, const Gone& gon
 
 void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   EPAFI_REQUIRE(world.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
+  EPAFI_REQUIRE(list.pairs.first.size() == world.size() + 1, "pairs are laid out from a list that is there");
   const std::size_t count = (world.size() + block_size - 1) / block_size;
   const SpherePairs& pairs = list.pairs;
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
@@ -145,14 +146,16 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
   plain_.resize((world.size() + 3) / 4);
   const bool may_be_plain = has_plain_bodies(world);
   const std::span<BodyState> states = world.states();
-  parallel_for(plain_.size(), [&](std::size_t four) {
-    plain_[four] = may_be_plain && are_plain(world, 4 * four);
-    for (std::size_t s = 4 * four; s < std::min(world.size(), 4 * four + 4); ++s) {
-      states[s].position[3] = states[s].spin[3] = radius[s];
-      states[s].velocity[3] = world.inverse_mass[s];
-      if (world.rotates()) states[s].predicted[3] = world.inverse_inertia_of(static_cast<Slot>(s)).x();
-    }
-  }, 128);
+  parallel_for(
+      plain_.size(),
+      [&](std::size_t four) {
+        plain_[four] = may_be_plain && are_plain(world, 4 * four);
+        for (std::size_t s = 4 * four; s < std::min(world.size(), 4 * four + 4); ++s) {
+          states[s].position[3] = states[s].spin[3] = radius[s];
+          if (world.columns().anisotropy) states[s].predicted[3] = world.inverse_inertia_of(static_cast<Slot>(s)).x();
+        }
+      },
+      128);
 }
 
 /// Pairs of a block with all that its runs may be filled up with.

@@ -16,7 +16,8 @@
 
 namespace epafi {
 
-/// What the loop writes of a body; it reads BodyState. The torque over the radius: both bodies of a contact feel the same one.
+/// What the loop writes of a body; it reads BodyState. The torque over the radius: both bodies of a contact feel the
+/// same one.
 struct alignas(64) SphereSum {
   Lanes force, pull;  ///< x y z [N], unused
 };
@@ -120,7 +121,7 @@ class SphereBlocks {
 
   /// Adds what other blocks found for the bodies of block i to the sums of its tray.
   void receive(std::size_t i, std::size_t tray);
-  /// The fourth numbers of the bodies' states, and which bodies are plain; radius: by slot, of free spheres [m].
+  /// What of the bodies' states is ours and stays, and which bodies are plain; radius: by slot, of free spheres [m].
   void set_constants(World& world, std::span<const double> radius);
   /// Bodies of the last layout.
   std::size_t bodies() const { return bodies_; }
