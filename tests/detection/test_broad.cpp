@@ -4,6 +4,7 @@
 #include "engine/parallel.h"
 #include "tests/detection/broad_scenes.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 using namespace epafi::test;
@@ -219,7 +220,7 @@ TEST_CASE("removal and sorting rename slots: the list follows, A keeps the lower
 }
 
 TEST_CASE("the list is the same for every thread count", "[detection][broad][threads]") {
-  const int before = thread_count();
+  const support::KeepThreads keep;
   for (const auto& entry : all_broad_phases()) {
     std::vector<PairColumn> results;
     for (int threads : {1, 2, 3, 4, 7, 8}) {
@@ -238,7 +239,6 @@ TEST_CASE("the list is the same for every thread count", "[detection][broad][thr
     }
     for (const auto& r : results) CHECK((r == results[0]));
   }
-  set_thread_count(before);
 }
 
 TEST_CASE("a spinning needle is listed before its tip arrives", "[detection][broad][rotation]") {

@@ -6,6 +6,7 @@
 
 #include "engine/parallel.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/polyhedra.h"
 
 using namespace epafi;
@@ -89,7 +90,8 @@ TEST_CASE("two spheres: gap, normal, point and R* as written", "[detection][narr
   REQUIRE(c.size() == 1);
   CHECK(c.gap[0] == -0.5);
   CHECK(c.normal[0] == Vec3(0, 0, 1));
-  CHECK((c.arm[0] - Vec3(0, 0, 2.5 / 3)).norm() < 1e-15);  // the line of centres, 2.5 long, divided like the radii 1 : 2
+  CHECK((c.arm[0] - Vec3(0, 0, 2.5 / 3)).norm() <
+        1e-15);  // the line of centres, 2.5 long, divided like the radii 1 : 2
   CHECK(c.effective_radius[0] == Approx(2.0 / 3.0).epsilon(1e-15));
   // A tiny sphere on a large one: centre distance 1 + 1e-6 - 1e-9, depth 1e-9 up to the rounding of the stored
   // position.
@@ -227,7 +229,7 @@ TEST_CASE("contacts are canonical and the same bits at every thread count, with 
   Scene s = mixed(7, 150);
   s.pair_all();
   REQUIRE(s.pairs.pairs.size() > 4 * 1024);
-  const int threads = thread_count();
+  const support::KeepThreads keep;
   ContactSet reference;
   for (const int n : {1, 2, 3, 4, 7, 8}) {
     set_thread_count(n);
@@ -239,7 +241,6 @@ TEST_CASE("contacts are canonical and the same bits at every thread count, with 
     narrow.collide(s.world, s.pairs, contacts);  // now every pair has a remembered direction
     CHECK(same_bits(contacts, reference));
   }
-  set_thread_count(threads);
   REQUIRE(reference.size() > 100);
   for (std::size_t i = 1; i < reference.size(); ++i) {
     const auto key = [&](std::size_t k) { return std::tuple(reference.a[k], reference.b[k], reference.feature[k]); };
@@ -251,7 +252,7 @@ TEST_CASE("a crowd that moves has the contacts of a search from nothing, over ne
           "[detection][narrow]") {
   Scene s = mixed(8, 80);
   Random random(9, 0);
-  const int threads = thread_count();
+  const support::KeepThreads keep;
   BatchNarrowPhase narrow(s.shapes, 0.02, true);
   s.pair_all();
   const PairColumn all = s.pairs.pairs;
@@ -273,7 +274,6 @@ TEST_CASE("a crowd that moves has the contacts of a search from nothing, over ne
           Quat(Eigen::AngleAxisd(stride, testing::random_direction(random))) * s.world.orientation[b];
     }
   }
-  set_thread_count(threads);
 }
 
 TEST_CASE("B10: a thousand kilometres from the origin the contacts are the same bits", "[detection][narrow][B10]") {

@@ -6,6 +6,7 @@
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
 
 using namespace epafi;
@@ -89,7 +90,7 @@ std::string run_hash(const Short& s, const std::string& method, int threads) {
 
 TEST_CASE("every library scene has one hash for 1, 2 and 4 threads, the golden one", "[determinism]") {
   const auto golden = golden_hashes();
-  const int before = thread_count();
+  const support::KeepThreads keep;
   for (const auto& scene : all_scenes()) {
     const Short s = shortened(scene);
     const std::string hash = run_hash(s, "as-written", 1);
@@ -98,18 +99,16 @@ TEST_CASE("every library scene has one hash for 1, 2 and 4 threads, the golden o
     const auto found = golden.find(scene + " as-written");
     CHECK((found != golden.end() ? found->second : std::string("missing")) == hash);
   }
-  set_thread_count(before);
 }
 
 TEST_CASE("every library scene has the golden hash for 3, 7 and 8 threads", "[determinism][slow]") {
   const auto golden = golden_hashes();
-  const int before = thread_count();
+  const support::KeepThreads keep;
   for (const auto& scene : all_scenes()) {
     INFO(scene);
     for (int threads : {3, 7, 8})
       CHECK(run_hash(shortened(scene), "as-written", threads) == golden.at(scene + " as-written"));
   }
-  set_thread_count(before);
 }
 
 TEST_CASE("every library scene continues from its state in the middle with the same bits", "[determinism][restart]") {

@@ -6,6 +6,7 @@
 #include "engine/parallel.h"
 #include "engine/random.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 
@@ -76,7 +77,8 @@ TEST_CASE("contact memory follows renamed and removed bodies", "[engine][contact
     std::map<Key, std::uint32_t> expected;  // new key -> old index, in canonical order
     for (std::uint32_t i = 0; i < keys.size(); ++i) {
       const auto& [a, b, f] = keys[i];
-      if (change.new_slot[a] != no_slot && change.new_slot[b] != no_slot) expected[{change.new_slot[a], change.new_slot[b], f}] = i;
+      if (change.new_slot[a] != no_slot && change.new_slot[b] != no_slot)
+        expected[{change.new_slot[a], change.new_slot[b], f}] = i;
     }
     const auto kept = memory.reorder(change);
     REQUIRE(kept.size() == expected.size());
@@ -92,7 +94,7 @@ TEST_CASE("contact memory follows renamed and removed bodies", "[engine][contact
 }
 
 TEST_CASE("contact memory is the same for every thread count", "[engine][contacts][threads]") {
-  const int before = thread_count();
+  const support::KeepThreads keep;
   Random random(7, 1);
   const auto first = random_keys(random, 120, 0.5), second = random_keys(random, 120, 0.5);
   std::vector<std::uint32_t> reference;
@@ -105,7 +107,6 @@ TEST_CASE("contact memory is the same for every thread count", "[engine][contact
     if (threads == 1) reference = previous;
     CHECK(previous == reference);
   }
-  set_thread_count(before);
 }
 
 TEST_CASE("a set of contacts gives back what a larger one left behind", "[engine][contacts]") {

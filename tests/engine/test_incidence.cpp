@@ -4,6 +4,7 @@
 #include "engine/parallel_order.h"
 #include "engine/random.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 
@@ -39,9 +40,9 @@ Case random_case(std::uint64_t seed, Slot bodies) {
 }  // namespace
 
 TEST_CASE("each body meets its contacts as A, then as B, both in canonical order", "[engine][incidence]") {
-  const int threads = thread_count();
+  const support::KeepThreads keep;
   for (Slot bodies : {0u, 1u, 2u, 50u, 300u, 1500u}) {  // of the last 12 000 contacts, which are shared out
-    set_thread_count(bodies > 300 ? 3 : threads);
+    set_thread_count(bodies > 300 ? 3 : keep.before);
     const Case c = random_case(2, bodies);
     Incidence incidence;
     incidence.build(c.contacts, bodies);
@@ -56,7 +57,6 @@ TEST_CASE("each body meets its contacts as A, then as B, both in canonical order
       REQUIRE(incidence.count(s) == expected.size());
     }
   }
-  set_thread_count(threads);
 }
 
 TEST_CASE("gathered forces and torques are the direct sums; fixed bodies take none", "[engine][incidence]") {
@@ -84,7 +84,7 @@ TEST_CASE("gathered forces and torques are the direct sums; fixed bodies take no
 }
 
 TEST_CASE("gathered sums are the same bits for every thread count", "[engine][incidence][threads]") {
-  const int before = thread_count();
+  const support::KeepThreads keep;
   std::string reference;
   for (int threads : {1, 2, 3, 4, 7, 8}) {
     set_thread_count(threads);
@@ -92,9 +92,9 @@ TEST_CASE("gathered sums are the same bits for every thread count", "[engine][in
     Incidence incidence;
     incidence.build(c.contacts, 1500);
     gather_forces(c.contacts, incidence, c.world);
-    parallel_copy(c.world.force, c.world.velocity), parallel_copy(c.world.torque, c.world.angular_velocity);  // for the hash
+    parallel_copy(c.world.force, c.world.velocity),
+        parallel_copy(c.world.torque, c.world.angular_velocity);  // for the hash
     if (threads == 1) reference = state_hash(c.world);
     CHECK(state_hash(c.world) == reference);
   }
-  set_thread_count(before);
 }

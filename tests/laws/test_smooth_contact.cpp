@@ -8,6 +8,7 @@
 #include "laws/smooth/spring.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
+#include "tests/support/keep_threads.h"
 
 using namespace epafi;
 using namespace epafi::experiments;
@@ -131,7 +132,7 @@ TEST_CASE("needs follow the parts: friction asks for rotation and memory, rollin
 }
 
 TEST_CASE("the same bits at every thread count", "[laws][smooth][determinism]") {
-  const int threads = thread_count();
+  const support::KeepThreads keep;
   std::set<std::string> hashes;
   for (int n : {1, 2, 3, 4, 7, 8}) {
     set_thread_count(n);
@@ -141,7 +142,6 @@ TEST_CASE("the same bits at every thread count", "[laws][smooth][determinism]") 
     CHECK(rig.work.contacts.size() > sum_block);
     CHECK(rig.work.report.touching > 500);
   }
-  set_thread_count(threads);
   CHECK(hashes.size() == 1);
 }
 

@@ -1,6 +1,7 @@
 // Soft constraints with substeps: what the spring leaves, what stays exact, what the residual tells.
 #include "engine/parallel.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/rigid_experiment.h"
 
 using namespace epafi;
@@ -73,7 +74,7 @@ TEST_CASE("free flight, sliding and rebound are not those of the spring", "[laws
 }
 
 TEST_CASE("soft steps are the same bits for every thread count", "[laws][soft-step]") {
-  const int before = thread_count();
+  const support::KeepThreads keep;
   const auto end = [](int threads) {
     set_thread_count(threads);
     RigidExperiment x = tower(12, soft(1.0 / 60));
@@ -82,5 +83,4 @@ TEST_CASE("soft steps are the same bits for every thread count", "[laws][soft-st
   };
   const auto one = end(1);
   for (const int threads : {2, 3, 8}) CHECK(end(threads) == one);
-  set_thread_count(before);
 }

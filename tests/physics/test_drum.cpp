@@ -6,6 +6,7 @@
 
 #include "engine/parallel.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
 
 using namespace epafi;
@@ -60,7 +61,7 @@ double open_ledger(SceneRun& run, double stored_at_start) {
 }
 
 void check_drum(double seconds) {
-  const int threads = thread_count();
+  const support::KeepThreads keep;
   SceneRun run = turned_drum(seconds, 1);
   const double stored = run.simulation().ledger.measure(run.simulation().world).stored();
   const std::uint64_t tenth = run.assembly->steps / 10;
@@ -87,7 +88,6 @@ void check_drum(double seconds) {
   SceneRun again = turned_drum(seconds, 3);
   again.advance_to(tenth);
   CHECK(again.hash() == hash);
-  set_thread_count(threads);
 }
 
 }  // namespace

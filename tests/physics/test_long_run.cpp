@@ -3,6 +3,7 @@
 
 #include "engine/parallel.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
 
 using namespace epafi;
@@ -45,12 +46,11 @@ Ending run_gas(std::uint64_t steps) {
 }
 
 void check_gas(std::uint64_t steps) {
-  const int threads = thread_count();
+  const support::KeepThreads keep;
   set_thread_count(1);
   const Ending one = run_gas(steps);
   set_thread_count(3);
   const Ending three = run_gas(steps);
-  set_thread_count(threads);
   INFO(steps << " steps: energy " << one.energy_error << ", momentum " << one.momentum_error << ", heap " << one.heap_growth);
   CHECK(one.failure.empty());
   CHECK(std::abs(one.energy_error) < 1e-3);

@@ -5,6 +5,7 @@
 #include "engine/parallel.h"
 #include "engine/random.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "viz_export/measures/contact_measures.h"
 
 using namespace epafi;
@@ -60,8 +61,9 @@ std::vector<double> by_definition(const World& world, const ContactSet& c, int l
 
 TEST_CASE("coordination counts pairs that touch, rattlers taken away, for every thread count",
           "[viz_export][measures]") {
-  const int threads = thread_count();
-  for (const auto& [bodies, pairs] : {std::pair<Slot, std::size_t>{2, 1}, {40, 90}, {40, 110}, {3000, 9000}, {13000, 37000}}) {
+  const support::KeepThreads keep;
+  for (const auto& [bodies, pairs] :
+       {std::pair<Slot, std::size_t>{2, 1}, {40, 90}, {40, 110}, {3000, 9000}, {13000, 37000}}) {
     World world;
     for (Slot s = 0; s < bodies; ++s) {
       Body body;
@@ -85,5 +87,4 @@ TEST_CASE("coordination counts pairs that touch, rattlers taken away, for every 
     }
     if (bodies > 2) CHECK((expected[1] > 3.0 && expected[2] > 0.0));
   }
-  set_thread_count(threads);
 }
