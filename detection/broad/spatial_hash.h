@@ -1,8 +1,8 @@
-/// @file spatial_hash.h  Bodies sorted into uniform cells, one grid per size class (Ericson 2005, ch. 7; Mirtich 1996 for levels).
-/// Each class spans a factor of two in size. A body searches its own class and the larger ones, so a dust grain beside a
-/// boulder costs a few look-ups. The cell table is an array, no hash map: where the bodies are too sparse for a dense array,
-/// the grid is folded (cell index modulo a power of two) and the aliases fall to the test. Balls are tested as floats, and
-/// in full where the rounding of these leaves doubt: the list is that of the full test.
+/// @file spatial_hash.h  Bodies sorted into uniform cells, one grid per size class (Ericson 2005, ch. 7; Mirtich 1996
+/// for levels). Each class spans a factor of two in size. A body searches its own class and the larger ones, so a dust
+/// grain beside a boulder costs a few look-ups. The cell table is an array, no hash map: where the bodies are too
+/// sparse for a dense array, the grid is folded (cell index modulo a power of two) and the aliases fall to the test.
+/// Balls are tested as floats, and in full where the rounding of these leaves doubt: the list is that of the full test.
 /// Fails (slow, still right) where most bodies overlap each other.
 #pragma once
 #include <algorithm>
@@ -23,8 +23,11 @@ class SpatialHash final : public ListBroadPhase {
     double origin = 0.0, inverse_cell = 1.0, last = 0.0;  ///< last: largest cell index before folding
     std::int64_t mask = 0;                                ///< cells after folding, minus 1
     // not negative after the clamp, so truncation is floor; NaN never comes here
-    std::int64_t cell(double x) const { return static_cast<std::int64_t>(std::clamp((x - origin) * inverse_cell, 0.0, last)); }
-    float place(double x) const { return static_cast<float>((x - origin) * inverse_cell); }  ///< in cells
+    std::int64_t cell(double x) const {
+      return static_cast<std::int64_t>(std::clamp((x - origin) * inverse_cell, 0.0, last));
+    }
+    /// In cells; beyond 1e30 no two bodies are near.
+    float place(double x) const { return static_cast<float>(std::clamp((x - origin) * inverse_cell, -1e30, 1e30)); }
   };
   /// One size class.
   struct Level {
@@ -37,12 +40,13 @@ class SpatialHash final : public ListBroadPhase {
   static constexpr std::size_t most_levels = 20;
 
   std::array<Level, most_levels> level_{};
-  std::size_t levels_ = 0, cells_ = 0;           ///< cells of all levels
-  std::vector<std::uint8_t> level_of_;           ///< by position in bodies.ordinary
-  std::vector<std::uint32_t> cell_of_, start_;   ///< start_[table + cell]: first body of the cell in the sorted columns
-  std::vector<float> x_, y_, z_, r_;             ///< fat balls [cells of their level], sorted by level and cell, as is the next one
+  std::size_t levels_ = 0, cells_ = 0;          ///< cells of all levels
+  std::vector<std::uint8_t> level_of_;          ///< by position in bodies.ordinary
+  std::vector<std::uint32_t> cell_of_, start_;  ///< start_[table + cell]: first body of the cell in the sorted columns
+  std::vector<float> x_, y_, z_,
+      r_;  ///< fat balls [cells of their level], sorted by level and cell, as is the next one
   std::vector<Slot> slot_;
-  std::vector<std::vector<Slot>> found_;         ///< candidates, one column per block
+  std::vector<std::vector<Slot>> found_;  ///< candidates, one column per block
   struct Block;
 
   void collect(const FatBodies& bodies, PairCollector& collector) override;
