@@ -19,6 +19,14 @@
 
 namespace epafi {
 
+/// One bit for each of n lanes of a mask.
+template <int n, class Mask>
+EPAFI_LANES unsigned lane_bits(Mask mask) {
+  unsigned bits = 0;
+  for (int l = 0; l < n; ++l) bits |= static_cast<unsigned>(mask[l] & 1) << l;
+  return bits;
+}
+
 /// One bit for each lane where a < b.
 template <int n>
 EPAFI_LANES unsigned less_bits(typename LanesOf<n>::Real a, typename LanesOf<n>::Real b) {
@@ -28,10 +36,7 @@ EPAFI_LANES unsigned less_bits(typename LanesOf<n>::Real a, typename LanesOf<n>:
   if constexpr (n == 4) return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Lanes>(a < b)));
   if constexpr (n == 8) return static_cast<std::uint8_t>(__builtin_ia32_cmppd512_mask(a, b, 1, -1, 4));
 #else
-  const auto less = a < b;
-  unsigned bits = 0;
-  for (int l = 0; l < n; ++l) bits |= static_cast<unsigned>(less[l] & 1) << l;
-  return bits;
+  return lane_bits<n>(a < b);
 #endif
 }
 
@@ -49,10 +54,7 @@ EPAFI_LANES unsigned less_float_bits(typename FloatsOf<n>::Real a, typename Floa
     return static_cast<unsigned>(__builtin_ia32_movmskps256(reinterpret_cast<FloatsOf<8>::Real>(a < b)));
   if constexpr (n == 16) return static_cast<std::uint16_t>(__builtin_ia32_cmpps512_mask(a, b, 1, -1, 4));
 #else
-  const auto less = a < b;
-  unsigned bits = 0;
-  for (int l = 0; l < n; ++l) bits |= static_cast<unsigned>(less[l] & 1) << l;
-  return bits;
+  return lane_bits<n>(a < b);
 #endif
 }
 

@@ -196,6 +196,7 @@ struct NamedBodies {
   /// Scene::bodies[first .. first + count): a name of a million is one of them.
   struct Range {
     std::size_t first = 0, count = 0;
+    bool operator==(const Range&) const = default;
   };
   std::vector<Range> bodies;
   std::vector<std::pair<std::size_t, std::optional<std::size_t>>> fills;  ///< index of the fill, of its body or all

@@ -190,11 +190,12 @@ TEST_CASE("fills, measures, bounds and studies are resolved", "[scenes][reader]"
   REQUIRE(s.measures.size() == 2);
   CHECK(s.measures[0].parameters.vec3("plane.normal") == Vec3(0, 0, -1));
   REQUIRE(s.measures[1].bodies.size() == 2);
-  CHECK(s.measures[1].bodies[0].bodies == std::vector<std::size_t>{s.groups[1].first});
+  CHECK(s.measures[1].bodies[0].bodies == std::vector<NamedBodies::Range>{{s.groups[1].first, 1}});
   REQUIRE(s.bounds.size() == 3);
   CHECK(s.bounds[2].quantity == "drift");
   CHECK(s.bounds[2].limit == 0.01 * 0.010);
-  CHECK(s.bounds[2].bodies.bodies.size() == 20);
+  REQUIRE(s.bounds[2].bodies.bodies.size() == 1);
+  CHECK(s.bounds[2].bodies.bodies[0].count == 20);
   CHECK(s.accuracy.size() == 2);
   REQUIRE(s.sweep.size() == 2);
   CHECK(s.sweep[0].values == std::vector<std::string>{"\"smooth\"", "\"nonsmooth\""});
