@@ -17,6 +17,12 @@ constexpr std::size_t block_size = 512;  // bodies per parallel block
 constexpr std::uint32_t most_lanes = 16;
 constexpr float above = 1.0f + 0x1p-20f, below = 1.0f - 0x1p-20f;  // sums and differences of floats are rounded
 constexpr double most_cells = 1e15;                                // along an axis
+
+/// Takes those of [first, last) out whose balls do not meet this one; how many they were.
+std::size_t drop_apart(const Ball& ball, const FatBodies& bodies, Slot* first, Slot* last) {
+  return static_cast<std::size_t>(last -
+                                  std::remove_if(first, last, [&](Slot s) { return !ball.overlaps(bodies.ball[s]); }));
+}
 }  // namespace
 
 void SpatialHash::set_levels(const FatBodies& bodies) {
@@ -148,8 +154,7 @@ EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball
   const float *const xs = x_.data(), *const ys = y_.data(), *const zs = z_.data(), *const rs = r_.data();
   const Slot* const slots = slot_.data();
   const auto scan = [&](std::uint32_t begin, std::uint32_t end) EPAFI_INLINED {
-    begin = std::max(begin, first);
-    if (begin >= end) return;
+    if ((begin = std::max(begin, first)) >= end) return;
     if (found.size() < count + (end - begin) + m) found.resize(2 * (count + (end - begin)) + most_lanes);
     for (std::uint32_t k = begin; k < end; k += m) {  // as Ball::overlaps, but for what floats cannot tell
       const V dx = x[0] - at(xs, k), dy = x[1] - at(ys, k), dz = x[2] - at(zs, k), sum = r + at(rs, k);
@@ -159,11 +164,8 @@ EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball
       const V sure = close < none ? none : close * close;
       Slot* const behind = found.data() + count;
       count += write_chosen<m>(maybe, slots + k, behind);
-      if ((maybe & ~less_float_bits<m>(square, sure)) != 0) [[unlikely]] {
-        Slot* const last = found.data() + count;
-        const auto is_far = [&](Slot s) { return !ball.overlaps(bodies.ball[s]); };
-        count -= static_cast<std::size_t>(last - std::remove_if(behind, last, is_far));
-      }
+      if ((maybe & ~less_float_bits<m>(square, sure)) != 0) [[unlikely]]
+        count -= drop_apart(ball, bodies, behind, found.data() + count);
     }
   };
   const std::int64_t mx = level.axis[0].mask, my = level.axis[1].mask, mz = level.axis[2].mask;

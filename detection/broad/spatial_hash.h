@@ -43,8 +43,7 @@ class SpatialHash final : public ListBroadPhase {
   std::size_t levels_ = 0, cells_ = 0;          ///< cells of all levels
   std::vector<std::uint8_t> level_of_;          ///< by position in bodies.ordinary
   std::vector<std::uint32_t> cell_of_, start_;  ///< start_[table + cell]: first body of the cell in the sorted columns
-  std::vector<float> x_, y_, z_,
-      r_;  ///< fat balls [cells of their level], sorted by level and cell, as is the next one
+  std::vector<float> x_, y_, z_, r_;  ///< fat balls [cells of their level], sorted by level and cell, as is slot_
   std::vector<Slot> slot_;
   std::vector<std::vector<Slot>> found_;  ///< candidates, one column per block
   struct Block;
