@@ -25,24 +25,41 @@ struct BlockTask {
 
   template <int n>
   EPAFI_LANES void run() const {
-    if (block.images == nullptr)
+    if (block.images.empty())
       sweep_runs<n, false>();
     else
       sweep_runs<n, true>();
   }
 
+  /// f(loop over the run) for all runs in order.
+  template <int n, bool periodic, class F>
+  EPAFI_LANES void each_run(SphereTotals<n>& total, SphereSprings::Places& places, const F& f) const {
+    for (const SphereBlocks::Run& run : block.runs) {
+      if (run.plane >= 0)  // a plane has no image
+        f(SphereSweep<n, Normal, Tangential, Rolling, true, false, false>{
+            block, run, wall_laws[static_cast<std::size_t>(run.plane)], arrays, total, places});
+      else if (!run.across)
+        f(SphereSweep<n, Normal, Tangential, Rolling, false, false, periodic>{block, run, law, arrays, total, places});
+      else
+        f(SphereSweep<n, Normal, Tangential, Rolling, false, true, periodic>{block, run, law, arrays, total, places});
+    }
+  }
+
   template <int n, bool periodic>
   EPAFI_LANES void sweep_runs() const {
+    constexpr bool friction = Tangential::is_present;
     SphereTotals<n> total;
-    for (const SphereBlocks::Run& run : block.runs) {
-      if (run.plane >= 0)
-        sweep<n, Normal, Tangential, Rolling, true, false, false>(  // a plane has no image
-            block, run, wall_laws[static_cast<std::size_t>(run.plane)], arrays, total);
-      else if (!run.across)
-        sweep<n, Normal, Tangential, Rolling, false, false, periodic>(block, run, law, arrays, total);
-      else
-        sweep<n, Normal, Tangential, Rolling, false, true, periodic>(block, run, law, arrays, total);
+    SphereSprings::Places places;
+    if (friction && !(arrays.dt > 0.0)) {
+      thread_local std::vector<std::uint32_t> from;
+      from.clear();
+      std::uint32_t rank = 0;
+      each_run<n, periodic>(total, places, [&](const auto& sweep) EPAFI_INLINED { sweep.begin_contacts(from, rank); });
+      block.springs.choose(from);
     }
+    if constexpr (friction) places = block.springs.begin_step();
+    each_run<n, periodic>(total, places, [&](const auto& sweep) EPAFI_INLINED { sweep.act(); });
+    if (friction && arrays.dt > 0.0) block.springs.end_step(places);
     block.touching = total.touching, block.viscous = total.viscous.total();
     block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
     block.slipped = 0.5 * total.twice_slipped.total() + total.released;
@@ -145,7 +162,9 @@ class FusedModel final : public FusedSpheres {
     contacts.normal.reserve(all), contacts.arm.reserve(all), contacts.force.reserve(all);
     contacts.effective_radius.reserve(contacts.with_curvature ? all : 0);
     blocks_.each_touching(
-        [&](const auto& block, const auto& run, std::uint32_t k) { append(world, contacts, block, run, k); });
+        [&](const auto& block, const auto& run, std::uint32_t k, std::uint32_t rank) {
+          append(world, contacts, block, run, k, rank);
+        });
     contacts.sort();
     published_ = true;
   }
@@ -156,7 +175,7 @@ class FusedModel final : public FusedSpheres {
     std::size_t at = gaps.size();
     const auto make_room = [&](std::size_t size) { gaps.a.resize(size), gaps.b.resize(size), gaps.gap.resize(size); };
     make_room(at + block.size);
-    SphereBlocks::each_touching(block, [&](const auto& run, std::uint32_t k) {
+    SphereBlocks::each_touching(block, [&](const auto& run, std::uint32_t k, std::uint32_t) {
       gaps.a[at] = block.pairs[k].a.slot(), gaps.b[at] = block.pairs[k].b.slot();
       gaps.gap[at++] = gap_of(world, block, run, k);
     });
@@ -380,9 +399,9 @@ class FusedModel final : public FusedSpheres {
     return c;
   }
 
-  /// Contact k of a block as the generic path would have it.
+  /// Contact k of a block as the generic path would have it; rank: of those that touch.
   void append(const World& world, ContactSet& contacts, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-              std::uint32_t k) const {
+              std::uint32_t k, std::uint32_t rank) const {
     const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
     const std::uint32_t key = key_of(world, block, run, k);
     const Vec3 d = world.branch(a, b, Feature{key} << 56);
@@ -391,9 +410,9 @@ class FusedModel final : public FusedSpheres {
     Vec3 moment = Vec3::Zero();
     const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
     if constexpr (Rolling::is_present)
-      force += xyz(block.loads[k].friction), moment = xyz(block.loads[k].moment);
+      force += xyz(block.springs.loads(rank).friction), moment = xyz(block.springs.loads(rank).moment);
     else if constexpr (Tangential::is_present)
-      force += xyz(block.springs[k].load);
+      force += xyz(block.springs.friction(rank).load);
     const bool in_order = world.id[a] < world.id[b];
     c.feature = Feature{in_order ? key : opposite_image(key << 8) >> 8} << 56;
     if (!in_order) c.arm -= d, c.normal = -c.normal, force = -force, moment = -moment;

@@ -13,60 +13,60 @@ namespace epafi {
 
 namespace {
 
-/// Springs of the contacts of a block that touch, by run and in the order of the pairs.
+/// Which contacts of a block touch, by run and in the order of the pairs.
 class Carried {
  public:
   using Block = SphereBlocks::Block;
 
   /// planes: those of the block's layout.
   void take(const Block& block, const std::vector<SpherePlane>& planes) {
-    runs_.clear(), pairs_.clear(), keys_.clear(), springs_.clear(), rolling_.clear();
-    for (const SphereBlocks::Run& run : block.runs) {
-      runs_.push_back({pairs_.size(), pairs_.size(), plane_slot(run, planes), run.across});
-      SphereBlocks::each_touching(block, run, [&](std::uint32_t k) {
-        pairs_.push_back(block.pairs[k]), springs_.push_back(block.springs[k]);
-        keys_.push_back(block.images != nullptr ? block.images[k].key : 0u);
-        if (block.rolling != nullptr) rolling_.push_back(block.rolling[k]);
-      });
-      runs_.back().end = pairs_.size();
-    }
+    runs_.clear(), contacts_.clear();
+    const SphereBlocks::Run* last = nullptr;
+    SphereBlocks::each_touching(block, [&](const SphereBlocks::Run& run, std::uint32_t k, std::uint32_t rank) {
+      if (last != &run) runs_.push_back({rank, rank, plane_slot(run, planes), run.across}), last = &run;
+      contacts_.push_back({block.pairs[k], block.images.empty() ? 0u : block.images[k].key});
+      runs_.back().end = rank + 1;
+    });
   }
-  /// To the same pairs of the next layout, which has them in the same order.
-  void give(Block& block, const std::vector<SpherePlane>& planes) const {
+  /// Finds them among the pairs of the next layout, which has them in the same order.
+  void give(Block& block, const std::vector<SpherePlane>& planes) {
+    from_.clear();
     for (const SphereBlocks::Run& run : block.runs) {
       const Slot plane = plane_slot(run, planes);
       for (const Run& old : runs_)
         if (old.plane == plane && old.across == run.across) give(block, run, old);
     }
+    block.springs.choose(from_);
   }
 
  private:
   struct Run {
-    std::size_t begin, end;
+    std::uint32_t begin, end;
     Slot plane;
     bool across;
+  };
+  struct Contact {
+    SpherePlaces pair;
+    std::uint32_t key;
+    auto order() const { return std::tuple(pair.a.offset, pair.b.offset, key); }
   };
   static Slot plane_slot(const SphereBlocks::Run& run, const std::vector<SpherePlane>& planes) {
     return run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : no_slot;
   }
-  void give(Block& block, const SphereBlocks::Run& run, const Run& old) const {
-    const auto order = [](SpherePlaces p, std::uint32_t key) { return std::tuple(p.a.offset, p.b.offset, key); };
-    std::size_t at = old.begin;
+  void give(Block& block, const SphereBlocks::Run& run, const Run& old) {
+    std::uint32_t at = old.begin;
     for (std::uint32_t k = run.begin; k < run.end && at < old.end; ++k) {
-      const auto now = order(block.pairs[k], block.images != nullptr ? block.images[k].key : 0u);
-      while (at < old.end && order(pairs_[at], keys_[at]) < now) ++at;
-      if (at == old.end || order(pairs_[at], keys_[at]) != now) continue;
-      block.springs[k] = springs_[at];
-      if (block.rolling != nullptr) block.rolling[k] = rolling_[at];
-      block.touched[k / SphereBlocks::pairs_per_byte] |=
-          static_cast<std::uint8_t>(1u << (k % SphereBlocks::pairs_per_byte));
+      const Contact now{block.pairs[k], block.images.empty() ? 0u : block.images[k].key};
+      while (at < old.end && contacts_[at].order() < now.order()) ++at;
+      if (at == old.end || contacts_[at].order() != now.order()) continue;
+      from_.push_back(at);
+      block.set_touching(k);
     }
   }
 
   std::vector<Run> runs_;
-  std::vector<SpherePlaces> pairs_;
-  std::vector<std::uint32_t> keys_;
-  std::vector<SphereSpring> springs_, rolling_;
+  std::vector<Contact> contacts_;
+  std::vector<std::uint32_t> from_;  ///< their numbers, as they come now
 };
 
 SphereImage image_of(std::uint32_t image) {
@@ -104,39 +104,23 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   bodies_ = world.size();
   late_spins_.resize(needs_.rolling ? world.size() : 0);
   pairs_ = pairs.size();
-  bool fits = blocks_.size() == count;
-  for (std::size_t i = 0; fits && i < count; ++i)
-    fits = need(pairs, i) <= blocks_[i].room && pairs.image.empty() == (blocks_[i].images == nullptr);
   if (!laid_out_) group_kept(count);
-  Rooms old;  // the springs of a layout go over block by block
-  std::vector<Block> old_blocks;
-  if (!fits) {
-    old_blocks.swap(blocks_), std::swap(old, rooms_);
-    if (!laid_out_) old_blocks.clear(), old = Rooms{};
-    blocks_.resize(count), make_rooms(pairs);
-  }
-  const std::vector<Block>& from = fits ? blocks_ : old_blocks;
+  blocks_.resize(count, Block(needs_.rolling));
   const auto relay = [&](std::size_t i) {
-    const std::size_t first = i * block_size;
     thread_local Carried carried;
-    const bool carries = laid_out_ && needs_.friction && i < from.size();
-    if (carries) carried.take(from[i], before);
+    const bool carries = laid_out_ && needs_.friction;
+    if (carries) carried.take(blocks_[i], before);
     lay_out(blocks_[i], static_cast<Slot>(i), pairs);
     if (carries)
       carried.give(blocks_[i], planes_);
-    else if (needs_.friction && !laid_out_)
-      restore(blocks_[i], static_cast<Slot>(first),
+    else if (needs_.friction)
+      restore(blocks_[i], static_cast<Slot>(i * block_size),
               std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
   const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
-  const bool many_old = old.springs.size() * sizeof(SphereSpring) > most_twice;
-  by_pieces(count, many || many_old ? given_back : count, relay, [&](std::size_t begin, std::size_t end) {
+  by_pieces(count, many ? given_back : count, relay, [&](std::size_t begin, std::size_t end) {
     Kept* const kept = kept_.springs.data();
     if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
-    end = std::min(end, old_blocks.size());
-    if (many_old && begin < end)
-      give_back_piece(old.springs.data(), old_blocks[begin].springs,
-                      old_blocks[end - 1].springs + old_blocks[end - 1].room);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
   address_records();
@@ -158,41 +142,6 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
       128);
 }
 
-/// Pairs of a block with all that its runs may be filled up with.
-std::uint32_t SphereBlocks::need(const SpherePairs& list, std::size_t block) const {
-  const std::size_t begin = block * block_size, end = std::min(bodies_, begin + block_size);
-  const auto pairs = static_cast<std::uint32_t>(list.first[end] - list.first[begin]);
-  const auto runs = static_cast<std::uint32_t>(planes_.size() + 2);
-  return (pairs + runs * (pairs_per_byte - 1) + pairs_ahead + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
-}
-
-/// Gives every block room in the columns, an eighth more than it needs now, a sixteenth of many bodies: the next lists
-/// fit in too. With a sixteenth a bed of 100 000 that settles moved in 2.1 instead of 1.7 ns per sphere and step.
-/// Columns below a large page take no memory for what nobody writes: a half more, and a hopper that fills moves seldom.
-void SphereBlocks::make_rooms(const SpherePairs& pairs) {
-  constexpr std::size_t few_bodies = 32'768;
-  const std::uint32_t share = bodies_ < few_bodies ? 2 : bodies_ < many_bodies ? 8 : 16;
-  std::size_t all = 0;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const std::uint32_t least = need(pairs, i);
-    blocks_[i].room = (least + least / share + 64) / pairs_per_byte * pairs_per_byte;
-    all += blocks_[i].room;
-  }
-  const bool periodic = !pairs.image.empty();
-  rooms_.pairs.resize(all), rooms_.springs.resize(needs_.friction ? all : 0), rooms_.images.resize(periodic ? all : 0);
-  rooms_.rolling.resize(needs_.rolling ? all : 0), rooms_.loads.resize(needs_.rolling ? all : 0);
-  rooms_.touched.resize(all / pairs_per_byte);
-  std::size_t at = 0;
-  for (Block& block : blocks_) {
-    block.pairs = rooms_.pairs.data() + at, block.touched = rooms_.touched.data() + at / pairs_per_byte;
-    block.springs = needs_.friction ? rooms_.springs.data() + at : nullptr;
-    block.rolling = needs_.rolling ? rooms_.rolling.data() + at : nullptr;
-    block.loads = needs_.rolling ? rooms_.loads.data() + at : nullptr;
-    block.images = periodic ? rooms_.images.data() + at : nullptr;
-    at += block.room;
-  }
-}
-
 /// Pairs go to their runs in the order of their bodies; runs are filled up to whole eights.
 void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
   const std::size_t begin = index * block_size, end = std::min(bodies_, begin + block_size);
@@ -212,28 +161,25 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
     block.runs.push_back({block.size, block.size + count, plane, run == across});
     block.size += (count + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
   }
+  renew(block.pairs, block.size + pairs_ahead);
+  if (!pairs.image.empty()) renew(block.images, block.size);
   for (std::size_t s = begin; s < end; ++s)
     for (std::uint32_t k = pairs.first[s]; k < pairs.first[s + 1]; ++k) {
       const Slot b = pairs.partner[k];
       const std::size_t run = run_of(b);
       const std::uint32_t at = place[run]++;
       block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(run < inside ? planes_[run].slot : b)};
-      if (block.images != nullptr) block.images[at] = image_of(pairs.image[k]);
+      if (!block.images.empty()) block.images[at] = image_of(pairs.image[k]);
     }
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
     const std::uint32_t last = block.runs[r].end,
                         next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
-    std::fill(block.pairs + last, block.pairs + next, block.pairs[last - 1]);
-    if (block.images != nullptr) std::fill(block.images + last, block.images + next, block.images[last - 1]);
+    std::fill(block.pairs.begin() + last, block.pairs.begin() + next, block.pairs[last - 1]);
+    if (!block.images.empty()) std::fill(block.images.begin() + last, block.images.begin() + next, block.images[last - 1]);
   }
-  if (needs_.friction) std::fill_n(block.springs, block.size, SphereSpring{});
-  if (needs_.rolling) {
-    std::fill_n(block.rolling, block.size, SphereSpring{});
-    std::fill_n(block.loads, block.size, SphereLoads{});
-  }
-  std::fill_n(block.touched, block.size / pairs_per_byte, std::uint8_t{0});
+  block.touched.assign(block.size / pairs_per_byte, 0);
   const SpherePlaces last = block.size > 0 ? block.pairs[block.size - 1] : SpherePlaces{};
-  std::fill(block.pairs + block.size, block.pairs + block.room, last);
+  std::fill(block.pairs.begin() + block.size, block.pairs.end(), last);
 }
 
 /// Gives every pair across blocks a place in `records`, and tells the block of its B.
@@ -278,22 +224,22 @@ void SphereBlocks::list_sources(std::size_t i) {
 
 // --- springs on their way from one layout to the next
 
-SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std::uint32_t k,
+SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
                                          const std::vector<SpherePlane>& planes) {
-  const Lanes& load = block.springs[k].load;
+  const Lanes& load = block.springs.friction(rank).load;
   return {block.pairs[k].a.slot(),
           run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot(),
-          block.images == nullptr ? 0u : block.images[k].key,
+          block.images.empty() ? 0u : block.images[k].key,
           0,
           {load[0], load[1], load[2], load[3]}};
 }
 
 template <class Put>
-void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put) {
-  if (block.springs == nullptr) return;
-  each_touching(block, [&](const Run& run, std::uint32_t k) {
-    const Lanes& load = block.rolling == nullptr ? Lanes{} : block.rolling[k].load;
-    put(kept_of(block, run, k, planes), Load{load[0], load[1], load[2], load[3]});
+void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put) const {
+  if (!needs_.friction) return;
+  each_touching(block, [&](const Run& run, std::uint32_t k, std::uint32_t rank) {
+    const Lanes load = needs_.rolling ? block.springs.rolling(rank).load : Lanes{};
+    put(kept_of(block, run, k, rank, planes), Load{load[0], load[1], load[2], load[3]});
   });
 }
 
@@ -302,26 +248,32 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
   std::array<std::uint32_t, block_size + 2> begin{};
   for (const Kept& s : kept) ++begin[s.a - first + 2];
   for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
-  thread_local std::vector<const Kept*> by_a;
+  thread_local std::vector<const Kept*> by_a, found;
+  thread_local std::vector<std::uint32_t> fresh;
+  found.clear();
   by_a.resize(kept.size());
   for (const Kept& s : kept) by_a[begin[s.a - first + 1]++] = &s;
   for (const Run& run : block.runs)
     for (std::uint32_t k = run.begin; k < run.end; ++k) {
       const Slot a = block.pairs[k].a.slot() - first;
       const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
-      const std::uint32_t key = block.images == nullptr ? 0u : block.images[k].key;
+      const std::uint32_t key = block.images.empty() ? 0u : block.images[k].key;
       const auto end = by_a.begin() + begin[a + 1];
       const auto at =
           std::find_if(by_a.begin() + begin[a], end, [b, key](const Kept* s) { return s->b == b && s->key == key; });
       if (at == end) continue;
-      const double* load = (*at)->load;
-      block.springs[k].load = Lanes{load[0], load[1], load[2], load[3]};
-      if (needs_.rolling) {
-        const Load& moment = kept_.rolling[(*at)->rolling];
-        block.rolling[k].load = Lanes{moment[0], moment[1], moment[2], moment[3]};
-      }
-      block.touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
+      found.push_back(*at);
+      block.set_touching(k);
     }
+  fresh.assign(found.size(), SphereSprings::fresh);
+  block.springs.choose(fresh);
+  for (std::uint32_t rank = 0; rank < found.size(); ++rank) {
+    const double* load = found[rank]->load;
+    block.springs.friction(rank).load = Lanes{load[0], load[1], load[2], load[3]};
+    if (!needs_.rolling) continue;
+    const Load& moment = kept_.rolling[found[rank]->rolling];
+    block.springs.rolling(rank).load = Lanes{moment[0], moment[1], moment[2], moment[3]};
+  }
 }
 
 /// Springs go out of the blocks, in their order; planes: those of the layout.
@@ -329,7 +281,7 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
   kept_begin_.assign(blocks_.size() + 1, 0);
   const auto count = [&](std::size_t i) {
-    each_touching(blocks_[i], [&](const Run&, std::uint32_t) { ++kept_begin_[i + 1]; });
+    kept_begin_[i + 1] = blocks_[i].springs.count();
   };
   if (needs_.friction) parallel_for(blocks_.size(), count, 1);
   running_sums(kept_begin_);
@@ -342,15 +294,13 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
       if (needs_.rolling) spring.rolling = at, kept_.rolling[at] = rolling;
       kept_.springs[at++] = spring;
     });
-    blocks_[i].runs.clear();
+    blocks_[i].runs.clear(), blocks_[i].springs = SphereSprings(needs_.rolling);
   };
   laid_out_ = false, grouped_ = true;
-  by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t begin, std::size_t end) {
-    if (many)
-      give_back_piece(rooms_.springs.data(), blocks_[begin].springs, blocks_[end - 1].springs + blocks_[end - 1].room);
+  by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t, std::size_t) {
+    if (many) give_back_heap();
   });
-  if (!many) return;
-  blocks_.clear(), rooms_ = Rooms{}, make_way();
+  if (many) blocks_.clear(), make_way(), give_back_heap();
 }
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.

@@ -13,6 +13,7 @@
 #include "engine/large_column.h"
 #include "engine/parallel.h"
 #include "engine/state_visitor.h"
+#include "laws/smooth/fused/sphere_springs.h"
 
 namespace epafi {
 
@@ -53,22 +54,6 @@ struct SpherePlaces {
   SpherePlace a, b;
 };
 
-/// The friction or rolling spring of a contact: 32 bytes.
-struct alignas(32) SphereSpring {
-  Lanes load;  ///< x y z on A [N] or [N m], 1/stiffness [m/N] or [rad/(N m)]; 0: not loaded
-};
-
-/// With dashpots beside springs, what a contact feels now is not what it remembers.
-struct alignas(32) SphereLoads {
-  Lanes friction, moment;  ///< x y z on A [N], [N m]; unused
-};
-
-/// What the parts of a law need.
-struct SphereNeeds {
-  bool friction = false;
-  bool rolling = false;  ///< resistance to rolling, or dashpots beside the friction springs
-};
-
 /// Beside a pair in a periodic cell: which image its B is.
 struct alignas(32) SphereImage {
   Lanes cells;            ///< from B to the image, -1, 0 or 1, by axis; 0
@@ -92,21 +77,24 @@ class SphereBlocks {
   };
 
   struct Block {
-    std::vector<Run> runs;             ///< planes in order, then inside the block, then across blocks
-    SpherePlaces* pairs = nullptr;     ///< every run filled up to whole eights with copies of its last one
-    SphereSpring* springs = nullptr;   ///< by pair, where there is friction; else null, as are the next ones
-    SphereSpring* rolling = nullptr;   ///< by pair, with rolling
-    SphereLoads* loads = nullptr;      ///< the same
-    SphereImage* images = nullptr;     ///< by pair, in a periodic cell
-    std::uint8_t* touched = nullptr;   ///< by eight pairs: those that touched at the last call, one bit each
-    std::uint32_t size = 0, room = 0;  ///< pairs, and how many there may be; whole eights, `pairs_ahead` among the room
-    std::uint32_t record = 0;          ///< of the first pair across blocks in `records`
+    explicit Block(bool rolls) : springs(rolls) {}
+    std::vector<Run> runs;                ///< planes in order, then inside the block, then across blocks
+    UnwrittenColumn<SpherePlaces> pairs;  ///< every run filled up to whole eights, `pairs_ahead` more behind the last,
+                                          ///< with copies of its last one
+    UnwrittenColumn<SphereImage> images;  ///< by pair, in a periodic cell; else empty
+    std::vector<std::uint8_t> touched;    ///< by eight pairs: those that touched at the last call, one bit each
+    SphereSprings springs;                ///< of those, with friction
+    std::uint32_t size = 0;               ///< pairs, whole eights
+    std::uint32_t record = 0;             ///< of the first pair across blocks in `records`
     std::vector<std::uint32_t> sources;  ///< blocks that write records for this one, ascending
     double elastic = 0.0;                ///< stored in the contacts [J]
     double slipped = 0.0;                ///< lost by slip in the step [J]
     double viscous = 0.0;                ///< power lost in the dampers [W]
     Vec3 virial = Vec3::Zero();          ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
+    void set_touching(std::uint32_t k) {
+      touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
+    }
   };
 
   explicit SphereBlocks(SphereNeeds needs) : needs_(needs) {}
@@ -126,20 +114,20 @@ class SphereBlocks {
   /// Bodies of the last layout.
   std::size_t bodies() const { return bodies_; }
 
-  /// f(block, run, pair) for all pairs that touched at the last call, in the order of the layout.
+  /// f(block, run, pair, rank) for all pairs that touched at the last call, in the order of the layout; rank: the how
+  /// manieth of its block it is.
   template <class F>
   void each_touching(const F& f) const {
-    for (const Block& block : blocks_) each_touching(block, [&](const Run& run, std::uint32_t k) { f(block, run, k); });
+    for (const Block& block : blocks_)
+      each_touching(block, [&](const Run& run, std::uint32_t k, std::uint32_t rank) { f(block, run, k, rank); });
   }
   template <class F>
   static void each_touching(const Block& block, const F& f) {
-    for (const Run& run : block.runs) each_touching(block, run, [&](std::uint32_t k) { f(run, k); });
-  }
-  template <class F>
-  static void each_touching(const Block& block, const Run& run, const F& f) {
-    for (std::uint32_t k = run.begin; k < run.end; k += pairs_per_byte)
-      for (unsigned bits = block.touched[k / pairs_per_byte]; bits != 0; bits &= bits - 1u)
-        f(k + static_cast<std::uint32_t>(std::countr_zero(bits)));
+    std::uint32_t rank = 0;
+    for (const Run& run : block.runs)
+      for (std::uint32_t k = run.begin; k < run.end; k += pairs_per_byte)
+        for (unsigned bits = block.touched[k / pairs_per_byte]; bits != 0; bits &= bits - 1u)
+          f(run, k + static_cast<std::uint32_t>(std::countr_zero(bits)), rank++);
   }
 
   std::vector<Block>& blocks() { return blocks_; }
@@ -176,12 +164,11 @@ class SphereBlocks {
     UnwrittenColumn<Kept> springs;
     UnwrittenColumn<Load> rolling;  ///< with rolling; one for each spring that ever was there
   };
-  static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, const std::vector<SpherePlane>& planes);
+  static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
+                      const std::vector<SpherePlane>& planes);
   /// planes: those of the block's layout.
   template <class Put>
-  static void springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put);
-  std::uint32_t need(const SpherePairs& pairs, std::size_t block) const;
-  void make_rooms(const SpherePairs& pairs);
+  void springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put) const;
   void group_kept(std::size_t count);
   void lay_out(Block& block, Slot index, const SpherePairs& pairs);
   void restore(Block& block, Slot first, std::span<const Kept> kept);
@@ -191,15 +178,6 @@ class SphereBlocks {
 
   SphereNeeds needs_;
   std::vector<Block> blocks_;
-  /// What the blocks of a layout point into.
-  struct Rooms {
-    UnwrittenColumn<SpherePlaces> pairs;
-    UnwrittenColumn<SphereSpring> springs, rolling;
-    UnwrittenColumn<SphereLoads> loads;
-    UnwrittenColumn<SphereImage> images;
-    std::vector<std::uint8_t> touched;
-  };
-  Rooms rooms_;
   std::vector<SpherePlane> planes_;
   UnwrittenColumn<SphereSum> sums_;
   UnwrittenColumn<SphereSum> records_;

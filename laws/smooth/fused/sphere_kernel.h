@@ -16,8 +16,9 @@ struct SphereLaw {
 };
 
 /// Adds those of the n pairs from `k` on that touch, and returns one bit for each. valid: bits of the run's own. The
-/// normals of all n are found here: their root and division wait beside the look at the next ones.
-template <int n, bool wall, bool periodic>
+/// normals of all n are found here: their root and division wait beside the look at the next ones. named: with the
+/// number of the pair.
+template <int n, bool wall, bool periodic, bool named>
 EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const SphereImage* images, std::size_t k,
                           unsigned valid, const SpherePlane* plane, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
@@ -54,17 +55,18 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const Sph
     __builtin_prefetch(&soon.position), __builtin_prefetch(&soon.spin);
   }
   const std::size_t at = t.count;
-  compress<n>(overlap, bits, t.overlap + at);
+  const ChosenLanes<n> chosen(bits);
+  compress<n>(overlap, chosen, t.overlap + at);
   if constexpr (!wall) {  // the normal of a wall stands there already
-    compress<n>(d.x, bits, t.x + at), compress<n>(d.y, bits, t.y + at), compress<n>(d.z, bits, t.z + at);
-    compress<n>(curvature, bits, t.curvature + at);
+    compress<n>(d.x, chosen, t.x + at), compress<n>(d.y, chosen, t.y + at), compress<n>(d.z, chosen, t.z + at);
+    compress<n>(curvature, chosen, t.curvature + at);
   }
-  if constexpr (periodic && !wall) compress<n>(distance, bits, t.distance + at);
+  if constexpr (periodic && !wall) compress<n>(distance, chosen, t.distance + at);
   V places;
   static_assert(sizeof(SpherePlaces) == sizeof(double));
   std::memcpy(&places, pair, sizeof places);
-  compress<n>(places, bits, t.bodies + at);
-  write_places<n>(bits, static_cast<std::uint32_t>(k), t.pair + at);
+  compress<n>(places, chosen, t.bodies + at);
+  if constexpr (named) write_places<n>(bits, static_cast<std::uint32_t>(k), t.pair + at);
   t.count = at + bit_places.count[bits];
   return bits;
 }
@@ -239,95 +241,161 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereBlocks:
   }
 }
 
-/// The first contacts of a tile through all loops; `count` of them, at most `most`.
+/// A run on its way through the loops.
 template <int n, class Normal, class Tangential, class Rolling, bool wall, bool across, bool periodic>
-EPAFI_LANES void evaluate(SphereTile<n>& t, SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                          const SphereLaw<Normal, Tangential, Rolling>& law, const SphereArrays& with,
-                          SphereTotals<n>& total) {
-  constexpr bool friction = Tangential::is_present;
-  t.groups = (t.count + n - 1) / n;
-  for (std::size_t k = t.count; k < t.groups * n; ++k) t.copy(t.count - 1, k);
-  for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
-  const auto respond = [&](std::size_t g) EPAFI_INLINED { find_response<n, Normal, Tangential, Rolling>(t, g, law); };
-  if constexpr (friction)
-    pull<n>(t, block.springs, with.dt, respond);
-  else
-    for (std::size_t g = 0; g < t.groups; ++g) respond(g);
-  if constexpr (Rolling::is_present) {
-    SphereRolling<n> r;
-    roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block, with);
-    for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, run, with);
-  }
-  for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
-  for (std::size_t g = 0; g < t.groups; ++g) {
-    if constexpr (friction && !Rolling::is_present) settle_springs<n>(t, g, block.springs, with.dt);
-    add_forces<n, friction, wall, across, periodic>(t, g, block, run, with);
-  }
-  total_up<n, friction, periodic && !wall>(t, total);
-}
+struct SphereSweep {
+  using Law = SphereLaw<Normal, Tangential, Rolling>;
+  using Places = SphereSprings::Places;
+  static constexpr bool friction = Tangential::is_present, rolls = Rolling::is_present;
+  static constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte, springs_ahead = 96;
 
-/// What contacts that have opened leave behind.
-template <int n, bool rolling>
-EPAFI_LANES void release(SphereBlocks::Block& block, const SphereBlocks::Run& run, std::size_t first, unsigned opened,
-                         const SphereArrays& with, SphereTotals<n>& total) {
-  const auto let_go = [&](Lanes& load) {
-    total.released += 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];
-    load = Lanes{};
-  };
-  for (std::size_t k = first; opened != 0; opened >>= 1, ++k) {
-    if ((opened & 1u) == 0) continue;
-    if (run.across) with.records[block.record + k - run.begin] = SphereSum{};
-    if (block.springs != nullptr) let_go(block.springs[k].load);
-    if constexpr (!rolling) continue;
-    if (run.across) with.record_moments[block.record + k - run.begin] = Lanes{};
-    let_go(block.rolling[k].load);
-  }
-}
+  SphereBlocks::Block& block;
+  const SphereBlocks::Run& run;
+  const Law& law;
+  const SphereArrays& arrays;
+  SphereTotals<n>& total;
+  Places& places;  ///< of the block's springs
 
-/// All pairs of a run: those that touch act, those that touched let their springs go.
-template <int n, class Normal, class Tangential, class Rolling, bool wall, bool across, bool periodic>
-EPAFI_LANES void sweep(SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                       const SphereLaw<Normal, Tangential, Rolling>& law, const SphereArrays& arrays,
-                       SphereTotals<n>& total) {
-  // Copies: a byte written to `touched` may alias anything, and the compiler would load all of these again every eight
-  // pairs (408 -> 402 instructions a sphere, 2 % of the stage).
-  const SphereArrays with = arrays;
-  const SpherePlaces* const pairs = block.pairs;
-  const SphereImage* const images = block.images;
-  std::uint8_t* const touched = block.touched;
-  const SphereSpring* const springs = block.springs;
-  constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte;
-  constexpr std::size_t full = SphereTile<n>::most;
-  const SpherePlane* plane = wall ? with.planes + run.plane : nullptr;
-  SphereTile<n> t;
-  if constexpr (wall) t.set_normal(-plane->normal);
-  const std::size_t end = run.end;
-  for (std::size_t k = run.begin; k < end; k += eight) {
-    if constexpr (Tangential::is_present)  // their turn comes when 32 that touch have been found
-      for (std::size_t l = 0; l < eight; l += 2) __builtin_prefetch(springs + k + l, 1);
-    if constexpr (Rolling::is_present)
-      for (std::size_t l = 0; l < eight; l += 2) __builtin_prefetch(block.rolling + k + l, 1);
-    unsigned valid = 255u;
-    if (k + eight > end) [[unlikely]]
-      valid = (1u << (end - k)) - 1u;
-    unsigned now = 0;
-    for (std::size_t l = 0; l < eight; l += n)
-      now |= look<n, wall, periodic>(t, pairs, images, k + l, valid >> l & ((1u << n) - 1u), plane, with) << l;
-    std::uint8_t& before = touched[k / eight];
-    if (const unsigned opened = before & ~now; with.dt > 0.0) {
-      if (opened != 0) release<n, Rolling::is_present>(block, run, k, opened, with, total);
-      before = static_cast<std::uint8_t>(now);
-    } else {
-      before = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
+  /// All pairs: those that touch act, those that touched let their springs go.
+  EPAFI_LANES void act() const {
+    // Copies: a byte written to `touched` may alias anything, and the compiler would load all of these again every
+    // eight pairs (408 -> 402 instructions a sphere, 2 % of the stage).
+    const SphereArrays with = arrays;
+    const Look all = pairs();
+    std::uint8_t* const touched = block.touched.data();
+    Places at = places;
+    [[maybe_unused]] const SphereSpring* springs = block.springs.friction();  // to ask for them: they may move
+    constexpr std::size_t full = SphereTile<n>::most;
+    SphereTile<n> t;
+    all.begin(t);
+    t.in_row = with.dt > 0.0;  // else each contact of its own: those that opened keep their springs
+    const std::size_t end = run.end;
+    for (std::size_t k = run.begin; k < end; k += eight) {
+      const std::size_t begin = t.count;
+      const unsigned now = all.eight_from(t, k, end, with), before = touched[k / eight];
+      const std::uint32_t read = at.read;
+      if constexpr (friction) {
+        t.find_springs(begin, before, now, read), at.read += bit_places.count[before];
+        ask_for(springs + at.read);
+      }
+      if (with.dt > 0.0) {
+        if (const unsigned opened = before & ~now; opened != 0) release(k, before, opened, read, with);
+        touched[k / eight] = static_cast<std::uint8_t>(now);
+      } else if (!friction) {
+        touched[k / eight] = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
+      }
+      if (t.count < full) continue;
+      const std::size_t found = t.count;
+      if constexpr (friction) keep_unread(t, at, begin, read, with), springs = block.springs.friction();
+      t.count = full;
+      evaluate(t, at, at.read - static_cast<std::uint32_t>(found), with);
+      t.count = found - full;
+      for (std::size_t l = 0; l < eight; ++l) t.copy(full + l, l);
+      if (with.dt > 0.0) t.find_row(at.read);
     }
-    if (t.count < full) continue;
-    const std::size_t found = t.count;
-    t.count = full;
-    evaluate<n, Normal, Tangential, Rolling, wall, across, periodic>(t, block, run, law, with, total);
-    t.count = found - full;
-    for (std::size_t l = 0; l < eight; ++l) t.copy(full + l, l);
+    if constexpr (friction) keep_unread(t, at, t.count, at.read, with);
+    if (t.count > 0) evaluate(t, at, at.read - static_cast<std::uint32_t>(t.count), with);
+    places = at;
   }
-  if (t.count > 0) evaluate<n, Normal, Tangential, Rolling, wall, across, periodic>(t, block, run, law, with, total);
-}
+
+  /// Where no time passes: contacts that begin get springs that are not loaded. from: see SphereSprings::choose.
+  EPAFI_LANES void begin_contacts(std::vector<std::uint32_t>& from, std::uint32_t& rank) const {
+    const Look all = pairs();
+    SphereTile<n> t;
+    all.begin(t);
+    for (std::size_t k = run.begin; k < run.end; k += eight, t.count = 0) {
+      std::uint8_t& touched = block.touched[k / eight];
+      const unsigned before = touched, now = before | all.eight_from(t, k, run.end, arrays);
+      for (unsigned bits = now; bits != 0; bits &= bits - 1u)
+        from.push_back((before & bits & -bits) != 0 ? rank++ : SphereSprings::fresh);
+      touched = static_cast<std::uint8_t>(now);
+    }
+  }
+
+ private:
+  /// The look at eight pairs.
+  struct Look {
+    const SpherePlaces* pairs;
+    const SphereImage* images;
+    const SpherePlane* plane;
+    EPAFI_LANES void begin(SphereTile<n>& t) const {
+      if constexpr (wall) t.set_normal(-plane->normal);
+    }
+    EPAFI_LANES unsigned eight_from(SphereTile<n>& t, std::size_t k, std::size_t end, const SphereArrays& with) const {
+      unsigned valid = 255u, now = 0;
+      if (k + eight > end) [[unlikely]]
+        valid = (1u << (end - k)) - 1u;
+      for (std::size_t l = 0; l < eight; l += n)
+        now |= look<n, wall, periodic, across || periodic>(t, pairs, images, k + l, valid >> l & ((1u << n) - 1u),
+                                                           plane, with)
+               << l;
+      return now;
+    }
+  };
+  EPAFI_LANES Look pairs() const {
+    return {block.pairs.data(), block.images.data(), wall ? arrays.planes + run.plane : nullptr};
+  }
+
+  /// Springs some tiles ahead: no processor asks for what lies in the next page by itself.
+  EPAFI_LANES static void ask_for(const SphereSpring* springs) {
+    for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(springs + springs_ahead + l, 1);
+  }
+  /// Springs are written over those of contacts before them. Where too many contacts begin, those that are not read
+  /// move up: of contacts from number `next` of the tile on, and from `place` on.
+  EPAFI_LANES void keep_unread(SphereTile<n>& t, Places& at, std::size_t next, std::uint32_t place,
+                               const SphereArrays& with) const {
+    const std::size_t written = std::min((t.count + eight - 1) / eight * eight, SphereTile<n>::most);
+    if (at.write + written <= place || !(with.dt > 0.0)) [[likely]]
+      return;
+    if (t.in_row) t.name_row(t.count, at.read);
+    const std::uint32_t by = block.springs.make_room(place);
+    for (std::size_t k = next; k < t.count; ++k)
+      if (t.spring[k] != SphereSprings::unloaded) t.spring[k] += by;
+    at.read += by;
+  }
+
+  /// The first contacts of a tile through all loops; `count` of them, at most `most`. row: see SphereTile::gather.
+  EPAFI_LANES void evaluate(SphereTile<n>& t, Places& at, std::uint32_t row, const SphereArrays& with) const {
+    t.groups = (t.count + n - 1) / n;
+    for (std::size_t k = t.count; k < t.groups * n; ++k) t.copy(t.count - 1, k);
+    for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
+    const auto respond = [&](std::size_t g) EPAFI_INLINED { find_response<n, Normal, Tangential, Rolling>(t, g, law); };
+    SphereSpring* const springs = block.springs.friction();
+    SphereSpring gathered[SphereTile<n>::most];
+    if constexpr (friction)
+      pull<n>(t, t.gather(springs, row, gathered), with.dt, respond);
+    else
+      for (std::size_t g = 0; g < t.groups; ++g) respond(g);
+    if constexpr (rolls) {
+      SphereRolling<n> r;
+      roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block.springs, row, at.write, with);
+      for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, run, at.write, with);
+    }
+    for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
+    for (std::size_t g = 0; g < t.groups; ++g) {
+      if constexpr (friction && !rolls) settle_springs<n>(t, g, springs + at.write, with.dt);
+      add_forces<n, friction, wall, across, periodic>(t, g, block, run, with);
+    }
+    total_up<n, friction, periodic && !wall>(t, total);
+    at.write += static_cast<std::uint32_t>(t.count);
+  }
+
+  /// What contacts among the eight from k on that have opened leave behind; read: place of the first one's spring.
+  EPAFI_LANES void release(std::size_t k, unsigned before, unsigned opened, std::uint32_t read,
+                           const SphereArrays& with) const {
+    const auto stored = [](const Lanes& load) {
+      return 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];
+    };
+    for (unsigned bits = opened; bits != 0; bits &= bits - 1u) {
+      const unsigned bit = bits & -bits;
+      const std::size_t record = block.record + k + bit_places.count[bit - 1u] - run.begin;
+      const std::uint32_t place = read + bit_places.count[before & (bit - 1u)];
+      if constexpr (across) with.records[record] = SphereSum{};
+      if constexpr (friction) total.released += stored(block.springs.friction()[place].load);
+      if constexpr (rolls) total.released += stored(block.springs.rolling()[place].load);
+      if constexpr (across && rolls) with.record_moments[record] = Lanes{};
+    }
+  }
+};
 
 }  // namespace epafi

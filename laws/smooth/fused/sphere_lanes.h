@@ -236,39 +236,49 @@ inline constexpr auto half_places = [] {
   return out;
 }();
 
-/// Writes the lanes named by `bits` one behind the other; those behind them may be written too.
+/// The lanes named by `bits`, and where they lie for the shuffle of n: found once for all columns.
 template <int n>
-EPAFI_LANES void compress(typename LanesOf<n>::Real x, unsigned bits, void* to) {
+struct ChosenLanes {
+  using Places = std::int32_t __attribute__((vector_size(32)));
+  unsigned bits;
+  std::conditional_t<n == 8, LanesOf<8>::Mask, Places> from{};
+
+  EPAFI_LANES explicit ChosenLanes(unsigned lanes) : bits(lanes) {
+    if constexpr (n == 4) std::memcpy(&from, half_places[bits].data(), sizeof from);
+    if constexpr (n == 8) {
+#if EPAFI_WIDE_BUILTINS
+      from = __builtin_ia32_pmovzxbq512_mask(place_bytes(bits), LanesOf<8>::Mask{}, -1);
+#else
+      using Bytes = std::uint8_t __attribute__((vector_size(8)));
+      Bytes places;
+      std::memcpy(&places, bit_places.at[bits].data(), sizeof places);
+      from = __builtin_convertvector(places, LanesOf<8>::Mask);
+#endif
+    }
+  }
+};
+
+/// Writes the chosen lanes one behind the other; those behind them may be written too.
+template <int n>
+EPAFI_LANES void compress(typename LanesOf<n>::Real x, const ChosenLanes<n>& chosen, void* to) {
   if constexpr (n == 2) {  // the second lane comes to where the first one is not wanted: no branch
     auto* numbers = static_cast<char*>(to);
     const double first = x[0], second = x[1];
     std::memcpy(numbers, &first, sizeof first);
-    std::memcpy(numbers + (bits & 1u) * sizeof second, &second, sizeof second);
+    std::memcpy(numbers + (chosen.bits & 1u) * sizeof second, &second, sizeof second);
     return;
   }
 #if defined(__clang__)
   if constexpr (n > 2) {
-    const auto from = x;
-    for (int l = 0; l < n; ++l) x[l] = from[bit_places.at[bits][static_cast<std::size_t>(l)]];
+    const auto all = x;
+    for (int l = 0; l < n; ++l) x[l] = all[bit_places.at[chosen.bits][static_cast<std::size_t>(l)]];
   }
 #else
   if constexpr (n == 4) {
     using Halves = float __attribute__((vector_size(32)));
-    using Places = std::int32_t __attribute__((vector_size(32)));
-    Places places;
-    std::memcpy(&places, half_places[bits].data(), sizeof places);
-    x = reinterpret_cast<Lanes>(__builtin_shuffle(reinterpret_cast<Halves>(x), places));
+    x = reinterpret_cast<Lanes>(__builtin_shuffle(reinterpret_cast<Halves>(x), chosen.from));
   }
-  if constexpr (n == 8) {
-#if EPAFI_WIDE_BUILTINS
-    x = __builtin_shuffle(x, __builtin_ia32_pmovzxbq512_mask(place_bytes(bits), LanesOf<8>::Mask{}, -1));
-#else
-    using Bytes = std::uint8_t __attribute__((vector_size(8)));
-    Bytes places;
-    std::memcpy(&places, bit_places.at[bits].data(), sizeof places);
-    x = __builtin_shuffle(x, __builtin_convertvector(places, LanesOf<8>::Mask));
-#endif
-  }
+  if constexpr (n == 8) x = __builtin_shuffle(x, chosen.from);
 #endif
   std::memcpy(to, &x, sizeof x);
 }

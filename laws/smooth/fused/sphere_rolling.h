@@ -112,7 +112,8 @@ EPAFI_LANES void prepare_rolling(SphereTile<n>& t, SphereRolling<n>& r, std::siz
 /// Adds the moments to the sums as add_forces does the forces; of B to records where it lies in another block.
 template <int n, bool wall, bool across>
 EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, std::size_t g,
-                             const SphereBlocks::Block& block, const SphereBlocks::Run& run, const SphereArrays& with) {
+                             SphereBlocks::Block& block, const SphereBlocks::Run& run, std::uint32_t write,
+                             const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V>&moment = r.moment[g], &friction = r.friction[g];
   RowOf<n> rows[n], pulls[n];
@@ -120,6 +121,7 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
   write_rows(friction.x, friction.y, friction.z, V{}, pulls);
   const SpherePlaces* bodies = t.bodies + g * n;
   const std::uint32_t* pair = t.pair + g * n;
+  SphereLoads* const loads = block.springs.loads();
   for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
     Lanes& a = with.moment(bodies[l].a);
     store<n>(a, row<n>(a) + rows[l]);
@@ -128,25 +130,27 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
       Lanes& b = with.moment(bodies[l].b);
       store<n>(b, row<n>(b) - rows[l]);
     }
-    store<n>(block.loads[pair[l]].friction, pulls[l]), store<n>(block.loads[pair[l]].moment, rows[l]);
+    SphereLoads& now = loads[with.dt > 0.0 ? write + g * n + l : t.spring[g * n + l]];
+    store<n>(now.friction, pulls[l]), store<n>(now.moment, rows[l]);
   }
 }
 
 /// Behind `pull` of the friction springs: dashpots, then the rolling springs through the same loops.
 template <int n, class Tangential, class Rolling, bool wall, bool periodic>
 EPAFI_LANES void roll(SphereTile<n>& t, SphereRolling<n>& r, const typename Tangential::Parameters& tangential,
-                      const typename Rolling::Parameters& p, const SphereBlocks::Block& block,
-                      const SphereArrays& with) {
-  for (std::size_t g = 0; g < t.groups; ++g) settle_springs<n>(t, g, block.springs, with.dt);
+                      const typename Rolling::Parameters& p, SphereSprings& springs, std::uint32_t row,
+                      std::uint32_t write, const SphereArrays& with) {
+  SphereSpring gathered[SphereTile<n>::most];
+  for (std::size_t g = 0; g < t.groups; ++g) settle_springs<n>(t, g, springs.friction() + write, with.dt);
   for (std::size_t g = 0; g < t.groups; ++g) find_rolling<n, wall, periodic>(t, r, g, with);
   for (std::size_t g = 0; g < t.groups; ++g) damp<n, Tangential>(t, r, g, tangential);
-  pull<n>(t, block.rolling, with.dt, [&](std::size_t g) EPAFI_INLINED {
+  pull<n>(t, t.gather(springs.rolling(), row, gathered), with.dt, [&](std::size_t g) EPAFI_INLINED {
     prepare_rolling<n, Tangential, Rolling>(t, r, g, tangential, p, with.dt);
   });
   for (std::size_t g = 0; g < t.groups; ++g) {
     typename SphereTile<n>::Group& c = t.group[g];
     const auto stored = c.twice_stored, slipped = c.twice_slipped;  // of the friction springs
-    settle_springs<n>(t, g, block.rolling, with.dt);
+    settle_springs<n>(t, g, springs.rolling() + write, with.dt);
     c.twice_stored += stored, c.twice_slipped += slipped;
     r.moment[g] = within(c.load + r.dashpot[g] * r.spin[g], c.limit);
     c.viscous += (r.moment[g] - c.load).dot(r.spin[g]);

@@ -58,7 +58,9 @@ struct SphereTile {
   alignas(64) double curvature[room];             ///< 1/sum of radii [1/m]; not of walls
   alignas(64) double distance[room];              ///< of centres, in a periodic cell [m]
   alignas(64) SpherePlaces bodies[room];
-  alignas(64) std::uint32_t pair[room];
+  alignas(64) std::uint32_t pair[room];           ///< where a pair has more than a spring: across blocks, in a cell
+  std::uint32_t spring[room];                     ///< place it is read from; not known where they are in a row
+  bool in_row = true;                             ///< the springs lie one behind the other
   struct Group {
     V lever;  ///< distance over sum of radii
     V approach, mass, radius;
@@ -93,7 +95,38 @@ struct SphereTile {
   EPAFI_LANES void copy(std::size_t from, std::size_t to) {
     x[to] = x[from], y[to] = y[from], z[to] = z[from];
     overlap[to] = overlap[from], curvature[to] = curvature[from], distance[to] = distance[from];
-    bodies[to] = bodies[from], pair[to] = pair[from];
+    bodies[to] = bodies[from], pair[to] = pair[from], spring[to] = spring[from];
+  }
+  /// The springs of the contacts from `begin` on: of `eight` pairs those that touch `now` did so `before` or have none
+  /// yet; read: place of the first one of these pairs.
+  EPAFI_LANES void find_springs(std::size_t begin, unsigned before, unsigned now, std::uint32_t read) {
+    if (before == now && in_row) [[likely]]
+      return;
+    if (in_row) name_row(begin, read);
+    for (unsigned bits = now; bits != 0; bits &= bits - 1u, ++begin) {
+      const unsigned bit = bits & -bits;
+      spring[begin] = (before & bit) != 0 ? read + bit_places.count[before & (bit - 1u)] : SphereSprings::unloaded;
+    }
+  }
+  /// Those of the first contacts are in a row that ends before place `end`.
+  EPAFI_LANES void name_row(std::size_t size, std::uint32_t end) {
+    for (std::size_t k = 0; k < size; ++k) spring[k] = end - static_cast<std::uint32_t>(size - k);
+    in_row = false;
+  }
+  EPAFI_LANES void find_row(std::uint32_t end) {
+    if (in_row) return;
+    in_row = true;
+    for (std::size_t k = 0; k < count; ++k) in_row = in_row && spring[k] == end - static_cast<std::uint32_t>(count - k);
+  }
+  /// The springs of a column one behind the other, row: place of the first where they are. `gathered` holds those that
+  /// are not, and what lanes behind the last contact read.
+  EPAFI_LANES const SphereSpring* gather(const SphereSpring* column, std::uint32_t row, SphereSpring* gathered) const {
+    if (in_row && groups * n == count) [[likely]]
+      return column + row;
+    for (std::size_t k = 0; k < count; ++k)
+      gathered[k] = column[in_row ? row + static_cast<std::uint32_t>(k) : spring[k]];
+    std::fill(gathered + count, gathered + groups * n, gathered[count - 1]);
+    return gathered;
   }
   /// Lanes of the last group that hold a contact; all those of others do.
   EPAFI_LANES MaskOf<V> used() const {
@@ -110,15 +143,14 @@ EPAFI_LANES typename LanesOf<n>::Real filled(double x) {
 
 /// laws/smooth/spring.h: the old load turns with the plane, shrinks with the stiffness, follows the slip and stays
 /// below the limit. Remembered beside it is 1/stiffness: one division serves the energy now and, in the next step, the
-/// energy before and the shrinking.
+/// energy before and the shrinking. springs: of the tile.
 template <int n>
 EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSpring* springs) {
   using V = typename LanesOf<n>::Real;
-  const std::uint32_t* pair = t.pair + g * n;
   const VectorsOf<V> normal = t.normal(g);
   VectorsOf<V> old;
   V compliance;
-  read_columns([&](int l) EPAFI_INLINED { return row<n>(springs[pair[l]].load); }, old.x, old.y, old.z, compliance);
+  read_columns([&](int l) EPAFI_INLINED { return row<n>(springs[g * n + static_cast<std::size_t>(l)].load); }, old.x, old.y, old.z, compliance);
   const VectorsOf<V> load = old + t.group[g].twist * normal.cross(old);
   t.group[g].start = load - normal.dot(load) * normal;
   t.group[g].before = old.dot(old), t.group[g].square = t.group[g].start.dot(t.group[g].start);
@@ -172,11 +204,10 @@ EPAFI_LANES void pull(SphereTile<n>& t, const SphereSpring* springs, double dt, 
     if (t.slides[g]) slide<n>(t, g);
 }
 
-/// What the springs are worth now, and what they remember where time has passed.
+/// What the springs are worth now, and what they remember where time has passed: to[0] and so on of the tile.
 template <int n>
-EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* springs, double dt) {
+EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* to, double dt) {
   using V = typename LanesOf<n>::Real;
-  const std::uint32_t* pair = t.pair + g * n;
   typename SphereTile<n>::Group& c = t.group[g];
   const V energy = c.square * c.compliance;
   c.twice_stored = energy;
@@ -184,7 +215,9 @@ EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* s
   if (!(dt > 0.0)) return;
   RowOf<n> rows[n];
   write_rows(c.load.x, c.load.y, c.load.z, c.compliance, rows);
-  for (int l = 0; l < n; ++l) store<n>(springs[pair[l]].load, rows[l]);
+  [&]<std::size_t... l>(std::index_sequence<l...>) EPAFI_INLINED {  // of a loop GCC 12 makes a copy through memory
+    (store<n>(to[g * n + l].load, rows[l]), ...);
+  }(std::make_index_sequence<n>{});
 }
 
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25

@@ -1,0 +1,78 @@
+/// @file sphere_springs.h  What those contacts of a block remember that touch: one behind the other in the order of the
+/// pairs, nothing of pairs that do not touch. A step reads them from the first on and writes them a few places further
+/// down, so that contacts that begin find room before those that are not read yet.
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "engine/lanes.h"
+#include "engine/large_column.h"
+
+namespace epafi {
+
+/// The friction or rolling spring of a contact: 32 bytes.
+struct alignas(32) SphereSpring {
+  Lanes load;  ///< x y z on A [N] or [N m], 1/stiffness [m/N] or [rad/(N m)]; 0: not loaded
+};
+
+/// With dashpots beside springs, what a contact feels now is not what it remembers.
+struct alignas(32) SphereLoads {
+  Lanes friction, moment;  ///< x y z on A [N], [N m]; unused
+};
+
+/// What the parts of a law need.
+struct SphereNeeds {
+  bool friction = false;
+  bool rolling = false;  ///< resistance to rolling, or dashpots beside the friction springs
+};
+
+class SphereSprings {
+ public:
+  static constexpr std::uint32_t lead = 16;          ///< half of it is for contacts that begin; see make_room
+  static constexpr std::uint32_t unloaded = 0;       ///< place of a spring that stays as it is
+  static constexpr std::uint32_t fresh = 0xffffffffu;
+
+  /// Where a step reads and writes next.
+  struct Places {
+    std::uint32_t read = 0, write = 0;
+  };
+
+  /// rolls: there are rolling springs and loads.
+  explicit SphereSprings(bool rolls) : rolls_(rolls) {}
+  std::uint32_t count() const { return last_ - first_; }
+  /// Of the contact that touches as number `rank`.
+  SphereSpring& friction(std::uint32_t rank) { return friction_[first_ + rank]; }
+  const SphereSpring& friction(std::uint32_t rank) const { return friction_[first_ + rank]; }
+  SphereSpring& rolling(std::uint32_t rank) { return rolling_[first_ + rank]; }
+  const SphereSpring& rolling(std::uint32_t rank) const { return rolling_[first_ + rank]; }
+  const SphereLoads& loads(std::uint32_t rank) const { return loads_[first_ + rank]; }
+
+  /// The contacts are those that were number from[0], from[1] ... until now, or `fresh`: not loaded.
+  void choose(std::span<const std::uint32_t> from);
+
+  Places begin_step();
+  /// Springs from `place` on, which the step has not read, move up; by how much.
+  std::uint32_t make_room(std::uint32_t place);
+  void end_step(Places now) { first_ -= lead, last_ = now.write; }
+  /// By place.
+  SphereSpring* friction() { return friction_.data(); }
+  SphereSpring* rolling() { return rolling_.data(); }
+  SphereLoads* loads() { return loads_.data(); }
+
+ private:
+  template <class F>
+  void each_column(const F& f) {
+    f(friction_);
+    if (rolls_) f(rolling_), f(loads_);
+  }
+  void grow(std::size_t size);
+  void move_up(std::uint32_t place, std::uint32_t by);
+  void move_to_end();
+
+  bool rolls_;
+  UnwrittenColumn<SphereSpring> friction_, rolling_;
+  UnwrittenColumn<SphereLoads> loads_;
+  std::uint32_t first_ = 0, last_ = 0;
+};
+
+}  // namespace epafi
