@@ -239,15 +239,13 @@ class FusedModel final : public FusedSpheres {
     SphereArrays arrays{blocks_.planes().data(),
                         world.states().data(),
                         0,
-                        blocks_.records().data(),
                         dt,
                         damped_,
                         Lanes{},
                         Lanes{},
                         {},
                         blocks_.late_spins(),
-                        0,
-                        blocks_.record_moments()};
+                        0};
     if (world.cell) {
       const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};

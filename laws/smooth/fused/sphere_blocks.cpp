@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -48,7 +49,9 @@ class Carried {
   struct Contact {
     SpherePlaces pair;
     std::uint32_t key;
-    auto order() const { return std::tuple(pair.a.offset, pair.b.offset, key); }
+    auto order() const {
+      return std::tuple(pair.b.slot() / SphereBlocks::block_size, pair.a.offset, pair.b.offset, key);
+    }
   };
   static Slot plane_slot(const SphereBlocks::Run& run, const std::vector<SpherePlane>& planes) {
     return run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : no_slot;
@@ -123,7 +126,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
   });
   let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
-  address_records();
+  list_sources();
 }
 
 void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
@@ -142,7 +145,8 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
       128);
 }
 
-/// Pairs go to their runs in the order of their bodies; runs are filled up to whole eights.
+/// Pairs go to their runs in the order of their bodies, those across blocks by the block of their B; runs are filled up
+/// to whole eights.
 void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
   const std::size_t begin = index * block_size, end = std::min(bodies_, begin + block_size);
   const std::size_t inside = planes_.size(), across = inside + 1;
@@ -150,10 +154,15 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
   const auto run_of = [&](Slot b) {
     return (b & SpherePairs::plane) != 0 ? std::size_t{b & ~SpherePairs::plane} : b < end ? inside : across;
   };
-  thread_local std::vector<std::uint32_t> place;
-  place.assign(across + 1, 0);
-  for (std::uint32_t k = first; k < last_pair; ++k) ++place[run_of(pairs.partner[k])];
-  block.runs.clear(), block.size = 0;
+  thread_local std::vector<std::uint32_t> place, place_for;  // by run; for a later block: all 0 but within this call
+  place.assign(across + 1, 0), place_for.resize(blocks_.size());
+  block.runs.clear(), block.targets.clear(), block.size = 0;
+  for (std::uint32_t k = first; k < last_pair; ++k) {
+    const Slot b = pairs.partner[k];
+    const std::size_t run = run_of(b);
+    ++place[run];
+    if (run == across && place_for[b / block_size]++ == 0) block.targets.push_back({static_cast<Slot>(b / block_size)});
+  }
   for (std::size_t run = 0; run <= across; ++run) {
     const std::uint32_t count = std::exchange(place[run], block.size);
     if (count == 0) continue;
@@ -161,16 +170,24 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
     block.runs.push_back({block.size, block.size + count, plane, run == across});
     block.size += (count + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
   }
+  std::ranges::sort(block.targets, {}, &Target::block);
+  std::uint32_t next_target = place[across];
+  for (Target& t : block.targets) {
+    const std::uint32_t count = std::exchange(place_for[t.block], next_target);
+    t.pairs_end = next_target += count;
+  }
   renew(block.pairs, block.size + pairs_ahead);
   if (!pairs.image.empty()) renew(block.images, block.size);
   for (std::size_t s = begin; s < end; ++s)
     for (std::uint32_t k = pairs.first[s]; k < pairs.first[s + 1]; ++k) {
       const Slot b = pairs.partner[k];
       const std::size_t run = run_of(b);
-      const std::uint32_t at = place[run]++;
+      const std::uint32_t at = run == across ? place_for[b / block_size]++ : place[run]++;
       block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(run < inside ? planes_[run].slot : b)};
       if (!block.images.empty()) block.images[at] = image_of(pairs.image[k]);
     }
+  for (const Target& t : block.targets) place_for[t.block] = 0;
+  block.targets.push_back({no_slot, std::numeric_limits<std::uint32_t>::max()});
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
     const std::uint32_t last = block.runs[r].end,
                         next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
@@ -182,44 +199,21 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
   std::fill(block.pairs.begin() + block.size, block.pairs.end(), last);
 }
 
-/// Gives every pair across blocks a place in `records`, and tells the block of its B.
-void SphereBlocks::address_records() {
-  std::uint32_t records = 0;
-  for (Block& block : blocks_) {
-    block.record = records;
-    if (!block.runs.empty() && block.runs.back().across) records += block.runs.back().end - block.runs.back().begin;
-  }
-  const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Block& block = blocks_[i];
-      if (block.runs.empty() || !block.runs.back().across) continue;
-      const Run& run = block.runs.back();
-      for (std::uint32_t k = run.begin; k < run.end; ++k) {
-        const Slot b = block.pairs[k].b.slot();
-        f(b / block_size, Incoming{block.record + k - run.begin, b});
-      }
-    }
-  };
-  parallel_group(
-      blocks_.size(), blocks_.size(), incoming_begin_, each, [&](std::size_t count) { renew(incoming_, count); },
-      [&](std::uint32_t place, const Incoming& record) { incoming_[place] = record; }, 1);
-  parallel_for(
-      blocks_.size(), [&](std::size_t i) { list_sources(i); }, 1);
-  renew(records_, records), parallel_fill(records_, records, SphereSum{});
-  if (needs_.rolling) renew(record_moments_, records), parallel_fill(record_moments_, records, Lanes{});
+void SphereBlocks::list_sources() {
+  for (Block& block : blocks_) block.sources.clear();
+  for (Slot i = 0; i < blocks_.size(); ++i)
+    for (const Target& t : blocks_[i].targets)
+      if (t.block != no_slot) blocks_[t.block].sources.push_back(i);
 }
 
-/// Records come in the order of the blocks that write them.
-void SphereBlocks::list_sources(std::size_t i) {
-  std::vector<std::uint32_t>& sources = blocks_[i].sources;
-  sources.clear();
-  std::uint32_t next = 0;  // block behind the last source
-  for (std::uint32_t k = incoming_begin_[i]; k < incoming_begin_[i + 1]; ++k) {
-    const std::uint32_t record = incoming_[k].record;
-    if (next > 0 && record < blocks_[next].record) continue;
-    while (blocks_[next].record <= record) ++next;  // it is below i
-    sources.push_back(next - 1);
-  }
+void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
+  const auto grow = [room = size + size / 8](auto& column) { column.reserve(room), column.resize(room); };
+  grow(records), grow(record_places);
+  if (rolls) grow(record_moments);
+}
+
+void SphereBlocks::make_way() {
+  for (Block& block : blocks_) let_go(block.records), let_go(block.record_places), let_go(block.record_moments);
 }
 
 // --- springs on their way from one layout to the next
@@ -383,15 +377,15 @@ void SphereBlocks::clear_tray(std::size_t tray) {
 
 void SphereBlocks::receive(std::size_t i, std::size_t tray) {
   SphereSum* const mine = sums(tray);
-  const std::size_t end = incoming_begin_[i + 1];
-  for (std::size_t k = incoming_begin_[i]; k < end; ++k) {
-    constexpr std::size_t ahead = 16;  // records lie in the order of their owners: half of this loop waited for them
-    __builtin_prefetch(&records_[incoming_[std::min(k + ahead, end - 1)].record]);
-    const auto& [record, slot] = incoming_[k];
-    SphereSum& sum = mine[slot % block_size];
-    sum.force += records_[record].force;
-    sum.pull += records_[record].pull;
-    if (needs_.rolling) moments(tray)[slot % block_size] += record_moments_[record];
+  for (const Slot source : blocks_[i].sources) {
+    const Block& from = blocks_[source];
+    const auto target = std::ranges::lower_bound(from.targets, static_cast<Slot>(i), {}, &Target::block);
+    for (std::uint32_t k = target == from.targets.begin() ? 0 : std::prev(target)->records_end; k < target->records_end;
+         ++k) {
+      const std::size_t slot = from.record_places[k].slot() % block_size;
+      mine[slot].force += from.records[k].force, mine[slot].pull += from.records[k].pull;
+      if (needs_.rolling) moments(tray)[slot] += from.record_moments[k];
+    }
   }
 }
 

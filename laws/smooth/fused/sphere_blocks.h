@@ -1,7 +1,7 @@
 /// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over
 /// several at a time. Slots are cut into blocks of 1024; a block owns the contacts whose lower slot it holds and adds
-/// their forces to its own bodies; what it finds for bodies of later blocks it writes down, and those blocks add it in
-/// a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on which pairs
+/// their forces to its own bodies; what it finds for bodies of later blocks it writes down, by block, and those blocks
+/// add it in a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on which pairs
 /// that do not touch are listed.
 #pragma once
 #include <array>
@@ -69,11 +69,18 @@ class SphereBlocks {
   static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit - block_size;
 
   /// Pairs of one plane, inside a block or across blocks: [begin, end) of the block's, begin a multiple of eight,
-  /// sorted by (a, b, key).
+  /// sorted by (block of b, a, b, key).
   struct Run {
     std::uint32_t begin = 0, end = 0;
     std::int32_t plane = -1;
     bool across = false;
+  };
+
+  /// What a block finds for a later one: its records from those of the target before on.
+  struct Target {
+    Slot block = 0;
+    std::uint32_t pairs_end = 0;  ///< in the run across blocks
+    std::uint32_t records_end = 0;
   };
 
   struct Block {
@@ -85,13 +92,18 @@ class SphereBlocks {
     std::vector<std::uint8_t> touched;    ///< by eight pairs: those that touched at the last call, one bit each
     SphereSprings springs;                ///< of those, with friction
     std::uint32_t size = 0;               ///< pairs, whole eights
-    std::uint32_t record = 0;             ///< of the first pair across blocks in `records`
-    std::vector<std::uint32_t> sources;  ///< blocks that write records for this one, ascending
+    std::vector<Target> targets;          ///< ascending, one behind the last
+    std::vector<Slot> sources;            ///< blocks that have this one among their targets, ascending
+    /// Of contacts across blocks that touch, in their order: forces on B, its place, and with rolling moments [N m].
+    UnwrittenColumn<SphereSum> records;
+    UnwrittenColumn<SpherePlace> record_places;
+    UnwrittenColumn<Lanes> record_moments;
     double elastic = 0.0;                ///< stored in the contacts [J]
     double slipped = 0.0;                ///< lost by slip in the step [J]
     double viscous = 0.0;                ///< power lost in the dampers [W]
     Vec3 virial = Vec3::Zero();          ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
+    void grow_records(std::size_t size, bool rolls);
     void set_touching(std::uint32_t k) {
       touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));
     }
@@ -101,8 +113,8 @@ class SphereBlocks {
 
   /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
   void rebuild(const World& world, const SphereList& list);
-  /// Records go until the next rebuild.
-  void make_way() { let_go(records_), let_go(record_moments_), let_go(incoming_); }
+  /// Records go until the next step.
+  void make_way();
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
@@ -141,12 +153,10 @@ class SphereBlocks {
   /// its first contact.
   SphereSum* sums(std::size_t tray) { return sums_.data() + tray * (block_size + 1); }
   void clear_tray(std::size_t tray);
-  std::span<SphereSum> records() { return records_; }
   /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.
   Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
-  /// Moments against rolling beside sums and records [N m].
+  /// Moments against rolling beside the sums [N m].
   Lanes* moments(std::size_t tray) { return moments_.empty() ? nullptr : moments_.data() + tray * block_size; }
-  Lanes* record_moments() { return record_moments_.data(); }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
   bool laid_out() const { return laid_out_; }
@@ -172,26 +182,17 @@ class SphereBlocks {
   void group_kept(std::size_t count);
   void lay_out(Block& block, Slot index, const SpherePairs& pairs);
   void restore(Block& block, Slot first, std::span<const Kept> kept);
-  void address_records();
-  void list_sources(std::size_t block);
+  void list_sources();
   void take_out(const std::vector<SpherePlane>& planes);
 
   SphereNeeds needs_;
   std::vector<Block> blocks_;
   std::vector<SpherePlane> planes_;
   UnwrittenColumn<SphereSum> sums_;
-  UnwrittenColumn<SphereSum> records_;
   LargeColumn<Lanes> late_spins_;
   UnwrittenColumn<Lanes> moments_;
   std::vector<std::uint8_t> is_clear_;  ///< by tray: its sums are zero
-  UnwrittenColumn<Lanes> record_moments_;
   std::vector<std::uint8_t> plain_;
-  struct Incoming {
-    std::uint32_t record;
-    Slot slot;  ///< of the body whose sum takes it
-  };
-  std::vector<std::uint32_t> incoming_begin_;  ///< by block: its first one in the next column
-  UnwrittenColumn<Incoming> incoming_;         ///< records in the order of the blocks that add them, owners in order
   KeptSprings kept_;                           ///< while the layout waits
   std::vector<std::uint32_t> kept_begin_;      ///< by block, once they are grouped
   bool laid_out_ = false, grouped_ = false;    ///< kept_ is in the order of the blocks

@@ -16,9 +16,8 @@ struct SphereLaw {
 };
 
 /// Adds those of the n pairs from `k` on that touch, and returns one bit for each. valid: bits of the run's own. The
-/// normals of all n are found here: their root and division wait beside the look at the next ones. named: with the
-/// number of the pair.
-template <int n, bool wall, bool periodic, bool named>
+/// normals of all n are found here: their root and division wait beside the look at the next ones.
+template <int n, bool wall, bool periodic>
 EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const SphereImage* images, std::size_t k,
                           unsigned valid, const SpherePlane* plane, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
@@ -66,7 +65,7 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const Sph
   static_assert(sizeof(SpherePlaces) == sizeof(double));
   std::memcpy(&places, pair, sizeof places);
   compress<n>(places, chosen, t.bodies + at);
-  if constexpr (named) write_places<n>(bits, static_cast<std::uint32_t>(k), t.pair + at);
+  if constexpr (periodic) write_places<n>(bits, static_cast<std::uint32_t>(k), t.pair + at);
   t.count = at + bit_places.count[bits];
   return bits;
 }
@@ -214,10 +213,10 @@ EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& forc
   }
 }
 
-/// Adds to sums; of B to records where it lies in another block.
+/// Adds to sums; of B to the records of the tile where it lies in another block.
 template <int n, bool friction, bool wall, bool across, bool periodic>
-EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
-                            const SphereBlocks::Run& run, const SphereArrays& with) {
+EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays& with, SphereSum* records,
+                            SpherePlace* record_places) {
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V> normal = t.normal(g), &load = t.group[g].load;
   VectorsOf<V> f = -(t.group[g].force * normal), moment{};
@@ -233,11 +232,9 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereBlocks:
   for (int l = 0; l < n; ++l) {  // lane by lane, A and B: the order of a body's sum is not that of groups
     rows[l].add_to(with.sum(bodies[l].a));
     if constexpr (!wall && !across) rows[l].turned().add_to(with.sum(bodies[l].b));
-  }
-  if constexpr (across) {
-    const std::uint32_t* pair = t.pair + g * n;
-    for (std::size_t l = 0; l < n && g * n + l < t.count; ++l)
-      rows[l].turned().write(with.records[block.record + pair[l] - run.begin]);
+    if constexpr (across)
+      rows[l].turned().write(records[g * n + static_cast<std::size_t>(l)]),
+          record_places[g * n + static_cast<std::size_t>(l)] = bodies[l].b;
   }
 }
 
@@ -265,6 +262,7 @@ struct SphereSweep {
     std::uint8_t* const touched = block.touched.data();
     Places at = places;
     [[maybe_unused]] const SphereSpring* springs = block.springs.friction();  // to ask for them: they may move
+    [[maybe_unused]] SphereBlocks::Target* target = block.targets.data();
     constexpr std::size_t full = SphereTile<n>::most;
     SphereTile<n> t;
     all.begin(t);
@@ -278,8 +276,12 @@ struct SphereSweep {
         t.find_springs(begin, before, now, read), at.read += bit_places.count[before];
         ask_for(springs + at.read);
       }
+      if constexpr (across)
+        for (; target->pairs_end <= k + eight; ++target)
+          target->records_end = at.record + static_cast<std::uint32_t>(begin) +
+                                bit_places.count[now & ((1u << (target->pairs_end - k)) - 1u)];
       if (with.dt > 0.0) {
-        if (const unsigned opened = before & ~now; opened != 0) release(k, before, opened, read, with);
+        if (const unsigned opened = before & ~now; opened != 0) release(before, opened, read);
         touched[k / eight] = static_cast<std::uint8_t>(now);
       } else if (!friction) {
         touched[k / eight] = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
@@ -326,9 +328,7 @@ struct SphereSweep {
       if (k + eight > end) [[unlikely]]
         valid = (1u << (end - k)) - 1u;
       for (std::size_t l = 0; l < eight; l += n)
-        now |= look<n, wall, periodic, across || periodic>(t, pairs, images, k + l, valid >> l & ((1u << n) - 1u),
-                                                           plane, with)
-               << l;
+        now |= look<n, wall, periodic>(t, pairs, images, k + l, valid >> l & ((1u << n) - 1u), plane, with) << l;
       return now;
     }
   };
@@ -358,6 +358,8 @@ struct SphereSweep {
   EPAFI_LANES void evaluate(SphereTile<n>& t, Places& at, std::uint32_t row, const SphereArrays& with) const {
     t.groups = (t.count + n - 1) / n;
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.copy(t.count - 1, k);
+    if constexpr (across)
+      if (block.records.size() < at.record + t.groups * n) block.grow_records(at.record + SphereTile<n>::most, rolls);
     for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
     const auto respond = [&](std::size_t g) EPAFI_INLINED { find_response<n, Normal, Tangential, Rolling>(t, g, law); };
     SphereSpring* const springs = block.springs.friction();
@@ -369,31 +371,29 @@ struct SphereSweep {
     if constexpr (rolls) {
       SphereRolling<n> r;
       roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block.springs, row, at.write, with);
-      for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, run, at.write, with);
+      for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, at, with);
     }
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
+    SphereSum* const records = across ? block.records.data() + at.record : nullptr;
+    SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
     for (std::size_t g = 0; g < t.groups; ++g) {
       if constexpr (friction && !rolls) settle_springs<n>(t, g, springs + at.write, with.dt);
-      add_forces<n, friction, wall, across, periodic>(t, g, block, run, with);
+      add_forces<n, friction, wall, across, periodic>(t, g, with, records, record_places);
     }
     total_up<n, friction, periodic && !wall>(t, total);
     at.write += static_cast<std::uint32_t>(t.count);
+    if constexpr (across) at.record += static_cast<std::uint32_t>(t.count);
   }
 
-  /// What contacts among the eight from k on that have opened leave behind; read: place of the first one's spring.
-  EPAFI_LANES void release(std::size_t k, unsigned before, unsigned opened, std::uint32_t read,
-                           const SphereArrays& with) const {
+  /// What contacts among eight that have opened leave behind; read: place of the first one's spring.
+  EPAFI_LANES void release(unsigned before, unsigned opened, std::uint32_t read) const {
     const auto stored = [](const Lanes& load) {
       return 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];
     };
     for (unsigned bits = opened; bits != 0; bits &= bits - 1u) {
-      const unsigned bit = bits & -bits;
-      const std::size_t record = block.record + k + bit_places.count[bit - 1u] - run.begin;
-      const std::uint32_t place = read + bit_places.count[before & (bit - 1u)];
-      if constexpr (across) with.records[record] = SphereSum{};
+      const std::uint32_t place = read + bit_places.count[before & ((bits & -bits) - 1u)];
       if constexpr (friction) total.released += stored(block.springs.friction()[place].load);
       if constexpr (rolls) total.released += stored(block.springs.rolling()[place].load);
-      if constexpr (across && rolls) with.record_moments[record] = Lanes{};
     }
   }
 };

@@ -112,25 +112,23 @@ EPAFI_LANES void prepare_rolling(SphereTile<n>& t, SphereRolling<n>& r, std::siz
 /// Adds the moments to the sums as add_forces does the forces; of B to records where it lies in another block.
 template <int n, bool wall, bool across>
 EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, std::size_t g,
-                             SphereBlocks::Block& block, const SphereBlocks::Run& run, std::uint32_t write,
-                             const SphereArrays& with) {
+                             SphereBlocks::Block& block, SphereSprings::Places at, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V>&moment = r.moment[g], &friction = r.friction[g];
   RowOf<n> rows[n], pulls[n];
   write_rows(moment.x, moment.y, moment.z, V{}, rows);
   write_rows(friction.x, friction.y, friction.z, V{}, pulls);
   const SpherePlaces* bodies = t.bodies + g * n;
-  const std::uint32_t* pair = t.pair + g * n;
   SphereLoads* const loads = block.springs.loads();
   for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
     Lanes& a = with.moment(bodies[l].a);
     store<n>(a, row<n>(a) + rows[l]);
-    if constexpr (across) store<n>(with.record_moments[block.record + pair[l] - run.begin], -rows[l]);
+    if constexpr (across) store<n>(block.record_moments[at.record + g * n + l], -rows[l]);
     if constexpr (!wall && !across) {
       Lanes& b = with.moment(bodies[l].b);
       store<n>(b, row<n>(b) - rows[l]);
     }
-    SphereLoads& now = loads[with.dt > 0.0 ? write + g * n + l : t.spring[g * n + l]];
+    SphereLoads& now = loads[with.dt > 0.0 ? at.write + g * n + l : t.spring[g * n + l]];
     store<n>(now.friction, pulls[l]), store<n>(now.moment, rows[l]);
   }
 }

@@ -32,9 +32,9 @@ class SphereSprings {
   static constexpr std::uint32_t unloaded = 0;       ///< place of a spring that stays as it is
   static constexpr std::uint32_t fresh = 0xffffffffu;
 
-  /// Where a step reads and writes next.
+  /// Where a step reads and writes next, and the next record across blocks.
   struct Places {
-    std::uint32_t read = 0, write = 0;
+    std::uint32_t read = 0, write = 0, record = 0;
   };
 
   /// rolls: there are rolling springs and loads.

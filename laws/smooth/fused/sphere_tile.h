@@ -12,15 +12,13 @@ struct SphereArrays {
   const SpherePlane* planes;
   const BodyState* states;
   std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
-  SphereSum* records;
   double dt;
   bool damped;
   Lanes cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]; fourth 0
   SpherePlace nowhere{};         ///< of a sum that nobody reads: for lanes behind the last contact
-  // with rolling: spins by slot, then as sums and records
+  // with rolling: spins by slot, then as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;
-  Lanes* record_moments = nullptr;
 
   EPAFI_LANES const BodyState& state(SpherePlace p) const {
     return *reinterpret_cast<const BodyState*>(reinterpret_cast<const char*>(states) +
@@ -58,7 +56,7 @@ struct SphereTile {
   alignas(64) double curvature[room];             ///< 1/sum of radii [1/m]; not of walls
   alignas(64) double distance[room];              ///< of centres, in a periodic cell [m]
   alignas(64) SpherePlaces bodies[room];
-  alignas(64) std::uint32_t pair[room];           ///< where a pair has more than a spring: across blocks, in a cell
+  alignas(64) std::uint32_t pair[room];           ///< in a periodic cell, where a pair has its image
   std::uint32_t spring[room];                     ///< place it is read from; not known where they are in a row
   bool in_row = true;                             ///< the springs lie one behind the other
   struct Group {
