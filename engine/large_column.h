@@ -82,10 +82,11 @@ void let_go(Column& column) {
 }
 
 /// `size` elements, none of them written. What was there is gone, and gone first where the column must grow: by a
-/// quarter more than asked for, which takes no memory until it is written.
+/// quarter more than asked for, which takes no memory until it is written, or by another share of small columns, whose
+/// room was written by others.
 template <class T>
-void renew(UnwrittenColumn<T>& column, std::size_t size) {
-  if (size > column.capacity()) let_go(column), column.reserve(size + size / 4);
+void renew(UnwrittenColumn<T>& column, std::size_t size, std::size_t share = 4) {
+  if (size > column.capacity()) let_go(column), column.reserve(size + size / share);
   column.clear(), column.resize(size);
 }
 

@@ -205,7 +205,6 @@ void Simulation::show(Observer& observer) {
   show_contacts(observer.wants_contacts(steps_, true), true, [&](const StepView& now) { observer.observe(now); });
 }
 
-/// While the state of many bodies is on its way, their list makes room: 100 bytes a sphere. It is made anew then.
 void Simulation::make_room() {
   if (world.size() < many_bodies) return;
   pipeline.broad_phase->reorder({});

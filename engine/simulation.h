@@ -51,6 +51,9 @@ class Simulation {
   bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
   /// Shows one observer the present state, due or not.
   void show(Observer& observer);
+  /// While the state of many bodies is on its way, or shown for the last time, their list makes room: 70 bytes a sphere.
+  /// It is made anew then.
+  void make_room();
   /// All state that a restart needs for the same bits.
   void visit(StateVisitor& visitor);
 
@@ -61,7 +64,6 @@ class Simulation {
   void welcome(std::size_t before);
   std::optional<Failure> make_step(double dt, bool sort, bool run_on);
   bool nobody_looks() const;
-  void make_room();
   const std::optional<Domain>& watched() const;
   std::optional<Failure> look_at_strays();
   void drop_contacts();

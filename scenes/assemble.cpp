@@ -52,7 +52,7 @@ BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, cons
 
 void add_bodies(Assembly& a, ShapeBuilder& builder) {
   const auto& bodies = a.scene.bodies;
-  a.simulation->world.reserve(bodies.size()), a.body_ids.reserve(bodies.size());
+  a.simulation->world.reserve(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const BodySpec& b = bodies[k];
     const Place& place = a.scene.groups[b.group].place;
@@ -61,7 +61,8 @@ void add_bodies(Assembly& a, ShapeBuilder& builder) {
       throw SceneError(fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion",
                                    body_name(a.scene, k), a.scene.shapes[b.shape].type),
                        place);
-    a.body_ids.push_back(add_body(a, shape, b, place));
+    [[maybe_unused]] const BodyId id = add_body(a, shape, b, place);
+    EPAFI_REQUIRE(id == Assembly::body_id(k), "the bodies of a scene come first");
     if (k % many_bodies == many_bodies - 1) a.simulation->world.rest_forces();  // 48 bytes each
   }
 }
@@ -69,7 +70,7 @@ void add_bodies(Assembly& a, ShapeBuilder& builder) {
 void add_removals(Assembly& a) {
   std::map<double, std::vector<BodyId>> by_time;
   for (std::size_t i = 0; i < a.scene.bodies.size(); ++i)
-    if (a.scene.bodies[i].remove_at) by_time[*a.scene.bodies[i].remove_at].push_back(a.body_ids[i]);
+    if (a.scene.bodies[i].remove_at) by_time[*a.scene.bodies[i].remove_at].push_back(Assembly::body_id(i));
   for (auto& [time, bodies] : by_time) a.simulation->events.push_back(std::make_unique<RemoveBodies>(bodies, time));
 }
 
@@ -169,7 +170,7 @@ void set_broad_phase(Assembly& a) {
 std::unique_ptr<MotionGuard> make_guard(const Assembly& a) {
   std::vector<BodyId> flagged;
   for (std::size_t i = 0; i < a.scene.bodies.size(); ++i)
-    if (a.scene.bodies[i].continuous) flagged.push_back(a.body_ids[i]);
+    if (a.scene.bodies[i].continuous) flagged.push_back(Assembly::body_id(i));
   if (flagged.empty()) return nullptr;
   return std::make_unique<SweepGuard>(*a.shapes, std::move(flagged));
 }
@@ -201,7 +202,7 @@ void warn_of_distance(Assembly& a) {
   double smallest = infinity, farthest = 0.0;
   Place place;
   for (std::size_t k = 0; k < a.scene.bodies.size(); ++k) {
-    const Slot s = world.slot_of(a.body_ids[k]);
+    const Slot s = world.slot_of(Assembly::body_id(k));
     if (!(world.inverse_mass[s] > 0.0)) continue;
     smallest = std::min(smallest, a.shapes->bounding_radius({world.shape[s]}));
     const double distance = world.position[s].cwiseAbs().maxCoeff();
@@ -220,18 +221,15 @@ void warn_of_distance(Assembly& a) {
 
 }  // namespace
 
-std::vector<BodyId> Assembly::ids(const NamedBodies& named) const {
-  std::vector<BodyId> out;
-  for (const auto& [first, count] : named.bodies) {
-    const auto begin = body_ids.begin() + static_cast<std::ptrdiff_t>(first);
-    out.insert(out.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
-  }
+BodyIds Assembly::ids(const NamedBodies& named) const {
+  BodyIds out;
+  for (const auto& [first, count] : named.bodies) out.add(body_id(first), count);
   for (const auto& [fill, one] : named.fills) {
     const auto& all = fill_ids[fill];
     if (!one)
-      out.insert(out.end(), all.begin(), all.end());
+      for (const BodyId body : all) out.add(body);
     else if (*one < all.size())
-      out.push_back(all[*one]);
+      out.add(all[*one]);
     else
       throw SceneError(
           fmt::format("'{}[{}]' is not there: the fill has {} bodies", scene.fills[fill].name, *one, all.size()),

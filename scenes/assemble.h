@@ -32,13 +32,14 @@ struct Assembly {
   std::shared_ptr<ShapeStore> shapes;
   std::unique_ptr<RollingRegions> rolling;  ///< of wheels on rails, between search and law; null without
   std::unique_ptr<Simulation> simulation;
-  std::vector<BodyId> body_ids;               ///< of Scene::bodies, in order; bodies of fills follow
   std::vector<std::vector<BodyId>> fill_ids;  ///< of Scene::fills; those that are poured have no slot before they come
   std::vector<const PourBodies*> sources;
   BatchNarrowPhase* narrow_phase = nullptr;  ///< of the pipeline
   std::vector<Problem> warnings;
 
-  std::vector<BodyId> ids(const NamedBodies& named) const;
+  /// Of Scene::bodies[k]: the world has them first.
+  static BodyId body_id(std::size_t k) { return static_cast<BodyId>(k); }
+  BodyIds ids(const NamedBodies& named) const;
   /// What a measure of the scene looks at.
   MeasureSetup measure_setup(const MeasureSpec& spec) const;
 };

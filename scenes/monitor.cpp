@@ -47,7 +47,7 @@ Overlap measure_overlap(const World& world, const GapPieces& gaps, const ShapeSt
   return {all.max, all.pairs > 0 ? all.sum / static_cast<double>(all.pairs) : 0.0, all.max_relative, all.pairs};
 }
 
-RunMonitor::RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies,
+RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies,
                        const ShapeStore& shapes, std::uint64_t steps, std::uint64_t interval)
     : bounds_(scene.bounds),
       stopping_(bounds_.size()),

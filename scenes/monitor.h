@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "detection/shape_store.h"
+#include "engine/body_ids.h"
 #include "engine/observer.h"
 #include "scenes/scene.h"
 
@@ -29,7 +30,7 @@ class RunMonitor final : public Observer {
  public:
   /// steps: of the whole run; overlap counts over its last tenth. interval: steps between looks at overlap and bounds.
   /// bound_bodies: of [bounds], then of [accuracy].
-  RunMonitor(const Scene& scene, const std::vector<std::vector<BodyId>>& bound_bodies, const ShapeStore& shapes,
+  RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes,
              std::uint64_t steps, std::uint64_t interval);
   bool is_due(std::uint64_t) const override { return true; }
   bool wants_energy(std::uint64_t step) const override { return step % interval_ == 0; }
@@ -75,7 +76,7 @@ class RunMonitor final : public Observer {
   };
   std::vector<BoundSpec> bounds_;  ///< of [bounds], then of [accuracy]
   std::size_t stopping_;           ///< the first so many end the run
-  std::vector<std::vector<BodyId>> bound_bodies_;
+  std::vector<BodyIds> bound_bodies_;
   std::vector<std::vector<Vec3>> bound_start_;
   std::vector<BoundCheck> checks_;
   const ShapeStore& shapes_;

@@ -120,7 +120,7 @@ void Session::add_observers() {
   const Scene& scene = assembly_->scene;
   Simulation& sim = *assembly_->simulation;
   const double dt = sim.time_step;
-  std::vector<std::vector<BodyId>> bound_bodies;
+  std::vector<BodyIds> bound_bodies;
   for (const auto& b : scene.bounds) bound_bodies.push_back(assembly_->ids(b.bodies));
   for (const auto& b : scene.accuracy) bound_bodies.push_back(assembly_->ids(b.bodies));
   const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
@@ -255,6 +255,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt) ending_ = fail(*failure), save_checkpoint_now();
   if (output_ == Output::least) {
     StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
+    assembly_->simulation->make_room();
     sim.show(last);
   }
   progress.finish(sim, *monitor_);

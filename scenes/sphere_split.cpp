@@ -10,14 +10,14 @@ namespace epafi {
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const std::uint64_t before = pairs.generation;
   if (worn_.out) {
-    if (world.size() >= many_bodies) model()->make_way();
+    if (FusedSpheres* const m = model()) m->make_way();
     list_->renew_pairs(world, pairs, worn_.by_slow);
   } else {
     list_->find_pairs(world, pairs);
   }
   worn_ = {}, wear_.clear();
   const bool fresh = pairs.generation != before;
-  if (fresh && world.size() >= many_bodies) listed_ = &pairs;
+  if (fresh && world.size() >= many_bodies && model()) model()->lend(pairs.spheres);
   if (!fresh && !ways_known_) return;  // what the list has gone through is not known then
   wear_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, 0.0);
   if (fresh) return;
@@ -29,8 +29,6 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
 
 bool WornPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
-  if (listed_ && model() && !model()->waits_for_pairs())  // it has its own: 18 bytes a sphere
-    let_go(listed_->spheres.first), let_go(listed_->spheres.partner), listed_ = nullptr;
   const std::span<const double> ways = model() ? model()->largest_ways() : std::span<const double>{};
   ways_known_ = !ways.empty() && list_->bodies().size() == world.size();
   if (!ways_known_ || wear_.size() != ways.size()) return wear_.clear(), false;
@@ -65,7 +63,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
     list.planes.push_back(
         {s, world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal, world.position[s]});
   if (!known_ || bodies_ != world.size()) read_bodies(world);
-  if (alone_) list.margins = pairs.margins;
+  if (alone_) list.hurry = pairs.hurry;
   model_.set_pairs(world, list);
   known_ = true, generation_ = pairs.generation, bodies_ = world.size();
 }

@@ -21,7 +21,10 @@ class WornPairs final : public BroadPhase {
   const char* name() const override { return list_->name(); }
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
-  void reorder(const Reordering& change) override { wear_.clear(), list_->reorder(change); }
+  void reorder(const Reordering& change) override {
+    wear_.clear(), list_->reorder(change);
+    if (FusedSpheres* const m = model()) m->make_way();
+  }
   void visit(StateVisitor& visitor) override { wear_.clear(), list_->visit(visitor); }
 
  private:
@@ -34,7 +37,6 @@ class WornPairs final : public BroadPhase {
   bool ways_known_ = false;   ///< in this step
   Worn worn_;                 ///< what was seen when the list ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
-  PairList* listed_ = nullptr;         ///< of many bodies, until the model has laid its pairs out
 };
 
 class SphereSplit final : public NarrowPhase {

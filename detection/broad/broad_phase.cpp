@@ -33,10 +33,13 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_
   if (many) rest();
   collector_.finish(pairs.pairs);
   if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
-  pairs.margin = bodies_.largest_margin(), pairs.margins = bodies_.margin;
+  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(), pairs.hurry = bodies_.hurry;
   ++pairs.generation;
   valid_ = true;
-  if (many) collector_.rest(), give_back_heap();
+  if (!many) return;
+  collector_.rest();
+  if (bodies_.only_spheres) bodies_.rest_kinds(), known_ = false;
+  give_back_heap();
 }
 
 }  // namespace epafi

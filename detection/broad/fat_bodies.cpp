@@ -59,23 +59,28 @@ void FatBodies::update(const World& world, const BroadSetup& setup, double step_
     return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i)) / r, 1.0, 0.0};
   });
   const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
-  fatten(world, setup, step_time,
-         motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps);
+  const double steps = motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps;
+  fatten(world, setup, step_time, steps);
   set_apart(world, *setup.shapes, same_bodies);
-  set_planes(world, setup);
+  set_planes(world, setup, step_time, steps);
 }
 
 void FatBodies::rest() {
-  let_go(boxes), let_go(ball), let_go(half), let_go(radius), let_go(margin), let_go(id), let_go(type);
+  let_go(boxes), let_go(ball), let_go(half), let_go(radius), let_go(hurry), let_go(id), let_go(type);
   let_go(immovable), let_go(role), let_go(orientation), let_go(ordinary), let_go(apart), let_go(plane);
   let_go(sphere_planes), let_go(slow_);
+  complete_ = false;
+}
+
+void FatBodies::rest_kinds() {
+  let_go(id), let_go(type), let_go(immovable), let_go(role), let_go(ordinary);
   complete_ = false;
 }
 
 void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);
-  ball.resize(n), margin.resize(n), slow_.resize(n);
+  ball.resize(n), hurry.resize(n), slow_.resize(n);
   id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted ? n : 0);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
@@ -110,7 +115,9 @@ void FatBodies::find_median_radius(const World& world, const ShapeStore& shapes)
 }
 
 /// steps: how long the list of the fast ones shall last.
-double FatBodies::margin_of(const World& world, Slot s, double radius, double step_time, double steps) const {
+double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const {
+  if (setup.margin > 0.0) return setup.margin;
+  const double radius = radius_of(world, *setup.shapes, s);
   const double step = step_time * surface_speed(world, s, turning_radius(s)), small = 4.0 * median_radius_;
   const double wanted = 2.0 * headroom * steps * step;
   if (!std::isfinite(wanted)) return 0.0;  // a turning half-space: its list lasts one step
@@ -119,9 +126,9 @@ double FatBodies::margin_of(const World& world, Slot s, double radius, double st
 }
 
 /// By how much the exact bound of a body grows on every side [m].
-double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup) const {
+double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup, double margin) {
   // four units in the last place of the coordinate: far from the origin the box itself is rounded
-  return 0.5 * (setup.reach + margin[s]) + 0x1p-50 * world.position[s].cwiseAbs().maxCoeff();
+  return 0.5 * (setup.reach + margin) + 0x1p-50 * world.position[s].cwiseAbs().maxCoeff();
 }
 
 void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_time, double steps) {
@@ -129,11 +136,12 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     const double r = radius_of(world, *setup.shapes, i);
-    margin[i] = setup.margin > 0.0 ? setup.margin : margin_of(world, s, r, step_time, steps);
-    slow_[i] = margin[i] <= 1.001 * least_share_ * r;
+    const double margin = margin_of(world, s, setup, step_time, steps);
+    hurry[i] = 2.0 < margin * double{most_hurry} ? static_cast<float>((1.0 + 0x1p-23) * 2.0 / margin) : most_hurry;
+    slow_[i] = margin <= 1.001 * least_share_ * r;
     if (world.has_orientation()) orientation[i] = world.orientation[s];
     const Vec3& x = world.position[s];
-    const double fat = fattening(world, s, setup);
+    const double fat = fattening(world, s, setup, margin);
     ball[i] = {x.x(), x.y(), x.z(), r + fat};
     if (round_) return;
     if (!std::isfinite(r)) {
@@ -171,13 +179,13 @@ void FatBodies::set_apart(const World& world, const ShapeStore& shapes, bool sam
   only_spheres = ordered_spheres && std::ranges::all_of(apart, [&](Slot s) { return role[s] == SphereRole::plane; });
 }
 
-void FatBodies::set_planes(const World& world, const BroadSetup& setup) {
+void FatBodies::set_planes(const World& world, const BroadSetup& setup, double step_time, double steps) {
   plane.clear(), sphere_planes.clear();
   for (const Slot s : apart) {
     ApartPlane& p = plane.emplace_back();
     if (type[s] != ShapeStore::type_of<HalfSpace>()) continue;
     p.normal = world.pose(s).orientation * setup.shapes->of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
-    p.point = position(s), p.reach = fattening(world, s, setup);
+    p.point = position(s), p.reach = fattening(world, s, setup, margin_of(world, s, setup, step_time, steps));
     if (role.empty() || role[s] != SphereRole::plane) continue;
     p.place = SpherePairs::plane | static_cast<Slot>(sphere_planes.size());
     sphere_planes.push_back(s);
@@ -187,7 +195,7 @@ void FatBodies::set_planes(const World& world, const BroadSetup& setup) {
 /// Its surface has moved by more than half its margin. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|,
 /// as |q - q0| = 2 sin(t/4).
 inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates) const {
-  const double way = (world.position[i] - position(i)).squaredNorm(), allowed = 0.5 * margin[i];
+  const double way = (world.position[i] - position(i)).squaredNorm(), allowed = half_margin(i);
   if (!rotates || !(turning_radius(i) > 0.0)) return way > allowed * allowed;
   const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
   return std::sqrt(way) + 2.0 * turning_radius(i) * std::sqrt(turn) > allowed;
@@ -204,7 +212,7 @@ Worn FatBodies::worn(const World& world) const {
 }
 
 double FatBodies::largest_margin() const {
-  return block_max<double>(margin.size(), 0.0, [&](std::size_t i) { return margin[i]; });
+  return block_max<double>(hurry.size(), 0.0, [&](std::size_t i) { return 2.0 * half_margin(i); });
 }
 
 }  // namespace epafi

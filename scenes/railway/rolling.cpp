@@ -41,8 +41,8 @@ std::shared_ptr<const Guideway> way_of(const Assembly& a) {
 std::vector<SpringElement> springs_of(const Assembly& a) {
   std::vector<SpringElement> out;
   for (const SpringSpec& s : a.scene.springs) {
-    SpringElement e{s.name, a.body_ids[s.body], s.attachment, {}, s.speed, s.stiffness, s.damping, s.preload};
-    if (s.to) e.to = a.body_ids[*s.to];
+    SpringElement e{s.name, Assembly::body_id(s.body), s.attachment, {}, s.speed, s.stiffness, s.damping, s.preload};
+    if (s.to) e.to = Assembly::body_id(*s.to);
     out.push_back(e);
   }
   return out;

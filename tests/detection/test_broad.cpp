@@ -373,15 +373,15 @@ TEST_CASE("margins of spheres at rest grow where these end lists early, and shri
     for (int k = 0; k < steps; ++k) scene.world.time += 1.0, broad->find_pairs(scene.world, list);
   };
   wait(2);
-  CHECK(list.margins[0] == Approx(0.06 * 0.5));
+  CHECK(2.0 / list.hurry[0] == Approx(0.06 * 0.5));
   for (int k = 0; k < 12; ++k) {
-    scene.world.position[0].x() -= 0.6 * list.margins[0];  // a jump past half its margin, from rest
+    scene.world.position[0].x() -= 1.2 / list.hurry[0];  // a jump past half its margin, from rest
     wait(3);
     for (const Pair& p : close_pairs(scene)) CHECK(std::binary_search(list.pairs.begin(), list.pairs.end(), p));
   }
-  CHECK(list.margins[0] == Approx(0.25 * 0.5));
+  CHECK(2.0 / list.hurry[0] == Approx(0.25 * 0.5));
   wait(400);
-  scene.world.position[0].x() += 0.6 * list.margins[0];
+  scene.world.position[0].x() += 1.2 / list.hurry[0];
   wait(1);
-  CHECK(list.margins[0] == Approx(0.25 * 0.5 / 1.4));
+  CHECK(2.0 / list.hurry[0] == Approx(0.25 * 0.5 / 1.4));
 }

@@ -117,7 +117,7 @@ TEST_CASE("an adaptive time step resolves slow impacts as well as fast ones at l
   adaptive.advance_to(0), fixed.advance_to(0);
   const auto out = [](SceneRun& r) {
     const World& w = r.simulation().world;
-    return w.velocity[w.slot_of(r.assembly->body_ids[2])].x() - w.velocity[w.slot_of(r.assembly->body_ids[1])].x();
+    return w.velocity[w.slot_of(Assembly::body_id(2))].x() - w.velocity[w.slot_of(Assembly::body_id(1))].x();
   };
   CHECK(out(fixed) == Approx(0.8 * speed).epsilon(0.01));
   CHECK(out(adaptive) == Approx(0.8 * speed).epsilon(0.02));

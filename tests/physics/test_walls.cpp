@@ -86,7 +86,7 @@ Flight fly(const std::string& folder, const std::string& wall, const std::string
   run.advance_to(0);
   REQUIRE(run.failure.empty());
   const World& w = run.simulation().world;
-  const Slot s = w.slot_of(run.assembly->body_ids[1]);
+  const Slot s = w.slot_of(Assembly::body_id(1));
   return {w.position[s], w.velocity[s], w.angular_velocity[s]};
 }
 

@@ -16,7 +16,7 @@ struct Weighed {
 };
 }  // namespace
 
-Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::function<Vec3(Slot)>& of) {
+Vec3 mean_over(const World& world, const BodyIds& bodies, const std::function<Vec3(Slot)>& of) {
   const Weighed all = block_sum<Weighed>(bodies.size(), [&](std::size_t k) -> Weighed {
     const Slot s = world.slot_of(bodies[k]);
     if (s == no_slot) return {};
@@ -40,8 +40,8 @@ void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const ContactSet& c = view.contacts;
   std::vector<char> mine(w.size(), 0);
-  for (BodyId b : setup_.bodies[0])
-    if (w.slot_of(b) != no_slot) mine[w.slot_of(b)] = 1;
+  for (std::size_t k = 0; k < setup_.bodies[0].size(); ++k)
+    if (const Slot s = w.slot_of(setup_.bodies[0][k]); s != no_slot) mine[s] = 1;
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < c.size() && k < c.force.size(); ++k) sum += (mine[c.a[k]] - mine[c.b[k]]) * c.force[k];
   values = {sum.x(), sum.y(), sum.z()};

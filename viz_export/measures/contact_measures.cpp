@@ -10,8 +10,8 @@ namespace epafi {
 
 ContactMeasure::ContactMeasure(MeasureSetup setup) : setup_(std::move(setup)) {
   for (std::size_t g = 0; g < 2; ++g)
-    for (BodyId b : setup_.bodies[g]) {
-      const auto id = static_cast<std::size_t>(b);
+    for (std::size_t k = 0; k < setup_.bodies[g].size(); ++k) {
+      const auto id = static_cast<std::size_t>(setup_.bodies[g][k]);
       if (side_.size() <= id) side_.resize(id + 1, 0);
       side_[id] = static_cast<char>(side_[id] | (g == 0 ? 1 : 2));
     }

@@ -24,8 +24,7 @@ void HysteresisMeasure::sample(const StepView& view, std::vector<double>& values
   const ContactSet& c = view.contacts;
   double overlap = 0.0, force = 0.0;
   const auto in = [&](Slot s, std::size_t group) {
-    const auto& ids = setup_.bodies[group];
-    return std::find(ids.begin(), ids.end(), w.id[s]) != ids.end();
+    return setup_.bodies[group].contains(w.id[s]);
   };
   for (std::size_t k = 0; k < c.size(); ++k) {
     if (-c.gap[k] <= overlap && normal_force(c, k) <= force) continue;
@@ -145,8 +144,8 @@ void MixingMeasure::sample(const StepView& view, std::vector<double>& values) {
   std::map<std::tuple<long, long, long>, Count> cells;
   double first = 0, both = 0;
   for (std::size_t g = 0; g < 2; ++g)
-    for (BodyId b : setup_.bodies[g]) {
-      const Slot s = w.slot_of(b);
+    for (std::size_t k = 0; k < setup_.bodies[g].size(); ++k) {
+      const Slot s = w.slot_of(setup_.bodies[g][k]);
       if (s == no_slot || !w.position[s].allFinite()) continue;
       const Vec3 u = w.position[s] / edge_;
       Count& cell =

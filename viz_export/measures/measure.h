@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "detection/shape_store.h"
+#include "engine/body_ids.h"
 #include "engine/observer.h"
 #include "engine/registry.h"
 #include "engine/sources.h"
@@ -16,7 +17,7 @@ namespace epafi {
 struct MeasureSetup {
   std::string name;
   Parameters parameters;                    ///< fields of the kind
-  std::vector<std::vector<BodyId>> bodies;  ///< of `body` (one list) or `between` (two lists)
+  std::vector<BodyIds> bodies;              ///< of `body` (one list) or `between` (two lists)
   const ShapeStore* shapes = nullptr;
   double interval = 0.0;                    ///< [s]
   const Tally* tally = nullptr;             ///< of `outlet`
@@ -35,6 +36,6 @@ class Measure {
 };
 
 /// Centre of the bodies' masses (plain mean for fixed ones), skipping those that were removed.
-Vec3 mean_over(const World& world, const std::vector<BodyId>& bodies, const std::function<Vec3(Slot)>& of);
+Vec3 mean_over(const World& world, const BodyIds& bodies, const std::function<Vec3(Slot)>& of);
 
 }  // namespace epafi

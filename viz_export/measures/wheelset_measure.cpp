@@ -10,7 +10,7 @@ namespace epafi {
 void WheelsetMeasure::sample(const StepView& view, std::vector<double>& values) {
   values.assign(12, std::numeric_limits<double>::quiet_NaN());
   const World& w = view.world;
-  const Slot s = setup_.bodies[0].empty() ? no_slot : w.slot_of(setup_.bodies[0].front());
+  const Slot s = setup_.bodies[0].empty() ? no_slot : w.slot_of(setup_.bodies[0][0]);
   if (s == no_slot || ShapeRef{w.shape[s]}.type() != ShapeStore::type_of<WheelProfile>()) return;
   Slot rail = no_slot;
   for (Slot t = 0; t < w.size() && rail == no_slot; ++t)

@@ -131,7 +131,7 @@ struct SecondHalf : BodyPass {
   template <int n>
   EPAFI_LANES void run() const {
     if constexpr (onward)
-      if (world.rotates() && moments == nullptr && touched == nullptr && !tells_forces && !bounded)
+      if (world.rotates() && moments == nullptr && touched == nullptr && !tells_forces && !bounded && hurry != nullptr)
         return pass<n, true>();
     pass<n, false>();
   }

@@ -86,17 +86,18 @@ class FusedModel final : public FusedSpheres {
 
   const char* name() const override { return "fused spheres"; }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
-  void make_way() override { blocks_.make_way(); }
+  void make_way() override {
+    hurry_ = {};
+    if (blocks_.bodies() >= many_bodies) blocks_.make_way();
+  }
+  void lend(SpherePairs& list) override { lent_ = &list; }
   void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
 
   void set_pairs(const World& world, const SphereList& list) override {
-    hurry_.resize(list.margins.size());
-    parallel_for(hurry_.size(), [&](std::size_t s) {
-      hurry_[s] = list.margins[s] > 0.0 ? static_cast<float>(2.0 / list.margins[s]) : 0.0f;
-    });
-    others_listed_ = list.others, wall_laws_.clear();
+    hurry_ = list.hurry, tells_forces_ = list.others || hurry_.empty(), wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
+    if (SpherePairs* const lent = std::exchange(lent_, nullptr)) let_go(lent->first), let_go(lent->partner);
   }
 
   bool move(World& world, const StepClock& clock) override {
@@ -111,7 +112,7 @@ class FusedModel final : public FusedSpheres {
     });
     find_ways(clock.dt);
     // 48 bytes a sphere that nobody reads before they are written again
-    if (clock.run_on != nullptr && !tells_forces() && world.size() >= many_bodies) world.rest_forces();
+    if (clock.run_on != nullptr && !tells_forces_ && world.size() >= many_bodies) world.rest_forces();
     return true;
   }
 
@@ -208,7 +209,7 @@ class FusedModel final : public FusedSpheres {
             blocks_.plain(),
             touched_.empty() ? nullptr : is_touched_.data(),
             knows_ways() ? hurry_.data() : nullptr,
-            tells_forces(),
+            tells_forces_,
             *clock.scheme,
             clock.dt,
             lag(clock),
@@ -219,8 +220,6 @@ class FusedModel final : public FusedSpheres {
   }
 
   bool knows_ways() const { return !hurry_.empty(); }
-  /// In every step; else of steps that somebody looks at only.
-  bool tells_forces() const { return others_listed_ || !knows_ways(); }
 
   void find_ways(double dt) {
     ways_.resize(knows_ways() ? most_hurry_.size() : 0);
@@ -426,8 +425,9 @@ class FusedModel final : public FusedSpheres {
   bool damped_ = false, others_ = false;
   bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
-  UnwrittenColumn<float> hurry_;                ///< 1/half the margin, by slot [1/m]; empty: others move too
-  bool others_listed_ = false;                  ///< there are pairs that the blocks do not have
+  std::span<const float> hurry_;                ///< as SphereList::hurry
+  SpherePairs* lent_ = nullptr;                 ///< 18 bytes a sphere that nobody reads again
+  bool tells_forces_ = true;                    ///< in every step; else in those that somebody looks at only
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
   bool ahead_ = false;                          ///< the first half of the next step is done

@@ -20,7 +20,10 @@ class FusedSpheres : public ContactModel {
   /// By block of SphereBlocks::block_size: the largest way of a body in the step that has begun over half its margin,
   /// or more; empty: not known.
   virtual std::span<const double> largest_ways() const = 0;
-  /// A list is about to be made, and set_pairs will be called: what is remembered between lists only may go.
+  /// The list that set_pairs is called with next may go once it is laid out.
+  virtual void lend(SpherePairs& list) = 0;
+  /// A list is about to be made, and set_pairs will be called before the next act: SphereList::hurry goes, and of many
+  /// bodies what is remembered between lists only.
   virtual void make_way() = 0;
   /// set_pairs must be called before the next act.
   virtual bool waits_for_pairs() const = 0;

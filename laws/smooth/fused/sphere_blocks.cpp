@@ -176,8 +176,8 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
     const std::uint32_t count = std::exchange(place_for[t.block], next_target);
     t.pairs_end = next_target += count;
   }
-  renew(block.pairs, block.size + pairs_ahead);
-  if (!pairs.image.empty()) renew(block.images, block.size);
+  renew(block.pairs, block.size + pairs_ahead, 16);
+  if (!pairs.image.empty()) renew(block.images, block.size, 16);
   for (std::size_t s = begin; s < end; ++s)
     for (std::uint32_t k = pairs.first[s]; k < pairs.first[s + 1]; ++k) {
       const Slot b = pairs.partner[k];
@@ -207,7 +207,7 @@ void SphereBlocks::list_sources() {
 }
 
 void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
-  const auto grow = [room = size + size / 8](auto& column) { column.reserve(room), column.resize(room); };
+  const auto grow = [room = size + size / 16](auto& column) { column.reserve(room), column.resize(room); };
   grow(records), grow(record_places);
   if (rolls) grow(record_moments);
 }

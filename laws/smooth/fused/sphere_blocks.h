@@ -34,7 +34,7 @@ struct SpherePlane {
 struct SphereList {
   const SpherePairs& pairs;
   std::vector<SpherePlane> planes;  ///< of pairs.planes
-  std::span<const double> margins;  ///< by slot [m]; empty: others move too, or the list has none
+  std::span<const float> hurry;     ///< as PairList::hurry; empty: others move too, or the list has none
   bool others = false;              ///< the scene has other pairs
 };
 

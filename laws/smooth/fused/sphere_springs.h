@@ -28,7 +28,7 @@ struct SphereNeeds {
 
 class SphereSprings {
  public:
-  static constexpr std::uint32_t lead = 16;          ///< half of it is for contacts that begin; see make_room
+  static constexpr std::uint32_t lead = 12;          ///< a third of it is for contacts that begin; see make_room
   static constexpr std::uint32_t unloaded = 0;       ///< place of a spring that stays as it is
   static constexpr std::uint32_t fresh = 0xffffffffu;
 
