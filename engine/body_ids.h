@@ -1,5 +1,5 @@
-/// @file body_ids.h  Some bodies by id, in an order of their own. Consecutive ones are kept as their first and how many:
-/// a million spheres of one name take 16 bytes.
+/// @file body_ids.h  Some bodies by id, in an order of their own. Consecutive ones are kept as their first and how
+/// many: a million spheres of one name take 16 bytes.
 #pragma once
 #include <algorithm>
 #include <vector>

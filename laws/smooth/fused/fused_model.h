@@ -162,10 +162,9 @@ class FusedModel final : public FusedSpheres {
     contacts.a.reserve(all), contacts.b.reserve(all), contacts.feature.reserve(all), contacts.gap.reserve(all);
     contacts.normal.reserve(all), contacts.arm.reserve(all), contacts.force.reserve(all);
     contacts.effective_radius.reserve(contacts.with_curvature ? all : 0);
-    blocks_.each_touching(
-        [&](const auto& block, const auto& run, std::uint32_t k, std::uint32_t rank) {
-          append(world, contacts, block, run, k, rank);
-        });
+    blocks_.each_touching([&](const auto& block, const auto& run, std::uint32_t k, std::uint32_t rank) {
+      append(world, contacts, block, run, k, rank);
+    });
     contacts.sort();
     published_ = true;
   }
@@ -235,16 +234,8 @@ class FusedModel final : public FusedSpheres {
 
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, double dt) {
-    SphereArrays arrays{blocks_.planes().data(),
-                        world.states().data(),
-                        0,
-                        dt,
-                        damped_,
-                        Lanes{},
-                        Lanes{},
-                        {},
-                        blocks_.late_spins(),
-                        0};
+    SphereArrays arrays{
+        blocks_.planes().data(), world.states().data(), 0, dt, damped_, Lanes{}, Lanes{}, {}, blocks_.late_spins(), 0};
     if (world.cell) {
       const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};

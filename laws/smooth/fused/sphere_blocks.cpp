@@ -192,7 +192,8 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
     const std::uint32_t last = block.runs[r].end,
                         next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
     std::fill(block.pairs.begin() + last, block.pairs.begin() + next, block.pairs[last - 1]);
-    if (!block.images.empty()) std::fill(block.images.begin() + last, block.images.begin() + next, block.images[last - 1]);
+    if (!block.images.empty())
+      std::fill(block.images.begin() + last, block.images.begin() + next, block.images[last - 1]);
   }
   block.touched.assign(block.size / pairs_per_byte, 0);
   const SpherePlaces last = block.size > 0 ? block.pairs[block.size - 1] : SpherePlaces{};
@@ -274,9 +275,7 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
 void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
   kept_begin_.assign(blocks_.size() + 1, 0);
-  const auto count = [&](std::size_t i) {
-    kept_begin_[i + 1] = blocks_[i].springs.count();
-  };
+  const auto count = [&](std::size_t i) { kept_begin_[i + 1] = blocks_[i].springs.count(); };
   if (needs_.friction) parallel_for(blocks_.size(), count, 1);
   running_sums(kept_begin_);
   const std::size_t touching = kept_begin_.back();

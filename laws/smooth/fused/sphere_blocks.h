@@ -1,8 +1,8 @@
 /// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over
 /// several at a time. Slots are cut into blocks of 1024; a block owns the contacts whose lower slot it holds and adds
 /// their forces to its own bodies; what it finds for bodies of later blocks it writes down, by block, and those blocks
-/// add it in a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on which pairs
-/// that do not touch are listed.
+/// add it in a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on
+/// which pairs that do not touch are listed.
 #pragma once
 #include <array>
 #include <bit>
@@ -98,10 +98,10 @@ class SphereBlocks {
     UnwrittenColumn<SphereSum> records;
     UnwrittenColumn<SpherePlace> record_places;
     UnwrittenColumn<Lanes> record_moments;
-    double elastic = 0.0;                ///< stored in the contacts [J]
-    double slipped = 0.0;                ///< lost by slip in the step [J]
-    double viscous = 0.0;                ///< power lost in the dampers [W]
-    Vec3 virial = Vec3::Zero();          ///< force on A times branch, by axis [N m]; in a periodic cell only
+    double elastic = 0.0;        ///< stored in the contacts [J]
+    double slipped = 0.0;        ///< lost by slip in the step [J]
+    double viscous = 0.0;        ///< power lost in the dampers [W]
+    Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
     void grow_records(std::size_t size, bool rolls);
     void set_touching(std::uint32_t k) {
@@ -193,9 +193,9 @@ class SphereBlocks {
   UnwrittenColumn<Lanes> moments_;
   std::vector<std::uint8_t> is_clear_;  ///< by tray: its sums are zero
   std::vector<std::uint8_t> plain_;
-  KeptSprings kept_;                           ///< while the layout waits
-  std::vector<std::uint32_t> kept_begin_;      ///< by block, once they are grouped
-  bool laid_out_ = false, grouped_ = false;    ///< kept_ is in the order of the blocks
+  KeptSprings kept_;                         ///< while the layout waits
+  std::vector<std::uint32_t> kept_begin_;    ///< by block, once they are grouped
+  bool laid_out_ = false, grouped_ = false;  ///< kept_ is in the order of the blocks
   std::size_t pairs_ = 0, bodies_ = 0;
 };
 

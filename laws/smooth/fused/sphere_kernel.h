@@ -244,7 +244,8 @@ struct SphereSweep {
   using Law = SphereLaw<Normal, Tangential, Rolling>;
   using Places = SphereSprings::Places;
   static constexpr bool friction = Tangential::is_present, rolls = Rolling::is_present;
-  static constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte, springs_ahead = 96;
+  static constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte;
+  static constexpr std::uint32_t springs_ahead = 96;  ///< three tiles, three quarters of a page
 
   SphereBlocks::Block& block;
   const SphereBlocks::Run& run;
@@ -370,7 +371,8 @@ struct SphereSweep {
       for (std::size_t g = 0; g < t.groups; ++g) respond(g);
     if constexpr (rolls) {
       SphereRolling<n> r;
-      roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block.springs, row, at.write, with);
+      roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block.springs, row, at.write,
+                                                   with);
       for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, at, with);
     }
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};

@@ -28,8 +28,8 @@ struct SphereNeeds {
 
 class SphereSprings {
  public:
-  static constexpr std::uint32_t lead = 12;          ///< a third of it is for contacts that begin; see make_room
-  static constexpr std::uint32_t unloaded = 0;       ///< place of a spring that stays as it is
+  static constexpr std::uint32_t lead = 12;     ///< a third of it is for contacts that begin; see make_room
+  static constexpr std::uint32_t unloaded = 0;  ///< place of a spring that stays as it is
   static constexpr std::uint32_t fresh = 0xffffffffu;
 
   /// Where a step reads and writes next, and the next record across blocks.

@@ -22,7 +22,7 @@ struct SphereArrays {
 
   EPAFI_LANES const BodyState& state(SpherePlace p) const {
     return *reinterpret_cast<const BodyState*>(reinterpret_cast<const char*>(states) +
-                                                 sizeof(BodyState) / SpherePlace::unit * std::size_t{p.offset});
+                                               sizeof(BodyState) / SpherePlace::unit * std::size_t{p.offset});
   }
   EPAFI_LANES SphereSum& sum(SpherePlace p) const {
     return *reinterpret_cast<SphereSum*>(sums + p.offset);  // NOLINT: an address
@@ -56,9 +56,9 @@ struct SphereTile {
   alignas(64) double curvature[room];             ///< 1/sum of radii [1/m]; not of walls
   alignas(64) double distance[room];              ///< of centres, in a periodic cell [m]
   alignas(64) SpherePlaces bodies[room];
-  alignas(64) std::uint32_t pair[room];           ///< in a periodic cell, where a pair has its image
-  std::uint32_t spring[room];                     ///< place it is read from; not known where they are in a row
-  bool in_row = true;                             ///< the springs lie one behind the other
+  alignas(64) std::uint32_t pair[room];  ///< in a periodic cell, where a pair has its image
+  std::uint32_t spring[room];            ///< place it is read from; not known where they are in a row
+  bool in_row = true;                    ///< the springs lie one behind the other
   struct Group {
     V lever;  ///< distance over sum of radii
     V approach, mass, radius;
@@ -148,7 +148,8 @@ EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSprin
   const VectorsOf<V> normal = t.normal(g);
   VectorsOf<V> old;
   V compliance;
-  read_columns([&](int l) EPAFI_INLINED { return row<n>(springs[g * n + static_cast<std::size_t>(l)].load); }, old.x, old.y, old.z, compliance);
+  read_columns([&](int l) EPAFI_INLINED { return row<n>(springs[g * n + static_cast<std::size_t>(l)].load); }, old.x,
+               old.y, old.z, compliance);
   const VectorsOf<V> load = old + t.group[g].twist * normal.cross(old);
   t.group[g].start = load - normal.dot(load) * normal;
   t.group[g].before = old.dot(old), t.group[g].square = t.group[g].start.dot(t.group[g].start);
@@ -215,7 +216,8 @@ EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* t
   write_rows(c.load.x, c.load.y, c.load.z, c.compliance, rows);
   [&]<std::size_t... l>(std::index_sequence<l...>) EPAFI_INLINED {  // of a loop GCC 12 makes a copy through memory
     (store<n>(to[g * n + l].load, rows[l]), ...);
-  }(std::make_index_sequence<n>{});
+  }
+  (std::make_index_sequence<n>{});
 }
 
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25
