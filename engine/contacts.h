@@ -41,8 +41,8 @@ struct PairList {
   double margin =
       0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
   std::uint64_t generation = 0;   ///< grows when the list changes: whoever derives data from it derives it again
-  /// By slot 1/half the body's own margin [1/m] or little more; empty: `margin` for all. Those of the broad phase, until it
-  /// makes the next list or lets go of it.
+  /// By slot 1/half the body's own margin [1/m] or little more; empty: `margin` for all. Those of the broad phase, until
+  /// it makes the next list or lets go of it.
   std::span<const float> hurry{};
   SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
   /// Until the next list is made.
@@ -51,7 +51,9 @@ struct PairList {
     let_go(spheres.first), let_go(spheres.partner), let_go(spheres.image);
   }
   /// By how much the bodies of a pair may come closer while the list lasts [m].
-  double margin_of(const Pair& p) const { return hurry.empty() ? margin : 1.0 / double{hurry[p.a]} + 1.0 / double{hurry[p.b]}; }
+  double margin_of(const Pair& p) const {
+    return hurry.empty() ? margin : 1.0 / double{hurry[p.a]} + 1.0 / double{hurry[p.b]};
+  }
 };
 
 /// Persistent name of a contact within its pair: part or triangle, face, vertex; image code in the top byte.

@@ -145,23 +145,24 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
       128);
 }
 
-/// Pairs go to their runs in the order of their bodies, those across blocks by the block of their B; runs are filled up
-/// to whole eights.
-void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
-  const std::size_t begin = index * block_size, end = std::min(bodies_, begin + block_size);
+/// end: of the slots of a block; b: a partner of one of them.
+std::size_t SphereBlocks::run_of(Slot b, std::size_t end) const {
+  if ((b & SpherePairs::plane) != 0) return b & ~SpherePairs::plane;
+  return planes_.size() + (b < end ? 0 : 1);
+}
+
+/// Runs of a block and the later blocks among its partners; place: by run, where its first pair comes, as `pairs_end`
+/// of a target until they are there.
+void SphereBlocks::make_runs(Block& block, std::size_t end, std::span<const Slot> partners,
+                             std::vector<std::uint32_t>& place) const {
   const std::size_t inside = planes_.size(), across = inside + 1;
-  const std::uint32_t first = pairs.first[begin], last_pair = pairs.first[end];
-  const auto run_of = [&](Slot b) {
-    return (b & SpherePairs::plane) != 0 ? std::size_t{b & ~SpherePairs::plane} : b < end ? inside : across;
-  };
-  thread_local std::vector<std::uint32_t> place, place_for;  // by run; for a later block: all 0 but within this call
-  place.assign(across + 1, 0), place_for.resize(blocks_.size());
+  thread_local std::vector<std::uint32_t> count_for;  // by later block, all 0 but within this call
+  place.assign(across + 1, 0), count_for.resize(blocks_.size());
   block.runs.clear(), block.targets.clear(), block.size = 0;
-  for (std::uint32_t k = first; k < last_pair; ++k) {
-    const Slot b = pairs.partner[k];
-    const std::size_t run = run_of(b);
+  for (const Slot b : partners) {
+    const std::size_t run = run_of(b, end);
     ++place[run];
-    if (run == across && place_for[b / block_size]++ == 0) block.targets.push_back({static_cast<Slot>(b / block_size)});
+    if (run == across && count_for[b / block_size]++ == 0) block.targets.push_back({static_cast<Slot>(b / block_size)});
   }
   for (std::size_t run = 0; run <= across; ++run) {
     const std::uint32_t count = std::exchange(place[run], block.size);
@@ -171,23 +172,33 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
     block.size += (count + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
   }
   std::ranges::sort(block.targets, {}, &Target::block);
-  std::uint32_t next_target = place[across];
-  for (Target& t : block.targets) {
-    const std::uint32_t count = std::exchange(place_for[t.block], next_target);
-    t.pairs_end = next_target += count;
-  }
+  std::uint32_t next = place[across];
+  for (Target& t : block.targets) t.pairs_end = next, next += std::exchange(count_for[t.block], 0u);
+}
+
+/// Pairs go to their runs in the order of their bodies, those across blocks by the block of their B.
+void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
+  const std::size_t begin = index * block_size, end = std::min(bodies_, begin + block_size);
+  const std::size_t inside = planes_.size(), across = inside + 1;
+  const std::uint32_t first = pairs.first[begin], count = pairs.first[end] - first;
+  thread_local std::vector<std::uint32_t> place;
+  make_runs(block, end, std::span(pairs.partner).subspan(first, count), place);
   renew(block.pairs, block.size + pairs_ahead, 16);
   if (!pairs.image.empty()) renew(block.images, block.size, 16);
   for (std::size_t s = begin; s < end; ++s)
     for (std::uint32_t k = pairs.first[s]; k < pairs.first[s + 1]; ++k) {
       const Slot b = pairs.partner[k];
-      const std::size_t run = run_of(b);
-      const std::uint32_t at = run == across ? place_for[b / block_size]++ : place[run]++;
+      const std::size_t run = run_of(b, end);
+      const std::uint32_t at = run == across ? target_of(block, b / block_size)->pairs_end++ : place[run]++;
       block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(run < inside ? planes_[run].slot : b)};
       if (!block.images.empty()) block.images[at] = image_of(pairs.image[k]);
     }
-  for (const Target& t : block.targets) place_for[t.block] = 0;
   block.targets.push_back({no_slot, std::numeric_limits<std::uint32_t>::max()});
+  fill_up(block);
+}
+
+/// Runs are filled up to whole eights, and the block by as many pairs as the loop looks ahead.
+void SphereBlocks::fill_up(Block& block) {
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
     const std::uint32_t last = block.runs[r].end,
                         next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
@@ -378,7 +389,7 @@ void SphereBlocks::receive(std::size_t i, std::size_t tray) {
   SphereSum* const mine = sums(tray);
   for (const Slot source : blocks_[i].sources) {
     const Block& from = blocks_[source];
-    const auto target = std::ranges::lower_bound(from.targets, static_cast<Slot>(i), {}, &Target::block);
+    const auto target = target_of(from, i);
     for (std::uint32_t k = target == from.targets.begin() ? 0 : std::prev(target)->records_end; k < target->records_end;
          ++k) {
       const std::size_t slot = from.record_places[k].slot() % block_size;

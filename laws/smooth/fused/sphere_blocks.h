@@ -4,6 +4,7 @@
 /// add it in a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on
 /// which pairs that do not touch are listed.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <span>
@@ -126,8 +127,8 @@ class SphereBlocks {
   /// Bodies of the last layout.
   std::size_t bodies() const { return bodies_; }
 
-  /// f(block, run, pair, rank) for all pairs that touched at the last call, in the order of the layout; rank: the how
-  /// manieth of its block it is.
+  /// f(block, run, pair, rank) for all pairs that touched at the last call, in the order of the layout; rank: its
+  /// number among those of its block.
   template <class F>
   void each_touching(const F& f) const {
     for (const Block& block : blocks_)
@@ -182,7 +183,16 @@ class SphereBlocks {
   void group_kept(std::size_t count);
   void lay_out(Block& block, Slot index, const SpherePairs& pairs);
   void restore(Block& block, Slot first, std::span<const Kept> kept);
+  std::size_t run_of(Slot b, std::size_t end) const;
+  void make_runs(Block& block, std::size_t end, std::span<const Slot> partners,
+                 std::vector<std::uint32_t>& place) const;
+  static void fill_up(Block& block);
   void list_sources();
+  /// Of a block or a const one: among its targets.
+  template <class B>
+  static auto target_of(B& block, std::size_t to) {
+    return std::ranges::lower_bound(block.targets, to, {}, &Target::block);
+  }
   void take_out(const std::vector<SpherePlane>& planes);
 
   SphereNeeds needs_;
