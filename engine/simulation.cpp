@@ -216,10 +216,10 @@ void Simulation::visit(StateVisitor& visitor) {
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
   if (parts_of_step) visitor.value("simulation/parts", parts_made_);
   visitor.column("simulation/leaving", leaving_);
+  pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });  // first: many springs take less room after it
   world.visit(visitor);
   ledger.visit(visitor);
   visitor.value("simulation/elastic", work.report.elastic), visitor.value("simulation/movable", movable_);
-  pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });
   for (auto& event : events) event->visit(visitor);
   for (auto& observer : observers) observer->visit(visitor);
 }

@@ -9,11 +9,10 @@ namespace epafi {
 
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const std::uint64_t before = pairs.generation;
+  if (!worn_.out && !list_->keeps_pairs(world)) worn_ = {true, list_->worn_by_slow()};
   if (worn_.out) {
     if (FusedSpheres* const m = model()) m->make_way();
     list_->renew_pairs(world, pairs, worn_.by_slow);
-  } else {
-    list_->find_pairs(world, pairs);
   }
   worn_ = {}, wear_.clear();
   const bool fresh = pairs.generation != before;

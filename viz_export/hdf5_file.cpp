@@ -82,6 +82,7 @@ Handle text_type(std::size_t size) {
 
 constexpr std::size_t deflate_ratio = 1032;              // the most that deflate can expand (zlib technical details)
 constexpr std::size_t spare = std::size_t{8} << 20;      // what HDF5 takes to open a file, with room
+constexpr std::size_t piece_rows = 16384;                // of three doubles 400 kB
 constexpr std::size_t most_text = std::size_t{1} << 28;  // 256 MiB: no scene text is longer
 
 }  // namespace
@@ -120,6 +121,11 @@ struct Hdf5File::Impl {
     if (rank > 0) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
     return dims;
   }
+  /// rows: at first, of one that is extendable.
+  Handle make_dataset(const std::string& name, Hdf5Type type, hsize_t rows, const Hdf5Layout& layout) const;
+  /// extents: of the rows from `first` on that are written.
+  void write_rows(hid_t dataset_id, Hdf5Type type, hsize_t first, std::vector<hsize_t> extents, const void* values,
+                  const std::string& what) const;
   Handle attribute(const std::string& object_name, const std::string& key) const {
     return checked(H5Aopen_by_name(id, object_name.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
                    "read attribute '" + key + "' of '" + object_name + "'");
@@ -239,14 +245,12 @@ void Hdf5File::remove(const std::string& name) {
   impl_->check(H5Ldelete(impl_->id, name.c_str(), H5P_DEFAULT), "remove '" + name + "'");
 }
 
-void Hdf5File::write_raw(const std::string& name, Hdf5Type type, const void* values, std::size_t elements,
-                         const Hdf5Layout& layout) {
-  EPAFI_REQUIRE(layout.columns > 0 && elements % layout.columns == 0, "rows are complete");
+Handle Hdf5File::Impl::make_dataset(const std::string& name, Hdf5Type type, hsize_t rows,
+                                    const Hdf5Layout& layout) const {
   const std::string what = "write dataset '" + name + "'";
-  const hsize_t rows = elements / layout.columns;
   const hsize_t dims[2] = {rows, layout.columns}, most[2] = {layout.extendable ? H5S_UNLIMITED : rows, layout.columns};
   const int rank = layout.columns > 1 ? 2 : 1;
-  const Handle space = impl_->checked(H5Screate_simple(rank, dims, most), H5Sclose, what);
+  const Handle space = checked(H5Screate_simple(rank, dims, most), H5Sclose, what);
   const Handle make_parents(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(make_parents, 1);
   const Handle create(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -254,13 +258,40 @@ void Hdf5File::write_raw(const std::string& name, Hdf5Type type, const void* val
   if (layout.extendable || (layout.compressed && rows > 0)) {
     const hsize_t chunk_rows = layout.extendable ? layout.chunk_rows : std::min<hsize_t>(rows, layout.chunk_rows);
     const hsize_t chunk[2] = {chunk_rows, layout.columns};
-    impl_->check(H5Pset_chunk(create, rank, chunk), what);
-    if (layout.compressed) H5Pset_shuffle(create), impl_->check(H5Pset_deflate(create, 1), what);
+    check(H5Pset_chunk(create, rank, chunk), what);
+    if (layout.compressed) H5Pset_shuffle(create), check(H5Pset_deflate(create, 1), what);
   }
-  const hid_t element = memory_type(type);
-  const hid_t made = H5Dcreate2(impl_->id, name.c_str(), element, space, make_parents, create, H5P_DEFAULT);
-  const Handle d = impl_->checked(made, H5Dclose, what);
-  if (elements > 0) impl_->check(H5Dwrite(d, element, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), what);
+  const hid_t made = H5Dcreate2(id, name.c_str(), memory_type(type), space, make_parents, create, H5P_DEFAULT);
+  return checked(made, H5Dclose, what);
+}
+
+void Hdf5File::Impl::write_rows(hid_t dataset_id, Hdf5Type type, hsize_t first, std::vector<hsize_t> extents,
+                                const void* values, const std::string& what) const {
+  std::vector<hsize_t> start(extents.size(), 0);
+  start[0] = first;
+  const Handle target = checked(H5Dget_space(dataset_id), H5Sclose, what);
+  check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, extents.data(), nullptr), what);
+  const Handle source(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), H5Sclose);
+  check(H5Dwrite(dataset_id, memory_type(type), source, target, H5P_DEFAULT, values), what);
+}
+
+void Hdf5File::write_raw(const std::string& name, Hdf5Type type, const void* values, std::size_t elements,
+                         const Hdf5Layout& layout) {
+  EPAFI_REQUIRE(layout.columns > 0 && elements % layout.columns == 0, "rows are complete");
+  const Handle d = impl_->make_dataset(name, type, elements / layout.columns, layout);
+  if (elements == 0) return;
+  impl_->check(H5Dwrite(d, memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "write dataset '" + name + "'");
+}
+
+void Hdf5File::write_pieces_raw(const std::string& name, Hdf5Type type, std::size_t rows, std::size_t columns,
+                                const Piece& piece) {
+  const Handle d = impl_->make_dataset(name, type, rows, {.columns = columns});
+  for (std::size_t first = 0; first < rows; first += piece_rows) {
+    const std::size_t count = std::min(rows - first, piece_rows);
+    std::vector<hsize_t> extents{count};
+    if (columns > 1) extents.push_back(columns);
+    impl_->write_rows(d, type, first, extents, piece(first, count), "write dataset '" + name + "'");
+  }
 }
 
 void Hdf5File::append_raw(const std::string& name, Hdf5Type type, const void* values, std::size_t elements) {
@@ -269,16 +300,12 @@ void Hdf5File::append_raw(const std::string& name, Hdf5Type type, const void* va
   std::vector<hsize_t> dims = impl_->extents(d, name);
   const std::size_t columns = dims.size() > 1 ? dims[1] : 1;
   EPAFI_REQUIRE(elements % columns == 0, "rows are complete");
-  std::vector<hsize_t> start(dims.size(), 0), count = dims;
-  start[0] = dims[0];
+  std::vector<hsize_t> count = dims;
   count[0] = elements / columns;
   if (count[0] == 0) return;
   dims[0] += count[0];
   impl_->check(H5Dset_extent(d, dims.data()), what);
-  const Handle target = impl_->checked(H5Dget_space(d), H5Sclose, what);
-  impl_->check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), what);
-  const Handle source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
-  impl_->check(H5Dwrite(d, memory_type(type), source, target, H5P_DEFAULT, values), what);
+  impl_->write_rows(d, type, dims[0] - count[0], count, values, what);
 }
 
 void Hdf5File::truncate(const std::string& name, std::size_t rows) {

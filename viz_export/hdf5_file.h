@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -87,6 +88,16 @@ class Hdf5File {
   void write(const std::string& name, std::span<const T> values, const Hdf5Layout& layout = {}) {
     write_raw(name, Hdf5TypeOf<T>::value, values.data(), values.size(), layout);
   }
+  /// The same of so many rows, by pieces: fill(first, count, values) writes rows first to first + count, one behind the
+  /// other. No more than a piece is in memory at once, and that one in the cache.
+  template <class T, class Fill>
+  void write_pieces(const std::string& name, std::size_t rows, std::size_t columns, const Fill& fill) {
+    std::vector<T> piece;
+    write_pieces_raw(name, Hdf5TypeOf<T>::value, rows, columns, [&](std::size_t first, std::size_t count) {
+      piece.resize(count * columns), fill(first, count, piece.data());
+      return static_cast<const void*>(piece.data());
+    });
+  }
   template <class T>
   void append(const std::string& name, std::span<const T> values) {
     append_raw(name, Hdf5TypeOf<T>::value, values.data(), values.size());
@@ -127,6 +138,8 @@ class Hdf5File {
   struct Impl;
   std::unique_ptr<Impl> impl_;
   void write_raw(const std::string&, Hdf5Type, const void*, std::size_t elements, const Hdf5Layout&);
+  using Piece = std::function<const void*(std::size_t first, std::size_t count)>;
+  void write_pieces_raw(const std::string&, Hdf5Type, std::size_t rows, std::size_t columns, const Piece&);
   void append_raw(const std::string&, Hdf5Type, const void*, std::size_t elements);
   std::size_t elements_checked(const std::string&, Hdf5Type) const;
   void read_raw(const std::string&, Hdf5Type, void*) const;

@@ -27,21 +27,21 @@ std::string link_name(std::string name) {
 
 template <class T, class F>
 void append_column(Hdf5File& file, const std::string& name, std::size_t n, const F& f) {
-  std::vector<T> values(n);
-  for (std::size_t k = 0; k < n; ++k) values[k] = static_cast<T>(f(k));
-  file.append<T>(name, values);
+  constexpr std::size_t piece = 65536;
+  std::vector<T> values;
+  for (std::size_t first = 0; first < n; first += piece) {
+    values.resize(std::min(piece, n - first));
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = static_cast<T>(f(first + k));
+    file.append<T>(name, values);
+  }
 }
-
-/// Doubles of a column on their way to the file: one room for all columns of a snapshot, since the first use of a page
-/// takes longer than writing into it.
-using Room = UnwrittenColumn<double>;
 
 /// Writes `width` doubles per body.
 template <class F>
-void write_rows(Hdf5File& file, Room& values, const std::string& name, std::size_t width, std::size_t n, const F& row) {
-  values.resize(width * n);
-  for (std::size_t k = 0; k < n; ++k) row(k, &values[width * k]);
-  file.write<double>(name, std::span<const double>(values), {.columns = width});
+void write_rows(Hdf5File& file, const std::string& name, std::size_t width, std::size_t n, const F& row) {
+  file.write_pieces<double>(name, n, width, [&](std::size_t first, std::size_t count, double* to) {
+    for (std::size_t k = 0; k < count; ++k) row(first + k, to + width * k);
+  });
 }
 
 void put(const Vec3& v, double* to) { std::copy_n(v.data(), 3, to); }
@@ -152,8 +152,7 @@ void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
   if (b.surface == nullptr || surfaces_.count(b.shape) != 0) return;
   const auto number = static_cast<std::int32_t>(surfaces_.size());
   const std::string group = numbered("shapes", static_cast<std::size_t>(number));
-  Room points;
-  write_rows(file, points, group + "/points", 3, b.surface->points.size(),
+  write_rows(file, group + "/points", 3, b.surface->points.size(),
              [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
   file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
   file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
@@ -168,22 +167,20 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
   append_bodies(file, bodies);
   const std::string group = numbered("snapshots", snapshots_);
   const std::size_t n = bodies.size();
-  std::vector<std::uint32_t> ids(n);
-  for (std::size_t k = 0; k < n; ++k) ids[k] = bodies.id(k);
-  file.write<std::uint32_t>(group + "/id", ids);
-  Room room;
-  room.reserve((stamp.has_orientation ? 4 : 3) * n);
-  write_rows(file, room, group + "/position", 3, n, [&](std::size_t k, double* to) { put(bodies.position(k), to); });
-  write_rows(file, room, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies.velocity(k), to); });
+  file.write_pieces<std::uint32_t>(group + "/id", n, 1, [&](std::size_t first, std::size_t count, std::uint32_t* to) {
+    for (std::size_t k = 0; k < count; ++k) to[k] = bodies.id(first + k);
+  });
+  write_rows(file, group + "/position", 3, n, [&](std::size_t k, double* to) { put(bodies.position(k), to); });
+  write_rows(file, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies.velocity(k), to); });
   if (stamp.has_orientation)
-    write_rows(file, room, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
+    write_rows(file, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
       const Quat q = bodies.pose(k).orientation;
       to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
     });
   if (stamp.rotates)
-    write_rows(file, room, group + "/angular_velocity", 3, n,
+    write_rows(file, group + "/angular_velocity", 3, n,
                [&](std::size_t k, double* to) { put(bodies.angular_velocity(k), to); });
-  write_rows(file, room, group + "/kinetic_energy", 1, n, [&](std::size_t k, double* to) { *to = bodies.kinetic_energy(k); });
+  write_rows(file, group + "/kinetic_energy", 1, n, [&](std::size_t k, double* to) { *to = bodies.kinetic_energy(k); });
   file.set_attribute(group, "step", stamp.step);
   file.set_attribute(group, "time", stamp.time);
   file.set_attribute(group, "state_hash", stamp.state_hash);

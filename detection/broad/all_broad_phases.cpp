@@ -28,20 +28,23 @@ const std::vector<BroadPhaseEntry>& all_broad_phases() {
 }
 
 BroadChoice choose_broad_phase(const World& world, const BroadSetup& setup) {
-  FatBodies bodies;
-  bodies.update(world, setup, 0.0, false);
-  const std::size_t n = bodies.ordinary.size();
+  const auto radius = [&](std::size_t s) { return setup.shapes->bounding_radius({world.shape[s]}); };
+  const double largest = largest_ordinary(world.size(), median_radius(world, *setup.shapes), radius);
+  std::size_t n = 0, apart = 0;
+  double least = infinity, most = 0.0;
+  for (std::size_t s = 0; s < world.size(); ++s) {
+    const double r = radius(s);
+    if (r <= largest)
+      ++n, least = std::min(least, r), most = std::max(most, r);
+    else
+      ++apart;
+  }
   const std::string count = std::to_string(n);
   if (n < few) return {"all-pairs", count + " bounded bodies: below " + std::to_string(few) + " no structure pays"};
-  double least = infinity, most = 0.0;
-  for (Slot s : bodies.ordinary) {
-    const double radius = setup.shapes->bounding_radius({world.shape[s]});
-    least = std::min(least, radius), most = std::max(most, radius);
-  }
   char ratio[32];
   std::snprintf(ratio, sizeof ratio, "%.3g", least > 0.0 ? most / least : infinity);
   return {"spatial-hash", count + " bodies, sizes 1:" + ratio + ": one grid per factor of two in size; " +
-                              std::to_string(bodies.apart.size()) + " unbounded or giant bodies tested one by one"};
+                              std::to_string(apart) + " unbounded or giant bodies tested one by one"};
 }
 
 std::unique_ptr<BroadPhase> make_broad_phase(std::string_view name, const BroadSetup& setup, const World& world) {

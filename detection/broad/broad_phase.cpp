@@ -31,6 +31,7 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_
   bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
   collect(bodies_, collector_);
   if (many) rest();
+  if (many && bodies_.only_spheres) bodies_.rest_balls(), known_ = false, give_back_heap();
   collector_.finish(pairs.pairs);
   if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
   pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(), pairs.hurry = bodies_.hurry;
@@ -38,7 +39,6 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_
   valid_ = true;
   if (!many) return;
   collector_.rest();
-  if (bodies_.only_spheres) bodies_.rest_kinds(), known_ = false;
   give_back_heap();
 }
 

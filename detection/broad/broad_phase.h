@@ -16,6 +16,8 @@ class ListBroadPhase : public BroadPhase {
 
   void find_pairs(const World& world, PairList& pairs) final;
   bool keeps_pairs(const World& world) final;
+  /// Of a list that was not kept.
+  bool worn_by_slow() const { return worn_by_slow_; }
   /// Builds the list anew whatever bodies() says of it.
   void renew_pairs(const World& world, PairList& pairs, bool worn_by_slow);
   /// The time has come to `now`: of steps in which neither of both is called.

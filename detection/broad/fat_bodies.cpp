@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/parallel_order.h"
 
@@ -31,6 +32,33 @@ double surface_speed(const World& world, Slot s, double turning_radius) {
 }
 }  // namespace
 
+double median_radius(const World& world, const ShapeStore& shapes) {
+  constexpr std::size_t most_asked = 4096;
+  const std::size_t stride = world.size() / most_asked + 1;
+  std::vector<double> sample;
+  const auto take = [&](std::size_t i) {
+    const double r = shapes.bounding_radius({world.shape[i]});
+    if (std::isfinite(r)) sample.push_back(r);
+  };
+  for (std::size_t i = 0; i < world.size(); i += stride)
+    if (world.is_movable(static_cast<Slot>(i))) take(i);
+  if (sample.empty())
+    for (std::size_t i = 0; i < world.size(); ++i) take(i);
+  if (sample.empty()) return 0.0;
+  const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
+  std::nth_element(sample.begin(), middle, sample.end());
+  return *middle;
+}
+
+double largest_ordinary(std::size_t count, double median, const std::function<double(std::size_t)>& radius) {
+  const double giant = giant_ratio * median;
+  const auto giants = block_sum<std::size_t>(count, [&](std::size_t i) {
+    const double r = radius(i);
+    return static_cast<std::size_t>(std::isfinite(r) && r > giant);
+  });
+  return giants <= most_giants ? giant : std::numeric_limits<double>::max();
+}
+
 /// Of the nearest corner of the box over the half-space [m].
 double FatBodies::corner_depth(Slot i, const ApartPlane& p) const {
   return p.normal.dot(boxes[i].centre() - p.point) - p.normal.cwiseAbs().dot(Vec3(0.5 * boxes[i].extent()));
@@ -49,7 +77,7 @@ void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
 
 void FatBodies::update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies) {
   taken_at_ = world.time;
-  if (!same_bodies) read_shapes(world, setup), find_median_radius(world, *setup.shapes);
+  if (!same_bodies) read_shapes(world, setup), median_radius_ = median_radius(world, *setup.shapes);
   // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
   // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
   // margin whatever K is, so that only the fast ones make the list longer.
@@ -68,18 +96,21 @@ void FatBodies::update(const World& world, const BroadSetup& setup, double step_
 void FatBodies::rest() {
   let_go(boxes), let_go(ball), let_go(half), let_go(radius), let_go(hurry), let_go(id), let_go(type);
   let_go(immovable), let_go(role), let_go(orientation), let_go(ordinary), let_go(apart), let_go(plane);
-  let_go(sphere_planes), let_go(slow_);
+  let_go(sphere_planes), let_go(slow_), places_ = {};
   complete_ = false;
 }
 
-void FatBodies::rest_kinds() {
+void FatBodies::rest_balls() {
   let_go(id), let_go(type), let_go(immovable), let_go(role), let_go(ordinary);
+  places_.take(ball.size(), [&](std::size_t i) { return position(i); });
+  let_go(ball);
   complete_ = false;
 }
 
 void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);
+  places_ = {};
   ball.resize(n), hurry.resize(n), slow_.resize(n);
   id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted ? n : 0);
   parallel_for(n, [&](std::size_t i) {
@@ -94,24 +125,6 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
            }) == 0;
   half.resize(round_ ? 0 : n), radius.resize(round_ ? 0 : n);
   parallel_for(radius.size(), [&](std::size_t i) { radius[i] = setup.shapes->bounding_radius({world.shape[i]}); });
-}
-
-/// Of some thousand bodies: it says what a giant is and which margins are large, no more.
-void FatBodies::find_median_radius(const World& world, const ShapeStore& shapes) {
-  constexpr std::size_t most_asked = 4096;
-  const std::size_t stride = size() / most_asked + 1;
-  std::vector<double> sample;
-  const auto take = [&](std::size_t i) {
-    const double r = radius_of(world, shapes, i);
-    if (std::isfinite(r)) sample.push_back(r);
-  };
-  for (std::size_t i = 0; i < size(); i += stride)
-    if (!immovable[i]) take(i);
-  if (sample.empty())
-    for (std::size_t i = 0; i < size(); ++i) take(i);
-  const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
-  median_radius_ = 0.0;
-  if (!sample.empty()) std::nth_element(sample.begin(), middle, sample.end()), median_radius_ = *middle;
 }
 
 /// steps: how long the list of the fast ones shall last.
@@ -159,16 +172,9 @@ void FatBodies::set_apart(const World& world, const ShapeStore& shapes, bool sam
   const bool all = block_max<char>(size(), 0, [&](std::size_t s) { return static_cast<char>(!is_somewhere(s)); }) == 0;
   if (same_bodies && all && complete_) return;
   complete_ = all;
-  const double giant = giant_ratio * median_radius_;
-  const auto giants = block_sum<std::size_t>(size(), [&](std::size_t i) {
-    const double r = radius_of(world, shapes, i);
-    return static_cast<std::size_t>(std::isfinite(r) && r > giant);
-  });
-  const bool giants_apart = giants <= most_giants;
-  const auto is_apart = [&](std::size_t s) {
-    const double r = radius_of(world, shapes, s);
-    return !std::isfinite(r) || (giants_apart && r > giant);
-  };
+  const auto radius_at = [&](std::size_t s) { return radius_of(world, shapes, s); };
+  const double largest = largest_ordinary(size(), median_radius_, radius_at);
+  const auto is_apart = [&](std::size_t s) { return !(radius_at(s) <= largest); };
   const auto slot = [](std::size_t s) { return static_cast<Slot>(s); };
   parallel_select(
       size(), [&](std::size_t s) { return is_somewhere(s) && !is_apart(s); }, slot, ordinary);
@@ -195,10 +201,10 @@ void FatBodies::set_planes(const World& world, const BroadSetup& setup, double s
 /// Its surface has moved by more than half its margin. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|,
 /// as |q - q0| = 2 sin(t/4).
 inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates) const {
-  const double way = (world.position[i] - position(i)).squaredNorm(), allowed = half_margin(i);
-  if (!rotates || !(turning_radius(i) > 0.0)) return way > allowed * allowed;
-  const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).squaredNorm();
-  return std::sqrt(way) + 2.0 * turning_radius(i) * std::sqrt(turn) > allowed;
+  const double moved = way(i, world.position[i]), allowed = half_margin(i);
+  if (!rotates || !(turning_radius(i) > 0.0)) return moved > allowed;
+  const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).norm();
+  return moved + 2.0 * turning_radius(i) * turn > allowed;
 }
 
 Worn FatBodies::worn(const World& world) const {

@@ -4,10 +4,12 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "detection/aabb.h"
+#include "detection/broad/coarse_places.h"
 #include "detection/broad/sphere_roles.h"
 #include "detection/shape_store.h"
 
@@ -64,6 +66,11 @@ struct Wear {
   void see(double wear, bool slow) { most = std::max(most, wear), worn.see(wear > 1.0, slow); }
 };
 
+/// Of the shapes of some thousand bodies [m]: it says what a giant is and which margins are large, no more.
+double median_radius(const World& world, const ShapeStore& shapes);
+/// Bounding radius above which bodies are tested one by one against all others [m]; radius(s): of bodies 0 to count.
+double largest_ordinary(std::size_t count, double median, const std::function<double(std::size_t)>& radius);
+
 /// Bounding columns by slot, and the state they were taken from.
 struct FatBodies {
   FatBodies();
@@ -84,7 +91,7 @@ struct FatBodies {
   bool only_spheres = false;           ///< every pair is one of PairList::spheres
   bool ordered_spheres = false;        ///< all ordinary bodies are such spheres, and none apart is
 
-  std::size_t size() const { return ball.size(); }
+  std::size_t size() const { return hurry.size(); }
   /// Fat, world axes [m].
   Aabb box(std::size_t i) const {
     return boxes.empty() ? Aabb{position(i) - Vec3::Constant(ball[i].r), position(i) + Vec3::Constant(ball[i].r)} : boxes[i];
@@ -119,14 +126,15 @@ struct FatBodies {
   template <class At>
   Wear wear(std::size_t begin, std::size_t end, const At& at) const {
     Wear most;
-    for (std::size_t s = begin; s < end; ++s) most.see((at(s) - position(s)).norm() * double{hurry[s]}, slow_[s] != 0);
+    for (std::size_t s = begin; s < end; ++s) most.see(way(s, at(s)) * double{hurry[s]}, slow_[s] != 0);
     return most;
   }
   double largest_margin() const;
   /// Lets go of the columns until the next update, which must not name the same bodies then.
   void rest();
-  /// The same of what only a list asks for, where all are spheres and fixed half-spaces: 11 bytes a body.
-  void rest_kinds();
+  /// The same of what is asked for only while candidates are collected, where all are spheres and fixed half-spaces: 31
+  /// bytes a body; balls go too, and the ways of bodies are little more than they are.
+  void rest_balls();
 
  private:
   double median_radius_ = 0.0;
@@ -135,12 +143,16 @@ struct FatBodies {
   bool round_ = false;     ///< all are spheres and half-spaces
   bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
   std::vector<char> slow_;  ///< has the least margin of its size
+  CoarsePlaces places_;     ///< instead of balls
   bool is_sphere(std::size_t i) const { return type[i] == ShapeStore::type_of<Sphere>(); }
   double radius_of(const World& world, const ShapeStore& shapes, std::size_t i) const {
     return round_ ? shapes.bounding_radius({world.shape[i]}) : radius[i];
   }
   void read_shapes(const World& world, const BroadSetup& setup);
   static constexpr float most_hurry = 1e37f;
+  double way(std::size_t i, const Vec3& x) const {
+    return places_.empty() ? (x - position(i)).norm() : places_.way(i, x);
+  }
   double half_margin(std::size_t i) const { return 1.0 / double{hurry[i]}; }
   bool is_beyond(const World& world, std::size_t i, bool rotates) const;
   double corner_depth(Slot i, const ApartPlane& p) const;
@@ -149,7 +161,6 @@ struct FatBodies {
   void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);
   void set_apart(const World& world, const ShapeStore& shapes, bool same_bodies);
   void set_planes(const World& world, const BroadSetup& setup, double step_time, double steps);
-  void find_median_radius(const World& world, const ShapeStore& shapes);
 };
 
 }  // namespace epafi

@@ -123,6 +123,7 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
         x_[place] = axis[0].place(b.x), y_[place] = axis[1].place(b.y), z_[place] = axis[2].place(b.z);
         r_[place] = static_cast<float>(b.r * axis[0].inverse_cell), slot_[place] = s;
       });
+  if (all.size() >= many_bodies) let_go(cell_of_), let_go(level_of_);
 }
 
 void SpatialHash::rest() {

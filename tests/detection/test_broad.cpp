@@ -385,3 +385,35 @@ TEST_CASE("margins of spheres at rest grow where these end lists early, and shri
   wait(1);
   CHECK(2.0 / list.hurry[0] == Approx(0.25 * 0.5 / 1.4));
 }
+
+TEST_CASE("without balls the ways of bodies are little more than they are, never less", "[detection][broad][scale]") {
+  for (const double shift : {0.0, 1e6}) {
+    BroadScene scene = random_scene("mono", 3000, 11, 1.0, Vec3::Constant(shift));
+    scene.world.reorder(morton_order(scene.world));
+    const double edge = 1.2 * std::cbrt(3000.0);
+    FatBodies exact, coarse;
+    exact.update(scene.world, scene.setup, 1e-3, false), coarse.update(scene.world, scene.setup, 1e-3, false);
+    coarse.rest_balls();
+    CHECK(coarse.size() == exact.size());
+    CHECK_FALSE(coarse.worn(scene.world).out);
+    Random random(5, 1);
+    std::vector<Vec3> at(scene.world.size());
+    for (std::size_t s = 0; s < at.size(); ++s)
+      at[s] = exact.position(s) + random_point(random, 1.0) * (s % 3 == 0 ? 1e-6 : 0.6) / double{exact.hurry[s]};
+    for (std::size_t s = 0; s < at.size(); ++s) {
+      const auto now = [&](std::size_t i) -> const Vec3& { return at[i]; };
+      const double way = exact.wear(s, s + 1, now).most, known = coarse.wear(s, s + 1, now).most;
+      CHECK(known >= way * (1.0 - 1e-12));
+      CHECK(known <= way + 2.3e-7 * edge * double{exact.hurry[s]});  // 2^-23 + sqrt(3) 2^-24 of what a group extends
+    }
+    scene.world.position[7].x() += 1.01 / double{exact.hurry[7]};
+    CHECK(coarse.worn(scene.world).out);
+  }
+}
+
+TEST_CASE("where floats cannot tell how far a body has come the list is outdated", "[detection][broad][scale]") {
+  CoarsePlaces places;
+  const std::vector<Vec3> where{Vec3(0, 0, 0), Vec3(1e31, 0, 0), Vec3(-3e200, 1, 2)};
+  places.take(where.size(), [&](std::size_t s) { return where[s]; });
+  for (std::size_t s = 0; s < where.size(); ++s) CHECK(places.way(s, where[s]) == infinity);
+}

@@ -43,6 +43,28 @@ TEST_CASE("datasets of every type and layout come back as they were written", "[
   CHECK(file.children("/") == std::vector<std::string>{"bytes", "deep", "f", "i", "none", "none_growing", "u"});
 }
 
+TEST_CASE("a dataset written by pieces is the one written at once", "[viz_export][hdf5]") {
+  const TemporaryFolder folder;
+  Hdf5File file(folder / "a.h5", Hdf5File::Mode::create);
+  for (const std::size_t rows : {0u, 1u, 16384u, 40001u}) {
+    const auto all = counting(3 * rows);
+    std::size_t behind = 0;
+    file.write_pieces<double>(
+        "p" + std::to_string(rows), rows, 3, [&](std::size_t first, std::size_t count, double* to) {
+          CHECK(first == behind);
+          std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(3 * first), 3 * count, to), behind += count;
+        });
+    CHECK(behind == rows);
+    CHECK(file.read<double>("p" + std::to_string(rows)) == all);
+    CHECK(file.shape("p" + std::to_string(rows)) == std::vector<std::size_t>{rows, 3});
+  }
+  file.write_pieces<std::uint32_t>("flat", 20000, 1, [](std::size_t first, std::size_t count, std::uint32_t* to) {
+    std::iota(to, to + count, static_cast<std::uint32_t>(first));
+  });
+  CHECK(file.shape("flat") == std::vector<std::size_t>{20000});
+  CHECK(file.read<std::uint32_t>("flat")[16384] == 16384);
+}
+
 TEST_CASE("an extendable dataset grows, shrinks and grows again over file openings", "[viz_export][hdf5]") {
   const TemporaryFolder folder;
   const auto path = folder / "a.h5";

@@ -298,7 +298,10 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
       if (needs_.rolling) spring.rolling = at, kept_.rolling[at] = rolling;
       kept_.springs[at++] = spring;
     });
-    blocks_[i].runs.clear(), blocks_[i].springs = SphereSprings(needs_.rolling);
+    if (many)
+      blocks_[i] = Block(needs_.rolling);
+    else
+      blocks_[i].runs.clear(), blocks_[i].springs = SphereSprings(needs_.rolling);
   };
   laid_out_ = false, grouped_ = true;
   by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t, std::size_t) {

@@ -1,0 +1,50 @@
+/// @file coarse_places.h  Where many bodies were, for asking how far they have come since: 12 bytes each where positions
+/// take 24 and balls 32. Floats from the first body of each 64, which are neighbours where slots follow a Morton curve.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "engine/parallel.h"
+#include "engine/registry.h"
+#include "engine/types.h"
+
+namespace epafi {
+
+class CoarsePlaces {
+ public:
+  bool empty() const { return offsets_.empty(); }
+  /// position(s) [m] of slots 0 to count.
+  template <class Position>
+  void take(std::size_t count, const Position& position) {
+    offsets_.resize(count), groups_.resize((count + group_size - 1) / group_size);
+    parallel_blocks(count, group_size, [&](std::size_t begin, std::size_t end, std::size_t g) {
+      const Vec3 origin = position(begin);
+      double most = 0.0;
+      for (std::size_t s = begin; s < end; ++s) {
+        const Vec3 offset = position(s) - origin;
+        most = std::max(most, offset.cwiseAbs().maxCoeff());
+        offsets_[s] = offset.cwiseMin(most_offset).cwiseMax(-most_offset).cast<float>();
+      }
+      groups_[g] = {origin, most < most_offset ? rounding * most : infinity};
+    });
+  }
+  /// Of body s to x, or little more: by 2e-7 of the extent of its group; infinite where floats end [m].
+  double way(std::size_t s, const Vec3& x) const {
+    const Group& g = groups_[s / group_size];
+    return (x - g.origin - offsets_[s].cast<double>()).norm() + g.doubt;
+  }
+
+ private:
+  static constexpr std::size_t group_size = 64;
+  static constexpr double rounding = 0x1p-23;  ///< a float is off by 2^-24 of itself along each of three axes
+  static constexpr double most_offset = 1e30;  ///< beyond it floats end
+  struct Group {
+    Vec3 origin;
+    double doubt;  ///< [m]
+  };
+  std::vector<Group> groups_;
+  std::vector<Eigen::Vector3f> offsets_;  ///< [m]
+};
+
+}  // namespace epafi
