@@ -33,7 +33,7 @@ void unpack_bodies(World& world, SphereSum* sums, Lanes* moments, const std::uin
       const double radius = world.states()[s].position[3];
       for (int k = 0; k < 3; ++k) {
         const double more = moments != nullptr ? moments[s - begin][k] : 0.0;
-        torque[k] = (add ? torque[k] : 0.0) + (radius * from[4 + k] + more);
+        torque[k] = (add ? torque[k] : 0.0) + (radius * from[3 + k] + more);
       }
     }
     for (int k = 0; k < 8; ++k) from[k] = 0.0;

@@ -21,6 +21,21 @@ bool has_plain_bodies(const World& world);
 /// The four bodies from slot `begin` on are all free and of equal moments.
 bool are_plain(const World& world, std::size_t begin);
 
+/// x y z of a sum; the fourth is 0.
+template <int n>
+EPAFI_LANES RowOf<n> force_of(const SphereSum& sum) {
+  if constexpr (n == 2)
+    return RowOf<n>{row<n>(sum.first).xy, LanesOf<2>::Real{sum.first[2], 0.0}};
+  else
+    return without_fourth(sum.first);
+}
+template <int n>
+EPAFI_LANES RowOf<n> pull_of(const SphereSum& sum) {
+  RowOf<n> out;
+  std::memcpy(&out, reinterpret_cast<const char*>(&sum) + 3 * sizeof(double), sizeof out);
+  return out;
+}
+
 /// What a pass works on.
 struct BodyPass {
   World& world;
@@ -182,7 +197,7 @@ struct SecondHalf : BodyPass {
     BodyState& state = kept.states[s];
     SphereSum& sum = kept.sums[s - kept.begin];
     const double radius = state.position[3], inverse_mass = state.velocity[3];
-    RowOf<n> force = row<n>(sum.force), torque = splat<n>(radius) * row<n>(sum.pull);
+    RowOf<n> force = force_of<n>(sum), torque = splat<n>(radius) * pull_of<n>(sum);
     const bool more = !alone && kept.touched != nullptr && kept.touched[s] != 0;
     const bool rolls = !alone && kept.moments != nullptr, rotates = alone || kept.rotates;
     if (more) force = load<n>(world.force[s].data()) + force;
@@ -215,7 +230,7 @@ struct SecondHalf : BodyPass {
       p.see_finite(v + w);
     }
     store<n>(state.velocity, v);
-    store<n>(sum.force, kept.none), store<n>(sum.pull, kept.none);
+    store<n>(sum.first, kept.none), store<n>(sum.second, kept.none);
     if (alone || !kept.tells_forces) return;
     write<n>(world.force[s].data(), force);
     if (rotates) write<n>(world.torque[s].data(), torque);

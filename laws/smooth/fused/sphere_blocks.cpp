@@ -396,7 +396,8 @@ void SphereBlocks::receive(std::size_t i, std::size_t tray) {
     for (std::uint32_t k = target == from.targets.begin() ? 0 : std::prev(target)->records_end; k < target->records_end;
          ++k) {
       const std::size_t slot = from.record_places[k].slot() % block_size;
-      mine[slot].force += from.records[k].force, mine[slot].pull += from.records[k].pull;
+      mine[slot].first += from.records[k].first;
+      for (int l = 0; l < 2; ++l) mine[slot].second[l] += from.records[k].second[l];
       if (needs_.rolling) moments(tray)[slot] += from.record_moments[k];
     }
   }

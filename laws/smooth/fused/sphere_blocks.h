@@ -18,10 +18,11 @@
 
 namespace epafi {
 
-/// What the loop writes of a body; it reads BodyState. The torque over the radius: both bodies of a contact feel the
-/// same one.
+/// What the loop writes of a body; it reads BodyState. The pull is the torque over the radius: both bodies of a contact
+/// feel the same one. Six numbers side by side are three registers of SSE2, not four.
 struct alignas(64) SphereSum {
-  Lanes force, pull;  ///< x y z [N], unused
+  Lanes first;   ///< force x y z, pull x [N]
+  Lanes second;  ///< pull y z [N], 0, 0
 };
 
 /// A fixed plane.

@@ -15,11 +15,12 @@ struct SphereLaw {
   typename Rolling::Parameters rolling{};
 };
 
-/// Adds those of the n pairs from `k` on that touch, and returns one bit for each. valid: bits of the run's own. The
-/// normals of all n are found here: their root and division wait beside the look at the next ones.
+/// Adds those of the n pairs from `k` on that touch as contacts from number `at` on, and returns one bit for each.
+/// valid: bits of the run's own. The normals of all n are found here: their root and division wait beside the look at
+/// the next ones.
 template <int n, bool wall, bool periodic>
-EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const SphereImage* images, std::size_t k,
-                          unsigned valid, const SpherePlane* plane, const SphereArrays& with) {
+EPAFI_LANES unsigned look(SphereTile<n>& t, std::size_t at, const SpherePlaces* pairs, const SphereImage* images,
+                          std::size_t k, unsigned valid, const SpherePlane* plane, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* pair = pairs + k;
   VectorsOf<V> d;
@@ -53,20 +54,20 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, const SpherePlaces* pairs, const Sph
     const BodyState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
     __builtin_prefetch(&soon.position), __builtin_prefetch(&soon.spin);
   }
-  const std::size_t at = t.count;
   const ChosenLanes<n> chosen(bits);
-  compress<n>(overlap, chosen, t.overlap + at);
+  using Tile = SphereTile<n>;
+  char* const to = t.row_from(at);
+  compress<n>(overlap, chosen, to + offsetof(Tile, overlap));
   if constexpr (!wall) {  // the normal of a wall stands there already
-    compress<n>(d.x, chosen, t.x + at), compress<n>(d.y, chosen, t.y + at), compress<n>(d.z, chosen, t.z + at);
-    compress<n>(curvature, chosen, t.curvature + at);
+    compress<n>(d.x, chosen, to + offsetof(Tile, x)), compress<n>(d.y, chosen, to + offsetof(Tile, y));
+    compress<n>(d.z, chosen, to + offsetof(Tile, z)), compress<n>(curvature, chosen, to + offsetof(Tile, curvature));
   }
-  if constexpr (periodic && !wall) compress<n>(distance, chosen, t.distance + at);
+  if constexpr (periodic && !wall) compress<n>(distance, chosen, to + offsetof(Tile, distance));
   V places;
   static_assert(sizeof(SpherePlaces) == sizeof(double));
   std::memcpy(&places, pair, sizeof places);
-  compress<n>(places, chosen, t.bodies + at);
+  compress<n>(places, chosen, to + offsetof(Tile, bodies));
   if constexpr (periodic) write_places<n>(bits, static_cast<std::uint32_t>(k), t.pair + at);
-  t.count = at + bit_places.count[bits];
   return bits;
 }
 
@@ -171,45 +172,43 @@ EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<
 /// What a contact adds to the sum of A, and with the force turned round to that of B.
 template <int n, bool friction>
 struct SumRow {
-  RowOf<n> force, pull;
-  EPAFI_LANES SumRow turned() const { return {-force, pull}; }
+  using Two = LanesOf<2>::Real;
+  RowOf<n> first;
+  Two second;
+  EPAFI_LANES static Two& second_of(SphereSum& sum) { return reinterpret_cast<Two&>(sum.second); }
+  EPAFI_LANES SumRow turned() const { return {turn_three(first), second}; }
   EPAFI_LANES void add_to(SphereSum& sum) const {
-    store<n>(sum.force, row<n>(sum.force) + force);
-    if constexpr (friction) store<n>(sum.pull, row<n>(sum.pull) + pull);
+    store<n>(sum.first, row<n>(sum.first) + first);
+    if constexpr (friction) second_of(sum) += second;
   }
-  EPAFI_LANES void write(SphereSum& sum) const {
-    store<n>(sum.force, force);
-    if constexpr (friction)
-      store<n>(sum.pull, pull);
-    else
-      sum.pull = Lanes{};
-  }
+  EPAFI_LANES void write(SphereSum& sum) const { store<n>(sum.first, first), second_of(sum) = second; }
 };
-/// Both in one register.
-template <>
-struct SumRow<8, true> {
-  LanesOf<8>::Real both;
+/// All in one register.
+template <bool friction>
+struct SumRow<8, friction> {
+  LanesOf<8>::Real all;
   EPAFI_LANES SumRow turned() const {
     constexpr long long sign = static_cast<long long>(1ull << 63);
-    return {reinterpret_cast<LanesOf<8>::Real>(reinterpret_cast<LanesOf<8>::Mask>(both) ^
-                                               LanesOf<8>::Mask{sign, sign, sign, sign, 0, 0, 0, 0})};
+    return {reinterpret_cast<LanesOf<8>::Real>(reinterpret_cast<LanesOf<8>::Mask>(all) ^
+                                               LanesOf<8>::Mask{sign, sign, sign, 0, 0, 0, 0, 0})};
   }
-  EPAFI_LANES void add_to(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) += both; }
-  EPAFI_LANES void write(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) = both; }
+  EPAFI_LANES void add_to(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) += all; }
+  EPAFI_LANES void write(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) = all; }
 };
 
 template <int n, bool friction>
 EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& force,
                                 const VectorsOf<typename LanesOf<n>::Real>& pull, SumRow<n, friction>* rows) {
-  if constexpr (n == 8 && friction) {
-    LanesOf<8>::Real both[n];
-    write_both(force, pull, both);
-    for (int l = 0; l < n; ++l) rows[l].both = both[l];
+  if constexpr (n == 8) {
+    LanesOf<8>::Real all[n];
+    write_sixes(force, pull, all);
+    for (int l = 0; l < n; ++l) rows[l].all = all[l];
   } else {
-    RowOf<n> forces[n], pulls[n]{};
-    write_rows(force.x, force.y, force.z, typename LanesOf<n>::Real{}, forces);
-    if constexpr (friction) write_rows(pull.x, pull.y, pull.z, typename LanesOf<n>::Real{}, pulls);
-    for (int l = 0; l < n; ++l) rows[l] = {forces[l], pulls[l]};
+    RowOf<n> first[n];
+    LanesOf<2>::Real second[n];
+    write_rows(force.x, force.y, force.z, pull.x, first);
+    write_twos(pull.y, pull.z, second);
+    for (int l = 0; l < n; ++l) rows[l] = {first[l], second[l]};
   }
 }
 
@@ -328,8 +327,15 @@ struct SphereSweep {
       unsigned valid = 255u, now = 0;
       if (k + eight > end) [[unlikely]]
         valid = (1u << (end - k)) - 1u;
-      for (std::size_t l = 0; l < eight; l += n)
-        now |= look<n, wall, periodic>(t, pairs, images, k + l, valid >> l & ((1u << n) - 1u), plane, with) << l;
+      std::size_t at = t.count;
+      const auto add = [&](std::size_t l) EPAFI_INLINED {
+        const unsigned of = valid >> l & ((1u << n) - 1u);
+        const unsigned bits = look<n, wall, periodic>(t, at, pairs, images, k + l, of, plane, with);
+        at += n == 2 ? (bits & 1u) + (bits >> 1) : bit_places.count[bits], now |= bits << l;
+      };
+      [&]<std::size_t... i>(std::index_sequence<i...>) EPAFI_INLINED { (add(i * n), ...); }  // by SSE2 no loop
+      (std::make_index_sequence<eight / n>{});
+      t.count = at;
       return now;
     }
   };

@@ -46,6 +46,14 @@ EPAFI_LANES HalfRows flip_fourth(HalfRows x) {
   constexpr LanesOf<2>::Mask sign{0, static_cast<long long>(1ull << 63)};
   return {x.xy, reinterpret_cast<LanesOf<2>::Real>(reinterpret_cast<LanesOf<2>::Mask>(x.zw) ^ sign)};
 }
+EPAFI_LANES Lanes turn_three(Lanes x) {
+  constexpr auto sign = static_cast<long long>(1ull << 63);
+  return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(x) ^ LaneMask{sign, sign, sign, 0});
+}
+EPAFI_LANES HalfRows turn_three(HalfRows x) {
+  constexpr LanesOf<2>::Mask sign{static_cast<long long>(1ull << 63), 0};
+  return {-x.xy, reinterpret_cast<LanesOf<2>::Real>(reinterpret_cast<LanesOf<2>::Mask>(x.zw) ^ sign)};
+}
 /// b - a, in the fourth b + a. A product with 1 or -1 is exact: fused with the sum it has the bits of the two alone.
 template <int n>
 EPAFI_LANES RowOf<n> apart(const Lanes& a, const Lanes& b) {
@@ -164,22 +172,32 @@ EPAFI_LANES void write_rows(LanesOf<8>::Real x, LanesOf<8>::Real y, LanesOf<8>::
   split(__builtin_shufflevector(q, s, 2, 3, 10, 11, 6, 7, 14, 15), rows[3], rows[7]);
 }
 
-/// Rows of two vectors side by side, x y z 0 of both.
-EPAFI_LANES void write_both(const VectorsOf<LanesOf<8>::Real>& a, const VectorsOf<LanesOf<8>::Real>& b,
-                            LanesOf<8>::Real* rows) {
+/// Rows of two.
+EPAFI_LANES void write_twos(LanesOf<2>::Real x, LanesOf<2>::Real y, LanesOf<2>::Real* rows) {
+  rows[0] = __builtin_shufflevector(x, y, 0, 2), rows[1] = __builtin_shufflevector(x, y, 1, 3);
+}
+EPAFI_LANES void write_twos(Lanes x, Lanes y, LanesOf<2>::Real* rows) {
+  const Lanes even = __builtin_shufflevector(x, y, 0, 4, 2, 6), odd = __builtin_shufflevector(x, y, 1, 5, 3, 7);
+  rows[0] = __builtin_shufflevector(even, even, 0, 1), rows[1] = __builtin_shufflevector(odd, odd, 0, 1);
+  rows[2] = __builtin_shufflevector(even, even, 2, 3), rows[3] = __builtin_shufflevector(odd, odd, 2, 3);
+}
+
+/// Rows of two vectors side by side, 0 0 behind them.
+EPAFI_LANES void write_sixes(const VectorsOf<LanesOf<8>::Real>& a, const VectorsOf<LanesOf<8>::Real>& b,
+                             LanesOf<8>::Real* rows) {
   using Eight = LanesOf<8>::Real;
-  const auto pairs = [](const VectorsOf<Eight>& v, Eight* of) EPAFI_INLINED {  // of lanes 0 4, 1 5, 2 6, 3 7
-    const Eight p = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
-    const Eight q = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
-    const Eight r = __builtin_shufflevector(v.z, Eight{}, 0, 8, 2, 10, 4, 12, 6, 14);
-    const Eight s = __builtin_shufflevector(v.z, Eight{}, 1, 9, 3, 11, 5, 13, 7, 15);
+  const auto fours = [](Eight x, Eight y, Eight z, Eight w, Eight* of) EPAFI_INLINED {  // lanes 0 4, 1 5, 2 6, 3 7
+    const Eight p = __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Eight q = __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15);
+    const Eight r = __builtin_shufflevector(z, w, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Eight s = __builtin_shufflevector(z, w, 1, 9, 3, 11, 5, 13, 7, 15);
     of[0] = __builtin_shufflevector(p, r, 0, 1, 8, 9, 4, 5, 12, 13);
     of[1] = __builtin_shufflevector(q, s, 0, 1, 8, 9, 4, 5, 12, 13);
     of[2] = __builtin_shufflevector(p, r, 2, 3, 10, 11, 6, 7, 14, 15);
     of[3] = __builtin_shufflevector(q, s, 2, 3, 10, 11, 6, 7, 14, 15);
   };
   Eight first[4], second[4];
-  pairs(a, first), pairs(b, second);
+  fours(a.x, a.y, a.z, b.x, first), fours(b.y, b.z, Eight{}, Eight{}, second);
   for (int l = 0; l < 4; ++l) {
     rows[l] = __builtin_shufflevector(first[l], second[l], 0, 1, 2, 3, 8, 9, 10, 11);
     rows[l + 4] = __builtin_shufflevector(first[l], second[l], 4, 5, 6, 7, 12, 13, 14, 15);

@@ -85,6 +85,13 @@ struct SphereTile {
     std::memcpy(&out, __builtin_assume_aligned(c + g * n, sizeof out), sizeof out);
     return out;
   }
+  /// By a column's offset from here contact `at` stands in it. By SSE2, where each column is written by two addresses,
+  /// one register for all columns: the compiler took seven and had no room for them (2 % of the stage).
+  EPAFI_LANES char* row_from(std::size_t at) {
+    char* row = reinterpret_cast<char*>(this) + at * sizeof(double);
+    if constexpr (n == 2) __asm__("" : "+r"(row));
+    return row;
+  }
   EPAFI_LANES void set_normal(const Vec3& all) {
     std::fill_n(x, room, all.x()), std::fill_n(y, room, all.y()), std::fill_n(z, room, all.z());
   }
