@@ -1,6 +1,7 @@
 #include "engine/world.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 
@@ -133,13 +134,15 @@ void World::visit(StateVisitor& visitor) {
 
 void World::reserve(std::size_t bodies) {
   slot_of_.reserve(bodies);
-  if (columns_.states) states_.reserve(bodies), place_states();
+  if (columns_.states) states_.reserve(bodies + 1), place_states();
   each_column([&](const char*, auto& column) { column.reserve(bodies); });
 }
 
 void World::resize_states(std::size_t n) {
-  if (!columns_.states || states_.size() == n) return;
-  states_.resize(n, BodyState{});
+  if (!columns_.states || states_.size() == n + 1) return;
+  if (!states_.empty()) states_.back() = BodyState{};
+  states_.resize(n + 1, BodyState{});
+  states_.back().position = lanes(std::numeric_limits<double>::quiet_NaN());
   place_states();
 }
 
@@ -147,7 +150,7 @@ void World::place_states() {
   if (!columns_.states) return;
   const auto join = [this](auto& column, Lanes BodyState::*part, std::size_t at) {
     void* const first = states_.empty() ? nullptr : reinterpret_cast<double*>(&(states_[0].*part)) + at;
-    column.join(first, sizeof(BodyState), states_.size());
+    column.join(first, sizeof(BodyState), state_count());
   };
   join(position, &BodyState::position, 0), join(velocity, &BodyState::velocity, 0);
   join(inverse_mass, &BodyState::velocity, 3);

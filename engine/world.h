@@ -78,9 +78,10 @@ class World {
       angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
 
   std::size_t size() const { return id.size(); }
-  /// With columns().states: where position, velocity, spin and inertia of the bodies are; else empty.
-  std::span<BodyState> states() { return states_; }
-  std::span<const BodyState> states() const { return states_; }
+  /// With columns().states: where position, velocity, spin and inertia of the bodies are; else empty. Behind the last
+  /// one stands one more, which is nowhere (NaN): what would touch it touches nothing.
+  std::span<BodyState> states() { return std::span(states_).first(state_count()); }
+  std::span<const BodyState> states() const { return std::span(states_).first(state_count()); }
   bool rotates() const { return columns_.rotation; }
   bool has_orientation() const { return columns_.rotation && columns_.orientation; }
   const Columns& columns() const { return columns_; }
@@ -170,13 +171,14 @@ class World {
  private:
   Columns columns_;
   std::vector<Slot> slot_of_;          ///< by body id
-  UnwrittenColumn<BodyState> states_;  ///< with columns().states
+  UnwrittenColumn<BodyState> states_;  ///< with columns().states, and one that is nowhere
 
   Vec3 apply_inverse_inertia_at(Slot s, const Vec3& x) const;
   void apply_angular_impulse_at(Slot s, const Vec3& impulse);
   void rotate_at(Slot s, double dt);
   template <class F>
   void each_column(F&& f);
+  std::size_t state_count() const { return states_.empty() ? 0 : states_.size() - 1; }
   void resize_states(std::size_t n);
   void place_states();
 };

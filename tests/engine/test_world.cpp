@@ -76,6 +76,7 @@ TEST_CASE("columns and handles follow bodies through random sorting and removal"
       const std::vector<BodyId> before = world.id;
       const Reordering change = world.reorder(order);
       for (Slot s = 0; s < before.size(); ++s) CHECK(world.id[change.new_slot[s]] == before[s]);
+      if (states) CHECK(std::isnan(world.states().data()[world.size()].position[3]));  // behind the last: nowhere
       std::vector<BodyId> gone;
       for (std::uint32_t k : alive)
         if (random.uniform() < 0.1) gone.push_back(static_cast<BodyId>(k));

@@ -198,17 +198,17 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
 }
 
 /// Runs are filled up to whole eights, and the block by as many pairs as the loop looks ahead.
-void SphereBlocks::fill_up(Block& block) {
+void SphereBlocks::fill_up(Block& block) const {
+  const SpherePlace nowhere(static_cast<Slot>(bodies_));
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
     const std::uint32_t last = block.runs[r].end,
                         next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
-    std::fill(block.pairs.begin() + last, block.pairs.begin() + next, block.pairs[last - 1]);
+    std::fill(block.pairs.begin() + last, block.pairs.begin() + next, SpherePlaces{nowhere, nowhere});
     if (!block.images.empty())
       std::fill(block.images.begin() + last, block.images.begin() + next, block.images[last - 1]);
   }
   block.touched.assign(block.size / pairs_per_byte, 0);
-  const SpherePlaces last = block.size > 0 ? block.pairs[block.size - 1] : SpherePlaces{};
-  std::fill(block.pairs.begin() + block.size, block.pairs.end(), last);
+  std::fill(block.pairs.begin() + block.size, block.pairs.end(), SpherePlaces{nowhere, nowhere});
 }
 
 void SphereBlocks::list_sources() {

@@ -89,7 +89,7 @@ class SphereBlocks {
     explicit Block(bool rolls) : springs(rolls) {}
     std::vector<Run> runs;                ///< planes in order, then inside the block, then across blocks
     UnwrittenColumn<SpherePlaces> pairs;  ///< every run filled up to whole eights, `pairs_ahead` more behind the last,
-                                          ///< with copies of its last one
+                                          ///< with pairs of the state that is nowhere
     UnwrittenColumn<SphereImage> images;  ///< by pair, in a periodic cell; else empty
     std::vector<std::uint8_t> touched;    ///< by eight pairs: those that touched at the last call, one bit each
     SphereSprings springs;                ///< of those, with friction
@@ -187,7 +187,7 @@ class SphereBlocks {
   std::size_t run_of(Slot b, std::size_t end) const;
   void make_runs(Block& block, std::size_t end, std::span<const Slot> partners,
                  std::vector<std::uint32_t>& place) const;
-  static void fill_up(Block& block);
+  void fill_up(Block& block) const;
   void list_sources();
   /// Of a block or a const one: among its targets.
   template <class B>

@@ -15,12 +15,11 @@ struct SphereLaw {
   typename Rolling::Parameters rolling{};
 };
 
-/// Adds those of the n pairs from `k` on that touch as contacts from number `at` on, and returns one bit for each.
-/// valid: bits of the run's own. The normals of all n are found here: their root and division wait beside the look at
-/// the next ones.
+/// Adds those of the n pairs from `k` on that touch as contacts from number `at` on, and returns one bit for each. The
+/// normals of all n are found here: their root and division wait beside the look at the next ones.
 template <int n, bool wall, bool periodic>
 EPAFI_LANES unsigned look(SphereTile<n>& t, std::size_t at, const SpherePlaces* pairs, const SphereImage* images,
-                          std::size_t k, unsigned valid, const SpherePlane* plane, const SphereArrays& with) {
+                          std::size_t k, const SpherePlane* plane, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* pair = pairs + k;
   VectorsOf<V> d;
@@ -30,7 +29,7 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, std::size_t at, const SpherePlaces* 
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(pair[l].a).position); }, d.x, d.y, d.z, radii);
     const Vec3 &out = plane->normal, &p = plane->point;
     d.x = out.x() * (d.x - p.x()) + out.y() * (d.y - p.y()) + out.z() * (d.z - p.z());
-    bits = less_bits<n>(d.x, radii) & valid;
+    bits = less_bits<n>(d.x, radii);
     overlap = radii - d.x;
   } else {
     read_columns(
@@ -44,7 +43,7 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, std::size_t at, const SpherePlaces* 
         d.x, d.y, d.z, radii);
     d.z += filled<n>(1e-150);  // no rounding, but the normal is z where centres are one
     const V square = d.dot(d);
-    bits = less_bits<n>(square, radii * radii) & valid;
+    bits = less_bits<n>(square, radii * radii);
     distance = sqrt(square);
     const V both = 1.0 / (distance * radii), inverse = radii * both;
     d = inverse * d;
@@ -270,7 +269,7 @@ struct SphereSweep {
     const std::size_t end = run.end;
     for (std::size_t k = run.begin; k < end; k += eight) {
       const std::size_t begin = t.count;
-      const unsigned now = all.eight_from(t, k, end, with), before = touched[k / eight];
+      const unsigned now = all.eight_from(t, k, with), before = touched[k / eight];
       const std::uint32_t read = at.read;
       if constexpr (friction) {
         t.find_springs(begin, before, now, read), at.read += bit_places.count[before];
@@ -307,7 +306,7 @@ struct SphereSweep {
     all.begin(t);
     for (std::size_t k = run.begin; k < run.end; k += eight, t.count = 0) {
       std::uint8_t& touched = block.touched[k / eight];
-      const unsigned before = touched, now = before | all.eight_from(t, k, run.end, arrays);
+      const unsigned before = touched, now = before | all.eight_from(t, k, arrays);
       for (unsigned bits = now; bits != 0; bits &= bits - 1u)
         from.push_back((before & bits & -bits) != 0 ? rank++ : SphereSprings::fresh);
       touched = static_cast<std::uint8_t>(now);
@@ -323,14 +322,12 @@ struct SphereSweep {
     EPAFI_LANES void begin(SphereTile<n>& t) const {
       if constexpr (wall) t.set_normal(-plane->normal);
     }
-    EPAFI_LANES unsigned eight_from(SphereTile<n>& t, std::size_t k, std::size_t end, const SphereArrays& with) const {
-      unsigned valid = 255u, now = 0;
-      if (k + eight > end) [[unlikely]]
-        valid = (1u << (end - k)) - 1u;
+    /// Those behind the last pair of the run are nowhere, and do not touch.
+    EPAFI_LANES unsigned eight_from(SphereTile<n>& t, std::size_t k, const SphereArrays& with) const {
+      unsigned now = 0;
       std::size_t at = t.count;
       const auto add = [&](std::size_t l) EPAFI_INLINED {
-        const unsigned of = valid >> l & ((1u << n) - 1u);
-        const unsigned bits = look<n, wall, periodic>(t, at, pairs, images, k + l, of, plane, with);
+        const unsigned bits = look<n, wall, periodic>(t, at, pairs, images, k + l, plane, with);
         at += n == 2 ? (bits & 1u) + (bits >> 1) : bit_places.count[bits], now |= bits << l;
       };
       [&]<std::size_t... i>(std::index_sequence<i...>) EPAFI_INLINED { (add(i * n), ...); }  // by SSE2 no loop
