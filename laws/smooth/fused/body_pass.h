@@ -31,8 +31,12 @@ EPAFI_LANES RowOf<n> force_of(const SphereSum& sum) {
 }
 template <int n>
 EPAFI_LANES RowOf<n> pull_of(const SphereSum& sum) {
+  const double* pull = reinterpret_cast<const double*>(&sum) + 3;
   RowOf<n> out;
-  std::memcpy(&out, reinterpret_cast<const char*>(&sum) + 3 * sizeof(double), sizeof out);
+  if constexpr (n == 2)  // as one, GCC 12 copies it through memory
+    std::memcpy(&out.xy, pull, sizeof out.xy), std::memcpy(&out.zw, pull + 2, sizeof out.zw);
+  else
+    std::memcpy(&out, pull, sizeof out);
   return out;
 }
 
@@ -230,7 +234,7 @@ struct SecondHalf : BodyPass {
       p.see_finite(v + w);
     }
     store<n>(state.velocity, v);
-    store<n>(sum.first, kept.none), store<n>(sum.second, kept.none);
+    store<n>(sum.first, kept.none), std::memset(&sum.second, 0, 2 * sizeof(double));
     if (alone || !kept.tells_forces) return;
     write<n>(world.force[s].data(), force);
     if (rotates) write<n>(world.torque[s].data(), torque);
