@@ -50,8 +50,8 @@ std::string machine_lines(const std::vector<int>& threads) {
   for (const int n : threads) {
     if (n == 1) continue;
     const MachineSpeedup machine = machine_speedup(n);
-    lines +=
-        fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x\n", n, machine.arithmetic, machine.triad);
+    lines += fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, a word there and back {:.0f} ns\n",
+                         n, machine.arithmetic, machine.triad, 1e9 * round_trip());
   }
   return lines;
 }

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <limits>
 #include <numeric>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 #include "engine/parallel.h"
@@ -53,6 +56,31 @@ MachineSpeedup machine_speedup(int threads) {
     }
   set_thread_count(before);
   return {work[0] / work[1], way[0] / way[1]};
+}
+
+double round_trip() try {
+  constexpr int trips = 20000;
+  alignas(64) std::atomic<int> word{0};
+  const auto wait_for = [&word](int value) {
+    for (int spins = 0; word.load(std::memory_order_acquire) != value; ++spins)
+      if (spins > 10000) std::this_thread::yield(), spins = 0;  // both on one processor
+  };
+  double best = std::numeric_limits<double>::infinity();
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    word = 0;
+    std::thread other([&] {
+      for (int k = 0; k < trips; ++k) wait_for(2 * k + 1), word.store(2 * k + 2, std::memory_order_release);
+    });
+    const auto there_and_back = [&](int k) { word.store(2 * k + 1, std::memory_order_release), wait_for(2 * k + 2); };
+    there_and_back(0);  // it has started then
+    best = std::min(best, seconds([&] {
+                      for (int k = 1; k < trips; ++k) there_and_back(k);
+                    }));
+    other.join();
+  }
+  return best / (trips - 1);
+} catch (const std::system_error&) {
+  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace epafi

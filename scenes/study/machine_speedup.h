@@ -11,5 +11,8 @@ struct MachineSpeedup {
 
 /// Rate on so many threads over that on one, the best of five each, in turns: some second. threads >= 1.
 MachineSpeedup machine_speedup(int threads);
+/// From one thread to another and back by a word that both write [s], the best of three: what short pieces of shared
+/// work wait for. Processors that share no cache take five times as long. Infinite where no thread can be started.
+double round_trip();
 
 }  // namespace epafi
