@@ -19,7 +19,7 @@ class CoarsePlaces {
   void take(std::size_t count, const Position& position) {
     offsets_.resize(count), groups_.resize((count + group_size - 1) / group_size);
     parallel_blocks(count, group_size, [&](std::size_t begin, std::size_t end, std::size_t g) {
-      const Vec3 origin = position(begin);
+      const Vec3 first = position(begin), origin = first.allFinite() ? first : Vec3(Vec3::Zero());
       double most = 0.0;
       for (std::size_t s = begin; s < end; ++s) {
         const Vec3 offset = position(s) - origin;

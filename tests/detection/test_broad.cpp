@@ -411,6 +411,14 @@ TEST_CASE("without balls the ways of bodies are little more than they are, never
   }
 }
 
+TEST_CASE("without balls a body that is nowhere does not hide how far others have come", "[detection][broad]") {
+  CoarsePlaces places;
+  const std::vector<Vec3> where{Vec3::Constant(std::nan("")), Vec3(1, 2, 3), Vec3(4, 5, 6)};
+  places.take(where.size(), [&](std::size_t s) { return where[s]; });
+  CHECK(places.way(1, Vec3(1, 2, 3.5)) == Approx(0.5).margin(2e-6));
+  CHECK(places.way(2, Vec3(4, 5, 6)) <= 2e-6);
+}
+
 TEST_CASE("where floats cannot tell how far a body has come the list is outdated", "[detection][broad][scale]") {
   CoarsePlaces places;
   const std::vector<Vec3> where{Vec3(0, 0, 0), Vec3(1e31, 0, 0), Vec3(-3e200, 1, 2)};
