@@ -38,7 +38,8 @@ class Scheme : public StepStage {
 
 struct Extent;
 
-/// Leave for the contact model to do the first half of the next step too.
+/// Leave for the contact model to do the first half of the next step too. Nobody looks at this one: what its contacts
+/// store need not be told.
 struct RunOn {
   std::function<bool(const Extent&)> agrees;  ///< to where the bodies are in this step
   bool bounded = true;  ///< it will ask where they are in the next one, not only whether somewhere

@@ -61,7 +61,7 @@ struct StepReport {
   std::size_t pairs = 0;
   std::size_t contacts = 0;  ///< reported by the narrow phase
   std::size_t touching = 0;  ///< with gap < 0 (smooth) or impulse > 0 (non-smooth)
-  double elastic = 0.0;      ///< energy stored in the contacts now [J]
+  double elastic = 0.0;      ///< energy stored in the contacts now [J]; with StepClock::run_on it may be an older one
   double dissipated = 0.0;   ///< energy lost in the contacts during this step [J]
   double work = 0.0;         ///< work of driven bodies on the others during this step [J]
   double correction = 0.0;   ///< potential energy put in by moving overlapping bodies apart in this step [J]

@@ -298,6 +298,7 @@ TEST_CASE("steps that begin the next one at once give the same bits as steps tha
   CHECK(last.losses.frictional == other.simulation().ledger.last().losses.frictional);
   CHECK(last.losses.viscous == other.simulation().ledger.last().losses.viscous);
   CHECK(last.elastic == other.simulation().ledger.last().elastic);
+  CHECK(last.work == other.simulation().ledger.last().work);  // with what bodies that left took along
   CHECK(one.simulation().bodies_removed() == other.simulation().bodies_removed());
   if (c.overrides == leaking) CHECK(one.simulation().bodies_removed() > 20);
   set_thread_count(1);

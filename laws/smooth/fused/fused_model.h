@@ -61,7 +61,7 @@ struct BlockTask {
     each_run<n, periodic>(total, places, [&](const auto& sweep) EPAFI_INLINED { sweep.act(); });
     if (friction && arrays.dt > 0.0) block.springs.end_step(places);
     block.touching = total.touching, block.viscous = total.viscous.total();
-    block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
+    if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
     block.slipped = 0.5 * total.twice_slipped.total() + total.released;
     block.virial = {total.virial[0].total(), total.virial[1].total(), total.virial[2].total()};
   }
@@ -233,9 +233,18 @@ class FusedModel final : public FusedSpheres {
   }
 
   /// What every block reads and writes; its own sums and moments come on top.
-  SphereArrays arrays_of(const World& world, double dt) {
-    SphereArrays arrays{
-        blocks_.planes().data(), world.states().data(), 0, dt, damped_, Lanes{}, Lanes{}, {}, blocks_.late_spins(), 0};
+  SphereArrays arrays_of(const World& world, double dt, bool tells_energy) {
+    SphereArrays arrays{blocks_.planes().data(),
+                        world.states().data(),
+                        0,
+                        dt,
+                        damped_,
+                        tells_energy,
+                        Lanes{},
+                        Lanes{},
+                        {},
+                        blocks_.late_spins(),
+                        0};
     if (world.cell) {
       const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
@@ -249,7 +258,7 @@ class FusedModel final : public FusedSpheres {
   void run_blocks(World& world, const StepClock& clock, bool onward) {
     auto& all = blocks_.blocks();
     const auto loop = best_loop<Task>();
-    const SphereArrays arrays = arrays_of(world, clock.dt);
+    const SphereArrays arrays = arrays_of(world, clock.dt, !onward);  // onward: nobody looks at this step
     const auto threads = static_cast<std::size_t>(thread_count());
     const std::size_t trays = threads == 1 ? 1 : std::min(most_trays, all.size() / threads + 1);
     blocks_.set_trays(threads * trays);

@@ -100,7 +100,7 @@ class SphereBlocks {
     UnwrittenColumn<SphereSum> records;
     UnwrittenColumn<SpherePlace> record_places;
     UnwrittenColumn<Lanes> record_moments;
-    double elastic = 0.0;        ///< stored in the contacts [J]
+    double elastic = 0.0;        ///< stored in the contacts when somebody looked last [J]
     double slipped = 0.0;        ///< lost by slip in the step [J]
     double viscous = 0.0;        ///< power lost in the dampers [W]
     Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only

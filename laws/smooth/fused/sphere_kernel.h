@@ -18,13 +18,13 @@ struct SphereLaw {
 /// Adds those of the n pairs from `k` on that touch as contacts from number `at` on, and returns one bit for each. The
 /// normals of all n are found here: their root and division wait beside the look at the next ones.
 template <int n, bool wall, bool periodic>
-EPAFI_LANES unsigned look(SphereTile<n>& t, std::size_t at, const SpherePlaces* pairs, const SphereImage* images,
-                          std::size_t k, const SpherePlane* plane, const SphereArrays& with) {
+EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlaces* pairs, const SphereImage* images,
+                             std::size_t k, const SpherePlane* plane, const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* pair = pairs + k;
   VectorsOf<V> d;
   V radii, overlap, curvature{}, distance{};
-  unsigned bits;
+  std::size_t bits;
   if constexpr (wall) {
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(pair[l].a).position); }, d.x, d.y, d.z, radii);
     const Vec3 &out = plane->normal, &p = plane->point;
@@ -41,12 +41,12 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, std::size_t at, const SpherePlaces* 
             return between;
         },
         d.x, d.y, d.z, radii);
-    d.z += filled<n>(1e-150);  // no rounding, but the normal is z where centres are one
+    d.z += filled<n>(1e-130);  // no rounding, but the normal is z where centres are one
     const V square = d.dot(d);
     bits = less_bits<n>(square, radii * radii);
     distance = sqrt(square);
-    const V both = 1.0 / (distance * radii), inverse = radii * both;
-    d = inverse * d;
+    const V both = distance * (1.0 / (square * radii));  // over both; neither root nor division waits for the other
+    d = (radii * both) * d;
     overlap = radii - distance, curvature = distance * both;
   }
   for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
@@ -66,7 +66,7 @@ EPAFI_LANES unsigned look(SphereTile<n>& t, std::size_t at, const SpherePlaces* 
   static_assert(sizeof(SpherePlaces) == sizeof(double));
   std::memcpy(&places, pair, sizeof places);
   compress<n>(places, chosen, to + offsetof(Tile, bodies));
-  if constexpr (periodic) write_places<n>(bits, static_cast<std::uint32_t>(k), t.pair + at);
+  if constexpr (periodic) write_places<n>(static_cast<unsigned>(bits), static_cast<std::uint32_t>(k), t.pair + at);
   return bits;
 }
 
@@ -149,23 +149,24 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
       c.approach = -opening;
     }
   }
-  c.mass = 1.0 / inverse_mass;
+  c.inverse_mass = inverse_mass;
   find_radii<n, friction, wall>(t, g, with, velocity, opening);
 }
 
 template <int n, class Normal, class Tangential, class Rolling>
-EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential, Rolling>& law) {
+EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential, Rolling>& law,
+                               bool tells_energy) {
   using V = typename LanesOf<n>::Real;
   KinematicsOf<V> at;
   at.overlap = t.column(t.overlap, g), at.approach_velocity = t.group[g].approach;
-  at.effective_mass = t.group[g].mass, at.effective_radius = t.group[g].radius;
+  at.effective_mass = 1.0 / t.group[g].inverse_mass, at.effective_radius = t.group[g].radius;
   const ResponseOf<V> r = Normal::respond(law.normal, at);
   t.group[g].force = r.force;
-  t.group[g].elastic = r.energy;
   t.group[g].viscous = (r.force - r.elastic_force) * at.approach_velocity;
   if constexpr (Tangential::is_present)
     t.group[g].stiffness = Tangential::stiffness(law.tangential, r.stiffness),
     t.group[g].limit = Tangential::friction(law.tangential) * r.force;
+  if (tells_energy) t.group[g].elastic = r.energy;
 }
 
 /// What a contact adds to the sum of A, and with the force turned round to that of B.
@@ -327,8 +328,9 @@ struct SphereSweep {
       unsigned now = 0;
       std::size_t at = t.count;
       const auto add = [&](std::size_t l) EPAFI_INLINED {
-        const unsigned bits = look<n, wall, periodic>(t, at, pairs, images, k + l, plane, with);
-        at += n == 2 ? (bits & 1u) + (bits >> 1) : bit_places.count[bits], now |= bits << l;
+        const std::size_t bits = look<n, wall, periodic>(t, at, pairs, images, k + l, plane, with);
+        at += n == 2 ? (bits & 1u) + (bits >> 1) : std::size_t{bit_places.count[bits]};
+        now |= static_cast<unsigned>(bits) << l;
       };
       [&]<std::size_t... i>(std::index_sequence<i...>) EPAFI_INLINED { (add(i * n), ...); }  // by SSE2 no loop
       (std::make_index_sequence<eight / n>{});
@@ -365,7 +367,10 @@ struct SphereSweep {
     if constexpr (across)
       if (block.records.size() < at.record + t.groups * n) block.grow_records(at.record + SphereTile<n>::most, rolls);
     for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
-    const auto respond = [&](std::size_t g) EPAFI_INLINED { find_response<n, Normal, Tangential, Rolling>(t, g, law); };
+    const Law kept = law;  // in registers, or spread over lanes
+    const auto respond = [&](std::size_t g) EPAFI_INLINED {
+      find_response<n, Normal, Tangential, Rolling>(t, g, kept, with.tells_energy);
+    };
     SphereSpring* const springs = block.springs.friction();
     SphereSpring gathered[SphereTile<n>::most];
     if constexpr (friction)
@@ -385,7 +390,7 @@ struct SphereSweep {
       if constexpr (friction && !rolls) settle_springs<n>(t, g, springs + at.write, with.dt);
       add_forces<n, friction, wall, across, periodic>(t, g, with, records, record_places);
     }
-    total_up<n, friction, periodic && !wall>(t, total);
+    total_up<n, friction, periodic && !wall>(t, total, with.tells_energy);
     at.write += static_cast<std::uint32_t>(t.count);
     if constexpr (across) at.record += static_cast<std::uint32_t>(t.count);
   }

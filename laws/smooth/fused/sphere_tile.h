@@ -14,6 +14,7 @@ struct SphereArrays {
   std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
   double dt;
   bool damped;
+  bool tells_energy;             ///< somebody asks what the contacts store
   Lanes cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]; fourth 0
   SpherePlace nowhere{};         ///< of a sum that nobody reads: for lanes behind the last contact
   // with rolling: spins by slot, then as sums
@@ -61,7 +62,7 @@ struct SphereTile {
   bool in_row = true;                    ///< the springs lie one behind the other
   struct Group {
     V lever;  ///< distance over sum of radii
-    V approach, mass, radius;
+    V approach, inverse_mass, radius;
     V3 slip;         ///< velocity, in the middle of the step [m/s]; of rolling springs [rad/s]
     V twist;         ///< about the normal in the step [rad]
     V force;         ///< [N]
@@ -230,7 +231,7 @@ EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* t
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25
 /// instructions of 560 for four contacts.
 template <int n, bool friction, bool periodic>
-EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total) {
+EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_energy) {
   using V = typename LanesOf<n>::Real;
   using Group = typename SphereTile<n>::Group;
   constexpr std::size_t parts = LaneSum<n>::parts;
@@ -243,9 +244,12 @@ EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total) {
     }
     sum.add(whole, [&](std::size_t g) EPAFI_INLINED { return t.group[g].*x; });
   };
-  add(total.elastic, &Group::elastic), add(total.viscous, &Group::viscous);
-  if constexpr (friction)
-    add(total.twice_stored, &Group::twice_stored), add(total.twice_slipped, &Group::twice_slipped);
+  if (tells_energy) {
+    add(total.elastic, &Group::elastic);
+    if constexpr (friction) add(total.twice_stored, &Group::twice_stored);
+  }
+  add(total.viscous, &Group::viscous);
+  if constexpr (friction) add(total.twice_slipped, &Group::twice_slipped);
   if constexpr (periodic)
     add(total.virial[0], &Group::virial_x), add(total.virial[1], &Group::virial_y),
         add(total.virial[2], &Group::virial_z);
