@@ -241,11 +241,17 @@ TEST_CASE("frictionless spheres jam at 0.639 with six contacts (case A35)", "[ph
 }
 
 TEST_CASE("spheres with friction jam looser, with fewer contacts (case A35)", "[physics][granular][A35][slow]") {
-  const Packing rough = compress("granular/jammed_spheres.toml",
-                                 {"params.mu=0.3", "params.first=1e-5", "params.ramp=1", "run.duration=16"});
-  CHECK(rough.pressure == Approx(1.0).epsilon(1e-3));
-  CHECK(rough.fraction == Approx(0.593).margin(0.01));
-  CHECK(rough.contacts == Approx(4.5).margin(0.2));
+  constexpr int cells = 4;  // those of 1000 scatter by 0.0025 about 0.588: one alone is at the margin now and then
+  double pressure = 0.0, fraction = 0.0, contacts = 0.0;
+  for (int seed = 1; seed <= cells; ++seed) {
+    const Packing rough = compress(
+        "granular/jammed_spheres.toml",
+        {"params.mu=0.3", "params.first=1e-5", "params.ramp=1", "run.duration=16", "run.seed=" + std::to_string(seed)});
+    pressure += rough.pressure / cells, fraction += rough.fraction / cells, contacts += rough.contacts / cells;
+  }
+  CHECK(pressure == Approx(1.0).epsilon(1e-3));
+  CHECK(fraction == Approx(0.593).margin(0.01));
+  CHECK(contacts == Approx(4.5).margin(0.2));
 }
 
 TEST_CASE("hard spherocylinders jam at their published fraction (case A36)", "[physics][granular][A36][slow]") {
