@@ -5,17 +5,17 @@
 # cpio lz4, and apt-get download for the kernel.
 set -eu
 program=$(realpath "$1") library=$(realpath "$2")
-mkdir -p "$3/root/bin" "$3/iso/isolinux"; cd "$3"
+mkdir -p "$3/disk/bin" "$3/iso/isolinux"; cd "$3"
 
 if [ ! -f iso/vmlinuz ]; then
   apt-get download "$(apt-cache depends linux-image-cloud-amd64 | sed -n 's/.*Depends: //p')"
   dpkg -x linux-image-*.deb kernel
   cp kernel/boot/vmlinuz-* iso/vmlinuz
 fi
-cp /bin/busybox root/bin/; cp "$program" root/bin/epafi; cp -r "$library" root/library
-ldd "$program" | grep -o '/[^ ]*' | while read -r file; do mkdir -p "root$(dirname "$file")"; cp -L "$file" "root$file"; done
+cp /bin/busybox disk/bin/; cp "$program" disk/bin/epafi; cp -r "$library" disk/library
+ldd "$program" | grep -o '/[^ ]*' | while read -r file; do mkdir -p "disk$(dirname "$file")"; cp -L "$file" "disk$file"; done
 
-cat > root/init <<'EOF'
+cat > disk/init <<'EOF'
 #!/bin/busybox sh
 /bin/busybox mkdir -p /proc /dev /tmp /usr/bin
 /bin/busybox --install -s /usr/bin
@@ -41,8 +41,8 @@ run arch stability/arch.toml 10
 echo "DONE"
 sleep 1000
 EOF
-chmod +x root/init
-(cd root; find . | cpio -o -H newc --quiet | lz4 -l -9 -q > ../iso/initrd)
+chmod +x disk/init
+(cd disk; find . | cpio -o -H newc --quiet | lz4 -l -9 -q > ../iso/initrd)
 
 cp /usr/lib/ISOLINUX/isolinux.bin /usr/lib/syslinux/modules/bios/ldlinux.c32 iso/isolinux/
 # 321 and 323: XSAVEC and XSAVES, whose area Bochs 2.7 says is larger than it is; the kernel would do without AVX then
