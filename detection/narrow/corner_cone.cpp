@@ -5,30 +5,20 @@
 
 namespace epafi {
 
-/// The faces around the vertex in their order, with the edges between them as the first rays.
-bool CornerCone::order_faces(const PolyhedronView& view, std::uint32_t vertex) {
-  const auto fan = view.fans.subspan(view.fan_begin[vertex], view.fan_begin[vertex + 1] - view.fan_begin[vertex]);
-  if (fan.size() > most_faces) return false;
-  std::array<std::uint32_t, most_faces> next, before;  // the corners beside the vertex, by face of the fan
-  for (std::size_t k = 0; k < fan.size(); ++k) {
-    const auto corners =
-        view.face_vertices.subspan(view.face_begin[fan[k]], view.face_begin[fan[k] + 1] - view.face_begin[fan[k]]);
-    const auto at = static_cast<std::size_t>(std::ranges::find(corners, vertex) - corners.begin());
-    next[k] = corners[at + 1 < corners.size() ? at + 1 : 0], before[k] = corners[(at > 0 ? at : corners.size()) - 1];
-  }
-  face_count_ = ray_count_ = fan.size();
-  std::size_t k = 0;
+/// The faces around the vertex, with the edges between them as the first rays.
+bool CornerCone::take_faces(const PolyhedronView& view, std::uint32_t vertex) {
+  const std::uint32_t begin = view.fan_begin[vertex];
+  face_count_ = ray_count_ = view.fan_begin[vertex + 1] - begin;
+  if (face_count_ > most_faces) return false;
   for (std::size_t i = 0; i < face_count_; ++i) {
-    face_[i] = fan[k], normal_[i] = view.face_normals[fan[k]];
-    rays_[i] = {view.vertices[next[k]] - view.vertices[vertex], 0.0};
-    k = static_cast<std::size_t>(
-        std::find(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(face_count_), before[k]) - next.begin());
+    face_[i] = view.fans[begin + i], normal_[i] = view.face_normals[face_[i]];
+    rays_[i] = {view.vertices[view.neighbours[begin + i]] - view.vertices[vertex], 0.0};
   }
   return true;
 }
 
 bool CornerCone::assign(const PolyhedronView& view, std::uint32_t vertex) {
-  if (!order_faces(view, vertex)) return false;
+  if (!take_faces(view, vertex)) return false;
   const double rounding = 4e-15 * view.radius;
   for (std::size_t i = 0; i < face_count_; ++i)
     if (!(std::abs(normal_[i].dot(view.vertices[vertex]) - view.face_offsets[face_[i]]) <= rounding)) return false;

@@ -36,7 +36,7 @@ class CornerCone {
   std::span<const Tetrahedron> tetrahedra() const { return {tetrahedra_.data(), tetrahedron_count_}; }
 
  private:
-  bool order_faces(const PolyhedronView& view, std::uint32_t vertex);
+  bool take_faces(const PolyhedronView& view, std::uint32_t vertex);
   void split(std::size_t i, std::size_t j, std::size_t outer);
   void add(std::size_t part, std::size_t p, std::size_t q);
 

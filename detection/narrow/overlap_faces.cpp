@@ -52,12 +52,12 @@ const Polygon* cut(const Plane& plane, const Polygon* from, Polygon& other) {
 /// Cuts by many planes in turn.
 class Cutter {
  public:
-  /// The polygon that is left, valid until the next one.
+  /// The polygon that is left, valid until the next one. but: a plane left out.
   template <class PlaneOf>
-  const Polygon& run(const Polygon& from, std::size_t planes, const PlaneOf& plane) {
+  const Polygon& run(const Polygon& from, std::size_t planes, const PlaneOf& plane, std::size_t but = most_faces) {
     const Polygon* left = &from;
     for (std::size_t j = 0; j < planes && left->count > 2; ++j)
-      left = cut(plane(j), left, left == &spare_[0] ? spare_[1] : spare_[0]);
+      if (j != but) left = cut(plane(j), left, left == &spare_[0] ? spare_[1] : spare_[0]);
     return *left;
   }
 
@@ -89,10 +89,17 @@ Scratch& scratch() {
 
 /// What all the faces share, in the body's axes: an edge of two faces, or a vertex. False where there is nothing.
 bool find_apex(const PolyhedronView& p, Side& side) {
+  const std::span<const std::uint32_t> wanted{side.face.data(), side.count};
+  const auto bits = [](std::span<const std::uint32_t> faces) {
+    std::uint64_t out = 0;
+    for (const std::uint32_t f : faces) out |= std::uint64_t{1} << f % 64;
+    return out;
+  };
+  const std::uint64_t wanted_bits = bits(wanted);
   const auto shared = [&](std::uint32_t v) {
     const auto fan = p.fans.subspan(p.fan_begin[v], p.fan_begin[v + 1] - p.fan_begin[v]);
-    return std::all_of(side.face.begin(), side.face.begin() + static_cast<std::ptrdiff_t>(side.count),
-                       [&](std::uint32_t f) { return std::ranges::find(fan, f) != fan.end(); });
+    if ((wanted_bits & ~bits(fan)) != 0) return false;  // so for nearly all that do not have them
+    return std::ranges::all_of(wanted, [&](std::uint32_t f) { return std::ranges::find(fan, f) != fan.end(); });
   };
   const std::uint32_t first = side.face[0];
   std::size_t found = 0;
@@ -196,9 +203,10 @@ bool add_field(const Side& own, const Side& other, bool of_a, double least, Scra
     bool empty = true;
     for (std::size_t f = 0; f < other.count; ++f) {
       if (other.facet[f].count == 0) continue;
-      const Polygon& part = s.cutter.run(other.facet[f], own.count, [&](std::size_t j) -> Plane {
+      const auto bisector = [&](std::size_t j) -> Plane {
         return {own.plane[j].normal - own.plane[i].normal, own.plane[j].offset - own.plane[i].offset};
-      });
+      };
+      const Polygon& part = s.cutter.run(other.facet[f], own.count, bisector, i);
       if (part.count < 3) continue;
       if (empty) cell.apex = own.apex_near(part[0]), empty = false;
       cell.add(part, other.plane[f], own.plane[i]);

@@ -12,6 +12,7 @@
 #include "detection/narrow/pair_methods.h"
 #include "detection/narrow/resting_patch.h"
 #include "detection/shape_store.h"
+#include "engine/prefetch.h"
 
 namespace epafi {
 
@@ -161,6 +162,18 @@ void find_candidates(const BatchInput& in, const Pair& p, bool mesh_first, doubl
   drop_far(triangles, relative.position, near.bounding_radius() + margin + in.reach, first, out);
 }
 
+/// Asks for what the next pairs read of their second bodies, which lie apart (the first one stays): without this 1000
+/// stones wait for it in a sixth of their narrow phase. Two ahead where the shape is, one ahead what it points to.
+template <class B>
+void look_ahead(const BatchInput& in, std::span<const Pair> pairs, std::size_t k) {
+  const std::vector<B>& bs = in.shapes.of<B>();
+  const auto second = [&](std::size_t i) -> const B& { return bs[ShapeRef{in.world.shape[pairs[i].b]}.index()]; };
+  if (k + 2 < pairs.size()) prefetch(&second(k + 2), sizeof(B));
+  if (k + 1 >= pairs.size() || (!in.resting.empty() && in.resting[k + 1].count > 0)) return;  // at rest it is not read
+  second(k + 1).prefetch();
+  if (!in.caches.empty()) prefetch(&in.caches[k + 1], sizeof(PairCache));
+}
+
 /// The pairs of a run, one after the other.
 template <class A, class B>
 void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
@@ -168,6 +181,7 @@ void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink
   const std::vector<B>& bs = in.shapes.of<B>();
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Pair& p = pairs[k];
+    if constexpr (requires(const B& b) { b.prefetch(); }) look_ahead<B>(in, pairs, k);
     sink.begin(p.a, p.b, p.image >> 8);
     std::span<const std::uint32_t> triangles;
     if constexpr (MeshShape<A> || MeshShape<B>)

@@ -8,6 +8,8 @@
 #include <map>
 #include <numeric>
 
+#include "engine/prefetch.h"
+
 namespace epafi {
 namespace {
 
@@ -149,11 +151,20 @@ void flatten(const Faces& rows, std::vector<std::uint32_t>& begin, std::vector<s
 void find_topology(ConvexHull& hull, const Faces& faces, const DirectedEdges& edges) {
   flatten(faces, hull.face_begin, hull.face_vertices);
   Faces neighbours(hull.vertices.size()), fans(hull.vertices.size());
-  for (const auto& [edge, face] : edges) {
-    neighbours[edge.first].push_back(edge.second);
-    fans[edge.first].push_back(face);
-    if (edge.first < edge.second)
-      hull.edges.push_back({edge.first, edge.second, face, edges.at({edge.second, edge.first})});
+  const auto before = [&](std::uint32_t vertex, std::uint32_t face) {
+    const auto& loop = faces[face];
+    const auto at = std::ranges::find(loop, vertex);
+    return at == loop.begin() ? loop.back() : *(at - 1);
+  };
+  for (const auto& [edge, first] : edges) {
+    const auto [from, to] = edge;
+    if (from < to) hull.edges.push_back({from, to, first, edges.at({to, from})});
+    if (!fans[from].empty()) continue;
+    std::uint32_t next = to, face = first;
+    do {
+      neighbours[from].push_back(next), fans[from].push_back(face);
+      next = before(from, face), face = edges.at({from, next});
+    } while (next != to);
   }
   flatten(neighbours, hull.neighbour_begin, hull.neighbours);
   flatten(fans, hull.fan_begin, hull.fans);
@@ -289,6 +300,11 @@ ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
   hull.lanes = lanes_of(hull.view());
   find_starts(hull);
   return built;
+}
+
+void ConvexHull::prefetch() const {
+  const auto all = [](const auto& column) { epafi::prefetch(column.data(), column.size() * sizeof(column[0])); };
+  all(lanes.faces), all(lanes.vertices), all(vertices), all(face_normals);
 }
 
 PolyhedronView ConvexHull::view() const {

@@ -28,8 +28,9 @@ struct PolyhedronView {
   std::span<const Vec3> face_normals;                        ///< unit, outward
   std::span<const double> face_offsets;                      ///< normal . x = offset on the face [m]
   std::span<const HullEdge> edges;
-  std::span<const std::uint32_t> neighbour_begin, neighbours;  ///< CSR: vertices joined by an edge
-  std::span<const std::uint32_t> fan_begin, fans;              ///< CSR: faces around each vertex
+  /// CSR of vertices joined by an edge, counter-clockwise around each vertex seen from outside.
+  std::span<const std::uint32_t> neighbour_begin, neighbours;
+  std::span<const std::uint32_t> fan_begin, fans;  ///< CSR of the faces, face k left of the edge to neighbour k
   double radius = 0.0;                                         ///< of the sphere about the origin that contains it [m]
   double inner_radius = 0.0;                                   ///< of the sphere about the origin that it contains [m]
   const BoxFrame* box = nullptr;                               ///< where it is a box
@@ -68,6 +69,8 @@ struct ConvexHull {
 
   static Entry entry();
 
+  /// Asks for what a pair of polyhedra reads of this one.
+  void prefetch() const;
   double bounding_radius() const { return radius + sweep; }
   Aabb bounding_box(const Pose& pose) const;
   /// Of the core polyhedron: the sweep is taken as a thin skin without mass.

@@ -1,5 +1,7 @@
 #include "detection/shapes/convex_hull.h"
 
+#include <algorithm>
+
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 
@@ -37,6 +39,28 @@ TEST_CASE("each edge lies between its two faces", "[detection][hull]") {
       }
       // Left normal x right normal runs along the edge: what the Gauss arcs rely on.
       CHECK(h.face_normals[e.left].cross(h.face_normals[e.right]).dot(h.vertices[e.to] - h.vertices[e.from]) > 0.0);
+    }
+  }
+}
+
+TEST_CASE("neighbours and faces go round each vertex counter-clockwise", "[detection][hull]") {
+  Random random(45, 0);
+  for (int k = 0; k < 10; ++k) {
+    const ConvexHull h = support::random_hull(random, 8 + static_cast<std::size_t>(9 * k));
+    CHECK(h.neighbour_begin == h.fan_begin);
+    CHECK(h.fans.size() == 2 * h.edges.size());
+    for (std::uint32_t v = 0; v < h.vertices.size(); ++v) {
+      const std::uint32_t begin = h.fan_begin[v], count = h.fan_begin[v + 1] - begin;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t to = h.neighbours[begin + i], from = h.neighbours[begin + (i + 1) % count];
+        const std::uint32_t f = h.fans[begin + i];  // its loop comes from the one and goes to the other
+        std::vector<std::uint32_t> loop(h.face_vertices.begin() + h.face_begin[f],
+                                        h.face_vertices.begin() + h.face_begin[f + 1]);
+        std::ranges::rotate(loop, std::ranges::find(loop, v));
+        CHECK(loop[0] == v);
+        CHECK(loop[1] == to);
+        CHECK(loop.back() == from);
+      }
     }
   }
 }
