@@ -303,6 +303,8 @@ ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
 }
 
 void ConvexHull::prefetch() const {
+  constexpr std::size_t small_hull = 40;  // vertices: these columns of more would fill over a fifth of the first cache
+  if (vertices.size() > small_hull) return;
   const auto all = [](const auto& column) { epafi::prefetch(column.data(), column.size() * sizeof(column[0])); };
   all(lanes.faces), all(lanes.vertices), all(vertices), all(face_normals);
 }
