@@ -12,9 +12,9 @@ constexpr std::size_t most_faces = NearFaces::most;
 // rounding cannot make two sets right; between them it is looked for at the middle.
 constexpr double within = 1.9, middle = 1.95, beyond = 2.0;
 
-/// A convex polygon of a fixed room.
+/// A convex polygon of a fixed room. Each cut adds one corner at most, and a facet is cut by the planes of both bodies.
 struct Polygon {
-  static constexpr std::size_t most = 24;
+  static constexpr std::size_t most = 32, most_of_facet = most - 2 * most_faces;
   std::size_t count = 0;
   std::array<Vec3, most> corner;
   std::uint32_t own = 0;  ///< bits: corners that no cut has made
@@ -26,7 +26,7 @@ struct Polygon {
   }
 };
 
-/// What is left of the polygon below the plane: itself where that is all, or `other`. Each cut adds one corner at most.
+/// What is left of the polygon below the plane: itself where that is all, or `other`.
 const Polygon* cut(const Plane& plane, const Polygon* from, Polygon& other) {
   std::array<double, Polygon::most> above;
   double lowest = infinity, highest = -infinity;
@@ -81,6 +81,7 @@ struct Scratch {
   Side a, b;
   Cutter cutter;
   std::vector<Vec3> corners, in_b;
+  std::vector<double> highest;  ///< by face: of a corner above it [m]
 };
 Scratch& scratch() {
   static thread_local Scratch s;  // results do not depend on it
@@ -123,7 +124,7 @@ bool take_faces(const PolyhedronView& p, std::span<const std::uint16_t> faces, c
     const std::uint32_t f = side.face[i] = faces[i];
     if (!(f < p.face_normals.size())) return false;  // of another part of the body
     const std::uint32_t begin = p.face_begin[f], count = p.face_begin[f + 1] - begin;
-    if (count + most_faces > Polygon::most) return false;
+    if (count > Polygon::most_of_facet) return false;
     const Vec3 normal = turn(p.face_normals[f]);
     Polygon& polygon = side.facet[i];
     polygon.count = count, polygon.own = (1u << count) - 1;
@@ -219,21 +220,21 @@ bool add_field(const Side& own, const Side& other, bool of_a, double least, Scra
 }
 
 /// Of one body; corners in its axes. False where there are too many.
-bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, std::uint8_t& count,
+bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, Scratch& s, std::uint8_t& count,
                   std::array<std::uint16_t, most_faces>& out) {
-  const auto range = [&](std::size_t f) {
+  double bound = infinity;
+  s.highest.clear();
+  for (std::size_t f = 0; f < p.face_normals.size(); ++f) {
     double low = infinity, high = -infinity;
     for (const Vec3& x : corners) {
       const double above = p.face_normals[f].dot(x) - p.face_offsets[f];
       low = std::min(low, above), high = std::max(high, above);
     }
-    return std::pair(low, high);
-  };
-  double bound = infinity;
-  for (std::size_t f = 0; f < p.face_normals.size(); ++f) bound = std::min(bound, -range(f).first);
+    bound = std::min(bound, -low), s.highest.push_back(high);
+  }
   count = 0;
   for (std::size_t f = 0; f < p.face_normals.size(); ++f) {
-    if (!(-range(f).second < middle * bound)) continue;
+    if (!(-s.highest[f] < middle * bound)) continue;
     if (count == most_faces || f > 0xffffu) return false;
     out[count++] = static_cast<std::uint16_t>(f);
   }
@@ -244,10 +245,11 @@ bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, std::u
 
 NearFaces near_faces(const PolyhedronPair& pair, std::span<const Vec3> corners) {
   NearFaces out;
-  std::vector<Vec3>& in_b = scratch().in_b;
-  in_b.clear();
-  for (const Vec3& x : corners) in_b.push_back(pair.rotation.transpose() * (x - pair.offset));
-  const bool few = collect_near(pair.a, corners, out.count_a, out.a) && collect_near(pair.b, in_b, out.count_b, out.b);
+  Scratch& s = scratch();
+  s.in_b.clear();
+  for (const Vec3& x : corners) s.in_b.push_back(pair.rotation.transpose() * (x - pair.offset));
+  const bool few =
+      collect_near(pair.a, corners, s, out.count_a, out.a) && collect_near(pair.b, s.in_b, s, out.count_b, out.b);
   const bool written_down = std::min(out.count_a, out.count_b) < 2 || std::max(out.count_a, out.count_b) < 3;
   if (!few || written_down) out.count_a = out.count_b = 0;
   return out;
