@@ -91,13 +91,13 @@ void ClippedSolid::assign(const ClippedSolid& other) {
 /// Where the edge leaves; each edge is met from both of its faces and gets one point.
 std::uint32_t ClippedSolid::crossing(std::uint32_t inside, std::uint32_t outside) {
   const std::uint64_t edge = std::uint64_t{inside} << 32 | outside;
-  for (std::size_t k = 0; k < crossings_.size(); ++k)
+  const std::size_t known = next_count_ - kept_;
+  for (std::size_t k = 0; k < known; ++k)
     if (crossings_[k] == edge) return kept_ + static_cast<std::uint32_t>(k);
   const double p = above_[inside], q = above_[outside];  // p <= 0 < q
   const Vec3 from = point(inside);
   append(from + p / (p - q) * (point(outside) - from));
-  crossings_.push_back(edge);
-  cap_next_.push_back(unnamed);
+  crossings_[known] = edge, cap_next_[known] = unnamed;
   return static_cast<std::uint32_t>(next_count_ - 1);
 }
 
@@ -128,7 +128,7 @@ std::uint32_t* ClippedSolid::cut_face(const std::uint32_t* begin, const std::uin
 
 /// One face for each closed chain of cuts.
 std::uint32_t* ClippedSolid::close_cuts(std::uint32_t* out) {
-  for (std::uint32_t start = 0; start < cap_next_.size(); ++start) {
+  for (std::uint32_t start = 0; start < next_count_ - kept_; ++start) {
     std::uint32_t* const face = out;
     for (std::uint32_t p = start; cap_next_[p] != unnamed;) {
       *out++ = p + kept_;
@@ -187,8 +187,7 @@ void ClippedSolid::keep_inside() {
 void ClippedSolid::cut() {
   const std::size_t corners = now_.begin[faces_];
   make_room(count_ + corners, 2 * faces_ + 1, 4 * corners);  // each corner may add a cut to its face and one to the cap
-  at_least(new_name_, count_);
-  crossings_.clear(), cap_next_.clear();
+  at_least(new_name_, count_), at_least(crossings_, corners), at_least(cap_next_, corners);
   keep_inside();
   std::uint32_t* out = next_.corners.data();
   for (std::size_t f = 0; f < faces_; ++f) {
