@@ -38,7 +38,7 @@ void ContactSet::give_back() {
   trim(effective_radius), trim(area), trim(force), trim(moment);
 }
 
-/// Flattened: of eight columns GCC leaves five to calls.
+/// Flattened: GCC leaves columns of names and numbers to calls, 2 % of a step of stones.
 [[gnu::flatten]] void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
   a.push_back(slot_a), b.push_back(slot_b), feature.push_back(c.feature);
   gap.push_back(c.gap), normal.push_back(c.normal), arm.push_back(c.arm);

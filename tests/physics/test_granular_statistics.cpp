@@ -292,7 +292,7 @@ TEST_CASE("the floor of a silo carries what Janssen said, whatever stands above 
 TEST_CASE("discharge through a hole goes like (D - k d)^2.5 (case A38)", "[physics][granular][A38][slow]") {
   struct Hole {
     int size;
-    double from, to;  // [s]; through small holes few grains run, and it takes them longer to run as fast as they will
+    double from, to;  // [s]; longer where few grains run
   };
   std::vector<double> size, rate;
   for (const Hole& hole : {Hole{6, 0.85, 2.35}, Hole{8, 0.6, 1.35}, Hole{10, 0.35, 1.85}, Hole{12, 0.35, 0.85}}) {
