@@ -56,35 +56,60 @@ struct alignas(64) Counter {
   std::size_t value;
 };
 
-/// Pieces [0, n) shared out over threads: each has a run of neighbours, the same in every loop over as many, so that
-/// what it wrote is near it, and helps the others when it is through.
+/// Pieces [0, n), n below 2^31, shared out over threads: each has a run of neighbours, the same in every loop over as
+/// many, so that what it wrote is near it, and goes through it from the front. Who is through helps the others from
+/// their backs: a core slower than others gives away the same pieces in every loop, and they stay near the one that
+/// helps. (Taken from the front, where the slower one happens to be, they moved to and fro: contacts of 20 000 spheres
+/// in free fall, two threads, one core at two thirds of the other's speed, 0.165 s, so 0.144.) Of a run whose thread
+/// has not come, helpers take the front: a piece never waits for earlier ones that nobody is at.
 class Runs {
  public:
-  /// next: one for each run, of whoever calls; they outlive this.
-  Runs(std::size_t n, std::span<Counter> next) : n_(n), next_(next) {}
+  /// left: one for each run, of whoever calls; they outlive this.
+  Runs(std::size_t n, std::span<Counter> left) : n_(n), left_(left) {}
   void start() const {
-    for (std::size_t p = 0; p < next_.size(); ++p) next_[p].value = n_ * p / next_.size();
+    for (std::size_t p = 0; p < left_.size(); ++p)
+      left_[p].value = n_ * p / left_.size() | n_ * (p + 1) / left_.size() << 32;
   }
-  /// f(piece) for those the calling thread takes, each run from its beginning on.
+  /// f(piece) for those the calling thread takes.
   template <class F>
   void each(std::size_t thread, const F& f) const {
-    for (std::size_t k = 0; k < next_.size(); ++k) {
-      const std::size_t p = (thread + k) % next_.size(), end = n_ * (p + 1) / next_.size();
-      const std::atomic_ref place(next_[p].value);
-      for (std::size_t i; (i = place.fetch_add(1, std::memory_order_relaxed)) < end;) f(i);
+    const std::atomic_ref own(left_[thread % left_.size()].value);
+    own.fetch_or(has_come, std::memory_order_relaxed);
+    for (;;) {
+      const std::size_t left = own.fetch_add(1, std::memory_order_relaxed);
+      if (front(left) >= back(left)) break;
+      f(front(left));
     }
+    for (std::size_t k = 1; k < left_.size(); ++k) help(left_[(thread + k) % left_.size()], f);
   }
 
  private:
+  // What nobody has taken yet of a run: its first piece in the lower half, its end in the upper one below the last bit.
+  static constexpr std::size_t has_come = std::size_t{1} << 63, one_at_the_back = std::size_t{1} << 32;
+  static std::size_t front(std::size_t left) { return left & 0xffffffff; }
+  static std::size_t back(std::size_t left) { return (left & ~has_come) >> 32; }
+
+  template <class F>
+  static void help(Counter& run, const F& f) {
+    const std::atomic_ref other(run.value);
+    for (std::size_t left = other.load(std::memory_order_relaxed); front(left) < back(left);) {
+      const bool here = (left & has_come) != 0;
+      const std::size_t rest = here ? left - one_at_the_back : left + 1;
+      if (!other.compare_exchange_weak(left, rest, std::memory_order_relaxed)) continue;
+      f(here ? back(rest) : front(left));
+      left = other.load(std::memory_order_relaxed);
+    }
+  }
+
   std::size_t n_;
-  std::span<Counter> next_;
+  std::span<Counter> left_;
 };
 
 /// Runs of one loop, with their own counters.
 class LoopRuns {
  public:
   explicit LoopRuns(std::size_t n)
-      : runs_(n, std::span(next_).first(std::min(next_.size(), static_cast<std::size_t>(thread_count())))) {
+      : runs_(n, std::span(left_).first(std::min(left_.size(), static_cast<std::size_t>(thread_count())))) {
     runs_.start();
   }
   LoopRuns(const LoopRuns&) = delete;
@@ -95,7 +120,7 @@ class LoopRuns {
   }
 
  private:
-  std::array<Counter, 256> next_;
+  std::array<Counter, 256> left_;
   Runs runs_;
 };
 

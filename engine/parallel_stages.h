@@ -33,17 +33,16 @@ void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piec
   }
   const SharedOut meter(true);
   std::vector<Counter>& counters = block_results<Counter>(stages * (threads + 1), Counter{});
-  const std::span next(counters.data(), stages * threads), done(counters.data() + stages * threads, stages);
-  const auto runs = [&](std::size_t s) { return Runs(pieces(s), next.subspan(s * threads, threads)); };
+  const std::span left(counters.data(), stages * threads), done(counters.data() + stages * threads, stages);
+  const auto runs = [&](std::size_t s) { return Runs(pieces(s), left.subspan(s * threads, threads)); };
   for (std::size_t s = 0; s < stages; ++s) runs(s).start();
   parallel_team([&](std::size_t thread) {
     for (std::size_t s = 0; s < stages; ++s) {
       if (s > 0) parallel_detail::wait_for(done[s - 1], pieces(s - 1));
+      std::size_t mine = 0;  // counted once: each count of a piece would fetch the line from the other cores
+      runs(s).each(thread, [&](std::size_t i) { f(s, i * piece(s), std::min(size(s), (i + 1) * piece(s))), ++mine; });
       const std::atomic_ref finished(done[s].value);
-      runs(s).each(thread, [&](std::size_t i) {
-        f(s, i * piece(s), std::min(size(s), (i + 1) * piece(s)));
-        if (finished.fetch_add(1, std::memory_order_release) + 1 == pieces(s)) finished.notify_all();
-      });
+      if (mine > 0 && finished.fetch_add(mine, std::memory_order_release) + mine == pieces(s)) finished.notify_all();
     }
   });
 }

@@ -40,6 +40,32 @@ TEST_CASE("every index is visited once, for every length and thread count", "[en
   }
 }
 
+TEST_CASE("a run is gone through from its front, helped from its back, and from its front where nobody has come",
+          "[engine][parallel]") {
+  std::vector<Counter> left(3);
+  const Runs runs(13, left);  // pieces 0 to 3, 4 to 7 and 8 to 12
+  runs.start();
+  std::vector<std::size_t> seen;
+  SECTION("one thread alone") {
+    runs.each(1, [&](std::size_t i) { seen.push_back(i); });
+    CHECK(seen == std::vector<std::size_t>{4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 1, 2, 3});
+  }
+  SECTION("another comes when the first is at its second piece") {
+    runs.each(2, [&](std::size_t i) {
+      seen.push_back(i);
+      if (i == 9) runs.each(1, [&](std::size_t k) { seen.push_back(k); });
+    });
+    CHECK(seen == std::vector<std::size_t>{8, 9, 4, 5, 6, 7, 12, 11, 10, 0, 1, 2, 3});
+  }
+  SECTION("the owner comes when others have begun") {
+    runs.each(1, [&](std::size_t i) {
+      seen.push_back(i);
+      if (i == 8) runs.each(2, [&](std::size_t k) { seen.push_back(k); });
+    });
+    CHECK(seen == std::vector<std::size_t>{4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 1, 2, 3});
+  }
+}
+
 TEST_CASE("a wavefront finishes each part once, by its finder and after all its sources",
           "[engine][parallel][threads]") {
   const support::KeepThreads keep;
