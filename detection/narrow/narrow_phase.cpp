@@ -19,7 +19,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {
-  block.pairs.clear(), block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear(), block.known.clear();
+  block.pairs.clear(), block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear();
   const PairTable& table = pair_table();
   const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
   bool remembers = false;
@@ -38,41 +38,40 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
     remembers = remembers || cell->remembers;
   }
   block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
-  block.caches.assign(remembers ? block.pairs.size() : 0, PairCache{});
-  block.resting.assign(seconds_ > 0.0 ? block.caches.size() : 0, RestingPatch{});
+  Memory& memory = block.memory;
+  memory.known.clear();
   if (remembers)
-    for (const Pair& p : block.pairs) block.known.push_back({p, world.shape[p.a], world.shape[p.b]});
-  find_caches(block);
+    for (const Pair& p : block.pairs) memory.known.push_back({p, world.shape[p.a], world.shape[p.b]});
+  memory.caches.assign(memory.known.size(), PairCache{});
+  memory.resting.assign(seconds_ > 0.0 ? memory.known.size() : 0, RestingPatch{});
+  find_memory(memory);
 }
 
-void BatchNarrowPhase::keep_caches() {
+/// Blocks get what the list before the last left in exchange: room for the next one.
+void BatchNarrowPhase::keep_memory() {
   if (std::exchange(restored_, false)) return;
-  if (!known_) return old_known_.clear();  // slots were renamed
-  const auto join = [&](auto column, auto& out) {
-    std::vector<std::size_t>& place = block_results<std::size_t>(blocks_.size() + 1, 0);
-    for (std::size_t i = 0; i < blocks_.size(); ++i) place[i + 1] = place[i] + (blocks_[i].*column).size();
-    out.resize(place.back());
-    const auto copy = [&](std::size_t i) {
-      const auto& from = blocks_[i].*column;
-      std::copy(from.begin(), from.end(), out.begin() + static_cast<std::ptrdiff_t>(place[i]));
-    };
-    parallel_for(blocks_.size(), copy, 1);
-  };
-  join(&Block::known, old_known_), join(&Block::caches, old_caches_), join(&Block::resting, old_resting_);
+  if (!known_) return old_.clear();  // slots were renamed
+  std::size_t kept = 0;
+  old_.resize(blocks_.size());
+  for (Block& block : blocks_)
+    if (!block.memory.known.empty()) std::swap(old_[kept++], block.memory);
+  old_.resize(kept);
 }
 
 /// Both lists are sorted: one merge.
-void BatchNarrowPhase::find_caches(Block& block) const {
-  if (old_known_.empty() || block.known.empty()) return;
-  auto old = std::lower_bound(old_known_.begin(), old_known_.end(), block.known.front().pair,
-                              [](const Known& k, const Pair& p) { return k.pair < p; });
-  for (std::size_t k = 0; k < block.known.size(); ++k) {
-    while (old != old_known_.end() && old->pair < block.known[k].pair) ++old;
-    if (old == old_known_.end()) return;
-    if (!(*old == block.known[k])) continue;
-    const auto at = static_cast<std::size_t>(old - old_known_.begin());
-    block.caches[k] = old_caches_[at];
-    if (!block.resting.empty()) block.resting[k] = old_resting_[at];
+void BatchNarrowPhase::find_memory(Memory& memory) const {
+  if (memory.known.empty()) return;
+  const Pair first = memory.known.front().pair;
+  const auto ends_before = [&](const Memory& m) { return m.known.back().pair < first; };
+  auto old = std::partition_point(old_.begin(), old_.end(), ends_before);
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < memory.known.size(); ++k) {
+    while (old != old_.end() && old->known[at].pair < memory.known[k].pair)
+      if (++at == old->known.size()) ++old, at = 0;
+    if (old == old_.end()) return;
+    if (!(old->known[at] == memory.known[k])) continue;
+    memory.caches[k] = old->caches[at];
+    if (!memory.resting.empty()) memory.resting[k] = old->resting[at];
   }
 }
 
@@ -84,9 +83,9 @@ void BatchNarrowPhase::collide_block(const World& world, Block& block) {
     if (!run.cell->batch) continue;
     const std::size_t count = run.end - run.begin;
     BatchInput input{shapes_, world, reach_, curvature_, {}, {}, block.triangles, area_, motion_, least_reach_};
-    if (run.cell->remembers) input.caches = std::span(block.caches).subspan(run.begin, count);
-    if (run.cell->remembers && !block.resting.empty())
-      input.resting = std::span(block.resting).subspan(run.begin, count);
+    if (run.cell->remembers) input.caches = std::span(block.memory.caches).subspan(run.begin, count);
+    if (run.cell->remembers && !block.memory.resting.empty())
+      input.resting = std::span(block.memory.resting).subspan(run.begin, count);
     if (run.cell->candidates) input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin, count + 1);
     run.cell->batch(input, std::span(block.pairs).subspan(run.begin, count), sink);
   }
@@ -136,7 +135,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
   foresee_motion(world);
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
-    keep_caches();
+    keep_memory();
     blocks_.resize((n + block_size - 1) / block_size);
     generation_ = list.generation, pairs_ = n, known_ = true;
   }
@@ -151,16 +150,19 @@ void BatchNarrowPhase::visit(StateVisitor& visitor) {
   if (!(seconds_ > 0.0)) return;
   std::vector<Known> pairs;
   std::vector<RestingPatch> resting;
-  if (restored_) pairs = old_known_, resting = old_resting_;
+  if (restored_ && !old_.empty()) pairs = old_.front().known, resting = old_.front().resting;
   for (const Block& block : known_ ? std::span<const Block>(blocks_) : std::span<const Block>()) {
-    for (std::size_t k = 0; k < block.resting.size(); ++k)
-      if (block.resting[k].count > 0) pairs.push_back(block.known[k]), resting.push_back(block.resting[k]);
+    const Memory& memory = block.memory;
+    for (std::size_t k = 0; k < memory.resting.size(); ++k)
+      if (memory.resting[k].count > 0) pairs.push_back(memory.known[k]), resting.push_back(memory.resting[k]);
   }
   const std::vector<Known> pairs_here = pairs;
   const std::vector<RestingPatch> resting_here = resting;
   visitor.column("narrow_phase/pair", pairs), visitor.column("narrow_phase/resting", resting);
   if (same_bytes(pairs, pairs_here) && same_bytes(resting, resting_here)) return;  // it was saved, or nothing is new
-  old_known_.swap(pairs), old_resting_.swap(resting), old_caches_.assign(old_known_.size(), PairCache{});
+  std::vector<PairCache> caches(pairs.size());
+  old_.clear();
+  if (!pairs.empty()) old_.push_back({std::move(pairs), std::move(caches), std::move(resting)});
   restored_ = true, known_ = false;
 }
 

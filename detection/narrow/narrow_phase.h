@@ -42,22 +42,26 @@ class BatchNarrowPhase : public NarrowPhase {
     std::uint32_t shape_a, shape_b;
     bool operator==(const Known&) const = default;
   };
+  /// What a block's pairs remember, in their order, and whom it belongs to, to be found again in the next list.
+  struct Memory {
+    std::vector<Known> known;
+    std::vector<PairCache> caches;      ///< where a cell remembers; shortcuts only, so not state
+    std::vector<RestingPatch> resting;  ///< the same, where the reach follows motion
+  };
   /// What is derived from the pair list lasts until its next generation; the contacts last one step.
   struct Block {
     std::vector<Pair> pairs;  ///< those of the list but bodies near no triangle of a mesh
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
-    std::vector<PairCache> caches;      ///< of the block's pairs, where a cell remembers; shortcuts only, so not state
-    std::vector<RestingPatch> resting;  ///< the same, where the reach follows motion
-    std::vector<Known> known;           ///< whom the caches belong to, to find them again in the next list
+    Memory memory;                                         ///< empty where no cell remembers
     ContactSet contacts;
     std::size_t first = 0;  ///< index of the block's first contact in the whole set
     std::size_t degenerate = 0;
   };
 
   void prepare(const World& world, const PairList& pairs, Block& block, std::size_t begin, std::size_t end);
-  void keep_caches();
-  void find_caches(Block& block) const;
+  void keep_memory();
+  void find_memory(Memory& memory) const;
   void collide_block(const World& world, Block& block);
   void join(ContactSet& contacts);
   void foresee_motion(const World& world);
@@ -67,15 +71,12 @@ class BatchNarrowPhase : public NarrowPhase {
   std::vector<double> motion_;  ///< by slot; empty where the reach does not follow it
   bool curvature_, area_;
   bool known_ = false;     ///< the runs belong to `generation_`
-  bool restored_ = false;  ///< the next list finds its resting patches in `old_resting_`
+  bool restored_ = false;  ///< the next list finds its resting patches in `old_`
   std::uint64_t generation_ = 0;
   std::size_t pairs_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
-  /// Of the last list, in order, with their caches: filled while a new list is prepared.
-  std::vector<Known> old_known_;
-  std::vector<PairCache> old_caches_;
-  std::vector<RestingPatch> old_resting_;
+  std::vector<Memory> old_;  ///< of the last list's blocks, in order, none empty
 };
 
 }  // namespace epafi
