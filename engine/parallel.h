@@ -60,7 +60,7 @@ struct alignas(64) Counter {
 /// many, so that what it wrote is near it, and goes through it from the front. Who is through helps the others from
 /// their backs: a core slower than others gives away the same pieces in every loop, and they stay near the one that
 /// helps. (Taken from the front, where the slower one happens to be, they moved to and fro: contacts of 20 000 spheres
-/// in free fall, two threads, one core at two thirds of the other's speed, 0.165 s, so 0.144.) Of a run whose thread
+/// in free fall, two threads, one core at two thirds of the other's speed, 0.152 s, so 0.135.) Of a run whose thread
 /// has not come, helpers take the front: a piece never waits for earlier ones that nobody is at.
 class Runs {
  public:
