@@ -53,6 +53,31 @@ void ContactSet::append(const ContactSet& other) {
       join(area, other.area);
 }
 
+void ContactSet::renew(std::size_t size) {
+  const auto make = [size](auto& column, bool is_filled = true) {
+    column.clear();
+    if (is_filled && column.capacity() < size) column.reserve(size + size / 8);
+    column.resize(is_filled ? size : 0);
+  };
+  make(a), make(b), make(feature), make(gap), make(normal), make(arm), make(force);
+  make(effective_radius, with_curvature), make(area, with_area), make(moment, with_moment);
+}
+
+void ContactSet::put(std::size_t i, Slot slot_a, Slot slot_b, const ContactPoint& c, const Vec3& on_a,
+                     const Vec3& moment_on_a) {
+  a[i] = slot_a, b[i] = slot_b, feature[i] = c.feature;
+  gap[i] = c.gap, normal[i] = c.normal, arm[i] = c.arm, force[i] = on_a;
+  if (with_curvature) effective_radius[i] = c.effective_radius;
+  if (with_area) area[i] = c.area;
+  if (with_moment) moment[i] = moment_on_a;
+}
+
+void ContactSet::put(std::size_t i, const ContactSet& from, std::size_t k) {
+  const ContactPoint c{from.gap[k], from.normal[k], from.arm[k], with_curvature ? from.effective_radius[k] : 0.0,
+                       from.feature[k], with_area ? from.area[k] : 0.0};
+  put(i, from.a[k], from.b[k], c, from.force[k], with_moment ? from.moment[k] : Vec3(Vec3::Zero()));
+}
+
 void ContactSet::sort() {
   if (a.empty()) return;
   // by A first: slots are few and dense, so counting does it; what is left are runs of a handful

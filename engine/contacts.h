@@ -91,6 +91,10 @@ struct ContactSet {
   /// Gives back the room that a larger set left behind, where it is more than a few megabytes.
   void give_back();
   void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
+  /// `size` contacts in place of those that are there, each to be put; a few more next time find room.
+  void renew(std::size_t size);
+  void put(std::size_t i, Slot slot_a, Slot slot_b, const ContactPoint& c, const Vec3& on_a, const Vec3& moment_on_a);
+  void put(std::size_t i, const ContactSet& from, std::size_t k);
   /// Canonical order, with force and moment where they are filled.
   void sort();
   /// Appends all of `other` behind this.

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <memory>
 
 #include "engine/error.h"
 #include "engine/parallel_order.h"
-#include "viz_export/frame_columns.h"
 #include "viz_export/write_at_once.h"
 
 namespace epafi {
@@ -41,14 +40,13 @@ VtpCells cells_of(FrameColumns& rows, std::int32_t corners) {
   });
   out.offsets = rows.add<std::int32_t>(
       1, [corners](std::size_t k, std::int32_t* to) { *to = static_cast<std::int32_t>(k + 1) * corners; });
-  require_countable(out.connectivity.size());
   return out;
 }
 
 }  // namespace
 
-PolyData draw_spheres(const BodyList& bodies, double time) {
-  FrameColumns rows(bodies.size());
+PolyData draw_spheres(const BodyList& bodies, double time, FrameRows of) {
+  FrameColumns rows(of);
   PolyData d;
   d.time = time;
   d.points = rows.vectors([&](std::size_t k) { return bodies.position(k); });
@@ -97,14 +95,14 @@ PolyData draw_surfaces(const BodyList& bodies, double time) {
         }
       },
       16);
-  FrameColumns polygons(owner.size());
+  FrameColumns polygons({0, owner.size()});
   d.cell_data = body_columns(bodies, polygons, [&](std::size_t f) { return owner[f]; });
-  polygons.fill();
+  polygons.fill_by_all();
   return d;
 }
 
-PolyData draw_contacts(const ContactList& c, double time) {
-  FrameColumns rows(c.size());
+PolyData draw_contacts(const ContactList& c, double time, FrameRows of) {
+  FrameColumns rows(of);
   PolyData d;
   d.time = time;
   d.points = rows.add<float>(6, [&](std::size_t k, float* to) { FrameColumns::put(c.from(k), to), FrameColumns::put(c.to(k), to + 3); });
@@ -139,12 +137,15 @@ FrameWriter::FrameWriter(std::filesystem::path folder, double time) : FrameWrite
 struct FrameWriter::Entry {
   int part;
   std::string file;
-  std::optional<VtpFile> content = std::nullopt;
+  std::function<void(const std::filesystem::path&)> write = {};
   std::vector<double> poses = {};  ///< of walls
 };
 
-FrameWriter::Entry FrameWriter::entry(int part, const char* kind, PolyData data, VtpEncoding encoding) const {
-  return {part, fmt::format("frames/{}_{:06d}.vtp", kind, next_), VtpFile(std::move(data), encoding)};
+std::string FrameWriter::file_of(const char* kind) const { return fmt::format("frames/{}_{:06d}.vtp", kind, next_); }
+
+FrameWriter::Entry FrameWriter::surfaces_entry(int part, const char* kind, const BodyList& bodies, double time) const {
+  auto content = std::make_shared<const VtpFile>(draw_surfaces(bodies, time));
+  return {part, file_of(kind), [content](const std::filesystem::path& path) { content->write(path); }};
 }
 
 FrameWriter::Entry FrameWriter::walls_entry(const BodyList& walls, double time) const {
@@ -156,7 +157,7 @@ FrameWriter::Entry FrameWriter::walls_entry(const BodyList& walls, double time) 
     poses.insert(poses.end(), pose.orientation.coeffs().data(), pose.orientation.coeffs().data() + 4);
   }
   if (poses == wall_poses_ && !wall_file_.empty()) return {3, wall_file_};
-  Entry drawn = entry(3, "walls", draw_surfaces(walls, time), VtpEncoding::compressed);
+  Entry drawn = surfaces_entry(3, "walls", walls, time);
   drawn.poses = std::move(poses);
   return drawn;
 }
@@ -170,13 +171,21 @@ std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& b
   parallel_select(
       bodies.size(), [&](std::size_t k) { return !bodies.is_sphere(k); }, place, others);
   for (const std::uint32_t k : others) (bodies.is_wall(k) ? walls : solids).push_back(k);
+  const auto rows = [](std::size_t count, std::size_t corners, auto draw) {
+    require_countable(count * corners);
+    return [=](const std::filesystem::path& path) { write_vtp_rows(path, count, draw); };
+  };
+  using Row = std::size_t;
   std::vector<Entry> out;
   if (!spheres.empty())
-    out.push_back(entry(0, "spheres", draw_spheres(bodies.only(spheres), time), VtpEncoding::plain));
-  if (!solids.empty())
-    out.push_back(entry(1, "bodies", draw_surfaces(bodies.only(solids), time), VtpEncoding::compressed));
+    out.push_back({0, file_of("spheres"), rows(spheres.size(), 1, [time, list = bodies.only(spheres)](Row from, Row to) {
+                     return draw_spheres(list, time, {from, to});
+                   })});
+  if (!solids.empty()) out.push_back(surfaces_entry(1, "bodies", bodies.only(solids), time));
   // also none: readers count the parts of a frame
-  out.push_back(entry(2, "contacts", draw_contacts(contacts, time), VtpEncoding::plain));
+  out.push_back({2, file_of("contacts"), rows(contacts.size(), 2, [time, &contacts](Row from, Row to) {
+                   return draw_contacts(contacts, time, {from, to});
+                 })});
   if (!walls.empty()) out.push_back(walls_entry(bodies.only(walls), time));
   return out;
 }
@@ -195,9 +204,7 @@ void FrameWriter::write(double time, const BodyList& bodies, const ContactList& 
   std::vector<Entry> files = is_new ? draw(time, bodies, contacts) : std::vector<Entry>();
   write_at_once(files.size() + 1, [&](std::size_t k) {
     if (k == 0 && meanwhile) meanwhile();
-    if (k == 0 || !files[k - 1].content) return;
-    files[k - 1].content->write(folder_ / files[k - 1].file);
-    files[k - 1].content.reset();  // gives back 24 MB; behind the loop that took 1.3 ms of one thread
+    if (k > 0 && files[k - 1].write) files[k - 1].write(folder_ / files[k - 1].file);
   });
   if (!is_new) return;
   for (Entry& e : files) {

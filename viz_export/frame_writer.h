@@ -10,16 +10,17 @@
 #include "engine/state_visitor.h"
 #include "viz_export/body_record.h"
 #include "viz_export/contact_list.h"
-#include "viz_export/vtp_writer.h"
+#include "viz_export/frame_columns.h"
+#include "viz_export/pvd_file.h"
 
 namespace epafi {
 
 /// Centres with radius, id, material, speed, kinetic_energy, velocity, angular_velocity.
-PolyData draw_spheres(const BodyList& bodies, double time);
+PolyData draw_spheres(const BodyList& bodies, double time, FrameRows rows);
 /// Polygons in world axes, with id, material, speed, kinetic_energy and velocity on every polygon.
 PolyData draw_surfaces(const BodyList& bodies, double time);
 /// Lines with force, force_magnitude, normal_force, overlap, id_a, id_b.
-PolyData draw_contacts(const ContactList& contacts, double time);
+PolyData draw_contacts(const ContactList& contacts, double time, FrameRows rows);
 
 class FrameWriter {
  public:
@@ -38,7 +39,8 @@ class FrameWriter {
 
  private:
   struct Entry;
-  Entry entry(int part, const char* kind, PolyData data, VtpEncoding encoding) const;
+  std::string file_of(const char* kind) const;
+  Entry surfaces_entry(int part, const char* kind, const BodyList& bodies, double time) const;
   Entry walls_entry(const BodyList& walls, double time) const;
   std::vector<Entry> draw(double time, const BodyList& bodies, const ContactList& contacts) const;
   std::filesystem::path folder_;

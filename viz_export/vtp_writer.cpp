@@ -1,15 +1,16 @@
 #include "viz_export/vtp_writer.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <charconv>
-#include <fstream>
-#include <optional>
+#include <cerrno>
+#include <cstring>
 #include <span>
-#include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "engine/error.h"
 #include "engine/parallel.h"
@@ -58,57 +59,58 @@ std::string compress_blocks(Bytes data) {
   return out;
 }
 
-/// Collects the appended section while the XML head is written: each array is named by its offset.
-class Appended {
+/// Arrays in the order in which they stand in a file.
+std::vector<Bytes> arrays_of(const PolyData& d) {
+  std::vector<Bytes> out;
+  for (const auto* arrays : {&d.point_data, &d.cell_data})
+    for (const VtpArray& a : *arrays)
+      std::visit([&](const auto& values) { out.push_back(bytes_of(values)); }, a.values);
+  out.push_back(bytes_of(d.points));
+  for (const VtpCells* cells : {&d.vertices, &d.lines, &d.polygons})
+    out.push_back(bytes_of(cells->connectivity)), out.push_back(bytes_of(cells->offsets));
+  return out;
+}
+
+/// `rows` rows as large as `of` rows are.
+struct Multiple {
+  std::size_t rows = 1, of = 1;
+  std::size_t operator()(std::size_t n) const { return n / of * rows; }
+};
+
+/// Names each array by its offset in the appended section.
+class ArrayTags {
  public:
-  Appended(VtpEncoding encoding, std::vector<VtpPart>& parts) : encoding_(encoding), parts_(parts) {}
-  /// `data` must live as long as the parts.
-  std::size_t add(Bytes data) {
-    const std::size_t offset = size_;
-    std::string head;
-    if (encoding_ == VtpEncoding::compressed) {
-      head = compress_blocks(data);
-      data = {};
-    } else {
-      put_word(head, data.size());
+  explicit ArrayTags(std::vector<std::size_t> offsets) : offsets_(std::move(offsets)) {}
+  std::string array(const std::string& name, const char* type, int components) {
+    return fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)", type,
+                       name, components, offsets_[next_++]) +
+           "\n";
+  }
+  std::string cells(const char* tag) {
+    std::string out = fmt::format("<{}>\n", tag);
+    out += array("connectivity", "Int32", 1);  // one behind the other: of a + b either may be called first
+    out += array("offsets", "Int32", 1);
+    return out + fmt::format("</{}>\n", tag);
+  }
+  std::string data(const char* tag, const std::vector<VtpArray>& arrays, [[maybe_unused]] std::size_t tuples) {
+    std::string out = fmt::format("<{}>\n", tag);
+    for (const VtpArray& a : arrays) {
+      std::visit(
+          [&](const auto& values) {
+            EPAFI_REQUIRE(values.size() == tuples * static_cast<std::size_t>(a.components),
+                          "one tuple per point or cell");
+            using T = typename std::decay_t<decltype(values)>::value_type;
+            out += array(a.name, type_name(T{}), a.components);
+          },
+          a.values);
     }
-    size_ += head.size() + data.size();
-    parts_.push_back({std::move(head), data});
-    return offset;
+    return out + fmt::format("</{}>\n", tag);
   }
 
  private:
-  VtpEncoding encoding_;
-  std::vector<VtpPart>& parts_;
-  std::size_t size_ = 0;
+  std::vector<std::size_t> offsets_;  ///< in the order of arrays_of
+  std::size_t next_ = 0;
 };
-
-std::string array_tag(Appended& appended, const std::string& name, const char* type, int components, Bytes data) {
-  return fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)", type,
-                     name, components, appended.add(data)) +
-         "\n";
-}
-
-std::string cells_tag(Appended& appended, const char* tag, const VtpCells& cells) {
-  return fmt::format("<{}>\n", tag) + array_tag(appended, "connectivity", "Int32", 1, bytes_of(cells.connectivity)) +
-         array_tag(appended, "offsets", "Int32", 1, bytes_of(cells.offsets)) + fmt::format("</{}>\n", tag);
-}
-
-std::string data_tag(Appended& appended, const char* tag, const std::vector<VtpArray>& arrays, std::size_t tuples) {
-  std::string out = fmt::format("<{}>\n", tag);
-  for (const VtpArray& a : arrays) {
-    std::visit(
-        [&](const auto& values) {
-          EPAFI_REQUIRE(values.size() == tuples * static_cast<std::size_t>(a.components),
-                        "one tuple per point or cell");
-          using T = typename std::decay_t<decltype(values)>::value_type;
-          out += array_tag(appended, a.name, type_name(T{}), a.components, bytes_of(values));
-        },
-        a.values);
-  }
-  (void)tuples;
-  return out + fmt::format("</{}>\n", tag);
-}
 
 /// The opening tag of the raw data. VTK reads 4096 bytes at a time and stops at this tag, but expat since its repair of
 /// CVE-2023-52425 (Debian 12's 2.5.0-1+deb12u2) puts off an incomplete tag until its bytes have doubled: VTK 9.1 and ParaView 5.11
@@ -122,14 +124,10 @@ void begin_appended(std::string& head) {
   head.append(word).append(" encoding=\"raw\"").append(16, ' ').append(">\n_");
 }
 
-}  // namespace
-
-VtpFile::VtpFile(PolyData data, VtpEncoding encoding) : data_(std::move(data)) {
-  const PolyData& d = data_;
-  Appended appended(encoding, parts_);
-  const char* compressor = encoding == VtpEncoding::compressed ? R"( compressor="vtkZLibDataCompressor")" : "";
-  std::string& head = head_;
-  head = fmt::format(
+/// A file up to the raw data. `d` has the arrays, of that many rows; offsets in the order of arrays_of.
+std::string head_of(const PolyData& d, const char* compressor, std::vector<std::size_t> offsets, Multiple whole) {
+  ArrayTags tags(std::move(offsets));
+  std::string head = fmt::format(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{}>\n<PolyData>\n"
       "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
@@ -137,79 +135,106 @@ VtpFile::VtpFile(PolyData data, VtpEncoding encoding) : data_(std::move(data)) {
       "</FieldData>\n"
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
       "NumberOfPolys=\"{}\">\n",
-      compressor, d.time, d.point_count(), d.vertices.size(), d.lines.size(), d.polygons.size());
-  head += data_tag(appended, "PointData", d.point_data, d.point_count());
-  head += data_tag(appended, "CellData", d.cell_data, d.vertices.size() + d.lines.size() + d.polygons.size());
-  head += "<Points>\n" + array_tag(appended, "Points", "Float32", 3, bytes_of(d.points)) + "</Points>\n";
-  head += cells_tag(appended, "Verts", d.vertices) + cells_tag(appended, "Lines", d.lines);
-  head += cells_tag(appended, "Polys", d.polygons);
+      compressor, d.time, whole(d.point_count()), whole(d.vertices.size()), whole(d.lines.size()),
+      whole(d.polygons.size()));
+  head += tags.data("PointData", d.point_data, d.point_count());
+  head += tags.data("CellData", d.cell_data, d.vertices.size() + d.lines.size() + d.polygons.size());
+  head += "<Points>\n" + tags.array("Points", "Float32", 3) + "</Points>\n";
+  for (const char* cells : {"Verts", "Lines", "Polys"}) head += tags.cells(cells);
   head += "</Piece>\n</PolyData>\n";
   begin_appended(head);
+  return head;
+}
+
+constexpr std::string_view tail = "\n</AppendedData>\n</VTKFile>\n";
+
+/// A new file, written anywhere.
+class PlacedFile {
+ public:
+  PlacedFile(const std::filesystem::path& side, const std::filesystem::path& named)
+      : named_(named), file_(::open(side.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+    if (file_ < 0) fail();
+  }
+  ~PlacedFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  PlacedFile(const PlacedFile&) = delete;
+  PlacedFile& operator=(const PlacedFile&) = delete;
+
+  void put(std::size_t place, Bytes data) {
+    while (!data.empty()) {
+      const ssize_t done = ::pwrite(file_, data.data(), data.size(), static_cast<off_t>(place));
+      if (done < 0 && errno == EINTR) continue;
+      if (done <= 0) fail();
+      place += static_cast<std::size_t>(done), data = data.subspan(static_cast<std::size_t>(done));
+    }
+  }
+  void close() {
+    if (::close(std::exchange(file_, -1)) != 0) fail();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw FileError(named_.string() + ": cannot write the frame: " + std::strerror(errno));
+  }
+  const std::filesystem::path& named_;
+  int file_;
+};
+
+}  // namespace
+
+VtpFile::VtpFile(const PolyData& data) {
+  std::vector<std::size_t> offsets;
+  std::size_t size = 0;
+  for (const Bytes bytes : arrays_of(data)) {
+    arrays_.push_back(compress_blocks(bytes));
+    offsets.push_back(size), size += arrays_.back().size();
+  }
+  head_ = head_of(data, R"( compressor="vtkZLibDataCompressor")", std::move(offsets), {});
 }
 
 void VtpFile::write(const std::filesystem::path& path) const {
   SideFile side(path);
-  std::ofstream out(side.path(), std::ios::binary);
-  out << head_;
-  for (const VtpPart& p : parts_) {
-    out.write(p.head.data(), static_cast<std::streamsize>(p.head.size()));
-    out.write(p.data.data(), static_cast<std::streamsize>(p.data.size()));
-  }
-  out << "\n</AppendedData>\n</VTKFile>\n";
+  PlacedFile out(side.path(), path);
+  std::size_t size = 0;
+  const auto add = [&](Bytes bytes) { out.put(size, bytes), size += bytes.size(); };
+  add(head_);
+  for (const std::string& a : arrays_) add(a);
+  add(tail);
   out.close();
-  if (!out) throw FileError(path.string() + ": cannot write the frame (is the disk full?)");
   side.commit(false);
 }
 
-void write_vtp(const std::filesystem::path& path, PolyData data, VtpEncoding encoding) {
-  VtpFile(std::move(data), encoding).write(path);
-}
-
-namespace {
-
-/// Value of attribute `key` in a line of our own .pvd.
-std::optional<std::string> attribute(const std::string& line, const std::string& key) {
-  const std::string start = key + "=\"";
-  const std::size_t begin = line.find(start);
-  if (begin == std::string::npos) return std::nullopt;
-  const std::size_t end = line.find('"', begin + start.size());
-  if (end == std::string::npos) return std::nullopt;
-  return line.substr(begin + start.size(), end - begin - start.size());
-}
-
-template <class T>
-bool parse(const std::optional<std::string>& text, T& value) {
-  if (!text) return false;
-  const char* end = text->data() + text->size();
-  const auto result = std::from_chars(text->data(), end, value);
-  return result.ec == std::errc() && result.ptr == end;
-}
-
-}  // namespace
-
-void PvdFile::keep_until(double time) {
-  entries_.clear();
-  std::istringstream in(read_whole_file(path_));
-  for (std::string line; std::getline(in, line);) {
-    if (line.find("<DataSet") == std::string::npos) continue;
-    Entry e{};
-    const auto file = attribute(line, "file");
-    if (!parse(attribute(line, "timestep"), e.time) || !parse(attribute(line, "part"), e.part) || !file)
-      throw FileError(path_.string() + ": is not a list of frames as Epafi writes it: '" + line + "'");
-    e.file = *file;
-    if (e.time <= time) entries_.push_back(e);
+void write_vtp_rows(const std::filesystem::path& path, std::size_t rows,
+                    const std::function<PolyData(std::size_t, std::size_t)>& draw) {
+  constexpr std::size_t at_once = 2048;
+  PolyData piece = draw(0, std::min(rows, at_once));
+  const Multiple whole{rows, std::clamp<std::size_t>(rows, 1, at_once)};
+  std::vector<std::size_t> sizes, offsets;
+  std::size_t size = 0;
+  for (const Bytes bytes : arrays_of(piece)) {
+    sizes.push_back(whole(bytes.size()));
+    offsets.push_back(size), size += sizeof(std::uint64_t) + sizes.back();
   }
-}
-
-void PvdFile::add(double time, int part, const std::string& file) { entries_.push_back({time, part, file}); }
-
-void PvdFile::write() const {
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-      "<Collection>\n";
-  for (const Entry& e : entries_)
-    text += fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", e.time, e.part, e.file);
-  write_whole_file(path_, {text, "</Collection>\n</VTKFile>\n"});
+  SideFile side(path);
+  PlacedFile out(side.path(), path);
+  const std::string head = head_of(piece, "", offsets, whole);
+  out.put(0, head);
+  std::vector<std::size_t> place;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    std::string word;
+    put_word(word, sizes[k]);
+    out.put(head.size() + offsets[k], word);
+    place.push_back(head.size() + offsets[k] + word.size());
+  }
+  for (std::size_t begin = 0; begin < rows; begin += at_once) {
+    if (begin > 0) piece = draw(begin, std::min(rows, begin + at_once));
+    const std::vector<Bytes> arrays = arrays_of(piece);
+    for (std::size_t k = 0; k < arrays.size(); ++k) out.put(place[k], arrays[k]), place[k] += arrays[k].size();
+  }
+  out.put(head.size() + size, tail);
+  out.close();
+  side.commit(false);
 }
 
 }  // namespace epafi

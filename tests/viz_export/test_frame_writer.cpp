@@ -49,7 +49,7 @@ TEST_CASE("spheres are drawn as points that carry their numbers", "[viz_export][
   SurfaceCache surfaces(scene.shapes);
   auto bodies = body_records(scene.world, surfaces);
   bodies.erase(bodies.begin());
-  const PolyData d = draw_spheres(bodies, 0.5);
+  const PolyData d = draw_spheres(bodies, 0.5, {0, bodies.size()});
   CHECK(d.points == VtpColumn<float>{0, 0, 0.5f, 1, 2, 0.5f, 2, 4, 0.5f});
   CHECK(d.vertices.connectivity == VtpColumn<std::int32_t>{0, 1, 2});
   CHECK(d.vertices.offsets == VtpColumn<std::int32_t>{1, 2, 3});
@@ -86,7 +86,7 @@ TEST_CASE("contacts that touch or carry force are lines between centres, to the 
   CHECK((contacts.normal_force(0) == 7.0 && contacts.overlap(0) == 0.01));
   CHECK((contacts.from(1) == Vec3(0, 0, 0.5) && contacts.to(1) == Vec3(1, 2, 0.5)));
   CHECK(contacts.normal_force(1) == 3.0);  // force on A is (-3, 4, 0), the normal x
-  const PolyData d = draw_contacts(contacts, 0.0);
+  const PolyData d = draw_contacts(contacts, 0.0, {0, contacts.size()});
   CHECK(d.points.size() == 12);
   CHECK(values<float>(d.cell_data, "force_magnitude") == VtpColumn<float>{7, 5});
 }

@@ -56,7 +56,7 @@ TEST_CASE("the sample for other readers", "[.sample]") {
     measure.observe(view), state.observe(view);
     scene.move(0.5);
   }
-  write_vtp(out / "grid_compressed.vtp", grid(300), VtpEncoding::compressed);
-  write_vtp(out / "grid_plain.vtp", grid(300), VtpEncoding::plain);
-  write_vtp(out / "nothing.vtp", PolyData{}, VtpEncoding::compressed);
+  VtpFile(grid(300)).write(out / "grid_compressed.vtp");
+  write_vtp_rows(out / "grid_plain.vtp", 1, [&](std::size_t, std::size_t) { return grid(300); });
+  VtpFile(PolyData{}).write(out / "nothing.vtp");
 }

@@ -1,3 +1,4 @@
+#include "viz_export/pvd_file.h"
 #include "viz_export/vtp_writer.h"
 
 #include <cstring>
@@ -42,7 +43,7 @@ PolyData triangle() {
 
 TEST_CASE("arrays of a .vtp stand where their offsets say, behind their size", "[viz_export][vtp]") {
   const TemporaryFolder folder;
-  write_vtp(folder / "a.vtp", triangle(), VtpEncoding::plain);
+  write_vtp_rows(folder / "a.vtp", 1, [&](std::size_t, std::size_t) { return triangle(); });
   const std::string file = read_whole_file(folder / "a.vtp");
   CHECK(array_bytes(file, "Points") == bytes<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
   CHECK(array_bytes(file, "height") == bytes<double>({1, 2, 3}));
@@ -71,7 +72,36 @@ TEST_CASE("the list of frames keeps its times exactly and drops those after a ch
 
 TEST_CASE("a frame that cannot be written is an error that names it", "[viz_export][vtp]") {
   const TemporaryFolder folder;
-  CHECK_THROWS_WITH(write_vtp(folder / "no/a.vtp", triangle(), VtpEncoding::plain), Catch::Contains("no/a.vtp"));
+  const auto draw = [](std::size_t, std::size_t) { return triangle(); };
+  CHECK_THROWS_WITH(write_vtp_rows(folder / "no/a.vtp", 1, draw), Catch::Contains("no/a.vtp: cannot write"));
+  std::filesystem::create_symlink("/dev/full", folder / "a.vtp.part");
+  CHECK_THROWS_WITH(write_vtp_rows(folder / "a.vtp", 1, draw), Catch::Contains("a.vtp: cannot write the frame: No space left"));
+  CHECK_FALSE(std::filesystem::exists(folder / "a.vtp"));
+}
+
+TEST_CASE("rows that are drawn a few at a time make the file of all at once", "[viz_export][vtp]") {
+  const TemporaryFolder folder;
+  const auto draw = [](std::size_t begin, std::size_t end) {
+    PolyData d;
+    d.time = 0.5;
+    VtpColumn<std::uint16_t> number;
+    for (std::size_t k = begin; k < end; ++k) {
+      for (int c = 0; c < 6; ++c) d.points.push_back(static_cast<float>(6 * k) + static_cast<float>(c));
+      for (std::size_t c = 0; c < 2; ++c) d.lines.connectivity.push_back(static_cast<std::int32_t>(2 * k + c));
+      d.lines.offsets.push_back(static_cast<std::int32_t>(2 * k + 2));
+      number.push_back(static_cast<std::uint16_t>(k));
+    }
+    d.cell_data.push_back({"number", 1, number});
+    return d;
+  };
+  for (const std::size_t rows : {0u, 1u, 2047u, 2048u, 2049u, 10000u}) {
+    write_vtp_rows(folder / "rows.vtp", rows, draw);
+    write_vtp_rows(folder / "whole.vtp", 1, [&](std::size_t, std::size_t) { return draw(0, rows); });
+    const std::string file = read_whole_file(folder / "rows.vtp");
+    CHECK(file == read_whole_file(folder / "whole.vtp"));
+    CHECK(array_bytes(file, "Points").size() == 24 * rows);
+    CHECK(array_bytes(file, "number").size() == 2 * rows);
+  }
 }
 
 TEST_CASE("the raw data begin where a parser that waits for more bytes still sees the end of the tag", "[viz_export][vtp]") {
@@ -81,7 +111,7 @@ TEST_CASE("the raw data begin where a parser that waits for more bytes still see
   for (std::size_t arrays : {0u, 1u, 7u, 40u}) {
     PolyData data = triangle();
     for (std::size_t k = 0; k < arrays; ++k) data.point_data.push_back({"a" + std::to_string(k), 1, VtpColumn<double>{1, 2, 3}});
-    write_vtp(folder / "x.vtp", data, VtpEncoding::plain);
+    write_vtp_rows(folder / "x.vtp", 1, [&](std::size_t, std::size_t) { return data; });
     const std::string text = read_whole_file(folder / "x.vtp");
     const std::size_t tag = text.find("<AppendedData"), end = text.find('>', tag), ended = end - tag + 1 + 13;  // "/>" in place of ">", "\n</VTKFile>\n"
     CHECK((tag + 13) % 4096 == 0);

@@ -10,6 +10,7 @@
 #include "laws/smooth/choose_law.h"
 #include "laws/smooth/fused/body_pass.h"
 #include "laws/smooth/fused/fused_spheres.h"
+#include "laws/smooth/fused/sphere_contacts.h"
 #include "laws/smooth/fused/sphere_kernel.h"
 
 namespace epafi {
@@ -120,7 +121,7 @@ class FusedModel final : public FusedSpheres {
   std::span<const double> largest_ways() const override { return ways_; }
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
-    if (std::exchange(published_, false)) contacts.give_back();
+    if (std::exchange(published_, false) && world.size() >= many_bodies) contacts.give_back();
     const bool others = contacts.size() > 0 || others_;
     if (!radius_.empty()) blocks_.set_constants(world, radius_), let_go(radius_);
     // reads the force of the last step: before the generic loop writes
@@ -156,28 +157,22 @@ class FusedModel final : public FusedSpheres {
 
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
-    contacts.force.resize(contacts.size());
-    if (contacts.with_moment) contacts.moment.resize(contacts.size());
-    const std::size_t all = contacts.size() + touching();  // no column doubles on the way there
-    contacts.a.reserve(all), contacts.b.reserve(all), contacts.feature.reserve(all), contacts.gap.reserve(all);
-    contacts.normal.reserve(all), contacts.arm.reserve(all), contacts.force.reserve(all);
-    contacts.effective_radius.reserve(contacts.with_curvature ? all : 0);
-    blocks_.each_touching([&](const auto& block, const auto& run, std::uint32_t k, std::uint32_t rank) {
-      append(world, contacts, block, run, k, rank);
-    });
-    contacts.sort();
+    publisher_.add(
+        world, blocks_, [&](const SphereContact& c, const Vec3& normal) { return load_of(world, c, normal); },
+        contacts);
+    if (world.size() >= many_bodies) publisher_.let_go();
     published_ = true;
   }
 
   std::size_t gap_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
-    const SphereBlocks::Block& block = blocks_.blocks()[part];
+    const SphereContacts all(world, blocks_);
     std::size_t at = gaps.size();
     const auto make_room = [&](std::size_t size) { gaps.a.resize(size), gaps.b.resize(size), gaps.gap.resize(size); };
-    make_room(at + block.size);
-    SphereBlocks::each_touching(block, [&](const auto& run, std::uint32_t k, std::uint32_t) {
-      gaps.a[at] = block.pairs[k].a.slot(), gaps.b[at] = block.pairs[k].b.slot();
-      gaps.gap[at++] = gap_of(world, block, run, k);
+    make_room(at + blocks_.blocks()[part].size);
+    all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
+      gaps.a[at] = all.first(c), gaps.b[at] = all.second(c);
+      gaps.gap[at++] = all.gap(c);
     });
     make_room(at);
   }
@@ -319,24 +314,36 @@ class FusedModel final : public FusedSpheres {
     cell.virial = others ? Vec3(cell.virial + virial) : virial;
   }
 
-  /// Normal force of contact k of a block at the last call [N], by the formulas of the loop.
-  double normal_force(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                      std::uint32_t k) const {
+  /// At the last call, by the formulas of the loop.
+  SphereLoad load_of(const World& world, const SphereContact& c, const Vec3& normal) const {
+    SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
+    [[maybe_unused]] const SphereSprings& springs = blocks_.blocks()[c.block].springs;
+    [[maybe_unused]] const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+    if constexpr (Rolling::is_present)
+      load.force += xyz(springs.loads(c.rank).friction), load.moment = xyz(springs.loads(c.rank).moment);
+    else if constexpr (Tangential::is_present)
+      load.force += xyz(springs.friction(c.rank).load);
+    return load;
+  }
+
+  /// [N]
+  double normal_force(const World& world, const SphereContact& c) const {
     const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
-    const bool wall = run.plane >= 0;
-    const BodyState &a = world.states()[block.pairs[k].a.slot()],
-                    &b = world.states()[(wall ? block.pairs[k].a : block.pairs[k].b).slot()];
+    const bool wall = c.plane >= 0;
+    const SphereBlocks::Block& block = blocks_.blocks()[c.block];
+    const SpherePlaces& places = block.pairs[c.pair];
+    const BodyState &a = world.states()[places.a.slot()], &b = world.states()[(wall ? places.a : places.b).slot()];
     const double radius_a = a.position[3], radius_b = b.position[3];
     KinematicsOf<double> at;
     if (wall) {
-      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(run.plane)];
+      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(c.plane)];
       at.overlap = radius_a - plane.normal.dot(xyz(a.position) - plane.point);
       at.approach_velocity = -plane.normal.dot(xyz(a.predicted));
       at.effective_mass = 1.0 / a.velocity[3], at.effective_radius = radius_a;
     } else {
       Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
       if (world.cell)
-        d += world.cell->size.cwiseProduct(xyz(block.images[k].cells)),
+        d += world.cell->size.cwiseProduct(xyz(block.images[c.pair].cells)),
             later += world.cell->strain_rate.cwiseProduct(d);
       const double distance = d.norm();
       at.overlap = std::max(0.0, radius_a + radius_b - distance);
@@ -344,78 +351,7 @@ class FusedModel final : public FusedSpheres {
       at.effective_mass = 1.0 / (a.velocity[3] + b.velocity[3]);
       at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
     }
-    return Normal::respond((wall ? wall_laws_[static_cast<std::size_t>(run.plane)] : law_).normal, at).force;
-  }
-
-  std::size_t touching() const {
-    std::size_t sum = 0;
-    for (const auto& block : blocks_.blocks()) sum += block.touching;
-    return sum;
-  }
-
-  /// Image code of contact k of a block, from its lower slot to the other.
-  std::uint32_t key_of(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                       std::uint32_t k) const {
-    if (!world.cell) return 0;
-    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
-    // that of a plane follows the cells the sphere has passed: it is with the plane itself
-    return run.plane >= 0 ? image_code(world.wraps[a] - world.wraps[b]) : block.images[k].key;
-  }
-
-  /// From A to B, or from the plane to A, of contact k of a block [m].
-  Vec3 branch(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-              std::uint32_t k) const {
-    const Slot a = block.pairs[k].a.slot();
-    if (run.plane >= 0) return world.position[a] - blocks_.planes()[static_cast<std::size_t>(run.plane)].point;
-    return world.branch(a, block.pairs[k].b.slot(), Feature{key_of(world, block, run, k)} << 56);
-  }
-  /// [m]
-  double gap_of(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                std::uint32_t k) const {
-    const Vec3 d = branch(world, block, run, k);
-    const double radius_a = world.states()[block.pairs[k].a.slot()].position[3];
-    if (run.plane >= 0) return blocks_.planes()[static_cast<std::size_t>(run.plane)].normal.dot(d) - radius_a;
-    return d.norm() - (radius_a + world.states()[block.pairs[k].b.slot()].position[3]);
-  }
-  /// Gap, normal, arm and radius of contact k of a block, from its lower slot to the other.
-  ContactPoint geometry(const World& world, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-                        std::uint32_t k) const {
-    const double radius_a = world.states()[block.pairs[k].a.slot()].position[3];
-    ContactPoint c;
-    c.gap = gap_of(world, block, run, k);
-    if (run.plane >= 0) {
-      c.normal = -blocks_.planes()[static_cast<std::size_t>(run.plane)].normal;
-      c.effective_radius = radius_a, c.arm = radius_a * c.normal;
-      return c;
-    }
-    const Vec3 d = branch(world, block, run, k);
-    const double radius_b = world.states()[block.pairs[k].b.slot()].position[3], distance = d.norm(),
-                 sum = radius_a + radius_b;
-    c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
-    c.effective_radius = radius_a * radius_b / sum, c.arm = radius_a / sum * distance * c.normal;
-    return c;
-  }
-
-  /// Contact k of a block as the generic path would have it; rank: of those that touch.
-  void append(const World& world, ContactSet& contacts, const SphereBlocks::Block& block, const SphereBlocks::Run& run,
-              std::uint32_t k, std::uint32_t rank) const {
-    const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
-    const std::uint32_t key = key_of(world, block, run, k);
-    const Vec3 d = world.branch(a, b, Feature{key} << 56);
-    ContactPoint c = geometry(world, block, run, k);
-    Vec3 force = -normal_force(world, block, run, k) * c.normal;
-    Vec3 moment = Vec3::Zero();
-    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
-    if constexpr (Rolling::is_present)
-      force += xyz(block.springs.loads(rank).friction), moment = xyz(block.springs.loads(rank).moment);
-    else if constexpr (Tangential::is_present)
-      force += xyz(block.springs.friction(rank).load);
-    const bool in_order = world.id[a] < world.id[b];
-    c.feature = Feature{in_order ? key : opposite_image(key << 8) >> 8} << 56;
-    if (!in_order) c.arm -= d, c.normal = -c.normal, force = -force, moment = -moment;
-    contacts.append(in_order ? a : b, in_order ? b : a, c);
-    contacts.force.push_back(force);
-    if (contacts.with_moment) contacts.moment.push_back(moment);
+    return Normal::respond((wall ? wall_laws_[static_cast<std::size_t>(c.plane)] : law_).normal, at).force;
   }
 
   std::vector<Law> laws_;  ///< by material
@@ -439,6 +375,7 @@ class FusedModel final : public FusedSpheres {
   double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
   double driven_power_ = 0.0;       ///< of the cell's strain on the fused contacts at the last call [W]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
+  mutable SpherePublisher publisher_;
   SphereBlocks blocks_;
 };
 

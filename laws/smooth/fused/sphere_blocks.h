@@ -128,13 +128,8 @@ class SphereBlocks {
   /// Bodies of the last layout.
   std::size_t bodies() const { return bodies_; }
 
-  /// f(block, run, pair, rank) for all pairs that touched at the last call, in the order of the layout; rank: its
-  /// number among those of its block.
-  template <class F>
-  void each_touching(const F& f) const {
-    for (const Block& block : blocks_)
-      each_touching(block, [&](const Run& run, std::uint32_t k, std::uint32_t rank) { f(block, run, k, rank); });
-  }
+  /// f(run, pair, rank) for all pairs of a block that touched at the last call, in the order of the layout; rank: its
+  /// number among those.
   template <class F>
   static void each_touching(const Block& block, const F& f) {
     std::uint32_t rank = 0;

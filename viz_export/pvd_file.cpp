@@ -1,0 +1,61 @@
+#include "viz_export/pvd_file.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <optional>
+#include <sstream>
+
+#include "engine/error.h"
+#include "viz_export/side_file.h"
+
+namespace epafi {
+
+namespace {
+
+/// Value of attribute `key` in a line of our own .pvd.
+std::optional<std::string> attribute(const std::string& line, const std::string& key) {
+  const std::string start = key + "=\"";
+  const std::size_t begin = line.find(start);
+  if (begin == std::string::npos) return std::nullopt;
+  const std::size_t end = line.find('"', begin + start.size());
+  if (end == std::string::npos) return std::nullopt;
+  return line.substr(begin + start.size(), end - begin - start.size());
+}
+
+template <class T>
+bool parse(const std::optional<std::string>& text, T& value) {
+  if (!text) return false;
+  const char* end = text->data() + text->size();
+  const auto result = std::from_chars(text->data(), end, value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+}  // namespace
+
+void PvdFile::keep_until(double time) {
+  entries_.clear();
+  std::istringstream in(read_whole_file(path_));
+  for (std::string line; std::getline(in, line);) {
+    if (line.find("<DataSet") == std::string::npos) continue;
+    Entry e{};
+    const auto file = attribute(line, "file");
+    if (!parse(attribute(line, "timestep"), e.time) || !parse(attribute(line, "part"), e.part) || !file)
+      throw FileError(path_.string() + ": is not a list of frames as Epafi writes it: '" + line + "'");
+    e.file = *file;
+    if (e.time <= time) entries_.push_back(e);
+  }
+}
+
+void PvdFile::add(double time, int part, const std::string& file) { entries_.push_back({time, part, file}); }
+
+void PvdFile::write() const {
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "<Collection>\n";
+  for (const Entry& e : entries_)
+    text += fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", e.time, e.part, e.file);
+  write_whole_file(path_, {text, "</Collection>\n</VTKFile>\n"});
+}
+
+}  // namespace epafi
