@@ -75,6 +75,20 @@ struct UnwrittenPages : LargePages<T> {
 template <class T>
 using UnwrittenColumn = std::vector<T, UnwrittenPages<T>>;
 
+/// The same in small pages, for what is read from front to back only. (Rows of a solver in large ones: the narrow phase
+/// of 5000 stones, which does not touch them, took 1.60 s for 1.44 on a virtual Zen 5; why was not found.)
+template <class T>
+struct UnwrittenSmallPages : UnwrittenPages<T> {
+  UnwrittenSmallPages() = default;
+  template <class U>
+  UnwrittenSmallPages(const UnwrittenSmallPages<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})); }
+  void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
+};
+
+template <class T>
+using UnwrittenStream = std::vector<T, UnwrittenSmallPages<T>>;
+
 /// `= {}` would keep the room.
 template <class Column>
 void let_go(Column& column) {
@@ -84,8 +98,9 @@ void let_go(Column& column) {
 /// `size` elements, none of them written. What was there is gone, and gone first where the column must grow: by a
 /// quarter more than asked for, which takes no memory until it is written, or by another share of small columns, whose
 /// room was written by others.
-template <class T>
-void renew(UnwrittenColumn<T>& column, std::size_t size, std::size_t share = 4) {
+template <class T, class Pages>
+void renew(std::vector<T, Pages>& column, std::size_t size, std::size_t share = 4) {
+  static_assert(std::is_base_of_v<UnwrittenPages<T>, Pages>);
   if (size > column.capacity()) let_go(column), column.reserve(size + size / share);
   column.clear(), column.resize(size);
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/large_column.h"
 #include "engine/parallel.h"
 
 namespace epafi {
@@ -12,17 +13,28 @@ namespace epafi {
 template <class Column>
 inline constexpr std::size_t fill_grain = std::max<std::size_t>(64, 16384 / sizeof(typename Column::value_type));
 
+/// `size` elements, each to be written before it is read: those that were there do not move where the column must grow,
+/// and it grows by a quarter more than asked for, which takes no memory before it is written.
+template <class T>
+void renew(std::vector<T>& column, std::size_t size) {
+  if (size > column.capacity()) column.clear(), column.reserve(size + size / 4);
+  column.resize(size);
+}
+
 /// column[0 .. n) = value.
 template <class Column>
 void parallel_fill(Column& column, std::size_t n, const typename Column::value_type& value) {
-  column.resize(n);
+  renew(column, n);
   parallel_for(
       n, [&](std::size_t i) { column[i] = value; }, fill_grain<Column>);
 }
 
 template <class From, class To>
 void parallel_copy(const From& from, To& to) {
-  to.resize(from.size());
+  if constexpr (requires { renew(to, from.size()); })
+    renew(to, from.size());
+  else
+    to.resize(from.size());
   parallel_for(
       from.size(), [&](std::size_t i) { to[i] = from[i]; }, fill_grain<To>);
 }

@@ -100,10 +100,7 @@ void BatchNarrowPhase::join(ContactSet& out) {
     degenerate_ += block.degenerate;
   }
   out.with_curvature = curvature_, out.with_area = area_;
-  out.a.resize(total), out.b.resize(total), out.feature.resize(total);
-  out.gap.resize(total), out.normal.resize(total), out.arm.resize(total);
-  out.effective_radius.resize(curvature_ ? total : 0), out.area.resize(area_ ? total : 0);
-  out.force.clear(), out.moment.clear();
+  out.renew(total), out.force.clear(), out.moment.clear();
   parallel_for(
       blocks_.size(),
       [&](std::size_t k) {

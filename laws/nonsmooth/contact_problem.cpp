@@ -52,7 +52,7 @@ void ContactProblem::load_bodies(const World& world, double dt) {
   rotates = world.rotates();
   const std::size_t n = world.size();
   parallel_copy(world.inverse_mass, inverse_mass);
-  free.linear.resize(n), free.angular.resize(rotates ? n : 0), inverse_inertia.resize(rotates ? n : 0);
+  renew(free.linear, n), renew(free.angular, rotates ? n : 0), renew(inverse_inertia, rotates ? n : 0);
   parallel_for(n, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     free.linear[k] = world.velocity[k] + dt * world.free_acceleration(s);
@@ -71,7 +71,7 @@ void ContactProblem::load_bodies(const World& world, double dt) {
 void ContactProblem::load_contacts(const World& world, const ContactSet& contacts) {
   const std::size_t n = contacts.size();
   parallel_copy(contacts.a, a), parallel_copy(contacts.b, b);
-  frame.resize(n), mobility.resize(n), diagonal.clear(), arm_a.resize(rotates ? n : 0), arm_b.resize(rotates ? n : 0);
+  renew(frame, n), renew(mobility, n), renew(arm_a, rotates ? n : 0), renew(arm_b, rotates ? n : 0), diagonal.clear();
   parallel_fill(friction, n, 0.0), parallel_fill(offset, n, 0.0), lag.clear();
   parallel_for(n, [&](std::size_t i) {
     frame[i] = contact_frame(contacts.normal[i]);
@@ -83,7 +83,7 @@ void ContactProblem::load_contacts(const World& world, const ContactSet& contact
 
 void ContactProblem::load_diagonal() {
   if (diagonal.size() == size()) return;
-  diagonal.resize(size());
+  renew(diagonal, size());
   parallel_for(size(), [&](std::size_t i) {
     if (mobility[i] > 0.0)
       diagonal[i] = diagonal_block(*this, i);
@@ -104,8 +104,8 @@ ContactProblem::BodyImpulse ContactProblem::impulse_on(Slot s, const Impulses& r
 
 void ContactProblem::velocities(const Impulses& r, BodyVelocities& out, std::vector<Vec3>* moments) const {
   EPAFI_REQUIRE(r.size() == size(), "one impulse per contact");
-  out.linear.resize(free.linear.size()), out.angular.resize(free.angular.size());
-  if (moments) moments->resize(free.angular.size());
+  renew(out.linear, free.linear.size()), renew(out.angular, free.angular.size());
+  if (moments) renew(*moments, free.angular.size());
   parallel_for(free.linear.size(), [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     const BodyImpulse sum = is_free(s) ? impulse_on(s, r) : BodyImpulse{};
@@ -117,7 +117,7 @@ void ContactProblem::velocities(const Impulses& r, BodyVelocities& out, std::vec
 }
 
 void ContactProblem::relative_velocities(const BodyVelocities& v, std::vector<Vec3>& u) const {
-  u.resize(size());
+  renew(u, size());
   parallel_for(size(), [&](std::size_t i) { u[i] = with_offset(i, relative_velocity(i, v)); });
 }
 

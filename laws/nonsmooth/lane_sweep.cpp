@@ -192,8 +192,7 @@ void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const std::ve
                                     const BodyVelocities& v) {
   load_bodies(problem, v);
   form_groups(coloring);
-  rows_.resize(groups_.empty() ? 0 : groups_.back().end);
-  change_.resize(groups_.size());
+  renew(rows_, groups_.empty() ? 0 : groups_.back().end), renew(change_, groups_.size());
   parallel_for(
       groups_.size(),
       [&](std::size_t g) {
@@ -212,7 +211,7 @@ void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const std::ve
 template <bool Rotates, LaneRule Rule>
 void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const BodyVelocities& v) {
   const std::size_t n = problem.inverse_mass.size();
-  bodies_.resize(n + 1);
+  renew(bodies_, n + 1);
   bodies_[n] = Body{};
   parallel_for(n, [&](std::size_t s) {
     Body& body = bodies_[s];
@@ -239,7 +238,7 @@ void LaneSweep<Rotates, Rule>::form_groups(const Coloring& coloring) {
   begin_.assign(colors + 1, 0);
   for (std::size_t c = 0; c < colors; ++c)
     begin_[c + 1] = begin_[c] + (coloring.begin(c + 1) - coloring.begin(c) + each(c) - 1) / each(c);
-  groups_.resize(begin_.back()), row_end_.resize(begin_.back());
+  renew(groups_, begin_.back()), renew(row_end_, begin_.back());
   const auto form = [&](std::size_t c) {
     const std::span pairs(coloring.groups().data() + coloring.begin(c), coloring.begin(c + 1) - coloring.begin(c));
     thread_local std::vector<const ContactGroup*> sorted;
@@ -310,7 +309,7 @@ template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::rows == 3) {
   if constexpr (Rule::rows == 3) {  // Clang 14: see angular()
     const auto loop = best_loop<NaturalMapTask<Rotates, Rule>>();
-    squares_.resize(groups_.size());
+    renew(squares_, groups_.size());
     parallel_blocks(groups_.size(), grain, [&](std::size_t b, std::size_t e, std::size_t) {
       loop({groups_.data() + b, groups_.data() + e, rows_.data(), bodies_.data(), squares_.data() + b, rho});
     });

@@ -75,9 +75,9 @@ class LaneSweep {
   void form_groups(const Coloring& coloring);
   std::uint32_t fill(Group& group, std::span<const ContactGroup* const> pairs) const;
 
-  std::vector<Body> bodies_;  ///< the last one is that of empty lanes
-  std::vector<Row> rows_;
-  std::vector<Group> groups_;
+  UnwrittenColumn<Body> bodies_;  ///< the last one is that of empty lanes
+  UnwrittenStream<Row> rows_;
+  UnwrittenColumn<Group> groups_;
   std::vector<std::size_t> begin_;  ///< of each colour in groups_
   std::vector<double> change_;
   mutable std::vector<double> squares_;

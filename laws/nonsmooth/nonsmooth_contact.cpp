@@ -77,7 +77,7 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
   problem_.load_bodies(world, dt);
   problem_.load_contacts(world, contacts);
   parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
-  u_before_.resize(contacts.size()), restitution_.resize(contacts.size());
+  renew(u_before_, contacts.size()), renew(restitution_, contacts.size());
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   parallel_for(contacts.size(), [&](std::size_t i) {
     const Slot a = contacts.a[i], b = contacts.b[i];
@@ -201,7 +201,7 @@ const Impulses& NonsmoothContact::calmest(double creep) {
 /// With which the next step would start from r if bodies stayed where they are: r changes its velocities as it would
 /// have changed those of this step, to v; null: to those that this step came to.
 double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelocities* v) {
-  u_next_.resize(r.size());
+  renew(u_next_, r.size());
   parallel_for(r.size(), [&](std::size_t i) {
     const Vec3 change = (v ? problem_.relative_velocity(i, *v) : u_after_[i]) - u_before_[i];
     u_next_[i] = problem_.with_offset(i, u_after_[i] + change);
@@ -212,7 +212,7 @@ double NonsmoothContact::foreseen_residual(const Impulses& r, const BodyVelociti
 /// Forces, and the energy of the step: r.(u_k + u_{k+1})/2 enters the bodies; what driven bodies move of it is their
 /// work.
 void NonsmoothContact::account(const World& world, ContactSet& contacts, double dt, StepReport& report) const {
-  contacts.force.resize(contacts.size());
+  renew(contacts.force, contacts.size());
   if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
   const auto driven = [&](Slot s, const Vec3& arm) -> Vec3 {
     if (world.is_movable(s)) return Vec3::Zero();
@@ -251,7 +251,7 @@ void NonsmoothContact::write_back(World& world) const {
 /// v_{k+1}, u_{k+1}, with w what the solver sees of it, and by it the gaps at the next detection.
 void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
   problem_.velocities(r_, after_, &moments_);
-  u_.resize(contacts.size()), u_after_.resize(contacts.size()), next_gap_.resize(contacts.size());
+  renew(u_, contacts.size()), renew(u_after_, contacts.size()), renew(next_gap_, contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
     u_after_[i] = problem_.relative_velocity(i, after_);
     u_[i] = problem_.with_offset(i, u_after_[i]);

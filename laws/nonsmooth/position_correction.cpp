@@ -27,7 +27,7 @@ bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<do
                      return static_cast<char>(gaps[i] < 0.0 && gaps[i] * gaps[i] > worth * worth * square(i));
                    }) != 0;
   if (!any) return false;
-  demand_.resize(contacts.size());
+  renew(demand_, contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
     demand_[i] = std::max(gaps[i], 0.0);
     const double size = std::sqrt(square(i)), excess = -gaps[i] - settings_.slop * size;  // size: infinite, none moves

@@ -67,7 +67,7 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
     return i == 0 || contacts.a[i] != contacts.a[i - 1] || contacts.b[i] != contacts.b[i - 1];
   };
   parallel_select(contacts.size(), begins, [](std::size_t i) { return static_cast<std::uint32_t>(i); }, runs_);
-  previous_.resize(contacts.size()), r.resize(contacts.size());
+  renew(previous_, contacts.size()), renew(r, contacts.size());
   parallel_fill(by_name_, contacts.size(), std::uint8_t{1});
   parallel_for(runs_.size(), [&](std::size_t k) {
     const Run run{runs_[k], k + 1 < runs_.size() ? runs_[k + 1] : static_cast<std::uint32_t>(contacts.size())};
@@ -82,8 +82,8 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
 void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem,
                          const Impulses& r, const std::vector<double>& next_gap, const std::vector<Vec3>& u) {
   const std::size_t n = contacts.size();
-  a_.resize(n), b_.resize(n), feature_.resize(n), gap_.resize(n);
-  arm_.resize(n), impulse_.resize(n), slip_.resize(n);
+  renew(a_, n), renew(b_, n), renew(feature_, n), renew(gap_, n);
+  renew(arm_, n), renew(impulse_, n), renew(slip_, n);
   parallel_for(n, [&](std::size_t i) {
     a_[i] = contacts.a[i], b_[i] = contacts.b[i], feature_[i] = contacts.feature[i], gap_[i] = next_gap[i];
     arm_[i] = body_axes(world, a_[i], contacts.arm[i]);
