@@ -115,7 +115,7 @@ struct NaturalMapTask {
 template <bool Rotates, class Rule>
 struct ColorTask {
   using Sweep = LaneSweep<Rotates, Rule>;
-  const typename Sweep::Group *begin, *end;
+  const typename Sweep::Group *begin, *end, *last;  ///< of the colour, most likely also done by this thread
   typename Sweep::Row* rows;
   typename Sweep::Body* bodies;
   double* change;
@@ -124,7 +124,7 @@ struct ColorTask {
   EPAFI_LANES void run() const {
     double* out = change;
     for (const auto* group = begin; group != end; ++group) {
-      if (end - group > ahead) ask_for(group[ahead]);
+      if (last - group > ahead) ask_for(group[ahead]);
       *out++ = update(*group);
     }
   }
@@ -279,8 +279,9 @@ std::uint32_t LaneSweep<Rotates, Rule>::fill(Group& group, std::span<const Conta
 template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
   const auto loop = best_loop<ColorTask<Rotates, Rule>>();
-  const auto some = [&](std::size_t begin, std::size_t end) {
-    loop({groups_.data() + begin, groups_.data() + end, rows_.data(), bodies_.data(), change_.data() + begin, rule});
+  const auto some = [&](std::size_t c, std::size_t begin, std::size_t end) {
+    loop({groups_.data() + begin, groups_.data() + end, groups_.data() + begin_[c + 1], rows_.data(), bodies_.data(),
+          change_.data() + begin, rule});
   };
   const std::size_t colors = begin_.size() - 1;
   const auto size = [&](std::size_t c) { return begin_[c + 1] - begin_[c]; };
@@ -288,7 +289,7 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
     return has_sequence_ && c + 1 == colors ? std::max<std::size_t>(1, size(c)) : grain;
   };
   parallel_stages(colors, groups_.size() >= 8 * grain, size, piece,
-                  [&](std::size_t c, std::size_t b, std::size_t e) { some(begin_[c] + b, begin_[c] + e); });
+                  [&](std::size_t c, std::size_t b, std::size_t e) { some(c, begin_[c] + b, begin_[c] + e); });
   return block_sum<double>(change_.size(), [&](std::size_t g) { return change_[g]; });
 }
 
