@@ -111,7 +111,8 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);
   places_ = {};
-  ball.resize(n), hurry.resize(n), slow_.resize(n);
+  ball.clear(), ball.reserve(n), ball.resize(n);  // no more than that: a large page is taken as a whole
+  hurry.resize(n), slow_.resize(n);
   id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted ? n : 0);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);

@@ -12,6 +12,7 @@
 #include "detection/broad/coarse_places.h"
 #include "detection/broad/sphere_roles.h"
 #include "detection/shape_store.h"
+#include "engine/large_column.h"
 
 namespace epafi {
 
@@ -75,7 +76,7 @@ double largest_ordinary(std::size_t count, double median, const std::function<do
 struct FatBodies {
   FatBodies();
   std::vector<Aabb> boxes;             ///< fat, world axes [m]; empty where all are spheres and half-spaces: their balls say it
-  std::vector<Ball> ball;              ///< fat, about the centre of mass [m]
+  UnwrittenColumn<Ball> ball;          ///< fat, about the centre of mass [m]
   std::vector<double> half;            ///< as half_of; with boxes
   std::vector<double> radius;          ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
   std::vector<float> hurry;            ///< 1/half the margin or little more [1/m]; of a margin of 0 most_hurry
