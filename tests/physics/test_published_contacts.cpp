@@ -1,5 +1,5 @@
 // Contacts of the fused loop as observers see them, among those of others: in canonical order, each with its values, the
-// same for every thread count, and again from a set that had more.
+// same for every thread count, and together what the bodies feel.
 #include <tuple>
 
 #include "engine/parallel.h"
