@@ -4,7 +4,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "engine/parallel.h"
+#include "engine/parallel_order.h"
 
 namespace epafi {
 namespace {
@@ -54,11 +54,7 @@ void ContactSet::append(const ContactSet& other) {
 }
 
 void ContactSet::renew(std::size_t size) {
-  const auto make = [size](auto& column, bool is_filled = true) {
-    column.clear();
-    if (is_filled && column.capacity() < size) column.reserve(size + size / 8);
-    column.resize(is_filled ? size : 0);
-  };
+  const auto make = [size](auto& column, bool is_filled = true) { epafi::renew(column, is_filled ? size : 0); };
   make(a), make(b), make(feature), make(gap), make(normal), make(arm), make(force);
   make(effective_radius, with_curvature), make(area, with_area), make(moment, with_moment);
 }
