@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <ranges>
 #include <tuple>
 
 #include "engine/parallel_order.h"
@@ -97,13 +98,15 @@ std::size_t ContactSet::bytes_per_contact() const {
 
 void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous) {
   previous.resize(contacts.size());
-  parallel_blocks(contacts.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
+  parallel_blocks(contacts.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
     const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
-    std::size_t k = static_cast<std::size_t>(std::lower_bound(a_.begin(), a_.end(), contacts.a[begin]) - a_.begin());
+    const auto old = [&](std::size_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
+    std::size_t k = *std::ranges::partition_point(std::views::iota(std::size_t{0}, a_.size()),
+                                                  [&](std::size_t at) { return old(at) < key(begin); });
     for (std::size_t i = begin; i < end; ++i) {
       const auto wanted = key(i);
-      while (k < a_.size() && std::tuple(a_[k], b_[k], feature_[k]) < wanted) ++k;
-      const bool found = k < a_.size() && std::tuple(a_[k], b_[k], feature_[k]) == wanted;
+      while (k < a_.size() && old(k) < wanted) ++k;
+      const bool found = k < a_.size() && old(k) == wanted;
       previous[i] = found ? static_cast<std::uint32_t>(k) : none;
     }
   });

@@ -21,11 +21,13 @@ void Incidence::build(const ContactSet& contacts, std::size_t bodies) {
 
 namespace {
 
-void gather(const ContactSet& contacts, const Incidence& incidence, Slot s, World& world) {
+/// each(f): f(contact, sign) for every contact of body s.
+template <class Each>
+void gather(const ContactSet& contacts, Slot s, World& world, const Each& each) {
   const bool rotates = world.rotates();
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
   if (world.is_movable(s) || world.columns().held_force) {
-    incidence.for_each(s, [&](std::uint32_t k, double sign) {
+    each([&](std::uint32_t k, double sign) {
       force += sign * contacts.force[k];
       if (!rotates) return;
       const Vec3 arm = sign > 0 ? contacts.arm[k] : contacts.arm_b(k, world);
@@ -40,20 +42,20 @@ void gather(const ContactSet& contacts, const Incidence& incidence, Slot s, Worl
 }  // namespace
 
 void gather_forces(const ContactSet& contacts, const Incidence& incidence, World& world) {
-  parallel_for(world.size(), [&](std::size_t s) { gather(contacts, incidence, static_cast<Slot>(s), world); });
+  parallel_for(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    gather(contacts, s, world, [&](const auto& f) { incidence.for_each(s, f); });
+  });
 }
 
-void gather_forces(const ContactSet& contacts, const Incidence& incidence, std::span<const Slot> bodies, World& world) {
-  parallel_for(bodies.size(), [&](std::size_t i) { gather(contacts, incidence, bodies[i], world); });
-}
-
-void bodies_of(const ContactSet& contacts, const Incidence& incidence, std::vector<Slot>& bodies) {
-  const auto side = [&](std::size_t i) { return i % 2 == 0 ? contacts.a[i / 2] : contacts.b[i / 2]; };
-  const auto is_first = [&](std::size_t i) {
-    const auto k = static_cast<std::uint32_t>(i / 2);
-    return i % 2 == 0 ? incidence.is_first(side(i), k) : incidence.is_first_as_b(side(i), k);
-  };
-  parallel_select(2 * contacts.size(), is_first, side, bodies);
+void gather_forces(const ContactSet& contacts, const TouchedBodies& bodies, World& world,
+                   std::vector<std::uint8_t>& written) {
+  bodies.each([&](Slot s, std::span<const TouchedBodies::Entry> entries) {
+    gather(contacts, s, world, [&](const auto& f) {
+      for (const TouchedBodies::Entry& e : entries) f(e.contact(), e.sign());
+    });
+    written[s] = 1;
+  });
 }
 
 }  // namespace epafi

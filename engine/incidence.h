@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/contacts.h"
+#include "engine/touched_bodies.h"
 
 namespace epafi {
 
@@ -21,11 +22,6 @@ class Incidence {
   std::size_t count(Slot body) const {
     return begin_a_[body + 1] - begin_a_[body] + begin_b_[body + 1] - begin_b_[body];
   }
-  bool is_first(Slot body, std::uint32_t contact) const { return begin_a_[body] == contact; }
-  /// As A it has none, and as B this is the first one.
-  bool is_first_as_b(Slot body, std::uint32_t contact) const {
-    return begin_a_[body] == begin_a_[body + 1] && list_b_[begin_b_[body]] == contact;
-  }
 
  private:
   std::vector<std::uint32_t> begin_a_, begin_b_, list_b_;
@@ -33,9 +29,8 @@ class Incidence {
 
 /// Sums contact forces (and torques, where the world rotates) into world.force and world.torque.
 void gather_forces(const ContactSet& contacts, const Incidence& incidence, World& world);
-/// The same for some bodies only.
-void gather_forces(const ContactSet& contacts, const Incidence& incidence, std::span<const Slot> bodies, World& world);
-/// The bodies that have contacts, each once.
-void bodies_of(const ContactSet& contacts, const Incidence& incidence, std::vector<Slot>& bodies);
+/// The same for these bodies only; written: by slot, 1 is set for each.
+void gather_forces(const ContactSet& contacts, const TouchedBodies& bodies, World& world,
+                   std::vector<std::uint8_t>& written);
 
 }  // namespace epafi

@@ -51,9 +51,9 @@ struct StepClock {
   double velocity_lag =
       0.0;  ///< world.velocity is that of time + (detection) - lag*dt: 1/2 for velocity Verlet, 0 otherwise
   Scheme* scheme = nullptr;  ///< whose second half is the contact model's to call; null: somebody else's
-  /// Where it is given, only the bodies of contacts get their forces, those of others are left as they are: these
-  /// bodies.
-  std::vector<Slot>* touched = nullptr;
+  /// Where it is given, all 0 by slot, only the bodies of contacts get their forces, and a 1 here; those of others are
+  /// left as they are.
+  std::vector<std::uint8_t>* touched = nullptr;
   const RunOn* run_on = nullptr;  ///< where it is given, the next step has the same dt
 };
 

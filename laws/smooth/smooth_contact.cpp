@@ -2,14 +2,23 @@
 
 namespace epafi {
 
-void VelocityChange::predict(const World& world, const std::vector<Slot>* some, double time) {
-  linear.resize(world.size());
-  if (world.rotates()) angular.resize(world.size());
-  parallel_for(some ? some->size() : world.size(), [&](std::size_t i) {
-    const Slot s = some ? (*some)[i] : static_cast<Slot>(i);
-    linear[s] = time * world.acceleration(s);
-    if (!world.rotates()) return;
-    angular[s] = world.is_movable(s) ? Vec3(time * world.apply_inverse_inertia(s, world.torque[s])) : Vec3(0, 0, 0);
+void VelocityChange::of(const World& world, Slot body, double time) {
+  linear[body] = time * world.acceleration(body);
+  if (!world.rotates()) return;
+  angular[body] =
+      world.is_movable(body) ? Vec3(time * world.apply_inverse_inertia(body, world.torque[body])) : Vec3(0, 0, 0);
+}
+
+void VelocityChange::predict(const World& world, double time) {
+  if (!(time > 0.0)) return;
+  resize(world);
+  parallel_for(world.size(), [&](std::size_t s) { of(world, static_cast<Slot>(s), time); });
+}
+
+void VelocityChange::predict(const World& world, const ContactSet& contacts, TouchedBodies& touched, double time) {
+  if (time > 0.0) resize(world);
+  touched.build(contacts, world, [&](Slot s) {
+    if (time > 0.0) of(world, s, time);
   });
 }
 

@@ -38,8 +38,14 @@ struct SmoothSums {
 /// Change of the velocities between the middle of the step and the detection, by slot.
 struct VelocityChange {
   std::vector<Vec3> linear, angular;
-  /// time: lag dt, by which the stored acceleration is taken; some: of these bodies; null: of all.
-  void predict(const World& world, const std::vector<Slot>* some, double time);
+  /// time: lag dt, by which the stored acceleration is taken; 0: nobody asks.
+  void predict(const World& world, double time);
+  /// Only of the bodies that have contacts, which are found here.
+  void predict(const World& world, const ContactSet& contacts, TouchedBodies& touched, double time);
+
+ private:
+  void resize(const World& world) { linear.resize(world.size()), angular.resize(world.rotates() ? world.size() : 0); }
+  void of(const World& world, Slot body, double time);
 };
 
 /// What the parts remember of one contact; parts without memory take no room.
@@ -125,11 +131,11 @@ class SmoothContact final : public ContactModel {
     contacts.with_moment = rolls;
     if (rolls) contacts.moment.resize(contacts.size());
     const double lag = damped_ ? clock.velocity_lag * clock.dt : 0.0;
-    incidence_.build(contacts, world.size());
-    std::vector<Slot>* some = clock.touched;
-    if (!some && lag > 0.0 && 4 * contacts.size() < world.size()) some = &some_;
-    if (some) bodies_of(contacts, incidence_, *some);
-    if (lag > 0.0) change_.predict(world, some, lag);
+    if (!clock.touched) incidence_.build(contacts, world.size());
+    if (clock.touched || (lag > 0.0 && 4 * contacts.size() < world.size()))
+      change_.predict(world, contacts, touched_, lag);
+    else
+      change_.predict(world, lag);
     if constexpr (remembers) memory_.advance(contacts);
     EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
     SmoothSums sums;
@@ -141,7 +147,7 @@ class SmoothContact final : public ContactModel {
     if constexpr (remembers)
       if (clock.dt == 0.0) memory_.keep();
     if (clock.touched)
-      gather_forces(contacts, incidence_, *some, world);
+      gather_forces(contacts, touched_, world, *clock.touched);
     else
       gather_forces(contacts, incidence_, world);
     if (world.cell) world.cell->virial = sums.virial;
@@ -372,7 +378,7 @@ class SmoothContact final : public ContactModel {
   VelocityChange change_;
   RecordMemory<Record> memory_;
   Incidence incidence_;
-  std::vector<Slot> some_;  ///< bodies of few contacts
+  TouchedBodies touched_;  ///< where they are few
   std::vector<SmoothSums> blocks_;
   SmoothSums before_;  ///< of the last call
 };

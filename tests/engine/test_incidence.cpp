@@ -98,3 +98,32 @@ TEST_CASE("gathered sums are the same bits for every thread count", "[engine][in
     CHECK(state_hash(c.world) == reference);
   }
 }
+
+TEST_CASE("of few bodies with contacts each is met once, and their sums are the same bits as those of all",
+          "[engine][incidence][threads]") {
+  const support::KeepThreads keep;
+  for (int threads : {1, 2, 3, 8}) {
+    set_thread_count(threads);
+    for (Slot bodies : {1u, 50u, 1500u, 3000u}) {
+      Case c = random_case(bodies, bodies);
+      std::vector<std::uint8_t> named(bodies, 0), written(bodies, 0);
+      for (std::size_t k = 0; k < c.contacts.size(); ++k) named[c.contacts.a[k]] = named[c.contacts.b[k]] = 1;
+      Incidence incidence;
+      incidence.build(c.contacts, bodies);
+      gather_forces(c.contacts, incidence, c.world);
+      const std::vector<Vec3> force = c.world.force, torque = c.world.torque;
+      for (Slot s = 0; s < bodies; ++s) c.world.force[s] = c.world.torque[s] = Vec3::Constant(7.0);
+      TouchedBodies touched;
+      std::vector<int> met(bodies, 0);
+      touched.build(c.contacts, c.world, [&](Slot s) { ++met[s]; });
+      gather_forces(c.contacts, touched, c.world, written);
+      CHECK(std::equal(met.begin(), met.end(), named.begin(), named.end()));
+      CHECK(written == named);
+      for (Slot s = 0; s < bodies; ++s) {
+        const bool as_all = c.world.force[s] == force[s] && c.world.torque[s] == torque[s];
+        const bool left = c.world.force[s] == Vec3::Constant(7.0) && c.world.torque[s] == Vec3::Constant(7.0);
+        REQUIRE((named[s] != 0 ? as_all : left));
+      }
+    }
+  }
+}

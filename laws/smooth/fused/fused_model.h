@@ -130,21 +130,18 @@ class FusedModel final : public FusedSpheres {
         predict_bodies(world, lag(clock), blocks_.late_spins(), begin, end);
       });
     has_extent_ = predicted_ && clock.scheme, predicted_ = false;
-    touched_.clear();
+    is_touched_.assign(others ? world.size() : 0, 0);
     if (others) {
       StepClock some = clock;
-      some.touched = &touched_;
+      some.touched = &is_touched_;
       generic_->act(world, contacts, some, report);
     } else {
       report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.losses = {},
       report.has_solver = false;
     }
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
-    is_touched_.resize(others ? world.size() : 0);
-    for (Slot s : touched_) is_touched_[s] = 1;
     const bool onward = has_extent_ && clock.run_on && clock.run_on->agrees(seen());
     run_blocks(world, clock, onward);
-    for (Slot s : touched_) is_touched_[s] = 0;
     count(clock.dt, report);
     if (world.cell) deform(*world.cell, others, clock.dt, report);
     extent_ = seen();
@@ -201,7 +198,7 @@ class FusedModel final : public FusedSpheres {
             blocks_.sums(tray),
             blocks_.moments(tray),
             blocks_.plain(),
-            touched_.empty() ? nullptr : is_touched_.data(),
+            touched(),
             knows_ways() ? hurry_.data() : nullptr,
             tells_forces_,
             *clock.scheme,
@@ -214,6 +211,7 @@ class FusedModel final : public FusedSpheres {
   }
 
   bool knows_ways() const { return !hurry_.empty(); }
+  const std::uint8_t* touched() const { return is_touched_.empty() ? nullptr : is_touched_.data(); }
 
   void find_ways(double dt) {
     ways_.resize(knows_ways() ? most_hurry_.size() : 0);
@@ -275,8 +273,7 @@ class FusedModel final : public FusedSpheres {
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
       if (!clock.scheme)
-        unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray), touched_.empty() ? nullptr : is_touched_.data(),
-                      begin, end);
+        unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray), touched(), begin, end);
       else if (onward)
         run_on({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[i], most_hurry_[i]}});
       else
@@ -367,8 +364,7 @@ class FusedModel final : public FusedSpheres {
   std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
   bool ahead_ = false;                          ///< the first half of the next step is done
-  std::vector<Slot> touched_;                   ///< bodies with forces of the generic loop
-  std::vector<std::uint8_t> is_touched_;        ///< the same by slot
+  std::vector<std::uint8_t> is_touched_;        ///< by slot: with forces of the generic loop; empty: none is
   std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
