@@ -71,7 +71,7 @@ TEST_CASE("a wavefront finishes each part once, by its finder and after all its 
   const support::KeepThreads keep;
   for (int threads : counts) {
     set_thread_count(threads);
-    for (std::size_t trays : {1u, 2u, 40u})
+    for (std::size_t trays : {1u, 2u, 40u, 501u})
       for (std::size_t n : {0u, 1u, 2u, 3u, 64u, 500u}) {
         std::vector<int> found(n, 0), finished(n, 0), early(n, 0);
         std::vector<std::size_t> finder(n), finisher(n), tray_of(n), tray_then(n);
@@ -80,8 +80,11 @@ TEST_CASE("a wavefront finishes each part once, by its finder and after all its 
           for (std::size_t back : {200u, 40u, 7u, 1u})
             if (i >= back && (i + back) % 3 != 0) sources[i].push_back(i - back);
         std::vector<int> busy(trays * static_cast<std::size_t>(threads), 0), taken(n, 0);
+        const auto sources_of = [&](std::size_t i) -> const auto& { return sources[i]; };
+        std::vector<std::uint32_t> order;
+        if (trays > n) order_wavefront(n, static_cast<std::size_t>(threads), sources_of, order);
         parallel_wavefront(
-            n, trays, [&](std::size_t i) -> const auto& { return sources[i]; },
+            n, trays, order, sources_of,
             [&](std::size_t i, std::size_t tray) {
               double work = 1.0;  // uneven, so that threads overtake each other
               for (std::size_t k = 0; k < 2000 * (i % 5); ++k) work = std::sqrt(work + 1.0);

@@ -281,7 +281,7 @@ class FusedModel final : public FusedSpheres {
     };
     // records go to later blocks only, and no block reads bodies of an earlier one
     parallel_wavefront(
-        all.size(), trays, [&](std::size_t i) -> const auto& { return all[i].sources; }, find, finish);
+        all.size(), trays, blocks_.order(), [&](std::size_t i) -> const auto& { return all[i].sources; }, find, finish);
   }
 
   /// Adds what the blocks found to the report of the generic loop.

@@ -8,6 +8,7 @@
 
 #include "engine/error.h"
 #include "engine/parallel_order.h"
+#include "engine/parallel_wavefront.h"
 #include "laws/smooth/fused/body_pass.h"
 
 namespace epafi {
@@ -79,6 +80,9 @@ SphereImage image_of(std::uint32_t image) {
 
 /// Bytes of springs on their way above which they are not held in the columns as well.
 constexpr std::size_t most_twice = std::size_t{8} << 20;
+/// Blocks a thread up to which they are gone through out of their order. (Hopper of 20 blocks, two threads: contacts 30.9
+/// to 29.4 ns; bed of 98, whose neighbours' bodies lie in the cache: 22.1 to 25.8.)
+constexpr std::size_t most_ordered = 16;
 /// Blocks after which the pages of what is on its way are given back.
 constexpr std::size_t given_back = 64;
 
@@ -216,6 +220,11 @@ void SphereBlocks::list_sources() {
   for (Slot i = 0; i < blocks_.size(); ++i)
     for (const Target& t : blocks_[i].targets)
       if (t.block != no_slot) blocks_[t.block].sources.push_back(i);
+  const auto threads = static_cast<std::size_t>(thread_count());
+  order_.clear();
+  if (threads > 1 && blocks_.size() <= most_ordered * threads)
+    order_wavefront(
+        blocks_.size(), threads, [&](std::size_t i) -> const auto& { return blocks_[i].sources; }, order_);
 }
 
 void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {

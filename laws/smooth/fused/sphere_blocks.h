@@ -139,6 +139,8 @@ class SphereBlocks {
           f(run, k + static_cast<std::uint32_t>(std::countr_zero(bits)), rank++);
   }
 
+  /// In which the blocks are best gone through by the threads at hand; empty: ascending.
+  std::span<const std::uint32_t> order() const { return order_; }
   std::vector<Block>& blocks() { return blocks_; }
   const std::vector<Block>& blocks() const { return blocks_; }
   const std::vector<SpherePlane>& planes() const { return planes_; }
@@ -193,6 +195,7 @@ class SphereBlocks {
 
   SphereNeeds needs_;
   std::vector<Block> blocks_;
+  std::vector<std::uint32_t> order_;
   std::vector<SpherePlane> planes_;
   UnwrittenColumn<SphereSum> sums_;
   LargeColumn<Lanes> late_spins_;
