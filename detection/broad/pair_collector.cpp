@@ -1,18 +1,31 @@
 #include "detection/broad/pair_collector.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "engine/parallel_order.h"
 
 namespace epafi {
 
 namespace {
-/// Runs are a handful of entries, mostly sorted.
+/// Different slots, so many that a look at every slot up to the highest takes less than to sort them: a mesh with all
+/// that is near it (10 000 of 20 000: 0.7 ms sorted).
+void sort_many(Slot* first, Slot* last) {
+  thread_local std::vector<std::uint64_t> is_there;
+  is_there.assign(*std::max_element(first, last) / 64 + 1, 0);
+  for (const Slot* s = first; s < last; ++s) is_there[*s / 64] |= std::uint64_t{1} << (*s % 64);
+  for (std::size_t k = 0; k < is_there.size(); ++k)
+    for (std::uint64_t bits = is_there[k]; bits != 0; bits &= bits - 1)
+      *first++ = static_cast<Slot>(64 * k + static_cast<std::size_t>(std::countr_zero(bits)));
+}
+
+/// Different slots: runs are a handful of entries, mostly sorted.
 void sort_run(Slot* first, Slot* last) {
   if (last - first < 2) return;  // of none, first may be null
   if (last - first > 32) {
-    if (!std::is_sorted(first, last)) std::sort(first, last);
-    return;
+    if (std::is_sorted(first, last)) return;
+    const auto reach = static_cast<std::ptrdiff_t>(*std::max_element(first, last) / 64);
+    return reach < 8 * (last - first) ? sort_many(first, last) : std::sort(first, last);
   }
   for (Slot* p = first + 1; p < last; ++p) {
     const Slot v = *p;
