@@ -256,7 +256,10 @@ void LaneSweep<Rotates, Rule>::form_groups(const Coloring& coloring) {
     for (std::size_t k = begin_[c]; k < g; ++k)
       row_end_[k] = *std::max_element(groups_[k].count.begin(), groups_[k].count.end());
   };
-  parallel_for(colors, form, groups_.size() < 8 * grain ? colors : 1);
+  if (groups_.size() < 8 * grain)
+    for (std::size_t c = 0; c < colors; ++c) form(c);
+  else  // the first colours are the largest
+    parallel_blocks(colors, 1, [&](std::size_t c, std::size_t, std::size_t) { form(c); });
   running_sums(row_end_);
   parallel_for(groups_.size(),
                [&](std::size_t g) { groups_[g].begin = g > 0 ? row_end_[g - 1] : 0, groups_[g].end = row_end_[g]; });
