@@ -84,7 +84,7 @@ constexpr std::size_t most_twice = std::size_t{8} << 20;
 /// to 29.4 ns; bed of 98, whose neighbours' bodies lie in the cache: 22.1 to 25.8.)
 constexpr std::size_t most_ordered = 16;
 /// Blocks after which the pages of what is on its way are given back.
-constexpr std::size_t given_back = 64;
+constexpr std::size_t given_back = 16;
 
 /// f(i) for i in [0, count) by all threads, and after every `piece` of them gone(begin, end) by this one: threads that
 /// give pages of one column back wait for each other (100 000 spheres, two threads: 39 ms to take them out and in, now
