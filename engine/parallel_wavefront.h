@@ -18,14 +18,15 @@ class Waiting {
   }
   std::size_t size() const { return parts_.size(); }
   std::size_t tray() const { return free_.back(); }
-  void add(std::size_t part) { parts_.push_back({part, tray()}), free_.pop_back(); }
+  void add(std::size_t part) { parts_.push_back({part, tray(), 0}), free_.pop_back(); }
 
-  /// finish(part, tray) for those that are ready(part); whether there were any.
+  /// finish(part, tray) for those that are ready(part, seen), which keeps in `seen` what it need not look at again;
+  /// whether there were any.
   template <class Ready, class Finish>
   bool finish_ready(const Ready& ready, const Finish& finish) {
     const std::size_t before = size();
-    std::erase_if(parts_, [&](const Part& p) {
-      if (!ready(p.part)) return false;
+    std::erase_if(parts_, [&](Part& p) {
+      if (!ready(p.part, p.seen)) return false;
       finish(p.part, p.tray), free_.push_back(p.tray);
       return true;
     });
@@ -34,7 +35,7 @@ class Waiting {
 
  private:
   struct Part {
-    std::size_t part, tray;
+    std::size_t part, tray, seen;
   };
   static std::vector<std::size_t>& kept_free() {
     thread_local std::vector<std::size_t> kept;
@@ -47,10 +48,55 @@ class Waiting {
   std::vector<std::size_t>& free_;
   std::vector<Part>& parts_;
 };
+
+/// Which of n parts, shared out in runs, are found. What a thread tells is in cache lines of its own run and its own
+/// count, and whoever waits looks at them all. (One count and flags side by side went from core to core with every
+/// part.)
+class Finds {
+ public:
+  Finds(std::size_t n, std::size_t runs)
+      : n_(n),
+        runs_(runs),
+        flags_(block_results<unsigned char>(n + line * runs, 0)),
+        counts_(block_results<Counter>(runs, Counter{})) {}
+
+  void add(std::size_t thread, std::size_t i) {
+    std::atomic_ref(flags_[place(i)]).store(1, std::memory_order_release);
+    std::atomic_ref(counts_[thread % runs_].value).fetch_add(1);
+    if (std::atomic_ref(sleepers_.value).load() == 0) return;
+    const std::atomic_ref wakes(wakes_.value);
+    wakes.fetch_add(1, std::memory_order_release), wakes.notify_all();
+  }
+  bool has(std::size_t i) const { return std::atomic_ref(flags_[place(i)]).load(std::memory_order_acquire) != 0; }
+  std::size_t count() const {
+    std::size_t sum = 0;
+    for (Counter& c : counts_) sum += std::atomic_ref(c.value).load();
+    return sum;
+  }
+  /// Until there are more than `seen`: looks for some microseconds, then sleeps.
+  void wait_beyond(std::size_t seen) {
+    for (int looks = 0; looks < 20000; ++looks)
+      if (count() > seen) return;
+    const std::atomic_ref wakes(wakes_.value), sleepers(sleepers_.value);
+    const std::size_t before = wakes.load();
+    sleepers.fetch_add(1);  // who adds after this look sees it
+    if (count() == seen) wakes.wait(before, std::memory_order_acquire);
+    sleepers.fetch_sub(1);
+  }
+
+ private:
+  static constexpr std::size_t line = 64;
+  std::size_t place(std::size_t i) const { return i + line * (((i + 1) * runs_ - 1) / n_); }  // as Runs share them out
+
+  std::size_t n_, runs_;
+  std::vector<unsigned char>& flags_;
+  std::vector<Counter>& counts_;
+  Counter wakes_{}, sleepers_{};
+};
 }  // namespace parallel_detail
 
-/// The order in which the parts of each run are best found by so many threads: first those that parts of other runs wait
-/// for, last those that wait for parts of other runs. sources: as below.
+/// The order in which the parts of each run are best found by so many threads: first those that parts of other runs
+/// wait for, last those that wait for parts of other runs. sources: as below.
 template <class Sources>
 void order_wavefront(std::size_t n, std::size_t threads, const Sources& sources, std::vector<std::uint32_t>& order) {
   enum : unsigned char { waited_for, neither, waits };
@@ -68,7 +114,8 @@ void order_wavefront(std::size_t n, std::size_t threads, const Sources& sources,
       }
   });
   each_run([&](std::size_t begin, std::size_t end) {
-    std::ranges::stable_sort(std::span(order).subspan(begin, end - begin), {}, [&](std::uint32_t i) { return rank[i]; });
+    std::ranges::stable_sort(std::span(order).subspan(begin, end - begin), {},
+                             [&](std::uint32_t i) { return rank[i]; });
   });
 }
 
@@ -86,32 +133,28 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
     for (std::size_t i = 0; i < n; ++i) find(i, std::size_t{0}), finish(i, std::size_t{0});
     return;
   }
-  std::vector<unsigned char>& found = block_results<unsigned char>(n, 0);
-  Counter finds{};
+  parallel_detail::Finds finds(n, std::min(n, static_cast<std::size_t>(thread_count())));
   const LoopRuns runs(n);
   const bool in_order = order.size() == n && n <= trays * static_cast<std::size_t>(thread_count());
   parallel_team([&](std::size_t thread) {
-    const std::atomic_ref all(finds.value);
     parallel_detail::Waiting waiting(thread * trays, trays);
-    const auto ready = [&](std::size_t i) {
-      const auto is_found = [&](std::size_t k) {
-        return std::atomic_ref(found[k]).load(std::memory_order_acquire) != 0;
-      };
-      return std::ranges::all_of(sources(i), is_found);
+    const auto ready = [&](std::size_t i, std::size_t& seen) {
+      const auto& all = sources(i);
+      while (seen < all.size() && finds.has(all[seen])) ++seen;
+      return seen == all.size();
     };
     const auto finish_until = [&](std::size_t most) {  // no more than these wait
       for (;;) {
-        const std::size_t seen = all.load(std::memory_order_acquire);
+        const std::size_t seen = finds.count();
         const bool some = waiting.finish_ready(ready, finish);
         if (waiting.size() <= most) return;
-        if (!some) parallel_detail::wait_for(finds, seen + 1);
+        if (!some) finds.wait_beyond(seen);
       }
     };
     runs.each(thread, [&](std::size_t place) {
       const std::size_t i = in_order ? order[place] : place;
       find(i, waiting.tray()), waiting.add(i);
-      std::atomic_ref(found[i]).store(1, std::memory_order_release);
-      all.fetch_add(1, std::memory_order_release), all.notify_all();
+      finds.add(thread, i);
       finish_until(trays - 1);
     });
     finish_until(0);

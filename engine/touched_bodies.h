@@ -1,5 +1,6 @@
 /// @file touched_bodies.h  The bodies that have contacts, where few of many do, each with its contacts. By blocks of
-/// slots, which threads share out as all loops over such blocks do: what a body needs stays with the thread that has it.
+/// slots, which threads share out as all loops over such blocks do: what a body needs stays with the thread that has
+/// it.
 #pragma once
 #include <algorithm>
 #include <span>

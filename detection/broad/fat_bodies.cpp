@@ -12,7 +12,7 @@ namespace {
 constexpr double least_margin =
     0.06;  // of the bounding radius: what a body at rest may creep; 0.04-0.2 cost the same within 10 %
 constexpr double most_learned = 0.16;  // of spheres: the same where bodies at rest often begin to move; 0.25 is no
-                                      // quicker and takes 12 bytes more of each of a million at their lists
+                                       // quicker and takes 12 bytes more of each of a million at their lists
 // A list of spheres costs 300 ns a body, a pair more per step 2.5 ns, and a margin larger by its radius 8 pairs: with a
 // life L of the list that grows like the margin m, the sum is least at m L = 300/(2.5 8).
 constexpr double best_share_times_life = 15.0;

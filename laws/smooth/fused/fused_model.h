@@ -7,6 +7,7 @@
 #include "engine/parallel_order.h"
 #include "engine/parallel_wavefront.h"
 #include "engine/targets.h"
+#include "engine/touched_bodies.h"
 #include "laws/smooth/choose_law.h"
 #include "laws/smooth/fused/body_pass.h"
 #include "laws/smooth/fused/fused_spheres.h"
@@ -185,6 +186,7 @@ class FusedModel final : public FusedSpheres {
 
  private:
   using Task = BlockTask<Normal, Tangential, Rolling>;
+  static_assert(TouchedBodies::block_size == SphereBlocks::block_size, "threads share the same bodies out in both");
   static constexpr std::size_t most_trays = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
 
   /// Later than the velocities of the world by this are those the dampers see [s].

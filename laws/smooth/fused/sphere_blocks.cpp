@@ -80,8 +80,8 @@ SphereImage image_of(std::uint32_t image) {
 
 /// Bytes of springs on their way above which they are not held in the columns as well.
 constexpr std::size_t most_twice = std::size_t{8} << 20;
-/// Blocks a thread up to which they are gone through out of their order. (Hopper of 20 blocks, two threads: contacts 30.9
-/// to 29.4 ns; bed of 98, whose neighbours' bodies lie in the cache: 22.1 to 25.8.)
+/// Blocks a thread up to which they are gone through out of their order. (Hopper of 20 blocks, two threads:
+/// contacts 30.9 to 29.4 ns; bed of 98, whose neighbours' bodies lie in the cache: 22.1 to 25.8.)
 constexpr std::size_t most_ordered = 16;
 /// Blocks after which the pages of what is on its way are given back.
 constexpr std::size_t given_back = 16;
