@@ -379,11 +379,11 @@ TEST_CASE("margins of spheres at rest grow where these end lists early, and shri
     wait(3);
     for (const Pair& p : close_pairs(scene)) CHECK(std::binary_search(list.pairs.begin(), list.pairs.end(), p));
   }
-  CHECK(2.0 / list.hurry[0] == Approx(0.25 * 0.5));
+  CHECK(2.0 / list.hurry[0] == Approx(0.16 * 0.5));
   wait(400);
   scene.world.position[0].x() += 1.2 / list.hurry[0];
   wait(1);
-  CHECK(2.0 / list.hurry[0] == Approx(0.25 * 0.5 / 1.4));
+  CHECK(2.0 / list.hurry[0] == Approx(0.16 * 0.5 / 1.4));
 }
 
 TEST_CASE("without balls the ways of bodies are little more than they are, never less", "[detection][broad][scale]") {
