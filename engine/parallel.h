@@ -19,6 +19,18 @@ inline constexpr std::size_t sum_block = 1024;  // summed in order inside, then 
 inline int thread_count() { return omp_get_max_threads(); }
 inline void set_thread_count(int n) { omp_set_num_threads(n); }
 
+/// Processors that the threads are bound to (OMP_PROC_BIND, GOMP_CPU_AFFINITY); none where they are not.
+inline std::vector<int> bound_processors() {
+  std::vector<int> all;
+  if (omp_get_proc_bind() == omp_proc_bind_false) return all;
+  for (int place = 0; place < omp_get_num_places(); ++place) {
+    const std::size_t before = all.size();
+    all.resize(before + static_cast<std::size_t>(omp_get_place_num_procs(place)));
+    omp_get_place_proc_ids(place, all.data() + before);
+  }
+  return all;
+}
+
 /// f(i) for i in [0, n); f writes to its own index only. Short loops stay on one thread: a fork costs about 2 us.
 template <class F>
 void parallel_for(std::size_t n, const F& f, std::size_t grain = 512) {
@@ -82,6 +94,11 @@ class Runs {
     }
     for (std::size_t k = 1; k < left_.size(); ++k) help(left_[(thread + k) % left_.size()], f);
   }
+  /// The piece of its own run that the calling thread takes next, unless a helper is quicker; n where none is left.
+  std::size_t next_own(std::size_t thread) const {
+    const std::size_t left = std::atomic_ref(left_[thread % left_.size()].value).load(std::memory_order_relaxed);
+    return front(left) < back(left) ? front(left) : n_;
+  }
 
  private:
   // What nobody has taken yet of a run: its first piece in the lower half, its end in the upper one below the last bit.
@@ -118,6 +135,7 @@ class LoopRuns {
   void each(std::size_t thread, const F& f) const {
     runs_.each(thread, f);
   }
+  std::size_t next_own(std::size_t thread) const { return runs_.next_own(thread); }
 
  private:
   std::array<Counter, 256> left_;

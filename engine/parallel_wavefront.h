@@ -119,18 +119,19 @@ void order_wavefront(std::size_t n, std::size_t threads, const Sources& sources,
   });
 }
 
-/// find(i, tray) for i in [0, n), and finish(i, tray) by the same thread once find(k) is done for all k in sources(i),
-/// which are below i. Shared out in runs; a part whose sources are not found yet keeps its tray while the thread goes
-/// on: it has `trays` of them, those of thread t from t * trays on. order: of the parts of each run; ascending where it
-/// is empty, or a run has more parts than `trays` (a thread with all of them in use would wait for what nobody takes).
-/// (Parts in turns, to whoever comes first, send most of what they leave to the other thread: contacts of a bed of
-/// 100 000 had 1.53x of two threads, in runs 1.92x.)
+/// find(i, tray) for i in [0, n), and finish(i, tray, next) by the same thread once find(k) is done for all k in
+/// sources(i), which are below i; next: the part of its run that it finds next, to be asked for; i where none is left.
+/// Shared out in runs; a part whose sources are not found yet keeps its tray while the thread goes on: it has `trays`
+/// of them, those of thread t from t * trays on. order: of the parts of each run; ascending where it is empty, or a run
+/// has more parts than `trays` (a thread with all of them in use would wait for what nobody takes). (Parts in turns, to
+/// whoever comes first, send most of what they leave to the other thread: contacts of a bed of 100 000 had 1.53x of two
+/// threads, in runs 1.92x.)
 template <class Sources, class Find, class Finish>
 void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::uint32_t> order, const Sources& sources,
                         const Find& find, const Finish& finish) {
   const SharedOut meter(n > 1);
   if (n < 2 || thread_count() == 1) {
-    for (std::size_t i = 0; i < n; ++i) find(i, std::size_t{0}), finish(i, std::size_t{0});
+    for (std::size_t i = 0; i < n; ++i) find(i, std::size_t{0}), finish(i, std::size_t{0}, i + 1 < n ? i + 1 : i);
     return;
   }
   parallel_detail::Finds finds(n, std::min(n, static_cast<std::size_t>(thread_count())));
@@ -138,6 +139,11 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
   const bool in_order = order.size() == n && n <= trays * static_cast<std::size_t>(thread_count());
   parallel_team([&](std::size_t thread) {
     parallel_detail::Waiting waiting(thread * trays, trays);
+    const auto part_at = [&](std::size_t place) -> std::size_t { return in_order ? order[place] : place; };
+    const auto finish_one = [&](std::size_t i, std::size_t tray) {
+      const std::size_t place = runs.next_own(thread);
+      finish(i, tray, place < n ? part_at(place) : i);
+    };
     const auto ready = [&](std::size_t i, std::size_t& seen) {
       const auto& all = sources(i);
       while (seen < all.size() && finds.has(all[seen])) ++seen;
@@ -146,13 +152,13 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
     const auto finish_until = [&](std::size_t most) {  // no more than these wait
       for (;;) {
         const std::size_t seen = finds.count();
-        const bool some = waiting.finish_ready(ready, finish);
+        const bool some = waiting.finish_ready(ready, finish_one);
         if (waiting.size() <= most) return;
         if (!some) finds.wait_beyond(seen);
       }
     };
     runs.each(thread, [&](std::size_t place) {
-      const std::size_t i = in_order ? order[place] : place;
+      const std::size_t i = part_at(place);
       find(i, waiting.tray()), waiting.add(i);
       finds.add(thread, i);
       finish_until(trays - 1);

@@ -101,6 +101,7 @@ void BatchNarrowPhase::join(ContactSet& out) {
   }
   out.with_curvature = curvature_, out.with_area = area_;
   out.renew(total), out.force.clear(), out.moment.clear();
+  if (total == 0) return;
   parallel_for(
       blocks_.size(),
       [&](std::size_t k) {

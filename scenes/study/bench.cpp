@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/error.h"
 #include "engine/report.h"
@@ -44,17 +45,37 @@ std::string row(const std::string& scene, const std::string& size, int threads, 
 /// Amdahl's serial fraction of a stage from its times on 1 and n threads: t_n = t_1 (s + (1 - s) / n).
 double serial_fraction(double one, double many, int threads) { return (threads * many / one - 1.0) / (threads - 1.0); }
 
-/// What the machine itself gives, one line for every number of threads beside 1.
-std::string machine_lines(const std::vector<int>& threads) {
-  std::string lines;
-  for (const int n : threads) {
-    if (n == 1) continue;
-    const MachineSpeedup machine = machine_speedup(n);
-    lines += fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, a word there and back {:.0f} ns\n",
-                         n, machine.arithmetic, machine.triad, 1e9 * round_trip());
+/// What the machine itself gives, looked at after every round: what others leave of a shared one changes by the minute.
+class Machine {
+ public:
+  /// Nothing where there is no one thread to compare with.
+  explicit Machine(const std::vector<int>& threads) {
+    if (std::ranges::count(threads, 1) == 0) return;
+    for (const int n : threads)
+      if (n != 1) seen_.push_back({n, {}});
   }
-  return lines;
-}
+  void look() {
+    for (auto& [n, all] : seen_) all.push_back(machine_speedup(n));
+  }
+  /// One line of medians for every number of threads beside 1.
+  std::string lines() {
+    std::string lines;
+    for (auto& [n, all] : seen_) {
+      const auto median = [&all](double MachineSpeedup::*of) {
+        std::ranges::sort(all, {}, of);
+        return all[all.size() / 2].*of;
+      };
+      lines +=
+          fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, a word there and back {:.0f} ns\n", n,
+                      median(&MachineSpeedup::arithmetic), median(&MachineSpeedup::triad),
+                      1e9 * median(&MachineSpeedup::round_trip));
+    }
+    return lines;
+  }
+
+ private:
+  std::vector<std::pair<int, std::vector<MachineSpeedup>>> seen_;
+};
 
 /// One line per stage that takes a hundredth of the time of one thread or more, each a comment of the table: share of
 /// the time, the part of it outside loops that are shared out over threads (serial, on one thread), and for every
@@ -111,7 +132,8 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
       cases.push_back({setup.overrides, setup.folder / fmt::format("threads_{}", threads)});
       cases.back().overrides.insert(cases.back().overrides.end(), size.begin(), size.end());
     }
-    for (int round = 0; round < setup.repeats; ++round)
+    Machine machine(setup.threads);
+    for (int round = 0; round < setup.repeats; ++round, machine.look())
       for (std::size_t k = 0; k < cases.size(); ++k) {
         results[k].push_back(run_case(setup.scene, cases[k], {setup.program, setup.threads[k], 0.0, true}));
         if (!results[k].back().completed() && results[k].back().summary.numbers.empty())
@@ -132,8 +154,7 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
       medians.push_back(&all[all.size() / 2]);
       print(row(setup.scene, label, setup.threads[k], error, *medians.back(), cases[k].folder));
     }
-    if (const std::string table = amdahl_table(medians, setup.threads); !table.empty())
-      print(table + machine_lines(setup.threads));
+    if (const std::string table = amdahl_table(medians, setup.threads); !table.empty()) print(table + machine.lines());
   }
 }
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <map>
 
+#include "engine/all_places.h"
 #include "engine/error.h"
 #include "scenes/stop.h"
 #include "viz_export/side_file.h"
@@ -51,6 +52,7 @@ pid_t start(const std::string& scene, const Case& wanted, const CaseLimits& limi
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  const AllPlaces places;
   pid_t child = 0;
   const int error = posix_spawn(&child, limits.program.c_str(), &files, nullptr, raw.data(), environ);
   posix_spawn_file_actions_destroy(&files);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/all_places.h"
 #include "engine/parallel.h"
 
 namespace epafi {
@@ -22,7 +23,8 @@ double seconds(const F& f) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// 64 pieces of work of some 0.3 ms, 24 independent chains in each: enough to keep the units of one core busy from one thread.
+/// 64 pieces of work of some 0.3 ms, 24 independent chains in each: enough to keep the units of one core busy from one
+/// thread.
 void arithmetic(std::vector<double>& out) {
   parallel_blocks(out.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     std::array<double, 24> x;
@@ -40,33 +42,16 @@ struct Triad {
   }
 };
 
-}  // namespace
-
-MachineSpeedup machine_speedup(int threads) {
-  const int before = thread_count();
-  std::vector<double> out(64);
-  Triad triad;
-  constexpr double never = std::numeric_limits<double>::infinity();
-  std::array<double, 2> work{never, never}, way{never, never};
-  for (int repeat = 0; repeat < 5; ++repeat)
-    for (const std::size_t k : {0u, 1u}) {
-      set_thread_count(k == 0 ? 1 : threads);
-      work[k] = std::min(work[k], seconds([&] { arithmetic(out); }));
-      way[k] = std::min(way[k], seconds([&] { triad.run(); }));
-    }
-  set_thread_count(before);
-  return {work[0] / work[1], way[0] / way[1]};
-}
-
 double round_trip() try {
   constexpr int trips = 20000;
+  const AllPlaces places;  // of the other thread
   alignas(64) std::atomic<int> word{0};
   const auto wait_for = [&word](int value) {
     for (int spins = 0; word.load(std::memory_order_acquire) != value; ++spins)
       if (spins > 10000) std::this_thread::yield(), spins = 0;  // both on one processor
   };
   double best = std::numeric_limits<double>::infinity();
-  for (int repeat = 0; repeat < 3; ++repeat) {
+  for (int repeat = 0; repeat < 2; ++repeat) {
     word = 0;
     std::thread other([&] {
       for (int k = 0; k < trips; ++k) wait_for(2 * k + 1), word.store(2 * k + 2, std::memory_order_release);
@@ -81,6 +66,24 @@ double round_trip() try {
   return best / (trips - 1);
 } catch (const std::system_error&) {
   return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+MachineSpeedup machine_speedup(int threads) {
+  const int before = thread_count();
+  std::vector<double> out(64);
+  Triad triad;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  std::array<double, 2> work{never, never}, way{never, never};
+  for (int repeat = 0; repeat < 2; ++repeat)
+    for (const std::size_t k : {0u, 1u}) {
+      set_thread_count(k == 0 ? 1 : threads);
+      work[k] = std::min(work[k], seconds([&] { arithmetic(out); }));
+      way[k] = std::min(way[k], seconds([&] { triad.run(); }));
+    }
+  set_thread_count(before);
+  return {work[0] / work[1], way[0] / way[1], round_trip()};
 }
 
 }  // namespace epafi

@@ -74,7 +74,7 @@ TEST_CASE("a wavefront finishes each part once, by its finder and after all its 
     for (std::size_t trays : {1u, 2u, 40u, 501u})
       for (std::size_t n : {0u, 1u, 2u, 3u, 64u, 500u}) {
         std::vector<int> found(n, 0), finished(n, 0), early(n, 0);
-        std::vector<std::size_t> finder(n), finisher(n), tray_of(n), tray_then(n);
+        std::vector<std::size_t> finder(n), finisher(n), tray_of(n), tray_then(n), next_of(n);
         std::vector<std::vector<std::size_t>> sources(n);
         for (std::size_t i = 0; i < n; ++i)
           for (std::size_t back : {200u, 40u, 7u, 1u})
@@ -91,7 +91,8 @@ TEST_CASE("a wavefront finishes each part once, by its finder and after all its 
               taken[i] = std::exchange(busy[tray], 1), tray_of[i] = tray;
               finder[i] = thread_number(), found[i] = work > 0.0;
             },
-            [&](std::size_t i, std::size_t tray) {
+            [&](std::size_t i, std::size_t tray, std::size_t next) {
+              next_of[i] = next;
               for (std::size_t k : sources[i]) early[i] += found[k] != 1;
               busy[tray] = 0, tray_then[i] = tray;
               finisher[i] = thread_number(), ++finished[i];
@@ -101,6 +102,13 @@ TEST_CASE("a wavefront finishes each part once, by its finder and after all its 
         CHECK(std::count(taken.begin(), taken.end(), 0) == static_cast<std::ptrdiff_t>(n));
         CHECK(finder == finisher);
         CHECK(tray_of == tray_then);
+        const std::size_t runs = std::min(n, static_cast<std::size_t>(threads));
+        for (std::size_t i = 0; i < n; ++i) {
+          const std::size_t run = finisher[i] % runs, begin = n * run / runs, end = n * (run + 1) / runs;
+          INFO("threads " << threads << ", " << n << " parts, of " << i << " next " << next_of[i]);
+          CHECK((next_of[i] == i || (next_of[i] >= begin && next_of[i] < end)));
+          if (threads == 1) CHECK(next_of[i] == std::min(i + 1, n - 1));
+        }
       }
   }
 }

@@ -266,20 +266,21 @@ class FusedModel final : public FusedSpheres {
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(tray)) - first * sizeof(Lanes);
       loop({all[i], law_, wall_laws_, mine});
     };
-    next_extents_.assign(onward ? all.size() : 1, Extent{});
-    most_hurry_.assign(next_extents_.size(), Vec3::Zero());
+    next_extents_.resize(onward ? all.size() : 1), most_hurry_.resize(next_extents_.size());
     const auto second_half = best_loop<SecondHalf<false>>();
     const auto run_on = best_loop<SecondHalf<true>>();
-    const auto finish = [&](std::size_t i, std::size_t tray) {
+    const auto finish = [&](std::size_t i, std::size_t tray, std::size_t next) {
       blocks_.receive(i, tray);
       const std::size_t begin = i * SphereBlocks::block_size;
       const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
       if (!clock.scheme)
         unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray), touched(), begin, end);
       else if (onward)
-        run_on({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[i], most_hurry_[i]}});
+        run_on({pass(world, clock, begin, end, tray, extents_[i]),
+                {next_extents_[i] = {}, most_hurry_[i] = Vec3::Zero()},
+                world.states().data() + next * SphereBlocks::block_size});
       else
-        second_half({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[0], most_hurry_[0]}});
+        second_half({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[0], most_hurry_[0]}, {}});
     };
     // records go to later blocks only, and no block reads bodies of an earlier one
     parallel_wavefront(
