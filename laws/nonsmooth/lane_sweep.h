@@ -74,12 +74,18 @@ class LaneSweep {
   void load_bodies(const ContactProblem& problem, const BodyVelocities& v);
   void form_groups(const Coloring& coloring);
   std::uint32_t fill(Group& group, std::span<const ContactGroup* const> pairs) const;
+  std::size_t size(std::size_t color) const { return begin_[color + 1] - begin_[color]; }
+  /// How many groups of a colour a thread takes at once.
+  std::size_t piece(std::size_t color) const;
+  template <class F>
+  void each_group(const F& f) const;
 
   UnwrittenColumn<Body> bodies_;  ///< the last one is that of empty lanes
   UnwrittenStream<Row> rows_;
   UnwrittenColumn<Group> groups_;
   std::vector<std::size_t> begin_;  ///< of each colour in groups_
-  std::vector<double> change_;
+  std::vector<double> change_;      ///< of a group in the last sweep, squared
+  std::vector<double> sums_;        ///< of those, by blocks
   mutable std::vector<double> squares_;
   std::vector<std::uint32_t> row_end_;  ///< by group
   bool has_sequence_ = false;           ///< the last colour runs in sequence
