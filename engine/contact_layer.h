@@ -14,9 +14,13 @@ class ContactLayer : public ContactModel {
   void reorder(const Reordering& change) override { below_->reorder(change); }
   void visit(StateVisitor& visitor) override { below_->visit(visitor); }
   void publish(const World& world, ContactSet& contacts) const override { below_->publish(world, contacts); }
-  std::size_t gap_parts() const override { return below_->gap_parts(); }
+  std::size_t own_parts() const override { return below_->own_parts(); }
+  std::size_t own_count(std::size_t part) const override { return below_->own_count(part); }
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
     below_->append_gaps(world, part, gaps);
+  }
+  void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override {
+    below_->append_contacts(world, part, contacts);
   }
   const ContactModel& below() const { return *below_; }
 

@@ -2,7 +2,7 @@
 /// cannot change a trajectory.
 #pragma once
 #include "engine/energy.h"
-#include "engine/gap_pieces.h"
+#include "engine/contact_pieces.h"
 
 namespace epafi {
 
@@ -19,12 +19,12 @@ struct StepView {
   bool last = false;        ///< the run ends with this step
   const ContactModel* model = nullptr;  ///< with contacts of its own; null: none
 
-  /// Of all contacts, `contacts` or not.
-  GapPieces gaps() const { return {world, contacts, model}; }
+  /// All contacts, those that are not among `contacts` too.
+  ContactPieces pieces() const { return {world, contacts, model}; }
 };
 
-/// What an observer looks at of single contacts: nothing, what StepView::gaps says, or all columns of `contacts`.
-enum class ContactView { none, gaps, all };
+/// What an observer looks at of single contacts: nothing, what StepView::pieces says, or all of them in `contacts`.
+enum class ContactView { none, pieces, all };
 
 /// Called when `is_due`; the simulation measures the energies before if `wants_energy`.
 class Observer {
@@ -35,7 +35,7 @@ class Observer {
   /// It looks at the bodies in this step; where nobody does the next step may begin before this one is shown.
   virtual bool wants_bodies(std::uint64_t step) const { return is_due(step); }
   /// In this step, the last one of the run where `last`. What nobody looks at need not be written out: a contact model
-  /// that finds contacts of its own shows their gaps piece by piece where these are enough.
+  /// that finds contacts of its own shows them piece by piece where that is enough.
   virtual ContactView wants_contacts(std::uint64_t step, bool last) const {
     return last || is_due(step) ? ContactView::all : ContactView::none;
   }

@@ -86,9 +86,13 @@ class ContactModel : public StepStage {
   /// Completes the set for observers where the model has found contacts of its own.
   virtual void publish(const World&, ContactSet&) const {}
   /// Parts of the contacts that the model has found itself and not completed the set with.
-  virtual std::size_t gap_parts() const { return 0; }
-  /// Appends bodies and gaps of a part, in any order; several threads may ask.
+  virtual std::size_t own_parts() const { return 0; }
+  /// Contacts of a part; all of them touch.
+  virtual std::size_t own_count(std::size_t /*part*/) const { return 0; }
+  /// Appends bodies and gaps of a part, in an order that the state alone decides; several threads may ask.
   virtual void append_gaps(const World&, std::size_t /*part*/, ContactSet& /*gaps*/) const {}
+  /// The same with feature, normal, arm and force.
+  virtual void append_contacts(const World&, std::size_t /*part*/, ContactSet& /*contacts*/) const {}
 };
 
 /// Holds bodies back from ways that detection at the end of a drift would miss. Only where the scene asks for it.

@@ -7,6 +7,7 @@
 
 #include "engine/error.h"
 #include "engine/hash.h"
+#include "engine/prefetch.h"
 #include "engine/rotation.h"
 
 namespace epafi {
@@ -198,8 +199,14 @@ std::vector<Slot> morton_order(const World& world) {
 }
 
 std::string state_hash(const World& world) {
+  constexpr std::uint32_t ahead = 16;  // bodies lie in another order than their ids: 8 of 77 ms of a frame of 100 000
   Hash hash;
   for (std::uint32_t b = 0; b < world.ids_given(); ++b) {
+    const Slot soon = b + ahead < world.ids_given() ? world.slot_of(static_cast<BodyId>(b + ahead)) : no_slot;
+    if (soon != no_slot) {
+      prefetch(&world.position[soon], sizeof(Vec3)), prefetch(&world.velocity[soon], sizeof(Vec3));
+      if (world.rotates()) prefetch(&world.angular_velocity[soon], sizeof(Vec3));
+    }
     const Slot s = world.slot_of(static_cast<BodyId>(b));
     if (s == no_slot) continue;
     hash.add(b);

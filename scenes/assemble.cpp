@@ -18,6 +18,7 @@
 #include "scenes/railway/rolling.h"
 #include "scenes/sphere_split.h"
 #include "scenes/time_step.h"
+#include "viz_export/measures/all_measures.h"
 
 namespace epafi {
 
@@ -238,14 +239,16 @@ BodyIds Assembly::ids(const NamedBodies& named) const {
   return out;
 }
 
-MeasureSetup Assembly::measure_setup(const MeasureSpec& spec) const {
+std::unique_ptr<Measure> Assembly::measure(const MeasureSpec& spec) const {
   MeasureSetup setup{spec.name, spec.parameters, {}, shapes.get(), spec.interval, nullptr};
   for (const auto& bodies : spec.bodies) setup.bodies.push_back(ids(bodies));
-  if (!spec.parameters.has("outlet")) return setup;
   for (const auto& event : simulation->events)
     if (const auto* outlet = dynamic_cast<const Outlet*>(event.get()))
-      if (outlet->name() == spec.parameters.text("outlet")) setup.tally = &outlet->tally();
-  return setup;
+      if (spec.parameters.has("outlet") && outlet->name() == spec.parameters.text("outlet"))
+        setup.tally = &outlet->tally();
+  const auto entry = std::ranges::find(all_measures(), spec.kind, [](const MeasureEntry& e) { return e.entry.name; });
+  EPAFI_REQUIRE(entry != all_measures().end(), "kinds of measures are looked up when a scene is read");
+  return entry->make(std::move(setup));
 }
 
 namespace {

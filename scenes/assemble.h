@@ -40,8 +40,8 @@ struct Assembly {
   /// Of Scene::bodies[k]: the world has them first.
   static BodyId body_id(std::size_t k) { return static_cast<BodyId>(k); }
   BodyIds ids(const NamedBodies& named) const;
-  /// What a measure of the scene looks at.
-  MeasureSetup measure_setup(const MeasureSpec& spec) const;
+  /// A measure of the scene, made once more.
+  std::unique_ptr<Measure> measure(const MeasureSpec& spec) const;
 };
 
 /// Builds shapes, plan, world and stages. Throws SceneError for what only shows now (geometry, missing constants, time

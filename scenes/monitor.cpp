@@ -20,15 +20,15 @@ struct OverlapSum {
 };
 }  // namespace
 
-Overlap measure_overlap(const World& world, const GapPieces& gaps, const ShapeStore& shapes) {
+Overlap measure_overlap(const World& world, const ContactPieces& contacts, const ShapeStore& shapes) {
   const auto smaller = [&](Slot a, Slot b) {
     return std::min(shapes.bounding_radius({world.shape[a]}), shapes.bounding_radius({world.shape[b]}));
   };
-  std::vector<OverlapSum>& sums = block_results<OverlapSum>(gaps.size(), OverlapSum{});
+  std::vector<OverlapSum>& sums = block_results<OverlapSum>(contacts.size(), OverlapSum{});
   parallel_for(
-      gaps.size(),
+      contacts.size(),
       [&](std::size_t piece) {
-        gaps.read(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
+        contacts.read_gaps(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
           const auto same = [&](std::size_t k, std::size_t l) { return c.a[k] == c.a[l] && c.b[k] == c.b[l]; };
           OverlapSum sum;
           for (std::size_t first = begin; first < end; ++first) {
@@ -79,7 +79,7 @@ void RunMonitor::observe(const StepView& view) {
 }
 
 void RunMonitor::look(const StepView& view) {
-  last_overlap_ = measure_overlap(view.world, view.gaps(), shapes_);
+  last_overlap_ = measure_overlap(view.world, view.pieces(), shapes_);
   if (view.last || view.step * 10 >= steps_ * 9) {
     totals_.overlap_max = std::max(totals_.overlap_max, last_overlap_.max);
     totals_.overlap_relative = std::max(totals_.overlap_relative, last_overlap_.max_relative);

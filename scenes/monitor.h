@@ -17,7 +17,7 @@ struct Overlap {
   double max_relative = 0.0;     ///< to the smaller body's bounding radius
   std::size_t pairs = 0;
 };
-Overlap measure_overlap(const World& world, const GapPieces& gaps, const ShapeStore& shapes);
+Overlap measure_overlap(const World& world, const ContactPieces& contacts, const ShapeStore& shapes);
 
 /// A bound of the scene with what was seen.
 struct BoundCheck {
@@ -36,7 +36,7 @@ class RunMonitor final : public Observer {
   bool wants_energy(std::uint64_t step) const override { return step % interval_ == 0; }
   bool wants_bodies(std::uint64_t step) const override { return step % interval_ == 0; }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
-    return last || step % interval_ == 0 ? ContactView::gaps : ContactView::none;
+    return last || step % interval_ == 0 ? ContactView::pieces : ContactView::none;
   }
   void observe(const StepView& view) override;
   void visit(StateVisitor& visitor) override;

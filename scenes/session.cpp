@@ -14,7 +14,6 @@
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/peak_memory.h"
 #include "scenes/stop.h"
-#include "viz_export/measures/all_measures.h"
 #include "viz_export/problem_file.h"
 #include "viz_export/side_file.h"
 #include "viz_export/stored_run.h"
@@ -129,11 +128,9 @@ void Session::add_observers() {
   monitor_ = monitor.get();
   sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
-    const auto& list = all_measures();
-    const auto entry = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.entry.name == spec.kind; });
-    auto recorder =
-        std::make_unique<MeasureRecorder>(spec.name, entry->make(assembly_->measure_setup(spec)), &files_->csv,
-                                          &files_->run, spec.interval > 0 ? steps_of(spec.interval, dt) : 1);
+    const std::uint64_t every = spec.interval > 0 ? steps_of(spec.interval, dt) : 1;
+    auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), &files_->csv, &files_->run,
+                                                      every);
     recorders_.push_back(recorder.get());
     sim.observers.push_back(std::move(recorder));
   }

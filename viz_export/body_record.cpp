@@ -1,7 +1,6 @@
 #include "viz_export/body_record.h"
 
 #include <cmath>
-#include <numeric>
 
 #include "engine/energy.h"
 #include "engine/parallel_order.h"
@@ -27,21 +26,21 @@ const Surface* SurfaceCache::of(const World& world, Slot body) {
   return surface.get();
 }
 
-BodyList::BodyList(const World& world, SurfaceCache& surfaces) : world_(&world), surfaces_(&surfaces) {
+BodyList::BodyList(const World& world, SurfaceCache& surfaces)
+    : world_(&world), surfaces_(&surfaces), size_(world.size()) {
+  if (size_ == world.ids_given()) return;
   const auto slot = [&](std::size_t id) { return world.slot_of(static_cast<BodyId>(id)); };
   parallel_select(
       world.ids_given(), [&](std::size_t id) { return slot(id) != no_slot; }, slot, place_);
 }
 
-BodyList::BodyList(const std::vector<BodyRecord>& records) : records_(&records), place_(records.size()) {
-  std::iota(place_.begin(), place_.end(), Slot{0});
-}
+BodyList::BodyList(const std::vector<BodyRecord>& records) : records_(&records), size_(records.size()) {}
 
-BodyList BodyList::only(const std::vector<std::uint32_t>& places) const {
+BodyList BodyList::only(UnwrittenColumn<Slot> places) const {
   BodyList out;
   out.records_ = records_, out.world_ = world_, out.surfaces_ = surfaces_;
-  out.place_.resize(places.size());
-  parallel_for(places.size(), [&](std::size_t k) { out.place_[k] = place_[places[k]]; });
+  parallel_for(places.size(), [&](std::size_t k) { places[k] = place(places[k]); });
+  out.size_ = places.size(), out.place_ = std::move(places);
   return out;
 }
 
@@ -66,7 +65,7 @@ Pose BodyList::pose(std::size_t k) const {
   return value(k, &BodyRecord::pose, [this](Slot s) { return world_->pose(s); });
 }
 Vec3 BodyList::position(std::size_t k) const {
-  return records_ != nullptr ? (*records_)[place_[k]].pose.position : world_->position[place_[k]];
+  return records_ != nullptr ? (*records_)[place(k)].pose.position : world_->position[place(k)];
 }
 Vec3 BodyList::velocity(std::size_t k) const {
   return value(k, &BodyRecord::velocity, [this](Slot s) { return world_->velocity[s]; });
@@ -79,15 +78,15 @@ double BodyList::kinetic_energy(std::size_t k) const {
   return value(k, &BodyRecord::kinetic_energy, [this](Slot s) { return epafi::kinetic_energy(*world_, s); });
 }
 bool BodyList::is_sphere(std::size_t k) const {
-  return records_ != nullptr ? (*records_)[place_[k]].surface == nullptr
-                             : ShapeRef{world_->shape[place_[k]]}.type() == BodyRecord::sphere_type;
+  return records_ != nullptr ? (*records_)[place(k)].surface == nullptr
+                             : ShapeRef{world_->shape[place(k)]}.type() == BodyRecord::sphere_type;
 }
 const Surface* BodyList::surface(std::size_t k) const {
   return value(k, &BodyRecord::surface, [this](Slot s) { return surfaces_->of(*world_, s); });
 }
 
 BodyRecord BodyList::operator[](std::size_t k) const {
-  if (records_ != nullptr) return (*records_)[place_[k]];
+  if (records_ != nullptr) return (*records_)[place(k)];
   return {id(k),   shape(k),    material(k),         mass(k),          radius(k), surface(k),
           pose(k), velocity(k), angular_velocity(k), kinetic_energy(k)};
 }

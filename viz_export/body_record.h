@@ -49,8 +49,8 @@ class BodyList {
   /// Of records that somebody keeps meanwhile.
   BodyList(const std::vector<BodyRecord>& records);
   /// Those of this list at `places`, ascending.
-  BodyList only(const std::vector<std::uint32_t>& places) const;
-  std::size_t size() const { return place_.size(); }
+  BodyList only(UnwrittenColumn<Slot> places) const;
+  std::size_t size() const { return size_; }
 
   std::uint32_t id(std::size_t k) const;
   std::uint32_t shape(std::size_t k) const;
@@ -73,12 +73,18 @@ class BodyList {
   /// A record's member, or what of(slot) gives.
   template <class T, class Of>
   T value(std::size_t k, T BodyRecord::*member, const Of& of) const {
-    return records_ != nullptr ? (*records_)[place_[k]].*member : static_cast<T>(of(place_[k]));
+    return records_ != nullptr ? (*records_)[place(k)].*member : static_cast<T>(of(place(k)));
+  }
+  /// Among the records, or a slot.
+  Slot place(std::size_t k) const {
+    if (!place_.empty()) return place_[k];
+    return records_ != nullptr ? static_cast<Slot>(k) : world_->slot_of(static_cast<BodyId>(k));
   }
   const std::vector<BodyRecord>* records_ = nullptr;
   const World* world_ = nullptr;
   SurfaceCache* surfaces_ = nullptr;
-  UnwrittenColumn<Slot> place_;  ///< among the records, or slots
+  std::size_t size_ = 0;
+  UnwrittenColumn<Slot> place_;  ///< empty: every record, or every id that was ever given
 };
 
 /// All bodies in the order of their ids.

@@ -1,25 +1,45 @@
 #include "viz_export/contact_list.h"
 
-#include "engine/parallel_order.h"
-
 namespace epafi {
 
-ContactList::ContactList(const World& world, const ContactSet& contacts) : world_(&world), contacts_(&contacts) {
-  if (contacts.force.size() != contacts.size()) return;
-  parallel_select(
-      contacts.size(),
-      [&](std::size_t i) { return contacts.gap[i] < 0.0 || contacts.force[i].squaredNorm() != 0.0; },
-      [](std::size_t i) { return static_cast<std::uint32_t>(i); }, acting_);
+std::vector<std::uint32_t> ContactList::acting(const ContactSet& contacts, std::size_t begin, std::size_t end,
+                                               bool own) {
+  std::vector<std::uint32_t> places;
+  if (contacts.force.size() != contacts.size()) return places;
+  places.reserve(end - begin);
+  for (std::size_t i = begin; i < end; ++i)
+    if (own || contacts.gap[i] < 0.0 || contacts.force[i].squaredNorm() != 0.0)
+      places.push_back(static_cast<std::uint32_t>(i));
+  return places;
 }
 
-Vec3 ContactList::from(std::size_t k) const {
-  const std::size_t i = acting_[k];
+ContactList::ContactList(const World& world, const ContactPieces& contacts) : world_(&world), contacts_(contacts) {
+  std::vector<std::size_t> rows(contacts.size());
+  parallel_for(
+      rows.size(),
+      [&](std::size_t piece) {
+        if (contacts.is_own(piece))
+          rows[piece] = contacts.own_count(piece);
+        else
+          contacts.read(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
+            rows[piece] = acting(c, begin, end, false).size();
+          });
+      },
+      16);
+  begins_ = {0};
+  for (std::size_t piece = 0; piece < rows.size(); ++piece)
+    if (rows[piece] > 0) pieces_.push_back(piece), begins_.push_back(begins_.back() + rows[piece]);
+  if (pieces_.empty()) begins_.push_back(0);
+}
+
+Vec3 ContactRows::from(std::size_t row) const {
+  const std::size_t i = at(row);
   const Slot a = contacts_->a[i];
   return world_->is_movable(a) ? world_->position[a] : contacts_->point(i, *world_);
 }
 
-Vec3 ContactList::to(std::size_t k) const {
-  const std::size_t i = acting_[k];
+Vec3 ContactRows::to(std::size_t row) const {
+  const std::size_t i = at(row);
   const Slot a = contacts_->a[i], b = contacts_->b[i];
   if (!world_->is_movable(b)) return contacts_->point(i, *world_);
   return world_->position[a] + world_->branch(a, b, contacts_->feature[i]);

@@ -101,11 +101,12 @@ PolyData draw_surfaces(const BodyList& bodies, double time) {
   return d;
 }
 
-PolyData draw_contacts(const ContactList& c, double time, FrameRows of) {
-  FrameColumns rows(of);
+PolyData draw_contacts(const ContactRows& c, double time) {
+  FrameColumns rows({c.begin(), c.end()});
   PolyData d;
   d.time = time;
-  d.points = rows.add<float>(6, [&](std::size_t k, float* to) { FrameColumns::put(c.from(k), to), FrameColumns::put(c.to(k), to + 3); });
+  d.points = rows.add<float>(
+      6, [&](std::size_t k, float* to) { FrameColumns::put(c.from(k), to), FrameColumns::put(c.to(k), to + 3); });
   d.lines = cells_of(rows, 2);
   d.cell_data.push_back(rows.scalar<float>("force_magnitude", [&](std::size_t k) { return c.force(k).norm(); }));
   d.cell_data.push_back(rows.scalar<float>("normal_force", [&](std::size_t k) { return c.normal_force(k); }));
@@ -164,29 +165,32 @@ FrameWriter::Entry FrameWriter::walls_entry(const BodyList& walls, double time) 
 
 std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& bodies,
                                                   const ContactList& contacts) const {
-  std::vector<std::uint32_t> spheres, solids, walls, others;
-  const auto place = [](std::size_t k) { return static_cast<std::uint32_t>(k); };
+  UnwrittenColumn<Slot> spheres, solids, walls, others;
+  const auto place = [](std::size_t k) { return static_cast<Slot>(k); };
   parallel_select(
       bodies.size(), [&](std::size_t k) { return bodies.is_sphere(k); }, place, spheres);
   parallel_select(
       bodies.size(), [&](std::size_t k) { return !bodies.is_sphere(k); }, place, others);
-  for (const std::uint32_t k : others) (bodies.is_wall(k) ? walls : solids).push_back(k);
-  const auto rows = [](std::size_t count, std::size_t corners, auto draw) {
-    require_countable(count * corners);
-    return [=](const std::filesystem::path& path) { write_vtp_rows(path, count, draw); };
-  };
-  using Row = std::size_t;
+  for (const Slot k : others) (bodies.is_wall(k) ? walls : solids).push_back(k);
   std::vector<Entry> out;
-  if (!spheres.empty())
-    out.push_back({0, file_of("spheres"), rows(spheres.size(), 1, [time, list = bodies.only(spheres)](Row from, Row to) {
-                     return draw_spheres(list, time, {from, to});
-                   })});
-  if (!solids.empty()) out.push_back(surfaces_entry(1, "bodies", bodies.only(solids), time));
+  if (!spheres.empty()) {
+    require_countable(spheres.size());
+    out.push_back(
+        {0, file_of("spheres"), [time, list = bodies.only(std::move(spheres))](const std::filesystem::path& path) {
+           write_vtp_rows(path, list.size(), [&](auto from, auto to) { return draw_spheres(list, time, {from, to}); });
+         }});
+  }
+  if (!solids.empty()) out.push_back(surfaces_entry(1, "bodies", bodies.only(std::move(solids)), time));
+  require_countable(2 * contacts.size());
   // also none: readers count the parts of a frame
-  out.push_back({2, file_of("contacts"), rows(contacts.size(), 2, [time, &contacts](Row from, Row to) {
-                   return draw_contacts(contacts, time, {from, to});
-                 })});
-  if (!walls.empty()) out.push_back(walls_entry(bodies.only(walls), time));
+  out.push_back({2, file_of("contacts"), [time, &contacts](const std::filesystem::path& path) {
+                   write_vtp_pieces(path, contacts.begins(), [&](std::size_t piece) {
+                     PolyData drawn;
+                     contacts.read(piece, [&](const ContactRows& rows) { drawn = draw_contacts(rows, time); });
+                     return drawn;
+                   });
+                 }});
+  if (!walls.empty()) out.push_back(walls_entry(bodies.only(std::move(walls)), time));
   return out;
 }
 

@@ -15,7 +15,7 @@ void StateRecorder::observe(const StepView& view) {
     run_->add_snapshot({view.step, world.time, state_hash(world), world.rotates(), world.has_orientation()}, bodies);
   };
   if (frames_ != nullptr)
-    frames_->write(world.time, bodies, ContactList(world, view.contacts), snapshot);
+    frames_->write(world.time, bodies, ContactList(world, view.pieces()), snapshot);
   else
     snapshot();
 }

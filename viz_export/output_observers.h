@@ -20,7 +20,7 @@ class StateRecorder final : public Observer {
       : run_(run), frames_(frames), surfaces_(shapes), due_(every) {}
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
-    return frames_ != nullptr && (last || is_due(step)) ? ContactView::all : ContactView::none;
+    return frames_ != nullptr && (last || is_due(step)) ? ContactView::pieces : ContactView::none;
   }
   void observe(const StepView& view) override;
 

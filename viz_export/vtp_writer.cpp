@@ -205,11 +205,10 @@ void VtpFile::write(const std::filesystem::path& path) const {
   side.commit(false);
 }
 
-void write_vtp_rows(const std::filesystem::path& path, std::size_t rows,
-                    const std::function<PolyData(std::size_t, std::size_t)>& draw) {
-  constexpr std::size_t at_once = 2048;
-  PolyData piece = draw(0, std::min(rows, at_once));
-  const Multiple whole{rows, std::clamp<std::size_t>(rows, 1, at_once)};
+void write_vtp_pieces(const std::filesystem::path& path, const std::vector<std::size_t>& begins,
+                      const std::function<PolyData(std::size_t)>& draw) {
+  PolyData piece = draw(0);
+  const Multiple whole{begins.back(), std::max<std::size_t>(begins[1], 1)};
   std::vector<std::size_t> sizes, offsets;
   std::size_t size = 0;
   for (const Bytes bytes : arrays_of(piece)) {
@@ -227,14 +226,24 @@ void write_vtp_rows(const std::filesystem::path& path, std::size_t rows,
     out.put(head.size() + offsets[k], word);
     place.push_back(head.size() + offsets[k] + word.size());
   }
-  for (std::size_t begin = 0; begin < rows; begin += at_once) {
-    if (begin > 0) piece = draw(begin, std::min(rows, begin + at_once));
+  for (std::size_t next = 1;; ++next) {
     const std::vector<Bytes> arrays = arrays_of(piece);
     for (std::size_t k = 0; k < arrays.size(); ++k) out.put(place[k], arrays[k]), place[k] += arrays[k].size();
+    if (next + 1 >= begins.size()) break;
+    piece = draw(next);
   }
   out.put(head.size() + size, tail);
   out.close();
   side.commit(false);
+}
+
+void write_vtp_rows(const std::filesystem::path& path, std::size_t rows,
+                    const std::function<PolyData(std::size_t, std::size_t)>& draw) {
+  constexpr std::size_t at_once = 2048;
+  std::vector<std::size_t> begins{0};
+  do begins.push_back(std::min(rows, begins.back() + at_once));
+  while (begins.back() < rows);
+  write_vtp_pieces(path, begins, [&](std::size_t k) { return draw(begins[k], begins[k + 1]); });
 }
 
 }  // namespace epafi

@@ -54,9 +54,12 @@ class VtpFile {
 };
 
 /// A plain file (positions hardly shrink, and that costs ten times the time) of rows that have as many points and cells
-/// one as the other: draw(begin, end) has rows [begin, end) and is asked for a few at a time, so that a frame takes no
-/// memory (of 100 000 spheres in a bed 23 MB, and 44 of its 95 ms went into pages that nobody had touched). Throws
-/// FileError.
+/// one as the other. It is drawn a piece at a time, so that a frame takes no memory (of 100 000 spheres in a bed 23 MB,
+/// and 44 of its 95 ms went into pages that nobody had touched): draw(k) has rows [begins[k], begins[k + 1]), of which
+/// only the whole file may have none. Throws FileError.
+void write_vtp_pieces(const std::filesystem::path& path, const std::vector<std::size_t>& begins,
+                      const std::function<PolyData(std::size_t piece)>& draw);
+/// The same by equal pieces: draw(begin, end) has rows [begin, end).
 void write_vtp_rows(const std::filesystem::path& path, std::size_t rows,
                     const std::function<PolyData(std::size_t begin, std::size_t end)>& draw);
 

@@ -64,10 +64,10 @@ void AabbTree::split(const FatBodies& bodies, std::uint32_t first, std::uint32_t
 
 void AabbTree::refit(const FatBodies& bodies) {
   const std::size_t n = slot_.size();
-  box_.resize(n), ball_.resize(n), id_.resize(n);
+  box_.resize(n), ball_.resize(n);
   parallel_for(n, [&](std::size_t k) {
     const Slot s = slot_[k];
-    box_[k] = bodies.box(s), ball_[k] = bodies.ball[s], id_[k] = bodies.id[s];
+    box_[k] = bodies.box(s), ball_[k] = bodies.ball[s];
   });
   for (std::size_t i = node_.size(); i-- > 0;) {  // children stand behind their parents
     Node& node = node_[i];
@@ -124,7 +124,7 @@ void AabbTree::collect(const FatBodies& bodies, PairCollector& collector) {
           const Node& o = node_[other];
           if (!o.box.overlaps(box_[i])) continue;
           for (std::uint32_t k = o.first; k < o.first + o.count; ++k)
-            if (id_[k] > id_[i] && ball_[i].overlaps(ball_[k])) mine.found.push_back(slot_[k]);
+            if (slot_[k] > slot_[i] && ball_[i].overlaps(ball_[k])) mine.found.push_back(slot_[k]);
         }
         collector.add(block, slot_[i], mine.found);
       }

@@ -22,10 +22,9 @@ class AabbTree final : public ListBroadPhase {
   };
   std::vector<Node> node_;
   std::vector<std::uint32_t> leaf_;  ///< nodes without children
-  std::vector<Slot> slot_;           ///< in tree order, as are the next three
+  std::vector<Slot> slot_;           ///< in tree order, as are the next two
   std::vector<Aabb> box_;
   std::vector<Ball> ball_;
-  std::vector<std::uint32_t> id_;
   double surface_when_built_ = 0.0;
   std::size_t builds_ = 0;
 

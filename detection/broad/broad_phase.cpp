@@ -29,9 +29,11 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_
   const bool many = world.size() >= many_bodies;
   if (many) pairs.give_back();
   bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
+  const bool lean = many && bodies_.only_spheres;
+  if (lean) bodies_.rest_names(), known_ = false;
   collect(bodies_, collector_);
   if (many) rest();
-  if (many && bodies_.only_spheres) bodies_.rest_balls(), known_ = false, give_back_heap();
+  if (lean) bodies_.rest_balls(), give_back_heap();
   collector_.finish(pairs.pairs);
   if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
   pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(), pairs.hurry = bodies_.hurry;

@@ -101,8 +101,10 @@ void FatBodies::rest() {
   complete_ = false;
 }
 
+void FatBodies::rest_names() { let_go(id), let_go(type), let_go(immovable), let_go(role); }
+
 void FatBodies::rest_balls() {
-  let_go(id), let_go(type), let_go(immovable), let_go(role), let_go(ordinary);
+  let_go(ordinary);
   places_.take(ball.size(), [&](std::size_t i) { return position(i); });
   let_go(ball);
   complete_ = false;

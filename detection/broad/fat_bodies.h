@@ -111,7 +111,7 @@ struct FatBodies {
     const double depth = p.normal.dot(position(i) - p.point) - ball[i].r;
     return (boxes.empty() ? depth : std::max(depth, corner_depth(i, p))) <= p.reach;
   }
-  bool is_sphere_apart(Slot i) const { return !role.empty() && role[i] == SphereRole::sphere; }
+  bool is_sphere_apart(Slot i) const { return role.empty() ? only_spheres : role[i] == SphereRole::sphere; }
   bool may_touch(Slot i, Slot j, const PairFilter& filter) const {
     return !(immovable[i] && immovable[j]) && (id[i] < id[j] ? filter.allows(type[i], type[j]) : filter.allows(type[j], type[i]));
   }
@@ -133,8 +133,10 @@ struct FatBodies {
   double largest_margin() const;
   /// Lets go of the columns until the next update, which must not name the same bodies then.
   void rest();
-  /// The same of what is asked for only while candidates are collected, where all are spheres and fixed half-spaces: 31
-  /// bytes a body; balls go too, and the ways of bodies are little more than they are.
+  /// The same, where all are spheres and fixed half-spaces, of what is not asked for once the list is begun (7 bytes a
+  /// body), and then of what is asked for only while candidates are collected: balls go too, and the ways of bodies are
+  /// little more than they are.
+  void rest_names();
   void rest_balls();
 
  private:

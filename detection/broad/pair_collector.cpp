@@ -41,10 +41,9 @@ void PairCollector::begin(std::size_t blocks, bool in_order) {
   sort_apart();
   if (blocks_.size() < blocks + 1) blocks_.resize(blocks + 1);
   for (Block& b : blocks_) b.own.clear(), b.rest.clear(), b.spheres.clear();
-  if (bodies_.only_spheres)
-    run_.clear();
-  else
-    parallel_fill(run_, bodies_.size(), Run{});
+  run_.clear();
+  if (bodies_.only_spheres) return;  // those apart are half-spaces that stay
+  parallel_fill(run_, bodies_.size(), Run{});
   // pairs of two apart bodies, in a block of their own
   Block& last = blocks_.back();
   for (std::size_t k = 0; k < bodies_.apart.size(); ++k)

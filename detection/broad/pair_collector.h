@@ -19,6 +19,8 @@ class PairCollector {
   /// Candidates that are not near are dropped. Each i belongs to one call and one block; blocks may run in parallel.
   /// met: the balls of all candidates are known to overlap that of i.
   void add(std::size_t block, Slot i, std::span<const Slot> candidates, bool met = false);
+  /// No more bodies come for this block, of a list of many: its room is what it holds (7 bytes a sphere).
+  void close(std::size_t block) { blocks_[block].spheres.shrink_to_fit(); }
   /// Writes the sorted list, and that of the spheres where the setup wants it.
   void finish(PairColumn& pairs);
   void finish(SpherePairs& pairs) const;

@@ -236,6 +236,7 @@ void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
   const auto search_block = best_loop<Block>();
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t block) {
     search_block({*this, bodies, collector, found_[block], begin, end, block, in_order});
+    if (n >= many_bodies) collector.close(block);
   });
 }
 

@@ -58,8 +58,16 @@ class RollingContact final : public ContactLayer {
     visitor.column("rolling/strips", records_), visitor.value("rolling/lost_power", lost_power_);
   }
   void publish(const World& world, ContactSet& contacts) const override;
-  std::size_t gap_parts() const override { return ContactLayer::gap_parts() + (published_ ? 0 : 1); }
-  void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override;
+  std::size_t own_parts() const override { return ContactLayer::own_parts() + (published_ ? 0 : 1); }
+  std::size_t own_count(std::size_t part) const override {
+    if (part < ContactLayer::own_parts()) return ContactLayer::own_count(part);
+    const auto touches = [](const RollingForce& f) { return f.touches; };
+    return static_cast<std::size_t>(std::ranges::count_if(forces_, touches));
+  }
+  void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
+    append_contacts(world, part, gaps);  // one or two a wheel
+  }
+  void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override;
 
  private:
   const StripStart* start_of(const RollingRegion& r) const;
@@ -190,7 +198,13 @@ void RollingContact::reorder(const Reordering& change) {
 void RollingContact::publish(const World& world, ContactSet& contacts) const {
   ContactLayer::publish(world, contacts);
   if (published_) return;
+  append_contacts(world, ContactLayer::own_parts(), contacts);
   published_ = true;
+  contacts.sort();
+}
+
+void RollingContact::append_contacts(const World& world, std::size_t part, ContactSet& contacts) const {
+  if (part < ContactLayer::own_parts()) return ContactLayer::append_contacts(world, part, contacts);
   for (std::size_t k = 0; k < forces_.size(); ++k) {
     const RollingRegion& r = regions_.all[k];
     const RollingForce& f = forces_[k];
@@ -203,16 +217,6 @@ void RollingContact::publish(const World& world, ContactSet& contacts) const {
                      1.0 / (r.region.curvature_x + std::max(0.0, r.region.curvature_y)), r.name});
     contacts.force.push_back(first ? f.force : Vec3(-f.force));
     if (contacts.with_moment) contacts.moment.push_back(Vec3::Zero());
-  }
-  contacts.sort();
-}
-
-void RollingContact::append_gaps(const World& world, std::size_t part, ContactSet& gaps) const {
-  if (part < ContactLayer::gap_parts()) return ContactLayer::append_gaps(world, part, gaps);
-  for (std::size_t k = 0; k < forces_.size(); ++k) {
-    if (!forces_[k].touches) continue;
-    const RollingRegion& r = regions_.all[k];
-    gaps.a.push_back(r.wheelset), gaps.b.push_back(r.track), gaps.gap.push_back(-r.approach);
   }
 }
 

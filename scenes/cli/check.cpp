@@ -39,12 +39,12 @@ bool polyhedra_move(const Scene& scene) {
 /// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of
 /// the state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose
 /// and something brings its bodies together. free: bodies that move, `later` of them poured in later.
-double predicted_memory(Assembly& a, std::size_t free, std::size_t later) {
+double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool polyhedra) {
   Simulation& sim = *a.simulation;
+  const auto held = static_cast<double>(peak_memory());
   ByteCounter state;
   sim.visit(state);
   const auto hulls = static_cast<double>(a.shapes->of<ConvexHull>().size());
-  const bool polyhedra = polyhedra_move(a.scene);
   const auto bodies = static_cast<double>(free);
   // those that spheres have in their own loop are not in the set
   const auto there = static_cast<double>(std::max(sim.work.contacts.size(), sim.work.report.touching));
@@ -55,17 +55,22 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later) {
   const double pairs =
       loose * std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies -
                                 static_cast<double>(sim.work.pairs.pairs.size() + sim.work.pairs.spheres.size()));
-  // in the set and on its way into it; of spheres in their own loop in the set of a frame alone, beside pair and spring
+  // in the set and on its way into it; of spheres in their own loop where a measure asks for the set, beside pair and
+  // spring
   const auto in_set = static_cast<double>(a.plan.bytes_per_contact);
-  const double contact = a.plan.fused_spheres ? in_set + (a.plan.needs.contact_moment ? 190.0 : 60.0) : 2.0 * in_set;
+  const bool asks = std::ranges::any_of(
+      a.scene.measures, [&](const auto& spec) { return a.measure(spec)->wants_contacts() == ContactView::all; });
+  const double own = (asks ? in_set + 32.0 : 0.0) + (a.plan.needs.contact_moment ? 190.0 : 60.0);
+  const double contact = a.plan.fused_spheres ? own : 2.0 * in_set;
+  const double now_asked = a.plan.fused_spheres && asks ? (in_set + 32.0) * there : 0.0;
   const double polyhedral_pair =
       2 * sizeof(PairCache) + (a.plan.resting_reach < a.plan.reach ? 4 * sizeof(RestingPatch) : 0);
   // HDF5, what it remembers of the shapes in run.h5 (32 MB at most), a frame
-  const double output = 6e6 + std::min(32e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 300.0) * bodies;
-  // a large copy goes to a scratch file, column by column: less than a fifth of it is in memory at once
-  const double copy = static_cast<double>(state.total) * (state.total > StateSnapshot::most_in_memory ? 0.2 : 1.0);
+  const double output = 6e6 + std::min(32e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 20.0) * bodies;
+  // a large copy goes to a scratch file, while lists that take more room than its pieces have made way
+  const double copy = state.total > StateSnapshot::most_in_memory ? 0.0 : static_cast<double>(state.total);
   const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
-  return static_cast<double>(peak_memory()) + copy + output + contacts * contact +
+  return held + copy + output + contacts * contact + now_asked +
          pairs * (3 * sizeof(Pair) + (polyhedra ? polyhedral_pair : 0.0)) +
          static_cast<double>(later) * beside * static_cast<double>(a.plan.bytes_per_body);
 }
@@ -84,6 +89,8 @@ std::string wall_time_text(double seconds, std::size_t there, std::size_t free) 
 std::string check_text(Assembly& a) {
   Simulation& sim = *a.simulation;
   const World& w = sim.world;
+  const bool polyhedra = polyhedra_move(a.scene);
+  std::vector<BodySpec>().swap(a.scene.bodies), give_back_heap();  // as runs do
   std::size_t free = 0;
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
   const std::size_t later = w.ids_given() - w.size();
@@ -110,7 +117,7 @@ std::string check_text(Assembly& a) {
     elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
-                     1e-6 * predicted_memory(a, free + later, later), a.plan.bytes_per_body, a.plan.bytes_per_contact);
+                     1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.bytes_per_body, a.plan.bytes_per_contact);
   const auto steps = static_cast<double>(std::max<std::uint64_t>(1, sim.steps() - first));
   return out + wall_time_text(elapsed / steps * static_cast<double>(a.steps), free, free + later);
 }

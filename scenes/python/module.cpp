@@ -10,7 +10,6 @@
 #include "engine/error.h"
 #include "engine/parallel.h"
 #include "scenes/include/epafi/epafi.h"
-#include "viz_export/measures/all_measures.h"
 #include "viz_export/output_observers.h"
 
 namespace py = pybind11;
@@ -57,14 +56,12 @@ class Run {
  public:
   explicit Run(std::unique_ptr<Assembly> assembly) : assembly_(std::move(assembly)) {
     Simulation& sim = simulation();
-    for (const auto& spec : assembly_->scene.measures)
-      for (const auto& e : all_measures()) {
-        if (e.entry.name != spec.kind) continue;
-        const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / sim.time_step)));
-        auto recorder = std::make_unique<MeasureRecorder>(spec.name, e.make(assembly_->measure_setup(spec)), nullptr, nullptr, every);
-        recorders_.push_back(recorder.get());
-        sim.observers.push_back(std::move(recorder));
-      }
+    for (const auto& spec : assembly_->scene.measures) {
+      const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / sim.time_step)));
+      auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), nullptr, nullptr, every);
+      recorders_.push_back(recorder.get());
+      sim.observers.push_back(std::move(recorder));
+    }
     keep_in_place(sim.world.ids_given());
   }
   Simulation& simulation() { return *assembly_->simulation; }

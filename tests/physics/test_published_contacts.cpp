@@ -1,7 +1,8 @@
 // Contacts of the fused loop as observers see them, among those of others: in canonical order, each with its values, the
-// same for every thread count, and together what the bodies feel.
+// same for every thread count, and together what the bodies feel; read in pieces they are the same ones.
 #include <tuple>
 
+#include "engine/contact_pieces.h"
 #include "engine/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
@@ -14,6 +15,31 @@ namespace {
 bool is_same(const ContactSet& p, const ContactSet& q) {
   return std::tie(p.a, p.b, p.feature, p.gap, p.normal, p.arm, p.effective_radius, p.area, p.force, p.moment) ==
          std::tie(q.a, q.b, q.feature, q.gap, q.normal, q.arm, q.effective_radius, q.area, q.force, q.moment);
+}
+
+/// All pieces, by one thread each, and then in canonical order.
+ContactSet read_in_pieces(const Simulation& sim) {
+  const ContactPieces pieces(sim.world, sim.work.contacts, sim.pipeline.contact_model.get());
+  std::vector<ContactSet> read(pieces.size());
+  parallel_for(
+      pieces.size(),
+      [&](std::size_t k) {
+        pieces.read(k, [&, own = pieces.is_own(k)](const ContactSet& c, std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            read[k].append(c.a[i], c.b[i], {c.gap[i], c.normal[i], c.arm[i], 0.0, c.feature[i]});
+            read[k].force.push_back(c.force[i]);
+          }
+          if (own) REQUIRE(pieces.own_count(k) == end - begin);
+        });
+      },
+      1);
+  ContactSet all;
+  for (const ContactSet& piece : read) {
+    all.append(piece);
+    all.force.insert(all.force.end(), piece.force.begin(), piece.force.end());
+  }
+  all.sort();
+  return all;
 }
 }  // namespace
 
@@ -34,6 +60,7 @@ TEST_CASE("contacts of the fused loop are published in canonical order, the same
     set_thread_count(threads);
     sim.start();  // no step: the same forces again, and none is published
     const std::size_t others = sim.work.contacts.size();
+    const ContactSet pieces = read_in_pieces(sim);
     sim.pipeline.contact_model->publish(sim.world, sim.work.contacts);
     const ContactSet& c = sim.work.contacts;
     CHECK((others > 50 && c.size() > others + 2000));
@@ -42,6 +69,10 @@ TEST_CASE("contacts of the fused loop are published in canonical order, the same
     CHECK((c.normal.size() == c.size() && c.force.size() == c.size() && c.moment.size() == (rolls ? c.size() : 0)));
     if (!first) first = c;
     CHECK(is_same(c, *first));
+    CHECK(std::tie(pieces.a, pieces.b, pieces.feature, pieces.gap, pieces.normal, pieces.arm, pieces.force) ==
+          std::tie(c.a, c.b, c.feature, c.gap, c.normal, c.arm, c.force));
+    const ContactSet again = read_in_pieces(sim);  // now that all are in the set: none of them twice
+    CHECK(std::tie(again.a, again.b, again.force) == std::tie(c.a, c.b, c.force));
   }
   REQUIRE_FALSE(sim.advance(true));  // over no time springs stay as they were, whatever the bodies feel
   sim.pipeline.contact_model->publish(sim.world, sim.work.contacts);

@@ -7,7 +7,6 @@
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
-#include "viz_export/measures/all_measures.h"
 #include "viz_export/output_observers.h"
 
 namespace epafi::experiments {
@@ -52,14 +51,10 @@ inline SceneRun prepare(ReadResult read) {
   run.assembly = assemble(std::move(*read.scene));
   const Scene& scene = run.assembly->scene;
   for (const auto& spec : scene.measures) {
-    for (const auto& e : all_measures()) {
-      if (e.entry.name != spec.kind) continue;
-      const auto every =
-          static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / run.simulation().time_step)));
-      auto recorder = std::make_unique<MeasureRecorder>(spec.name, e.make(run.assembly->measure_setup(spec)), nullptr, nullptr, every);
-      run.recorders.push_back(recorder.get());
-      run.simulation().observers.push_back(std::move(recorder));
-    }
+    const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / run.simulation().time_step)));
+    auto recorder = std::make_unique<MeasureRecorder>(spec.name, run.assembly->measure(spec), nullptr, nullptr, every);
+    run.recorders.push_back(recorder.get());
+    run.simulation().observers.push_back(std::move(recorder));
   }
   return run;
 }

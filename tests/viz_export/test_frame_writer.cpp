@@ -80,15 +80,53 @@ TEST_CASE("a half-space is drawn as a square on its plane that reaches beyond al
 TEST_CASE("contacts that touch or carry force are lines between centres, to the contact point at a wall",
           "[viz_export][frames]") {
   SmallScene scene(3);
-  const ContactList contacts(scene.world, scene.contacts);
-  REQUIRE(contacts.size() == 2);
+  const ContactList all(scene.world, {scene.world, scene.contacts});
+  REQUIRE((all.size() == 2 && all.begins() == std::vector<std::size_t>{0, 2}));
+  ContactRows contacts;
+  all.read(0, [&](const ContactRows& rows) { contacts = rows; });
   CHECK((contacts.id_a(0) == 0 && contacts.from(0) == Vec3(0, 0, 0) && contacts.to(0) == Vec3(0, 0, 0.5)));
   CHECK((contacts.normal_force(0) == 7.0 && contacts.overlap(0) == 0.01));
   CHECK((contacts.from(1) == Vec3(0, 0, 0.5) && contacts.to(1) == Vec3(1, 2, 0.5)));
   CHECK(contacts.normal_force(1) == 3.0);  // force on A is (-3, 4, 0), the normal x
-  const PolyData d = draw_contacts(contacts, 0.0, {0, contacts.size()});
+  const PolyData d = draw_contacts(contacts, 0.0);
   CHECK(d.points.size() == 12);
   CHECK(values<float>(d.cell_data, "force_magnitude") == VtpColumn<float>{7, 5});
+}
+
+TEST_CASE("contacts come in pieces without those that are apart, and rows go on from piece to piece",
+          "[viz_export][frames]") {
+  SmallScene scene(3);
+  scene.contacts = {};
+  for (std::size_t k = 0; k < 5 * sum_block; ++k) {
+    const bool touches = k / sum_block != 2 && k % 3 == 0;  // nobody in the third piece
+    scene.contacts.append(1, 2, {.gap = touches ? -1e-6 * static_cast<double>(k) - 1e-9 : 0.1, .feature = k});
+    scene.contacts.force.push_back(Vec3::Zero());
+  }
+  const ContactList all(scene.world, {scene.world, scene.contacts});
+  REQUIRE(all.begins().size() == 5);
+  std::vector<double> overlap;
+  for (std::size_t piece = 0; piece + 1 < all.begins().size(); ++piece)
+    all.read(piece, [&](const ContactRows& rows) {
+      CHECK((rows.begin() == all.begins()[piece] && rows.end() == all.begins()[piece + 1]));
+      for (std::size_t row = rows.begin(); row < rows.end(); ++row) overlap.push_back(rows.overlap(row));
+    });
+  CHECK((overlap.size() == all.size() && std::ranges::is_sorted(overlap) && overlap.back() > 1e-6 * 4.9 * sum_block));
+  scene.contacts.force.pop_back();  // not evaluated for all
+  const ContactList none(scene.world, {scene.world, scene.contacts});
+  CHECK((none.size() == 0 && none.begins() == std::vector<std::size_t>{0, 0}));
+}
+
+TEST_CASE("bodies that have gone leave no row, and lists of all and of some agree", "[viz_export][frames]") {
+  SmallScene scene(6);
+  SurfaceCache surfaces(scene.shapes);
+  CHECK(BodyList(scene.world, surfaces).size() == 7);
+  scene.world.remove(std::vector{BodyId{2}, BodyId{5}});
+  const BodyList left(scene.world, surfaces);
+  REQUIRE(left.size() == 5);
+  const BodyList two = left.only({1, 3});
+  REQUIRE(two.size() == 2);
+  CHECK((two.id(0) == 1 && two.id(1) == 4 && left.id(4) == 6));
+  CHECK((two.position(1) == left.position(3) && two[1].radius == left.radius(3)));
 }
 
 TEST_CASE("walls are written again only when they moved, and every time lists one", "[viz_export][frames]") {
@@ -100,7 +138,7 @@ TEST_CASE("walls are written again only when they moved, and every time lists on
     scene.world.time = k;
     if (k == 2) scene.world.position[0].z() = -0.5;
     const auto bodies = body_records(scene.world, surfaces);
-    frames.write(scene.world.time, bodies, ContactList(scene.world, scene.contacts));
+    frames.write(scene.world.time, bodies, ContactList(scene.world, {scene.world, scene.contacts}));
     frames.write(scene.world.time, bodies, {});  // the same time again: nothing
   }
   CHECK(frames.frames() == 4);

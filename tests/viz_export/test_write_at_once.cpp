@@ -38,7 +38,7 @@ TEST_CASE("a frame has the same bytes for every thread count, beside another fil
     set_thread_count(threads);
     const TemporaryFolder folder;
     FrameWriter frames(folder.path());
-    frames.write(0.5, bodies, ContactList(scene.world, scene.contacts),
+    frames.write(0.5, bodies, ContactList(scene.world, {scene.world, scene.contacts}),
                  [&] { write_whole_file(folder / "other", {"beside them"}); });
     std::vector<std::string> files;
     for (const char* name : {"other", "frames.pvd", "frames/spheres_000000.vtp", "frames/contacts_000000.vtp",
@@ -56,7 +56,7 @@ TEST_CASE("a frame is listed once all its files are written, and what failed bes
   SmallScene scene(100);
   SurfaceCache surfaces(scene.shapes);
   const BodyList bodies(scene.world, surfaces);
-  const ContactList contacts(scene.world, scene.contacts);
+  const ContactList contacts(scene.world, {scene.world, scene.contacts});
   for (const int threads : {1, 3}) {
     set_thread_count(threads);
     const TemporaryFolder folder;

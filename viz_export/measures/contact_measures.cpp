@@ -49,7 +49,7 @@ namespace {
 struct Neighbours {
   UnwrittenColumn<std::uint32_t> begin;
   UnwrittenColumn<Slot> list;
-  void find(std::size_t bodies, const GapPieces& gaps) {
+  void find(std::size_t bodies, const ContactPieces& contacts) {
     const auto acts = [](const ContactSet& c, std::size_t k) {
       return c.gap[k] < 0 || (k < c.force.size() && c.force[k].squaredNorm() > 0);
     };
@@ -60,13 +60,13 @@ struct Neighbours {
     };
     const auto each = [&](std::size_t first, std::size_t last, const auto& f) {
       for (std::size_t piece = first; piece < last; ++piece)
-        gaps.read(piece, [&](const ContactSet& c, std::size_t from, std::size_t to) {
+        contacts.read_gaps(piece, [&](const ContactSet& c, std::size_t from, std::size_t to) {
           for (std::size_t k = from; k < to; ++k)
             if (acts(c, k) && is_first(c, k)) f(c.a[k], c.b[k]), f(c.b[k], c.a[k]);
         });
     };
     parallel_group(
-        gaps.size(), bodies, begin, each, [&](std::size_t count) { list.resize(count); },
+        contacts.size(), bodies, begin, each, [&](std::size_t count) { list.resize(count); },
         [&](std::uint32_t place, Slot other) { list[place] = other; }, 4);
   }
 };
@@ -153,7 +153,7 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   thread_local UnwrittenColumn<int> kept_degree;
   Neighbours& touched = kept;  // of the caller
   UnwrittenColumn<int>& degree = kept_degree;
-  touched.find(w.size(), view.gaps()), degree.resize(w.size());
+  touched.find(w.size(), view.pieces()), degree.resize(w.size());
   parallel_for(w.size(), [&](std::size_t s) {
     const bool is_body = w.is_movable(static_cast<Slot>(s));
     degree[s] = is_body ? static_cast<int>(touched.begin[s + 1] - touched.begin[s]) : gone;

@@ -27,7 +27,7 @@ class Coordination final : public Measure {
  public:
   explicit Coordination(const MeasureSetup& setup) : least_(setup.parameters.number("least")) {}
   std::vector<std::string> components() const override { return {"number", "without_rattlers", "rattlers"}; }
-  ContactView wants_contacts() const override { return ContactView::gaps; }
+  ContactView wants_contacts() const override { return ContactView::pieces; }
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:

@@ -155,14 +155,13 @@ class FusedModel final : public FusedSpheres {
 
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
-    publisher_.add(
-        world, blocks_, [&](const SphereContact& c, const Vec3& normal) { return load_of(world, c, normal); },
-        contacts);
+    publisher_.add(world, blocks_, loads(world), contacts);
     if (world.size() >= many_bodies) publisher_.let_go();
     published_ = true;
   }
 
-  std::size_t gap_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
+  std::size_t own_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
+  std::size_t own_count(std::size_t part) const override { return blocks_.blocks()[part].touching; }
   void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
     const SphereContacts all(world, blocks_);
     std::size_t at = gaps.size();
@@ -173,6 +172,14 @@ class FusedModel final : public FusedSpheres {
       gaps.gap[at++] = all.gap(c);
     });
     make_room(at);
+  }
+  void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override {
+    const SphereContacts all(world, blocks_);
+    const SphereContacts::LoadOf load = loads(world);
+    all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
+      const NamedContact n = all.named(c, load);
+      contacts.append(n.a, n.b, n.point), contacts.force.push_back(n.on_a.force);
+    });
   }
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
@@ -312,6 +319,10 @@ class FusedModel final : public FusedSpheres {
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;
     cell.virial = others ? Vec3(cell.virial + virial) : virial;
+  }
+
+  SphereContacts::LoadOf loads(const World& world) const {
+    return [this, &world](const SphereContact& c, const Vec3& normal) { return load_of(world, c, normal); };
   }
 
   /// At the last call, by the formulas of the loop.
