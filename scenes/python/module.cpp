@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 
 #include "engine/error.h"
@@ -129,6 +130,26 @@ auto column(Get get, py::ssize_t width, bool writable = false) {
   return [=](const py::object& self) { return view<T>(get(self.cast<Run&>()), width, self, writable); };
 }
 
+/// Array of its own of what put(contacts, k, to) writes of each contact of the last step, `width` values: also of those
+/// that spheres have in a loop of their own.
+template <class T, class Put>
+auto of_contacts(py::ssize_t width, Put put) {
+  return [=](Run& run) {
+    const Simulation& sim = run.simulation();
+    const ContactPieces pieces(sim.world, sim.work.contacts, sim.pipeline.contact_model.get());
+    std::vector<T> values;
+    for (std::size_t piece = 0; piece < pieces.size(); ++piece)
+      pieces.read(piece, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          values.resize(values.size() + static_cast<std::size_t>(width));
+          put(sim.world, c, k, &values[values.size() - static_cast<std::size_t>(width)]);
+        }
+      });
+    const auto rows = static_cast<py::ssize_t>(values.size()) / width;
+    return width == 1 ? py::array_t<T>(rows, values.data()) : py::array_t<T>({rows, width}, values.data());
+  };
+}
+
 }  // namespace
 
 PYBIND11_MODULE(epafi, m) {
@@ -167,8 +188,10 @@ PYBIND11_MODULE(epafi, m) {
       .def_property_readonly("force", column<double>([](Run& r) -> auto& { return r.world().force; }, 3), "(n, 3) contact force [N], smooth contact")
       .def_property_readonly("orientation", column<double>([](Run& r) -> auto& { return r.world().orientation; }, 4), "(n, 4) quaternion x y z w, where bodies turn")
       .def_property_readonly("angular_velocity", column<double>([](Run& r) -> auto& { return r.world().angular_velocity; }, 3), "(n, 3) world axes [rad/s]")
-      .def_property_readonly("contact_gap", column<double>([](Run& r) -> auto& { return r.simulation().work.contacts.gap; }, 1), "[m], < 0 overlap; contacts of the last step")
-      .def_property_readonly("contact_normal", column<double>([](Run& r) -> auto& { return r.simulation().work.contacts.normal; }, 3), "from A to B");
+      .def_property_readonly("contact_bodies", of_contacts<std::uint32_t>(2, [](const World& w, const ContactSet& c, std::size_t k, std::uint32_t* to) { to[0] = static_cast<std::uint32_t>(w.id[c.a[k]]), to[1] = static_cast<std::uint32_t>(w.id[c.b[k]]); }), "(n, 2) ids of A and B; contacts of the last step, a copy as the next three")
+      .def_property_readonly("contact_gap", of_contacts<double>(1, [](const World&, const ContactSet& c, std::size_t k, double* to) { *to = c.gap[k]; }), "[m], < 0 overlap")
+      .def_property_readonly("contact_normal", of_contacts<double>(3, [](const World&, const ContactSet& c, std::size_t k, double* to) { std::copy_n(c.normal[k].data(), 3, to); }), "(n, 3) from A to B")
+      .def_property_readonly("contact_force", of_contacts<double>(3, [](const World&, const ContactSet& c, std::size_t k, double* to) { const Vec3 f = k < c.force.size() ? c.force[k] : Vec3(Vec3::Zero()); std::copy_n(f.data(), 3, to); }), "(n, 3) on A [N]");
 }
 
 }  // namespace epafi

@@ -46,6 +46,23 @@ kinetic = 0.5 * ((run.velocity[falling] ** 2).sum(axis=1) / run.inverse_mass[fal
 check(0 < kinetic <= run.energy()["kinetic"], "translation is a part of the kinetic energy")
 check(np.isfinite(momentum).all(), "momentum is finite")
 
+# contacts: those of the loop over spheres too, and together what the bodies feel
+bed = epafi.load(library + "/bed/bed.toml", ["params.n=300"])
+bed.step(7000)
+bodies, gap, normal, force = bed.contact_bodies, bed.contact_gap, bed.contact_normal, bed.contact_force
+check(bodies.shape == (len(gap), 2) and normal.shape == force.shape == (len(gap), 3), "one row per contact")
+touching = gap < 0
+check(touching.sum() > 500, "300 spheres at rest touch each other")
+check(np.all(np.einsum("ij,ij->i", force, normal)[touching] <= 0), "contacts push")
+felt = np.zeros((bed.id.max() + 1, 3))
+np.add.at(felt, bodies[:, 0], force)
+np.add.at(felt, bodies[:, 1], -force)
+moves = bed.inverse_mass > 0
+check(np.allclose(felt[bed.id[moves]], bed.force[moves], rtol=0, atol=1e-12 * np.abs(bed.force).max()), "forces of contacts are those of the bodies")
+kept = gap.copy()
+bed.step(500)
+check(np.array_equal(gap, kept), "arrays of contacts stay as they were")
+
 # a scene built from Python: free fall from rest, then a kick
 drop = epafi.build({
     "run": {"duration": 1.0, "time_step": 1e-3}, "world": {"gravity": [0, 0, -9.81]},
