@@ -1,8 +1,8 @@
 /// @file observer.h  Whoever looks at finished steps: measures, files, ledgers of overlap. Const access only, so output
 /// cannot change a trajectory.
 #pragma once
-#include "engine/energy.h"
 #include "engine/contact_pieces.h"
+#include "engine/energy.h"
 
 namespace epafi {
 
