@@ -44,6 +44,19 @@ BodyList BodyList::only(UnwrittenColumn<Slot> places) const {
   return out;
 }
 
+BodyList BodyList::spheres(std::span<const Slot> others) const {
+  BodyList out;
+  out.records_ = records_, out.world_ = world_, out.surfaces_ = surfaces_, out.size_ = size_ - others.size();
+  const bool in_front = others.empty() || others.back() + std::size_t{1} == others.size();
+  const bool behind = others.empty() || others.front() == out.size_;
+  if (place_.empty() && (in_front || behind))
+    out.first_ = first_ + (behind ? 0 : others.size());
+  else
+    parallel_select(
+        size_, [this](std::size_t k) { return is_sphere(k); }, [this](std::size_t k) { return place(k); }, out.place_);
+  return out;
+}
+
 std::uint32_t BodyList::id(std::size_t k) const {
   return value(k, &BodyRecord::id, [this](Slot s) { return world_->id[s]; });
 }

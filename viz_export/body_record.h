@@ -3,6 +3,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "engine/large_column.h"
@@ -50,6 +51,8 @@ class BodyList {
   BodyList(const std::vector<BodyRecord>& records);
   /// Those of this list at `places`, ascending.
   BodyList only(UnwrittenColumn<Slot> places) const;
+  /// Those that are spheres; others: places of all that are not.
+  BodyList spheres(std::span<const Slot> others) const;
   std::size_t size() const { return size_; }
 
   std::uint32_t id(std::size_t k) const;
@@ -78,13 +81,15 @@ class BodyList {
   /// Among the records, or a slot.
   Slot place(std::size_t k) const {
     if (!place_.empty()) return place_[k];
+    k += first_;
     return records_ != nullptr ? static_cast<Slot>(k) : world_->slot_of(static_cast<BodyId>(k));
   }
   const std::vector<BodyRecord>* records_ = nullptr;
   const World* world_ = nullptr;
   SurfaceCache* surfaces_ = nullptr;
   std::size_t size_ = 0;
-  UnwrittenColumn<Slot> place_;  ///< empty: every record, or every id that was ever given
+  std::size_t first_ = 0;
+  UnwrittenColumn<Slot> place_;  ///< empty: `size` records or ids one behind the other from `first` on
 };
 
 /// All bodies in the order of their ids.

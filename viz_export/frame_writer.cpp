@@ -165,18 +165,16 @@ FrameWriter::Entry FrameWriter::walls_entry(const BodyList& walls, double time) 
 
 std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& bodies,
                                                   const ContactList& contacts) const {
-  UnwrittenColumn<Slot> spheres, solids, walls, others;
-  const auto place = [](std::size_t k) { return static_cast<Slot>(k); };
+  UnwrittenColumn<Slot> solids, walls, others;
   parallel_select(
-      bodies.size(), [&](std::size_t k) { return bodies.is_sphere(k); }, place, spheres);
-  parallel_select(
-      bodies.size(), [&](std::size_t k) { return !bodies.is_sphere(k); }, place, others);
+      bodies.size(), [&](std::size_t k) { return !bodies.is_sphere(k); },
+      [](std::size_t k) { return static_cast<Slot>(k); }, others);
   for (const Slot k : others) (bodies.is_wall(k) ? walls : solids).push_back(k);
   std::vector<Entry> out;
-  if (!spheres.empty()) {
-    require_countable(spheres.size());
+  if (const std::size_t count = bodies.size() - others.size(); count > 0) {
+    require_countable(count);
     out.push_back(
-        {0, file_of("spheres"), [time, list = bodies.only(std::move(spheres))](const std::filesystem::path& path) {
+        {0, file_of("spheres"), [time, list = bodies.spheres(others)](const std::filesystem::path& path) {
            write_vtp_rows(path, list.size(), [&](auto from, auto to) { return draw_spheres(list, time, {from, to}); });
          }});
   }

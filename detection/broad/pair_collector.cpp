@@ -40,8 +40,9 @@ void PairCollector::begin(std::size_t blocks, bool in_order) {
   in_order_ = in_order;
   sort_apart();
   if (blocks_.size() < blocks + 1) blocks_.resize(blocks + 1);
-  for (Block& b : blocks_) b.own.clear(), b.rest.clear(), b.spheres.clear();
+  for (Block& b : blocks_) b.own.clear(), b.rest.clear(), b.spheres.clear(), b.begin = no_slot;
   run_.clear();
+  if (in_order_) parallel_fill(first_, bodies_.size() + 1, 0);
   if (bodies_.only_spheres) return;  // those apart are half-spaces that stay
   parallel_fill(run_, bodies_.size(), Run{});
   // pairs of two apart bodies, in a block of their own
@@ -128,19 +129,22 @@ void PairCollector::add(std::size_t block, Slot i, std::span<const Slot> candida
   Block& mine = blocks_[block];
   const std::size_t begin = mine.own.size(), head = mine.spheres.size();
   const bool sphere = bodies_.is_sphere_apart(i), sure = met && bodies_.boxes.empty();
-  if (sphere) mine.spheres.insert(mine.spheres.end(), {i, 0});
   if (in_order_)
     add_higher(mine, i, candidates);
-  else
-    for (Slot j : candidates) {
-      if (!sure && !bodies_.near(i, j)) continue;
-      if (sphere && bodies_.is_sphere_apart(j))
-        mine.spheres.push_back(j);
-      else if (bodies_.may_touch(i, j, filter_))
-        place(mine, i, j);
-    }
+  else if (sphere)
+    mine.spheres.insert(mine.spheres.end(), {i, 0});
+  for (Slot j : in_order_ ? std::span<const Slot>() : candidates) {
+    if (!sure && !bodies_.near(i, j)) continue;
+    if (sphere && bodies_.is_sphere_apart(j))
+      mine.spheres.push_back(j);
+    else if (bodies_.may_touch(i, j, filter_))
+      place(mine, i, j);
+  }
   add_apart(mine, i);
-  if (sphere) mine.spheres[head + 1] = static_cast<Slot>(mine.spheres.size() - head - 2);
+  if (in_order_)
+    mine.begin = std::min(mine.begin, i), first_[i + 1] = static_cast<std::uint32_t>(mine.spheres.size() - head);
+  else if (sphere)
+    mine.spheres[head + 1] = static_cast<Slot>(mine.spheres.size() - head - 2);
   if (bodies_.only_spheres) return;
   sort_run(mine.own.data() + begin, mine.own.data() + mine.own.size());
   run_[i] = {static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(begin),
@@ -156,7 +160,7 @@ void each_sphere(const std::vector<Slot>& spheres, const F& f) {
 }
 }  // namespace
 
-void PairCollector::finish(SpherePairs& pairs) const {
+void PairCollector::finish(SpherePairs& pairs) {
   pairs.planes = bodies_.sphere_planes;
   if (in_order_) return join_in_order(pairs);
   const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
@@ -173,19 +177,13 @@ void PairCollector::finish(SpherePairs& pairs) const {
   });
 }
 
-void PairCollector::join_in_order(SpherePairs& pairs) const {
-  parallel_fill(pairs.first, bodies_.size() + 1, 0);
-  const auto each = [&](const auto& f) {
-    parallel_blocks(blocks_.size(), 1,
-                    [&](std::size_t b, std::size_t, std::size_t) { each_sphere(blocks_[b].spheres, f); });
-  };
-  each([&](Slot i, std::span<const Slot> partners) {
-    pairs.first[i + 1] = static_cast<std::uint32_t>(partners.size());
-  });
-  running_sums(pairs.first);
+void PairCollector::join_in_order(SpherePairs& pairs) {
+  running_sums(first_);
+  pairs.first.swap(first_);
   renew(pairs.partner, pairs.first.back());
-  each([&](Slot i, std::span<const Slot> partners) {
-    std::copy(partners.begin(), partners.end(), pairs.partner.begin() + pairs.first[i]);
+  parallel_blocks(blocks_.size(), 1, [&](std::size_t b, std::size_t, std::size_t) {
+    const Block& block = blocks_[b];
+    if (block.begin != no_slot) std::ranges::copy(block.spheres, pairs.partner.begin() + pairs.first[block.begin]);
   });
 }
 

@@ -23,15 +23,16 @@ class PairCollector {
   void close(std::size_t block) { blocks_[block].spheres.shrink_to_fit(); }
   /// Writes the sorted list, and that of the spheres where the setup wants it.
   void finish(PairColumn& pairs);
-  void finish(SpherePairs& pairs) const;
+  void finish(SpherePairs& pairs);
   /// Lets go of what it has gathered.
-  void rest() { let_go(blocks_), let_go(run_), let_go(rest_begin_), let_go(begin_), let_go(rest_); }
+  void rest() { let_go(blocks_), let_go(run_), let_go(rest_begin_), let_go(begin_), let_go(rest_), let_go(first_); }
 
  private:
   struct Block {
     std::vector<Slot> own;  ///< partners b of runs with one A
     std::vector<Pair> rest;
-    std::vector<Slot> spheres;  ///< a sphere, the number of its partners, these; and so on
+    std::vector<Slot> spheres;  ///< a sphere, the number of its partners, these; and so on; in order: partners alone
+    Slot begin = no_slot;       ///< in order: the first of its spheres
   };
   struct Run {
     std::uint32_t block = 0, begin = 0, size = 0;
@@ -50,12 +51,13 @@ class PairCollector {
   std::vector<Run> run_;                           ///< by slot of A
   std::vector<std::uint32_t> rest_begin_, begin_;  ///< by slot of A
   std::vector<Slot> rest_;                         ///< partners, grouped by A
+  std::vector<std::uint32_t> first_;               ///< in order, by slot: [s + 1] is the number of its partners
 
   void sort_apart();
   void add_planes(Block& block, Slot i) const;
   void add_apart(Block& block, Slot i);
   void add_higher(Block& block, Slot i, std::span<const Slot> candidates) const;
-  void join_in_order(SpherePairs& pairs) const;
+  void join_in_order(SpherePairs& pairs);
   void place(Block& block, Slot i, Slot j);
   void group_rest();
 };

@@ -129,6 +129,40 @@ TEST_CASE("bodies that have gone leave no row, and lists of all and of some agre
   CHECK((two.position(1) == left.position(3) && two[1].radius == left.radius(3)));
 }
 
+TEST_CASE("the spheres of a list are found wherever the other bodies stand", "[viz_export][frames]") {
+  SmallScene scene(3);
+  SurfaceCache surfaces(scene.shapes);
+  const auto add_wall = [&] {
+    Body wall;
+    wall.shape = scene.shapes.add(HalfSpace{}).packed;
+    scene.world.add(wall);
+  };
+  const auto ids = [&](const std::vector<Slot>& others) {
+    const BodyList spheres = BodyList(scene.world, surfaces).spheres(others);
+    std::vector<std::uint32_t> out;
+    for (std::size_t k = 0; k < spheres.size(); ++k) out.push_back(spheres.id(k));
+    return out;
+  };
+  using Ids = std::vector<std::uint32_t>;
+  CHECK(ids({0}) == Ids{1, 2, 3});  // in front
+  add_wall();
+  CHECK(ids({0, 4}) == Ids{1, 2, 3});  // on both sides
+  scene.add_sphere();
+  CHECK(ids({0, 4}) == Ids{1, 2, 3, 5});  // between
+  scene.world.remove(std::vector{BodyId{2}});
+  CHECK(ids({0, 3}) == Ids{1, 3, 5});
+  scene.world.remove(std::vector{BodyId{0}});
+  CHECK(ids({2}) == Ids{1, 3, 5});
+  scene.world.remove(std::vector{BodyId{4}});
+  CHECK(ids({}) == Ids{1, 3, 5});
+  Body sphere, wall;
+  sphere.shape = scene.shapes.add(Sphere{0.1}).packed, wall.shape = scene.shapes.add(HalfSpace{}).packed;
+  World world;
+  for (const Body& body : {sphere, sphere, wall}) world.add(body);
+  const BodyList behind = BodyList(world, surfaces).spheres(std::vector<Slot>{2});
+  CHECK((behind.size() == 2 && behind.id(0) == 0 && behind.id(1) == 1));
+}
+
 TEST_CASE("walls are written again only when they moved, and every time lists one", "[viz_export][frames]") {
   const TemporaryFolder folder;
   SmallScene scene(3);
@@ -183,7 +217,7 @@ TEST_CASE("a run that goes on with its state does not write its walls once more"
   FrameWriter resumed(folder.path(), 0.1 * 2);
   state.restore([&](StateVisitor& v) { resumed.visit(v); });
   for (int k = 3; k < 5; ++k) resumed.write(0.1 * k, body_records(scene.world, surfaces), {});
-  CHECK(count_files(folder / "frames") == 2 * 5 + 1);  // spheres and contacts, walls once
+  CHECK(count_files(folder / "frames") == 2 * 5 + 1);           // spheres and contacts, walls once
   std::filesystem::remove(folder / "frames/walls_000000.vtp");  // gone all the same: written again
   FrameWriter third(folder.path(), 0.1 * 4);
   state.restore([&](StateVisitor& v) { third.visit(v); });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -405,8 +406,11 @@ void SphereBlocks::receive(std::size_t i, std::size_t tray) {
     for (std::uint32_t k = target == from.targets.begin() ? 0 : std::prev(target)->records_end; k < target->records_end;
          ++k) {
       const std::size_t slot = from.record_places[k].slot() % block_size;
-      mine[slot].first += from.records[k].first;
-      for (int l = 0; l < 2; ++l) mine[slot].second[l] += from.records[k].second[l];
+      const SphereRecord& found = from.records[k];
+      Lanes first;
+      std::memcpy(&first, found.first, sizeof first);
+      mine[slot].first += first;
+      for (int l = 0; l < 2; ++l) mine[slot].second[l] += found.second[l];
       if (needs_.rolling) moments(tray)[slot] += from.record_moments[k];
     }
   }

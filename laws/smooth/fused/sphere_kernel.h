@@ -181,7 +181,9 @@ struct SumRow {
     store<n>(sum.first, row<n>(sum.first) + first);
     if constexpr (friction) second_of(sum) += second;
   }
-  EPAFI_LANES void write(SphereSum& sum) const { store<n>(sum.first, first), second_of(sum) = second; }
+  EPAFI_LANES void write(SphereRecord& to) const {
+    std::memcpy(to.first, &first, sizeof to.first), std::memcpy(to.second, &second, sizeof to.second);
+  }
 };
 /// All in one register.
 template <bool friction>
@@ -193,7 +195,11 @@ struct SumRow<8, friction> {
                                                LanesOf<8>::Mask{sign, sign, sign, 0, 0, 0, 0, 0})};
   }
   EPAFI_LANES void add_to(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) += all; }
-  EPAFI_LANES void write(SphereSum& sum) const { reinterpret_cast<LanesOf<8>::Real&>(sum) = all; }
+  EPAFI_LANES void write(SphereRecord& to) const {
+    const LanesOf<4>::Real first = __builtin_shufflevector(all, all, 0, 1, 2, 3);
+    const LanesOf<2>::Real second = __builtin_shufflevector(all, all, 4, 5);
+    std::memcpy(to.first, &first, sizeof to.first), std::memcpy(to.second, &second, sizeof to.second);
+  }
 };
 
 template <int n, bool friction>
@@ -214,7 +220,7 @@ EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& forc
 
 /// Adds to sums; of B to the records of the tile where it lies in another block.
 template <int n, bool friction, bool wall, bool across, bool periodic>
-EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays& with, SphereSum* records,
+EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays& with, SphereRecord* records,
                             SpherePlace* record_places) {
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V> normal = t.normal(g), &load = t.group[g].load;
@@ -384,7 +390,7 @@ struct SphereSweep {
       for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, at, with);
     }
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
-    SphereSum* const records = across ? block.records.data() + at.record : nullptr;
+    SphereRecord* const records = across ? block.records.data() + at.record : nullptr;
     SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
     for (std::size_t g = 0; g < t.groups; ++g) {
       if constexpr (friction && !rolls) settle_springs<n>(t, g, springs + at.write, with.dt);
