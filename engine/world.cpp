@@ -7,6 +7,7 @@
 
 #include "engine/error.h"
 #include "engine/hash.h"
+#include "engine/parallel_order.h"
 #include "engine/prefetch.h"
 #include "engine/rotation.h"
 
@@ -97,17 +98,21 @@ void World::add(const Body& body, BodyId new_id) {
 
 Reordering World::reorder(std::span<const Slot> order) {
   Reordering result{std::vector<Slot>(size(), no_slot)};
+  const std::size_t n = order.size();
   each_column([&](const char*, auto& column) {
-    std::vector<std::remove_reference_t<decltype(column[0])>> sorted;
-    sorted.reserve(order.size());
-    for (Slot s : order) sorted.push_back(column[s]);
-    column.resize(order.size());  // in place: whoever holds an array over the column keeps it
-    for (std::size_t k = 0; k < sorted.size(); ++k) column[k] = sorted[k];
+    using T = std::remove_reference_t<decltype(column[0])>;
+    LargeColumn<T> sorted(n);
+    parallel_for(
+        n, [&](std::size_t k) { sorted[k] = column[order[k]]; }, fill_grain<LargeColumn<T>>);
+    column.resize(n);  // in place: whoever holds an array over the column keeps it
+    parallel_for(
+        n, [&](std::size_t k) { column[k] = sorted[k]; }, fill_grain<LargeColumn<T>>);
   });
-  resize_states(order.size());
-  for (Slot k = 0; k < order.size(); ++k) result.new_slot[order[k]] = k;
-  for (Slot& s : slot_of_)
-    if (s != no_slot) s = result.new_slot[s];
+  resize_states(n);
+  parallel_for(n, [&](std::size_t k) { result.new_slot[order[k]] = static_cast<Slot>(k); });
+  parallel_for(slot_of_.size(), [&](std::size_t b) {
+    if (slot_of_[b] != no_slot) slot_of_[b] = result.new_slot[slot_of_[b]];
+  });
   return result;
 }
 
@@ -118,8 +123,8 @@ Reordering World::remove(std::span<const BodyId> bodies) {
     gone[slot_of(b)] = 1;
   }
   std::vector<Slot> keep;
-  for (Slot s = 0; s < size(); ++s)
-    if (!gone[s]) keep.push_back(s);
+  parallel_select(
+      size(), [&](std::size_t s) { return !gone[s]; }, [](std::size_t s) { return static_cast<Slot>(s); }, keep);
   return reorder(keep);
 }
 

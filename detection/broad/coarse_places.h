@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "engine/large_column.h"
 #include "engine/parallel.h"
 #include "engine/registry.h"
 #include "engine/types.h"
@@ -24,7 +25,8 @@ class CoarsePlaces {
       for (std::size_t s = begin; s < end; ++s) {
         const Vec3 offset = position(s) - origin;
         most = std::max(most, offset.cwiseAbs().maxCoeff());
-        offsets_[s] = offset.cwiseMin(most_offset).cwiseMax(-most_offset).cast<float>();
+        const Eigen::Vector3f rounded = offset.cwiseMin(most_offset).cwiseMax(-most_offset).cast<float>();
+        offsets_[s] = {rounded.x(), rounded.y(), rounded.z()};
       }
       groups_[g] = {origin, most < most_offset ? rounding * most : infinity};
     });
@@ -32,7 +34,8 @@ class CoarsePlaces {
   /// Of body s to x, or little more: by 2e-7 of the extent of its group; infinite where floats end [m].
   double way(std::size_t s, const Vec3& x) const {
     const Group& g = groups_[s / group_size];
-    return (x - g.origin - offsets_[s].cast<double>()).norm() + g.doubt;
+    const Offset& o = offsets_[s];
+    return (x - g.origin - Vec3(o.x, o.y, o.z)).norm() + g.doubt;
   }
 
  private:
@@ -43,8 +46,11 @@ class CoarsePlaces {
     Vec3 origin;
     double doubt;  ///< [m]
   };
+  struct Offset {
+    float x, y, z;  ///< [m]
+  };
   std::vector<Group> groups_;
-  std::vector<Eigen::Vector3f> offsets_;  ///< [m]
+  UnwrittenColumn<Offset> offsets_;
 };
 
 }  // namespace epafi

@@ -99,8 +99,8 @@ void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
 void SpatialHash::sort_bodies(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
   cell_of_.resize(all.size());
-  for (auto* column : {&x_, &y_, &z_, &r_}) column->resize(all.size() + most_lanes);
-  slot_.resize(all.size() + most_lanes);
+  stride_ = all.size() + most_lanes;
+  sorted_.resize(4 * stride_), slot_.resize(stride_);
   parallel_for(all.size(), [&](std::size_t k) {
     const Level& level = level_[level_of_[k]];
     const Vec3 x = bodies.position(all[k]);
@@ -120,15 +120,15 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
       [&](std::uint32_t place, Slot s) {
         const Ball& b = bodies.ball[s];
         const auto& axis = level_[level_at(place)].axis;
-        x_[place] = axis[0].place(b.x), y_[place] = axis[1].place(b.y), z_[place] = axis[2].place(b.z);
-        r_[place] = static_cast<float>(b.r * axis[0].inverse_cell), slot_[place] = s;
+        float* const x = sorted_.data() + place;
+        x[0] = axis[0].place(b.x), x[stride_] = axis[1].place(b.y), x[2 * stride_] = axis[2].place(b.z);
+        x[3 * stride_] = static_cast<float>(b.r * axis[0].inverse_cell), slot_[place] = s;
       });
   if (all.size() >= many_bodies) let_go(cell_of_), let_go(level_of_);
 }
 
 void SpatialHash::rest() {
-  let_go(level_of_), let_go(cell_of_), let_go(start_), let_go(slot_), let_go(found_);
-  for (auto* column : {&x_, &y_, &z_, &r_}) let_go(*column);
+  let_go(level_of_), let_go(cell_of_), let_go(start_), let_go(slot_), let_go(found_), let_go(sorted_);
 }
 
 template <int n>
@@ -152,7 +152,7 @@ EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball
     std::memcpy(&out, column + k, sizeof out);
     return out;
   };
-  const float *const xs = x_.data(), *const ys = y_.data(), *const zs = z_.data(), *const rs = r_.data();
+  const float *const xs = sorted_.data(), *const ys = xs + stride_, *const zs = ys + stride_, *const rs = zs + stride_;
   const Slot* const slots = slot_.data();
   const auto scan = [&](std::uint32_t begin, std::uint32_t end) EPAFI_INLINED {
     if ((begin = std::max(begin, first)) >= end) return;

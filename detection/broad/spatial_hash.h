@@ -40,11 +40,15 @@ class SpatialHash final : public ListBroadPhase {
   static constexpr std::size_t most_levels = 20;
 
   std::array<Level, most_levels> level_{};
-  std::size_t levels_ = 0, cells_ = 0;          ///< cells of all levels
-  std::vector<std::uint8_t> level_of_;          ///< by position in bodies.ordinary
-  std::vector<std::uint32_t> cell_of_, start_;  ///< start_[table + cell]: first body of the cell in the sorted columns
-  std::vector<float> x_, y_, z_, r_;  ///< fat balls [cells of their level], sorted by level and cell, as is slot_
-  std::vector<Slot> slot_;
+  std::size_t levels_ = 0, cells_ = 0;      ///< cells of all levels
+  UnwrittenColumn<std::uint8_t> level_of_;  ///< by position in bodies.ordinary
+  UnwrittenColumn<std::uint32_t> cell_of_;
+  std::vector<std::uint32_t> start_;  ///< [table + cell]: first body of the cell in the sorted columns
+  /// Fat balls [cells of their level], sorted by level and cell, as is slot_: all x, then all y, z, r. In one column,
+  /// which fills large pages where those of 400 000 bodies alone do not.
+  UnwrittenColumn<float> sorted_;
+  std::size_t stride_ = 0;  ///< from x to y
+  UnwrittenColumn<Slot> slot_;
   std::vector<std::vector<Slot>> found_;  ///< candidates, one column per block
   struct Block;
 
