@@ -179,7 +179,7 @@ void PairCollector::finish(SpherePairs& pairs) {
 
 void PairCollector::join_in_order(SpherePairs& pairs) {
   running_sums(first_);
-  pairs.first.swap(first_);
+  parallel_copy(first_, pairs.first);
   renew(pairs.partner, pairs.first.back());
   parallel_blocks(blocks_.size(), 1, [&](std::size_t b, std::size_t, std::size_t) {
     const Block& block = blocks_[b];

@@ -51,7 +51,7 @@ class PairCollector {
   std::vector<Run> run_;                           ///< by slot of A
   std::vector<std::uint32_t> rest_begin_, begin_;  ///< by slot of A
   std::vector<Slot> rest_;                         ///< partners, grouped by A
-  std::vector<std::uint32_t> first_;               ///< in order, by slot: [s + 1] is the number of its partners
+  UnwrittenColumn<std::uint32_t> first_;           ///< in order, by slot: [s + 1] is the number of its partners
 
   void sort_apart();
   void add_planes(Block& block, Slot i) const;
