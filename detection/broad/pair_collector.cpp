@@ -129,16 +129,17 @@ void PairCollector::add(std::size_t block, Slot i, std::span<const Slot> candida
   Block& mine = blocks_[block];
   const std::size_t begin = mine.own.size(), head = mine.spheres.size();
   const bool sphere = bodies_.is_sphere_apart(i), sure = met && bodies_.boxes.empty();
-  if (in_order_)
+  if (in_order_) {
     add_higher(mine, i, candidates);
-  else if (sphere)
-    mine.spheres.insert(mine.spheres.end(), {i, 0});
-  for (Slot j : in_order_ ? std::span<const Slot>() : candidates) {
-    if (!sure && !bodies_.near(i, j)) continue;
-    if (sphere && bodies_.is_sphere_apart(j))
-      mine.spheres.push_back(j);
-    else if (bodies_.may_touch(i, j, filter_))
-      place(mine, i, j);
+  } else {
+    if (sphere) mine.spheres.insert(mine.spheres.end(), {i, 0});
+    for (Slot j : candidates) {
+      if (!sure && !bodies_.near(i, j)) continue;
+      if (sphere && bodies_.is_sphere_apart(j))
+        mine.spheres.push_back(j);
+      else if (bodies_.may_touch(i, j, filter_))
+        place(mine, i, j);
+    }
   }
   add_apart(mine, i);
   if (in_order_)

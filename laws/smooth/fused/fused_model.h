@@ -99,9 +99,7 @@ class FusedModel final : public FusedSpheres {
     hurry_ = list.hurry, tells_forces_ = list.others || hurry_.empty(), wall_laws_.clear();
     for (const SpherePlane& p : list.planes) wall_laws_.push_back(laws_[world.material[p.slot]]);
     blocks_.rebuild(world, list);
-    // with what springs stood in before: 20 bytes a sphere
-    if (SpherePairs* const lent = std::exchange(lent_, nullptr))
-      let_go(lent->first), let_go(lent->partner), give_back_heap();
+    if (SpherePairs* const lent = std::exchange(lent_, nullptr)) let_go(lent->first), let_go(lent->partner);
   }
 
   bool move(World& world, const StepClock& clock) override {
