@@ -8,6 +8,8 @@ namespace epafi {
 
 struct ContactFrame {
   Vec3 normal, tangent1, tangent2;
+  ContactFrame() {}  // unset, as vectors are: columns are first written by all threads, not cleared by one
+  ContactFrame(const Vec3& n, const Vec3& t1, const Vec3& t2) : normal(n), tangent1(t1), tangent2(t2) {}
 };
 
 /// Right-handed orthonormal frame; n must be a unit vector. Continuous except across n.z = 0.

@@ -10,7 +10,6 @@
 #include <string>
 
 #include "engine/parallel.h"
-#include "laws/nonsmooth/coloring.h"
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
@@ -41,8 +40,7 @@ void row(const char* name, const ContactProblem& problem, const SolverEntry& ent
     s = cpu_seconds() - start;
   }
   std::sort(seconds.begin(), seconds.end());
-  Coloring coloring;
-  coloring.update(problem);
+  const Coloring& coloring = problem.coloring();
   BodyVelocities v;
   std::vector<Vec3> u;
   const Residual residual = measure_residual(problem, r, problem.mean_effective_mass(), v, u);

@@ -8,26 +8,22 @@
 
 namespace epafi {
 
-void Coloring::update(const ContactProblem& problem) {
-  const auto begins = [&](std::size_t i) {
-    return i == 0 || problem.a[i] != problem.a[i - 1] || problem.b[i] != problem.b[i - 1];
-  };
-  const auto group = [&](std::size_t i) {
-    return ContactGroup{problem.a[i], problem.b[i], static_cast<std::uint32_t>(i), 1};
-  };
-  parallel_select(problem.size(), begins, group, found_);
+void Coloring::update(std::span<const Slot> a, std::span<const Slot> b, std::span<const double> inverse_mass) {
+  const auto begins = [&](std::size_t i) { return i == 0 || a[i] != a[i - 1] || b[i] != b[i - 1]; };
+  const auto group = [&](std::size_t i) { return ContactGroup{a[i], b[i], static_cast<std::uint32_t>(i), 1}; };
+  parallel_select(a.size(), begins, group, found_);
   parallel_for(found_.size(), [&](std::size_t g) {
-    const std::size_t end = g + 1 < found_.size() ? found_[g + 1].first : problem.size();
+    const std::size_t end = g + 1 < found_.size() ? found_[g + 1].first : a.size();
     found_[g].count = static_cast<std::uint32_t>(end) - found_[g].first;
   });
-  free_found_.resize(problem.inverse_mass.size());
-  parallel_for(free_found_.size(), [&](std::size_t s) { free_found_[s] = problem.inverse_mass[s] > 0.0; });
+  free_found_.resize(inverse_mass.size());
+  parallel_for(free_found_.size(), [&](std::size_t s) { free_found_[s] = inverse_mass[s] > 0.0; });
   const auto differs = [&](std::size_t g) { return found_[g].a != canonical_[g].a || found_[g].b != canonical_[g].b; };
   const bool same =
       free_found_ == free_ && found_.size() == canonical_.size() &&
       block_max<char>(found_.size(), 0, [&](std::size_t g) { return static_cast<char>(differs(g)); }) == 0;
   canonical_.swap(found_), free_.swap(free_found_);
-  if (!same) paint(problem);
+  if (!same) paint();
   const auto each = [&](std::size_t begin, std::size_t end, const auto& f) {
     for (std::size_t g = begin; g < end; ++g) f(color_[g], canonical_[g]);
   };
@@ -36,13 +32,13 @@ void Coloring::update(const ContactProblem& problem) {
       [&](std::uint32_t place, const ContactGroup& g) { groups_[place] = g; });
 }
 
-void Coloring::paint(const ContactProblem& problem) {
-  used_.assign(problem.inverse_mass.size(), 0);
+void Coloring::paint() {
+  used_.assign(free_.size(), 0);
   color_.resize(canonical_.size());
   std::array<std::size_t, max_colors + 1> count{};
   for (std::size_t g = 0; g < canonical_.size(); ++g) {
     const ContactGroup& group = canonical_[g];
-    const bool free_a = problem.is_free(group.a), free_b = problem.is_free(group.b);
+    const bool free_a = free_[group.a] != 0, free_b = free_[group.b] != 0;
     const std::uint64_t taken = (free_a ? used_[group.a] : 0) | (free_b ? used_[group.b] : 0);
     const auto color = static_cast<std::size_t>(std::countr_one(taken));
     color_[g] = static_cast<std::uint8_t>(std::min(color, max_colors));

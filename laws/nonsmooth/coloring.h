@@ -5,9 +5,11 @@
 /// runs in sequence.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "laws/nonsmooth/contact_problem.h"
+#include "engine/large_column.h"
+#include "engine/types.h"
 
 namespace epafi {
 
@@ -21,11 +23,12 @@ class Coloring {
  public:
   static constexpr std::size_t max_colors = 63;
 
-  /// Colours the contacts of the problem; keeps what it has while the pairs of bodies are the same.
-  void update(const ContactProblem& problem);
+  /// Colours the contacts i between bodies a[i] and b[i]; keeps what it has while the pairs of bodies are the same.
+  /// inverse_mass: by body, 0 where it cannot move.
+  void update(std::span<const Slot> a, std::span<const Slot> b, std::span<const double> inverse_mass);
 
   /// All groups, colour by colour.
-  const std::vector<ContactGroup>& groups() const { return groups_; }
+  std::span<const ContactGroup> groups() const { return groups_; }
   /// Groups of colour c are groups()[begin(c)] .. groups()[begin(c + 1) - 1].
   std::size_t colors() const { return begin_.size() - 1; }
   std::size_t begin(std::size_t color) const { return begin_[color]; }
@@ -33,9 +36,9 @@ class Coloring {
   bool in_sequence(std::size_t color) const { return has_overflow_ && color + 1 == colors(); }
 
  private:
-  void paint(const ContactProblem& problem);
+  void paint();
 
-  std::vector<ContactGroup> canonical_, found_, groups_;
+  UnwrittenStream<ContactGroup> canonical_, found_, groups_;
   std::vector<std::uint8_t> color_;
   std::vector<std::uint64_t> used_;  ///< colours at each body, one bit each
   std::vector<std::size_t> begin_{0};

@@ -55,7 +55,7 @@ double ConeProblem::penetration_rate(const std::vector<Vec3>& u) const {
 void ConeProblem::load(const ContactProblem& p) {
   EPAFI_REQUIRE(p.diagonal.size() == p.size(), "the blocks W_ii are loaded before a solver reads them");
   reference = 0.0;
-  friction = p.friction, diagonal = p.diagonal;
+  friction.assign(p.friction.begin(), p.friction.end()), diagonal = p.diagonal;
   q.resize(p.size()), rows.resize(p.size());
   body_of_.assign(p.inverse_mass.size(), no_body);
   mass.clear();

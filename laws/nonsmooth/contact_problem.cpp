@@ -79,6 +79,7 @@ void ContactProblem::load_contacts(const World& world, const ContactSet& contact
     mobility[i] = normal_mobility(*this, i);
   });
   incidence.build(contacts, world.size());
+  is_colored_ = is_grouped_ = false;
 }
 
 void ContactProblem::load_diagonal() {
@@ -119,6 +120,18 @@ void ContactProblem::velocities(const Impulses& r, BodyVelocities& out, std::vec
 void ContactProblem::relative_velocities(const BodyVelocities& v, std::vector<Vec3>& u) const {
   renew(u, size());
   parallel_for(size(), [&](std::size_t i) { u[i] = with_offset(i, relative_velocity(i, v)); });
+}
+
+const Coloring& ContactProblem::coloring() const {
+  if (!is_colored_) coloring_.update(a, b, inverse_mass);
+  is_colored_ = true;
+  return coloring_;
+}
+
+const LaneGroups& ContactProblem::lane_groups() const {
+  if (!is_grouped_) lane_groups_.form(coloring(), static_cast<Slot>(inverse_mass.size()));
+  is_grouped_ = true;
+  return lane_groups_;
 }
 
 double ContactProblem::mean_effective_mass() const {

@@ -9,6 +9,8 @@
 #include "engine/contacts.h"
 #include "engine/frame.h"
 #include "engine/incidence.h"
+#include "laws/nonsmooth/coloring.h"
+#include "laws/nonsmooth/lane_groups.h"
 
 namespace epafi {
 
@@ -30,14 +32,14 @@ struct ContactProblem {
   BodyVelocities free;                ///< v_free: with gravity and external forces, without contacts
 
   // contacts, in canonical order
-  std::vector<Slot> a, b;
+  UnwrittenStream<Slot> a, b;
   std::vector<ContactFrame> frame;
-  std::vector<Vec3> arm_a, arm_b;  ///< from the centres to the contact point [m]; empty without rotation
-  std::vector<double> friction;    ///< mu >= 0
-  std::vector<double> offset;      ///< w_N [m/s]: the contact demands u_N = (H^T v)_N + w_N >= 0
-  std::vector<Vec3> lag;           ///< w_T [m/s], (0, t1, t2): what the slip of the step is measured against; empty: 0
-  std::vector<double> mobility;    ///< W_NN of the contact itself [1/kg]; 0 where neither body can move
-  std::vector<Mat3> diagonal;      ///< W_ii [1/kg], once they are loaded; 0 where the mobility is
+  std::vector<Vec3> arm_a, arm_b;    ///< from the centres to the contact point [m]; empty without rotation
+  UnwrittenStream<double> friction;  ///< mu >= 0
+  UnwrittenStream<double> offset;    ///< w_N [m/s]: the contact demands u_N = (H^T v)_N + w_N >= 0
+  std::vector<Vec3> lag;  ///< w_T [m/s], (0, t1, t2): what the slip of the step is measured against; empty: 0
+  UnwrittenStream<double> mobility;  ///< W_NN of the contact itself [1/kg]; 0 where neither body can move
+  std::vector<Mat3> diagonal;        ///< W_ii [1/kg], once they are loaded; 0 where the mobility is
   Incidence incidence;
 
   std::size_t size() const { return a.size(); }
@@ -90,6 +92,16 @@ struct ContactProblem {
   void relative_velocities(const BodyVelocities& v, std::vector<Vec3>& u) const;
   /// 1 / mean of the normal diagonals [kg]: the scale between velocities and impulses, 1 without contacts.
   double mean_effective_mass() const;
+
+  /// How sweeps go through the contacts: found when the first of a step asks, solver or position correction, and not
+  /// at all where none does. One thread may ask.
+  const Coloring& coloring() const;
+  const LaneGroups& lane_groups() const;
+
+ private:
+  mutable Coloring coloring_;
+  mutable LaneGroups lane_groups_;
+  mutable bool is_colored_ = false, is_grouped_ = false;  ///< since the contacts were loaded
 };
 
 }  // namespace epafi

@@ -104,7 +104,7 @@ void Impacts::sequential(const Step& step) {
   };
   const std::size_t n = impact_.size();
   BodyVelocities& v = impact_.free;
-  std::vector<double> gap = step.gap, since(n, 0.0);
+  std::vector<double> gap(step.gap.begin(), step.gap.end()), since(n, 0.0);
   std::vector<std::uint32_t> stamp(n, 0);
   std::priority_queue<Event, std::vector<Event>, std::greater<>> queue;
   const auto gravity = [&](std::size_t i) { return 2.0 * pull_[i] / step.dt; };  // closes the gap, [m/s^2]

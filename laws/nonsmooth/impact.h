@@ -40,8 +40,8 @@ class Impacts {
 
   /// What the impacts see of a step.
   struct Step {
-    const std::vector<double>& gap;          ///< [m]
-    const std::vector<double>& restitution;  ///< e of each contact
+    std::span<const double> gap;          ///< [m]
+    std::span<const double> restitution;  ///< e of each contact
     const BodyVelocities& before;            ///< v_k
     double threshold;                        ///< slower approaches do not bounce [m/s]
     double dt;                               ///< [s]

@@ -15,9 +15,6 @@ namespace epafi {
 
 namespace {
 
-constexpr std::size_t grain = 16;  // groups of four pairs: some 5 us, a fork costs 2 us
-constexpr std::uint32_t most_sorted = 8;
-
 /// Four bodies side by side.
 template <bool Rotates, class Rule>
 struct FourBodies {
@@ -80,7 +77,7 @@ EPAFI_LANES void velocities(const typename LaneSweep<Rotates, Rule>::Row& row, c
 template <bool Rotates, class Rule>
 struct NaturalMapTask {
   using Sweep = LaneSweep<Rotates, Rule>;
-  const typename Sweep::Group *begin, *end;
+  const LaneGroup *begin, *end;
   const typename Sweep::Row* rows;
   const typename Sweep::Body* bodies;
   double* out;
@@ -116,7 +113,7 @@ struct NaturalMapTask {
 template <bool Rotates, class Rule>
 struct ColorTask {
   using Sweep = LaneSweep<Rotates, Rule>;
-  const typename Sweep::Group *begin, *end, *last;  ///< of the colour, most likely also done by this thread
+  const LaneGroup *begin, *end, *last;  ///< of the colour, most likely also done by this thread
   typename Sweep::Row* rows;
   typename Sweep::Body* bodies;
   double* change;
@@ -133,14 +130,14 @@ struct ColorTask {
   /// Bodies of a group soon to come, which lie all over their column: 5000 stones 28.4 for 30.8 ms a step, with two
   /// threads 16.1 for 18.8. One to four groups ahead are the same.
   static constexpr std::ptrdiff_t ahead = 2;
-  EPAFI_LANES void ask_for(const typename Sweep::Group& group) const {
+  EPAFI_LANES void ask_for(const LaneGroup& group) const {
     for (const auto* slots : {&group.a, &group.b})
       for (const Slot s : *slots)
         for (std::size_t line = 0; line < sizeof(typename Sweep::Body); line += 64)
           __builtin_prefetch(reinterpret_cast<const char*>(&bodies[s]) + line);
   }
 
-  EPAFI_LANES double update(const typename Sweep::Group& group) const {
+  EPAFI_LANES double update(const LaneGroup& group) const {
     FourBodies<Rotates, Rule> a, b;
     a.gather(bodies, group.a), b.gather(bodies, group.b);
     Lanes sum{};
@@ -188,42 +185,18 @@ void load_lane(const ContactProblem& problem, std::size_t i, double offset, cons
 }  // namespace
 
 template <bool Rotates, LaneRule Rule>
-void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const std::vector<double>& offset,
-                                    const std::vector<Vec3>& lag, const Coloring& coloring, const Impulses& r,
-                                    const BodyVelocities& v) {
+void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, std::span<const double> offset,
+                                    std::span<const Vec3> lag, const Impulses& r, const BodyVelocities& v) {
   load_bodies(problem, v);
-  form_groups(coloring);
-  renew(rows_, groups_.empty() ? 0 : groups_.back().end), renew(change_, groups_.size());
-  each_group([&](const Group& group) {
+  groups_ = &problem.lane_groups();
+  renew(rows_, groups_->rows()), renew(change_, groups_->size());
+  groups_->each([&](const LaneGroup& group) {
     for (std::uint32_t k = group.begin; k < group.end; ++k) {
       if (const auto least = *std::min_element(group.count.begin(), group.count.end()); k - group.begin >= least)
         rows_[k] = Row{};
       for (std::size_t lane = 0; lane < lane_count; ++lane)
         if (const std::size_t i = group.first[lane] + k - group.begin; k - group.begin < group.count[lane])
           load_lane<Row, Rule>(problem, i, offset[i], lag.empty() ? nullptr : &lag[i], r[i], lane, rows_[k]);
-    }
-  });
-}
-
-template <bool Rotates, LaneRule Rule>
-std::size_t LaneSweep<Rotates, Rule>::piece(std::size_t color) const {
-  return has_sequence_ && color + 2 == begin_.size() ? std::max<std::size_t>(1, size(color)) : grain;
-}
-
-/// f(group) for all, each by the thread that has its rows in the sweeps: the same part of every colour.
-template <bool Rotates, LaneRule Rule>
-template <class F>
-void LaneSweep<Rotates, Rule>::each_group(const F& f) const {
-  const bool pays = groups_.size() >= 2 * grain;
-  const SharedOut meter(pays);
-  const std::size_t threads = pays ? static_cast<std::size_t>(thread_count()) : 1;
-  parallel_blocks(threads, 1, [&](std::size_t t, std::size_t, std::size_t) {
-    for (std::size_t c = 0; c + 1 < begin_.size(); ++c) {
-      const std::size_t pieces = (size(c) + piece(c) - 1) / piece(c);
-      const auto place = [&](std::size_t run) {
-        return begin_[c] + std::min(size(c), pieces * run / threads * piece(c));
-      };
-      for (std::size_t g = place(t); g < place(t + 1); ++g) f(groups_[g]);
     }
   });
 }
@@ -247,66 +220,15 @@ void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const 
   });
 }
 
-/// Four pairs of as many points, in the order of their bodies: so a thread that takes the same part of every colour
-/// meets the same bodies (5000 stones on two cores that share no second cache: 1.65 times as fast as one, 1.13 where
-/// parts went by points and to whoever came first). Pairs of a colour that runs in sequence get a group each.
-template <bool Rotates, LaneRule Rule>
-void LaneSweep<Rotates, Rule>::form_groups(const Coloring& coloring) {
-  const std::size_t colors = coloring.colors();
-  const auto each = [&](std::size_t c) { return coloring.in_sequence(c) ? 1 : std::size_t{lane_count}; };
-  has_sequence_ = colors > 0 && coloring.in_sequence(colors - 1);
-  begin_.assign(colors + 1, 0);
-  for (std::size_t c = 0; c < colors; ++c)
-    begin_[c + 1] = begin_[c] + (coloring.begin(c + 1) - coloring.begin(c) + each(c) - 1) / each(c);
-  renew(groups_, begin_.back()), renew(row_end_, begin_.back());
-  const auto form = [&](std::size_t c) {
-    const std::span pairs(coloring.groups().data() + coloring.begin(c), coloring.begin(c + 1) - coloring.begin(c));
-    thread_local std::vector<const ContactGroup*> sorted;
-    sorted.clear();
-    for (std::uint32_t points = most_sorted; points >= 1; --points)
-      for (const ContactGroup& pair : pairs)
-        if (std::min(pair.count, most_sorted) == points) sorted.push_back(&pair);
-    std::size_t g = begin_[c];
-    for (std::size_t k = 0; k < sorted.size(); k += each(c), ++g)
-      fill(groups_[g], std::span(sorted).subspan(k, std::min(each(c), sorted.size() - k)));
-    if (!coloring.in_sequence(c))
-      std::sort(groups_.begin() + static_cast<std::ptrdiff_t>(begin_[c]),
-                groups_.begin() + static_cast<std::ptrdiff_t>(g),
-                [](const Group& p, const Group& q) { return p.first[0] < q.first[0]; });
-    for (std::size_t k = begin_[c]; k < g; ++k)
-      row_end_[k] = *std::max_element(groups_[k].count.begin(), groups_[k].count.end());
-  };
-  if (groups_.size() < 8 * grain)
-    for (std::size_t c = 0; c < colors; ++c) form(c);
-  else  // the first colours are the largest
-    parallel_blocks(colors, 1, [&](std::size_t c, std::size_t, std::size_t) { form(c); });
-  running_sums(row_end_);
-  parallel_for(groups_.size(),
-               [&](std::size_t g) { groups_[g].begin = g > 0 ? row_end_[g - 1] : 0, groups_[g].end = row_end_[g]; });
-}
-
-/// Returns how many rows the group takes.
-template <bool Rotates, LaneRule Rule>
-std::uint32_t LaneSweep<Rotates, Rule>::fill(Group& group, std::span<const ContactGroup* const> pairs) const {
-  group = {};
-  group.a.fill(static_cast<Slot>(bodies_.size() - 1)), group.b = group.a;
-  std::uint32_t rows = 0;
-  for (std::size_t lane = 0; lane < pairs.size(); ++lane) {
-    const ContactGroup& pair = *pairs[lane];
-    group.a[lane] = pair.a, group.b[lane] = pair.b, group.first[lane] = pair.first, group.count[lane] = pair.count;
-    rows = std::max(rows, pair.count);
-  }
-  return rows;
-}
-
 template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
   const auto loop = best_loop<ColorTask<Rotates, Rule>>();
   const auto some = [&](std::size_t c, std::size_t begin, std::size_t end) {
-    loop({groups_.data() + begin, groups_.data() + end, groups_.data() + begin_[c + 1], rows_.data(), bodies_.data(),
+    const LaneGroup* const groups = groups_->data();
+    loop({groups + begin, groups + end, groups + groups_->begin(c + 1), rows_.data(), bodies_.data(),
           change_.data() + begin, rule});
   };
-  const std::size_t colors = begin_.size() - 1;
+  const std::size_t colors = groups_->colors();
   sums_.resize((change_.size() + sum_block - 1) / sum_block);
   const auto sum = [&](std::size_t k) {
     const auto from = change_.begin() + static_cast<std::ptrdiff_t>(k * sum_block);
@@ -314,10 +236,11 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
   };
   // the last stage: block_sum in a loop of its own took 7 of 180 us (5000 stones, two threads)
   parallel_stages(
-      colors + 1, groups_.size() >= 8 * grain, [&](std::size_t c) { return c < colors ? size(c) : sums_.size(); },
-      [&](std::size_t c) { return c < colors ? piece(c) : 1; },
+      colors + 1, groups_->size() >= 8 * LaneGroups::grain,
+      [&](std::size_t c) { return c < colors ? groups_->size(c) : sums_.size(); },
+      [&](std::size_t c) { return c < colors ? groups_->piece(c) : 1; },
       [&](std::size_t c, std::size_t b, std::size_t e) {
-        if (c < colors) return some(c, begin_[c] + b, begin_[c] + e);
+        if (c < colors) return some(c, groups_->begin(c) + b, groups_->begin(c) + e);
         for (std::size_t k = b; k < e; ++k) sum(k);
       });
   return std::accumulate(sums_.begin(), sums_.end(), 0.0);
@@ -325,7 +248,7 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
 
 template <bool Rotates, LaneRule Rule>
 void LaneSweep<Rotates, Rule>::store(Impulses& r) const {
-  each_group([&](const Group& group) {
+  groups_->each([&](const LaneGroup& group) {
     for (std::size_t lane = 0; lane < lane_count; ++lane)
       for (std::uint32_t k = 0; k < group.count[lane]; ++k)
         for (int i = 0; i < Rule::rows; ++i) r[group.first[lane] + k][i] = rows_[group.begin + k].r[i][lane];
@@ -336,9 +259,9 @@ template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::rows == 3) {
   if constexpr (Rule::rows == 3) {  // Clang 14: see angular()
     const auto loop = best_loop<NaturalMapTask<Rotates, Rule>>();
-    renew(squares_, groups_.size());
-    parallel_blocks(groups_.size(), grain, [&](std::size_t b, std::size_t e, std::size_t) {
-      loop({groups_.data() + b, groups_.data() + e, rows_.data(), bodies_.data(), squares_.data() + b, rho});
+    renew(squares_, groups_->size());
+    parallel_blocks(groups_->size(), LaneGroups::grain, [&](std::size_t b, std::size_t e, std::size_t) {
+      loop({groups_->data() + b, groups_->data() + e, rows_.data(), bodies_.data(), squares_.data() + b, rho});
     });
     return std::sqrt(block_sum<double>(squares_.size(), [&](std::size_t g) { return squares_[g]; }));
   }

@@ -1,13 +1,12 @@
 /// @file lane_sweep.h  The sweeps of sweep.h for rules that serve four contacts at a time: four pairs of a colour go
-/// side by side, both bodies of each in registers over the points of its manifold. Pairs of a colour are sorted by
-/// their number of points, so that few lanes stay empty. Rates: perf/solvers.cpp.
+/// side by side (lane_groups.h), both bodies of each in registers over the points of its manifold. Rates:
+/// perf/solvers.cpp.
 #pragma once
 #include <array>
 #include <span>
 #include <type_traits>
 
 #include "engine/lanes.h"
-#include "laws/nonsmooth/coloring.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
@@ -25,12 +24,12 @@ template <bool Rotates, LaneRule Rule>
 class LaneSweep {
  public:
   /// Packs the problem; velocities start as v (those of r).
-  void load(const ContactProblem& problem, const Coloring& coloring, const Impulses& r, const BodyVelocities& v) {
-    load(problem, problem.offset, problem.lag, coloring, r, v);
+  void load(const ContactProblem& problem, const Impulses& r, const BodyVelocities& v) {
+    load(problem, problem.offset, problem.lag, r, v);
   }
   /// With another w than that of the problem.
-  void load(const ContactProblem& problem, const std::vector<double>& offset, const std::vector<Vec3>& lag,
-            const Coloring& coloring, const Impulses& r, const BodyVelocities& v);
+  void load(const ContactProblem& problem, std::span<const double> offset, std::span<const Vec3> lag, const Impulses& r,
+            const BodyVelocities& v);
   /// One update of every contact; returns the sum of |change of r|^2.
   double run(const Rule& rule);
   void store(Impulses& r) const;
@@ -64,31 +63,16 @@ class LaneSweep {
     Lanes offset[Rule::rows], r[Rule::rows], friction;
     typename Rule::LaneData data;
   };
-  struct Group {
-    std::array<Slot, lane_count> a, b;
-    std::uint32_t begin, end;                            ///< rows
-    std::array<std::uint32_t, lane_count> first, count;  ///< contacts of row `begin`, and how many
-  };
 
  private:
   void load_bodies(const ContactProblem& problem, const BodyVelocities& v);
-  void form_groups(const Coloring& coloring);
-  std::uint32_t fill(Group& group, std::span<const ContactGroup* const> pairs) const;
-  std::size_t size(std::size_t color) const { return begin_[color + 1] - begin_[color]; }
-  /// How many groups of a colour a thread takes at once.
-  std::size_t piece(std::size_t color) const;
-  template <class F>
-  void each_group(const F& f) const;
 
-  UnwrittenColumn<Body> bodies_;  ///< the last one is that of empty lanes
+  const LaneGroups* groups_ = nullptr;  ///< of the problem
+  UnwrittenColumn<Body> bodies_;        ///< the last one is that of empty lanes
   UnwrittenStream<Row> rows_;
-  UnwrittenColumn<Group> groups_;
-  std::vector<std::size_t> begin_;  ///< of each colour in groups_
-  std::vector<double> change_;      ///< of a group in the last sweep, squared
+  UnwrittenStream<double> change_;  ///< of a group in the last sweep, squared
   std::vector<double> sums_;        ///< of those, by blocks
-  mutable std::vector<double> squares_;
-  std::vector<std::uint32_t> row_end_;  ///< by group
-  bool has_sequence_ = false;           ///< the last colour runs in sequence
+  mutable UnwrittenStream<double> squares_;
 };
 
 }  // namespace epafi

@@ -68,7 +68,7 @@ class NonsmoothContact final : public ContactModel {
   std::vector<Vec3> u_start_, u_, u_before_, u_after_, u_next_;
   BodyVelocities before_, after_, calmed_velocities_;
   std::vector<Vec3> moments_;  ///< of r_ on the bodies
-  std::vector<double> next_gap_, restitution_;
+  UnwrittenStream<double> next_gap_, restitution_;
   WarmStart memory_;
 };
 

@@ -19,7 +19,7 @@ double arm_square(const ContactSet& contacts, std::size_t i, const World& world)
 
 /// Fills demand_ with minus the demanded normal displacements; false when none is worth its sweeps: at rest overlaps
 /// come to the slop from above and never reach it (a settled pile of 1000 stones paid a tenth of its time for that).
-bool PositionCorrection::demand(const ContactSet& contacts, const std::vector<double>& gaps, const World& world) {
+bool PositionCorrection::demand(const ContactSet& contacts, std::span<const double> gaps, const World& world) {
   // spheres in one place touch at their centres: then the overlap alone tells how large they are
   const auto square = [&](std::size_t i) { return std::max(arm_square(contacts, i, world), 0.25 * gaps[i] * gaps[i]); };
   const double worth = (1.0 + settings_.band) * settings_.slop;
@@ -41,8 +41,7 @@ double PositionCorrection::move(S& sweep, const ContactProblem& problem, World& 
   const Vec3 zero = Vec3::Zero();
   parallel_fill(nothing_, problem.size(), zero), parallel_fill(moved_.linear, world.size(), zero);
   parallel_fill(moved_.angular, problem.free.angular.size(), zero);
-  coloring_.update(problem);
-  sweep.load(problem, demand_, {}, coloring_, nothing_, moved_);
+  sweep.load(problem, demand_, {}, nothing_, moved_);
   double total = 0.0;  // sum of squared impulses so far: the last change is measured against it
   for (int k = 0; k < settings_.sweeps; ++k) {
     const double change = sweep.run(NormalRule{});
@@ -57,7 +56,7 @@ double PositionCorrection::move(S& sweep, const ContactProblem& problem, World& 
 }
 
 double PositionCorrection::apply(const ContactProblem& problem, const ContactSet& contacts,
-                                 const std::vector<double>& gaps, World& world) {
+                                 std::span<const double> gaps, World& world) {
   if (settings_.share <= 0.0 || contacts.size() == 0 || !demand(contacts, gaps, world)) return 0.0;
   return problem.rotates ? move(with_rotation_, problem, world) : move(without_rotation_, problem, world);
 }

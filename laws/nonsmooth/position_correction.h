@@ -5,7 +5,6 @@
 /// A frictionless problem solved by a few normal sweeps; leftovers are taken next step. What gravity's potential gains
 /// by it is returned, so that the ledger shows it. Limit: a tall jammed pile corrects as slowly as the sweeps converge.
 #pragma once
-#include "laws/nonsmooth/coloring.h"
 #include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/normal_rule.h"
 
@@ -26,19 +25,17 @@ class PositionCorrection {
 
   /// Moves the bodies of `world`; gaps: as they will be at the next detection, from the velocities just found [m].
   /// Returns the potential energy of gravity and external forces it put in [J].
-  double apply(const ContactProblem& problem, const ContactSet& contacts, const std::vector<double>& gaps,
-               World& world);
+  double apply(const ContactProblem& problem, const ContactSet& contacts, std::span<const double> gaps, World& world);
 
  private:
-  bool demand(const ContactSet& contacts, const std::vector<double>& gaps, const World& world);
+  bool demand(const ContactSet& contacts, std::span<const double> gaps, const World& world);
   template <class S>
   double move(S& sweep, const ContactProblem& problem, World& world);
 
   CorrectionSettings settings_;
-  std::vector<double> demand_;  ///< minus the normal displacement that each contact asks for [m]
-  BodyVelocities moved_;        ///< displacements take the place of velocities; zero at first
+  UnwrittenStream<double> demand_;  ///< minus the normal displacement that each contact asks for [m]
+  BodyVelocities moved_;            ///< displacements take the place of velocities; zero at first
   Impulses nothing_;
-  Coloring coloring_;
   LaneSweep<true, NormalRule> with_rotation_;
   LaneSweep<false, NormalRule> without_rotation_;
 };

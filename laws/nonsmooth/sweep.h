@@ -6,7 +6,6 @@
 #include <type_traits>
 
 #include "engine/parallel.h"
-#include "laws/nonsmooth/coloring.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
@@ -23,10 +22,10 @@ template <bool Rotates, LocalRule Rule>
 class Sweep {
  public:
   /// Packs the problem; velocities start as v (those of r).
-  void load(const ContactProblem& problem, const Coloring& coloring, const Impulses& r, const BodyVelocities& v) {
-    coloring_ = &coloring;
+  void load(const ContactProblem& problem, const Impulses& r, const BodyVelocities& v) {
+    coloring_ = &problem.coloring();
     load_bodies(problem, v);
-    const auto& groups = coloring.groups();
+    const auto groups = coloring_->groups();
     groups_.resize(groups.size()), change_.resize(groups.size());
     std::uint32_t next = 0;
     for (std::size_t g = 0; g < groups.size(); ++g) {

@@ -80,7 +80,7 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
 }
 
 void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem,
-                         const Impulses& r, const std::vector<double>& next_gap, const std::vector<Vec3>& u) {
+                         const Impulses& r, std::span<const double> next_gap, const std::vector<Vec3>& u) {
   const std::size_t n = contacts.size();
   renew(a_, n), renew(b_, n), renew(feature_, n), renew(gap_, n);
   renew(arm_, n), renew(impulse_, n), renew(slip_, n);

@@ -22,7 +22,7 @@ class WarmStart {
   /// Remembers the impulses of these contacts, the gaps they are to have at the next detection and, of the velocities u
   /// they ended with, the slip.
   void remember(const World& world, const ContactSet& contacts, const ContactProblem& problem, const Impulses& r,
-                const std::vector<double>& next_gap, const std::vector<Vec3>& u);
+                std::span<const double> next_gap, const std::vector<Vec3>& u);
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
@@ -34,16 +34,16 @@ class WarmStart {
   void match_run(const World& world, const ContactSet& contacts, Run run);
   std::size_t find_pair(Slot a, Slot b, std::size_t guess) const;
 
-  std::vector<Slot> a_, b_;
-  std::vector<Feature> feature_;
+  UnwrittenStream<Slot> a_, b_;
+  UnwrittenStream<Feature> feature_;
   std::vector<Vec3> arm_;      ///< from A's centre, in A's axes [m]
   std::vector<Vec3> impulse_;  ///< on B, world axes [N s]
-  std::vector<double> gap_;    ///< foreseen [m]
+  UnwrittenStream<double> gap_;  ///< foreseen [m]
   std::vector<Vec3> slip_;     ///< world axes [m/s]
 
-  std::vector<std::uint32_t> runs_;      ///< of one pair each: the first contact
-  std::vector<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none
-  std::vector<std::uint8_t> by_name_;    ///< found by its key, not as the nearest of its pair
+  UnwrittenStream<std::uint32_t> runs_;      ///< of one pair each: the first contact
+  UnwrittenStream<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none
+  UnwrittenStream<std::uint8_t> by_name_;    ///< found by its key, not as the nearest of its pair
 };
 
 }  // namespace epafi

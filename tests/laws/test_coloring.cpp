@@ -42,26 +42,23 @@ ContactProblem star(int n) {
 }  // namespace
 
 TEST_CASE("colours never share a free body and cover every contact", "[laws][coloring]") {
-  Coloring coloring;
   for (const std::uint64_t seed : {1, 2, 3}) {
     const ContactProblem p = random_problem(200, seed, true, 0.3);
-    coloring.update(p);
-    check_valid(p, coloring);
-    CHECK(coloring.colors() <= 13);  // greedy: at most 2 * 6 neighbours - 1 taken, plus one
+    check_valid(p, p.coloring());
+    CHECK(p.coloring().colors() <= 13);  // greedy: at most 2 * 6 neighbours - 1 taken, plus one
   }
 }
 
 TEST_CASE("a stack needs two colours: the ground does not conflict", "[laws][coloring]") {
-  Coloring coloring;
-  coloring.update(stack_problem(20, 0.5));
+  const ContactProblem p = stack_problem(20, 0.5);
+  const Coloring& coloring = p.coloring();
   CHECK(coloring.colors() == 2);
   CHECK(coloring.groups().size() == 20);
 }
 
 TEST_CASE("a body with more than 63 neighbours leaves the rest to a colour in sequence", "[laws][coloring]") {
-  Coloring coloring;
   const ContactProblem p = star(100);
-  coloring.update(p);
+  const Coloring& coloring = p.coloring();
   check_valid(p, coloring);
   REQUIRE(coloring.colors() == 64);
   CHECK(coloring.in_sequence(63));
@@ -70,18 +67,59 @@ TEST_CASE("a body with more than 63 neighbours leaves the rest to a colour in se
 }
 
 TEST_CASE("the colouring is kept while pairs last and follows them when they change", "[laws][coloring]") {
-  Coloring coloring, fresh;
+  Coloring coloring;
+  const auto update = [](Coloring& c, const ContactProblem& p) { c.update(p.a, p.b, p.inverse_mass); };
   const ContactProblem four = lattice_problem(4, 0.5, 4), one = lattice_problem(4, 0.5, 1);
   const ContactProblem other = lattice_problem(3, 0.5);
   for (const ContactProblem* p : {&four, &one, &other, &four}) {  // four and one: same pairs, other points
-    coloring.update(*p);
+    update(coloring, *p);
     check_valid(*p, coloring);
     Coloring anew;
-    anew.update(*p);
+    update(anew, *p);
     REQUIRE(anew.groups().size() == coloring.groups().size());
     for (std::size_t g = 0; g < anew.groups().size(); ++g) CHECK(anew.groups()[g].first == coloring.groups()[g].first);
   }
-  ContactProblem none;
-  fresh.update(none);
-  CHECK(fresh.colors() == 0);
+  CHECK(ContactProblem{}.coloring().colors() == 0);
+  CHECK(ContactProblem{}.lane_groups().size() == 0);
+}
+
+TEST_CASE("a problem finds its colours and groups anew once its contacts were loaded", "[laws][coloring]") {
+  World world{Columns{.rotation = false, .force = false}};
+  for (int i = 0; i < 3; ++i) world.add({.mass = 1.0});
+  const auto contacts = [](std::initializer_list<std::pair<Slot, Slot>> pairs) {
+    ContactSet out;
+    for (const auto& [a, b] : pairs) out.append(a, b, {.gap = 0.0});
+    return out;
+  };
+  ContactProblem p;
+  p.load_bodies(world, 0.1);
+  p.load_contacts(world, contacts({{0, 1}}));
+  CHECK(p.lane_groups().size() == 1);
+  p.load_contacts(world, contacts({{0, 1}, {1, 2}}));
+  CHECK(p.coloring().colors() == 2);
+  CHECK(p.lane_groups().size() == 2);
+}
+
+TEST_CASE("groups of four have every contact once, in rows as many as the longest lane", "[laws][coloring]") {
+  const ContactProblem lattice = lattice_problem(4, 0.5, 3), crowd = star(100);
+  for (const ContactProblem* p : {&lattice, &crowd}) {
+    const LaneGroups& groups = p->lane_groups();
+    std::vector<int> seen(p->size(), 0);
+    std::uint32_t rows = 0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const LaneGroup& group = groups.data()[g];
+      REQUIRE(group.begin == rows);
+      rows = group.end;
+      for (std::size_t lane = 0; lane < lane_count; ++lane) {
+        REQUIRE(group.count[lane] <= group.end - group.begin);
+        for (std::uint32_t k = 0; k < group.count[lane]; ++k) {
+          ++seen[group.first[lane] + k];
+          REQUIRE(p->a[group.first[lane] + k] == group.a[lane]);
+          REQUIRE(p->b[group.first[lane] + k] == group.b[lane]);
+        }
+      }
+    }
+    CHECK(rows == groups.rows());
+    CHECK(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
+  }
 }

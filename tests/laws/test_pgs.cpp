@@ -162,14 +162,12 @@ TEST_CASE("four contacts at a time give the bits of every instruction set", "[la
 TEST_CASE("contacts four at a time are those one at a time", "[laws][pgs]") {
   for (const bool rotates : {true, false}) {
     const ContactProblem p = random_problem(60, 7, rotates, 0.4);
-    Coloring coloring;
-    coloring.update(p);
     Impulses r = zeros(p), lanes_r = zeros(p);
     BodyVelocities v;
     p.velocities(r, v);
     const PgsRule rule;
     const auto compare = [&](auto one, auto four) {
-      one.load(p, coloring, r, v), four.load(p, coloring, r, v);
+      one.load(p, r, v), four.load(p, r, v);
       double change = 0.0, four_change = 0.0;
       for (int k = 0; k < 20; ++k) change = one.run(rule), four_change = four.run(rule);
       one.store(r), four.store(lanes_r);

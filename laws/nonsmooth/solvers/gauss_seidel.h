@@ -37,11 +37,10 @@ class GaussSeidel final : public ContactSolver {
         tolerance_(parameters.number_or("tolerance", 1e-6)) {}
 
   SolverReport solve(const ContactProblem& problem, Impulses& r) override {
-    coloring_.update(problem);
     const double rho = problem.mean_effective_mass(), scale = cheap_scale(problem, rho);
     const auto with = [&](auto& sweep) {
       problem.velocities(r, v_);
-      sweep.load(problem, coloring_, r, v_);
+      sweep.load(problem, r, v_);
       const auto measure = [&] {
         if constexpr (requires { sweep.natural_map(rho); }) {
           return sweep.natural_map(rho) / scale;
@@ -104,7 +103,6 @@ class GaussSeidel final : public ContactSolver {
   Rule rule_;
   int iterations_;
   double tolerance_;
-  Coloring coloring_;
   SweepOf<true, Rule> with_rotation_;
   SweepOf<false, Rule> without_rotation_;
   BodyVelocities v_;

@@ -27,13 +27,13 @@ void SoftRule::pack(const ContactProblem& problem, std::size_t i, LaneData& data
 }
 
 void SoftStep::see(const World& world, const ContactSet& contacts, double dt) {
-  seen_ = true, dt_ = dt, gap_ = contacts.gap;
-  double arm = infinity;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (world.is_movable(contacts.a[i])) arm = std::min(arm, contacts.arm[i].squaredNorm());
-    if (world.is_movable(contacts.b[i])) arm = std::min(arm, contacts.arm_b(i, world).squaredNorm());
-  }
-  fastest_ = farthest_push * std::sqrt(arm) / dt;
+  seen_ = true, dt_ = dt;
+  parallel_copy(contacts.gap, gap_);
+  const double shortest = -block_max<double>(contacts.size(), -infinity, [&](std::size_t i) {
+    const double a = world.is_movable(contacts.a[i]) ? contacts.arm[i].squaredNorm() : infinity;
+    return -std::min(a, world.is_movable(contacts.b[i]) ? contacts.arm_b(i, world).squaredNorm() : infinity);
+  });
+  fastest_ = farthest_push * std::sqrt(shortest) / dt;
   parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
 }
 
@@ -42,7 +42,6 @@ SolverReport SoftStep::solve(const ContactProblem& problem, Impulses& r) {
     gap_ = problem.offset, before_ = problem.free, dt_ = 1.0, fastest_ = infinity;
   }
   seen_ = false;
-  coloring_.update(problem);
   if (problem.rotates)
     take_parts(with_rotation_, problem, r);
   else
@@ -57,16 +56,18 @@ void SoftStep::take_parts(S& sweep, const ContactProblem& problem, Impulses& r) 
   const double h = dt_ / parts_, w = 2.0 * std::numbers::pi * std::min(frequency_, stiffest / h);
   const double a1 = 2.0 * damping_ + h * w, a2 = h * w * a1;
   const std::size_t n = problem.inverse_mass.size(), turning = problem.free.angular.size();
-  still_.linear.assign(n, Vec3::Zero()), still_.angular.assign(turning, Vec3::Zero());
-  moved_ = still_, gained_ = still_, first_.resize(problem.size());
-  for (std::size_t s = 0; s < n; ++s) gained_.linear[s] = (problem.free.linear[s] - before_.linear[s]) / parts_;
-  for (std::size_t i = 0; i < first_.size(); ++i) first_[i] = r[i] / parts_;
+  const Vec3 zero = Vec3::Zero();
+  for (BodyVelocities* v : {&still_, &moved_, &gained_})
+    parallel_fill(v->linear, n, zero), parallel_fill(v->angular, turning, zero);
+  renew(first_, problem.size());
+  parallel_for(n, [&](std::size_t s) { gained_.linear[s] = (problem.free.linear[s] - before_.linear[s]) / parts_; });
+  parallel_for(first_.size(), [&](std::size_t i) { first_[i] = r[i] / parts_; });
   SoftRule rule{SoftRule::Task::begin_step, h, w / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2), fastest_};
   const auto run = [&](SoftRule::Task task) {
     rule.task = task;
     sweep.run(rule);
   };
-  sweep.load(problem, gap_, {}, coloring_, first_, still_);
+  sweep.load(problem, gap_, {}, first_, still_);
   run(SoftRule::Task::begin_step);
   sweep.add(before_);
   for (int k = 0; k < parts_; ++k) {
@@ -83,7 +84,7 @@ void SoftStep::take_parts(S& sweep, const ContactProblem& problem, Impulses& r) 
   const auto rebounds = [](double offset) { return offset < 0.0; };
   if (std::any_of(problem.offset.begin(), problem.offset.end(), rebounds)) run(SoftRule::Task::rebound);
   sweep.store(r);
-  for (std::size_t i = 0; i < r.size(); ++i) r[i] = project_cone(r[i] - first_[i], problem.friction[i]);
+  parallel_for(r.size(), [&](std::size_t i) { r[i] = project_cone(r[i] - first_[i], problem.friction[i]); });
 }
 
 /// moved_ becomes what the step is to add to dt v_{k+1}; bodies that nothing pushed move as they would alone.

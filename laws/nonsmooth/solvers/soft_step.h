@@ -52,11 +52,10 @@ class SoftStep final : public ContactSolver {
   int parts_;
   bool seen_ = false;  ///< the step that the next problem belongs to
   double frequency_, damping_, dt_ = 0.0, fastest_ = 0.0;
-  std::vector<double> gap_;
+  UnwrittenStream<double> gap_;
   BodyVelocities before_, gained_, still_, moved_, after_;  ///< v_k; h a; 0; displacements beside dt v_{k+1}; v_{k+1}
   Impulses first_;
   std::vector<Vec3> u_;
-  Coloring coloring_;
   LaneSweep<true, SoftRule> with_rotation_;
   LaneSweep<false, SoftRule> without_rotation_;
 };

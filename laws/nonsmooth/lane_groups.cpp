@@ -1,0 +1,67 @@
+#include "laws/nonsmooth/lane_groups.h"
+
+#include <algorithm>
+
+#include "engine/parallel_order.h"
+
+namespace epafi {
+
+namespace {
+
+constexpr std::uint32_t most_sorted = 8;  // points of a pair: with more it goes among those of eight
+
+LaneGroup group_of(std::span<const ContactGroup* const> pairs, Slot none) {
+  LaneGroup group{};
+  group.a.fill(none), group.b.fill(none);
+  for (std::size_t lane = 0; lane < pairs.size(); ++lane) {
+    const ContactGroup& pair = *pairs[lane];
+    group.a[lane] = pair.a, group.b[lane] = pair.b, group.first[lane] = pair.first, group.count[lane] = pair.count;
+  }
+  return group;
+}
+
+std::size_t lanes_of(const Coloring& coloring, std::size_t color) {
+  return coloring.in_sequence(color) ? 1 : std::size_t{lane_count};
+}
+
+}  // namespace
+
+void LaneGroups::form(const Coloring& coloring, Slot none) {
+  const std::size_t colors = coloring.colors();
+  has_sequence_ = colors > 0 && coloring.in_sequence(colors - 1);
+  begin_.assign(colors + 1, 0);
+  for (std::size_t c = 0; c < colors; ++c) {
+    const std::size_t pairs = coloring.begin(c + 1) - coloring.begin(c), lanes = lanes_of(coloring, c);
+    begin_[c + 1] = begin_[c] + (pairs + lanes - 1) / lanes;
+  }
+  renew(groups_, begin_.back()), renew(row_end_, begin_.back());
+  if (groups_.size() < 8 * grain)
+    for (std::size_t c = 0; c < colors; ++c) form_color(coloring, c, none);
+  else  // the first colours are the largest
+    parallel_blocks(colors, 1, [&](std::size_t c, std::size_t, std::size_t) { form_color(coloring, c, none); });
+  running_sums(row_end_);
+  parallel_for(groups_.size(),
+               [&](std::size_t g) { groups_[g].begin = g > 0 ? row_end_[g - 1] : 0, groups_[g].end = row_end_[g]; });
+}
+
+/// In the order of their bodies: so a thread that takes the same part of every colour meets the same bodies (5000
+/// stones on two cores that share no second cache: 1.65 times as fast as one, 1.13 where parts went by points and to
+/// whoever came first).
+void LaneGroups::form_color(const Coloring& coloring, std::size_t color, Slot none) {
+  const std::span pairs =
+      coloring.groups().subspan(coloring.begin(color), coloring.begin(color + 1) - coloring.begin(color));
+  const std::size_t lanes = lanes_of(coloring, color);
+  thread_local std::vector<const ContactGroup*> sorted;
+  sorted.clear();
+  for (std::uint32_t points = most_sorted; points >= 1; --points)
+    for (const ContactGroup& pair : pairs)
+      if (std::min(pair.count, most_sorted) == points) sorted.push_back(&pair);
+  const std::span groups(groups_.data() + begin_[color], size(color));
+  for (std::size_t g = 0, k = 0; g < groups.size(); ++g, k += lanes)
+    groups[g] = group_of(std::span(sorted).subspan(k, std::min(lanes, sorted.size() - k)), none);
+  if (!coloring.in_sequence(color))
+    std::ranges::sort(groups, {}, [](const LaneGroup& group) { return group.first[0]; });
+  for (std::size_t g = 0; g < groups.size(); ++g) row_end_[begin_[color] + g] = std::ranges::max(groups[g].count);
+}
+
+}  // namespace epafi
