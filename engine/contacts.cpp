@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <ranges>
 #include <tuple>
 
 #include "engine/parallel_order.h"
@@ -101,8 +100,8 @@ void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>
   parallel_blocks(contacts.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
     const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
     const auto old = [&](std::size_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
-    std::size_t k = *std::ranges::partition_point(std::views::iota(std::size_t{0}, a_.size()),
-                                                  [&](std::size_t at) { return old(at) < key(begin); });
+    const auto is_before = [&](const Slot& a) { return old(static_cast<std::size_t>(&a - a_.data())) < key(begin); };
+    auto k = static_cast<std::size_t>(std::partition_point(a_.begin(), a_.end(), is_before) - a_.begin());
     for (std::size_t i = begin; i < end; ++i) {
       const auto wanted = key(i);
       while (k < a_.size() && old(k) < wanted) ++k;

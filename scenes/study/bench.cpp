@@ -60,8 +60,8 @@ class Machine {
   /// One line of medians for every number of threads beside 1.
   std::string lines() {
     std::string lines;
-    for (auto& [n, all] : seen_) {
-      const auto median = [&all](double MachineSpeedup::*of) {
+    for (auto& [n, looks] : seen_) {
+      const auto median = [&all = looks](double MachineSpeedup::*of) {
         std::ranges::sort(all, {}, of);
         return all[all.size() / 2].*of;
       };

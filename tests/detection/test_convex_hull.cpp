@@ -56,7 +56,7 @@ TEST_CASE("neighbours and faces go round each vertex counter-clockwise", "[detec
         const std::uint32_t f = h.fans[begin + i];  // its loop comes from the one and goes to the other
         std::vector<std::uint32_t> loop(h.face_vertices.begin() + h.face_begin[f],
                                         h.face_vertices.begin() + h.face_begin[f + 1]);
-        std::ranges::rotate(loop, std::ranges::find(loop, v));
+        std::rotate(loop.begin(), std::ranges::find(loop, v), loop.end());
         CHECK(loop[0] == v);
         CHECK(loop[1] == to);
         CHECK(loop.back() == from);
