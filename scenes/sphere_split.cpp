@@ -13,6 +13,7 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   if (worn_.out) {
     if (FusedSpheres* const m = model()) m->make_way();
     list_->renew_pairs(world, pairs, worn_.by_slow);
+    if (FusedSpheres* const m = model()) m->expect(list_->bodies().drift());
   }
   worn_ = {}, wear_.clear();
   const bool fresh = pairs.generation != before;
@@ -22,7 +23,7 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   if (fresh) return;
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
   parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
-    wear_[b] = list_->bodies().wear(begin, end, at).most;
+    wear_[b] = list_->bodies().wear(begin, end, at, world.time).most;
   });
 }
 
@@ -41,7 +42,7 @@ bool WornPairs::keeps_pairs(const World& world) {
       doubtful_.size(),
       [&](std::size_t k) {
         const std::size_t begin = doubtful_[k] * SphereBlocks::block_size;
-        found[k] = list_->bodies().wear(begin, std::min(begin + SphereBlocks::block_size, world.size()), at);
+        found[k] = list_->bodies().wear(begin, std::min(begin + SphereBlocks::block_size, world.size()), at, world.time);
         wear_[doubtful_[k]] = found[k].most;
       },
       1);

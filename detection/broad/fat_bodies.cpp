@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/parallel_order.h"
 
@@ -22,14 +23,27 @@ constexpr double most_margin =
 constexpr double giant_ratio =
     16.0;  // of the median radius: above, one box test per body is cheaper than one more grid level
 constexpr std::size_t most_giants = 16;
+constexpr double most_drift = 1.0;  // of the median radius, as long as a list lasts: what does not move has that margin
+                                    // (filling hopper: 0.5 to 3 radii took 11.6, 10.9, 11.3, 12.2, 11.9 ns)
+constexpr double least_common = 0.25;                    // of the mean motion: below, no frame halves it
 constexpr double headroom = 1.25;                        // bodies speed up between rebuilds
 constexpr double least_steps = 4.0, most_steps = 512.0;  // of one list
 
-/// Distance by which a point of the body moves per second, at most [m/s].
-double surface_speed(const World& world, Slot s, double turning_radius) {
-  const double v = std::sqrt(world.velocity[s].squaredNorm());
+/// Distance by which a point of the body moves per second beside the drift, at most [m/s].
+double surface_speed(const World& world, Slot s, double turning_radius, const Vec3& drift) {
+  const double v = std::sqrt((world.velocity[s] - drift).squaredNorm());
   const double w2 = world.rotates() ? world.angular_velocity[s].squaredNorm() : 0.0;
   return w2 > 0.0 && turning_radius > 0.0 ? v + std::sqrt(w2) * turning_radius : v;
+}
+
+Vec3 mean_velocity(const World& world, const std::vector<char>& immovable) {
+  const auto moves = [&](std::size_t i) { return !immovable[i] && world.velocity[i].allFinite(); };
+  const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
+    const Vec3 v = moves(i) ? world.velocity[i] : Vec3::Zero();
+    return Sum3{v.x(), v.y(), v.z()};
+  });
+  const auto count = block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{moves(i)}; });
+  return Vec3(sum.a, sum.b, sum.c) / std::max(1.0, static_cast<double>(count));
 }
 }  // namespace
 
@@ -77,18 +91,9 @@ void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
 }
 
 void FatBodies::update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies) {
-  taken_at_ = world.time;
+  const double since = world.time - std::exchange(taken_at_, world.time);
   if (!same_bodies) read_shapes(world, setup), median_radius_ = median_radius(world, *setup.shapes);
-  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
-  // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
-  // margin whatever K is, so that only the fast ones make the list longer.
-  const Sum3 sum = block_sum<Sum3>(setup.margin > 0.0 ? 0 : world.size(), [&](std::size_t i) {
-    const double r = radius_of(world, *setup.shapes, i);
-    if (immovable[i] || !(r > 0.0)) return Sum3{};
-    return Sum3{step_time * surface_speed(world, static_cast<Slot>(i), turning_radius(i)) / r, 1.0, 0.0};
-  });
-  const double motion = sum.b > 0.0 ? sum.a / sum.b : 0.0;
-  const double steps = motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps;
+  const double steps = choose_drift(world, setup, step_time, since);
   fatten(world, setup, step_time, steps);
   set_apart(world, *setup.shapes, same_bodies);
   set_planes(world, setup, step_time, steps);
@@ -131,11 +136,47 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   parallel_for(radius.size(), [&](std::size_t i) { radius[i] = setup.shapes->bounding_radius({world.shape[i]}); });
 }
 
+/// Of the bodies that move, in radii a step, beside the drift.
+double FatBodies::mean_motion(const World& world, const BroadSetup& setup, double step_time) const {
+  const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
+    const double r = radius_of(world, *setup.shapes, i);
+    if (immovable[i] || !(r > 0.0)) return Sum3{};
+    const double speed = surface_speed(world, static_cast<Slot>(i), turning_radius(i), drift_.velocity);
+    return Sum3{step_time * speed / r, 1.0, 0.0};
+  });
+  return sum.b > 0.0 ? sum.a / sum.b : 0.0;
+}
+
+/// Returns how many steps the list shall last. since: the last update [s].
+double FatBodies::choose_drift(const World& world, const BroadSetup& setup, double step_time, double since) {
+  // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
+  // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
+  // margin whatever K is, so that only the fast ones make the list longer.
+  const auto best_steps = [](double motion) {
+    return motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps;
+  };
+  drift_ = {};
+  const double motion = setup.margin > 0.0 ? 0.0 : mean_motion(world, setup, step_time);
+  if (!(motion > 0.0)) return knows_mean_ = false, best_steps(motion);
+  const Vec3 mean = mean_velocity(world, immovable);
+  const bool has_last = std::exchange(knows_mean_, true) && since > 0.0;
+  const Vec3 last = std::exchange(mean_velocity_, mean);
+  if (!(step_time * mean.norm() > least_common * motion * median_radius_)) return best_steps(motion);
+  drift_ = {mean, has_last ? Vec3((mean - last) / since) : Vec3::Zero()};
+  const double rest = mean_motion(world, setup, step_time);
+  if (!(rest < 0.5 * motion)) return drift_ = {}, best_steps(motion);
+  double steps = best_steps(rest);
+  while (steps > least_steps && drift_.way(headroom * steps * step_time).norm() > most_drift * median_radius_)
+    steps *= 0.9;
+  return steps;
+}
+
 /// steps: how long the list of the fast ones shall last.
 double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const {
   if (setup.margin > 0.0) return setup.margin;
   const double radius = radius_of(world, *setup.shapes, s);
-  const double step = step_time * surface_speed(world, s, turning_radius(s)), small = 4.0 * median_radius_;
+  const Vec3 frame = drift_.velocity_at(immovable[s] ? 0.5 * steps * step_time : 0.0);  // the others fall with it
+  const double step = step_time * surface_speed(world, s, turning_radius(s), frame), small = 4.0 * median_radius_;
   const double wanted = 2.0 * headroom * steps * step;
   if (!std::isfinite(wanted)) return 0.0;  // a turning half-space: its list lasts one step
   if (immovable[s]) return std::min(wanted, most_margin * small);
@@ -204,11 +245,11 @@ void FatBodies::set_planes(const World& world, const BroadSetup& setup, double s
 
 /// Its surface has moved by more than half its margin. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|,
 /// as |q - q0| = 2 sin(t/4).
-inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates) const {
-  const double moved = way(i, world.position[i]), allowed = half_margin(i);
-  if (!rotates || !(turning_radius(i) > 0.0)) return moved > allowed;
+inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates, const Vec3& common) const {
+  const double moved = way(i, world.position[i] - common), allowed = half_margin(i);
+  if (moved > allowed || !rotates || !(turning_radius(i) > 0.0)) return moved > allowed;
   const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).norm();
-  return moved + 2.0 * turning_radius(i) * turn > allowed;
+  return turn > 0.0 && moved + 2.0 * turning_radius(i) * turn > allowed;  // a half-space: infinite
 }
 
 Worn FatBodies::worn(const World& world) const {
@@ -217,8 +258,9 @@ Worn FatBodies::worn(const World& world) const {
     return block_max<char>(size(), 0, [&](std::size_t i) { return static_cast<char>(f(i)); }) != 0;
   };
   const bool rotates = world.has_orientation();
-  if (!any([&](std::size_t i) { return is_beyond(world, i, rotates); })) return {};
-  return {true, any([&](std::size_t i) { return slow_[i] != 0 && is_beyond(world, i, rotates); })};
+  const Vec3 common = drift_.way(world.time - taken_at_);
+  if (!any([&](std::size_t i) { return is_beyond(world, i, rotates, common); })) return {};
+  return {true, any([&](std::size_t i) { return slow_[i] != 0 && is_beyond(world, i, rotates, common); })};
 }
 
 double FatBodies::largest_margin() const {

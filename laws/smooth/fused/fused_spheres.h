@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "engine/drift.h"
 #include "engine/pipeline.h"
 #include "laws/smooth/fused/sphere_blocks.h"
 #include "laws/smooth/make_smooth_contact.h"
@@ -17,6 +18,8 @@ class FusedSpheres : public ContactModel {
   virtual void set_bodies(UnwrittenColumn<double> radius) = 0;
   /// The pairs that this model detects itself, whenever the list changes.
   virtual void set_pairs(const World& world, const SphereList& list) = 0;
+  /// The list that was made now counts ways beside this drift.
+  virtual void expect(const Drift& drift) = 0;
   /// By block of SphereBlocks::block_size: the largest way of a body in the step that has begun over half its margin,
   /// or more; empty: not known.
   virtual std::span<const double> largest_ways() const = 0;
