@@ -13,12 +13,12 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   if (worn_.out) {
     if (FusedSpheres* const m = model()) m->make_way();
     list_->renew_pairs(world, pairs, worn_.by_slow);
-    if (FusedSpheres* const m = model()) m->expect(list_->bodies().drift());
   }
   worn_ = {}, wear_.clear();
   const bool fresh = pairs.generation != before;
   if (fresh && world.size() >= many_bodies && model()) model()->lend(pairs.spheres);
   if (!fresh && !ways_known_) return;  // what the list has gone through is not known then
+  if (FusedSpheres* const m = model()) m->expect(list_->bodies().drift(world.time));
   wear_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, 0.0);
   if (fresh) return;
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };

@@ -135,8 +135,8 @@ struct FatBodies {
     return most;
   }
   double largest_margin() const;
-  /// From the last update on: the frame in which margins hold.
-  const Drift& drift() const { return drift_; }
+  /// From `now` on: the frame in which margins hold.
+  Drift drift(double now) const { return {drift_.velocity_at(now - taken_at_), drift_.acceleration}; }
   /// Lets go of the columns until the next update, which must not name the same bodies then.
   void rest();
   /// The same, where all are spheres and fixed half-spaces, of what is not asked for once the list is begun (7 bytes a
