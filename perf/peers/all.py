@@ -6,7 +6,7 @@
 Beds of 10 000 and 100 000 spheres and a hopper (LAMMPS, LIGGGHTS, YADE), stacks, unequal masses, a pyramid and a pile of polyhedra without
 smoothing (Bullet, ODE, MuJoCo), polyhedra by a smooth law (YADE); the heads of the single scripts say what is measured how. Within a
 script all codes take turns in one run; codes that are not installed have no row. Writes table.md. Some 40 minutes; --quick: a
-tenth of the steps, to see that all is in place. Engines that are no package of Debian (Box3D, Jolt, MuJoCo 3) are not run: their figures are in
+tenth of the steps, to see that all is in place. Engines that are no package of Debian (Box3D, Jolt, MuJoCo 3) are not run. Figures by machine:
 docs/performance.md.
 """
 import argparse
