@@ -4,10 +4,10 @@
   /usr/bin/python3 perf/peers/all.py [--quick] [--out out/peers] [--program ./epafi]
 
 Beds of 10 000 and 100 000 spheres and a hopper (LAMMPS, LIGGGHTS, YADE), stacks, unequal masses, a pyramid and a pile of polyhedra without
-smoothing (Bullet, ODE, MuJoCo), polyhedra by a smooth law (YADE); the heads of the single scripts say what is measured how. Within a
-script all codes take turns in one run; codes that are not installed have no row. Writes table.md. Some 40 minutes; --quick: a
-tenth of the steps, to see that all is in place. Engines that are no package of Debian (Box3D, Jolt, MuJoCo 3) are not run. Figures by machine:
-docs/performance.md.
+smoothing (Bullet, ODE, MuJoCo), polyhedra by a smooth law (YADE), pairs of convex bodies with exact answers; the heads of the single scripts say what
+is measured how. Within a script all codes take turns in one run; codes that are not installed have no row. Engines that are no package of
+Debian (Box3D, Jolt, coal, MuJoCo 3) are not run: their figures of another machine (elsewhere/) stand in italics. Writes table.md. Some 40 minutes;
+--quick: a tenth of the steps, to see that all is in place.
 """
 import argparse
 import os
@@ -21,6 +21,7 @@ PARTS = [  # heading, script, options, options of a quick run
     ("Hopper", "hopper.py", ["--steps=2000", "--warm=400", "--repeats=2"], ["--steps=200", "--warm=100"]),
     ("Stacks and piles", "rigid.py", ["--repeats=1"], ["--cases", "stack-20", "mass-10000", "--seconds=1"]),
     ("Polyhedra by a smooth law", "polyhedra.py", ["--n=27", "--warm=1500", "--steps=100"], ["--n=8", "--warm=200", "--steps=20"]),
+    ("Convex pairs", "narrow.py", ["--repeats=5"], ["--repeats=1"]),
 ]
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)

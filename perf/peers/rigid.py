@@ -9,10 +9,12 @@ scenes/library/pile/poly_1000.polyset or of --bodies FILE). Every engine reads o
 separating axis test over all face normals and pairs of edges, in double precision. Prints, and writes to table.md: milliseconds of processor
 time per step (median of the last half, of piles of the last 15 %), the deepest overlap ever and at the end, drift and sag from
 the start [mm], in piles overlaps relative to the sum of both radii, their mean and who left the box, and the speed left over,
-sqrt(2 T/m) [mm/s]. Engines that are not installed have no row.
+sqrt(2 T/m) [mm/s]. Engines that are not installed have no row. Box3D and Jolt are no packages of Debian: below the others stand their figures of
+another machine (elsewhere/rigid.csv), in italics; only their errors can be compared.
 Needs numpy and h5py; of Debian: g++, libbullet-dev, libode-dev, libmujoco-dev.
 """
 import argparse
+import csv
 import itertools
 import os
 import shutil
@@ -199,6 +201,13 @@ def read_poses(name):
     return [numpy.array(s) for s in samples]
 
 
+def elsewhere(name):
+    """Rows of engines that are not run here: figures of another machine."""
+    with open(os.path.join(HERE, "..", "elsewhere", "rigid.csv")) as file:
+        rows = list(csv.DictReader(line for line in file if line[0] != "#"))
+    return ["| %s | *%s* | *%s* | %s |" % (name, r["engine"], r["ms"], " | ".join(list(r.values())[3:])) for r in rows if r["case"] == name]
+
+
 def drivers():
     """Programs of the engines that are installed, by name."""
     built = {}
@@ -271,7 +280,8 @@ def main():
             ms = statistics.median(r[0] for r in results)
             lines.append("| %s | %s | %.3g | %s |" % (name, label, ms, " | ".join(judge(name, fixed, free, results[-1][1]))))
             print(lines[-1], flush=True)
-    text = "\n".join(lines) + "\n"
+        lines += elsewhere(name)
+    text = "\n".join(lines) + "\nIn italics: not run here, measured once on another machine (perf/peers/elsewhere/rigid.csv).\n"
     print("\n" + text + "load of the machine: %.1f" % os.getloadavg()[0])
     with open(os.path.join(o.out, "table.md"), "w") as f:
         f.write(text)

@@ -93,7 +93,7 @@ class FusedModel final : public FusedSpheres {
     if (blocks_.bodies() >= many_bodies) blocks_.make_way();
   }
   void lend(SpherePairs& list) override { lent_ = &list; }
-  void expect(const Drift& drift) override { drift_ = drift, since_list_ = 0.0; }
+  void expect(const Drift& drift) override { drift_ = drift, since_drift_ = 0.0; }
   void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
 
   void set_pairs(const World& world, const SphereList& list) override {
@@ -211,7 +211,7 @@ class FusedModel final : public FusedSpheres {
             touched(),
             knows_ways() ? hurry_.data() : nullptr,
             tells_forces_,
-            drift_.velocity_at(since_list_ + 0.5 * clock.dt),
+            drift_.velocity_at(since_drift_ + 0.5 * clock.dt),
             *clock.scheme,
             clock.dt,
             lag(clock),
@@ -225,7 +225,7 @@ class FusedModel final : public FusedSpheres {
   const std::uint8_t* touched() const { return is_touched_.empty() ? nullptr : is_touched_.data(); }
 
   void find_ways(double dt) {
-    since_list_ += dt;
+    since_drift_ += dt;
     ways_.resize(knows_ways() ? most_hurry_.size() : 0);
     for (std::size_t i = 0; i < ways_.size(); ++i) ways_[i] = dt * std::sqrt(most_hurry_[i].sum());
   }
@@ -376,7 +376,7 @@ class FusedModel final : public FusedSpheres {
   bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
   Drift drift_;                                 ///< beside which ways are counted
-  double since_list_ = 0.0;                     ///< it began so long ago [s]
+  double since_drift_ = 0.0;                     ///< it began so long ago [s]
   std::span<const float> hurry_;                ///< as SphereList::hurry
   SpherePairs* lent_ = nullptr;                 ///< 18 bytes a sphere that nobody reads again
   bool tells_forces_ = true;                    ///< in every step; else in those that somebody looks at only
