@@ -257,7 +257,7 @@ void require_memory(const Scene& scene, const StepPlan& plan) {
   double bodies = static_cast<double>(scene.bodies.size());
   for (const FillSpec& fill : scene.fills) {
     bodies += static_cast<double>(fill.count.value_or(0));
-    const double bytes = bodies * static_cast<double>(plan.bytes_per_body + sizeof(FillBody));
+    const double bytes = bodies * static_cast<double>(plan.memory.body + sizeof(FillBody));
     if (const auto there = static_cast<double>(memory_there()); bytes > there)
       throw SceneError(fmt::format("[[fill]] '{}': {:g} bodies take {:.3g} GB at least; {:.3g} GB are there", fill.name,
                                    bodies, 1e-9 * bytes, 1e-9 * there),

@@ -202,8 +202,8 @@ void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
     bill.pay(where != nullptr, name, why, where != nullptr ? *where : Place{});
     return where != nullptr;
   };
-  plan.columns.external_force = pay(find([](const BodySpec& b) { return b.force.has_value(); }), "external force",
-                                    "a body has a constant force");
+  plan.columns.external_force =
+      pay(find([](const BodySpec& b) { return b.force.has_value(); }), "external force", "a body has a constant force");
   plan.columns.periodic = pay(scene.cell ? &scene.cell->place : nullptr, "images",
                               "the domain repeats: images of bodies at its faces, cells passed by each body");
   plan.columns.held_force = pay(find([](const BodySpec& b) { return b.servo.has_value(); }), "force on walls",
@@ -249,17 +249,25 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   plan_reach(scene, use, smooth, plan);
   plan_fused_spheres(scene, shapes, plan);
   plan_railway(scene, use, plan);
-  World world(plan.columns);
-  plan.bytes_per_body = world.bytes_per_body();
-  ContactSet contacts;
-  contacts.with_curvature = plan.needs.curvature, contacts.with_area = plan.needs.area,
-  contacts.with_moment = plan.needs.contact_moment;
-  plan.bytes_per_contact =
-      contacts.bytes_per_contact() + (plan.needs.memory ? sizeof(Vec3) + 2 * sizeof(Slot) + sizeof(Feature) : 0);
+  std::size_t bodies = scene.bodies.size();
+  for (const FillSpec& f : scene.fills) bodies += f.count.value_or(0);
+  plan.memory = plan_memory(scene, plan, bodies);
   return plan;
 }
 
-std::string explain(const Scene& scene, const StepPlan& plan) {
+namespace {
+std::string memory_text(const MemoryPlan& m, const ShapeStore& shapes) {
+  std::string out = fmt::format(
+      " per body {} B, per contact {} B\n beside these {} B per body and {} B per listed pair for the search of "
+      "neighbours",
+      m.body, m.contact, m.list, m.pair);
+  if (const std::size_t hulls = shapes.of<ConvexHull>().size(); hulls > 0)
+    out += fmt::format(", {} B for each of {} polyhedra", polyhedra_bytes(shapes) / hulls, hulls);
+  return out + "\n";
+}
+}  // namespace
+
+std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& shapes) {
   std::string out =
       fmt::format("{}: {} contact, {} bodies\n", scene.file,
                   scene.contact.method.value == Method::smooth ? "smooth" : "non-smooth", scene.bodies.size());
@@ -275,7 +283,7 @@ std::string explain(const Scene& scene, const StepPlan& plan) {
   out += "\n pairs:";
   for (const auto& p : plan.pair_cells) out += fmt::format(" {}-{} ({})", p.a, p.b, p.method);
   if (plan.fused_spheres) out += "\n spheres: fused loop, four contacts at a time";
-  return out + fmt::format("\n per body {} B, per contact {} B\n", plan.bytes_per_body, plan.bytes_per_contact);
+  return out + "\n" + memory_text(plan.memory, shapes);
 }
 
 }  // namespace epafi

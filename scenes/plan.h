@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/contacts.h"
+#include "scenes/memory_plan.h"
 #include "scenes/scene.h"
 #include "scenes/shape_builder.h"
 
@@ -33,7 +34,7 @@ struct StepPlan {
   std::vector<Cost> costs;
   std::vector<std::string> not_paid;
   std::string broad_phase, broad_phase_reason;
-  std::size_t bytes_per_body = 0, bytes_per_contact = 0;
+  MemoryPlan memory;
 
   /// The line that asked for a cost, or "not paid".
   std::string reason(const std::string& cost) const;
@@ -42,7 +43,7 @@ struct StepPlan {
 /// shapes: of every scene shape, built. Bodies of fills count as free bodies.
 StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes);
 
-/// The text of `epafi explain`.
-std::string explain(const Scene& scene, const StepPlan& plan);
+/// The text of `epafi explain`. shapes: those of the scene.
+std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& shapes);
 
 }  // namespace epafi

@@ -6,7 +6,7 @@
 Settles scenes/library/bed/bed.toml with 1000 and with 10 000 spheres, lays copies of the larger one side by side on the floor, each the mirror image of
 its neighbours (a sphere that leant on a wall leans on its image; unmirrored copies fall into each other's gaps), and runs them on one thread, the same steps for all, in turns. Prints, and writes to table.md: nanoseconds per sphere and step by the clocks of
 the stages (median, smallest, largest; processor time of runs of 300 and of 10 steps, subtracted, gave 29 to 44 ns for 10 000), over that of 10 000; the
-peak of the whole process over the number of spheres; beside them what the runs got right: the height of the centre of mass and the overlap in percent of the radius.
+peak of the whole process over the number of spheres and what `epafi explain` foretells without program and room to grow; beside them what the runs got right: the height of the centre of mass and the overlap in percent of the radius.
 """
 import argparse
 import json
@@ -15,7 +15,7 @@ import statistics
 import subprocess
 
 import numpy
-from runs import settled, write_csv
+from runs import foretold, settled, write_csv
 
 HEAD = """title = "Beds side by side"
 run = { duration = %.9g, time_step = 5e-5, output_interval = 1e3 }
@@ -74,11 +74,11 @@ sizes = [write_scene(folder, number, beds, o.steps) for folder, number in zip(fo
 turns = [[run(o.program, folder, n, o.steps) for folder, n in zip(folders, sizes)] for _ in range(o.repeats)]
 rows = [(n, [turn[k][0] for turn in turns], turns[-1][k][1]) for k, n in enumerate(sizes)]
 base = next((statistics.median(t) for n, t, _ in rows if n == 10000), None)
-lines = ["| spheres | ns per sphere and step | smallest, largest | over 10 000 | peak [B per sphere] | height [mm] | overlap [% of R] |", "|---" * 7 + "|"]
-for n, times, s in rows:
+lines = ["| spheres | ns per sphere and step | smallest, largest | over 10 000 | peak [B per sphere] | explain [B] | height [mm] | overlap [% of R] |", "|---" * 8 + "|"]
+for (n, times, s), folder in zip(rows, folders):
     middle = statistics.median(times)
-    lines.append("| %d | %.1f | %.1f, %.1f | %s | %.0f | %.3f | %.2f |" % (
-        n, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n,
+    lines.append("| %d | %.1f | %.1f, %.1f | %s | %.0f | %.0f | %.3f | %.2f |" % (
+        n, middle, min(times), max(times), "%.2f" % (middle / base) if base else "", s["peak_memory_bytes"] / n, foretold(o.program, "bed.toml", folder) / n,
         1e3 * s["measures"]["middle"]["z"]["last"], 100 * s["overlap"]["max_relative"]))
 text = "\n".join(lines) + "\n"
 with open(os.path.join(o.out, "table.md"), "w") as f:

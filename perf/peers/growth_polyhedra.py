@@ -8,7 +8,7 @@ Settles scenes/library/pile/polyhedra.toml (1000 stones, pgs with 50 sweeps, dt 
 them. The first `warm` steps, in which the copies settle anew, and the `steps` after them (the same run resumed) are timed on one thread, without
 output. Prints, and writes to table.md: for both microseconds per body and step and sweeps per step (fewer where the
 tolerance is met), the first over that of the smallest number, milliseconds per step at the end, contacts per body, the peak of the
-process over the number of bodies; beside them what the runs got right: largest and mean overlap in percent of the radius, kinetic energy
+process over the number of bodies and what `epafi explain` foretells (without program, output, drawn surfaces and room to grow); beside them what the runs got right: largest and mean overlap in percent of the radius, kinetic energy
 as a velocity (root of 2 E / m), bodies lost.
 """
 import argparse
@@ -16,7 +16,7 @@ import os
 import subprocess
 import sys
 
-from runs import resumed, without_output
+from runs import foretold, resumed, without_output
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PILE = os.path.join(HERE, "..", "..", "scenes", "library", "pile")
@@ -88,7 +88,7 @@ o.program = os.path.abspath(o.program)
 os.makedirs(o.out, exist_ok=True)
 bodies, side = settled(o.program, o.out)
 HEAD = ["polyhedra", "us per body and step, sweeps: first %d steps" % o.warm, "over the first", "next %d" % o.steps, "ms per step then", "contacts",
-        "peak [B per body]", "overlap, mean [% of R]", "v_rms [mm/s]", "lost"]
+        "peak [B per body]", "explain [B]", "overlap, mean [% of R]", "v_rms [mm/s]", "lost"]
 lines = ["| " + " | ".join(HEAD) + " |", "|---" * len(HEAD) + "|"]
 first = None
 for number in o.numbers:
@@ -101,9 +101,10 @@ for number in o.numbers:
     sweeps = [d["iterations"]["mean"] * d["steps"] for d in (start, s)]
     first = first or settling
     size = s["overlap"]["max"] / s["overlap"]["max_relative"] if s["overlap"]["max_relative"] else 1.0
-    lines.append("| %d | %.2f, %.0f | %.2f | %.2f, %.0f | %.1f | %.2f | %.0f | %.3f, %.4f | %.3g | %d |" % (
+    lines.append("| %d | %.2f, %.0f | %.2f | %.2f, %.0f | %.1f | %.2f | %.0f | %.0f | %.3f, %.4f | %.3g | %d |" % (
         number, settling, sweeps[0] / o.warm, settling / first, 1e3 * ms / number, (sweeps[1] - sweeps[0]) / o.steps, ms,
         s["contacts_mean"] / number, max(start["peak_memory_bytes"], s["peak_memory_bytes"]) / number,
+        foretold(o.program, "pile.toml", folder) / number,
         100 * s["overlap"]["max_relative"], 100 * s["overlap"]["mean"] / size, 1e3 * (2 * s["energy"]["kinetic"] / mass) ** 0.5, s["bodies_lost"]))
     print("\n".join(lines[-1:] if number != o.numbers[0] else lines), flush=True)
 with open(os.path.join(o.out, "table.md"), "w") as file:

@@ -103,3 +103,15 @@ def print_table(title, checks, seen, folder):
     print(text + "load of the machine: %.1f" % os.getloadavg()[0])
     with open(os.path.join(folder, "table.md"), "w") as f:
         f.write(text)
+
+
+def foretold(program, scene, folder):
+    """Bytes of a scene by the types of its columns: those of `epafi explain` times the pairs and contacts that `epafi check` counts at the start."""
+    say = lambda command: subprocess.run([program, command, scene], cwd=folder, check=True, capture_output=True, text=True).stdout
+    text, counts = say("explain"), say("check")
+    body, contact = map(int, re.search(r"per body (\d+) B, per contact (\d+) B", text).groups())
+    beside, pair = map(int, re.search(r"beside these (\d+) B per body and (\d+) B per listed pair", text).groups())
+    bodies = sum(map(int, re.search(r"(\d+) free, (\d+) fixed", counts).groups()))
+    pairs, contacts = map(int, re.search(r"(\d+) candidate pairs, (\d+) contacts", counts).groups())
+    hulls = re.search(r"(\d+) B for each of (\d+) polyhedra", text)
+    return bodies * (body + beside) + pair * pairs + contact * contacts + (int(hulls[1]) * int(hulls[2]) if hulls else 0)

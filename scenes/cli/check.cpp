@@ -36,6 +36,12 @@ bool polyhedra_move(const Scene& scene) {
                      [&](const FillSpec& f) { return std::any_of(f.shapes.begin(), f.shapes.end(), is_polyhedral); });
 }
 
+/// Pairs of spheres in their own loop, which may have taken over the list.
+std::size_t listed_spheres(const Simulation& sim) {
+  const std::size_t in_loop = sim.work.report.contacts - std::min(sim.work.report.contacts, sim.work.contacts.size());
+  return std::max(sim.work.pairs.spheres.size(), in_loop);
+}
+
 /// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of
 /// the state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose
 /// and something brings its bodies together. free: bodies that move, `later` of them poured in later.
@@ -54,10 +60,10 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   const double contacts = loose * std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
   const double pairs =
       loose * std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies -
-                                static_cast<double>(sim.work.pairs.pairs.size() + sim.work.pairs.spheres.size()));
+                                static_cast<double>(sim.work.pairs.pairs.size() + listed_spheres(sim)));
   // in the set and on its way into it; of spheres in their own loop where a measure asks for the set, beside pair and
   // spring
-  const auto in_set = static_cast<double>(a.plan.bytes_per_contact);
+  const auto in_set = static_cast<double>(a.plan.memory.in_set);
   const bool asks = std::ranges::any_of(
       a.scene.measures, [&](const auto& spec) { return a.measure(spec)->wants_contacts() == ContactView::all; });
   const double own = (asks ? in_set + 32.0 : 0.0) + (a.plan.needs.contact_moment ? 190.0 : 60.0);
@@ -72,7 +78,7 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
   return held + copy + output + contacts * contact + now_asked +
          pairs * (3 * sizeof(Pair) + (polyhedra ? polyhedral_pair : 0.0)) +
-         static_cast<double>(later) * beside * static_cast<double>(a.plan.bytes_per_body);
+         static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
 /// Of the whole run, by the seconds that a step took with `there` of the `free` bodies.
@@ -104,7 +110,8 @@ std::string check_text(Assembly& a) {
   const Overlap overlap = measure_overlap(w, {w, sim.work.contacts, sim.pipeline.contact_model.get()}, *a.shapes);
   out += fmt::format(
       "  at t = 0      {} candidate pairs, {} contacts, {} pairs overlap, worst {:.3g} m ({:.2g} of the radius)\n",
-      sim.work.pairs.pairs.size(), sim.work.contacts.size(), overlap.pairs, overlap.max, overlap.max_relative);
+      sim.work.pairs.pairs.size() + listed_spheres(sim), std::max(sim.work.contacts.size(), sim.work.report.touching),
+      overlap.pairs, overlap.max, overlap.max_relative);
   out += solids_text(a);
   out += fmt::format("  time step     {:.6g} s: {}\n", a.time_step.value, a.time_step.reason);
   out += fmt::format("  steps         {}\n", a.steps);
@@ -117,7 +124,8 @@ std::string check_text(Assembly& a) {
     elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
-                     1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.bytes_per_body, a.plan.bytes_per_contact);
+                     1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.memory.body,
+                     a.plan.memory.contact);
   const auto steps = static_cast<double>(std::max<std::uint64_t>(1, sim.steps() - first));
   return out + wall_time_text(elapsed / steps * static_cast<double>(a.steps), free, free + later);
 }

@@ -152,7 +152,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
                        "' is not empty; name another with -o or allow it with --force");
     remove_results(folder);
   }
-  if (options.verbose) say(explain(assembly->scene, assembly->plan));
+  if (options.verbose) say(explain(assembly->scene, assembly->plan, *assembly->shapes));
   if (!options.quiet)
     say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason,
                     assembly->steps));
@@ -190,7 +190,7 @@ int command_check(const CommonOptions& common) {
 
 int command_explain(const CommonOptions& common) {
   const auto assembly = assemble(read_or_throw(common.scene, common.overrides));
-  print(explain(assembly->scene, assembly->plan));
+  print(explain(assembly->scene, assembly->plan, *assembly->shapes));
   return exit_done;
 }
 

@@ -328,7 +328,8 @@ TEST_CASE("lists of spheres that last give the bits of lists made anew in every 
   CHECK(run(false, true) == fresh);
 }
 
-TEST_CASE("a state put back amid a fall, with the list of a later one, goes on with the same bits", "[physics][fused]") {
+TEST_CASE("a state put back amid a fall, with the list of a later one, goes on with the same bits",
+          "[physics][fused]") {
   set_thread_count(1);
   SceneRun run = prepare_scene(library("bed/bed.toml"), small_bed);
   Simulation& sim = run.simulation();

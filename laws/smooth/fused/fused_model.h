@@ -376,7 +376,7 @@ class FusedModel final : public FusedSpheres {
   bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
   Drift drift_;                                 ///< beside which ways are counted
-  double since_drift_ = 0.0;                     ///< it began so long ago [s]
+  double since_drift_ = 0.0;                    ///< it began so long ago [s]
   std::span<const float> hurry_;                ///< as SphereList::hurry
   SpherePairs* lent_ = nullptr;                 ///< 18 bytes a sphere that nobody reads again
   bool tells_forces_ = true;                    ///< in every step; else in those that somebody looks at only

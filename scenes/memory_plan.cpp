@@ -1,0 +1,92 @@
+#include "scenes/memory_plan.h"
+
+#include "detection/broad/fat_bodies.h"
+#include "detection/narrow/pair_query.h"
+#include "detection/narrow/resting_patch.h"
+#include "engine/contacts.h"
+#include "engine/large_column.h"
+#include "laws/nonsmooth/contact_problem.h"
+#include "laws/smooth/fused/fused_spheres.h"
+#include "laws/smooth/fused/sphere_blocks.h"
+#include "scenes/contact_setup.h"
+#include "scenes/plan.h"
+
+namespace epafi {
+namespace {
+
+/// Of a body, in FatBodies and beside it.
+std::size_t list_bytes(const StepPlan& plan, std::size_t bodies) {
+  constexpr std::size_t hurry = sizeof(float) + sizeof(char), names = sizeof(std::uint32_t) + 3 * sizeof(std::uint8_t);
+  if (!plan.fused_spheres)  // box, ball, half and radius, where it stood and how it was turned
+    return hurry + names + sizeof(Aabb) + sizeof(Ball) + 2 * sizeof(double) + sizeof(Slot) +
+           (plan.columns.orientation ? sizeof(Quat) : 0);
+  if (bodies >= many_bodies) return hurry + 3 * sizeof(float);  // coarse places
+  constexpr std::size_t sorted = 4 * sizeof(float) + sizeof(Slot) + sizeof(std::uint32_t) + sizeof(std::uint8_t);
+  return hurry + names + sizeof(Ball) + sorted + 2 * sizeof(Slot);
+}
+
+/// In the loop over spheres.
+void plan_spheres(const Scene& scene, const StepPlan& plan, std::size_t bodies, MemoryPlan& out) {
+  const bool friction = plan.needs.memory, rolls = needs_rolling_loop(smooth_setup(scene));
+  if (rolls) out.body += sizeof(Lanes);  // late spins
+  out.pair = sizeof(SpherePlaces) + (scene.cell ? sizeof(SphereImage) : 0);
+  if (bodies < many_bodies) out.pair += sizeof(Slot) + (scene.cell ? sizeof(std::uint32_t) : 0);  // the list stays
+  // of a bed's contacts a sixth lie across blocks and leave a record there
+  const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (rolls ? sizeof(Lanes) : 0);
+  out.contact =
+      (friction ? sizeof(SphereSpring) : 0) + (rolls ? sizeof(SphereSpring) + sizeof(SphereLoads) : 0) + record / 6;
+}
+
+/// Beside the set: what the contact model makes and keeps of a contact.
+std::size_t model_bytes(const StepPlan& plan, bool smooth) {
+  const std::size_t key = 2 * sizeof(Slot) + sizeof(Feature), found = sizeof(std::uint32_t);
+  const std::size_t incidence = sizeof(std::uint32_t);
+  if (smooth) return incidence + (plan.needs.memory ? key + found + 2 * sizeof(Vec3) : 0);
+  const bool rotates = plan.columns.rotation;
+  const std::size_t problem = 2 * sizeof(Slot) + sizeof(ContactFrame) + (rotates ? 2 * sizeof(Vec3) : 0) +
+                              3 * sizeof(double) + sizeof(Mat3) + incidence;
+  const std::size_t remembered = key + 3 * sizeof(Vec3) + sizeof(double) + found + 1;
+  constexpr std::size_t impulses = 4 * sizeof(Vec3);  // r, u, and those of the position correction
+  // of a row of four lanes: axes, offsets, impulses, the rule's data of three rows, friction, arms
+  const std::size_t row = 3 * (3 + 1 + 1 + 1) * sizeof(double) + sizeof(double) + (rotates ? 6 * sizeof(double) : 0);
+  return problem + remembered + impulses + row;
+}
+
+template <class T>
+std::size_t bytes_of(const std::vector<T>& column) {
+  return column.size() * sizeof(T);
+}
+
+}  // namespace
+
+MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan, std::size_t bodies) {
+  MemoryPlan out;
+  out.body = World(plan.columns).bytes_per_body(), out.list = list_bytes(plan, bodies);
+  ContactSet contacts;
+  contacts.with_curvature = plan.needs.curvature, contacts.with_area = plan.needs.area,
+  contacts.with_moment = plan.needs.contact_moment;
+  out.in_set = contacts.bytes_per_contact();
+  if (plan.fused_spheres) return plan_spheres(scene, plan, bodies, out), out;
+  const bool smooth = scene.contact.method.value == Method::smooth;
+  // found by blocks, then put in one set
+  out.contact = 2 * out.in_set - sizeof(Vec3) + model_bytes(plan, smooth);
+  out.pair = 2 * sizeof(Pair);
+  const bool remembers = std::ranges::any_of(plan.pair_cells, [](const ReachableCell& c) { return c.method == "sat"; });
+  const bool rests = remembers && plan.resting_reach < plan.reach;
+  // while a list is made, what pairs of the last one remember stands beside
+  if (remembers)
+    out.pair += 2 * (sizeof(Pair) + 2 * sizeof(std::uint32_t) + sizeof(PairCache) + (rests ? sizeof(RestingPatch) : 0));
+  return out;
+}
+
+std::size_t polyhedra_bytes(const ShapeStore& shapes) {
+  std::size_t bytes = 0;
+  for (const ConvexHull& h : shapes.of<ConvexHull>())
+    bytes += sizeof(ConvexHull) + bytes_of(h.vertices) + bytes_of(h.face_begin) + bytes_of(h.face_vertices) +
+             bytes_of(h.face_normals) + bytes_of(h.face_offsets) + bytes_of(h.edges) + bytes_of(h.neighbour_begin) +
+             bytes_of(h.neighbours) + bytes_of(h.fan_begin) + bytes_of(h.fans) + bytes_of(h.starts) +
+             bytes_of(h.lanes.vertices) + bytes_of(h.lanes.faces) + bytes_of(h.lanes.edges);
+  return bytes;
+}
+
+}  // namespace epafi

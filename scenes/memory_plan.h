@@ -1,0 +1,29 @@
+/// @file memory_plan.h  What a scene's bodies, pairs and contacts take while it runs, by the types of their columns:
+/// the bytes of `epafi explain`. On top come what columns keep to grow (up to a half), output, and of small runs the
+/// program (14 MB). Runs of 10 000 to 1 000 000 spheres and of 1000 to 5000 polyhedra beside it:
+/// docs/performance/memory.md.
+#pragma once
+#include "detection/shape_store.h"
+#include "scenes/scene.h"
+
+namespace epafi {
+
+struct StepPlan;
+
+struct MemoryPlan {
+  std::size_t body = 0;  ///< columns of the world [B per body]
+  std::size_t list = 0;  ///< what its neighbour list asks for [B per body]
+  std::size_t pair = 0;  ///< listed, with what it remembers [B per pair]
+  std::size_t contact =
+      0;  ///< wherever it lies: in the set, the law, the solver, the loop over spheres [B per contact]
+  std::size_t in_set =
+      0;  ///< in the set that measures read [B per contact]; no part of `contact` in the loop over spheres
+};
+
+/// plan: whose columns, needs and loops are known. bodies: how many there will be.
+MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan, std::size_t bodies);
+
+/// Of all polyhedra of the scene [B]: vertices, faces and edges, and again four at a time.
+std::size_t polyhedra_bytes(const ShapeStore& shapes);
+
+}  // namespace epafi
