@@ -25,7 +25,7 @@ constexpr Feature mesh_feature(std::uint32_t triangle, std::uint32_t local) {
 }
 
 /// A point against a triangle's plane and sides: most points are on its face or out of reach, and no root or division
-/// is needed to say so (spheres in a hopper: 50 ns a pair and step less, docs/performance/sphere_loop.md).
+/// is needed to say so (spheres in a hopper: 50 ns a pair and step less).
 struct OverTriangle {
   double height;  ///< above the plane, towards the front [m]
   double beyond;  ///< the side that it lies farthest beyond; < 0: inside of all [m]
