@@ -101,12 +101,12 @@ TEST_CASE("every library scene has one hash for 1, 2 and 4 threads, the golden o
   }
 }
 
-TEST_CASE("every library scene has the golden hash for 3, 7 and 8 threads", "[determinism][slow]") {
+TEST_CASE("every library scene has the golden hash for 3, 7, 8 and 16 threads", "[determinism][slow]") {
   const auto golden = golden_hashes();
   const support::KeepThreads keep;
   for (const auto& scene : all_scenes()) {
     INFO(scene);
-    for (int threads : {3, 7, 8})
+    for (int threads : {3, 7, 8, 16})
       CHECK(run_hash(shortened(scene), "as-written", threads) == golden.at(scene + " as-written"));
   }
 }

@@ -145,7 +145,7 @@ TEST_CASE("the accurate solvers give the same bits for every thread count", "[la
     set_thread_count(1);
     Impulses reference;
     solve(entry, p, reference, 1e-10, 300);
-    for (const int threads : {2, 3, 8}) {
+    for (const int threads : {2, 3, 8, 16}) {
       set_thread_count(threads);
       Impulses r;
       solve(entry, p, r, 1e-10, 300);

@@ -87,7 +87,7 @@ TEST_CASE("Gauss-Seidel gives the same bits for every thread count", "[laws][pgs
     set_thread_count(1);
     Impulses reference = zeros(p);
     solver(entry.entry.name, 10, 1e-12)->solve(p, reference);
-    for (const int threads : {2, 3, 4, 7, 8}) {
+    for (const int threads : {2, 3, 4, 7, 8, 16}) {
       set_thread_count(threads);
       Impulses r = zeros(p);
       solver(entry.entry.name, 10, 1e-12)->solve(p, r);

@@ -214,7 +214,7 @@ TEST_CASE("the fused loop of spheres gives the same bits for every thread count 
   const auto overrides =
       GENERATE(with(small_bed, {}), with(small_bed, rolling));  // values: Catch2 keeps a reference to a name
   std::vector<std::string> hashes;
-  for (const int threads : {1, 2, 3, 8}) {
+  for (const int threads : {1, 2, 3, 8, 16}) {
     set_thread_count(threads);
     hashes.push_back(run_scene("bed/bed.toml", overrides, overrides.size() > 1 ? 2900 : 1100).hash());
   }
