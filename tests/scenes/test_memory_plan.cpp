@@ -7,6 +7,7 @@
 #include "engine/large_column.h"
 #include "scenes/memory_plan.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
 
 using namespace epafi;
@@ -66,6 +67,8 @@ TEST_CASE("a scene pays memory for what it declares, not for more", "[scenes][me
 TEST_CASE("what explain foretells is most of what a run takes", "[scenes][memory]") {
   const auto [scene, overrides, most] = GENERATE(table<std::string, std::vector<std::string>, double>(
       {{"bed/bed.toml", {"params.n=60000"}, 1.6}, {"pile/polyhedra.toml", {"run.duration=0.1"}, 1.9}}));
+  const support::KeepThreads keep;
+  set_thread_count(1);  // each thread has room of its own
   const double before = resident();
   SceneRun run = prepare_scene(library(scene), overrides);
   run.simulation().start();
