@@ -14,10 +14,10 @@ struct MemoryPlan {
   std::size_t body = 0;  ///< columns of the world [B per body]
   std::size_t list = 0;  ///< what its neighbour list asks for [B per body]
   std::size_t pair = 0;  ///< listed, with what it remembers [B per pair]
-  std::size_t contact =
-      0;  ///< wherever it lies: in the set, the law, the solver, the loop over spheres [B per contact]
-  std::size_t in_set =
-      0;  ///< in the set that measures read [B per contact]; no part of `contact` in the loop over spheres
+  /// Wherever it lies: in set, law and solver, or in the loop over spheres where the scene has one [B per contact];
+  /// what others have there (spheres with a mesh, a box) is not counted: they are few.
+  std::size_t contact = 0;
+  std::size_t in_set = 0;  ///< in the set that measures read [B per contact]; no part of the loop over spheres
 };
 
 /// plan: whose columns, needs and loops are known. bodies: how many there will be.

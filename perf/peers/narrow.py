@@ -3,7 +3,7 @@
 
   /usr/bin/python3 perf/peers/narrow.py [--corpus tests/data/convex_pairs.bin] [--repeats 5] [--out out/peers_narrow] [--program ./epafi]
 
-Runs `epafi narrow` by each of its methods and judges the answers by the signed distances of the file (tests/data/README.md). Prints, and
+Runs `epafi narrow` by those of its methods that give distances and judges the answers by the signed distances of the file (tests/data/README.md). Prints, and
 writes to table.md: mean time of a cold query [ns] (median of the repeats), queries without an answer, pairs taken for apart or overlapping that are not (by more than
 1e-6 and 1e-12 of the smaller body's radius), and of depths and distances beyond 1e-9 of it those off by more than 1e-6 and by more than 1 %.
 coal, MuJoCo 3, openGJK, Box3D and Jolt are not run: their figures of another machine (elsewhere/narrow.csv) stand below in italics; only their
