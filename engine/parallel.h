@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/crew.h"
 #include "engine/shared_out.h"
 
 namespace epafi {
@@ -31,25 +32,26 @@ inline std::vector<int> bound_processors() {
   return all;
 }
 
-/// f(i) for i in [0, n); f writes to its own index only. Short loops stay on one thread: a fork costs about 2 us.
-template <class F>
-void parallel_for(std::size_t n, const F& f, std::size_t grain = 512) {
-  const bool pays = n >= 2 * grain;
-  const SharedOut meter(pays);
-  if (!pays || thread_count() == 1) {
-    for (std::size_t i = 0; i < n; ++i) f(i);
-    return;
-  }
-#pragma omp parallel for schedule(static)
-  for (std::size_t i = 0; i < n; ++i) f(i);
-}
-
 /// Of the calling thread, below thread_count(); 0 outside loops.
 inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
+
+/// body(), all loops of it by threads that stay together (engine/crew.h); what it throws is thrown here.
+template <class F>
+void with_crew(const F& body) {
+  if (thread_count() == 1 || omp_in_parallel()) return body();
+  Crew crew(static_cast<std::size_t>(thread_count()), looks_before_sleep(thread_count() > omp_get_num_procs()));
+#pragma omp parallel
+  if (thread_number() == 0)
+    crew.lead(static_cast<std::size_t>(omp_get_num_threads()), body);
+  else
+    crew.follow(thread_number());
+  crew.rethrow();
+}
 
 /// f(thread) by every thread at once.
 template <class F>
 void parallel_team(const F& f) {
+  if (Crew* const crew = Crew::idle()) return crew->run(f);
 #pragma omp parallel
   f(thread_number());
 }
@@ -145,7 +147,7 @@ class LoopRuns {
 /// f(begin, end, block) for consecutive blocks of `size` indices covering [0, n), shared out in runs.
 template <class F>
 void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
-  const std::size_t blocks = (n + size - 1) / size;
+  const std::size_t blocks = n == 0 ? 0 : (n + size - 1) / size;
   const auto one = [&](std::size_t b) { f(b * size, std::min(n, (b + 1) * size), b); };
   const SharedOut meter(blocks > 1);
   if (blocks < 2 || thread_count() == 1) {
@@ -154,6 +156,15 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
   }
   const LoopRuns runs(blocks);
   parallel_team([&](std::size_t thread) { runs.each(thread, one); });
+}
+
+/// f(i) for i in [0, n); f writes to its own index only. Short loops stay on one thread: a fork costs about 2 us.
+template <class F>
+void parallel_for(std::size_t n, const F& f, std::size_t grain = 512) {
+  const std::size_t size = n < 2 * grain ? n : std::max<std::size_t>(1, grain / 4);
+  parallel_blocks(n, size, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) f(i);
+  });
 }
 
 /// Sum of f(i) over [0, n), the same bits for every thread count. T needs T{} as zero and +=.

@@ -150,11 +150,9 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
       return seen == all.size();
     };
     const auto finish_until = [&](std::size_t most) {  // no more than these wait
-      for (;;) {
-        const std::size_t seen = finds.count();
-        const bool some = waiting.finish_ready(ready, finish_one);
-        if (waiting.size() <= most) return;
-        if (!some) finds.wait_beyond(seen);
+      while (waiting.finish_ready(ready, finish_one), waiting.size() > most) {
+        const std::size_t seen = finds.count();  // no sooner: what others count lies in their caches
+        if (!waiting.finish_ready(ready, finish_one)) finds.wait_beyond(seen);
       }
     };
     runs.each(thread, [&](std::size_t place) {

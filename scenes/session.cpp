@@ -228,21 +228,23 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   const std::uint64_t problems_every = problems ? steps_of(problems->value, sim.time_step) : 0;
   Progress progress(last_step, first_step_, quiet);
   ending_ = Ending::completed;
-  while (sim.steps() < last_step) {
-    const auto reason = reason_to_stop(limits);
-    if (reason && !sim.is_ahead()) {
-      ending_ = *reason;
-      break;
+  with_crew([&] {
+    while (sim.steps() < last_step) {
+      const auto reason = reason_to_stop(limits);
+      if (reason && !sim.is_ahead()) {
+        ending_ = *reason;
+        break;
+      }
+      const bool run_on = !reason && goes_on(limits, {keep_every, problems_every, checkpoint_every});
+      if (const auto stop = step_once(last_step, run_on)) {
+        ending_ = *stop;
+        break;
+      }
+      progress.update(sim, *monitor_);
+      if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
+      if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
     }
-    const bool run_on = !reason && goes_on(limits, {keep_every, problems_every, checkpoint_every});
-    if (const auto stop = step_once(last_step, run_on)) {
-      ending_ = *stop;
-      break;
-    }
-    progress.update(sim, *monitor_);
-    if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
-    if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
-  }
+  });
   wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;
   // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes on
   // must not tell that it was cut off.

@@ -5,7 +5,6 @@
 #include "scenes/cli/commands.h"
 #include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"
-#include "scenes/cli/short_waits.h"
 #include "scenes/cli/study_commands.h"
 #include "scenes/cli/usage.h"
 
@@ -196,13 +195,14 @@ void add_bench(Program& p) {
       ->check(epafi::whole_number(1));
   bench->add_option("--repeats", p.bench.repeats, "runs of each row; the median is printed")
       ->check(epafi::whole_number(1));
+  bench->add_flag("--copies", p.bench.copies,
+                  "also N copies of the scene at once, one thread each: what N threads can bring on this machine");
   bench->add_option("-o,--out", p.bench.out_file, "also write the rows to this file");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up() names what nobody expected
-  epafi::wait_briefly(argv);
 #if defined(__GLIBC__)
   // Columns go back to the system when they go. Left alone, glibc learns from the first freed ones to keep larger and
   // larger pieces in its heap, where the next do not fit: 190 of 1620 bytes a sphere of 100 000.

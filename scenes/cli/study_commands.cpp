@@ -128,7 +128,7 @@ int command_bench(const StudyOptions& o, const BenchOptions& b) {
   for (const auto& scene : o.files.empty() ? library_benchmarks() : o.files) {
     require_file(scene);
     const fs::path folder = fs::temp_directory_path() / fmt::format("epafi-bench-{}", getpid());
-    run_bench({scene, o.overrides, b.threads, b.repeats, folder, "/proc/self/exe"}, [&](const std::string& row) {
+    run_bench({scene, o.overrides, b.threads, b.repeats, folder, b.copies}, [&](const std::string& row) {
       print(row), flush_printed();
       if (!row.starts_with("#")) csv += row;
     });

@@ -28,6 +28,7 @@ int command_sweep(const StudyOptions& options, const SweepOptions& sweep);
 struct BenchOptions {
   std::vector<int> threads{1, 2};
   int repeats = 3;
+  bool copies = false;
   std::string out_file;  ///< CSV
 };
 int command_bench(const StudyOptions& options, const BenchOptions& bench);

@@ -75,7 +75,9 @@ class Run {
     std::optional<Failure> failure;
     {
       const py::gil_scoped_release free;
-      for (std::uint64_t k = 0; k < count && !failure; ++k) failure = sim.advance(sim.steps() + 1 == assembly_->steps);
+      with_crew([&] {
+        for (std::uint64_t k = 0; k < count && !failure; ++k) failure = sim.advance(sim.steps() + 1 == assembly_->steps);
+      });
     }
     if (failure)
       throw std::runtime_error(failure->kind + ": " + failure->text +

@@ -45,36 +45,101 @@ std::string row(const std::string& scene, const std::string& size, int threads, 
 /// Amdahl's serial fraction of a stage from its times on 1 and n threads: t_n = t_1 (s + (1 - s) / n).
 double serial_fraction(double one, double many, int threads) { return (threads * many / one - 1.0) / (threads - 1.0); }
 
+double ns_of(const CaseResult& r) { return r.number("ns_per_body_step", NAN); }
+
+/// The runs of one size of the scene.
+struct Size {
+  const BenchSetup& setup;
+  std::string label;
+  std::vector<Case> cases;                       ///< by numbers of threads
+  std::vector<std::vector<CaseResult>> results;  ///< the same, by round
+
+  Size(const BenchSetup& s, const std::vector<std::string>& overrides) : setup(s), results(s.threads.size()) {
+    for (const auto& o : overrides) label += (label.empty() ? "" : "; ") + o;
+    for (const int n : s.threads) {
+      cases.push_back({s.overrides, s.folder / fmt::format("threads_{}", n)});
+      cases.back().overrides.insert(cases.back().overrides.end(), overrides.begin(), overrides.end());
+    }
+  }
+  void run_round() {
+    for (std::size_t k = 0; k < cases.size(); ++k) {
+      results[k].push_back(run_case(setup.scene, cases[k], {setup.program, setup.threads[k], 0.0, true}));
+      require_result(results[k].back());
+    }
+  }
+  /// Steps that n copies at once make on one thread each, over those of one copy; ns: of that one.
+  double speed_of_copies(int n, double ns) const {
+    std::vector<Case> copies;
+    for (int k = 0; k < n; ++k) copies.push_back({cases[0].overrides, setup.folder / fmt::format("copy_{}", k)});
+    double speed = 0.0;
+    const auto add = [&](std::size_t, const CaseResult& r) { require_result(r), speed += ns / ns_of(r); };
+    if (!run_cases(setup.scene, copies, {setup.program, 1, 0.0, true}, n, add))
+      throw SceneError(setup.scene + " was interrupted");
+    return speed;
+  }
+  void require_result(const CaseResult& r) const {
+    if (!r.completed() && r.summary.numbers.empty())
+      throw SceneError(fmt::format("{} [{}] ended as '{}': {}", setup.scene, label, r.status, r.trouble));
+    if (const auto& first = results[0].front(); r.summary.text("state_hash") != first.summary.text("state_hash"))
+      throw SceneError(
+          fmt::format("{} [{}]: the state hash at {} threads differs", setup.scene, label, r.number("threads", 1.0)));
+  }
+  /// Of median time, by numbers of threads; sorts the rounds.
+  std::vector<const CaseResult*> medians() {
+    std::vector<const CaseResult*> out;
+    for (auto& all : results) {
+      std::ranges::sort(all, {}, ns_of);
+      out.push_back(&all[all.size() / 2]);
+    }
+    return out;
+  }
+};
+
 /// What the machine itself gives, looked at after every round: what others leave of a shared one changes by the minute.
 class Machine {
  public:
   /// Nothing where there is no one thread to compare with.
   explicit Machine(const std::vector<int>& threads) {
-    if (std::ranges::count(threads, 1) == 0) return;
+    one_ = std::ranges::find(threads, 1) - threads.begin();
+    if (one_ == std::ssize(threads)) return;
     for (const int n : threads)
-      if (n != 1) seen_.push_back({n, {}});
+      if (n != 1) seen_.push_back({n, {}, {}});
   }
-  void look() {
-    for (auto& [n, all] : seen_) all.push_back(machine_speedup(n));
+  void look(const Size& size) {
+    for (Seen& s : seen_) {
+      s.machine.push_back(machine_speedup(s.threads));
+      if (size.setup.copies)
+        s.copies.push_back(size.speed_of_copies(s.threads, ns_of(size.results[static_cast<std::size_t>(one_)].back())));
+    }
   }
-  /// One line of medians for every number of threads beside 1.
+  /// Of medians, for every number of threads beside 1.
   std::string lines() {
     std::string lines;
-    for (auto& [n, looks] : seen_) {
-      const auto median = [&all = looks](double MachineSpeedup::*of) {
-        std::ranges::sort(all, {}, of);
-        return all[all.size() / 2].*of;
+    for (Seen& s : seen_) {
+      const auto median = [&](double MachineSpeedup::*of) {
+        std::ranges::sort(s.machine, {}, of);
+        return s.machine[s.machine.size() / 2].*of;
       };
       lines +=
-          fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, a word there and back {:.0f} ns\n", n,
-                      median(&MachineSpeedup::arithmetic), median(&MachineSpeedup::triad),
+          fmt::format("# machine, {} threads: arithmetic {:.2f}x, triad {:.2f}x, a word there and back {:.0f} ns\n",
+                      s.threads, median(&MachineSpeedup::arithmetic), median(&MachineSpeedup::triad),
                       1e9 * median(&MachineSpeedup::round_trip));
+      if (s.copies.empty()) continue;
+      std::ranges::sort(s.copies);
+      lines += fmt::format("# machine, {} copies of the scene at once, one thread each: together {:.2f}x\n", s.threads,
+                           s.copies[s.copies.size() / 2]);
     }
     return lines;
   }
 
  private:
-  std::vector<std::pair<int, std::vector<MachineSpeedup>>> seen_;
+  struct Seen {
+    int threads;
+    std::vector<MachineSpeedup> machine;
+    std::vector<double> copies;
+  };
+  std::ptrdiff_t one_;  ///< place of the one thread
+  std::vector<Seen> seen_;
 };
 
 /// One line per stage that takes a hundredth of the time of one thread or more, each a comment of the table: share of
@@ -123,37 +188,13 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
   if (!read.scene) throw SceneError(read.problems);
   ErrorSpec error;
   error.name = read.scene->benchmark && !read.scene->benchmark->error.empty() ? read.scene->benchmark->error : "energy";
-  for (const auto& size : sizes_of(*read.scene)) {
-    std::string label;
-    for (const auto& s : size) label += (label.empty() ? "" : "; ") + s;
-    std::vector<std::vector<CaseResult>> results(setup.threads.size());
-    std::vector<Case> cases;
-    for (const int threads : setup.threads) {
-      cases.push_back({setup.overrides, setup.folder / fmt::format("threads_{}", threads)});
-      cases.back().overrides.insert(cases.back().overrides.end(), size.begin(), size.end());
-    }
+  for (const auto& overrides : sizes_of(*read.scene)) {
+    Size size(setup, overrides);
     Machine machine(setup.threads);
-    for (int round = 0; round < setup.repeats; ++round, machine.look())
-      for (std::size_t k = 0; k < cases.size(); ++k) {
-        results[k].push_back(run_case(setup.scene, cases[k], {setup.program, setup.threads[k], 0.0, true}));
-        if (!results[k].back().completed() && results[k].back().summary.numbers.empty())
-          throw SceneError(fmt::format("{} [{}] ended as '{}': {}", setup.scene, label, results[k].back().status,
-                                       results[k].back().trouble));
-      }
-    const std::string hash = results[0][0].summary.text("state_hash");
-    std::vector<const CaseResult*> medians;
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-      auto& all = results[k];
-      for (const auto& r : all)
-        if (r.summary.text("state_hash") != hash)
-          throw SceneError(
-              fmt::format("{} [{}]: the state hash at {} threads differs", setup.scene, label, setup.threads[k]));
-      std::sort(all.begin(), all.end(), [](const CaseResult& a, const CaseResult& b) {
-        return a.number("ns_per_body_step", 0) < b.number("ns_per_body_step", 0);
-      });
-      medians.push_back(&all[all.size() / 2]);
-      print(row(setup.scene, label, setup.threads[k], error, *medians.back(), cases[k].folder));
-    }
+    for (int round = 0; round < setup.repeats; ++round) size.run_round(), machine.look(size);
+    const std::vector<const CaseResult*> medians = size.medians();
+    for (std::size_t k = 0; k < medians.size(); ++k)
+      print(row(setup.scene, size.label, setup.threads[k], error, *medians[k], size.cases[k].folder));
     if (const std::string table = amdahl_table(medians, setup.threads); !table.empty()) print(table + machine.lines());
   }
 }

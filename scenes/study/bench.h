@@ -14,6 +14,7 @@ struct BenchSetup {
   std::vector<int> threads;
   int repeats = 3;  ///< the row with the median time is printed
   std::filesystem::path folder;
+  bool copies = false;  ///< also n copies of the scene at once, each on one thread: what n threads may bring at most
   std::string program = "/proc/self/exe";  ///< that runs the cases
 };
 
@@ -21,7 +22,8 @@ std::string bench_header();
 
 /// Runs every size of [benchmark] (the scene as it is where it has none) at every number of threads; repeats take
 /// turns. After the rows of a size come the serial part of each stage, Amdahl's fractions, and what the machine gives
-/// (machine_speedup.h), lines that begin with "#". Throws SceneError where the state hash depends on the threads.
+/// (machine_speedup.h; with `copies` also to this very scene), lines that begin with "#". Throws SceneError where the
+/// state hash depends on the threads.
 void run_bench(const BenchSetup& setup, const std::function<void(const std::string& row)>& print);
 
 }  // namespace epafi

@@ -1,10 +1,13 @@
 #include "engine/parallel_stages.h"
 #include "engine/parallel_wavefront.h"
 
+#include <array>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <stdexcept>
 #include <thread>
 
 #include "engine/random.h"
@@ -64,6 +67,54 @@ TEST_CASE("a run is gone through from its front, helped from its back, and from 
     });
     CHECK(seen == std::vector<std::size_t>{4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 1, 2, 3});
   }
+}
+
+TEST_CASE("a crew goes through loops, those inside others too, and sleeps while there is nothing to do",
+          "[engine][parallel][threads]") {
+  const support::KeepThreads keep;
+  for (int threads : counts) {
+    set_thread_count(threads);
+    std::vector<int> visits(5000, 0), members(static_cast<std::size_t>(threads), 0), inner(64, 0);
+    with_crew([&] {
+      for (int k = 0; k < 200; ++k) {
+        parallel_for(visits.size(), [&](std::size_t i) { ++visits[i]; });
+        parallel_team([&](std::size_t thread) { ++members[thread]; });
+        if (k % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      parallel_blocks(8, 1, [&](std::size_t b, std::size_t, std::size_t) {
+        parallel_blocks(8, 1, [&](std::size_t i, std::size_t, std::size_t) { ++inner[8 * b + i]; });
+      });
+      with_crew([&] { parallel_for(visits.size(), [&](std::size_t i) { ++visits[i]; }); });
+    });
+    CHECK(Crew::idle() == nullptr);
+    CHECK(std::ranges::count(visits, 201) == std::ssize(visits));
+    CHECK(std::ranges::count(members, 200) == threads);
+    CHECK(std::ranges::count(inner, 1) == std::ssize(inner));
+  }
+}
+
+TEST_CASE("what a thread of a crew throws reaches whoever began the loop, and what its body throws whoever began it",
+          "[engine][parallel][threads]") {
+  const support::KeepThreads keep;
+  set_thread_count(3);
+  for (const std::size_t thrower : {0u, 2u}) {
+    std::array<int, 3> through{};
+    int caught = 0;
+    with_crew([&] {
+      try {
+        parallel_team([&](std::size_t thread) {
+          if (thread == thrower) throw std::runtime_error("of a thread");
+          ++through[thread];
+        });
+      } catch (const std::runtime_error&) {
+        ++caught;
+      }
+      parallel_team([&](std::size_t thread) { ++through[thread]; });
+    });
+    CHECK(caught == 1);
+    CHECK(std::accumulate(through.begin(), through.end(), 0) == 5);
+  }
+  CHECK_THROWS_WITH(with_crew([] { throw std::runtime_error("of the body"); }), "of the body");
 }
 
 TEST_CASE("a wavefront finishes each part once, by its finder and after all its sources",

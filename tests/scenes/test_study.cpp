@@ -396,13 +396,15 @@ TEST_CASE("a study removes its own cases and nothing else, and tells of trouble 
 TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "[scenes][study]") {
   const TemporaryFolder folder;
   std::vector<std::string> rows;
-  run_bench({library + "stacking/column.toml", {}, {1, 2}, 1, folder / "b", program},
+  run_bench({library + "stacking/column.toml", {}, {1, 2}, 1, folder / "b", true, program},
             [&](const std::string& row) { rows.push_back(row); });
   REQUIRE(rows.size() == 3);
   CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial ") &&
                           Catch::Contains("as if "));
   CHECK_THAT(rows[2], Catch::Contains("# machine, 2 threads: arithmetic ") && Catch::Contains("triad ") &&
-                          Catch::Contains("x, a word there and back "));
+                          Catch::Contains("x, a word there and back ") &&
+                          Catch::Contains("# machine, 2 copies of the scene at once, one thread each: together "));
+  CHECK(std::stod(rows[2].substr(rows[2].rfind("together ") + 9)) > 0);
   const auto cell = [](const std::string& row, int k) {
     std::size_t at = 0;
     while (k-- > 0) at = row.find(',', at) + 1;

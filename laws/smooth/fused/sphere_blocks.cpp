@@ -87,15 +87,19 @@ constexpr std::size_t most_ordered = 16;
 /// Blocks after which the pages of what is on its way are given back.
 constexpr std::size_t given_back = 16;
 
-/// f(i) for i in [0, count) by all threads, and after every `piece` of them gone(begin, end) by this one: threads that
-/// give pages of one column back wait for each other (100 000 spheres, two threads: 39 ms to take them out and in, now
-/// 25).
+/// f(i) for i in [0, count) by all threads in pieces, and gone(begin, end) of every piece but the last by one of them
+/// beside the next: threads that give pages of one column back wait for each other (100 000 spheres, two threads: 39 ms
+/// to take springs out and in, now 25; serial part of the first layout 1.15, beside the next piece 0.5 ms).
 template <class F, class Gone>
 void by_pieces(std::size_t count, std::size_t piece, const F& f, const Gone& gone) {
-  for (std::size_t begin = 0, end; begin < count; begin = end) {
-    end = std::min(count, begin + piece);
-    parallel_blocks(end - begin, 1, [&](std::size_t k, std::size_t, std::size_t) { f(begin + k); });
-    gone(begin, end);
+  for (std::size_t begin = 0; begin < count; begin += piece) {
+    const std::size_t size = std::min(piece, count - begin), first = begin > 0 ? 1 : 0;
+    parallel_blocks(first + size, 1, [&](std::size_t k, std::size_t, std::size_t) {
+      if (k < first)
+        gone(begin - piece, begin);
+      else
+        f(begin + k - first);
+    });
   }
 }
 
