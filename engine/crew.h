@@ -38,10 +38,10 @@ class Crew {
   /// By every other: its part of all loops, until the leader is through.
   void follow(std::size_t thread) {
     for (std::uint32_t k = 1;; ++k) {
-      wait_for(order_.number, k);
+      wait_for(order_, k);
       if (order_.loop == nullptr) return;
       attempt([&] { order_.loop(order_.what, thread); });
-      tell(done_[thread].number, k);
+      tell(done_[thread], k);
     }
   }
   /// f(thread) by all at once. Throws what the first of them threw, once all are through.
@@ -51,7 +51,7 @@ class Crew {
     hand_out([](const void* what, std::size_t thread) { (*static_cast<const F*>(what))(thread); }, &f);
     attempt([&] { f(std::size_t{0}); });
     const std::uint32_t k = order_.number.load(std::memory_order_relaxed);
-    for (std::size_t thread = 1; thread < members_; ++thread) wait_for(done_[thread].number, k);
+    for (std::size_t thread = 1; thread < members_; ++thread) wait_for(done_[thread], k);
     idle_ = this;
     rethrow();
   }
@@ -61,33 +61,41 @@ class Crew {
   }
 
  private:
-  using Word = std::atomic<std::uint32_t>;
   using Loop = void (*)(const void*, std::size_t);
-  struct alignas(64) Order {  // one cache line goes to the others
-    Word number{0};           ///< loops handed out
-    Loop loop = nullptr;      ///< the last of them; null: there are no more
-    const void* what = nullptr;
+  struct Order {
+    alignas(64) std::atomic<std::uint32_t> number{0};  ///< loops handed out
+    Loop loop = nullptr;                               ///< the last of them; null: there are no more
+    const void* what = nullptr;                        ///< in the same cache line, which goes to the others
+    alignas(64) std::atomic<int> sleepers{0};
   };
-  struct alignas(64) Done {
-    Word number{0};  ///< loops gone through
+  struct Done {
+    alignas(64) std::atomic<std::uint32_t> number{0};  ///< loops gone through
+    alignas(64) std::atomic<int> sleepers{0};
   };
 
   void hand_out(Loop loop, const void* what) {
     order_.loop = loop, order_.what = what;
-    tell(order_.number, order_.number.load(std::memory_order_relaxed) + 1);
+    tell(order_, order_.number.load(std::memory_order_relaxed) + 1);
   }
+  template <class Word>
   static void tell(Word& word, std::uint32_t number) {
-    word.store(number);
-    word.notify_all();
+    word.number.store(number);  // seen by who counts himself among the sleepers after the next look
+    if (word.sleepers.load() > 0) wake(word.number);
   }
-  void wait_for(const Word& word, std::uint32_t number) const {
+  template <class Word>
+  void wait_for(Word& word, std::uint32_t number) const {
     int looks = 0;
-    for (std::uint32_t now; (now = word.load(std::memory_order_acquire)) != number;)
-      if (looks < looks_)
+    for (std::uint32_t now; (now = word.number.load(std::memory_order_acquire)) != number;)
+      if (looks < looks_) {
         ++looks, rest();
-      else
-        word.wait(now);
+      } else {
+        ++word.sleepers;
+        sleep(word.number, now);
+        --word.sleepers;
+      }
   }
+  static void sleep(const std::atomic<std::uint32_t>& word, std::uint32_t while_it_is);
+  static void wake(std::atomic<std::uint32_t>& word);
   static void rest() {
 #if defined(__x86_64__)
     __builtin_ia32_pause();

@@ -216,39 +216,36 @@ Ending Session::fail(const Failure& failure) {
   return Ending::failed;
 }
 
-Ending Session::run(const SessionLimits& limits, bool quiet) {
-  SignalWatch signals;
+Ending Session::take_steps(const SessionLimits& limits, Progress& progress) {
   Simulation& sim = *assembly_->simulation;
-  start_ = std::chrono::steady_clock::now();
-  const double first_cpu = processor_seconds();
   const std::uint64_t last_step = assembly_->steps;
   const auto interval = assembly_->scene.run.checkpoint_interval;
   const std::uint64_t checkpoint_every = interval ? steps_of(*interval, sim.time_step) : 0;
   const auto& problems = assembly_->scene.output.problems_every;
   const std::uint64_t problems_every = problems ? steps_of(problems->value, sim.time_step) : 0;
-  Progress progress(last_step, first_step_, quiet);
-  ending_ = Ending::completed;
-  with_crew([&] {
-    while (sim.steps() < last_step) {
-      const auto reason = reason_to_stop(limits);
-      if (reason && !sim.is_ahead()) {
-        ending_ = *reason;
-        break;
-      }
-      const bool run_on = !reason && goes_on(limits, {keep_every, problems_every, checkpoint_every});
-      if (const auto stop = step_once(last_step, run_on)) {
-        ending_ = *stop;
-        break;
-      }
-      progress.update(sim, *monitor_);
-      if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
-      if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
-    }
-  });
+  while (sim.steps() < last_step) {
+    const auto reason = reason_to_stop(limits);
+    if (reason && !sim.is_ahead()) return *reason;
+    const bool run_on = !reason && goes_on(limits, {keep_every, problems_every, checkpoint_every});
+    if (const auto stop = step_once(last_step, run_on)) return *stop;
+    progress.update(sim, *monitor_);
+    if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
+    if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
+  }
+  return Ending::completed;
+}
+
+Ending Session::run(const SessionLimits& limits, bool quiet) {
+  SignalWatch signals;
+  Simulation& sim = *assembly_->simulation;
+  start_ = std::chrono::steady_clock::now();
+  const double first_cpu = processor_seconds();
+  Progress progress(assembly_->steps, first_step_, quiet);
+  with_crew([&] { ending_ = take_steps(limits, progress); });
   wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;
   // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes on
   // must not tell that it was cut off.
-  const bool is_cut = sim.steps() < last_step && ending_ != Ending::failed && ending_ != Ending::bound_violated;
+  const bool is_cut = sim.steps() < assembly_->steps && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
   if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt) ending_ = fail(*failure), save_checkpoint_now();

@@ -55,6 +55,7 @@ class Session {
   void save_checkpoint_now();
   void walk(StateVisitor& visitor);
   bool goes_on(const SessionLimits& limits, std::initializer_list<std::uint64_t> intervals) const;
+  Ending take_steps(const SessionLimits& limits, Progress& progress);
   std::optional<Ending> step_once(std::uint64_t last_step, bool run_on);
   Ending fail(const Failure& failure);
   std::optional<Ending> reason_to_stop(const SessionLimits& limits) const;
