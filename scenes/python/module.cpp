@@ -76,7 +76,8 @@ class Run {
     {
       const py::gil_scoped_release free;
       with_crew([&] {
-        for (std::uint64_t k = 0; k < count && !failure; ++k) failure = sim.advance(sim.steps() + 1 == assembly_->steps);
+        for (std::uint64_t k = 0; k < count && !failure; ++k)
+          failure = sim.advance(sim.steps() + 1 == assembly_->steps);
       });
     }
     if (failure)
