@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cstdlib>
 #include <limits>
-#include <optional>
 #include <string>
 
 #if defined(__linux__)
@@ -15,23 +14,20 @@
 
 namespace epafi {
 
-namespace {
-std::optional<int> wanted_looks() {
-  constexpr int always = std::numeric_limits<int>::max() - 1;
-  const auto text = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
-  const std::string count = text("GOMP_SPINCOUNT");
-  std::string policy = text("OMP_WAIT_POLICY");
+int looks_before_sleep(const std::string& spin_count, std::string policy, bool more_than_processors) {
+  constexpr int always = std::numeric_limits<int>::max();
+  const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   std::ranges::transform(policy, policy.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (!count.empty() && std::ranges::all_of(count, [](unsigned char c) { return std::isdigit(c) != 0; }))
-    return count.size() > 9 ? always : std::atoi(count.c_str());
-  if (count.starts_with("inf") || policy == "active") return always;
-  return policy == "passive" ? std::optional(0) : std::nullopt;
+  if (!spin_count.empty() && std::ranges::all_of(spin_count, is_digit))
+    return spin_count.size() > 9 ? always : std::atoi(spin_count.c_str());
+  if (spin_count.starts_with("inf") || policy == "active") return always;
+  if (policy == "passive") return 0;
+  return more_than_processors ? 100 : 10'000;
 }
-}  // namespace
 
 int looks_before_sleep(bool more_than_processors) {
-  static const std::optional<int> wanted = wanted_looks();
-  return wanted.value_or(more_than_processors ? 100 : 10'000);
+  const auto text = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
+  return looks_before_sleep(text("GOMP_SPINCOUNT"), text("OMP_WAIT_POLICY"), more_than_processors);
 }
 
 #if defined(__linux__)

@@ -1,21 +1,24 @@
 /// @file crew.h  Threads that stay together from loop to loop: a loop is handed out by one word and given back by one.
-/// To begin and end a parallel region of libgomp takes 4 us where a word takes half a microsecond from one processor to
-/// the other and back. (Two threads, ns a sphere and step, medians in turns: hopper that fills 6.6, so 6.1; in full
-/// flow, nine loops a step, 53.1 and 50.6.)
+/// An empty parallel region of libgomp takes 4 us where a word takes half a microsecond from one processor to the other
+/// and back; a loop here takes 2. (Two threads, ns a sphere and step, means in turns: hopper that fills 6.6, so 6.1; in
+/// full flow, nine loops a step, 53.1 and 50.6.)
 #pragma once
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <string>
 #include <vector>
 
 namespace epafi {
 
-/// How often a thread that waits looks before it sleeps: OMP_WAIT_POLICY or GOMP_SPINCOUNT where they are set, as
-/// libgomp reads them, else half a millisecond's looks, few where there are more threads than processors. (Two threads
+/// How often a thread that waits looks before it sleeps: GOMP_SPINCOUNT (a number or infinity), else OMP_WAIT_POLICY
+/// (active or passive), else half a millisecond's looks, few where there are more threads than processors. (Two threads
 /// on two processors beside two other programs: 65 to 79 ns a sphere and step in a bed of 10 000, with the 300 000
 /// looks of libgomp 81 to 822; alone 24, with 200 looks 31.)
 int looks_before_sleep(bool more_than_processors);
+/// The same from what the two say; empty: nothing.
+int looks_before_sleep(const std::string& spin_count, std::string policy, bool more_than_processors);
 
 /// Of one thread that leads, number 0, and others that follow.
 class Crew {

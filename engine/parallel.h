@@ -147,7 +147,7 @@ class LoopRuns {
 /// f(begin, end, block) for consecutive blocks of `size` indices covering [0, n), shared out in runs.
 template <class F>
 void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
-  const std::size_t blocks = n == 0 ? 0 : (n + size - 1) / size;
+  const std::size_t blocks = (n + size - 1) / size;
   const auto one = [&](std::size_t b) { f(b * size, std::min(n, (b + 1) * size), b); };
   const SharedOut meter(blocks > 1);
   if (blocks < 2 || thread_count() == 1) {
@@ -161,7 +161,7 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
 /// f(i) for i in [0, n); f writes to its own index only. Short loops stay on one thread: a fork costs about 2 us.
 template <class F>
 void parallel_for(std::size_t n, const F& f, std::size_t grain = 512) {
-  const std::size_t size = n < 2 * grain ? n : std::max<std::size_t>(1, grain / 4);
+  const std::size_t size = std::max<std::size_t>(1, n < 2 * grain ? n : grain / 4);
   parallel_blocks(n, size, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) f(i);
   });

@@ -93,6 +93,17 @@ TEST_CASE("a crew goes through loops, those inside others too, and sleeps while 
   }
 }
 
+TEST_CASE("threads of a crew look as often before they sleep as the environment says", "[engine][parallel]") {
+  CHECK(looks_before_sleep("", "", false) == 10'000);
+  CHECK(looks_before_sleep("", "", true) == 100);
+  CHECK(looks_before_sleep("", "PASSIVE", false) == 0);
+  CHECK(looks_before_sleep("77", "passive", true) == 77);
+  CHECK(looks_before_sleep("", "active", true) > 1'000'000'000);
+  CHECK(looks_before_sleep("infinity", "", false) > 1'000'000'000);
+  CHECK(looks_before_sleep("99999999999", "", false) > 1'000'000'000);
+  CHECK(looks_before_sleep("many", "often", false) == 10'000);
+}
+
 TEST_CASE("what a thread of a crew throws reaches whoever began the loop, and what its body throws whoever began it",
           "[engine][parallel][threads]") {
   const support::KeepThreads keep;

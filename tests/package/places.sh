@@ -1,5 +1,5 @@
 #!/bin/bash
-# A case of a study may use all places that the threads of the program are bound to: waits.sh PROGRAM SCENE FOLDER
+# A case of a study may use all places that the threads of the program are bound to: places.sh PROGRAM SCENE FOLDER
 set -u
 unset OMP_PROC_BIND OMP_PLACES GOMP_CPU_AFFINITY
 program=$1 scene=$2 folder=$3
