@@ -8,12 +8,19 @@
 namespace epafi {
 
 namespace parallel_detail {
-/// Looks for some microseconds, then sleeps: beside other programs the thread that is waited for may want this core.
-inline void wait_for(Counter& done, std::size_t count) {
-  const std::atomic_ref value(done.value);
-  int looks = 0;
-  for (std::size_t now; (now = value.load(std::memory_order_acquire)) < count;)
-    if (++looks > 20000) value.wait(now, std::memory_order_acquire);
+/// Of who waits for a piece that another is at, before it sleeps: some ten microseconds. Beside other programs the
+/// thread that is waited for may want this core.
+inline constexpr int looks_at_pieces = 800;
+
+/// part(), by one of the threads that wait for each other in a loop: where it throws, they do not wait any more.
+template <class F>
+void wait_together(Sleepers& sleepers, const F& part) {
+  try {
+    part();
+  } catch (...) {
+    sleepers.give_up();
+    throw;
+  }
 }
 }  // namespace parallel_detail
 
@@ -36,15 +43,17 @@ void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piec
   const std::span left(counters.data(), stages * threads), done(counters.data() + stages * threads, stages);
   const auto runs = [&](std::size_t s) { return Runs(pieces(s), left.subspan(s * threads, threads)); };
   for (std::size_t s = 0; s < stages; ++s) runs(s).start();
-  parallel_team([&](std::size_t thread) {
+  Sleepers sleepers;
+  const auto all_done = [&](std::size_t s) { return std::atomic_ref(done[s].value).load() == pieces(s); };
+  const auto go_through = [&](std::size_t thread) {
     for (std::size_t s = 0; s < stages; ++s) {
-      if (s > 0) parallel_detail::wait_for(done[s - 1], pieces(s - 1));
+      if (s > 0 && !sleepers.wait_until([&] { return all_done(s - 1); }, parallel_detail::looks_at_pieces)) return;
       std::size_t mine = 0;  // counted once: each count of a piece would fetch the line from the other cores
       runs(s).each(thread, [&](std::size_t i) { f(s, i * piece(s), std::min(size(s), (i + 1) * piece(s))), ++mine; });
-      const std::atomic_ref finished(done[s].value);
-      if (mine > 0 && finished.fetch_add(mine, std::memory_order_release) + mine == pieces(s)) finished.notify_all();
+      if (mine > 0 && std::atomic_ref(done[s].value).fetch_add(mine) + mine == pieces(s)) sleepers.wake();
     }
-  });
+  };
+  parallel_team([&](std::size_t thread) { parallel_detail::wait_together(sleepers, [&] { go_through(thread); }); });
 }
 
 }  // namespace epafi

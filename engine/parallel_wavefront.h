@@ -63,9 +63,7 @@ class Finds {
   void add(std::size_t thread, std::size_t i) {
     std::atomic_ref(flags_[place(i)]).store(1, std::memory_order_release);
     std::atomic_ref(counts_[thread % runs_].value).fetch_add(1);
-    if (std::atomic_ref(sleepers_.value).load() == 0) return;
-    const std::atomic_ref wakes(wakes_.value);
-    wakes.fetch_add(1, std::memory_order_release), wakes.notify_all();
+    sleepers_.wake();
   }
   bool has(std::size_t i) const { return std::atomic_ref(flags_[place(i)]).load(std::memory_order_acquire) != 0; }
   std::size_t count() const {
@@ -73,16 +71,11 @@ class Finds {
     for (Counter& c : counts_) sum += std::atomic_ref(c.value).load();
     return sum;
   }
-  /// Until there are more than `seen`: looks for some microseconds, then sleeps.
-  void wait_beyond(std::size_t seen) {
-    for (int looks = 0; looks < 20000; ++looks)
-      if (count() > seen) return;
-    const std::atomic_ref wakes(wakes_.value), sleepers(sleepers_.value);
-    const std::size_t before = wakes.load();
-    sleepers.fetch_add(1);  // who adds after this look sees it
-    if (count() == seen) wakes.wait(before, std::memory_order_acquire);
-    sleepers.fetch_sub(1);
+  /// Until there are more than `seen`; false where a thread gave up.
+  bool wait_beyond(std::size_t seen) {
+    return sleepers_.wait_until([&] { return count() > seen; }, looks_at_pieces);
   }
+  Sleepers& sleepers() { return sleepers_; }
 
  private:
   static constexpr std::size_t line = 64;
@@ -91,7 +84,7 @@ class Finds {
   std::size_t n_, runs_;
   std::vector<unsigned char>& flags_;
   std::vector<Counter>& counts_;
-  Counter wakes_{}, sleepers_{};
+  Sleepers sleepers_;
 };
 }  // namespace parallel_detail
 
@@ -137,7 +130,7 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
   parallel_detail::Finds finds(n, std::min(n, static_cast<std::size_t>(thread_count())));
   const LoopRuns runs(n);
   const bool in_order = order.size() == n && n <= trays * static_cast<std::size_t>(thread_count());
-  parallel_team([&](std::size_t thread) {
+  const auto go_through = [&](std::size_t thread) {
     parallel_detail::Waiting waiting(thread * trays, trays);
     const auto part_at = [&](std::size_t place) -> std::size_t { return in_order ? order[place] : place; };
     const auto finish_one = [&](std::size_t i, std::size_t tray) {
@@ -149,20 +142,25 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
       while (seen < all.size() && finds.has(all[seen])) ++seen;
       return seen == all.size();
     };
-    const auto finish_until = [&](std::size_t most) {  // no more than these wait
+    const auto finish_until = [&](std::size_t most) {  // no more than these wait; false where a thread gave up
       while (waiting.finish_ready(ready, finish_one), waiting.size() > most) {
         const std::size_t seen = finds.count();  // no sooner: what others count lies in their caches
-        if (!waiting.finish_ready(ready, finish_one)) finds.wait_beyond(seen);
+        if (!waiting.finish_ready(ready, finish_one) && !finds.wait_beyond(seen)) return false;
       }
+      return true;
     };
+    bool goes_on = true;
     runs.each(thread, [&](std::size_t place) {
+      if (!goes_on) return;
       const std::size_t i = part_at(place);
       find(i, waiting.tray()), waiting.add(i);
       finds.add(thread, i);
-      finish_until(trays - 1);
+      goes_on = finish_until(trays - 1);
     });
-    finish_until(0);
-  });
+    if (goes_on) finish_until(0);
+  };
+  parallel_team(
+      [&](std::size_t thread) { parallel_detail::wait_together(finds.sleepers(), [&] { go_through(thread); }); });
 }
 
 }  // namespace epafi

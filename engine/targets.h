@@ -5,6 +5,7 @@
 /// one instruction stands only where the product is exact. Include it in a .cpp that is compiled with -fno-math-errno:
 /// sqrt must be one instruction for four lanes.
 #pragma once
+#include "engine/lanes.h"
 
 namespace epafi {
 
@@ -40,6 +41,19 @@ template <class Task>
 }
 #endif
 }  // namespace target_detail
+
+/// task.run<lanes>() as a function of its own, from within a loop of so many lanes.
+template <int lanes, class Task>
+EPAFI_LANES void run_apart(const Task& task) {
+#if defined(__x86_64__) && !defined(EPAFI_ONE_TARGET)
+  if constexpr (lanes == 8)
+    target_detail::run_avx512(task);
+  else if constexpr (lanes == 4)
+    target_detail::run_avx2(task);
+  else
+#endif
+    target_detail::run_baseline(task);
+}
 
 template <class Task>
 auto best_loop() -> void (*)(const Task&) {

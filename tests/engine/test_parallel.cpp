@@ -2,6 +2,7 @@
 #include "engine/parallel_wavefront.h"
 
 #include <array>
+#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -126,6 +127,38 @@ TEST_CASE("what a thread of a crew throws reaches whoever began the loop, and wh
     CHECK(std::accumulate(through.begin(), through.end(), 0) == 5);
   }
   CHECK_THROWS_WITH(with_crew([] { throw std::runtime_error("of the body"); }), "of the body");
+}
+
+TEST_CASE("threads that wait for one that throws are let go", "[engine][parallel][threads]") {
+  const support::KeepThreads keep;
+  const std::vector<std::vector<std::size_t>> sources{{}, {0}, {0, 1}, {2}, {0}, {4}, {3, 5}, {6}};
+  for (int threads : {2, 3, 8})
+    for (std::size_t trays : {1u, 8u})
+      for (std::size_t thrower = 0; thrower < sources.size(); ++thrower) {
+        set_thread_count(threads);
+        const auto throw_late = [&](std::size_t i) {
+          if (i != thrower) return;
+          std::this_thread::sleep_for(std::chrono::milliseconds(2));  // the others look, and sleep
+          throw std::runtime_error("of a part");
+        };
+        const auto wavefront = [&] {
+          parallel_wavefront(
+              sources.size(), trays, {}, [&](std::size_t i) -> const auto& { return sources[i]; },
+              [&](std::size_t i, std::size_t) { throw_late(i); }, [](std::size_t, std::size_t, std::size_t) {});
+        };
+        std::atomic<int> after{0};
+        const auto stages = [&] {
+          parallel_stages(
+              3, true, [](std::size_t) { return std::size_t{8}; }, [](std::size_t) { return std::size_t{1}; },
+              [&](std::size_t stage, std::size_t i, std::size_t) {
+                if (stage == 1) throw_late(i);
+                if (stage == 2) ++after;
+              });
+        };
+        CHECK_THROWS_WITH(with_crew(wavefront), "of a part");
+        CHECK_THROWS_WITH(with_crew(stages), "of a part");
+        CHECK(after == 0);
+      }
 }
 
 TEST_CASE("a wavefront finishes each part once, by its finder and after all its sources",

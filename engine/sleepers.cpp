@@ -1,4 +1,4 @@
-#include "engine/crew.h"
+#include "engine/sleepers.h"
 
 #include <algorithm>
 #include <cctype>
@@ -33,15 +33,16 @@ int looks_before_sleep(bool more_than_processors) {
 #if defined(__linux__)
 // Not by std::atomic: libstdc++ yields before it sleeps, and beside busy programs a yield is a time slice of theirs.
 // (scenes/library/stacking/pyramid.toml, two threads beside two busy loops: 2.5 to 6.7 s, so 0.9 to 1.3; alone 0.3.)
-void Crew::sleep(const std::atomic<std::uint32_t>& word, std::uint32_t while_it_is) {
-  syscall(SYS_futex, &word, FUTEX_WAIT_PRIVATE, while_it_is, nullptr, nullptr, 0);
+void Sleepers::sleep(std::uint32_t calls) {
+  syscall(SYS_futex, &calls_, FUTEX_WAIT_PRIVATE, calls, nullptr, nullptr, 0);
 }
-void Crew::wake(std::atomic<std::uint32_t>& word) {
-  syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, std::numeric_limits<int>::max(), nullptr, nullptr, 0);
+void Sleepers::call() {
+  ++calls_;
+  syscall(SYS_futex, &calls_, FUTEX_WAKE_PRIVATE, std::numeric_limits<int>::max(), nullptr, nullptr, 0);
 }
 #else
-void Crew::sleep(const std::atomic<std::uint32_t>& word, std::uint32_t while_it_is) { word.wait(while_it_is); }
-void Crew::wake(std::atomic<std::uint32_t>& word) { word.notify_all(); }
+void Sleepers::sleep(std::uint32_t calls) { calls_.wait(calls); }
+void Sleepers::call() { ++calls_, calls_.notify_all(); }
 #endif
 
 }  // namespace epafi
