@@ -13,22 +13,22 @@ constexpr std::size_t most_faces = NearFaces::most;
 constexpr double within = 1.9, middle = 1.95, beyond = 2.0;
 
 /// A convex polygon of a fixed room. Each cut adds one corner at most, and a facet is cut by the planes of both bodies.
-struct Polygon {
+struct SmallPolygon {
   static constexpr std::size_t most = 32, most_of_facet = most - 2 * most_faces;
   std::size_t count = 0;
   std::array<Vec3, most> corner;
   std::uint32_t own = 0;  ///< bits: corners that no cut has made
   std::size_t size() const { return count; }
   const Vec3& operator[](std::size_t k) const { return corner[k]; }
-  void assign(const Polygon& from) {
+  void assign(const SmallPolygon& from) {
     count = from.count, own = from.own;
     std::copy_n(from.corner.begin(), count, corner.begin());
   }
 };
 
 /// What is left of the polygon below the plane: itself where that is all, or `other`.
-const Polygon* cut(const Plane& plane, const Polygon* from, Polygon& other) {
-  std::array<double, Polygon::most> above;
+const SmallPolygon* cut(const Plane& plane, const SmallPolygon* from, SmallPolygon& other) {
+  std::array<double, SmallPolygon::most> above;
   double lowest = infinity, highest = -infinity;
   for (std::size_t k = 0; k < from->count; ++k) {
     above[k] = plane.above(from->corner[k]);
@@ -54,15 +54,16 @@ class Cutter {
  public:
   /// The polygon that is left, valid until the next one. but: a plane left out.
   template <class PlaneOf>
-  const Polygon& run(const Polygon& from, std::size_t planes, const PlaneOf& plane, std::size_t but = most_faces) {
-    const Polygon* left = &from;
+  const SmallPolygon& run(const SmallPolygon& from, std::size_t planes, const PlaneOf& plane,
+                          std::size_t but = most_faces) {
+    const SmallPolygon* left = &from;
     for (std::size_t j = 0; j < planes && left->count > 2; ++j)
       if (j != but) left = cut(plane(j), left, left == &spare_[0] ? spare_[1] : spare_[0]);
     return *left;
   }
 
  private:
-  std::array<Polygon, 2> spare_;
+  std::array<SmallPolygon, 2> spare_;
 };
 
 /// The near faces of one body, in A's axes.
@@ -70,21 +71,21 @@ struct Side {
   std::size_t count = 0;
   std::array<std::uint32_t, most_faces> face;
   std::array<Plane, most_faces> plane;
-  std::array<Polygon, most_faces> facet;  ///< of the overlap
-  Vec3 apex;                              ///< on all planes
-  Vec3 along;                             ///< of an edge that is on all planes, unit; 0: the apex alone
+  std::array<SmallPolygon, most_faces> facet;  ///< of the overlap
+  Vec3 apex;                                   ///< on all planes
+  Vec3 along;                                  ///< of an edge that is on all planes, unit; 0: the apex alone
   /// The apex nearest to x: cells far smaller than the overlap keep their digits.
   Vec3 apex_near(const Vec3& x) const { return apex + along.dot(x - apex) * along; }
 };
 
-struct Scratch {
+struct FaceScratch {
   Side a, b;
   Cutter cutter;
   std::vector<Vec3> corners, in_b;
   std::vector<double> highest;  ///< by face: of a corner above it [m]
 };
-Scratch& scratch() {
-  static thread_local Scratch s;  // results do not depend on it
+FaceScratch& face_scratch() {
+  static thread_local FaceScratch s;  // results do not depend on it
   return s;
 }
 
@@ -124,9 +125,9 @@ bool take_faces(const PolyhedronView& p, std::span<const std::uint16_t> faces, c
     const std::uint32_t f = side.face[i] = faces[i];
     if (!(f < p.face_normals.size())) return false;  // of another part of the body
     const std::uint32_t begin = p.face_begin[f], count = p.face_begin[f + 1] - begin;
-    if (count > Polygon::most_of_facet) return false;
+    if (count > SmallPolygon::most_of_facet) return false;
     const Vec3 normal = turn(p.face_normals[f]);
-    Polygon& polygon = side.facet[i];
+    SmallPolygon& polygon = side.facet[i];
     polygon.count = count, polygon.own = (1u << count) - 1;
     for (std::uint32_t k = 0; k < count; ++k) polygon.corner[k] = place(p.vertices[p.face_vertices[begin + k]]);
     side.plane[i] = {normal, p.face_offsets[f] + normal.dot(place(Vec3::Zero()))};
@@ -136,14 +137,14 @@ bool take_faces(const PolyhedronView& p, std::span<const std::uint16_t> faces, c
 
 /// Corners that a cut has made are edges of one body in faces of the other: both bodies' facets have them. made: they
 /// are wanted.
-void cut_facets(Side& own, const Side& other, bool made, Scratch& s) {
+void cut_facets(Side& own, const Side& other, bool made, FaceScratch& s) {
   for (std::size_t i = 0; i < own.count; ++i) {
-    const Polygon& left = s.cutter.run(own.facet[i], other.count, [&](std::size_t j) { return other.plane[j]; });
+    const SmallPolygon& left = s.cutter.run(own.facet[i], other.count, [&](std::size_t j) { return other.plane[j]; });
     if (left.count < 3)
       own.facet[i].count = 0;
     else if (&left != &own.facet[i])
       own.facet[i].assign(left);
-    const Polygon& facet = own.facet[i];
+    const SmallPolygon& facet = own.facet[i];
     for (std::size_t k = 0; k < facet.count; ++k)
       if (made || (facet.own >> k & 1)) s.corners.push_back(facet.corner[k]);
   }
@@ -176,7 +177,7 @@ struct Cones {
   Vec3 moment = Vec3::Zero();        ///< about the apex
 
   /// own: a plane through the apex.
-  void add(const Polygon& base, const Plane& plane, const Plane& own) {
+  void add(const SmallPolygon& base, const Plane& plane, const Plane& own) {
     const double height = -plane.above(apex);
     const Vec3& p = base[0];
     for (std::size_t k = 2; k < base.size(); ++k) {
@@ -198,7 +199,8 @@ bool is_at_hand(const Side& side, std::span<const Vec3> corners) {
 }
 
 /// The field of one body. False where a cell is as thin as rounding.
-bool add_field(const Side& own, const Side& other, bool of_a, double least, Scratch& s, std::vector<OverlapCell>& out) {
+bool add_field(const Side& own, const Side& other, bool of_a, double least, FaceScratch& s,
+               std::vector<OverlapCell>& out) {
   for (std::size_t i = 0; i < own.count; ++i) {
     Cones cell;
     bool empty = true;
@@ -207,7 +209,7 @@ bool add_field(const Side& own, const Side& other, bool of_a, double least, Scra
       const auto bisector = [&](std::size_t j) -> Plane {
         return {own.plane[j].normal - own.plane[i].normal, own.plane[j].offset - own.plane[i].offset};
       };
-      const Polygon& part = s.cutter.run(other.facet[f], own.count, bisector, i);
+      const SmallPolygon& part = s.cutter.run(other.facet[f], own.count, bisector, i);
       if (part.count < 3) continue;
       if (empty) cell.apex = own.apex_near(part[0]), empty = false;
       cell.add(part, other.plane[f], own.plane[i]);
@@ -220,7 +222,7 @@ bool add_field(const Side& own, const Side& other, bool of_a, double least, Scra
 }
 
 /// Of one body; corners in its axes. False where there are too many.
-bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, Scratch& s, std::uint8_t& count,
+bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, FaceScratch& s, std::uint8_t& count,
                   std::array<std::uint16_t, most_faces>& out) {
   double bound = infinity;
   s.highest.clear();
@@ -245,7 +247,7 @@ bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, Scratc
 
 NearFaces near_faces(const PolyhedronPair& pair, std::span<const Vec3> corners) {
   NearFaces out;
-  Scratch& s = scratch();
+  FaceScratch& s = face_scratch();
   s.in_b.clear();
   for (const Vec3& x : corners) s.in_b.push_back(pair.rotation.transpose() * (x - pair.offset));
   const bool few =
@@ -257,7 +259,7 @@ NearFaces near_faces(const PolyhedronPair& pair, std::span<const Vec3> corners) 
 
 bool find_cells(const PolyhedronPair& pair, const NearFaces& near, std::vector<OverlapCell>& out) {
   if (near.count_a == 0) return false;
-  Scratch& s = scratch();
+  FaceScratch& s = face_scratch();
   const Mat3 back = pair.rotation.transpose();
   const auto turn = [&](const Vec3& n) -> Vec3 { return pair.rotation * n; };
   const auto place = [&](const Vec3& x) -> Vec3 { return pair.rotation * x + pair.offset; };

@@ -16,7 +16,7 @@
 
 namespace epafi {
 
-/// Everything a block needs, so that the loop is compiled once per target with all below it inlined.
+/// Everything a block needs, so that the loop is compiled once per target.
 template <class Normal, class Tangential, class Rolling>
 struct BlockTask {
   using Law = SphereLaw<Normal, Tangential, Rolling>;
@@ -27,45 +27,44 @@ struct BlockTask {
 
   template <int n>
   EPAFI_LANES void run() const {
-    if (block.images.empty())
-      sweep_runs<n, false>();
-    else
-      sweep_runs<n, true>();
-  }
-
-  /// f(loop over the run) for all runs in order.
-  template <int n, bool periodic, class F>
-  EPAFI_LANES void each_run(SphereTotals<n>& total, SphereSprings::Places& places, const F& f) const {
-    for (const SphereBlocks::Run& run : block.runs) {
-      if (run.plane >= 0)  // a plane has no image
-        f(SphereSweep<n, Normal, Tangential, Rolling, true, false, false>{
-            block, run, wall_laws[static_cast<std::size_t>(run.plane)], arrays, total, places});
-      else if (!run.across)
-        f(SphereSweep<n, Normal, Tangential, Rolling, false, false, periodic>{block, run, law, arrays, total, places});
-      else
-        f(SphereSweep<n, Normal, Tangential, Rolling, false, true, periodic>{block, run, law, arrays, total, places});
-    }
-  }
-
-  template <int n, bool periodic>
-  EPAFI_LANES void sweep_runs() const {
     constexpr bool friction = Tangential::is_present;
     SphereTotals<n> total;
     SphereSprings::Places places;
     if (friction && !(arrays.dt > 0.0)) {
       thread_local std::vector<std::uint32_t> from;
-      from.clear();
-      std::uint32_t rank = 0;
-      each_run<n, periodic>(total, places, [&](const auto& sweep) EPAFI_INLINED { sweep.begin_contacts(from, rank); });
+      begin_contacts(block, arrays, from);
       block.springs.choose(from);
     }
     if constexpr (friction) places = block.springs.begin_step();
-    each_run<n, periodic>(total, places, [&](const auto& sweep) EPAFI_INLINED { sweep.act(); });
+    for (const SphereBlocks::Run& run : block.runs) sweep<n>(run, total, places);
     if (friction && arrays.dt > 0.0) block.springs.end_step(places);
     block.touching = total.touching, block.viscous = total.viscous.total();
     if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
     block.slipped = 0.5 * total.twice_slipped.total() + total.released;
     block.virial = {total.virial[0].total(), total.virial[1].total(), total.virial[2].total()};
+  }
+
+ private:
+  template <int n>
+  EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
+    const bool periodic = !block.images.empty();
+    if (run.plane >= 0)  // a plane has no image
+      sweep<n, true, false, false>(run, wall_laws[static_cast<std::size_t>(run.plane)], total, places);
+    else if (periodic && run.across)
+      sweep<n, false, true, true>(run, law, total, places);
+    else if (periodic)
+      sweep<n, false, false, true>(run, law, total, places);
+    else if (run.across)
+      sweep<n, false, true, false>(run, law, total, places);
+    else
+      sweep<n, false, false, false>(run, law, total, places);
+  }
+  /// Each kind of run is a function of its own.
+  template <int n, bool wall, bool across, bool periodic>
+  EPAFI_LANES void sweep(const SphereBlocks::Run& run, const Law& of, SphereTotals<n>& total,
+                         SphereSprings::Places& places) const {
+    run_apart<n>(
+        SphereSweep<n, Normal, Tangential, Rolling, wall, across, periodic>{block, run, of, arrays, total, places});
   }
 };
 

@@ -4,6 +4,7 @@
 /// formulas are those of the law parts (respond, stiffness, friction) and of laws/smooth/spring.h; the result equals
 /// the generic loop to rounding (tests/physics/test_fused_spheres.cpp), and is the same bits for every n.
 #pragma once
+#include "laws/smooth/fused/sphere_look.h"
 #include "laws/smooth/fused/sphere_rolling.h"
 
 namespace epafi {
@@ -14,61 +15,6 @@ struct SphereLaw {
   typename Tangential::Parameters tangential{};
   typename Rolling::Parameters rolling{};
 };
-
-/// Adds those of the n pairs from `k` on that touch as contacts from number `at` on, and returns one bit for each. The
-/// normals of all n are found here: their root and division wait beside the look at the next ones.
-template <int n, bool wall, bool periodic>
-EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlaces* pairs, const SphereImage* images,
-                             std::size_t k, const SpherePlane* plane, const SphereArrays& with) {
-  using V = typename LanesOf<n>::Real;
-  const SpherePlaces* pair = pairs + k;
-  VectorsOf<V> d;
-  V radii, overlap, curvature{}, distance{};
-  std::size_t bits;
-  if constexpr (wall) {
-    read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(pair[l].a).position); }, d.x, d.y, d.z, radii);
-    const Vec3 &out = plane->normal, &p = plane->point;
-    d.x = out.x() * (d.x - p.x()) + out.y() * (d.y - p.y()) + out.z() * (d.z - p.z());
-    bits = less_bits<n>(d.x, radii);
-    overlap = radii - d.x;
-  } else {
-    read_columns(
-        [&](int l) EPAFI_INLINED {  // in the fourth the sum of both instead of the difference
-          const auto between = apart<n>(with.state(pair[l].a).position, with.state(pair[l].b).position);
-          if constexpr (periodic)
-            return between + row<n>(with.cell_size) * row<n>(images[k + static_cast<std::size_t>(l)].cells);
-          else
-            return between;
-        },
-        d.x, d.y, d.z, radii);
-    d.z += filled<n>(1e-130);  // no rounding, but the normal is z where centres are one
-    const V square = d.dot(d);
-    bits = less_bits<n>(square, radii * radii);
-    distance = sqrt(square);
-    const V both = distance * (1.0 / (square * radii));  // over both; neither root nor division waits for the other
-    d = (radii * both) * d;
-    overlap = radii - distance, curvature = distance * both;
-  }
-  for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
-    const BodyState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
-    __builtin_prefetch(&soon.position), __builtin_prefetch(&soon.spin);
-  }
-  const ChosenLanes<n> chosen(bits);
-  using Tile = SphereTile<n>;
-  char* const to = t.row_from(at);
-  compress<n>(overlap, chosen, to + offsetof(Tile, overlap));
-  if constexpr (!wall) {  // the normal of a wall stands there already
-    compress<n>(d.x, chosen, to + offsetof(Tile, x)), compress<n>(d.y, chosen, to + offsetof(Tile, y));
-    compress<n>(d.z, chosen, to + offsetof(Tile, z)), compress<n>(curvature, chosen, to + offsetof(Tile, curvature));
-  }
-  if constexpr (periodic && !wall) compress<n>(distance, chosen, to + offsetof(Tile, distance));
-  V places;
-  static_assert(sizeof(SpherePlaces) == sizeof(double));
-  std::memcpy(&places, pair, sizeof places);
-  compress<n>(places, chosen, to + offsetof(Tile, bodies));
-  if constexpr (periodic) write_places<n>(static_cast<unsigned>(bits), static_cast<std::uint32_t>(k), t.pair + at);
-  return bits;
-}
 
 /// Radius of the contact, and with friction how fast the surfaces move on each other; opening: velocity along the
 /// normal.
@@ -253,18 +199,20 @@ struct SphereSweep {
   static constexpr std::uint32_t springs_ahead = 96;  ///< three tiles, three quarters of a page
 
   SphereBlocks::Block& block;
-  const SphereBlocks::Run& run;
+  const SphereBlocks::Run& range;
   const Law& law;
   const SphereArrays& arrays;
   SphereTotals<n>& total;
   Places& places;  ///< of the block's springs
 
   /// All pairs: those that touch act, those that touched let their springs go.
-  EPAFI_LANES void act() const {
+  template <int lanes>
+  EPAFI_LANES void run() const {
+    static_assert(lanes == n);
     // Copies: a byte written to `touched` may alias anything, and the compiler would load all of these again every
     // eight pairs (408 -> 402 instructions a sphere, 2 % of the stage).
     const SphereArrays with = arrays;
-    const Look all = pairs();
+    const SphereLook<n, wall, periodic> all(block, range, arrays);
     std::uint8_t* const touched = block.touched.data();
     Places at = places;
     [[maybe_unused]] const SphereSpring* springs = block.springs.friction();  // to ask for them: they may move
@@ -273,8 +221,8 @@ struct SphereSweep {
     SphereTile<n> t;
     all.begin(t);
     t.in_row = with.dt > 0.0;  // else each contact of its own: those that opened keep their springs
-    const std::size_t end = run.end;
-    for (std::size_t k = run.begin; k < end; k += eight) {
+    const std::size_t end = range.end;
+    for (std::size_t k = range.begin; k < end; k += eight) {
       const std::size_t begin = t.count;
       const unsigned now = all.eight_from(t, k, with), before = touched[k / eight];
       const std::uint32_t read = at.read;
@@ -306,48 +254,7 @@ struct SphereSweep {
     places = at;
   }
 
-  /// Where no time passes: contacts that begin get springs that are not loaded. from: see SphereSprings::choose.
-  EPAFI_LANES void begin_contacts(std::vector<std::uint32_t>& from, std::uint32_t& rank) const {
-    const Look all = pairs();
-    SphereTile<n> t;
-    all.begin(t);
-    for (std::size_t k = run.begin; k < run.end; k += eight, t.count = 0) {
-      std::uint8_t& touched = block.touched[k / eight];
-      const unsigned before = touched, now = before | all.eight_from(t, k, arrays);
-      for (unsigned bits = now; bits != 0; bits &= bits - 1u)
-        from.push_back((before & bits & -bits) != 0 ? rank++ : SphereSprings::fresh);
-      touched = static_cast<std::uint8_t>(now);
-    }
-  }
-
  private:
-  /// The look at eight pairs.
-  struct Look {
-    const SpherePlaces* pairs;
-    const SphereImage* images;
-    const SpherePlane* plane;
-    EPAFI_LANES void begin(SphereTile<n>& t) const {
-      if constexpr (wall) t.set_normal(-plane->normal);
-    }
-    /// Those behind the last pair of the run are nowhere, and do not touch.
-    EPAFI_LANES unsigned eight_from(SphereTile<n>& t, std::size_t k, const SphereArrays& with) const {
-      unsigned now = 0;
-      std::size_t at = t.count;
-      const auto add = [&](std::size_t l) EPAFI_INLINED {
-        const std::size_t bits = look<n, wall, periodic>(t, at, pairs, images, k + l, plane, with);
-        at += n == 2 ? (bits & 1u) + (bits >> 1) : std::size_t{bit_places.count[bits]};
-        now |= static_cast<unsigned>(bits) << l;
-      };
-      [&]<std::size_t... i>(std::index_sequence<i...>) EPAFI_INLINED { (add(i * n), ...); }  // by SSE2 no loop
-      (std::make_index_sequence<eight / n>{});
-      t.count = at;
-      return now;
-    }
-  };
-  EPAFI_LANES Look pairs() const {
-    return {block.pairs.data(), block.images.data(), wall ? arrays.planes + run.plane : nullptr};
-  }
-
   /// Springs some tiles ahead: no processor asks for what lies in the next page by itself.
   EPAFI_LANES static void ask_for(const SphereSpring* springs) {
     for (std::uint32_t l = 0; l < eight; l += 2) __builtin_prefetch(springs + springs_ahead + l, 1);
