@@ -137,39 +137,45 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
                        ContactSink& sink) {
   const double limit = q.area ? 0.0 : q.reach + r.sweep_a + r.sweep_b;  // an area is that of an overlap
   if (spheres_apart(q, a.radius + b.radius + limit)) {
-    if (q.resting) q.resting->count = 0;
+    if (q.resting && *q.resting) (*q.resting)->count = 0;
     return;
   }
   const PolyhedronPair pair(a, b, q.a, q.b);
   const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
-  if (q.resting) {
+  if (q.resting && *q.resting) {
+    RestingPatch& resting = **q.resting;
     Patch patch;
     Vec3 normal;
-    if (recall_resting(pair, *q.resting, q.reach, patch, normal)) return add_patch(q, patch, normal, radius, sink);
-    q.resting->count = 0;
+    if (recall_resting(pair, resting, q.reach, patch, normal)) return add_patch(q, patch, normal, radius, sink);
+    resting.count = 0;
   }
-  if (q.area && q.cache) {
-    OverlapForm& form = q.cache->polyhedra.form;
+  if (q.area && q.cache && q.cache->polyhedra) {
+    OverlapForm& form = q.cache->polyhedra->form;
     if (form.kind != OverlapForm::Kind::none &&
         collide_form(pair, form, {radius, q.a.orientation.toRotationMatrix()}, sink))
       return;
     form = {};
   }
   if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
-  const PolyhedronDistance d = polyhedron_distance(pair, limit, q.cache ? &q.cache->polyhedra : nullptr);
+  const bool had_axis = q.cache && q.cache->axis.squaredNorm() > 0.0;
+  PairMemory* const memory = had_axis ? &q.cache->made() : q.cache ? q.cache->polyhedra.get() : nullptr;
+  const PolyhedronDistance d = polyhedron_distance(pair, limit, memory);
   if (d.beyond)
     remember(q, d.axis.normal);
   else if (q.cache)
-    q.cache->axis.setZero();
+    q.cache->axis.setZero(), q.cache->made();
   if (d.beyond) return;
   if (q.area) {
     const OverlapForm form = collide_volumes(pair, d.axis, {radius, q.a.orientation.toRotationMatrix()}, sink);
-    if (q.cache) q.cache->polyhedra.form = form;
+    if (q.cache) q.cache->made().form = form;
     return;
   }
   if (d.uncertainty > certain * pair.size()) sink.mark_degenerate();
   const Patch patch = contact_patch(pair, d, q.reach, r.sweep_a, r.sweep_b);
-  if (q.resting && patch.count > 0) keep_resting(pair, d.axis, patch, q.reach, *q.resting);
+  if (q.resting && patch.count > 0) {
+    if (!*q.resting) *q.resting = std::make_unique<RestingPatch>();
+    keep_resting(pair, d.axis, patch, q.reach, **q.resting);
+  }
   add_patch(q, patch, d.axis.normal, radius, sink);
 }
 

@@ -42,8 +42,8 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
   memory.known.clear();
   if (remembers)
     for (const Pair& p : block.pairs) memory.known.push_back({p, world.shape[p.a], world.shape[p.b]});
-  memory.caches.assign(memory.known.size(), PairCache{});
-  memory.resting.assign(seconds_ > 0.0 ? memory.known.size() : 0, RestingPatch{});
+  memory.caches.clear(), memory.caches.resize(memory.known.size());
+  memory.resting.clear(), memory.resting.resize(seconds_ > 0.0 ? memory.known.size() : 0);
   find_memory(memory);
 }
 
@@ -58,8 +58,8 @@ void BatchNarrowPhase::keep_memory() {
   old_.resize(kept);
 }
 
-/// Both lists are sorted: one merge.
-void BatchNarrowPhase::find_memory(Memory& memory) const {
+/// Both lists are sorted: one merge. Each pair is in one block of either list, so what it remembers moves.
+void BatchNarrowPhase::find_memory(Memory& memory) {
   if (memory.known.empty()) return;
   const Pair first = memory.known.front().pair;
   const auto ends_before = [&](const Memory& m) { return m.known.back().pair < first; };
@@ -70,8 +70,8 @@ void BatchNarrowPhase::find_memory(Memory& memory) const {
       if (++at == old->known.size()) ++old, at = 0;
     if (old == old_.end()) return;
     if (!(old->known[at] == memory.known[k])) continue;
-    memory.caches[k] = old->caches[at];
-    if (!memory.resting.empty()) memory.resting[k] = old->resting[at];
+    memory.caches[k] = std::move(old->caches[at]);
+    if (!memory.resting.empty()) memory.resting[k] = std::move(old->resting[at]);
   }
 }
 
@@ -148,19 +148,23 @@ void BatchNarrowPhase::visit(StateVisitor& visitor) {
   if (!(seconds_ > 0.0)) return;
   std::vector<Known> pairs;
   std::vector<RestingPatch> resting;
-  if (restored_ && !old_.empty()) pairs = old_.front().known, resting = old_.front().resting;
-  for (const Block& block : known_ ? std::span<const Block>(blocks_) : std::span<const Block>()) {
-    const Memory& memory = block.memory;
+  const auto add = [&](const Memory& memory) {
     for (std::size_t k = 0; k < memory.resting.size(); ++k)
-      if (memory.resting[k].count > 0) pairs.push_back(memory.known[k]), resting.push_back(memory.resting[k]);
-  }
+      if (const RestingPatch* patch = memory.resting[k].get(); patch && patch->count > 0)
+        pairs.push_back(memory.known[k]), resting.push_back(*patch);
+  };
+  if (restored_ && !old_.empty()) add(old_.front());
+  for (const Block& block : known_ ? std::span<const Block>(blocks_) : std::span<const Block>()) add(block.memory);
   const std::vector<Known> pairs_here = pairs;
   const std::vector<RestingPatch> resting_here = resting;
   visitor.column("narrow_phase/pair", pairs), visitor.column("narrow_phase/resting", resting);
   if (same_bytes(pairs, pairs_here) && same_bytes(resting, resting_here)) return;  // it was saved, or nothing is new
-  std::vector<PairCache> caches(pairs.size());
   old_.clear();
-  if (!pairs.empty()) old_.push_back({std::move(pairs), std::move(caches), std::move(resting)});
+  if (!pairs.empty()) {
+    Memory& old = old_.emplace_back();
+    old.caches.resize(pairs.size()), old.known = std::move(pairs);
+    for (const RestingPatch& patch : resting) old.resting.push_back(std::make_unique<RestingPatch>(patch));
+  }
   restored_ = true, known_ = false;
 }
 

@@ -45,8 +45,8 @@ class BatchNarrowPhase : public NarrowPhase {
   /// What a block's pairs remember, in their order, and whom it belongs to, to be found again in the next list.
   struct Memory {
     std::vector<Known> known;
-    std::vector<PairCache> caches;      ///< where a cell remembers; shortcuts only, so not state
-    std::vector<RestingPatch> resting;  ///< the same, where the reach follows motion
+    std::vector<PairCache> caches;                       ///< where a cell remembers; shortcuts only, so not state
+    std::vector<std::unique_ptr<RestingPatch>> resting;  ///< the same, where the reach follows motion
   };
   /// What is derived from the pair list lasts until its next generation; the contacts last one step.
   struct Block {
@@ -61,7 +61,7 @@ class BatchNarrowPhase : public NarrowPhase {
 
   void prepare(const World& world, const PairList& pairs, Block& block, std::size_t begin, std::size_t end);
   void keep_memory();
-  void find_memory(Memory& memory) const;
+  void find_memory(Memory& memory);
   void collide_block(const World& world, Block& block);
   void join(ContactSet& contacts);
   void foresee_motion(const World& world);

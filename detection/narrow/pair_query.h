@@ -1,5 +1,7 @@
 /// @file pair_query.h  What every pair function takes and gives: collide(shape_a, shape_b, query, sink).
 #pragma once
+#include <memory>
+
 #include "detection/narrow/pair_memory.h"
 #include "engine/contacts.h"
 
@@ -8,7 +10,13 @@ namespace epafi {
 /// What a pair remembers of its last step. A shortcut only: answers are the same bits without it, so it is not state.
 struct PairCache {
   Vec3 axis = Vec3::Zero();  ///< a direction that separates, from A to B, world axes; zero: unknown
-  PairMemory polyhedra;      ///< of two polyhedra near each other
+  /// Of two polyhedra that have touched, or whose axis has ceased to separate; null with most pairs of a list.
+  std::unique_ptr<PairMemory> polyhedra;
+
+  PairMemory& made() {
+    if (!polyhedra) polyhedra = std::make_unique<PairMemory>();
+    return *polyhedra;
+  }
 };
 
 struct RestingPatch;
@@ -19,8 +27,8 @@ struct PairQuery {
   double reach = 0.0;      ///< contacts with gap < reach are wanted [m]; 0: overlapping ones only
   bool curvature = false;  ///< effective_radius is wanted
   PairCache* cache = nullptr;
-  bool area = false;                ///< polyhedra give cells of their overlap volume instead of points
-  RestingPatch* resting = nullptr;  ///< state of two polyhedra, where they may keep their points
+  bool area = false;                                 ///< polyhedra give cells of their overlap volume instead of points
+  std::unique_ptr<RestingPatch>* resting = nullptr;  ///< state of two polyhedra, where they may keep their points
 };
 
 /// Collects the contact points of one pair at a time into a block's contact set, in the order of their features.

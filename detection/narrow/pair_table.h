@@ -46,7 +46,7 @@ struct BatchInput {
   std::span<const double> motion =
       {};                    ///< by slot: what a body may move in the step [m]; empty: the reach is the same for all
   double least_reach = 0.0;  ///< [m], with motion
-  std::span<RestingPatch> resting = {};  ///< of the run's pairs, or empty
+  std::span<std::unique_ptr<RestingPatch>> resting = {};  ///< of the run's pairs, or empty; null: none is known
 
   double reach_of(const Pair& p) const {
     return motion.empty() ? reach : std::clamp(motion[p.a] + motion[p.b], least_reach, reach);
@@ -169,9 +169,12 @@ void look_ahead(const BatchInput& in, std::span<const Pair> pairs, std::size_t k
   const std::vector<B>& bs = in.shapes.of<B>();
   const auto second = [&](std::size_t i) -> const B& { return bs[ShapeRef{in.world.shape[pairs[i].b]}.index()]; };
   if (k + 2 < pairs.size()) prefetch(&second(k + 2), sizeof(B));
-  if (k + 1 >= pairs.size() || (!in.resting.empty() && in.resting[k + 1].count > 0)) return;  // at rest it is not read
+  if (k + 2 < pairs.size() && !in.resting.empty() && in.resting[k + 2])
+    prefetch(in.resting[k + 2].get(), sizeof(RestingPatch));
+  if (k + 1 >= pairs.size()) return;
+  if (!in.resting.empty() && in.resting[k + 1] && in.resting[k + 1]->count > 0) return;  // at rest it is not read
   second(k + 1).prefetch();
-  if (!in.caches.empty()) prefetch(&in.caches[k + 1], sizeof(PairCache));
+  if (!in.caches.empty() && in.caches[k + 1].polyhedra) prefetch(in.caches[k + 1].polyhedra.get(), sizeof(PairMemory));
 }
 
 /// The pairs of a run, one after the other.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "detection/narrow/pair_query.h"
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
 #include "scenes/peak_memory.h"
@@ -61,23 +60,20 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   const double pairs =
       loose * std::max(0.0, (polyhedra ? 9.0 : 7.0) * bodies -
                                 static_cast<double>(sim.work.pairs.pairs.size() + listed_spheres(sim)));
-  // in the set and on its way into it; of spheres in their own loop where a measure asks for the set, beside pair and
-  // spring
+  // of spheres in their own loop in the set, where a measure asks for it, beside pair and spring
   const auto in_set = static_cast<double>(a.plan.memory.in_set);
   const bool asks = std::ranges::any_of(
       a.scene.measures, [&](const auto& spec) { return a.measure(spec)->wants_contacts() == ContactView::all; });
   const double own = (asks ? in_set + 32.0 : 0.0) + (a.plan.needs.contact_moment ? 190.0 : 60.0);
-  const double contact = a.plan.fused_spheres ? own : 2.0 * in_set;
+  const double contact = a.plan.fused_spheres ? own : static_cast<double>(a.plan.memory.contact);
   const double now_asked = a.plan.fused_spheres && asks ? (in_set + 32.0) * there : 0.0;
-  const double polyhedral_pair =
-      2 * sizeof(PairCache) + (a.plan.resting_reach < a.plan.reach ? 4 * sizeof(RestingPatch) : 0);
   // HDF5, what it remembers of the shapes in run.h5 (32 MB at most), a frame
   const double output = 6e6 + std::min(32e6, 14e3 * hulls) + (polyhedra ? 2000.0 : 20.0) * bodies;
   // a large copy goes to a scratch file, while lists that take more room than its pieces have made way
   const double copy = state.total > StateSnapshot::most_in_memory ? 0.0 : static_cast<double>(state.total);
   const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
   return held + copy + output + contacts * contact + now_asked +
-         pairs * (3 * sizeof(Pair) + (polyhedra ? polyhedral_pair : 0.0)) +
+         pairs * static_cast<double>(a.plan.memory.pair) +
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 

@@ -204,10 +204,10 @@ TEST_CASE("cells do not show what a pair remembers", "[detection][volume]") {
       pose.position += 5e-3 * sliding;
       const SeparatingAxis axis = polyhedron_distance(PolyhedronPair(a.view(), b.view(), {}, pose)).axis;
       pose.position -= (axis.gap + random.uniform(-2e-4, 2e-3)) * axis.normal;
-      const OverlapForm before = cache.polyhedra.form;
+      const OverlapForm before = cache.made().form;
       const ContactSet with = contacts(a, {}, b, pose, &cache), without = contacts(a, {}, b, pose, nullptr);
       REQUIRE(same_contacts(with, without));
-      const OverlapForm after = cache.polyhedra.form;
+      const OverlapForm after = cache.made().form;
       const bool same = before.kind == after.kind && before.a == after.a && before.b == after.b &&
                         before.near.count_a == after.near.count_a && before.near.count_b == after.near.count_b;
       if (same) ++recalled[static_cast<std::size_t>(after.kind)];

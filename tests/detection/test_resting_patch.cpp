@@ -40,7 +40,7 @@ struct Differences {
 /// A pair is asked, moved by up to `way`, and asked again with its resting patch and without.
 template <class A, class B>
 void compare(const A& a, const B& b, Pose pose, double way, Random& random, Differences& e) {
-  RestingPatch resting;
+  auto resting = std::make_unique<RestingPatch>();
   PairQuery q{{{0.3, -0.2, 0.1}, testing::random_turn(random)}, {}, 0.005};
   const auto placed = [&] {
     return Pose{q.a.to_world(pose.position), (q.a.orientation * pose.orientation).normalized()};
@@ -50,9 +50,9 @@ void compare(const A& a, const B& b, Pose pose, double way, Random& random, Diff
   pose.position += 0.5 * way * testing::random_direction(random);
   pose.orientation = Quat(Eigen::AngleAxisd(0.5 * way, testing::random_direction(random))) * pose.orientation;
   q.b = placed();
-  const Mat3 query_pose = resting.rotation;
+  const Mat3 query_pose = resting->rotation;
   const ContactSet kept = contacts_of(a, b, q);
-  if (resting.count == 0 || resting.rotation != query_pose) return;  // asked again
+  if (resting->count == 0 || resting->rotation != query_pose) return;  // asked again
   q.resting = nullptr;
   const ContactSet asked = contacts_of(a, b, q);
   if (kept.feature != asked.feature) {
@@ -104,24 +104,24 @@ TEST_CASE("contact points that rest follow their features to second order in the
 
 TEST_CASE("a patch that does not rest is asked for anew", "[detection][resting]") {
   const Box box(Vec3(0.5, 0.5, 0.5));
-  RestingPatch resting;
+  std::unique_ptr<RestingPatch> resting;
   PairQuery q{{}, {{0.1, 0.0, 0.9999}, Quat(1, 0, 0, 0)}, 0.01};
   q.resting = &resting;
   const auto depth = [&] { return contacts_of(box, box, q).gap.at(0); };
   CHECK(depth() == Approx(-1e-4).epsilon(1e-9));
-  CHECK(resting.count == 4);
-  const Vec3 asked = resting.offset;
+  CHECK(resting->count == 4);
+  const Vec3 asked = resting->offset;
   q.b.position.z() -= 0.5e-6;  // of a radius of 0.87
   CHECK(depth() == Approx(-1.005e-4).epsilon(1e-9));
-  CHECK(resting.offset == asked);
+  CHECK(resting->offset == asked);
   q.b.position.z() -= 0.5e-6;
   CHECK(depth() == Approx(-1.010e-4).epsilon(1e-9));
-  CHECK(resting.offset != asked);
+  CHECK(resting->offset != asked);
   q.b.position.z() += 0.5e-6, q.reach = 0.02;  // farther points are wanted than were asked for
-  const Vec3 again = resting.offset;
+  const Vec3 again = resting->offset;
   CHECK(depth() == Approx(-1.005e-4).epsilon(1e-9));
-  CHECK(resting.offset != again);
+  CHECK(resting->offset != again);
   q.b.position.z() += 1.0;
   CHECK(contacts_of(box, box, q).size() == 0);
-  CHECK(resting.count == 0);
+  CHECK(resting->count == 0);
 }
