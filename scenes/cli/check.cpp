@@ -72,8 +72,7 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   // a large copy goes to a scratch file, while lists that take more room than its pieces have made way
   const double copy = state.total > StateSnapshot::most_in_memory ? 0.0 : static_cast<double>(state.total);
   const double beside = a.plan.fused_spheres ? 2.0 : 3.0;  // lists beside the state, over it; the loop has it in common
-  return held + copy + output + contacts * contact + now_asked +
-         pairs * static_cast<double>(a.plan.memory.pair) +
+  return held + copy + output + contacts * contact + now_asked + pairs * static_cast<double>(a.plan.memory.pair) +
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
