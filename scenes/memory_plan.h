@@ -1,6 +1,6 @@
 /// @file memory_plan.h  What a scene's bodies, pairs and contacts take while it runs, by the types of their columns:
 /// the bytes of `epafi explain`. On top come what columns keep to grow (up to a half), output, and of small runs the
-/// program (14 MB). Runs of 10 000 to 1 000 000 spheres and of 1000 to 5000 polyhedra beside it:
+/// program (10 to 14 MB). Runs of 10 000 to 1 000 000 spheres and of 1000 to 5000 polyhedra beside it:
 /// docs/performance/memory.md.
 #pragma once
 #include "detection/shape_store.h"

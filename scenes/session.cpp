@@ -9,6 +9,7 @@
 #include "engine/contact_layer.h"
 #include "engine/hash.h"
 #include "engine/parallel.h"
+#include "engine/program_pages.h"
 #include "engine/state_snapshot.h"
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
@@ -87,6 +88,8 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   add_observers();
   std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 184 bytes each, more than there
   give_back_heap();                                       // 39 bytes a sphere of a million
+  constexpr std::size_t many = 10'000;                    // what only reading asked for: 28 bytes of each of 100 000
+  if (assembly_->simulation->world.ids_given() >= many) give_back_program();
 }
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
