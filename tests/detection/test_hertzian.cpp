@@ -144,7 +144,7 @@ TEST_CASE("points on a common normal that are not nearest are told", "[detection
   // distance.
   const Torus torus{1.0, 0.3};
   const Sphere ball{0.2};
-  const Pose pose{{2.0, 0, 0}, {}};
+  const Pose pose{{2.0, 0, 0}, Quat::Identity()};
   const auto near = find_hertzian_points(smooth_surface(torus), {}, smooth_surface(ball), pose, {1.3, 0.1, 0.1});
   CHECK(near.status == Status::found);
   CHECK(near.gap == Approx(0.5).margin(1e-13));
