@@ -8,7 +8,7 @@
 namespace epafi {
 
 namespace parallel_detail {
-/// Of who waits for a piece that another is at, before it sleeps: some ten microseconds. Beside other programs the
+/// Of who waits for a piece that another is at, before it sleeps: tens of microseconds. Beside other programs the
 /// thread that is waited for may want this core.
 inline constexpr int looks_at_pieces = 800;
 

@@ -157,6 +157,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
     form = {};
   }
   if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
+  // what is asked once and found apart keeps an axis and no more
   const bool had_axis = q.cache && q.cache->axis.squaredNorm() > 0.0;
   PairMemory* const memory = had_axis ? &q.cache->made() : q.cache ? q.cache->polyhedra.get() : nullptr;
   const PolyhedronDistance d = polyhedron_distance(pair, limit, memory);
