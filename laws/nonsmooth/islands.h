@@ -9,6 +9,7 @@ class Islands {
  public:
   void find(const ConeProblem& problem);
   std::size_t size() const { return begin_.size() - 1; }
+  std::size_t contact_count() const { return order_.size(); }
   /// Contacts of island k, ascending.
   std::span<const std::uint32_t> contacts(std::size_t k) const {
     return {order_.data() + begin_[k], begin_[k + 1] - begin_[k]};

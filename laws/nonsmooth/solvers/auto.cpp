@@ -14,15 +14,58 @@ constexpr int first_batch = 8;
 constexpr double newton_steps = 12.0;  // factorisations a Newton method takes on stacks: what sweeps must beat
 constexpr int newton_limit = 80;       // pyramids and walls take 36 to 73
 constexpr int patience = 20;           // factorisations after which newton must be ahead of the sweeps
+constexpr int steps_again = 10;        // factorisations of a newton that was right in the last step
+constexpr int steps_try = 8;  // of a try, after sweeps for twice as many; the next after ten times as many more
 
 }  // namespace
 
-/// Stage 1: r is swept in place.
-SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r) {
+void Auto::make_parts(std::size_t count) {
+  while (parts_.size() < count) parts_.push_back(std::make_unique<Part>(iterations_, tolerance_));
+  kept_.resize(count, Kept::nothing), spent_.resize(count, 0);
+}
+
+Auto::Kept Auto::left_by(const Newton& newton, const SolverReport& report) {
+  if (!report.converged) return Kept::nothing;
+  return newton.calms() ? Kept::factor : Kept::method;
+}
+
+/// Its multiplications over those of a sweep.
+double Auto::factorisation(Part& part, const ConeProblem& problem) const {
   const double n = static_cast<double>(problem.size());
-  const double cost = problem.has_bodies() ? 80.0 * n : 9.0 * static_cast<double>(problem.column.size());
-  const auto limit = static_cast<int>(std::clamp(newton_steps * (part.newton.work(problem) + 350.0 * n) / cost, 40.0,
-                                                 static_cast<double>(iterations_)));
+  const double sweep = problem.has_bodies() ? 80.0 * n : 9.0 * static_cast<double>(problem.column.size());
+  return (part.newton.work(problem) + 350.0 * n) / sweep;
+}
+
+/// Stage 0: r is the solution, or as it was.
+SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island, double price) {
+  const bool was_right = kept_[island] != Kept::nothing;
+  if (!was_right && spent_[island] < 2.0 * steps_try * price) return {false, 0, infinity};
+  const int most = std::min(was_right ? steps_again : steps_try, iterations_);
+  part.newton.interrupted = interrupted;
+  part.newton.limit(most, most, infinity);
+  part.change = r;
+  const SolverReport report = part.newton.solve(problem, part.change);
+  if (kept_[island] == Kept::factor && report.iterations == 0) part.newton.hold();  // others are at work
+  kept_[island] = left_by(part.newton, report);
+  spent_[island] = report.converged ? 0 : static_cast<std::int32_t>(std::max(-10.0 * steps_try * price, -1e9));
+  if (report.converged) r.swap(part.change);
+  return report;
+}
+
+/// Stages 0 and 1.
+SolverReport Auto::begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
+  const double price = factorisation(part, problem);
+  const SolverReport again = go_on(part, problem, r, island, price);
+  if (again.converged || again.iterations >= iterations_) return again;
+  SolverReport report = sweep(part, problem, r, iterations_ - again.iterations, price);
+  if (report.converged) spent_[island] = std::min(spent_[island] + report.iterations, 1 << 30);
+  report.iterations += again.iterations;
+  return report;
+}
+
+/// Stage 1: r is swept in place, at most `limit` times.
+SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r, int limit, double price) {
+  limit = static_cast<int>(std::min(std::max(newton_steps * price, 40.0), static_cast<double>(limit)));
   part.sweep.load(problem);
   part.sweep.start(r);
   problem.relative_velocities(r, part.v, part.u);
@@ -44,10 +87,11 @@ SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r) {
 }
 
 /// Stages 2 and 3, where stage 1 left off.
-SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept) {
+SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept, Kept& kept) {
   part.newton.interrupted = part.proximal.interrupted = interrupted;
   part.newton.limit(std::min(newton_limit, iterations_ - swept.iterations), patience, swept.residual);
   const SolverReport newton = part.newton.solve(problem, r);
+  kept = left_by(part.newton, newton);
   if (newton.residual > swept.residual) r.swap(part.swept);
   const int count = swept.iterations + newton.iterations;
   const SolverReport report{newton.converged, count, std::min(newton.residual, swept.residual)};
@@ -57,7 +101,7 @@ SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, c
   return {proximal.converged, count + proximal.iterations, proximal.residual};
 }
 
-/// Island k of several, stage 1.
+/// Island k of several, stages 0 and 1.
 SolverReport Auto::begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r) {
   Part& part = *parts_[k];
   const auto contacts = islands_.contacts(k);
@@ -65,21 +109,21 @@ SolverReport Auto::begin_part(std::size_t k, const ConeProblem& problem, const I
   part.r.resize(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) part.r[i] = r[contacts[i]];
   part.swept = part.r;
-  return sweep(part, part.problem, part.swept);
+  return begin(part, part.problem, part.swept, k);
 }
 
 SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   islands_.find(problem);
   const std::size_t count = islands_.size();
-  while (parts_.size() < count) parts_.push_back(std::make_unique<Part>(iterations_, tolerance_));
+  make_parts(count);
   if (count == 1) {
     parts_[0]->swept = r;
-    const SolverReport swept = sweep(*parts_[0], problem, parts_[0]->swept);
+    const SolverReport swept = begin(*parts_[0], problem, parts_[0]->swept, 0);
     if (!unfinished(swept) || stop()) {
       r.swap(parts_[0]->swept);
       return swept;
     }
-    return refine(*parts_[0], problem, r, swept);
+    return refine(*parts_[0], problem, r, swept, kept_[0]);
   }
   reports_.assign(count, {});
   parallel_for(
@@ -95,7 +139,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
       [&](std::size_t j) {
         Part& part = *parts_[order_[j]];
         if (stop()) return;
-        reports_[order_[j]] = refine(part, part.problem, part.r, reports_[order_[j]]);
+        reports_[order_[j]] = refine(part, part.problem, part.r, reports_[order_[j]], kept_[order_[j]]);
         part.swept.swap(part.r);
       },
       1);
@@ -109,6 +153,70 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   report.residual = problem.residual(r, u_);
   report.converged = report.residual <= tolerance_;
   return report;
+}
+
+bool Auto::calms() const { return std::find(kept_.begin(), kept_.end(), Kept::factor) != kept_.end(); }
+
+void Auto::calm(const std::vector<Vec3>& change, Impulses& r) {
+  parallel_for(
+      kept_.size(),
+      [&](std::size_t k) {
+        if (kept_[k] != Kept::factor) return;
+        Part& part = *parts_[k];
+        const auto contacts = islands_.contacts(k);
+        part.change.resize(contacts.size()), part.r.resize(contacts.size());
+        for (std::size_t i = 0; i < contacts.size(); ++i)
+          part.change[i] = change[contacts[i]], part.r[i] = r[contacts[i]];
+        part.newton.calm(part.change, part.r);
+        for (std::size_t i = 0; i < contacts.size(); ++i) r[contacts[i]] = part.r[i];
+      },
+      1);
+}
+
+/// Which method was right is a good guess for other contacts, too.
+void Auto::forget() {
+  for (std::int32_t& spent : spent_) spent = std::min(spent, 0);
+  for (Kept& kept : kept_)
+    if (kept == Kept::factor) kept = Kept::method;
+}
+
+/// D of all contacts, 0 in islands without a factor; empty where none has one.
+std::vector<Mat3> Auto::derivative() const {
+  std::vector<Mat3> all;
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    if (kept_[k] != Kept::factor) continue;
+    all.resize(islands_.contact_count(), Mat3(Mat3::Zero()));
+    const auto contacts = islands_.contacts(k);
+    for (std::size_t i = 0; i < contacts.size(); ++i) all[contacts[i]] = parts_[k]->newton.derivative()[i];
+  }
+  return all;
+}
+
+/// The factors of kept_ from what `derivative` gave; of the problem rows, mass and friction count.
+void Auto::resume(const ConeProblem& problem, const std::vector<Mat3>& derivative) {
+  islands_.find(problem);
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    if (kept_[k] != Kept::factor) continue;
+    Part& part = *parts_[k];
+    const auto contacts = islands_.contacts(k);
+    std::vector<Mat3> own;
+    for (const std::uint32_t i : contacts) own.push_back(derivative[i]);
+    if (islands_.size() > 1) islands_.extract(problem, k, part.problem);
+    part.newton.resume(islands_.size() > 1 ? part.problem : problem, std::move(own));
+  }
+}
+
+/// What newton had the last word on, and its matrices while calm() may need them.
+void Auto::visit(StateVisitor& visitor) {
+  ConeProblem& blocks = own_blocks();
+  if (blocks.size() != islands_.contact_count()) forget();  // of another problem than a step's
+  std::vector<Mat3> all = derivative();
+  visit_factor(visitor, blocks, all);
+  visitor.column("auto/kept", kept_), visitor.column("auto/spent", spent_);
+  make_parts(kept_.size());
+  if (all.empty()) return;
+  blocks.q.assign(all.size(), Vec3::Zero()), blocks.diagonal.assign(all.size(), Mat3::Zero());
+  resume(blocks, all);
 }
 
 SolverEntry auto_entry() {

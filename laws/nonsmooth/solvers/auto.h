@@ -2,11 +2,13 @@
 /// whether to go on, to try the augmented Lagrangian (newton) or to go to the proximal Newton method. No clock is read:
 /// costs are counted in multiplications, so that the same problem takes the same path on every machine and thread
 /// count.
+///   0. newton, where it had the last word in the last step, and for a try where sweeps have cost what it might save:
+///      at rest one factorisation, and then none (calm);
 ///   1. sweeps in growing batches, while the contraction of the last batch promises the tolerance for less work than
 ///      Newton steps would take, and never for more work than those;
 ///   2. newton from the first guess, given up when it is behind the sweeps after a few factorisations;
 ///   3. proximal from the better of both.
-/// `iterations` counts sweeps of stage 1 and factorisations of stages 2 and 3, per island.
+/// `iterations` counts sweeps of stage 1 and factorisations of the others, per island.
 #pragma once
 #include <memory>
 
@@ -21,27 +23,43 @@ class Auto final : public ConeSolver {
   Auto(int iterations, double tolerance) : ConeSolver(tolerance), iterations_(iterations) {}
   using ConeSolver::solve;
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
+  bool calms() const override;
+  void calm(const std::vector<Vec3>& change, Impulses& r) override;
+  void forget() override;
+  void visit(StateVisitor& visitor) override;
 
  private:
   /// What one island keeps from step to step.
   struct Part {
     Part(int iterations, double tolerance) : newton(iterations, tolerance), proximal(iterations, tolerance) {}
     ConeProblem problem;
-    Impulses r, swept;
+    Impulses r, swept, change;
     ConeSweep<PgsRule> sweep;
     Newton newton;
     Proximal proximal;
     std::vector<Vec6> v;
     std::vector<Vec3> u;
   };
-  SolverReport sweep(Part& part, const ConeProblem& problem, Impulses& r);
-  SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept);
+  /// Of newton's, where it had the last word: that it is to begin the next step, and its factor, which calms.
+  enum class Kept : std::uint8_t { nothing, method, factor };
+
+  void make_parts(std::size_t count);
+  static Kept left_by(const Newton& newton, const SolverReport& report);
+  double factorisation(Part& part, const ConeProblem& problem) const;
+  SolverReport begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island);
+  SolverReport go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island, double price);
+  SolverReport sweep(Part& part, const ConeProblem& problem, Impulses& r, int limit, double price);
+  SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept, Kept& kept);
   SolverReport begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r);
   bool unfinished(const SolverReport& swept) const { return !swept.converged && swept.iterations < iterations_; }
+  std::vector<Mat3> derivative() const;
+  void resume(const ConeProblem& problem, const std::vector<Mat3>& derivative);
 
   int iterations_;
   Islands islands_;
   std::vector<std::unique_ptr<Part>> parts_;
+  std::vector<Kept> kept_;           ///< by island of the last solve
+  std::vector<std::int32_t> spent_;  ///< sweeps of steps that ended by them, of the same contacts; < 0 after a try
   std::vector<SolverReport> reports_;
   std::vector<std::uint32_t> order_;
   std::vector<Vec6> v_;

@@ -130,22 +130,32 @@ void Newton::calm(const std::vector<Vec3>& change, Impulses& r) {
   for (std::size_t i = 0; i < r.size(); ++i) r[i] = project_cone(r[i] + step_[i], problem_->friction[i]);
 }
 
-/// The matrix of the last factor while calm() may need it; a restart factors it again. Saved, it is factored again as
-/// well: 5 ms a checkpoint for a pyramid of 1275 cubes.
-void Newton::visit(StateVisitor& visitor) {
-  ConeProblem& blocks = own_blocks();
+void visit_factor(StateVisitor& visitor, ConeProblem& blocks, std::vector<Mat3>& derivative) {
   std::vector<std::uint32_t> body;
   std::vector<Mat63> jacobian;
-  if (!factored_ || problem_ != &blocks) d_.clear(), blocks.mass.clear(), blocks.friction.clear(), blocks.rows.clear();
+  if (derivative.empty()) blocks.mass.clear(), blocks.friction.clear(), blocks.rows.clear();
   for (const ConeProblem::Row& row : blocks.rows)
     for (std::size_t s = 0; s < 2; ++s) body.push_back(row.body[s]), jacobian.push_back(row.jacobian[s]);
   visitor.column("newton/body", body), visitor.column("newton/jacobian", jacobian);
   visitor.column("newton/mass", blocks.mass), visitor.column("newton/friction", blocks.friction);
-  visitor.column("newton/derivative", d_);
-  blocks.rows.resize(body.size() / 2), g_.resize(body.size() / 2);
+  visitor.column("newton/derivative", derivative);
+  blocks.rows.resize(body.size() / 2);
   for (std::size_t k = 0; k < body.size(); ++k)
     blocks.rows[k / 2].body[k % 2] = body[k], blocks.rows[k / 2].jacobian[k % 2] = jacobian[k];
-  problem_ = &blocks, factored_ = stale_ = !d_.empty();
+}
+
+void Newton::resume(const ConeProblem& problem, std::vector<Mat3> derivative) {
+  d_ = std::move(derivative), g_.resize(d_.size());
+  problem_ = &problem, factored_ = stale_ = !d_.empty();
+}
+
+/// The matrix of the last factor while calm() may need it; a restart factors it again. Saved, it is factored again as
+/// well: 5 ms a checkpoint for a pyramid of 1275 cubes.
+void Newton::visit(StateVisitor& visitor) {
+  ConeProblem& blocks = own_blocks();
+  if (!factored_ || problem_ != &blocks) d_.clear();
+  visit_factor(visitor, blocks, d_);
+  resume(blocks, std::move(d_));
 }
 
 SolverEntry newton_entry() {

@@ -26,6 +26,13 @@ class Newton final : public ConeSolver {
   void forget() override { factored_ = false; }
   void visit(StateVisitor& visitor) override;
 
+  /// D of the last factor, by contact; empty where there is none.
+  std::span<const Mat3> derivative() const { return factored_ ? std::span<const Mat3>(d_) : std::span<const Mat3>(); }
+  /// After a solve that took no iteration: D as it was before, of the same contacts, with the geometry of now.
+  void hold() { factored_ = stale_ = !d_.empty() && d_.size() == problem_->size(); }
+  /// As if the last solve had been of this problem (rows, mass, friction) with that D: of a run that goes on.
+  void resume(const ConeProblem& problem, std::vector<Mat3> derivative);
+
   /// At most so many factorisations; ends after `patience` of them while the residual is above `behind`.
   void limit(int iterations, int patience, double behind) {
     iterations_ = iterations, patience_ = patience, behind_ = behind;
@@ -73,6 +80,10 @@ class Newton final : public ConeSolver {
   std::vector<Vec6> v_;
   Impulses best_;
 };
+
+/// What a factor is made of again: rows and masses of `blocks`, friction, and D by contact; all of them are empty where
+/// D is.
+void visit_factor(StateVisitor& visitor, ConeProblem& blocks, std::vector<Mat3>& derivative);
 
 /// 3 / trace W_ii [kg]: the impulse that a velocity is worth at a contact; 0 where nothing moves.
 void contact_weights(const ConeProblem& problem, std::vector<double>& weight);
