@@ -168,6 +168,7 @@ void Auto::calm(const std::vector<Vec3>& change, Impulses& r) {
         for (std::size_t i = 0; i < contacts.size(); ++i)
           part.change[i] = change[contacts[i]], part.r[i] = r[contacts[i]];
         part.newton.calm(part.change, part.r);
+        if (!part.newton.calms()) kept_[k] = Kept::method;  // its matrix could not be factored again
         for (std::size_t i = 0; i < contacts.size(); ++i) r[contacts[i]] = part.r[i];
       },
       1);
@@ -176,9 +177,10 @@ void Auto::calm(const std::vector<Vec3>& change, Impulses& r) {
 /// Which method was right is a good guess for other contacts, too.
 void Auto::forget() {
   for (std::int32_t& spent : spent_) spent = std::min(spent, 0);
-  for (Kept& kept : kept_)
-    if (kept == Kept::factor) kept = Kept::method;
+  drop_factors();
 }
+
+void Auto::drop_factors() { std::replace(kept_.begin(), kept_.end(), Kept::factor, Kept::method); }
 
 /// D of all contacts, 0 in islands without a factor; empty where none has one.
 std::vector<Mat3> Auto::derivative() const {
@@ -209,7 +211,7 @@ void Auto::resume(const ConeProblem& problem, const std::vector<Mat3>& derivativ
 /// What newton had the last word on, and its matrices while calm() may need them.
 void Auto::visit(StateVisitor& visitor) {
   ConeProblem& blocks = own_blocks();
-  if (blocks.size() != islands_.contact_count()) forget();  // of another problem than a step's
+  if (blocks.size() != islands_.contact_count()) drop_factors();  // of another problem than a step's
   std::vector<Mat3> all = derivative();
   visit_factor(visitor, blocks, all);
   visitor.column("auto/kept", kept_), visitor.column("auto/spent", spent_);

@@ -52,6 +52,7 @@ class Auto final : public ConeSolver {
   SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept, Kept& kept);
   SolverReport begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r);
   bool unfinished(const SolverReport& swept) const { return !swept.converged && swept.iterations < iterations_; }
+  void drop_factors();
   std::vector<Mat3> derivative() const;
   void resume(const ConeProblem& problem, const std::vector<Mat3>& derivative);
 
