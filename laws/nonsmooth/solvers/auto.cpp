@@ -24,8 +24,9 @@ void Auto::make_parts(std::size_t count) {
   kept_.resize(count, Kept::nothing), spent_.resize(count, 0);
 }
 
-Auto::Kept Auto::left_by(const Newton& newton, const SolverReport& report) {
-  if (!report.converged) return Kept::nothing;
+/// A newton that took many factorisations is right for the next step unless such a guess has failed lately.
+Auto::Kept Auto::left_by(const Newton& newton, const SolverReport& report, std::int32_t spent) {
+  if (!report.converged || (spent < 0 && report.iterations > steps_again)) return Kept::nothing;
   return newton.calms() ? Kept::factor : Kept::method;
 }
 
@@ -46,7 +47,7 @@ SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, st
   part.change = r;
   const SolverReport report = part.newton.solve(problem, part.change);
   if (kept_[island] == Kept::factor && report.iterations == 0) part.newton.hold();  // others are at work
-  kept_[island] = left_by(part.newton, report);
+  kept_[island] = left_by(part.newton, report, 0);
   spent_[island] = report.converged ? 0 : static_cast<std::int32_t>(std::max(-10.0 * steps_try * price, -1e9));
   if (report.converged) r.swap(part.change);
   return report;
@@ -87,11 +88,12 @@ SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r, in
 }
 
 /// Stages 2 and 3, where stage 1 left off.
-SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept, Kept& kept) {
+SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept,
+                          std::size_t island) {
   part.newton.interrupted = part.proximal.interrupted = interrupted;
   part.newton.limit(std::min(newton_limit, iterations_ - swept.iterations), patience, swept.residual);
   const SolverReport newton = part.newton.solve(problem, r);
-  kept = left_by(part.newton, newton);
+  kept_[island] = left_by(part.newton, newton, spent_[island]);
   if (newton.residual > swept.residual) r.swap(part.swept);
   const int count = swept.iterations + newton.iterations;
   const SolverReport report{newton.converged, count, std::min(newton.residual, swept.residual)};
@@ -123,7 +125,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
       r.swap(parts_[0]->swept);
       return swept;
     }
-    return refine(*parts_[0], problem, r, swept, kept_[0]);
+    return refine(*parts_[0], problem, r, swept, 0);
   }
   reports_.assign(count, {});
   parallel_for(
@@ -139,7 +141,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
       [&](std::size_t j) {
         Part& part = *parts_[order_[j]];
         if (stop()) return;
-        reports_[order_[j]] = refine(part, part.problem, part.r, reports_[order_[j]], kept_[order_[j]]);
+        reports_[order_[j]] = refine(part, part.problem, part.r, reports_[order_[j]], order_[j]);
         part.swept.swap(part.r);
       },
       1);

@@ -44,12 +44,13 @@ class Auto final : public ConeSolver {
   enum class Kept : std::uint8_t { nothing, method, factor };
 
   void make_parts(std::size_t count);
-  static Kept left_by(const Newton& newton, const SolverReport& report);
+  static Kept left_by(const Newton& newton, const SolverReport& report, std::int32_t spent);
   double factorisation(Part& part, const ConeProblem& problem) const;
   SolverReport begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island);
   SolverReport go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island, double price);
   SolverReport sweep(Part& part, const ConeProblem& problem, Impulses& r, int limit, double price);
-  SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept, Kept& kept);
+  SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept,
+                      std::size_t island);
   SolverReport begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r);
   bool unfinished(const SolverReport& swept) const { return !swept.converged && swept.iterations < iterations_; }
   void drop_factors();
