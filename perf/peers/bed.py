@@ -6,9 +6,9 @@
 Settles scenes/library/bed/bed.toml with Epafi, writes its last snapshot as bodies.csv (Epafi), bed.data and bed.lammps,
 bed.liggghts (those two), and times the same number of steps of 5e-5 s on one thread from there: Hertz-Mindlin with history, double
 precision, five plane walls. A code that is not installed has no row. Prints, and writes to table.md: nanoseconds of processor time per
-sphere and step (median, smallest, largest), and as a check that all did the same work the touching neighbours (Epafi counts walls,
-the others do not) and the height of the bed's centre of mass. Epafi's is the time of a run that goes on, of the others the same
-run without the timed steps is subtracted.
+sphere and step (median, smallest, largest), and as a check that all did the same work the other spheres that a sphere touches and the
+height of the bed's centre of mass. Epafi's is the time of a run that goes on, of the others the same run without the timed steps is
+subtracted.
 Needs numpy; of Debian: lammps, liggghts, yade.
 """
 import os
@@ -16,7 +16,8 @@ import re
 import shutil
 
 import numpy
-from runs import options, print_table, processor_time, resumed, settled, take_turns, write_csv, yade_result
+from runs import (export, last_snapshot, options, print_table, processor_time, resumed, settled, take_turns, touching_neighbours,
+                  write_csv, yade_result)
 
 SCENE = "scenes/library/bed/bed.toml"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
@@ -48,8 +49,7 @@ def write_inputs(bed, side):
             f.write('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "bead"\nfixed = true\n' % n)
             f.write("position = [%.17g, %.17g, %.17g]\n" % p)
         f.write('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n')
-        for name, what in (("contacts", 'kind = "coordination"'), ("middle", 'kind = "position"\nbody = "bed"')):
-            f.write('[[measure]]\nname = "%s"\n%s\ninterval = %.9g\n' % (name, what, (o.warm + o.steps) * STEP))
+        f.write('[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = %.9g\n' % ((o.warm + o.steps) * STEP))
     with open(os.path.join(o.out, "bed.data"), "w") as f:
         f.write("settled bed\n\n%d atoms\n1 atom types\n\n" % len(bed))
         f.write("%.9g %.9g xlo xhi\n%.9g %.9g ylo yhi\n-0.01 %.9g zlo zhi\n\nAtoms\n\n" % (-0.01, side + 0.01, -0.01, side + 0.01, bed[:, 2].max() + 0.05))
@@ -147,7 +147,10 @@ def run_peer(command):
 
 def run_epafi():
     first, last = resumed(program, "bed.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
-    return 1e9 * last["cpu_time"] / (last["steps"] - first["steps"]) / o.n, last["measures"]["contacts"]["number"]["last"], last["measures"]["middle"]["z"]["last"]
+    folder = os.path.join(o.out, "epafi")
+    export(program, folder)
+    neighbours = touching_neighbours(last_snapshot(folder))
+    return 1e9 * last["cpu_time"] / (last["steps"] - first["steps"]) / o.n, neighbours, last["measures"]["middle"]["z"]["last"]
 
 
 bed, side = settle()

@@ -28,11 +28,39 @@ def settled(program, scene, folder, *settings):
     if not os.path.exists(os.path.join(folder, "snapshots.csv")):
         sets = [word for s in settings for word in ("--set", s)]
         subprocess.run([program, "run", scene, *sets, "-t", "1", "-q", "--force", "--least-output", "-o", folder], check=True)
-        subprocess.run([program, "export", folder, "--format", "csv"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        export(program, folder)
+    return last_snapshot(folder)
+
+
+def export(program, folder):
+    subprocess.run([program, "export", folder, "--format", "csv"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def last_snapshot(folder):
+    """Rows x y z radius [m] of its spheres, once exported."""
     with open(os.path.join(folder, "snapshots.csv")) as file:  # walls have no mass
         rows = [r for r in csv.DictReader(file) if float(r["mass"]) > 0]
     last = max(float(r["time"]) for r in rows)
     return numpy.array([[float(r[c]) for c in ("x", "y", "z", "radius")] for r in rows if float(r["time"]) == last])
+
+
+def touching_neighbours(bodies):
+    """Mean number of other spheres that a sphere overlaps, walls left out, from rows x y z radius: as the codes beside count them."""
+    x, r = bodies[:, :3], bodies[:, 3]
+    cell = numpy.floor((x - x.min(axis=0)) / (2 * r.max())).astype(numpy.int64) + 1  # an empty layer all around
+    size = cell.max(axis=0) + 2
+    number = (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
+    order = numpy.argsort(number, kind="stable")
+    found = 0
+    for step in numpy.ndindex(3, 3, 3):
+        other = number + ((step[0] - 1) * size[1] + step[1] - 1) * size[2] + step[2] - 1
+        begin, end = (numpy.searchsorted(number[order], other, side) for side in ("left", "right"))
+        for k in range((end - begin).max()):
+            i = numpy.flatnonzero(begin + k < end)
+            j = order[(begin + k)[i]]
+            distance = numpy.linalg.norm(x[i] - x[j], axis=1)
+            found += numpy.count_nonzero((distance < r[i] + r[j]) & (i != j))
+    return found / len(bodies)
 
 
 def write_csv(name, bodies):
