@@ -61,7 +61,7 @@ class Auto final : public ConeSolver {
   Islands islands_;
   std::vector<std::unique_ptr<Part>> parts_;
   std::vector<Kept> kept_;           ///< by island of the last solve
-  std::vector<std::int32_t> spent_;  ///< sweeps of steps that ended by them, of the same contacts; < 0 after a try
+  std::vector<std::int32_t> spent_;  ///< sweeps that were enough, of the same contacts; < 0: a newton has failed
   std::vector<SolverReport> reports_;
   std::vector<std::uint32_t> order_;
   std::vector<Vec6> v_;
