@@ -147,6 +147,21 @@ TEST_CASE("planes list the bodies near them, immovable pairs are never listed", 
   }
 }
 
+TEST_CASE("a giant near 300 000 bodies is listed with each of them, in order", "[detection][broad]") {
+  BroadScene scene;
+  scene.setup.shapes = &scene.shapes;
+  scene.add_sphere(Vec3::Zero(), 100.0, Vec3::Zero(), false);
+  constexpr Slot n = 300'000;  // more than one window of slots
+  for (Slot i = 0; i < n; ++i) scene.add_sphere(1.2 * Vec3(i % 67 - 33.0, i / 67 % 67 - 33.0, i / 4489 - 33.0), 0.5);
+  scene.setup.margin = 0.01;
+  PairList list;
+  make_broad_phase("spatial-hash", scene.setup, scene.world)->find_pairs(scene.world, list);
+  REQUIRE(list.pairs.size() == n);
+  Slot wrong = 0;
+  for (Slot i = 0; i < n; ++i) wrong += static_cast<Slot>(list.pairs[i] != Pair{0, i + 1});
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a turned or moved plane lists the bodies it has come near", "[detection][broad]") {
   for (const auto& entry : all_broad_phases()) {
     BroadScene scene;
