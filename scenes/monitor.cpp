@@ -92,10 +92,11 @@ void RunMonitor::look(const StepView& view) {
 void RunMonitor::look_at_momentum(const StepView& view) {
   const World& w = view.world;
   // walls take momentum: the balance is that of closed systems only
-  if (w.columns().external_force || std::ranges::find(w.inverse_mass, 0.0) != w.inverse_mass.end()) return;
-  double magnitude = 0, mass = 0;
-  for (Slot s = 0; s < w.size(); ++s)
-    magnitude += w.velocity[s].norm() / w.inverse_mass[s], mass += 1.0 / w.inverse_mass[s];
+  if (w.columns().external_force || view.movable < w.size()) return;
+  const Sum3 sum = block_sum<Sum3>(w.size(), [&](std::size_t s) {
+    return Sum3{w.velocity[s].norm() / w.inverse_mass[s], 1.0 / w.inverse_mass[s], 0.0};
+  });
+  const double magnitude = sum.a, mass = sum.b;
   const Vec3 p = linear_momentum(w) - mass * w.time * w.gravity;
   if (momentum_.started == 0) {
     for (int k = 0; k < 3; ++k) momentum_.start[k] = p[k];

@@ -14,6 +14,14 @@ struct Weighed {
   double weight = 0.0;
   Weighed& operator+=(const Weighed& o) { return sum += o.sum, weight += o.weight, *this; }
 };
+
+/// The farthest of several ways: across and down [m].
+struct Farthest {
+  double distance = 0.0, sag = 0.0;
+  Farthest& operator+=(const Farthest& o) {
+    return distance = std::max(distance, o.distance), sag = std::max(sag, o.sag), *this;
+  }
+};
 }  // namespace
 
 Vec3 mean_over(const World& world, const BodyIds& bodies, const std::function<Vec3(Slot)>& of) {
@@ -42,8 +50,9 @@ void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
   std::vector<char> mine(w.size(), 0);
   for (std::size_t k = 0; k < setup_.bodies[0].size(); ++k)
     if (const Slot s = w.slot_of(setup_.bodies[0][k]); s != no_slot) mine[s] = 1;
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t k = 0; k < c.size() && k < c.force.size(); ++k) sum += (mine[c.a[k]] - mine[c.b[k]]) * c.force[k];
+  const Vec3 sum = block_sum<Weighed>(std::min(c.size(), c.force.size()), [&](std::size_t k) {
+    return Weighed{(mine[c.a[k]] - mine[c.b[k]]) * c.force[k]};
+  }).sum;
   values = {sum.x(), sum.y(), sum.z()};
 }
 
@@ -53,16 +62,15 @@ void DriftMeasure::sample(const StepView& view, std::vector<double>& values) {
   if (start_.empty())
     start_.assign(bodies.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   const Vec3 up = w.gravity.squaredNorm() > 0 ? Vec3(-w.gravity.normalized()) : Vec3::UnitZ();
-  double distance = 0, sag = 0;
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
+  const Farthest all = block_sum<Farthest>(bodies.size(), [&](std::size_t k) -> Farthest {
     const Slot s = w.slot_of(bodies[k]);
-    if (s == no_slot) continue;
+    if (s == no_slot) return {};
     if (!start_[k].allFinite()) start_[k] = w.unwrapped(s);  // when it is seen first
     const Vec3 moved = w.unwrapped(s) - start_[k];
     const double rise = moved.dot(up);
-    distance = std::max(distance, (moved - rise * up).norm()), sag = std::max(sag, -rise);
-  }
-  values = {distance, sag};
+    return {(moved - rise * up).norm(), -rise};
+  });
+  values = {all.distance, all.sag};
 }
 
 }  // namespace epafi

@@ -2,21 +2,30 @@
 
 #include <algorithm>
 
+#include "engine/parallel.h"
+
 namespace epafi {
+
+namespace {
+/// Forces times the ways that they bridge [N m].
+struct Moment {
+  Mat3 sum = Mat3::Zero();
+  Moment& operator+=(const Moment& o) { return sum += o.sum, *this; }
+};
+}  // namespace
 
 void StressMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const ContactSet& c = view.contacts;
   const MeasureRegion region = region_.now(w);
-  Mat3 sum = Mat3::Zero();
-  for (std::size_t k = 0; k < c.size() && k < c.force.size(); ++k) {
-    if (c.force[k].isZero(0.0)) continue;
+  const Mat3 sum = block_sum<Moment>(std::min(c.size(), c.force.size()), [&](std::size_t k) -> Moment {
+    if (c.force[k].isZero(0.0)) return {};
     const Vec3 point = c.point(k, w);
-    if (!region.holds(MeasureRegion::in_cell(w, point))) continue;
+    if (!region.holds(MeasureRegion::in_cell(w, point))) return {};
     const Vec3 b = w.position[c.a[k]] + w.branch(c.a[k], c.b[k], c.feature[k]);  // the image that is touched
     const Vec3 from = w.is_movable(c.b[k]) ? b : point, to = w.is_movable(c.a[k]) ? w.position[c.a[k]] : point;
-    sum += c.force[k] * (to - from).transpose();
-  }
+    return {c.force[k] * (to - from).transpose()};
+  }).sum;
   const Mat3 stress = 0.5 / region.volume() * (sum + sum.transpose());
   values = {stress.trace() / 3.0, stress(0, 0), stress(1, 1), stress(2, 2), stress(0, 1), stress(0, 2), stress(1, 2)};
 }
@@ -54,20 +63,20 @@ void each_image(const World& w, const Vec3& x, const F& f) {
 void SolidFractionMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const MeasureRegion region = region_.now(w);
-  double volume = 0.0, bodies = 0.0;
-  for (Slot s = 0; s < w.size(); ++s) {
-    if (!w.is_movable(s)) continue;
+  const Sum3 sum = block_sum<Sum3>(w.size(), [&](std::size_t i) -> Sum3 {
+    const auto s = static_cast<Slot>(i);
+    if (!w.is_movable(s)) return {};
     const double own = shapes_->with(ShapeRef{w.shape[s]}, [](const auto& shape) {
       if constexpr (requires { shape.mass_properties(); }) return shape.mass_properties().mass;  // at density 1
       else return 0.0;
     });
     const double radius = std::cbrt(own * 0.238732414637843);  // 3/(4 pi)
     const Vec3 x = MeasureRegion::in_cell(w, w.position[s]);
-    if (region.whole_cell) volume += own;  // every body is in it once
-    else each_image(w, x, [&](const Vec3& y) { volume += own * part_inside(region, y, radius); });
-    if (region.holds(x)) bodies += 1.0;
-  }
-  values = {volume / region.volume(), bodies};
+    double volume = region.whole_cell ? own : 0.0;  // every body is in it once
+    if (!region.whole_cell) each_image(w, x, [&](const Vec3& y) { volume += own * part_inside(region, y, radius); });
+    return {volume, region.holds(x) ? 1.0 : 0.0};
+  });
+  values = {sum.a / region.volume(), sum.b};
 }
 
 ProfileMeasure::ProfileMeasure(MeasureSetup setup) : region_(setup.parameters), bins_(static_cast<int>(setup.parameters.integer("bins"))) {

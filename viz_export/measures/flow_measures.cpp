@@ -1,5 +1,9 @@
 #include "viz_export/measures/flow_measures.h"
 
+#include <utility>
+
+#include "engine/parallel.h"
+
 namespace epafi {
 
 MassFlow::MassFlow(MeasureSetup setup)
@@ -18,13 +22,12 @@ int MassFlow::level(const World& w, Slot s) const {
 void MassFlow::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   level_.resize(w.ids_given(), unseen);
-  for (std::size_t id = 0; id < level_.size(); ++id) {
+  mass_ += block_sum<double>(level_.size(), [&](std::size_t id) {
     const Slot s = w.slot_of(static_cast<BodyId>(id));
-    if (s == no_slot || !w.is_movable(s)) continue;
-    const int now = level(w, s);
-    if (level_[id] != unseen) mass_ += (now - level_[id]) / w.inverse_mass[s];
-    level_[id] = now;
-  }
+    if (s == no_slot || !w.is_movable(s)) return 0.0;
+    const int now = level(w, s), before = std::exchange(level_[id], now);
+    return before == unseen ? 0.0 : (now - before) / w.inverse_mass[s];
+  });
   times_.push_back(w.time), masses_.push_back(mass_);
   std::size_t first = 0;  // the youngest sample at least a window old, or the oldest there is
   while (first + 1 < times_.size() && times_[first + 1] <= w.time - window_ * (1 - 1e-9)) ++first;
