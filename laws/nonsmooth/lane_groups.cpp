@@ -28,13 +28,13 @@ std::size_t lanes_of(const Coloring& coloring, std::size_t color) {
 
 void LaneGroups::form(const Coloring& coloring, Slot none) {
   const std::size_t colors = coloring.colors();
-  has_sequence_ = colors > 0 && coloring.in_sequence(colors - 1);
-  begin_.assign(colors + 1, 0);
+  color_begin_.assign(colors + 1, 0);
   for (std::size_t c = 0; c < colors; ++c) {
     const std::size_t pairs = coloring.begin(c + 1) - coloring.begin(c), lanes = lanes_of(coloring, c);
-    begin_[c + 1] = begin_[c] + (pairs + lanes - 1) / lanes;
+    color_begin_[c + 1] = color_begin_[c] + (pairs + lanes - 1) / lanes;
   }
-  renew(groups_, begin_.back()), renew(row_end_, begin_.back());
+  find_stages(coloring);
+  renew(groups_, color_begin_.back()), renew(row_end_, color_begin_.back());
   if (groups_.size() < 8 * grain)
     for (std::size_t c = 0; c < colors; ++c) form_color(coloring, c, none);
   else  // the first colours are the largest
@@ -42,6 +42,17 @@ void LaneGroups::form(const Coloring& coloring, Slot none) {
   running_sums(row_end_);
   parallel_for(groups_.size(),
                [&](std::size_t g) { groups_[g].begin = g > 0 ? row_end_[g - 1] : 0, groups_[g].end = row_end_[g]; });
+}
+
+void LaneGroups::find_stages(const Coloring& coloring) {
+  begin_.assign(1, 0), is_shared_.clear(), shared_ = 0;
+  for (std::size_t c = 0; c < coloring.colors(); ++c) {
+    const std::size_t groups = color_begin_[c + 1] - color_begin_[c];
+    const bool shared = groups > grain && !coloring.in_sequence(c);
+    if (shared || is_shared_.empty() || is_shared_.back()) begin_.push_back(0), is_shared_.push_back(shared);
+    begin_.back() = color_begin_[c + 1];
+    if (shared) shared_ += groups;
+  }
 }
 
 /// In the order of their bodies: so a thread that takes the same part of every colour meets the same bodies (5000
@@ -56,12 +67,13 @@ void LaneGroups::form_color(const Coloring& coloring, std::size_t color, Slot no
   for (std::uint32_t points = most_sorted; points >= 1; --points)
     for (const ContactGroup& pair : pairs)
       if (std::min(pair.count, most_sorted) == points) sorted.push_back(&pair);
-  const std::span groups(groups_.data() + begin_[color], size(color));
+  const std::size_t first = color_begin_[color];
+  const std::span groups(groups_.data() + first, color_begin_[color + 1] - first);
   for (std::size_t g = 0, k = 0; g < groups.size(); ++g, k += lanes)
     groups[g] = group_of(std::span(sorted).subspan(k, std::min(lanes, sorted.size() - k)), none);
   if (!coloring.in_sequence(color))
     std::ranges::sort(groups, {}, [](const LaneGroup& group) { return group.first[0]; });
-  for (std::size_t g = 0; g < groups.size(); ++g) row_end_[begin_[color] + g] = std::ranges::max(groups[g].count);
+  for (std::size_t g = 0; g < groups.size(); ++g) row_end_[first + g] = std::ranges::max(groups[g].count);
 }
 
 }  // namespace epafi

@@ -109,11 +109,11 @@ struct NaturalMapTask {
   }
 };
 
-/// Some groups of one colour, one after the other.
+/// Some groups of one stage, one after the other.
 template <bool Rotates, class Rule>
 struct ColorTask {
   using Sweep = LaneSweep<Rotates, Rule>;
-  const LaneGroup *begin, *end, *last;  ///< of the colour, most likely also done by this thread
+  const LaneGroup *begin, *end, *last;  ///< of the stage, most likely also done by this thread
   typename Sweep::Row* rows;
   typename Sweep::Body* bodies;
   double* change;
@@ -190,7 +190,7 @@ void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, std::span<con
   load_bodies(problem, v);
   groups_ = &problem.lane_groups();
   renew(rows_, groups_->rows()), renew(change_, groups_->size());
-  groups_->each([&](const LaneGroup& group) {
+  groups_->each(pays(), [&](const LaneGroup& group) {
     for (std::uint32_t k = group.begin; k < group.end; ++k) {
       if (const auto least = *std::min_element(group.count.begin(), group.count.end()); k - group.begin >= least)
         rows_[k] = Row{};
@@ -220,15 +220,26 @@ void LaneSweep<Rotates, Rule>::load_bodies(const ContactProblem& problem, const 
   });
 }
 
+/// A sweep is worth more threads: half of it takes longer than they wait for each other between its stages. (The same
+/// contacts, so 0.72 ms; with one thread 0.63.)
+template <bool Rotates, LaneRule Rule>
+bool LaneSweep<Rotates, Rule>::pays() const {
+  constexpr double row = (Rule::rows + 2) * (Rotates ? 10e-9 : 6e-9);  // Zen 5: 30, 50 and 15, 30 ns with 1, 3 rows
+  constexpr double stage = 1e-6;  // 0.5 to 2.5 us, by how far the processors are apart
+  if (groups_->shared() == 0) return false;
+  const double part = static_cast<double>(groups_->shared()) / static_cast<double>(groups_->size());
+  return 0.5 * part * row * static_cast<double>(groups_->rows()) > stage * static_cast<double>(groups_->stages() + 1);
+}
+
 template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
   const auto loop = best_loop<ColorTask<Rotates, Rule>>();
-  const auto some = [&](std::size_t c, std::size_t begin, std::size_t end) {
+  const auto some = [&](std::size_t s, std::size_t begin, std::size_t end) {
     const LaneGroup* const groups = groups_->data();
-    loop({groups + begin, groups + end, groups + groups_->begin(c + 1), rows_.data(), bodies_.data(),
+    loop({groups + begin, groups + end, groups + groups_->begin(s + 1), rows_.data(), bodies_.data(),
           change_.data() + begin, rule});
   };
-  const std::size_t colors = groups_->colors();
+  const std::size_t stages = groups_->stages();
   sums_.resize((change_.size() + sum_block - 1) / sum_block);
   const auto sum = [&](std::size_t k) {
     const auto from = change_.begin() + static_cast<std::ptrdiff_t>(k * sum_block);
@@ -236,11 +247,10 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
   };
   // the last stage: block_sum in a loop of its own took 7 of 180 us (5000 stones, two threads)
   parallel_stages(
-      colors + 1, groups_->size() >= 8 * LaneGroups::grain,
-      [&](std::size_t c) { return c < colors ? groups_->size(c) : sums_.size(); },
-      [&](std::size_t c) { return c < colors ? groups_->piece(c) : 1; },
-      [&](std::size_t c, std::size_t b, std::size_t e) {
-        if (c < colors) return some(c, groups_->begin(c) + b, groups_->begin(c) + e);
+      stages + 1, pays(), [&](std::size_t s) { return s < stages ? groups_->size(s) : sums_.size(); },
+      [&](std::size_t s) { return s < stages ? groups_->piece(s) : 1; },
+      [&](std::size_t s, std::size_t b, std::size_t e) {
+        if (s < stages) return some(s, groups_->begin(s) + b, groups_->begin(s) + e);
         for (std::size_t k = b; k < e; ++k) sum(k);
       });
   return std::accumulate(sums_.begin(), sums_.end(), 0.0);
@@ -248,7 +258,7 @@ double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
 
 template <bool Rotates, LaneRule Rule>
 void LaneSweep<Rotates, Rule>::store(Impulses& r) const {
-  groups_->each([&](const LaneGroup& group) {
+  groups_->each(pays(), [&](const LaneGroup& group) {
     for (std::size_t lane = 0; lane < lane_count; ++lane)
       for (std::uint32_t k = 0; k < group.count[lane]; ++k)
         for (int i = 0; i < Rule::rows; ++i) r[group.first[lane] + k][i] = rows_[group.begin + k].r[i][lane];

@@ -66,6 +66,7 @@ class LaneSweep {
 
  private:
   void load_bodies(const ContactProblem& problem, const BodyVelocities& v);
+  bool pays() const;
 
   const LaneGroups* groups_ = nullptr;  ///< of the problem
   UnwrittenColumn<Body> bodies_;        ///< the last one is that of empty lanes

@@ -123,3 +123,33 @@ TEST_CASE("groups of four have every contact once, in rows as many as the longes
     CHECK(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
   }
 }
+
+TEST_CASE(
+    "a stage of groups is a colour that threads share, or small ones and the one in sequence, one after the other",
+    "[laws][coloring]") {
+  const ContactProblem lattice = lattice_problem(8, 0.5, 3), crowd = star(100);
+  for (const ContactProblem* p : {&lattice, &crowd}) {
+    const LaneGroups& groups = p->lane_groups();
+    std::size_t shared = 0, at = 0;
+    bool before = true;
+    for (std::size_t s = 0; s < groups.stages(); ++s) {
+      REQUIRE(groups.begin(s) == at);
+      at += groups.size(s);
+      const bool is_shared = groups.size(s) > groups.piece(s);
+      REQUIRE((is_shared || before));  // two stages of one thread would be one
+      before = is_shared;
+      if (!is_shared) continue;
+      shared += groups.size(s);
+      std::vector<int> seen(p->inverse_mass.size(), 0);
+      for (std::size_t g = groups.begin(s); g < groups.begin(s + 1); ++g)
+        for (std::size_t lane = 0; lane < lane_count; ++lane)
+          for (const Slot body : {groups.data()[g].a[lane], groups.data()[g].b[lane]})
+            if (groups.data()[g].count[lane] > 0 && p->inverse_mass[body] > 0.0) REQUIRE(++seen[body] == 1);
+    }
+    CHECK(at == groups.size());
+    CHECK(shared == groups.shared());
+  }
+  CHECK(lattice.lane_groups().shared() > 0);
+  CHECK(crowd.lane_groups().stages() == 1);  // 64 colours
+  CHECK(crowd.coloring().colors() == 64);
+}
