@@ -47,26 +47,32 @@ void PeriodicPairs::choose_images(const World& world) {
   }
 }
 
-/// Copies what a broad phase reads of the bodies, and of the images.
+/// Copies where the bodies are, and their images: all that tells whether the list still holds.
 void PeriodicPairs::follow(const World& world) {
-  const std::size_t n = world.size(), all = n + images_.size();
-  const bool fresh = !valid_;
+  const std::size_t n = world.size();
   shown_.time = world.time;
+  parallel_for(shown_.size(), [&](std::size_t i) {
+    shown_.position[i] = i < n ? world.position[i] : place_of(world, images_[i - n]);
+    if (world.has_orientation()) shown_.orientation[i] = world.orientation[of(world, i)];
+  });
+}
+
+/// Copies all else that a broad phase reads to make a list.
+void PeriodicPairs::show(const World& world) {
+  const std::size_t n = world.size(), all = n + images_.size();
   shown_.id.resize(all), shown_.shape.resize(all), shown_.inverse_mass.resize(all);
   shown_.position.resize(all), shown_.velocity.resize(all);
   if (world.rotates()) shown_.angular_velocity.resize(all);
   if (world.has_orientation()) shown_.orientation.resize(all);
   parallel_for(all, [&](std::size_t i) {
     const bool real = i < n;
-    const Slot s = real ? static_cast<Slot>(i) : images_[i - n].of;
-    shown_.position[i] = world.position[s], shown_.velocity[i] = world.velocity[s];
-    if (!real) shown_.position[i] += world.cell->shift(image_code(images_[i - n].step));
+    const Slot s = of(world, i);
+    shown_.velocity[i] = world.velocity[s];
     if (world.rotates()) shown_.angular_velocity[i] = world.angular_velocity[s];
-    if (world.has_orientation()) shown_.orientation[i] = world.orientation[s];
-    if (!fresh) return;
     shown_.id[i] = real ? world.id[s] : static_cast<BodyId>(world.ids_given() + (i - n));
     shown_.shape[i] = world.shape[s], shown_.inverse_mass[i] = real ? world.inverse_mass[s] : 0.0;
   });
+  follow(world);
 }
 
 void PeriodicPairs::translate(const World& world, PairColumn& pairs) const {
@@ -102,17 +108,15 @@ void PeriodicPairs::find_pairs(const World& world, PairList& pairs) {
   if (!same)
     shown_ = World(Columns{.rotation = world.rotates(), .orientation = world.has_orientation()}), valid_ = false;
   if (valid_ && shown_.size() != world.size() + images_.size()) valid_ = false;
-  if (valid_) follow(world);
-  if (!valid_ || list_->bodies().worn(shown_).out) {
-    choose_images(world);
-    valid_ = false;
+  if (valid_) {
     follow(world);
-    valid_ = true;
-    inner_->reorder({});
+    if (list_->keeps_pairs(shown_)) return;
   }
-  const std::uint64_t before = found_.generation;
+  choose_images(world);
+  show(world);
+  valid_ = true;
+  inner_->reorder({});
   inner_->find_pairs(shown_, found_);
-  if (found_.generation == before) return;
   translate(world, pairs.pairs);
   if (setup_.spheres.wanted) take_spheres(world, setup_.spheres, pairs);
   pairs.margin = found_.margin;  // an image has its own, which its body does not know

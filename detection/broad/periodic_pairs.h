@@ -23,7 +23,15 @@ class PeriodicPairs final : public BroadPhase {
     Wraps step;  ///< -1, 0, 1 along each axis
   };
   void choose_images(const World& world);
+  /// Of slot i of shown_.
+  Slot of(const World& world, std::size_t i) const {
+    return i < world.size() ? static_cast<Slot>(i) : images_[i - world.size()].of;
+  }
+  static Vec3 place_of(const World& world, const Image& image) {
+    return world.position[image.of] + world.cell->shift(image_code(image.step));
+  }
   void follow(const World& world);
+  void show(const World& world);
   void translate(const World& world, PairColumn& pairs) const;
   double fat_radius(const World& world, Slot s) const;
 
