@@ -20,7 +20,7 @@ struct LaneGroup {
 
 class LaneGroups {
  public:
-  static constexpr std::size_t grain = 16;  ///< some 5 us of a sweep, a fork costs 2 us
+  static constexpr std::size_t grain = 16;  ///< 1.5 us of a sweep over stones
 
   /// Four pairs of as many points, so that few lanes stay empty; one pair in a colour that runs in sequence. none: the
   /// body of empty lanes.
