@@ -108,9 +108,11 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   std::set<std::pair<std::uint32_t, std::uint32_t>> cells;
   const auto reach = [&](std::uint32_t a, std::size_t p, std::uint32_t b, std::size_t q) {
     if (!cells.insert(std::minmax(a, b)).second) return;
-    const std::string method = pair_table()[std::min(a, b)][std::max(a, b)].method;
+    const PairCell& cell = pair_table()[std::min(a, b)][std::max(a, b)];
+    const std::string method = cell.method;
     if (method != "none")
-      plan.pair_cells.push_back({scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method});
+      plan.pair_cells.push_back(
+          {scene.shapes[a <= b ? p : q].type, scene.shapes[a <= b ? q : p].type, method, cell.parts});
   };
   for (const auto& [a, p] : free) {
     for (const auto& [b, q] : free) reach(a, p, b, q);

@@ -20,6 +20,7 @@ struct Cost {
 /// A cell of the pair table that the scene can reach.
 struct ReachableCell {
   std::string a, b, method;
+  bool convex_parts = false;  ///< they remember each other
 };
 
 struct StepPlan {

@@ -75,6 +75,27 @@ std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
   return best;
 }
 
+/// A body of `radius` about `centre` is farther than `limit` from the triangle, as its sphere, the triangle's normal or
+/// the direction across its nearest side tells, by more than rounding: a search would find no contact. Of a hundred
+/// triangles near a stone of ten parts, each part has four to search. tip: the body's point farthest along a direction.
+template <class Tip>
+bool is_out_of_reach(const TriangleMesh& mesh, std::uint32_t t, const Vec3& centre, double radius, double limit,
+                     const Tip& tip) {
+  const OverTriangle at = over_triangle(mesh, t, centre);
+  const double near = radius + limit, apart = limit + 4e-12 * (near + std::abs(at.height) + std::abs(at.beyond));
+  if (at.least_square() > near * near * (1.0 + 1e-12)) return true;
+  const auto corner = mesh.corners(t);
+  const Vec3 n = at.height < 0.0 ? Vec3(-mesh.normals[t]) : mesh.normals[t];
+  if (n.dot(tip(-n) - corner[0]) > apart) return true;
+  if (!(at.beyond > 0.0)) return false;
+  const auto beyond = [&](std::size_t k) { return -mesh.inward[t][k].dot(centre - corner[k]); };
+  std::size_t side = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (beyond(k) > beyond(side)) side = k;
+  const Vec3& inward = mesh.inward[t][side];
+  return -inward.dot(tip(inward) - corner[side]) > apart;
+}
+
 /// One polyhedron against many triangles, in the mesh's axes.
 class PolyhedronOnMesh {
  public:
@@ -111,9 +132,12 @@ class PolyhedronOnMesh {
   void collide(std::uint32_t t, std::vector<MeshPoint>& out, std::vector<BarredTriangle>& barred,
                ContactSink& sink) const {
     const double limit = reach_ + sweep_;
+    const auto tip = [&](const Vec3& d) -> Vec3 {
+      return centre() + turn_ * body_.vertices[ConvexHull::support_vertex(body_, turn_.transpose() * d)];
+    };
+    if (is_out_of_reach(mesh_, t, centre(), body_.radius, limit, tip)) return;
     const Vec3 face_normal = normal_towards(mesh_, t, centre());
     const auto corner = mesh_.corners(t);
-    if (face_normal.dot(centre() - corner[0]) - body_.radius > limit) return;
     const TriangleSolid solid(corner, mesh_.normals[t]);
     const PolyhedronPair pair(body_, solid.view(), pose_, solid.pose());
     const PolyhedronDistance d = polyhedron_distance(pair, limit);
@@ -253,9 +277,12 @@ class CoreOnMesh {
 
   void collide(std::uint32_t t, std::vector<MeshPoint>& out, std::vector<BarredTriangle>& barred,
                ContactSink& sink) const {
+    const auto tip = [&](const Vec3& d) -> Vec3 {
+      return centre() + turn_ * body_.core.support(turn_.transpose() * d);
+    };
+    if (is_out_of_reach(mesh_, t, centre(), body_.core.radius, reach_ + sweep_, tip)) return;
     const auto corner = mesh_.corners(t);
     const Vec3 face_normal = normal_towards(mesh_, t, centre());
-    if (face_normal.dot(centre() - corner[0]) - body_.core.radius > reach_ + sweep_) return;
     const TriangleSolid solid(corner, mesh_.normals[t]);
     const CoreDistance d = measure(solid, corner, sink);
     if (!d.wanted) return;

@@ -22,7 +22,7 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
   block.pairs.clear(), block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear();
   const PairTable& table = pair_table();
   const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
-  bool remembers = false;
+  bool remembers = false, parts = false;
   for (std::size_t i = begin; i < end; ++i) {
     const Pair& p = list.pairs[i];
     const PairCell* cell = &table[ShapeRef{world.shape[p.a]}.type()][ShapeRef{world.shape[p.b]}.type()];
@@ -35,7 +35,7 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
     if (block.runs.empty() || block.runs.back().cell != cell) block.runs.push_back({k, k, cell});
     block.runs.back().end = k + 1;
     block.pairs.push_back(p), block.triangle_begin.push_back(static_cast<std::uint32_t>(first));
-    remembers = remembers || cell->remembers;
+    remembers = remembers || cell->remembers, parts = parts || cell->parts;
   }
   block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
   Memory& memory = block.memory;
@@ -44,6 +44,7 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
     for (const Pair& p : block.pairs) memory.known.push_back({p, world.shape[p.a], world.shape[p.b]});
   memory.caches.clear(), memory.caches.resize(memory.known.size());
   memory.resting.clear(), memory.resting.resize(seconds_ > 0.0 ? memory.known.size() : 0);
+  memory.parts.clear(), memory.parts.resize(parts ? memory.known.size() : 0);
   find_memory(memory);
 }
 
@@ -72,6 +73,7 @@ void BatchNarrowPhase::find_memory(Memory& memory) {
     if (!(old->known[at] == memory.known[k])) continue;
     memory.caches[k] = std::move(old->caches[at]);
     if (!memory.resting.empty()) memory.resting[k] = std::move(old->resting[at]);
+    if (!memory.parts.empty() && !old->parts.empty()) memory.parts[k] = std::move(old->parts[at]);
   }
 }
 
@@ -86,6 +88,7 @@ void BatchNarrowPhase::collide_block(const World& world, Block& block) {
     if (run.cell->remembers) input.caches = std::span(block.memory.caches).subspan(run.begin, count);
     if (run.cell->remembers && !block.memory.resting.empty())
       input.resting = std::span(block.memory.resting).subspan(run.begin, count);
+    if (run.cell->parts) input.parts = std::span(block.memory.parts).subspan(run.begin, count);
     if (run.cell->candidates) input.triangle_begin = std::span(block.triangle_begin).subspan(run.begin, count + 1);
     run.cell->batch(input, std::span(block.pairs).subspan(run.begin, count), sink);
   }

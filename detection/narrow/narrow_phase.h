@@ -47,6 +47,7 @@ class BatchNarrowPhase : public NarrowPhase {
     std::vector<Known> known;
     std::vector<PairCache> caches;                       ///< where a cell remembers; shortcuts only, so not state
     std::vector<std::unique_ptr<RestingPatch>> resting;  ///< the same, where the reach follows motion
+    std::vector<PartMemory> parts;                       ///< the same, where a cell has parts
   };
   /// What is derived from the pair list lasts until its next generation; the contacts last one step.
   struct Block {

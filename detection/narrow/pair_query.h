@@ -1,6 +1,7 @@
 /// @file pair_query.h  What every pair function takes and gives: collide(shape_a, shape_b, query, sink).
 #pragma once
 #include <memory>
+#include <vector>
 
 #include "detection/narrow/pair_memory.h"
 #include "engine/contacts.h"
@@ -19,6 +20,37 @@ struct PairCache {
   }
 };
 
+/// What the convex parts of two bodies remember of each other: those that were asked lately, in the order of the parts
+/// (of ten parts each some ten pairs, where all would be a hundred). A shortcut as a PairCache is.
+class PartMemory {
+  struct Entry {
+    std::uint32_t parts;
+    PairCache cache;
+  };
+
+ public:
+  static constexpr std::size_t bytes_per_pair = sizeof(Entry);  ///< of parts
+
+  /// Between begin() and end() parts come in ascending order.
+  void begin() { at_ = asked_ = 0; }
+  PairCache& of(std::uint32_t parts) {
+    while (at_ < entries_.size() && entries_[at_].parts < parts) ++at_;
+    if (at_ == entries_.size() || entries_[at_].parts != parts)
+      entries_.insert(entries_.begin() + static_cast<std::ptrdiff_t>(at_), {parts, {}});
+    ++asked_;
+    return entries_[at_].cache;
+  }
+  /// Where bodies have turned on, most was of other parts: it is forgotten.
+  void end() {
+    if (entries_.size() > 2 * asked_ + 8) entries_.clear();
+  }
+  std::size_t size() const { return entries_.size(); }
+
+ private:
+  std::vector<Entry> entries_;
+  std::size_t at_ = 0, asked_ = 0;
+};
+
 struct RestingPatch;
 
 /// One pair at one instant.
@@ -29,6 +61,7 @@ struct PairQuery {
   PairCache* cache = nullptr;
   bool area = false;                                 ///< polyhedra give cells of their overlap volume instead of points
   std::unique_ptr<RestingPatch>* resting = nullptr;  ///< state of two polyhedra, where they may keep their points
+  PartMemory* parts = nullptr;                       ///< where a body has convex parts
 };
 
 /// Collects the contact points of one pair at a time into a block's contact set, in the order of their features.

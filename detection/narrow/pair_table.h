@@ -10,6 +10,7 @@
 #include "detection/narrow/convex_pairs.h"
 #include "detection/narrow/mesh_pairs.h"
 #include "detection/narrow/pair_methods.h"
+#include "detection/narrow/part_pairs.h"
 #include "detection/narrow/resting_patch.h"
 #include "detection/shape_store.h"
 #include "engine/prefetch.h"
@@ -22,15 +23,6 @@ namespace epafi {
 template <class M>
 concept MeshShape = requires(const M& m, const Aabb& box, std::vector<std::uint32_t>& out) {
   m.query(box, out);
-};
-
-/// Rigid cluster: every part touches on its own.
-template <class S>
-concept Compound = requires(const S& s, const Pose& pose) {
-  typename S::Part;
-  { s.part_count() } -> std::same_as<std::size_t>;
-  { s.part(0) } -> std::same_as<typename S::Part>;
-  { s.part_pose(0, pose) } -> std::same_as<Pose>;
 };
 
 /// What a batch reads.
@@ -47,6 +39,7 @@ struct BatchInput {
       {};                    ///< by slot: what a body may move in the step [m]; empty: the reach is the same for all
   double least_reach = 0.0;  ///< [m], with motion
   std::span<std::unique_ptr<RestingPatch>> resting = {};  ///< of the run's pairs, or empty; null: none is known
+  std::span<PartMemory> parts = {};                       ///< of the run's pairs, or empty
 
   double reach_of(const Pair& p) const {
     return motion.empty() ? reach : std::clamp(motion[p.a] + motion[p.b], least_reach, reach);
@@ -60,6 +53,7 @@ struct PairCell {
   void (*candidates)(const BatchInput&, const Pair&, double margin, std::vector<std::uint32_t>&) = nullptr;
   const char* method = "none";
   bool remembers = false;  ///< keeps a PairCache per pair
+  bool parts = false;      ///< and a PartMemory instead
 };
 
 namespace pair_table_detail {
@@ -81,21 +75,32 @@ inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
               in.curvature,
               in.caches.empty() ? nullptr : &in.caches[k],
               in.area,
-              in.resting.empty() ? nullptr : &in.resting[k]};
+              in.resting.empty() ? nullptr : &in.resting[k],
+              in.parts.empty() ? nullptr : &in.parts[k]};
   if (in.world.cell) q.b.position += in.world.cell->shift(p.image);
   return q;
 }
 inline PairQuery exchanged(const PairQuery& q) { return {q.b, q.a, q.reach, q.curvature, nullptr, q.area}; }
 
 /// How a pair is decided; `exchanged`: by the function of (B, A).
-enum class Way { closed, closed_exchanged, triangles, triangles_exchanged, convex, parts_of_a, parts_of_b, none };
+/// parts: convex ones by search, so few are asked; parts_of_a, parts_of_b: each part asks.
+enum class Way {
+  closed,
+  closed_exchanged,
+  triangles,
+  triangles_exchanged,
+  convex,
+  parts,
+  parts_of_a,
+  parts_of_b,
+  none
+};
 
 template <class A, class B>
 constexpr Way way() {
-  if constexpr (Compound<A>) {
-    return way<typename A::Part, B>() == Way::none ? Way::none : Way::parts_of_a;
-  } else if constexpr (Compound<B>) {
-    return way<A, typename B::Part>() == Way::none ? Way::none : Way::parts_of_b;
+  if constexpr (Compound<A> || Compound<B>) {
+    constexpr Way by = way<PartOf<A>, PartOf<B>>();
+    return by == Way::none ? by : by == Way::convex ? Way::parts : Compound<A> ? Way::parts_of_a : Way::parts_of_b;
   } else if constexpr (HasClosedForm<A, B>) {
     return Way::closed;
   } else if constexpr (HasClosedForm<B, A>) {
@@ -130,6 +135,8 @@ void meet(const A& a, const B& b, const PairQuery& q, ContactSink& s, std::span<
   if constexpr (by == Way::triangles) collide_triangles(a, b, triangles, q, s);
   if constexpr (by == Way::triangles_exchanged) collide_triangles(b, a, triangles, exchanged(q), s);
   if constexpr (by == Way::convex) collide(a, b, q, s);
+  if constexpr (by == Way::parts)
+    each_part_pair(a, b, q, s, [&](const auto& x, const auto& y, const PairQuery& p) { collide(x, y, p, s); });
   if constexpr (by == Way::parts_of_a) {
     each_part(a, q.a, b, q.b, q.reach, [&](const auto& part, const Pose& pose, std::size_t k) {
       const Vec3 offset = pose.position - q.a.position;
@@ -197,7 +204,7 @@ void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink
 
 template <class A, class B>
 constexpr const char* method_name() {
-  if constexpr (way<A, B>() == Way::parts_of_a || way<A, B>() == Way::parts_of_b) return "parts";
+  if constexpr (Compound<A> || Compound<B>) return "parts";
   if constexpr (way<A, B>() == Way::triangles || way<A, B>() == Way::triangles_exchanged) return "mesh";
   if constexpr (way<A, B>() == Way::convex) return PolyhedralShape<A> && PolyhedralShape<B> ? "sat" : "gjk-epa";
   return "closed-form";
@@ -208,7 +215,8 @@ constexpr PairCell make_cell() {
   if constexpr (way<A, B>() == Way::none) {
     return {};
   } else {
-    PairCell cell{&run_of<A, B>, nullptr, method_name<A, B>(), way<A, B>() == Way::convex};
+    PairCell cell{&run_of<A, B>, nullptr, method_name<A, B>(), way<A, B>() == Way::convex || way<A, B>() == Way::parts,
+                  way<A, B>() == Way::parts};
     if constexpr (MeshShape<B>) {
       cell.candidates = [](const BatchInput& in, const Pair& p, double margin, std::vector<std::uint32_t>& out) {
         find_candidates<B, A>(in, p, false, margin, out);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "detection/shapes/convex_parts.h"
 #include "detection/shapes/mesh_file.h"
 
@@ -29,6 +31,7 @@ PlacedSolid place_solid(TriangleSurface surface, const Place& place) {
   for (Vec3& v : surface.vertices) v = out.frame.to_principal(v);
   SolidParts& solid = out.solid;
   solid.volume = whole.mass;
+  solid.equal_radius = std::cbrt(solid.volume * 0.238732414637843);  // 3 over 4 pi
   solid.inertia = out.frame.moments.asDiagonal();
   for (const Vec3& v : surface.vertices) solid.radius = std::max(solid.radius, v.norm());
   for (ConvexPart& part : parts) {

@@ -1,7 +1,7 @@
-/// @file solid_parts.h  Closed surface of triangles as a rigid body ("solid" in scenes, and a mesh that moves freely): convex
-/// parts that touch on their own. Mass properties are those of the surface, exact by its tetrahedra.
-/// Body axes: origin at the centre of mass, axes principal. Limit: parts meet along inner faces; a body that reaches the
-/// line where such a face ends within a contact's depth may feel it.
+/// @file solid_parts.h  Closed surface of triangles as a rigid body ("solid" in scenes, and a mesh that moves freely):
+/// convex parts that touch on their own. Mass properties are those of the surface, exact by its tetrahedra. Body axes:
+/// origin at the centre of mass, axes principal. Limit: parts meet along inner faces; a body that reaches the line
+/// where such a face ends within a contact's depth may feel it.
 #pragma once
 #include <vector>
 
@@ -38,6 +38,7 @@ struct SolidParts {
   double volume = 0.0;          ///< [m^3]
   Mat3 inertia = Mat3::Zero();  ///< about the origin at density 1 [kg m^2]
   double radius = 0.0;          ///< of the sphere about the origin that contains it [m]
+  double equal_radius = 0.0;    ///< of the sphere of equal volume [m]
 
   static Entry entry() {
     return {name,
@@ -53,8 +54,7 @@ struct SolidParts {
   Pose part_pose(std::size_t k, const Pose& pose) const { return {pose.to_world(parts[k].centre), pose.orientation}; }
 
   double bounding_radius() const { return radius; }
-  /// Of the sphere of equal volume [m].
-  double contact_radius() const { return std::cbrt(volume * 0.238732414637843); }  // 3 over 4 pi
+  double contact_radius() const { return equal_radius; }
   Aabb bounding_box(const Pose& pose) const;
   MassProperties mass_properties() const { return {volume, Vec3::Zero(), inertia}; }
 };
