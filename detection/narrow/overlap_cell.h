@@ -17,4 +17,8 @@ struct OverlapCell {
 /// heights.
 inline constexpr double thinnest_cell = 1e-13;
 
+/// The last cell is what the others leave where that is more than this part of the overlap: of less the difference
+/// would lose more than three digits.
+inline constexpr double least_rest = 1e-3;
+
 }  // namespace epafi

@@ -77,6 +77,21 @@ void find_part(std::span<const std::uint32_t> corners, std::size_t i, Scratch& s
     if (j != i) clip(bisector(s, i, j), s.part, s.next_part);
 }
 
+/// What cells leave of the overlap for the last one.
+class Rest {
+ public:
+  explicit Rest(const Volume& whole) : whole_(whole), left_(whole) {}
+  void take(const Volume& cell) {
+    const Volume there = cell.about(left_.origin);
+    left_.volume -= there.volume, left_.moment -= there.moment;
+  }
+  bool is_sure() const { return left_.volume > least_rest * whole_.volume; }
+  const Volume& left() const { return left_; }
+
+ private:
+  Volume whole_, left_;
+};
+
 /// Where the near planes meet in a point of the overlap, so do the planes between their cells: a cell is the cones from
 /// there over its parts of the faces that do not have it. The last cell is what the others leave.
 void cells_as_cones(std::size_t apex, Scratch& s) {
@@ -90,25 +105,33 @@ void cells_as_cones(std::size_t apex, Scratch& s) {
     }
     return out;
   };
-  Volume rest = s.whole.about(solid.point(apex));
+  Rest rest(s.whole.about(solid.point(apex)));
   const std::size_t last = s.near.size() - 1;
-  for (std::size_t i = 0; i < last; ++i) {
-    s.volume[i] = cell(i);
-    rest.volume -= s.volume[i].volume, rest.moment -= s.volume[i].moment;
-  }
-  constexpr double least_rest = 1e-3;  // of the whole; of less the difference would lose more than three digits
-  s.volume[last] = rest.volume > least_rest * s.whole.volume ? rest : cell(last);
+  for (std::size_t i = 0; i < last; ++i) rest.take(s.volume[i] = cell(i));
+  s.volume[last] = rest.is_sure() ? rest.left() : cell(last);
 }
 
-/// Any other cell is cut out of the overlap.
+/// The near plane that is the nearest at x.
+std::size_t nearest_at(const Vec3& x, const Scratch& s) {
+  const auto higher = [&](const Plane& p, const Plane& q) { return p.above(x) < q.above(x); };
+  return static_cast<std::size_t>(std::ranges::max_element(s.near, higher) - s.near.begin());
+}
+
+/// Any other cell is cut out of the overlap, but for the one that has its centroid, mostly by far the largest: most of
+/// a smaller one goes with the first cut, the one against it, and it is what the others leave.
 void cells_by_cutting(Scratch& s) {
-  for (std::size_t i = 0; i < s.near.size(); ++i) {
+  const std::size_t large = nearest_at(s.whole.centroid(), s);
+  const auto cell = [&](std::size_t i) -> Volume {
     s.cell.assign(s.overlap.solid);
-    bool left = true;
-    for (std::size_t j = 0; j < s.near.size() && left; ++j)
-      if (j != i) left = s.cell.clip(bisector(s, i, j));
-    if (left) s.volume[i] = s.cell.volume();
-  }
+    if (i != large && !s.cell.clip(bisector(s, i, large))) return {};
+    for (std::size_t j = 0; j < s.near.size(); ++j)
+      if (j != i && j != large && !s.cell.clip(bisector(s, i, j))) return {};
+    return s.cell.volume();
+  };
+  Rest rest(s.whole.about(s.overlap.solid.point(0)));
+  for (std::size_t i = 0; i < s.near.size(); ++i)
+    if (i != large) rest.take(s.volume[i] = cell(i));
+  s.volume[large] = rest.is_sure() ? rest.left() : cell(large);
 }
 
 /// The cells of one body's field. rounding: of heights [m].

@@ -1,6 +1,7 @@
 #include "detection/narrow/overlap_faces.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "detection/narrow/clipped_solid.h"
 
@@ -188,6 +189,11 @@ struct Cones {
       moment += 0.25 * of_tetrahedron * ((p - apex) + (q - apex) + (r - apex));
     }
   }
+  /// Leaves out a cell; `depth` is no longer meant.
+  void take(const Cones& cell) {
+    volume -= cell.volume;
+    moment -= cell.moment + cell.volume * (cell.apex - apex);
+  }
 };
 
 /// Cones from far off lose the digits of the overlap's own size.
@@ -198,27 +204,73 @@ bool is_at_hand(const Side& side, std::span<const Vec3> corners) {
   return (side.apex_near(corners[0]) - corners[0]).squaredNorm() <= far * far * extent;
 }
 
-/// The field of one body. False where a cell is as thin as rounding.
+/// The part of the overlap where near plane order[k] is the nearest; nothing where it has no volume.
+std::optional<Cones> cell_of(std::size_t k, std::span<const std::size_t> order, const Side& own, const Side& other,
+                             FaceScratch& s) {
+  const Plane& nearest = own.plane[order[k]];
+  const auto bisector = [&](std::size_t j) -> Plane {
+    const Plane& p = own.plane[order[j]];
+    return {p.normal - nearest.normal, p.offset - nearest.offset};
+  };
+  std::optional<Cones> cell;
+  for (std::size_t f = 0; f < other.count; ++f) {
+    if (other.facet[f].count == 0) continue;
+    const SmallPolygon& part = s.cutter.run(other.facet[f], order.size(), bisector, k);
+    if (part.count < 3) continue;
+    if (!cell) cell = Cones{own.apex_near(part[0])};
+    cell->add(part, other.plane[f], nearest);
+  }
+  return cell;
+}
+
+/// All of the overlap, from an apex on all own planes.
+Cones whole_of(const Side& own, const Side& other) {
+  std::optional<Cones> whole;
+  for (std::size_t f = 0; f < other.count; ++f) {
+    if (other.facet[f].count < 3) continue;
+    if (!whole) whole = Cones{own.apex_near(other.facet[f][0])};
+    whole->add(other.facet[f], other.plane[f], own.plane[0]);
+  }
+  return whole ? *whole : Cones{own.apex};
+}
+
+/// The near plane that is the nearest at x comes first, the others as they are.
+std::array<std::size_t, most_faces> nearest_first(const Side& own, const Vec3& x) {
+  std::array<std::size_t, most_faces> order;
+  for (std::size_t i = 0; i < own.count; ++i) order[i] = i;
+  const auto higher = [&](std::size_t i, std::size_t j) { return own.plane[i].above(x) < own.plane[j].above(x); };
+  const auto first = std::max_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(own.count), higher);
+  std::rotate(order.begin(), first, first + 1);
+  return order;
+}
+
+/// The field of one body. The cell that has the overlap's centroid, mostly the largest, is what the others leave, and
+/// most of them goes with the first cut, the one against it. False where a cell is as thin as rounding.
 bool add_field(const Side& own, const Side& other, bool of_a, double least, FaceScratch& s,
                std::vector<OverlapCell>& out) {
-  for (std::size_t i = 0; i < own.count; ++i) {
-    Cones cell;
-    bool empty = true;
-    for (std::size_t f = 0; f < other.count; ++f) {
-      if (other.facet[f].count == 0) continue;
-      const auto bisector = [&](std::size_t j) -> Plane {
-        return {own.plane[j].normal - own.plane[i].normal, own.plane[j].offset - own.plane[i].offset};
-      };
-      const SmallPolygon& part = s.cutter.run(other.facet[f], own.count, bisector, i);
-      if (part.count < 3) continue;
-      if (empty) cell.apex = own.apex_near(part[0]), empty = false;
-      cell.add(part, other.plane[f], own.plane[i]);
-    }
-    if (empty) continue;
+  Cones rest = whole_of(own, other);
+  const double sure = least_rest * rest.volume;
+  if (!(rest.volume > 0.0)) return false;
+  const auto all = nearest_first(own, rest.apex + rest.moment / rest.volume);
+  const std::span<const std::size_t> order{all.data(), own.count};
+  const auto add = [&](std::size_t k, const Cones& cell) {
     if (!(cell.volume > 0.0) || !(cell.depth > least * cell.volume)) return false;
-    out.push_back({of_a, own.face[i], cell.volume, cell.depth / cell.volume, cell.apex + cell.moment / cell.volume});
+    const Vec3 centroid = cell.apex + cell.moment / cell.volume;
+    out.push_back({of_a, own.face[order[k]], cell.volume, cell.depth / cell.volume, centroid});
+    return true;
+  };
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const auto cell = cell_of(k, order, own, other, s);
+    if (!cell) continue;
+    if (!add(k, *cell)) return false;
+    rest.take(*cell);
   }
-  return true;
+  if (!(rest.volume > sure)) {
+    const auto cell = cell_of(0, order, own, other, s);
+    return !cell || add(0, *cell);
+  }
+  rest.depth = -own.plane[order[0]].normal.dot(rest.moment);  // the apex lies on the plane
+  return add(0, rest);
 }
 
 /// Of one body; corners in its axes. False where there are too many.
