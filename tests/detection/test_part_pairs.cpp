@@ -17,50 +17,51 @@ const std::string stones = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/tuto
 
 SolidParts stone(const std::string& file) { return place_solid(read_mesh_file(stones + file).surface).solid; }
 
-template <class A, class B>
-ContactSet by_part_pairs(const A& a, const B& b, const PairQuery& q) {
+/// Of one pair of bodies, by f(sink).
+template <class F>
+ContactSet contacts(bool area, const F& f) {
   ContactSet set;
-  set.with_area = q.area;
+  set.with_area = area;
   ContactSink sink(set);
   sink.begin(0, 1);
-  each_part_pair(a, b, q, sink, [&](const auto& x, const auto& y, const PairQuery& p) { collide(x, y, p, sink); });
+  f(sink);
   sink.end();
   return set;
+}
+
+template <class A, class B>
+ContactSet by_part_pairs(const A& a, const B& b, const PairQuery& q) {
+  return contacts(q.area, [&](ContactSink& sink) {
+    each_part_pair(a, b, q, sink, [&](const auto& x, const auto& y, const PairQuery& p) { collide(x, y, p, sink); });
+  });
+}
+
+/// f(part, its pose) within the sink's part; a body without parts is one part.
+template <class W, class F>
+void each_part(const W& whole, const Pose& pose, ContactSink& sink, bool is_a, const F& f) {
+  if constexpr (Compound<W>) {
+    for (std::size_t k = 0; k < whole.part_count(); ++k) {
+      const Pose at = whole.part_pose(k, pose);
+      const Vec3 offset = is_a ? Vec3(at.position - pose.position) : Vec3(Vec3::Zero());
+      sink.enter_part(k, offset);
+      f(whole.part(k), at);
+      sink.leave_part(offset);
+    }
+  } else {
+    f(whole, pose);
+  }
 }
 
 /// Every part of A with every part of B, each by a search from nothing.
 template <class A, class B>
 ContactSet by_all(const A& a, const B& b, const PairQuery& q) {
-  ContactSet set;
-  set.with_area = q.area;
-  ContactSink sink(set);
-  sink.begin(0, 1);
-  const auto meet_b = [&](const auto& x, const Pose& at) {
-    const auto meet = [&](const auto& y, const Pose& there) {
-      collide(x, y, {at, there, q.reach, q.curvature, nullptr, q.area}, sink);
-    };
-    if constexpr (Compound<B>) {
-      for (std::size_t j = 0; j < b.part_count(); ++j) {
-        sink.enter_part(j, Vec3::Zero());
-        meet(b.part(j), b.part_pose(j, q.b));
-        sink.leave_part(Vec3::Zero());
-      }
-    } else {
-      meet(b, q.b);
-    }
-  };
-  if constexpr (Compound<A>) {
-    for (std::size_t i = 0; i < a.part_count(); ++i) {
-      const Pose at = a.part_pose(i, q.a);
-      sink.enter_part(i, at.position - q.a.position);
-      meet_b(a.part(i), at);
-      sink.leave_part(at.position - q.a.position);
-    }
-  } else {
-    meet_b(a, q.a);
-  }
-  sink.end();
-  return set;
+  return contacts(q.area, [&](ContactSink& sink) {
+    each_part(a, q.a, sink, true, [&](const auto& x, const Pose& at) {
+      each_part(b, q.b, sink, false, [&](const auto& y, const Pose& there) {
+        collide(x, y, {at, there, q.reach, q.curvature, nullptr, q.area}, sink);
+      });
+    });
+  });
 }
 
 bool same(const ContactSet& x, const ContactSet& y) {
