@@ -73,13 +73,16 @@ MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan, std::size_t bod
   out.pair = 2 * sizeof(Pair);
   const bool remembers = std::ranges::any_of(plan.pair_cells, [](const ReachableCell& c) { return c.method == "sat"; });
   const bool parts = std::ranges::any_of(plan.pair_cells, [](const ReachableCell& c) { return c.convex_parts; });
+  const bool hulls = std::ranges::any_of(
+      plan.pair_cells, [](const ReachableCell& c) { return c.convex_parts && (c.a == "solid" || c.b == "solid"); });
   const bool rests = (remembers || parts) && plan.resting_reach < plan.reach;
   // while a list is made, the last one's columns stand beside; of listed pairs 50 to 76 % touch or have touched
   if (remembers || parts)
     out.pair += 2 * (sizeof(Pair) + 2 * sizeof(std::uint32_t) + sizeof(PairCache) + (rests ? sizeof(void*) : 0));
   if (remembers) out.pair += 2 * (sizeof(PairMemory) + (rests ? sizeof(RestingPatch) : 0)) / 3;
-  // stones of 8 to 15 parts: 15 pairs of them are asked, half have touched or lost their axis
-  if (parts) out.pair += 2 * sizeof(PartMemory) + 15 * PartMemory::bytes_per_pair + 15 * sizeof(PairMemory) / 2;
+  // stones of 8 to 15 parts keep 15 pairs of them, half of these have touched or lost their axis
+  if (parts) out.pair += 2 * sizeof(PartMemory) + 15 * PartMemory::bytes_per_pair;
+  if (hulls) out.pair += 15 * sizeof(PairMemory) / 2;
   return out;
 }
 

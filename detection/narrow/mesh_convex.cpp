@@ -76,8 +76,9 @@ std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
 }
 
 /// A body of `radius` about `centre` is farther than `limit` from the triangle, as its sphere, the triangle's normal or
-/// the direction across its nearest side tells, by more than rounding: a search would find no contact. Of a hundred
-/// triangles near a stone of ten parts, each part has four to search. tip: the body's point farthest along a direction.
+/// the direction across its nearest side tells, by more than rounding: a search would find no contact. 30 stones of
+/// parts in a hopper ask 2600 triangles a step: 1040 are near by the sphere, 100 by all three. tip: the body's point
+/// farthest along a direction.
 template <class Tip>
 bool is_out_of_reach(const TriangleMesh& mesh, std::uint32_t t, const Vec3& centre, double radius, double limit,
                      const Tip& tip) {

@@ -227,7 +227,7 @@ std::optional<Cones> cell_of(std::size_t k, std::span<const std::size_t> order, 
 Cones whole_of(const Side& own, const Side& other) {
   std::optional<Cones> whole;
   for (std::size_t f = 0; f < other.count; ++f) {
-    if (other.facet[f].count < 3) continue;
+    if (other.facet[f].count == 0) continue;
     if (!whole) whole = Cones{own.apex_near(other.facet[f][0])};
     whole->add(other.facet[f], other.plane[f], own.plane[0]);
   }

@@ -21,7 +21,7 @@ struct PairCache {
 };
 
 /// What the convex parts of two bodies remember of each other: those that were asked lately, in the order of the parts
-/// (of ten parts each some ten pairs, where all would be a hundred). A shortcut as a PairCache is.
+/// (of ten parts each some twelve pairs, where all would be a hundred). A shortcut as a PairCache is.
 class PartMemory {
   struct Entry {
     std::uint32_t parts;

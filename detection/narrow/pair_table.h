@@ -53,7 +53,7 @@ struct PairCell {
   void (*candidates)(const BatchInput&, const Pair&, double margin, std::vector<std::uint32_t>&) = nullptr;
   const char* method = "none";
   bool remembers = false;  ///< keeps a PairCache per pair
-  bool parts = false;      ///< and a PartMemory instead
+  bool parts = false;      ///< and a PartMemory
 };
 
 namespace pair_table_detail {
