@@ -102,8 +102,14 @@ std::optional<std::vector<double>> read_quadruples(const Node& node, const Key& 
   return flat;
 }
 
+/// A bare word after --set needs no quotes: a text that looks like a number (60e1) is that text where one is expected.
+bool is_text(const Node& node) {
+  if (node.type == Node::Type::text) return true;
+  return is_override(node.place) && node.is_number() && !node.text.empty();
+}
+
 std::optional<std::string> read_word(const Node& node, const Key& key) {
-  if (node.type != Node::Type::text) return wrong_type(node, key, "a text"), std::nullopt;
+  if (!is_text(node)) return wrong_type(node, key, "a text"), std::nullopt;
   const auto& choices = key.field.choices;
   if (choices.empty() && !node.text.empty()) return node.text;
   if (node.text.empty()) return key.reading.error(node.place, key.label + " is empty"), std::nullopt;

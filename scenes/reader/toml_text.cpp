@@ -80,6 +80,7 @@ Node parse_toml_value(const std::string& text, const Place& place) {
   Node node;
   if (parsed.problem.text.empty() && parsed.root.members.size() == 1) {
     node = std::move(parsed.root.members[0].value);
+    if (node.type != Node::Type::text) node.text = trimmed;
   } else {
     node.type = Node::Type::text;
     node.text = trimmed;
