@@ -16,6 +16,7 @@ struct NormalPatch {
   Ellipse ellipse;            ///< of Hertz, or the one with the patch's second moments of pressure
   bool is_ellipse = true;     ///< no grid: the pressure is that of Hertz
   bool is_line = false;       ///< plane contact over the length 2 b, the ellipse a by b is its box
+  bool runs_along = false;    ///< of a line: it lies along the track
   double normal_force = 0.0;  ///< [N]
   double approach = 0.0;      ///< [m]
   double max_pressure = 0.0;  ///< [Pa]

@@ -41,6 +41,17 @@ Regime regime_of(const RollingCase& c, const KalkerCoefficients& k) {
           y * s < 0.0 ? 2.0 * std::min(std::abs(y), spin) / sum : 0.0, 2.0 * std::min(x, spin) / sum, end / slip};
 }
 
+void check_materials(const TangentialInput& in, TangentialOutcome& out) {
+  if (std::abs(in.elastic.coupling) > most_coupling)
+    out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
+}
+
+/// Linear force of all creepages over mu N: small where a relative tolerance must be finer than mu N.
+double saturation_of(const TangentialInput& in) {
+  const RollingCase c = case_of(in);
+  return regime_of(c, coefficients(c)).saturation;
+}
+
 /// Common to all laws that know the patch by its ellipse alone.
 void check_ellipse(const TangentialInput& in, const KalkerCoefficients& k, TangentialOutcome& out) {
   if (in.patch.is_line)
@@ -49,8 +60,7 @@ void check_ellipse(const TangentialInput& in, const KalkerCoefficients& k, Tange
   const double area = std::numbers::pi * in.patch.ellipse.a * in.patch.ellipse.b;
   if (!in.patch.is_ellipse && std::abs(in.patch.area / area - 1.0) > 0.15)
     out.reasons.push_back("the patch is not an ellipse: its area and its second moments disagree");
-  if (std::abs(in.elastic.coupling) > 0.05)
-    out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
+  check_materials(in, out);
 }
 
 double dissipation(const PatchForce& f, const Creepage& c) {
@@ -194,20 +204,28 @@ TangentialOutcome fastsim_on(const TangentialInput& in, Bound bound) {
 TangentialOutcome solve_fastsim(const TangentialInput& in) { return fastsim_on(in, Bound::parabolic); }
 TangentialOutcome solve_fastsim_elliptic(const TangentialInput& in) { return fastsim_on(in, Bound::elliptic); }
 
+/// Carter's problem (1926): of a line contact one strip is the whole, half-planes are the half-spaces.
+TangentialOutcome solve_line(const TangentialInput& in) {
+  TangentialOutcome out;
+  const RollingCase c = case_of(in);
+  const StripPatch patch = strips_of(in, Bound::elliptic);
+  const StripSolution line = strip_theory(patch, c, in.store);
+  out.force = line.force;
+  out.stick_share = line.stick_share;
+  if (in.store) out.map = map_of_strips(patch, line);
+  out.error_estimate = 0.25 / static_cast<double>(patch.cells());
+  if (c.creepage.spin != 0.0) out.reasons.push_back("spin of a line contact is not plane");
+  check_materials(in, out);
+  return out;
+}
+
 TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
+  if (!mended && in.patch.is_line) return solve_line(in);
   TangentialOutcome out;
   const RollingCase c = case_of(in);
   const KalkerCoefficients k = coefficients(c);
   const Regime r = regime_of(c, k);
   const StripPatch patch = strips_of(in, Bound::elliptic);
-  if (!mended && in.patch.is_line) {  // Carter's problem: the strip is the whole of it
-    const StripSolution line = strip_theory(patch, c, in.store);
-    out.force = line.force, out.stick_share = line.stick_share;
-    if (in.store) out.map = map_of_strips(patch, line);
-    out.error_estimate = 0.25 / static_cast<double>(patch.cells());
-    if (c.creepage.spin != 0.0) out.reasons.push_back("spin of a line contact is not plane");
-    return out;
-  }
   RollingCase cells = c;
   cells.creepage = creepage_of_cells(in);
   const StripSolution s = mended ? fastrip(patch, cells, k, in.store) : strip_theory(patch, cells, in.store);
@@ -235,10 +253,25 @@ TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
 TangentialOutcome solve_strip(const TangentialInput& in) { return strips_on(in, false); }
 TangentialOutcome solve_fastrip(const TangentialInput& in) { return strips_on(in, true); }
 
+/// A steady line contact is plane; a shift of half-planes has no displacement at infinity to count from.
+TangentialOutcome solve_half_space_rolling(const TangentialInput& in) {
+  if (!in.patch.is_line) return steady_half_space(in, saturation_of(in));
+  return solve_line(in);
+}
+template <TangentialOutcome (*Model)(const TangentialInput&)>
+TangentialOutcome not_on_lines(const TangentialInput& in) {
+  TangentialOutcome out = Model(in);
+  if (in.patch.is_line)
+    out.reasons.push_back("a line contact: half-planes yield without bound, the ellipse of the same axes was taken");
+  return out;
+}
+
 /// The model, and what follows from any force.
 template <TangentialOutcome (*Model)(const TangentialInput&)>
 TangentialOutcome complete(const TangentialInput& in) {
   TangentialOutcome out = Model(in);
+  if (in.patch.is_line && in.patch.runs_along)
+    out.reasons.push_back("a line contact along the track rolls along its own line, which is not plane");
   out.wear_number = dissipation(out.force, case_of(in).creepage);
   return out;
 }
@@ -270,12 +303,12 @@ const std::vector<TangentialModel>& all_tangential_models() {
         "Sichani, Enblom, Berg 2016"},
        complete<solve_fastrip>},
       {{"half-space", "boundary elements, extrapolated to the limit of fine grids", {}, {}, "Kalker 1990"},
-       complete<steady_half_space>},
+       complete<solve_half_space_rolling>},
       {{"half-space-start", "the same, rolling from rest over the case's distance", {}, {}, "Kalker 1990"},
-       complete<starting_half_space>,
+       complete<not_on_lines<starting_half_space>>,
        false},
       {{"half-space-shift", "the same, shifted by creepage times distance without rolling", {}, {}, "Cattaneo 1938"},
-       complete<shifted_half_space>,
+       complete<not_on_lines<shifted_half_space>>,
        false}};
   return all;
 }

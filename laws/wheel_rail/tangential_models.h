@@ -11,6 +11,9 @@
 
 namespace epafi {
 
+/// Kalker's K of unlike bodies, beyond which what is left out of the coupling of pressure and traction shows.
+inline constexpr double most_coupling = 0.05;
+
 struct TangentialInput {
   const NormalPatch& patch;
   ElasticPair elastic;

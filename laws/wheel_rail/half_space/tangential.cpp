@@ -265,17 +265,21 @@ HalfSpaceTangential solve_shift(const BoundLevels& levels, const ElasticPair& pa
   return out;
 }
 
-ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage) {
+ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage,
+                                       double saturation) {
   EPAFI_REQUIRE(!levels.empty(), "a grid");
   ExtrapolatedRolling out;
   PatchForce last;
+  constexpr double little = 0.1, least = 1e-6;  // of the bound: nearly all sticks; what rounding leaves
+  const double tolerance = 1e-5 * std::clamp(saturation, least, 1.0);
+  const TangentialField nothing(levels[0].grid.size());
   for (std::size_t k = 0; k < levels.size(); ++k) {
     if (k == 0) {
-      out.fine = solve_steady_rolling(levels[0], pair, creepage);
+      out.fine = solve_steady_rolling(levels[0], pair, creepage, saturation < little ? &nothing : nullptr, tolerance);
     } else {
       const TangentialField start = refine(out.fine.traction, levels[k - 1].grid, levels[k].grid);
       last = out.fine.force;
-      out.fine = solve_steady_rolling(levels[k], pair, creepage, &start);
+      out.fine = solve_steady_rolling(levels[k], pair, creepage, &start, tolerance);
     }
   }
   out.force = out.fine.force;

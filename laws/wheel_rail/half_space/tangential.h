@@ -57,7 +57,9 @@ struct ExtrapolatedRolling {
   PatchForce force;
   double error_estimate = 0.0;  ///< half the distance from the fine grid's force to the limit, over the bound [-]
 };
-ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage);
+/// `saturation`: linear force over the bound; where it is small, the tolerance is relative to it.
+ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage,
+                                       double saturation = 1.0);
 /// The same after a start from rest, on the two finest grids.
 ExtrapolatedRolling start_extrapolated(const BoundLevels& levels, const ElasticPair& pair, const Creepage& creepage,
                                        double distance);

@@ -53,7 +53,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto c = static_cast<std::size_t>(k);
     const double f = gaps.force()[k], x = mesh.candidate_x(c), y = mesh.candidate_y(c);
-    pressure[c] = over_surface ? s.p[k] : f / tributary[k];
+    pressure[c] = f / tributary[k];  // nodal values of pressures integrated over the surface swing from node to node
     sx += f * x, sy += f * y, sxx += f * x * x, syy += f * y * y;
     if (s.p[k] > 0.0) p.area += tributary[k];
   }
@@ -63,8 +63,8 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
   p.normal_force = s.force, p.approach = s.approach, p.max_pressure = peak_pressure(grid, pressure);
   if (in.stresses)
     p.stress = std::make_shared<const BlockStress>(block_stresses(mesh, E * (1.0 - nu * nu), nu, gaps.force()));
-  // measured against Hertz: 1 % in peak and approach from 8 elements on, 7 % in the peak over the surface on 8
-  p.error_estimate = (over_surface ? 0.07 : 0.01) * std::max(1.0, 64.0 / (across * across));
+  // measured against Hertz: 1 % in peak and approach from 8 elements on, up to 1.6 % in the peak over the surface
+  p.error_estimate = (over_surface ? 0.02 : 0.01) * std::max(1.0, 64.0 / (across * across));
   if (!s.report.converged)
     p.reasons.push_back("contact did not settle: penetration " + std::to_string(1e9 * s.penetration) + " nm after " +
                         std::to_string(s.report.iterations) + " rounds");

@@ -19,13 +19,13 @@ TangentialOutcome outcome_of(const TangentialInput& in, const BoundLevels& level
   TangentialOutcome out;
   out.force = force;
   out.stick_share = fine.stick_share;
-  out.error_estimate = levels.size() > 1 ? error : 0.1;
+  out.error_estimate = (levels.size() > 1 ? error : 0.1) + fine.report.residual;
   if (!fine.report.converged)
     out.reasons.push_back("Newton did not converge: residual " + std::to_string(fine.report.residual) + " after " +
                           std::to_string(fine.report.iterations) + " steps");
   if (out.error_estimate > 0.03)
     out.reasons.push_back("coarse grid: the forces of two grids differ by more than 0.03 mu N");
-  if (std::abs(in.elastic.coupling) > 0.05)
+  if (std::abs(in.elastic.coupling) > most_coupling)
     out.reasons.push_back("unlike materials couple pressure and traction, which is left out");
   if (!in.store) return out;
   const PatchGrid& g = fine.grid;
@@ -42,9 +42,9 @@ TangentialOutcome outcome_of(const TangentialInput& in, const BoundLevels& level
 
 }  // namespace
 
-TangentialOutcome steady_half_space(const TangentialInput& in) {
+TangentialOutcome steady_half_space(const TangentialInput& in, double saturation) {
   const BoundLevels levels = levels_of(in);
-  const ExtrapolatedRolling s = solve_extrapolated(levels, in.elastic, creepage_of_cells(in));
+  const ExtrapolatedRolling s = solve_extrapolated(levels, in.elastic, creepage_of_cells(in), saturation);
   return outcome_of(in, levels, s.fine, s.force, s.error_estimate);
 }
 

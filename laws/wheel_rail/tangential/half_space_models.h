@@ -4,7 +4,8 @@
 
 namespace epafi {
 
-TangentialOutcome steady_half_space(const TangentialInput& in);
+/// `saturation`: linear force of the creepages over mu N, of which the solver's tolerance is a share where it is small.
+TangentialOutcome steady_half_space(const TangentialInput& in, double saturation);
 /// Rolled over in.distance from rest.
 TangentialOutcome starting_half_space(const TangentialInput& in);
 /// The bodies displaced by creepage times in.distance, pressed on but not rolling.
