@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <optional>
 #include <sstream>
 
 #include "engine/units.h"
@@ -37,13 +39,26 @@ struct Pentadiagonal {
   }
 };
 
-/// Second derivatives g at the inner knots and fitted values of the smoothing spline: (R + lambda Q^T Q) g = Q^T z, f =
-/// z - lambda Q g.
+/// Share of smoothing at each point: the bending that counts is curvature along the profile, z'' / (1 + z'^2)^(3/2), or a
+/// flank of 1:20 would be bent aside before anything of the tread's noise is taken away.
+std::vector<double> shares_of_smoothing(const ProfilePoints& p) {
+  const std::size_t n = p.y.size();
+  std::vector<double> out(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t a = k > 0 ? k - 1 : k, b = k + 1 < n ? k + 1 : k;
+    const double slope = (p.z[b] - p.z[a]) / (p.y[b] - p.y[a]), square = 1.0 + slope * slope;
+    out[k] = 1.0 / (square * square * square);
+  }
+  return out;
+}
+
+/// Second derivatives g at the inner knots and fitted values of the smoothing spline with shares s: (R + lambda Q^T S Q)
+/// g = Q^T z, f = z - lambda S Q g.
 struct Fit {
   std::vector<double> value, second;
   double rms = 0.0;
 };
-Fit fit(const ProfilePoints& p, double lambda) {
+Fit fit(const ProfilePoints& p, double lambda, const std::vector<double>& share) {
   const std::size_t n = p.y.size(), m = n - 2;
   const auto h = [&](std::size_t k) { return p.y[k + 1] - p.y[k]; };
   Pentadiagonal A(m);
@@ -52,16 +67,21 @@ Fit fit(const ProfilePoints& p, double lambda) {
     return k == 0 ? 1.0 / h(j) : k == 2 ? 1.0 / h(j + 1) : -1.0 / h(j) - 1.0 / h(j + 1);
   };
   for (std::size_t j = 0; j < m; ++j) {
-    A.d[j] = (h(j) + h(j + 1)) / 3.0 + lambda * (q(j, 0) * q(j, 0) + q(j, 1) * q(j, 1) + q(j, 2) * q(j, 2));
-    if (j + 1 < m) A.e[j] = h(j + 1) / 6.0 + lambda * (q(j, 1) * q(j + 1, 0) + q(j, 2) * q(j + 1, 1));
-    if (j + 2 < m) A.f[j] = lambda * q(j, 2) * q(j + 2, 0);
+    A.d[j] = (h(j) + h(j + 1)) / 3.0 + 
+             lambda * (share[j] * q(j, 0) * q(j, 0) + share[j + 1] * q(j, 1) * q(j, 1) + share[j + 2] * q(j, 2) * q(j, 2));
+    if (j + 1 < m) A.e[j] = h(j + 1) / 6.0 + 
+                               lambda * (share[j + 1] * q(j, 1) * q(j + 1, 0) + share[j + 2] * q(j, 2) * q(j + 1, 1));
+    if (j + 2 < m) A.f[j] = lambda * share[j + 2] * q(j, 2) * q(j + 2, 0);
     b[j] = q(j, 0) * p.z[j] + q(j, 1) * p.z[j + 1] + q(j, 2) * p.z[j + 2];
   }
   const std::vector<double> g = A.solve(b);
   Fit out{p.z, std::vector<double>(n, 0.0), 0.0};
   for (std::size_t j = 0; j < m; ++j) {
     out.second[j + 1] = g[j];
-    for (int k = 0; k < 3; ++k) out.value[j + static_cast<std::size_t>(k)] -= lambda * q(j, k) * g[j];
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t i = j + static_cast<std::size_t>(k);
+      out.value[i] -= lambda * share[i] * q(j, k) * g[j];
+    }
   }
   for (std::size_t k = 0; k < n; ++k) out.rms += (out.value[k] - p.z[k]) * (out.value[k] - p.z[k]);
   out.rms = std::sqrt(out.rms / static_cast<double>(n));
@@ -71,14 +91,15 @@ Fit fit(const ProfilePoints& p, double lambda) {
 }  // namespace
 
 Profile::Profile(const ProfilePoints& points, double tolerance) : y_(points.y) {
-  Fit best = fit(points, 0.0);
+  const std::vector<double> share = shares_of_smoothing(points);
+  Fit best = fit(points, 0.0, share);
   if (tolerance > 0.0) {
     // the distance grows with lambda: bisection in its logarithm; the mean spacing cubed is the natural scale
     const double spacing = (y_.back() - y_.front()) / static_cast<double>(y_.size());
     double low = std::log(1e-9 * spacing * spacing * spacing), high = low + 60.0;
     for (int k = 0; k < 60; ++k) {
       const double middle = 0.5 * (low + high);
-      Fit trial = fit(points, std::exp(middle));
+      Fit trial = fit(points, std::exp(middle), share);
       if (trial.rms <= tolerance)
         low = middle, best = std::move(trial);
       else
@@ -133,14 +154,30 @@ double unit_of_comment(const std::string& line, std::string& problem) {
   return q.value.value_or(0.0);
 }
 
-/// The first two numbers of a line, separated by comma, semicolon or space; false if there are none.
-bool two_numbers(std::string line, double& y, double& z) {
+/// The first three numbers of a line, separated by comma, semicolon or space; the third may be missing (not a number).
+struct Row {
+  double y = 0.0, z = 0.0, third = 0.0;
+};
+std::optional<Row> row_of(std::string line) {
   std::replace(line.begin(), line.end(), ',', ' ');
   std::replace(line.begin(), line.end(), ';', ' ');
-  char *end = nullptr, *last = nullptr;
-  y = std::strtod(line.c_str(), &end);
-  z = std::strtod(end, &last);
-  return end != line.c_str() && last != end && std::isfinite(y) && std::isfinite(z);
+  char *end = nullptr, *last = nullptr, *after = nullptr;
+  Row r;
+  r.y = std::strtod(line.c_str(), &end);
+  r.z = std::strtod(end, &last);
+  r.third = std::strtod(last, &after);
+  if (end == line.c_str() || last == end || !std::isfinite(r.y) || !std::isfinite(r.z)) return std::nullopt;
+  if (after == last) r.third = std::numeric_limits<double>::quiet_NaN();
+  return r;
+}
+
+/// Rows are numbered by whole numbers one by one, and the second column goes one way: it is the lateral coordinate.
+bool counts_rows(const std::vector<Row>& rows) {
+  if (rows.size() < 4) return false;
+  const bool up = rows[1].z > rows[0].z;
+  for (std::size_t k = 1; k < rows.size(); ++k)
+    if (rows[k].y != rows[k - 1].y + 1.0 || std::isnan(rows[k].third) || (rows[k].z > rows[k - 1].z) != up) return false;
+  return rows[0].y == std::floor(rows[0].y);
 }
 
 /// In the order of y, points that are one merged; what is wrong with them otherwise.
@@ -163,8 +200,9 @@ std::string sort_out(std::vector<std::pair<double, double>>& points) {
 ProfileFile read_profile(const std::string& text) {
   ProfileFile out;
   std::istringstream in(text);
-  double unit = 0.0, y = 0.0, z = 0.0;
+  double unit = 0.0;
   std::vector<std::pair<double, double>> points;
+  std::vector<Row> rows;
   bool header = true;
   for (std::string line; std::getline(in, line);) {
     ++out.line;
@@ -175,14 +213,18 @@ ProfileFile read_profile(const std::string& text) {
       if (!out.problem.empty()) return out;
     } else if (unit == 0.0) {
       return out.problem = "the first line must state the unit, as in '# unit: mm'", out;
-    } else if (two_numbers(line, y, z)) {
-      points.emplace_back(y * unit, z * unit);
+    } else if (const auto row = row_of(line)) {
+      points.emplace_back(row->y * unit, row->z * unit);
+      rows.push_back(*row);
     } else if (header && points.empty()) {
       header = false;  // one line of column names
     } else {
       return out.problem = "expected two numbers y, z, found '" + line + "'", out;
     }
   }
+  if (counts_rows(rows))
+    return out.problem = "the first column numbers the points; the first two columns are y and z: leave the numbers out",
+           out;
   out.problem = sort_out(points);
   if (!out.problem.empty()) return out;
   for (const auto& [at, height] : points) out.points.y.push_back(at), out.points.z.push_back(height);
@@ -190,12 +232,36 @@ ProfileFile read_profile(const std::string& text) {
   return out;
 }
 
+namespace {
+
+/// Without what stands upright or hangs over: from the highest point outwards as far as the flank is a function of y.
+ProfilePoints without_overhang(const ProfilePoints& p) {
+  constexpr double upright = 100.0;  // slope: a flank of 0.6 degrees; a spline over steeper pieces swings beside them
+  const auto holds = [&](std::size_t k) {
+    const double dy = p.y[k + 1] - p.y[k];
+    return dy > 0.0 && std::abs(p.z[k + 1] - p.z[k]) < upright * dy;
+  };
+  const auto top = static_cast<std::size_t>(std::min_element(p.z.begin(), p.z.end()) - p.z.begin());
+  std::size_t first = top, last = top;
+  while (first > 0 && holds(first - 1)) --first;
+  while (last + 1 < p.y.size() && holds(last)) ++last;
+  const auto part = [&](const std::vector<double>& v) {
+    return std::vector<double>(v.begin() + static_cast<std::ptrdiff_t>(first),
+                               v.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  };
+  return {part(p.y), part(p.z)};
+}
+
+}  // namespace
+
 ProfilePoints canted_rail(ProfilePoints p, double cant) {
   const double c = std::cos(cant), s = std::sin(cant);
   for (std::size_t k = 0; k < p.y.size(); ++k) {
     const double y = p.y[k], z = p.z[k];
     p.y[k] = c * y - s * z, p.z[k] = s * y + c * z;
   }
+  if (cant != 0.0) p = without_overhang(p);
+  if (p.y.size() < 4) return p;
   // the highest point of the spline, not of the points: a fine scan and a parabola
   const Profile spline(p);
   double top = *std::min_element(p.z.begin(), p.z.end());

@@ -130,11 +130,30 @@ double WheelRailPair::refine(double y) const {
 double WheelRailPair::clearance() const {
   double from = 0.0;
   const std::vector<double> gap = scan(from);
+  if (gap.empty()) return std::numeric_limits<double>::infinity();
   const auto lowest = static_cast<double>(std::min_element(gap.begin(), gap.end()) - gap.begin());
   return locus(refine(from + lowest * scan_step)).gap;
 }
 
-void WheelRailPair::touch() { centre_.z() += clearance(); }
+WheelRailPair::Missing WheelRailPair::missing() const {
+  double from = 0.0;
+  const std::vector<double> gap = scan(from);
+  if (gap.empty()) return Missing::apart;
+  if (!minima(0.0).empty()) return Missing::nothing;
+  const auto lowest = static_cast<double>(std::min_element(gap.begin(), gap.end()) - gap.begin());
+  const double y = from + lowest * scan_step;
+  return y - wheel_.y_min() < scan_step || wheel_.y_max() - y < scan_step ? Missing::wheel_ends : Missing::rail_ends;
+}
+
+bool WheelRailPair::has_gauge_face() const {
+  const Profile::Value end = rail_.at(rail_.y_max());
+  constexpr double flank = 10.0;  // slope: from there on 4 mm of height are less than half a millimetre of gauge
+  return end.z >= track_.gauge_height || (end.slope > flank && end.z > 0.7 * track_.gauge_height);
+}
+
+void WheelRailPair::touch() {
+  if (const double way = clearance(); std::isfinite(way)) centre_.z() += way;
+}
 
 void WheelRailPair::lower(double depth) { centre_.z() += depth - depth_, depth_ = depth; }
 
@@ -242,12 +261,29 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
   }
 }
 
+void WheelRailPair::part(ContactRegion& region, const ContactRegion& other) const {
+  GapProfile& g = region.profile;
+  const Plane plane = plane_of(region);
+  const Vec3 there(other.point.x(), mirror_ * other.point.y(), other.point.z());
+  const double s = (there - plane.origin).dot(plane.t);
+  const std::size_t middle = g.size() / 2;
+  const auto place = [&](std::size_t m) { return s > 0.0 ? middle + m : middle - m; };
+  const auto between = std::min(static_cast<std::size_t>(std::abs(s) / g.step), middle);
+  std::size_t hill = 0;
+  for (std::size_t m = 1; m <= between; ++m)
+    if (g.gap[place(m)] > g.gap[place(hill)]) hill = m;
+  for (std::size_t m = hill + 1; m <= middle; ++m)
+    g.gap[place(m)] = std::max(g.gap[place(m)], 1.1 * std::max(g.gap[place(m - 1)], g.step));
+}
+
 std::vector<std::pair<double, double>> WheelRailPair::minima(double reach) const {
   double from = 0.0;
   const std::vector<double> gap = scan(from);
   std::vector<std::pair<double, double>> out;  // refined gap and place
   if (gap.empty()) return out;
   const double lowest = *std::min_element(gap.begin(), gap.end());
+  // what touches first at the end of a profile touches with a corner that is none
+  if (std::min(gap.front(), gap.back()) <= lowest) return out;
   for (std::size_t k = 1; k + 1 < gap.size(); ++k) {
     if (!(gap[k] <= gap[k - 1] && gap[k] < gap[k + 1]) || gap[k] > lowest + 2.0 * reach) continue;
     const double y = refine(from + static_cast<double>(k) * scan_step);
@@ -274,7 +310,10 @@ std::vector<ContactRegion> WheelRailPair::find_regions(double reach) const {
   return out;
 }
 
-ContactRegion WheelRailPair::deepest() const { return regions_at(minima(2e-4), 0.0).front(); }
+std::optional<ContactRegion> WheelRailPair::deepest() const {
+  const std::vector<ContactRegion> all = regions_at(minima(2e-4), 0.0);
+  return all.empty() ? std::nullopt : std::optional(all.front());
+}
 
 double WheelRailPair::touch(double reach, std::vector<ContactRegion>& regions) {
   auto places = minima(reach);
@@ -364,35 +403,88 @@ WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const
   return stand_on_rails(WheelRailPair(wheel, rail, track, true), p);
 }
 
-WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition p) {
-  WheelRailPair left = side.on_side(false), right = side.on_side(true);
-  for (int k = 0; k < 30; ++k) {
-    left.place(p), right.place(p);
-    const double gl = left.clearance(), gr = right.clearance();
-    // sink by the mean, turn by the difference over the distance of the contacts
-    p.height += 0.5 * (gl + gr);
-    p.roll += (gr - gl) / (2.0 * right.rail_axis());
-    if (std::abs(gl) + std::abs(gr) < 1e-12) break;
+namespace {
+
+/// Both wheels of a wheelset that rolls about its middle until it stands on both rails.
+class Standing {
+ public:
+  Standing(const WheelRailPair& side, const WheelsetPosition& start)
+      : left_(side.on_side(false)), right_(side.on_side(true)), radius_(side.track().radius), p_(start) {}
+
+  /// Roll and height with the shift counted at the rails: there the contacts hardly move with the roll, and the gaps
+  /// close by its difference times their distance. False where a wheel lies beside its rail.
+  bool at_rails(double shift) {
+    for (int k = 0; k < 40; ++k) {
+      p_.lateral_shift = shift + p_.roll * radius_;
+      left_.place(p_), right_.place(p_);
+      const double gl = left_.clearance(), gr = right_.clearance();
+      if (!std::isfinite(gl) || !std::isfinite(gr)) return false;
+      p_.height += 0.5 * (gl + gr);
+      p_.roll += (gr - gl) / (2.0 * right_.rail_axis());
+      if (std::abs(p_.roll) > 1.0) return false;
+      if (std::abs(gl) + std::abs(gr) < 1e-12) break;
+    }
+    p_.lateral_shift = shift + p_.roll * radius_;
+    return true;
   }
-  left.place(p), right.place(p);
-  return {p, left.deepest(), right.deepest()};
+
+  /// Axle's middle at this shift: the place at the rails that it belongs to, the first one outwards.
+  bool at_axle(double shift) {
+    const auto beside = [&](double at) { return at_rails(at) ? p_.lateral_shift - shift : not_met; };
+    double from = shift, f_from = beside(from), step = std::max(1e-6, 1.5 * std::abs(f_from)), to = from, f_to = f_from;
+    while (f_to * f_from > 0.0) {
+      from = to, f_from = f_to;
+      to -= std::copysign(step, f_from), f_to = beside(to);
+      step = std::min(2.0 * step, 1e-3);
+      if (std::abs(to - shift) > 0.2) return false;
+    }
+    for (int k = 0; k < 100 && f_to != 0.0 && std::abs(to - from) > 1e-13; ++k) {
+      // regula falsi, halved on the side that stays (Illinois)
+      const double middle = to - f_to * (to - from) / (f_to - f_from), f = beside(middle);
+      if (std::isnan(f)) return false;
+      f_from = f * f_to < 0.0 ? f_to : 0.5 * f_from;
+      from = f * f_to < 0.0 ? to : from;
+      to = middle, f_to = f;
+      if (std::abs(f) < 1e-14) break;
+    }
+    return !std::isnan(f_to);
+  }
+
+  WheelsetGeometry found() {
+    left_.place(p_), right_.place(p_);
+    const auto left = left_.deepest(), right = right_.deepest();
+    if (!left || !right) return {p_, {}, {}, false};
+    return {p_, *left, *right};
+  }
+  WheelsetGeometry none() const { return {p_, {}, {}, false}; }
+
+ private:
+  WheelRailPair left_, right_;
+  double radius_;
+  WheelsetPosition p_;
+};
+
+}  // namespace
+
+WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition p) {
+  Standing both(side, p);
+  return both.at_axle(p.lateral_shift) ? both.found() : both.none();
+}
+
+WheelsetGeometry stand_at_rails(const WheelRailPair& side, WheelsetPosition p) {
+  Standing both(side, p);
+  return both.at_rails(p.lateral_shift) ? both.found() : both.none();
 }
 
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude) {
   constexpr int n = 60;
   std::vector<double> difference(2 * n + 1);
+  const WheelRailPair side(wheel, rail, track, true);
   for (std::size_t k = 0; k < difference.size(); ++k) {
-    // the standard counts displacements at the rails, where rolling about the axle's middle moves the wheels sideways
-    // by roll r0
-    const double y = amplitude * (static_cast<double>(k) - n) / n;
-    WheelsetPosition p;
-    p.lateral_shift = y;
-    WheelsetGeometry g = stand_on_rails(wheel, rail, track, p);
-    for (int again = 0; again < 3; ++again) {
-      p = g.position;
-      p.lateral_shift = y + p.roll * track.radius;
-      g = stand_on_rails(wheel, rail, track, p);
-    }
+    WheelsetPosition p;  // the standard counts displacements at the rails
+    p.lateral_shift = amplitude * (static_cast<double>(k) - n) / n;
+    const WheelsetGeometry g = stand_at_rails(side, p);
+    if (!g.stands) return not_met;
     difference[k] = g.rolling_radius_difference();
   }
   return conicity_of(difference, amplitude, track);

@@ -3,6 +3,7 @@
 /// track at the rails' top.
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "detection/profiles/profile.h"
@@ -54,13 +55,20 @@ class WheelRailPair final : public GapSource {
   void sample_profiles(const Sampling& sampling) { sampling_ = sampling; }
   /// Fills region.profile; the region in track axes, as it is given out.
   void add_profile(ContactRegion& region) const;
+  /// Leaves out of a region's profile what belongs to another: from the highest gap between them on it only opens.
+  void part(ContactRegion& region, const ContactRegion& other) const;
   /// Regions nearer than `reach` to touching when the deepest touches, the deepest first.
   std::vector<ContactRegion> regions() const override { return find_regions(2e-4); }
   std::vector<ContactRegion> find_regions(double reach) const;
-  /// The region that touches first, without its profile.
-  ContactRegion deepest() const;
-  /// Smallest vertical gap over the track: how far the wheel may sink before it touches [m].
+  /// The region that touches first, without its profile; none where contact is missing.
+  std::optional<ContactRegion> deepest() const;
+  /// Smallest vertical gap over the track: how far the wheel may sink before it touches [m]; infinite where wheel and
+  /// rail do not lie above each other.
   double clearance() const;
+  /// What hinders a contact: the smallest gap must lie inside both profiles.
+  enum class Missing { nothing, apart, wheel_ends, rail_ends };
+  Missing missing() const;
+  bool has_gauge_face() const;  ///< a point of the rail lies as deep as the gauge is measured
   GapField field(const ContactRegion& region, double x, double y, double dx, double dy, std::size_t nx,
                  std::size_t ny) const override;
   ContactRegion moved(const ContactRegion& region, double y, double angle) const override;
@@ -70,6 +78,7 @@ class WheelRailPair final : public GapSource {
                                             std::span<const std::array<std::uint32_t, 3>> second,
                                             double band) const override;
 
+  const TrackGeometry& track() const { return track_; }
   double rail_axis() const { return axis_; }  ///< distance of the rail's axis from the middle of the track [m]
 
  private:
@@ -122,19 +131,27 @@ class WheelRailPair final : public GapSource {
   Sampling sampling_;
 };
 
-/// Rigid geometry of a whole wheelset without yaw, standing on both rails.
+/// Rigid geometry of a whole wheelset standing on both rails.
 struct WheelsetGeometry {
   WheelsetPosition position;  ///< roll and height found
   ContactRegion left, right;  ///< deepest regions
+  bool stands = true;         ///< false where no such place was found: there is no contact on one of the rails
   double rolling_radius_difference() const { return right.rolling_radius - left.rolling_radius; }
 };
+/// The lateral shift is that of the axle's middle. On a flange steeper than (distance of the contacts) / radius the
+/// wheelset runs up while its axle goes back: there is no such place beyond the one where that begins, up to where it
+/// stands on the flange's tip.
 WheelsetGeometry stand_on_rails(const Profile& wheel, const Profile& rail, const TrackGeometry& track,
                                 WheelsetPosition start);
 
 /// The same for the wheelset of which this is one side.
 WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition start);
 
-/// Equivalent conicity at this amplitude [m]: wavelength of the wheelset's free kinematic motion y'' = -delta_r(y) /
+/// The same with the shift counted at the rails' height, where rolling about the axle's middle moves the wheels by
+/// roll times radius: one place for every shift. position.lateral_shift is then the axle's.
+WheelsetGeometry stand_at_rails(const WheelRailPair& side, WheelsetPosition start);
+
+/// Equivalent conicity at this amplitude [m], not a number where the wheelset does not stand so far out: wavelength of the wheelset's free kinematic motion y'' = -delta_r(y) /
 /// (r0 s), integrated over a whole period (EN 15302), put into Klingel's formula.
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude);
 /// The same from rolling radius differences [m] at an odd number of equal steps over [-amplitude, amplitude].

@@ -22,6 +22,7 @@ struct ProfileCase {
   bool roll_given = false;               ///< else from the rigid geometry of both wheels
   std::optional<double> rolling_radius;  ///< speed over angular velocity [m]; else the mean of both wheels
   bool creepage_given = false;           ///< else from the kinematics of the rolling wheelset
+  std::vector<std::string> doubts{};     ///< about the profiles: nothing computed from them need be right
 };
 
 struct PatchCase {

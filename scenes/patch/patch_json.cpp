@@ -63,14 +63,14 @@ std::string patch_json(const std::vector<PatchResult>& results) {
 
 std::string patch_table(const std::vector<PatchResult>& results) {
   std::string out =
-      fmt::format("{:<16}{:<20}{:>10}{:>11}{:>10}{:>10}{:>11}{:>11}{:>8}{:>9}{:>9}  {}\n", "normal", "tangential",
+      fmt::format("{:<16}{:<20}{:>12}{:>11}{:>11}{:>10}{:>13}{:>13}{:>8}{:>9}{:>9}  {}\n", "normal", "tangential",
                   "N [N]", "delta [m]", "p0 [Pa]", "area [m2]", "Fx [N]", "Fy [N]", "stick", "ms", "error", "valid");
   for (const auto& r : results) {
-    out += fmt::format("{:<16}{:<20}{:>10.5g}{:>11.4g}{:>10.4g}{:>10.3g}", r.normal, r.friction ? r.tangential : "-",
+    out += fmt::format("{:<16}{:<20}{:>12.5g}{:>11.4g}{:>11.4g}{:>10.3g}", r.normal, r.friction ? r.tangential : "-",
                        r.normal_force, r.approach, r.max_pressure, r.area);
-    out += r.friction ? fmt::format("{:>11.5g}{:>11.5g}{:>8}", r.force.fx, r.force.fy,
+    out += r.friction ? fmt::format("{:>13.5g}{:>13.5g}{:>8}", r.force.fx, r.force.fy,
                                     r.stick_share >= 0.0 ? fmt::format("{:.3f}", r.stick_share) : "-")
-                      : fmt::format("{:>11}{:>11}{:>8}", "-", "-", "-");
+                      : fmt::format("{:>13}{:>13}{:>8}", "-", "-", "-");
     out += fmt::format("{:>9.3g}{:>9.1e}  {}\n", r.milliseconds, r.error_estimate, r.reasons.empty() ? "yes" : "NO");
     for (const auto& reason : r.reasons) out += "                  " + reason + "\n";
   }

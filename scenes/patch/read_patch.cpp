@@ -2,6 +2,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "detection/shapes/rail_profile.h"
 #include "detection/shapes/wheel_profile.h"
 #include "engine/nearest.h"
@@ -87,7 +89,8 @@ void set_materials(Reading& reading, const TableValues& patch, PatchCase& out) {
 }
 
 /// A profile by file or by name; reports what is wrong with either.
-std::optional<Profile> read_profile_keys(Reading& reading, TableValues v, const std::string& label, bool is_wheel) {
+std::optional<Profile> read_profile_keys(Reading& reading, TableValues v, const std::string& label, bool is_wheel,
+                                         std::vector<std::string>& doubts) {
   if (v.has("file")) v.set("file", resolve_path(v.text("file"), v.place_of("file"), reading.main_file));
   Built<Profile> built = build_profile(v, is_wheel, label);
   if (!built.value)
@@ -95,7 +98,36 @@ std::optional<Profile> read_profile_keys(Reading& reading, TableValues v, const 
                   : built.key.empty()       ? v.place
                                             : v.place_of(built.key),
                   built.problem);
+  for (std::string& text : built.doubts) {
+    reading.warning(v.place, text);
+    doubts.push_back(std::move(text));
+  }
   return std::move(built.value);
+}
+
+/// Dimensions that no track has, models of it included: millimetres written as metres.
+void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c) {
+  constexpr double largest = 3.0;
+  const std::pair<const char*, double> all[] = {{"wheel radius", c.track.radius},
+                                                {"gauge", c.track.gauge},
+                                                {"flange_back", c.track.flange_back},
+                                                {"lateral_shift", std::abs(c.position.lateral_shift)}};
+  for (const auto& [name, value] : all) {
+    if (value <= largest) continue;
+    const std::string text = fmt::format("[patch] {} = {:.4g} m: is it in millimetres? write \"{:.4g} mm\"", name, value, value);
+    reading.warning(patch.place, text);
+    c.doubts.push_back(text);
+  }
+}
+
+/// The gauge of a rail without a gauge face is that of its last points, if the case says what it is.
+void check_gauge(Reading& reading, const TableValues& patch, const ProfileCase& c) {
+  const std::string face = gauge_face_problem(c.rail, c.track, "[patch] gauge");
+  if (face.empty()) return;
+  if (patch.written("gauge"))
+    reading.warning(patch.place_of("gauge"), face);
+  else
+    reading.error(patch.place, face);
 }
 
 /// The wheel and rail of [shape.*]; places and track come from [patch].
@@ -113,7 +145,7 @@ void set_profiles(Reading& reading, const TableValues& patch, PatchCase& out) {
     }
     const TableValues v = read_table(w ? *w : *r, label + (w ? " wheel_profile" : " rail_profile"),
                                      w ? WheelProfile::entry().fields : RailProfile::entry().fields, reading);
-    auto profile = read_profile_keys(reading, v, label, w != nullptr);
+    auto profile = read_profile_keys(reading, v, label, w != nullptr, c.doubts);
     if (!profile) continue;
     if ((w ? wheel : rail).has_value()) reading.error(node.place, label + ": a second profile of its kind");
     if (w) c.track.radius = v.number_or("radius", c.track.radius);
@@ -133,6 +165,8 @@ void set_profiles(Reading& reading, const TableValues& patch, PatchCase& out) {
   c.rolling_radius = patch.optional_number("rolling_radius");
   c.right = patch.text("side") == "right";
   c.creepage_given = patch.written("creepage");
+  check_gauge(reading, patch, c);
+  check_dimensions(reading, patch, c);
   out.profiles = std::move(c);
 }
 

@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "engine/nearest.h"
+#include "scenes/railway/plausible.h"
 #include "scenes/reader/document.h"
 #include "viz_export/side_file.h"
 
@@ -31,8 +34,14 @@ Built<ProfilePoints> points_of(const Parameters& p, bool is_wheel, const std::st
   const std::string& path = p.text("file");
   if (!exists(path)) return {{}, label + " file: there is no file '" + path + "'", "file"};
   ProfileFile file = read_profile(read_whole_file(path));
-  if (file.problem.empty()) return {std::move(file.points)};
-  return {{}, file.problem, "file", {path, std::max(1, file.line), 1}};
+  if (!file.problem.empty()) return {{}, file.problem, "file", {path, std::max(1, file.line), 1}};
+  ProfileRemarks remarks = is_wheel ? remarks_on_wheel(file.points) : remarks_on_rail(file.points);
+  if (!remarks.problem.empty()) return {{}, label + " file '" + path + "': " + remarks.problem, "file"};
+  Built<ProfilePoints> out{std::move(file.points)};
+  for (const std::string& text : remarks.doubts) out.doubts.push_back(label + ": " + text);
+  const std::string noise = noise_remark(*out.value, p.number_or("smoothing", 0.0));
+  if (!noise.empty()) out.doubts.push_back(label + ": " + noise);
+  return out;
 }
 
 void set_defect(const Parameters& p, const std::string& group, WheelDefect& out) {
@@ -46,8 +55,21 @@ Built<Profile> build_profile(const Parameters& p, bool is_wheel, const std::stri
   Built<ProfilePoints> points = points_of(p, is_wheel, label);
   if (!points.value) return {{}, points.problem, points.key, points.place};
   const double smoothing = p.number_or("smoothing", 0.0);
-  if (is_wheel) return {Profile(*points.value, smoothing)};
-  return {Profile(canted_rail(*points.value, p.number_or("cant", 0.0)), smoothing)};
+  if (!is_wheel) points.value = canted_rail(std::move(*points.value), p.number_or("cant", 0.0));
+  if (points.value->y.size() < 4)
+    return {{}, label + ": fewer than 4 points are left of the head with this cant", "cant"};
+  Built<Profile> out{Profile(*points.value, smoothing)};
+  out.doubts = std::move(points.doubts);
+  return out;
+}
+
+std::string gauge_face_problem(const Profile& rail, const TrackGeometry& track, const std::string& label) {
+  const WheelRailPair pair(Profile({{-0.1, 0.0, 0.1}, {0.0, 0.0, 0.0}}), rail, track, true);
+  if (pair.has_gauge_face()) return "";
+  return fmt::format(
+      "{}: the rail's points end {:.3g} m below its top on the gauge side (y = {:.4g} m), and the gauge is measured "
+      "{:.3g} m below it: give the whole head, or write as gauge the distance between the rails' last points",
+      label, rail.at(rail.y_max()).z, rail.y_max(), track.gauge_height);
 }
 
 Built<Wheelset> build_wheelset(const Parameters& p, const std::string& label) {
@@ -55,6 +77,11 @@ Built<Wheelset> build_wheelset(const Parameters& p, const std::string& label) {
   if (!profile.value) return {{}, profile.problem, profile.key, profile.place};
   Wheelset w;
   w.wheel = std::move(*profile.value);
+  const auto done = [&] {
+    Built<Wheelset> out{std::move(w)};
+    out.doubts = std::move(profile.doubts);
+    return out;
+  };
   w.geometry.radius = p.number("radius"), w.geometry.flange_back = p.number("flange_back"),
   w.geometry.tape_circle = p.number("tape_circle");
   if (p.has("mass") != p.has("inertia"))
@@ -76,7 +103,7 @@ Built<Wheelset> build_wheelset(const Parameters& p, const std::string& label) {
     w.defect.order = static_cast<int>(p.integer("out_of_round.order"));
     set_defect(p, "out_of_round", w.defect);
   }
-  return {std::move(w)};
+  return done();
 }
 
 Built<Track> build_track(const Parameters& p, const std::string& label) {
@@ -93,14 +120,19 @@ Built<Track> build_track(const Parameters& p, const std::string& label) {
   }
   Track t(std::move(*profile.value), {}, curve);
   t.geometry.gauge = p.number("gauge");
-  if (!p.has("irregularity.lateral")) return {std::move(t)};
+  const auto done = [&] {
+    Built<Track> out{std::move(t)};
+    out.doubts = std::move(profile.doubts);
+    return out;
+  };
+  if (!p.has("irregularity.lateral")) return done();
   const bool sine = p.has("irregularity.wavelength"), measured = p.has("irregularity.file");
   const SinusoidalTrack wave{p.number("irregularity.lateral"), p.number("irregularity.vertical"),
                              p.number("irregularity.cross_level"), p.number_or("irregularity.wavelength", 1.0)};
   if (sine == measured) return {{}, label + " irregularity: write one of file and wavelength", "irregularity"};
   if (sine) {
     t.wave = wave;
-    return {std::move(t)};
+    return done();
   }
   if (wave.lateral != 0.0 || wave.vertical != 0.0 || wave.cross_level != 0.0)
     return {{}, label + " irregularity: amplitudes belong to a wavelength, not to a file", "irregularity"};
@@ -109,7 +141,7 @@ Built<Track> build_track(const Parameters& p, const std::string& label) {
   MeasuredFile file = read_irregularity(read_whole_file(path));
   if (!file.problem.empty()) return {{}, file.problem, "irregularity.file", {path, std::max(1, file.line), 1}};
   t.measured = std::move(file.track);
-  return {std::move(t)};
+  return done();
 }
 
 }  // namespace epafi

@@ -84,10 +84,24 @@ void check_railway(Reading& reading, ShapeSpec& shape, const TableValues& values
                                             : shape.place,
                   built.problem);
   };
-  if (shape.type == "wheel_profile")
-    report(build_wheelset(shape.parameters, label));
+  const auto warn = [&](const std::vector<std::string>& doubts) {
+    for (const std::string& text : doubts) reading.warning(shape.place, text);
+  };
+  if (shape.type == "wheel_profile") {
+    const Built<Wheelset> wheels = build_wheelset(shape.parameters, label);
+    report(wheels);
+    return warn(wheels.doubts);
+  }
+  const Built<Track> track = build_track(shape.parameters, label);
+  report(track);
+  warn(track.doubts);
+  if (!track.value) return;
+  const std::string face = gauge_face_problem(track.value->rail, track.value->geometry, label);
+  if (face.empty()) return;
+  if (values.written(prefix + "gauge"))
+    reading.warning(values.place_of(prefix + "gauge"), face);
   else
-    report(build_track(shape.parameters, label));
+    reading.error(shape.place, face);
 }
 
 void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {

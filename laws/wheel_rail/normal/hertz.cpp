@@ -43,9 +43,14 @@ void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, st
 }
 
 void check_second_region(const NormalInput& in, NormalPatch& patch) {
-  if (in.regions.size() > 1 && in.regions[1].offset < patch.approach)
+  // the wheel comes down along z: what one region is pressed in along its normal, another is by the ratio of cosines
+  const double depth = patch.approach / std::cos(in.regions.front().angle);
+  for (std::size_t k = 1; k < in.regions.size(); ++k) {
+    if (!(in.regions[k].offset < depth * std::cos(in.regions[k].angle))) continue;
     patch.reasons.push_back("a second region would touch before this one is compressed by " +
                             std::to_string(1e6 * patch.approach) + " um");
+    return;
+  }
 }
 
 std::vector<RegionPatch> solve_hertz(const NormalInput& in) {

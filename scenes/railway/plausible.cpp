@@ -1,0 +1,165 @@
+#include "scenes/railway/plausible.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace epafi {
+namespace {
+
+constexpr double flange = 15e-3;       // what rises more over the tread is one: they are 26 to 36 mm high
+constexpr double shortest = 5e-3;      // of all wheels and rails, models of 1:20 included [m]
+constexpr double longest = 0.4;        // [m]
+constexpr double deep_groove = 14e-3;  // the ends of a rail this far above its middle, both upright: it hangs
+constexpr double upright = 3.0;        // slope
+
+double width_of(const ProfilePoints& p) { return p.y.back() - p.y.front(); }
+
+std::size_t at_least(const std::vector<double>& y, double place) {
+  return static_cast<std::size_t>(std::lower_bound(y.begin(), y.end() - 1, place) - y.begin());
+}
+
+/// Widths that no wheel or rail has: a wrong unit.
+std::string wrong_unit(const ProfilePoints& p) {
+  const double width = width_of(p);
+  if (width >= shortest && width <= longest) return "";
+  return fmt::format("the points span {:.4g} m in y: is the unit of the first line right? ({})", width,
+                     width > longest ? "millimetres called m, or an index in the first column"
+                                     : "metres called mm");
+}
+
+/// Slope of the profile's end pieces over 5 % of its width, positive where z grows outwards.
+double slope_of_end(const ProfilePoints& p, bool last) {
+  const double part = 0.05 * width_of(p);
+  const std::size_t n = p.y.size();
+  const std::size_t inner = last ? std::min(at_least(p.y, p.y.back() - part), n - 2) : std::max<std::size_t>(
+                                                                  at_least(p.y, p.y.front() + part), 1);
+  const std::size_t outer = last ? n - 1 : 0;
+  return (p.z[outer] - p.z[inner]) / std::abs(p.y[outer] - p.y[inner]);
+}
+
+/// Where the flange is, looked for upwards (sign 1) or downwards (-1): its tip [m] and its height over the middle.
+struct Flange {
+  double tip = 0.0, height = 0.0;
+  bool tread_right = true;  ///< more of the profile lies at larger y
+};
+Flange flange_of(const ProfilePoints& p, double sign) {
+  const double middle = sign * p.z[at_least(p.y, 0.5 * (p.y.front() + p.y.back()))];
+  Flange out;
+  for (std::size_t k = 0; k < p.y.size(); ++k) {
+    if (sign * p.z[k] - middle <= out.height) continue;
+    out.height = sign * p.z[k] - middle, out.tip = p.y[k];
+  }
+  out.tread_right = p.y.back() - out.tip > out.tip - p.y.front();
+  return out;
+}
+
+/// Both ends fall away alike: a ball, or a disc with a round rim.
+bool is_round(const ProfilePoints& p, double sign) {
+  const double middle = sign * p.z[at_least(p.y, 0.5 * (p.y.front() + p.y.back()))];
+  const double left = sign * p.z.front() - middle, right = sign * p.z.back() - middle;
+  return std::min(left, right) > 0.5 * std::max(left, right);
+}
+
+}  // namespace
+
+ProfileRemarks remarks_on_wheel(const ProfilePoints& p) {
+  ProfileRemarks out;
+  out.problem = wrong_unit(p);
+  if (!out.problem.empty()) return out;
+  const Flange up = flange_of(p, 1.0), down = flange_of(p, -1.0);
+  if (up.height >= flange) {
+    if (!up.tread_right)
+      out.problem = fmt::format(
+          "the flange (tip at y = {:.4g} m) lies on the field side: y is negative towards the flange; mirror y", up.tip);
+    else if (up.tip > -0.25 * flange)
+      out.problem = fmt::format(
+          "the flange's tip lies at y = {:.4g} m: y counts from the tape circle, flange side negative, and not from "
+          "the flange's back (subtract the distance of the tape circle, 70 mm on most wheels)",
+          up.tip);
+  } else if (down.height >= flange && !is_round(p, -1.0)) {
+    out.problem = fmt::format(
+        "the flange (tip at y = {:.4g} m) points to smaller radii: z is the increase of the radius; change the sign of "
+        "z{}",
+        down.tip, down.tread_right ? "" : " and of y");
+  }
+  if (out.problem.empty() && (p.y.front() > 0.0 || p.y.back() < 0.0))
+    out.problem = fmt::format("the points lie from y = {:.4g} to {:.4g} m: y counts from the tape circle, which must "
+                              "be on the profile",
+                              p.y.front(), p.y.back());
+  return out;
+}
+
+ProfileRemarks remarks_on_rail(const ProfilePoints& p) {
+  ProfileRemarks out;
+  out.problem = wrong_unit(p);
+  if (!out.problem.empty()) return out;
+  const auto top = static_cast<std::size_t>(std::min_element(p.z.begin(), p.z.end()) - p.z.begin());
+  const double lowest = *std::max_element(p.z.begin() + 1, p.z.end() - 1);
+  const bool hangs = lowest - std::max(p.z.front(), p.z.back()) >= deep_groove;
+  if (hangs && slope_of_end(p, false) < -upright && slope_of_end(p, true) < -upright) {
+    out.problem = "both flanks rise from the middle: z counts downwards from the rail's top; change the sign of z";
+    return out;
+  }
+  if (p.y.front() > 0.0 || p.y.back() < 0.0) {
+    out.problem = fmt::format("the points lie from y = {:.4g} to {:.4g} m: y counts from the rail's axis, which must "
+                              "be on the profile",
+                              p.y.front(), p.y.back());
+    return out;
+  }
+  // heads lean inwards, so that the top lies on the field side of the middle between the flanks
+  constexpr double depth = 10e-3, least_lean = 2e-3;
+  std::size_t left = top, right = top;
+  while (left > 0 && p.z[left] - p.z[top] < depth) --left;
+  while (right + 1 < p.z.size() && p.z[right] - p.z[top] < depth) ++right;
+  const bool flanks = p.z[left] - p.z[top] >= depth && p.z[right] - p.z[top] >= depth;
+  const double lean = p.y[top] - 0.5 * (p.y[left] + p.y[right]);
+  if (flanks && lean > least_lean)
+    out.doubts.push_back(
+        fmt::format("the rail leans outwards, its top is {:.2g} m on the gauge side of the head's middle: are the "
+                    "profile's sides exchanged? y is positive towards the gauge side",
+                    lean));
+  return out;
+}
+
+double noise_of(const ProfilePoints& p) {
+  // fourth divided differences: of noise of one variance s^2 on equal steps 70 s^2; the median of a normal
+  // distribution's modulus is 0.6745 of its deviation
+  std::vector<double> all;
+  for (std::size_t k = 2; k + 2 < p.y.size(); ++k) {
+    double sum = 0.0, weight = 0.0;
+    for (std::size_t i = k - 2; i <= k + 2; ++i) {
+      double w = 1.0;
+      for (std::size_t j = k - 2; j <= k + 2; ++j)
+        if (j != i) w /= p.y[i] - p.y[j];
+      sum += w * (p.z[i] - p.z[k]), weight += w * w;
+    }
+    all.push_back(std::abs(sum) / std::sqrt(weight));
+  }
+  if (all.empty()) return 0.0;
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle / 0.6745;
+}
+
+std::string noise_remark(const ProfilePoints& p, double smoothing) {
+  if (p.y.size() < 8) return "";
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < p.y.size(); ++k) steps.push_back(p.y[k] - p.y[k - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double noise = noise_of(p), step = *middle;
+  // second differences of noise of one variance: sqrt(6) s / h^2. Wheel and rail bend by 5 /m together, and the peak of
+  // Hertz goes with the power 2/3 of about half of that: from 0.7 /m on it is 5 % off
+  constexpr double most = 0.7;
+  const double bent = std::sqrt(6.0) * noise / (step * step);
+  if (bent < most || smoothing >= 0.95 * noise) return "";
+  return fmt::format(
+      "the points scatter by {:.2g} m, which bends a curve through all of them by {:.2g} /m; smoothing = {:.2g} takes "
+      "that away",
+      noise, bent, 1.2 * noise);
+}
+
+}  // namespace epafi
