@@ -15,6 +15,7 @@
 #include "scenes/generators.h"
 #include "scenes/peak_memory.h"
 #include "scenes/periodic_scene.h"
+#include "scenes/railway/on_rails.h"
 #include "scenes/railway/rolling.h"
 #include "scenes/sphere_split.h"
 #include "scenes/time_step.h"
@@ -295,6 +296,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   if (a->scene.domain) sim.domain = a->scene.domain->value;
   if (a->scene.cell) sim.world.cell = a->scene.cell->cell;
   add_bodies(*a, builder);
+  place_on_rails(*a);
   for (const auto& f : a->scene.fills) add_fill(*a, builder, f);
   add_outlets(*a);
   if (a->scene.cell) add_cell(*a);

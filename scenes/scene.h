@@ -100,6 +100,7 @@ struct BodySpec {
   double size = 1.0;         ///< factor of all lengths of the shape, > 0
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
+  bool on_rails = false;                                      ///< a wheelset whose height and roll are found
   bool continuous = false;                                    ///< held back from passing through others within a step
   Rare<Motion> motion;                                        ///< motion = { ... } of a driven body
   Rare<Servo> servo;                                          ///< motion = { servo = { ... } } of one that presses

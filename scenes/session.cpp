@@ -14,6 +14,7 @@
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/peak_memory.h"
+#include "scenes/railway/on_rails.h"
 #include "scenes/stop.h"
 #include "viz_export/problem_file.h"
 #include "viz_export/side_file.h"
@@ -86,6 +87,7 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
         new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_),
                   StateSnapshot(folder_ / ".last_good")});
   add_observers();
+  tracks_ = std::make_unique<TrackWatch>(*assembly_);
   std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 184 bytes each, more than there
   give_back_heap();                                       // 39 bytes a sphere of a million
   constexpr std::size_t many = 10'000;                    // what only reading asked for: 28 bytes of each of 100 000
@@ -199,6 +201,7 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
   Simulation& sim = *assembly_->simulation;
   if (sim.steps() % keep_every == 0) files_->last_good.save([this](StateVisitor& v) { walk(v); });
   if (const auto failure = sim.advance(sim.steps() + 1 == last_step, run_on)) return fail(*failure);
+  if (const auto failure = sim.is_ahead() ? std::nullopt : tracks_->look(sim.steps())) return fail(*failure);
   if (const auto bound = monitor_->violated()) {
     trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value,
                            bound->bound, sim.world.time, sim.steps());

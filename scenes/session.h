@@ -15,6 +15,8 @@
 
 namespace epafi {
 
+class TrackWatch;
+
 struct SessionLimits {
   std::optional<double> until = {};         ///< simulated time [s]
   std::optional<std::uint64_t> steps = {};  ///< steps of the whole run
@@ -68,6 +70,7 @@ class Session {
   std::string scene_hash_;
   std::unique_ptr<Files> files_;
   RunMonitor* monitor_ = nullptr;
+  std::unique_ptr<TrackWatch> tracks_;
   std::vector<MeasureRecorder*> recorders_;
   Ending ending_ = Ending::completed;
   std::string trouble_, note_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace epafi {
@@ -13,6 +14,18 @@ constexpr double profile_step = 0.4e-3, profile_reach = 16e-3;
 constexpr double together = 14e-3, alike = 0.3;  // regions within one profile: distance [m], difference of angle [rad]
 // above the deepest region, vertically: a flange pressed in by 0.1 mm along its normal is so by 0.3 mm
 constexpr double near = 1e-3;
+
+/// Where the flange is highest, minus infinity where nothing rises 10 mm over the tape circle.
+double flange_tip(const Profile& wheel) {
+  constexpr double least = 10e-3;
+  double highest = wheel.at(0.0).z + least, tip = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < wheel.size(); ++k) {
+    if (wheel.z_of_point(k) <= highest) continue;
+    highest = wheel.z_of_point(k);
+    tip = wheel.y_of_point(k);
+  }
+  return tip;
+}
 
 }  // namespace
 
@@ -53,7 +66,8 @@ WheelsetOnTrack::WheelsetOnTrack(const Wheelset& wheelset, const Track& track)
     : wheelset_(wheelset),
       track_(track),
       left_(wheelset.wheel, track.rail, wheelset.geometry, false),
-      right_(wheelset.wheel, track.rail, wheelset.geometry, true) {
+      right_(wheelset.wheel, track.rail, wheelset.geometry, true),
+      tip_(flange_tip(wheelset.wheel)) {
   for (WheelRailPair* pair : {&left_, &right_}) pair->sample_profiles({profile_step, profile_reach, deep_enough});
 }
 
@@ -64,21 +78,72 @@ void WheelsetOnTrack::find(const Pose& body, const Pose& track_body, double reac
   find_on(true, at, reach, profiles, out);
 }
 
+WheelsetOnTrack::Placed WheelsetOnTrack::place(bool right, const PlaceOnTrack& at) {
+  WheelRailPair& pair = right ? right_ : left_;
+  WheelsetPosition position = at.position;
+  Placed out;
+  out.rail = track_.shift(at.distance, right);
+  position.lateral_shift -= out.rail.y, position.height -= out.rail.z;
+  out.along = track_.direction(at.distance, right, pair.rail_axis());
+  position.yaw -= std::atan2(out.along.y(), out.along.x());
+  const WheelDefect& defect = wheelset_.defect;
+  if (defect.any() && (right ? defect.right : defect.left)) {
+    position.height -= defect.drop(at.angle, wheelset_.geometry.radius);
+    out.behind = defect.offset(at.angle, wheelset_.geometry.radius);
+  }
+  pair.place(position);
+  return out;
+}
+
+std::string WheelsetOnTrack::left_track(const Pose& body, const Pose& track_body) {
+  constexpr double overturned = 0.5;  // [rad]
+  const PlaceOnTrack at = place_on_track(wheelset_, track_, body, track_body);
+  if (std::abs(at.position.roll) > overturned) return "it has overturned";
+  if (std::abs(at.position.yaw) > overturned) return "it stands across the track";
+  for (const bool right : {false, true}) {
+    WheelRailPair& pair = right ? right_ : left_;
+    place(right, at);
+    const std::string wheel = right ? "its right wheel" : "its left wheel";
+    if (pair.missing() != WheelRailPair::Missing::nothing) return wheel + " lies beside its rail";
+    const std::optional<ContactRegion> region = pair.deepest();
+    if (region && region->y_wheel <= tip_ && pair.clearance() < near) return wheel + " stands on its rail by the flange";
+  }
+  return "";
+}
+
+std::optional<Pose> WheelsetOnTrack::stand(const Pose& body, const Pose& track_body, const SinkOfRegion& sink) {
+  const PlaceOnTrack start = place_on_track(wheelset_, track_, body, track_body);
+  PlaceOnTrack at = start;
+  at.position.height = at.position.roll = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    double open[2];  // vertical gap over what it should be, left and right
+    for (const bool right : {false, true}) {
+      WheelRailPair& pair = right ? right_ : left_;
+      place(right, at);
+      const std::optional<ContactRegion> region = pair.deepest();
+      if (!region) return std::nullopt;
+      open[right] = pair.clearance() + sink(*region);
+    }
+    at.position.height += 0.5 * (open[0] + open[1]);
+    at.position.roll += (open[1] - open[0]) / (2.0 * right_.rail_axis());
+    if (std::abs(at.position.roll) > 0.5) return std::nullopt;
+    if (std::abs(open[0]) + std::abs(open[1]) > 1e-10) continue;
+    const auto axle = [](const WheelsetPosition& p) {
+      return Vec3(-std::sin(p.yaw) * std::cos(p.roll), std::cos(p.yaw) * std::cos(p.roll), std::sin(p.roll));
+    };
+    const Quat turn = at.frame.orientation *
+                      Quat::FromTwoVectors(axle(start.position), axle(at.position)) *
+                      at.frame.orientation.conjugate();
+    const Vec3 rise(0.0, 0.0, at.position.height - start.position.height);
+    return Pose{body.position + at.frame.orientation * rise, (turn * body.orientation).normalized()};
+  }
+  return std::nullopt;
+}
+
 void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, bool profiles,
                               std::vector<RollingRegion>& out) {
   WheelRailPair& pair = right ? right_ : left_;
-  WheelsetPosition position = at.position;
-  const RailShift rail = track_.shift(at.distance, right);
-  position.lateral_shift -= rail.y, position.height -= rail.z;
-  const Vec3 along = track_.direction(at.distance, right, pair.rail_axis());
-  position.yaw -= std::atan2(along.y(), along.x());
-  const WheelDefect& defect = wheelset_.defect;
-  double behind = 0.0;
-  if (defect.any() && (right ? defect.right : defect.left)) {
-    position.height -= defect.drop(at.angle, wheelset_.geometry.radius);
-    behind = defect.offset(at.angle, wheelset_.geometry.radius);
-  }
-  pair.place(position);
+  const auto [along, rail, behind] = place(right, at);
   const double clearance = pair.touch(near, found_);
   // the wheel is where it is: it came down along z, which matters on flanks and between regions (scenes/patch)
   if (profiles && clearance < 0.0) pair.lower(-clearance);

@@ -95,9 +95,16 @@ const StripStart* RollingContact::start_of(const RollingRegion& r) const {
 }
 
 NormalPatch RollingContact::patch_of(const RollingRegion& r, const ElasticPair& elastic, StripStart& start) const {
-  const std::vector<ContactRegion> one{r.region};
-  NormalInput in{*r.source, one, elastic, {false, r.approach}};
-  in.approach = r.approach, in.strips = setup_.across, in.along = setup_.along;
+  std::vector<ContactRegion> one{r.region};
+  double approach = r.approach;
+  if (normal_.whole_gap) {  // gaps count from where the deepest region touches, and are open here by the offset
+    approach += r.region.offset;
+  } else {
+    for (double& gap : one.front().profile.gap) gap -= r.region.offset;
+    one.front().offset = 0.0;
+  }
+  NormalInput in{*r.source, one, elastic, {false, approach}};
+  in.approach = approach, in.strips = setup_.across, in.along = setup_.along;
   in.start = &start;
   return std::move(normal_.solve(in).front().patch);
 }
@@ -126,7 +133,7 @@ RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r
   out.touches = true;
   // the patch may lie beside the rigid point: forces act where it is and along its own mean normal
   double angle = r.region.angle;
-  if (normal_.whole_gap && r.region.profile.size() > 0) angle = place_of_patch(*r.source, r.region, r.approach).angle;
+  if (normal_.whole_gap && r.region.profile.size() > 0) angle = place_of_patch(*r.source, r.region, r.approach + r.region.offset).angle;
   const double turn = angle - r.region.angle;
   const Vec3 x = r.axes.col(0), t = std::cos(turn) * r.axes.col(1) + std::sin(turn) * r.axes.col(2), n = x.cross(t);
   const double side = r.mirrored ? -1.0 : 1.0;

@@ -124,6 +124,7 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   const auto vec3 = [&](const char* key) { return v.has(key) ? v.vec3(key) : Vec3(Vec3::Zero()); };
   body.fixed = v.has("fixed") && v.boolean("fixed");
   body.continuous = v.has("continuous") && v.boolean("continuous");
+  body.on_rails = v.has("on_rails") && v.boolean("on_rails");
   body.position = vec3("position"), body.velocity = vec3("velocity");
   body.angular_velocity = vec3("angular_velocity");
   if (const Vec3 force = vec3("force"); force.squaredNorm() > 0) body.force = force;
@@ -151,6 +152,8 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
   if (body.moves() && form == "half_space") {
     reading.error(v.place, label + ": a half_space cannot move freely; write fixed = true or give it a motion");
   }
+  if (body.on_rails && form != "wheel_profile")
+    reading.error(v.place_of("on_rails"), label + ": on_rails is for a wheel_profile, not for a " + form);
   if (!body.fixed && form == "rail_profile")
     reading.error(v.place, label + ": a rail_profile is a track; write fixed = true");
   if (body.moves() && form == "wheel_profile" && !draft.scene.shapes[body.shape].parameters.has("mass"))

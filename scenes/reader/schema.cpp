@@ -167,6 +167,11 @@ TableSchema body_table() {
        with_default(required("continuous", "", "", Kind::boolean, {},
                              "held back from passing through other bodies within a step; non-smooth contact only"),
                     Value(false)),
+       with_default(required("on_rails", "", "", Kind::boolean, {},
+                             "a wheelset stands on the rails of the scene's track at the start, pressed in by its load: "
+                             "height and roll are found, position and orientation give its place along and beside the "
+                             "track, its yaw and the turn of its wheels"),
+                    Value(false)),
        with_default(required("position", "x", "m", Kind::vec3, {}, "centre of mass"), Value(zero)),
        optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
        optional("euler_deg", "", "", Kind::vec3, {},
