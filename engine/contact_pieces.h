@@ -44,6 +44,7 @@ class ContactPieces {
     }
     thread_local ContactSet room;
     room.clear();
+    room.with_curvature = true;
     (model_->*append)(world_, piece - known_, room);
     f(room, std::size_t{0}, room.size());
   }

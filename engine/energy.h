@@ -1,7 +1,9 @@
 /// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
 /// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the
 /// spread of the potential energy. Potential: gravity and constant external forces. What position correction puts in is
-/// part of the error; it is also shown by itself. All sums in a fixed order.
+/// part of the error; it is also shown by itself. Dissipation never falls: where contacts
+/// put in more than they took since it was last at its height, the difference is `gained`, which no term balances, so that
+/// it stays in the error. All sums in a fixed order.
 #pragma once
 #include "engine/report.h"
 #include "engine/state_visitor.h"
@@ -24,6 +26,8 @@ struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;  ///< stored now [J]
   double dissipated = 0, work = 0;                 ///< since the start [J]
   double correction = 0;                           ///< put in by moving overlapping bodies apart, since the start [J]
+  double gained = 0;                               ///< most that contacts had put in beyond what they took [J], >= 0
+  double taken = 0;                                ///< by contacts, less what they put in; `dissipated` is its largest [J]
   Losses losses;                                   ///< parts of `dissipated`, of smooth contact
   double stored() const { return kinetic + potential + elastic; }
 };
@@ -33,7 +37,8 @@ class EnergyLedger {
   /// The state of time 0.
   void start(const World& world, const StepReport& report);
   /// After every step: adds its losses and work.
-  void add(const StepReport& report);
+  /// fall: |g| dt [m/s], the speed that a step of impulses knows velocities to.
+  void add(const StepReport& report, double fall = 0.0);
   /// Bodies were added or removed: the jump of stored energy counts as work.
   void accept_jump(const World& world, double stored_before);
   /// Bodies with these energies [J] came in.
@@ -53,6 +58,8 @@ class EnergyLedger {
   double start_ = 0;          ///< E(0) [J]
   double largest_inner_ = 0;  ///< max of kinetic + elastic [J]
   double lowest_potential_ = 0, highest_potential_ = 0;
+  double mass_ = 0;        ///< of the free bodies when the energies were last measured [kg]; with impulses only
+  double fall_ = 0;        ///< speed that the last step of impulses gave a free body [m/s]
 };
 
 }  // namespace epafi

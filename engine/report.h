@@ -66,6 +66,8 @@ struct StepReport {
   double work = 0.0;         ///< work of driven bodies on the others during this step [J]
   double correction = 0.0;   ///< potential energy put in by moving overlapping bodies apart in this step [J]
   Losses losses;             ///< parts of `dissipated`, of smooth contact
+  double deepest = 0.0;           ///< largest overlap of all contacts [m]
+  double deepest_relative = 0.0;  ///< of contacts that a model finds itself, over the smaller radius of the pair
   bool has_solver = false;
   SolverReport solver;
   StageSeconds seconds;  ///< summed over all steps so far

@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "engine/parallel.h"
+
 namespace epafi {
 
 namespace {
@@ -43,25 +45,42 @@ void Simulation::start() {
   if (pipeline.scheme->needs_initial_forces()) evaluate_forces(world, pipeline, work);
   ledger.start(world, work.report);
   observe(false);
+  static_cast<void>(look_at_step());  // a single look ends no run
 }
 
 std::optional<Failure> Simulation::advance(bool last, bool run_on) {
-  const int parts = parts_of_step ? parts_of_step(world) : 1;
+  int parts = parts_of_step ? parts_of_step(world) : 1;
+  if (step_watch) parts = std::max(parts, step_watch->parts());
+  double deepest = 0.0;
   const bool sort = steps_ > 0 && steps_ % sort_interval == 0;
   ++steps_;
-  for (int part = 0; part < parts; ++part)
-    if (auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks()))
-      return failure;
+  for (int part = 0; part < parts; ++part) {
+    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks());
+    if (failure) return failure;
+    deepest = std::max(deepest, work.report.deepest);
+  }
+  work.report.deepest = deepest;
   parts_made_ += static_cast<std::uint64_t>(parts);
   StageTimer timer(work.report.seconds);
   observe(last);
   timer.lap(Stage::output);
+  if (auto failure = look_at_step()) return failure;
   return look_at_energy();
+}
+
+std::optional<Failure> Simulation::look_at_step() {
+  if (!step_watch) return std::nullopt;
+  step_watch->note(steps_, work.report.deepest);
+  if (!step_watch->is_due(steps_)) return std::nullopt;
+  std::optional<Failure> failure;
+  show_contacts(ContactView::pieces, false, [&](const StepView& now) { failure = step_watch->look(now); });
+  return failure;
 }
 
 /// Between this step and the next one.
 bool Simulation::nobody_looks() const {
   if (parts_of_step || pipeline.guard || steps_ % sort_interval == 0) return false;
+  if (step_watch && (step_watch->parts() > 1 || step_watch->is_due(steps_))) return false;
   return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
 }
 
@@ -80,7 +99,9 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) 
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
   step(world, pipeline, work, dt, rest ? &leave : nullptr);
-  ledger.add(work.report);
+  work.report.deepest =
+      block_max<double>(work.contacts.size(), work.report.deepest, [&](std::size_t k) { return -work.contacts.gap[k]; });
+  ledger.add(work.report, dt * world.gravity.norm());
   return watch();
 }
 
@@ -214,12 +235,14 @@ void Simulation::make_room() {
 void Simulation::visit(StateVisitor& visitor) {
   make_room();
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
-  if (parts_of_step) visitor.value("simulation/parts", parts_made_);
+  if (parts_of_step || step_watch) visitor.value("simulation/parts", parts_made_);
+  if (step_watch) step_watch->visit(visitor);
   visitor.column("simulation/leaving", leaving_);
   pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });  // first: many springs take less room after it
   world.visit(visitor);
   ledger.visit(visitor);
   visitor.value("simulation/elastic", work.report.elastic), visitor.value("simulation/movable", movable_);
+  warnings.visit(visitor);
   for (auto& event : events) event->visit(visitor);
   for (auto& observer : observers) observer->visit(visitor);
 }

@@ -10,6 +10,8 @@
 #include "engine/events.h"
 #include "engine/observer.h"
 #include "engine/step.h"
+#include "engine/step_watch.h"
+#include "engine/warnings.h"
 
 namespace epafi {
 
@@ -21,12 +23,14 @@ class Simulation {
   Pipeline pipeline;
   Workspace work;
   EnergyLedger ledger;
+  Warnings warnings;  ///< whoever meets trouble that does not end the run adds to them
   std::optional<Domain> domain;
   std::vector<std::unique_ptr<Event>> events;
   std::vector<std::unique_ptr<Observer>> observers;
   double time_step;  ///< dt [s]
   /// Parts of the time step at this moment, >= 1; empty: one.
   std::function<int(const World&)> parts_of_step;
+  std::unique_ptr<StepWatch> step_watch;  ///< null: nobody asks whether the step is stable
   std::uint64_t sort_interval =
       1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
   /// Steps between looks for bodies outside a domain with `outside = "delete"`, which are taken out then: that lays all
@@ -69,6 +73,7 @@ class Simulation {
   void drop_contacts();
   std::optional<Failure> watch();
   void observe(bool last);
+  std::optional<Failure> look_at_step();
   void show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show);
   void reorder(const Reordering& change);
 

@@ -17,6 +17,7 @@ double watched(World& world, Pipeline& stage, double dt, const Half& half) {
 
 void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn* run_on) {
   StageTimer timer(work.report.seconds);
+  work.report.deepest = work.report.deepest_relative = 0.0;
   StepClock clock{dt, stage.scheme->velocity_lag(), stage.scheme.get(), nullptr, run_on};
   double held = 0.0;
   if (stage.guard || !stage.contact_model->move(world, clock)) {
@@ -39,6 +40,7 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn
 void evaluate_forces(World& world, Pipeline& stage, Workspace& work) {
   stage.broad_phase->find_pairs(world, work.pairs);
   stage.narrow_phase->collide(world, work.pairs, work.contacts);
+  work.report.deepest = work.report.deepest_relative = 0.0;
   stage.contact_model->act(world, work.contacts, {0.0, 0.0}, work.report);
 }
 

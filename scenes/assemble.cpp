@@ -18,6 +18,7 @@
 #include "scenes/railway/on_rails.h"
 #include "scenes/railway/rolling.h"
 #include "scenes/sphere_split.h"
+#include "scenes/stability_watch.h"
 #include "scenes/time_step.h"
 #include "viz_export/measures/all_measures.h"
 
@@ -311,6 +312,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   sim.time_step = a->time_step.value;
   if (a->plan.resting_reach < a->plan.reach) a->narrow_phase->follow_motion(sim.time_step, a->plan.resting_reach);
   sim.parts_of_step = a->time_step.parts;
+  sim.step_watch = make_stability_watch(*a);
   a->steps = count_steps(a->scene.run, sim.time_step);
   return a;
 }

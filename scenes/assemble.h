@@ -20,6 +20,7 @@ struct TimeStep {
   double value = 0.0;  ///< [s]
   double limit = 0.0;  ///< stability or accuracy limit [s]; infinite where there is none
   std::string reason;
+  std::string limit_reason{};  ///< of the limit; empty: that of the step
   std::function<int(const World&)> parts{};  ///< of "adaptive": into how many parts a step is divided
 };
 

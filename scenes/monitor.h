@@ -7,11 +7,12 @@
 #include "detection/shape_store.h"
 #include "engine/body_ids.h"
 #include "engine/observer.h"
+#include "engine/warnings.h"
 #include "scenes/scene.h"
 
 namespace epafi {
 
-/// Worst and mean overlap over the pairs that overlap (interface.md); a pair's overlap is that of its deepest point.
+/// Worst and mean overlap over the pairs that overlap; a pair's overlap is that of its deepest point.
 struct Overlap {
   double max = 0.0, mean = 0.0;  ///< [m]
   double max_relative = 0.0;     ///< to the smaller body's bounding radius
@@ -28,13 +29,18 @@ struct BoundCheck {
 
 class RunMonitor final : public Observer {
  public:
-  /// steps: of the whole run; overlap counts over its last tenth. interval: steps between looks at overlap and bounds.
+  /// steps: of the whole run; the mean overlap is that of its last tenth. interval: steps between looks at energy and mean
+  /// overlap; the largest overlap, the residual and how bodies have moved are looked at in every step.
   /// bound_bodies: of [bounds], then of [accuracy].
-  RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes,
-             std::uint64_t steps, std::uint64_t interval);
+  struct Setup {
+    std::uint64_t steps = 0, interval = 1;
+    double least_radius = 0.0;  ///< of all bodies that are there or come later [m]: spares most radii
+  };
+  RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes, const Setup& setup,
+             Warnings& warnings);
   bool is_due(std::uint64_t) const override { return true; }
   bool wants_energy(std::uint64_t step) const override { return step % interval_ == 0; }
-  bool wants_bodies(std::uint64_t step) const override { return step % interval_ == 0; }
+  bool wants_bodies(std::uint64_t step) const override { return follows_bodies_ || step % interval_ == 0; }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
     return last || step % interval_ == 0 ? ContactView::pieces : ContactView::none;
   }
@@ -44,9 +50,11 @@ class RunMonitor final : public Observer {
   std::optional<BoundCheck> violated() const;
   /// Of [bounds]: worst value of the whole run.
   std::vector<BoundCheck> checks() const {
-    return {checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_)};
+    std::vector<BoundCheck> out(checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_));
+    if (balance_) out.push_back(*balance_);
+    return out;
   }
-  /// Of [accuracy]: what came out beside what the scene needs. The overlap is that of overlap().
+  /// Of [accuracy]: what came out beside what the scene needs.
   std::vector<BoundCheck> accuracy() const;
   double contacts_mean() const { return totals_.steps > 0 ? totals_.contacts / totals_.steps : 0.0; }
   double residual_max() const { return totals_.residual_max; }
@@ -56,14 +64,16 @@ class RunMonitor final : public Observer {
   std::uint64_t not_converged() const { return static_cast<std::uint64_t>(totals_.not_converged); }
   double body_steps() const { return totals_.body_steps; }
   std::optional<double> momentum_error() const { return momentum_error_; }
-  /// Of the last tenth; of the last look where the run ended before.
+  /// Largest of all steps; the mean is that of the last tenth, of the last look where the run ended before.
   Overlap overlap() const;
   Overlap last_overlap() const { return last_overlap_; }
 
  private:
   void look(const StepView& view);
+  void note_overlap(const StepView& view);
+  void watch_energy(const StepView& view);
   void look_at_momentum(const StepView& view);
-  void check(const StepView& view);
+  void check(const StepView& view, bool all);
   double value_of(std::size_t bound, const StepView& view);
 
   struct Totals {  // plain, so that it is checkpointed as one value
@@ -74,16 +84,26 @@ class RunMonitor final : public Observer {
   struct Momentum {
     double start[3] = {0, 0, 0}, largest = 0, error = 0, started = 0;
   };
+  /// Since which look the energy balance has been open, and beyond what ends a run; 0: it is not.
+  struct BalanceWatch {
+    double open_since = 0, wide_since = 0;
+  };
+  BalanceWatch balance_watch_;
   std::vector<BoundSpec> bounds_;  ///< of [bounds], then of [accuracy]
   std::size_t stopping_;           ///< the first so many end the run
   std::vector<BodyIds> bound_bodies_;
   std::vector<std::vector<Vec3>> bound_start_;
   std::vector<BoundCheck> checks_;
+  std::optional<BoundCheck> balance_;  ///< the energy balance, where it has opened beyond what any run may show
   const ShapeStore& shapes_;
   std::uint64_t steps_, interval_;
+  double least_radius_;
+  Warnings& warnings_;
+  bool watches_balance_;  ///< the scene sets no bound of its own on the energy error
   Totals totals_;
   Momentum momentum_;
   Overlap last_overlap_;
+  bool follows_bodies_ = false;  ///< a bound on how bodies move: they are looked at in every step
   std::optional<double> momentum_error_;
 };
 

@@ -35,11 +35,14 @@ std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) con
       100.0 * done / static_cast<double>(steps_), sim.world.time, clock_text(eta), rate, sim.world.size(), r.touching,
       sim.ledger.last().kinetic, monitor.last_overlap().max_relative);
   if (r.has_solver) text += fmt::format("  residual {:.2g} in {} it", r.solver.residual, r.solver.iterations);
-  return text + fmt::format("  energy error {:.2g}", sim.ledger.relative_error());
+  text += fmt::format("  energy error {:.2g}", sim.ledger.relative_error());
+  for (const Warning& w : sim.warnings.all()) text += "  warning: " + w.text;
+  return text;
 }
 
 void Progress::print(const Simulation& sim, const RunMonitor& monitor) {
   const std::string text = line(sim, monitor);
+  warned_ = sim.warnings.all().size();
   if (!terminal_) {
     std::fprintf(stderr, "%s\n", text.c_str());
     return;
@@ -54,7 +57,8 @@ void Progress::print(const Simulation& sim, const RunMonitor& monitor) {
 void Progress::update(const Simulation& sim, const RunMonitor& monitor) {
   if (quiet_) return;
   const auto now = Clock::now();
-  if (std::chrono::duration<double>(now - last_).count() < (terminal_ ? 0.5 : 10.0)) return;
+  const bool warns = sim.warnings.all().size() > warned_;  // told at once
+  if (!warns && std::chrono::duration<double>(now - last_).count() < (terminal_ ? 0.5 : 10.0)) return;
   last_ = now;
   print(sim, monitor);
 }

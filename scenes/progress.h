@@ -24,6 +24,7 @@ class Progress {
   std::uint64_t steps_, first_;
   bool quiet_, terminal_;
   Clock::time_point start_, last_;
+  std::size_t warned_ = 0;  ///< kinds of warnings that a printed line has shown
 };
 
 /// "3:07" or "2:15:30".

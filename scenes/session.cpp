@@ -36,6 +36,16 @@ double processor_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+/// Of all bodies of the scene, those too that are poured in later [m].
+double least_radius(const Assembly& a) {
+  const World& world = a.simulation->world;
+  double least = infinity;
+  for (const std::uint32_t shape : world.shape) least = std::min(least, a.shapes->bounding_radius({shape}));
+  for (const PourBodies* source : a.sources)
+    for (const auto& b : source->setup().bodies) least = std::min(least, a.shapes->bounding_radius({b.body.shape}));
+  return least;
+}
+
 /// The run file of a run that goes on. One that was torn is set aside: what it held up to now is lost to the new one, the
 /// state is not.
 RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& header, const CheckpointHeader& from,
@@ -128,8 +138,8 @@ void Session::add_observers() {
   for (const auto& b : scene.bounds) bound_bodies.push_back(assembly_->ids(b.bodies));
   for (const auto& b : scene.accuracy) bound_bodies.push_back(assembly_->ids(b.bodies));
   const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
-  auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, assembly_->steps,
-                                              std::min<std::uint64_t>(100, frame_every));
+  const RunMonitor::Setup setup{assembly_->steps, std::min<std::uint64_t>(50, frame_every), least_radius(*assembly_)};
+  auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, setup, sim.warnings);
   monitor_ = monitor.get();
   sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
@@ -217,7 +227,9 @@ Ending Session::fail(const Failure& failure) {
   const ContactSettings& contact = assembly_->scene.contact;
   trouble_ += contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
   lost_ = failure.kind == "lost body" ? 1 : 0;
+  const Warnings met = assembly_->simulation->warnings;  // those since the saved state count too
   if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
+  assembly_->simulation->warnings = met;
   trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", assembly_->simulation->steps());
   return Ending::failed;
 }
@@ -265,6 +277,13 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   return ending_;
 }
 
+std::vector<std::string> Session::warnings() const {
+  std::vector<std::string> out;
+  for (const Warning& w : assembly_->simulation->warnings.all())
+    out.push_back(warning_line(w, w.body ? body_name(*assembly_, *w.body) : std::string()));
+  return out;
+}
+
 RunSummary Session::summary() const {
   const Simulation& sim = *assembly_->simulation;
   const Scene& scene = assembly_->scene;
@@ -275,6 +294,7 @@ RunSummary Session::summary() const {
              : ending_ == Ending::bound_violated                      ? "bound_violated"
              : ending_ == Ending::failed                              ? "failed"
                                                                       : "interrupted";
+  s.warnings = warnings();
   s.bodies = sim.world.size(), s.bodies_lost = lost_;
   if (sim.bodies_removed() > 0) s.bodies_removed = sim.bodies_removed();
   s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_,
@@ -286,7 +306,7 @@ RunSummary Session::summary() const {
   s.contacts_mean = monitor_->contacts_mean();
   const Energy& e = sim.ledger.last();
   s.energy = RunSummary::Energy{
-      e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, std::nullopt, sim.ledger.relative_error()};
+      e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, e.gained, std::nullopt, sim.ledger.relative_error()};
   if (smooth)
     s.energy->elastic = e.elastic;
   else

@@ -44,6 +44,8 @@ class Session {
   const std::string& trouble() const { return trouble_; }
   /// What a resumed run has to say of the files it found; empty when nothing.
   const std::string& note() const { return note_; }
+  /// A line for each warning of the run, body names written out.
+  std::vector<std::string> warnings() const;
   RunSummary summary() const;
   const Assembly& assembly() const { return *assembly_; }
 

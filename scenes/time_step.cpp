@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <tuple>
 
 #include "engine/parallel.h"
+#include "laws/smooth/contact_links.h"
 #include "laws/smooth/critical_step.h"
 #include "scenes/contact_setup.h"
 #include "scenes/railway/rolling.h"
+#include "scenes/step_estimate.h"
 
 namespace epafi {
 
@@ -20,6 +24,7 @@ struct Smallest {
   double mass = infinity, radius = infinity;
   bool round = true;  ///< spheres do not turn under the normal force
   int points = 1;     ///< of a pair: spheres and ellipsoids touch at one, capsules along a line, faces at four
+  std::map<std::uint32_t, FlatBody> flat{};  ///< by shape: those that rest on faces
 };
 
 int points_of(ShapeRef ref) {
@@ -34,10 +39,15 @@ struct Survey {
   double fall = 0.0;           ///< through the bodies' height [m/s]
   double speed = 0.0;          ///< largest of the start and of the fall through the bodies' height [m/s]
   double diameter = infinity;  ///< of the smallest free body [m]
+  double fastest = 0.0;        ///< at the start [m/s]
+  double load = 0.0;           ///< weights, external forces and servo walls, all together [N]
+  double pressure = 0.0;       ///< of a cell [Pa]
+  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  ///< of the free bodies [m]
 };
 
 /// Adds a free body.
-void look_at(Survey& out, const Assembly& a, std::uint32_t shape, std::uint16_t material, double mass) {
+void look_at(Survey& out, const Assembly& a, const Body& body, const Vec3& at) {
+  const auto [shape, material, mass] = std::tuple(body.shape, body.material, body.mass);
   ++out.free_bodies;
   auto& smallest = out.free[material];
   const double radius = a.shapes->bounding_radius({shape});
@@ -45,6 +55,18 @@ void look_at(Survey& out, const Assembly& a, std::uint32_t shape, std::uint16_t 
   smallest.points = std::max(smallest.points, points_of(ShapeRef{shape}));
   smallest.round = smallest.round && ShapeRef{shape}.type() == ShapeStore::type_of<Sphere>();
   out.diameter = std::min(out.diameter, 2 * radius);
+  out.load += mass * a.simulation->world.gravity.norm() + body.external_force.norm();
+  out.low = out.low.cwiseMin(at - Vec3::Constant(radius));
+  out.high = out.high.cwiseMax(at + Vec3::Constant(radius));
+  constexpr std::size_t most = 50;  // shapes whose corners are looked at
+  if (points_of(ShapeRef{shape}) < 4 || smallest.flat.size() >= most || smallest.flat.contains(shape)) return;
+  const Aabb box = a.shapes->bounding_box(ShapeRef{shape}, Pose{});
+  const double density = a.scene.materials[material].material.density;
+  const double volume = mass / density, of_volume = std::cbrt(0.75 * volume / std::numbers::pi);
+  FlatBody flat{mass, body.inertia, box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()), density > 0 ? of_volume : radius};
+  // the faces of other shapes do not fill the sides of their box: a cylinder's rim is as far as the corners of a square in it
+  if (ShapeRef{shape}.type() != ShapeStore::type_of<Box>()) flat.half *= std::sqrt(0.5);
+  smallest.flat.emplace(shape, flat);
 }
 
 bool is_railway(std::uint32_t shape) {
@@ -57,7 +79,7 @@ Survey survey(const Assembly& a) {
   Survey out;
   const double g = w.gravity.norm();
   const Vec3 down = g > 0 ? Vec3(w.gravity / g) : -Vec3::UnitZ();
-  double low = infinity, high = -infinity, fastest = 0;
+  double low = infinity, high = -infinity, fastest = 0, pressed = 0;
   for (Slot s = 0; s < w.size(); ++s) {
     if (a.plan.rolling && is_railway(w.shape[s])) continue;  // they touch each other only: railway_step
     if (const Vec3& v = w.velocity[s]; !std::isfinite(v.squaredNorm()))
@@ -68,22 +90,37 @@ Survey survey(const Assembly& a) {
       out.held[w.material[s]] = true, ++out.held_bodies;
       continue;
     }
-    look_at(out, a, w.shape[s], w.material[s], 1.0 / w.inverse_mass[s]);
+    Body body;
+    body.shape = w.shape[s];
+    body.material = w.material[s];
+    body.mass = 1.0 / w.inverse_mass[s];
+    if (w.rotates()) body.inertia = w.inverse_inertia_of(s).cwiseInverse();
+    if (w.columns().external_force) body.external_force = w.external_force[s];
+    look_at(out, a, body, w.position[s]);
     const double depth = w.position[s].dot(down);
     low = std::min(low, depth - a.shapes->bounding_radius({w.shape[s]})), high = std::max(high, depth);
   }
   for (const auto* source : a.sources) {
     for (const auto& b : source->setup().bodies) {
-      look_at(out, a, b.body.shape, b.body.material, b.body.mass);
+      look_at(out, a, b.body, 0.5 * (source->setup().low + source->setup().high));
       fastest = std::max(fastest, b.body.velocity.norm());
     }
-    for (const Vec3& corner : {source->setup().low, source->setup().high})
+    for (const Vec3& corner : {source->setup().low, source->setup().high}) {
+      out.low = out.low.cwiseMin(corner);
+      out.high = out.high.cwiseMax(corner);
       low = std::min(low, corner.dot(down)), high = std::max(high, corner.dot(down));
+    }
     for (Slot s = 0; s < w.size(); ++s)  // what is poured falls onto what is there
       if (std::isfinite(a.shapes->bounding_radius({w.shape[s]}))) high = std::max(high, w.position[s].dot(down));
   }
   for (const auto& b : a.scene.bodies)
-    if (b.servo) fastest = std::max(fastest, b.servo->max_speed);
+    if (b.servo) {
+      fastest = std::max(fastest, b.servo->max_speed);
+      pressed = std::max(pressed, b.servo->force);
+    }
+  out.load += pressed;
+  if (a.scene.cell) out.pressure = a.scene.cell->control.pressure.value_or(0.0);
+  out.fastest = fastest;
   out.fall = out.free_bodies > 0 ? fall_speed(g, high - low) : 0.0;
   out.speed = std::max(2 * fastest, out.fall);
   return out;
@@ -114,11 +151,88 @@ TimeStep adaptive_step(const Assembly& a, const Survey& fast) {
   return step;
 }
 
+/// Limits by impact, load and corners over all pairs of materials.
+class ContactEstimate {
+ public:
+  ContactEstimate(const Assembly& a, const Survey& s, const SmoothSetup& setup) : survey_(s), links_(setup) {
+    const Vec3 sides = s.high - s.low;
+    const double g = a.simulation->world.gravity.norm();
+    const Vec3 down = g > 0 ? Vec3(a.simulation->world.gravity / g) : Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {  // the loads act along the axis nearest to gravity; without, across the smallest area
+      const double area = sides[(k + 1) % 3] * sides[(k + 2) % 3];
+      if (g == 0.0 || std::abs(down[k]) > 0.7) area_ = std::min(area_, area);
+    }
+    if (!std::isfinite(area_)) area_ = sides[0] * sides[1];
+  }
+
+  double chosen = infinity, limit = infinity;  ///< [s]
+  std::string reason, limit_reason;
+
+  void look(std::uint16_t i, const Smallest& p, std::uint16_t j, const Smallest* q, double impact_overlap,
+            double restitution) {
+    ExpectedPair pair{i, j, q ? std::min(p.mass, q->mass) : p.mass, {}};
+    pair.at.effective_mass = q ? p.mass * q->mass / (p.mass + q->mass) : p.mass;
+    const double radius = pair.at.effective_radius = q ? p.radius * q->radius / (p.radius + q->radius) : p.radius;
+    pair.at.area = std::numbers::pi * radius * radius;
+    const bool round = p.flat.empty() && (!q || q->flat.empty());
+    if (!round) return corners(pair, p, q, impact_overlap, restitution);
+    // a body has one contact with a wall and shares the others with its like; in a column they are two
+    const bool column = area_ < 2.0 * 4.0 * p.radius * p.radius;
+    const int neighbours = std::min<int>(column ? 2 : 10, static_cast<int>(survey_.free_bodies + survey_.held_bodies) - 1);
+    const double pressed = overlap_under(links_, pair, chains * load_of(p.radius));
+    const bool one = !q && survey_.free_bodies > 1;
+    take(one ? impact_step(links_, pair, pressed) : packing_step(links_, pair, pressed, neighbours), infinity, "under the load of the bodies above");
+    take(impact_step(links_, pair, impact_overlap), infinity, "at the expected speed");
+  }
+
+ private:
+  static constexpr double chains = 1.5;  ///< chains of force carry half as much again
+
+  /// Of the contacts of a body of that radius [N].
+  double load_of(double radius) const {
+    const double below = 4.0 * radius * radius;
+    return survey_.load * std::min(1.0, below / area_) + survey_.pressure * below;
+  }
+  void corners(ExpectedPair pair, const Smallest& p, const Smallest* q, double impact_overlap, double restitution) {
+    for (const Smallest* kind : {&p, q}) {
+      if (!kind) continue;
+      for (const auto& [shape, flat] : kind->flat) {
+        pair.mass = flat.mass;
+        pair.at.effective_mass = q ? 0.5 * flat.mass : flat.mass;
+        pair.at.effective_radius = q ? 0.5 * flat.radius : flat.radius;
+        pair.at.area = 0.25 * std::numbers::pi * pair.at.effective_radius * pair.at.effective_radius;
+        // a quarter of the weight each; it falls onto its points from rest
+        const double falls = 1.0 + restitution;
+        const double pressed = overlap_under(links_, pair, 0.25 * falls * load_of(kind->radius));
+        const std::size_t stacked = q ? std::min<std::size_t>(survey_.free_bodies, 3) : 1;
+        const double overlap = std::max(impact_overlap, pressed);
+        take(corner_step(links_, pair, flat, pressed, stacked),
+             0.5 * corner_step(links_, pair, flat, overlap, std::min<std::size_t>(stacked, 2)),
+             "with four points of a face");
+      }
+    }
+  }
+  void take(double stable, double half, const char* why) {
+    if (stable < limit) {
+      limit = stable;
+      limit_reason = fmt::format("what a contact {} bears", why);
+    }
+    if (half >= chosen) return;
+    chosen = half;
+    reason = fmt::format("half of the stable step of a contact {}", why);
+  }
+
+  const Survey& survey_;
+  ContactLinks links_;
+  double area_ = infinity;  ///< that the loads act on [m^2]
+};
+
 TimeStep smooth_step(const Assembly& a, const Survey& s) {
   const SmoothSetup setup = smooth_setup(a.scene);
   StepLimit shortest;
   shortest.auto_step = shortest.stable_step = infinity;
   std::string between;
+  ContactEstimate estimate(a, s, setup);
   const auto n = static_cast<int>(s.free_bodies + s.held_bodies) - 1;
   const auto look = [&](std::uint16_t i, const Smallest& p, std::uint16_t j, const Smallest* q) {
     const MaterialPair& pair = setup.materials.of(i, j);
@@ -136,13 +250,18 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     c.coordination = std::clamp(n, 1, 8) * points;
     const StepLimit limit = critical_step(setup, pair, c);
     if (limit.auto_step < shortest.auto_step) shortest = limit, between = pair.a.name + "-" + pair.b.name;
+    estimate.look(i, p, j, q, limit.impact.largest_overlap, pair.restitution);
   };
   for (const auto& [i, p] : s.free) {
     for (const auto& [j, q] : s.free)
       if (i <= j && (i != j || s.free_bodies > 1)) look(i, p, j, &q);
     for (const auto& [j, unused] : s.held) look(i, p, j, nullptr);
   }
-  return {shortest.auto_step, shortest.stable_step, fmt::format("contact {}: {}", between, shortest.reason)};
+  TimeStep step{shortest.auto_step, infinity, fmt::format("contact {}: {}", between, shortest.reason)};
+  if (estimate.chosen < step.value) step.value = estimate.chosen, step.reason = estimate.reason;
+  step.limit = std::max(estimate.limit, step.value);
+  step.limit_reason = estimate.limit_reason;
+  return step;
 }
 
 TimeStep nonsmooth_step(const Assembly& a, const Survey& s) {
@@ -173,10 +292,10 @@ TimeStep choose_time_step(const Assembly& a) {
   if (*written.value > step.limit && !a.scene.run.allow_unstable)
     throw SceneError(
         fmt::format("[run] time_step = {:g} s exceeds the limit {:.4g} s ({}); use time_step = \"auto\" ({:.4g} s)",
-                    *written.value, step.limit, step.reason, step.value),
+                    *written.value, step.limit, step.limit_reason.empty() ? step.reason : step.limit_reason, step.value),
         written.place);
   return {*written.value, step.limit,
-          "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason)};
+          "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason), step.limit_reason};
 }
 
 }  // namespace epafi

@@ -83,11 +83,16 @@ void head(Page& p) {
   p.card(p.number("bodies", "{:.0f}"), "bodies, " + p.number("bodies_lost", "{:.0f}") + " lost");
   p.card(p.number("contacts_mean"), "contacts in the mean");
   p.card(p.number("energy.relative_error", "{:.2g}"), "energy error");
-  p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, last tenth of the run");
+  p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, worst step");
   if (p.summary.number("residual.max")) p.card(p.number("residual.max", "{:.2g}"), "residual, worst step");
   p.html += "</div>";
   if (const std::string failure = p.summary.text("failure"); !failure.empty())
     p.html += "<p class='no'>" + escaped(failure) + "</p>";
+  for (std::size_t k = 0;; ++k) {
+    const std::string warning = p.summary.text(fmt::format("warnings.{}", k));
+    if (warning.empty()) break;
+    p.html += "<p class='no'>Warning: " + escaped(warning) + "</p>";
+  }
 }
 
 void pictures(Page& p) {
@@ -150,7 +155,7 @@ StoredMeasure energies(const Page& p) {
 
 void energy(Page& p) {
   p.html += "<h2>Energy balance</h2><div class='grid'><div><table>";
-  for (const char* part : {"kinetic", "potential", "elastic", "dissipated", "work", "correction", "relative_error"}) {
+  for (const char* part : {"kinetic", "potential", "elastic", "dissipated", "gained", "work", "correction", "relative_error"}) {
     const auto value = p.summary.number(std::string("energy.") + part);
     if (!value) continue;
     const bool error = std::string(part) == "relative_error";
@@ -190,8 +195,8 @@ void measures(Page& p) {
 
 void quality(Page& p) {
   p.html += "<h2>Overlap and checks</h2><table><tr><th>quantity</th><th>value</th><th>bound</th><th></th></tr>";
-  for (const auto& [name, text] : {std::pair{"overlap.max", "deepest overlap in the last tenth [m]"}, {"overlap.mean", "mean overlap [m]"},
-                                   {"overlap.max_relative", "deepest over bounding radius"}, {"momentum_error", "momentum error"},
+  for (const auto& [name, text] : {std::pair{"overlap.max", "deepest overlap, worst step [m]"}, {"overlap.mean", "mean overlap, last tenth of the run [m]"},
+                                   {"overlap.max_relative", "deepest over bounding radius, worst step"}, {"momentum_error", "momentum error"},
                                    {"residual.max", "residual, worst step"}, {"residual.mean", "residual, mean"}, {"iterations.mean", "iterations, mean"}})
     if (p.summary.number(name)) p.html += fmt::format("<tr><td>{}</td><td class='n'>{}</td><td></td><td></td></tr>", text, p.number(name));
   for (const auto& [name, value] : p.summary.numbers) {

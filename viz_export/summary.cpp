@@ -20,7 +20,7 @@ void put_stages(JsonWriter& json, const StageSeconds& seconds) {
 void put_energy(JsonWriter& json, const RunSummary::Energy& e) {
   json.key("energy").begin_object();
   json.member("kinetic", e.kinetic).member("potential", e.potential).member("elastic", e.elastic);
-  json.member("dissipated", e.dissipated).member("work", e.work);
+  json.member("dissipated", e.dissipated).member("work", e.work).member("gained", e.gained);
   json.member("correction", e.correction).member("relative_error", e.relative_error);
   json.end_object();
 }
@@ -40,6 +40,12 @@ void put_measures(JsonWriter& json, const RunSummary& s) {
   json.end_object();
 }
 
+void put_warnings(JsonWriter& json, const std::vector<std::string>& warnings) {
+  json.key("warnings").begin_array();
+  for (const std::string& text : warnings) json.value(text);
+  json.end_array();
+}
+
 void put_checks(JsonWriter& json, const char* key, const std::map<std::string, RunSummary::Check>& checks) {
   json.key(key).begin_object();
   for (const auto& [name, c] : checks)
@@ -54,6 +60,7 @@ std::string summary_json(const RunSummary& s) {
   json.begin_object();
   json.member("epafi", s.epafi).member("scene", s.scene).member("scene_hash", s.scene_hash).member("status", s.status);
   if (!s.failure.empty()) json.member("failure", s.failure);
+  put_warnings(json, s.warnings);
   json.member("bodies", s.bodies).member("bodies_lost", s.bodies_lost).member("bodies_removed", s.bodies_removed);
   json.member("steps", s.steps).member("time_step", s.time_step).member("simulated_time", s.simulated_time);
   json.member("wall_time", s.wall_time).member("cpu_time", s.cpu_time).member("threads", s.threads).member("ns_per_body_step", s.ns_per_body_step);

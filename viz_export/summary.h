@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/report.h"
 
@@ -15,6 +16,7 @@ struct RunSummary {
     double kinetic = 0, potential = 0;  ///< at the end [J]
     std::optional<double> elastic;      ///< [J]; smooth contact only
     double dissipated = 0, work = 0;    ///< since the start [J]
+    double gained = 0;                  ///< put in by contacts since the start, a fault of the method [J]
     std::optional<double> correction;   ///< put in by moving overlapping bodies apart [J]; non-smooth only
     double relative_error = 0;          ///< of the ledger
   };
@@ -38,6 +40,7 @@ struct RunSummary {
   std::string scene_hash;
   std::string status;   ///< completed, bound_violated, failed, interrupted
   std::string failure;  ///< why, where the status is not completed; else empty and absent
+  std::vector<std::string> warnings;  ///< what went wrong without ending the run; empty where nothing did
   std::uint64_t bodies = 0, bodies_lost = 0;
   std::optional<std::uint64_t> bodies_removed;  ///< by the domain or remove_at
   std::uint64_t steps = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
@@ -109,6 +110,9 @@ std::string check_text(Assembly& a) {
       overlap.pairs, overlap.max, overlap.max_relative);
   out += solids_text(a);
   out += fmt::format("  time step     {:.6g} s: {}\n", a.time_step.value, a.time_step.reason);
+  if (std::isfinite(a.time_step.limit))
+    out += fmt::format("  its limit     {:.4g} s{}\n", a.time_step.limit,
+                       a.time_step.limit_reason.empty() ? "" : ": " + a.time_step.limit_reason);
   out += fmt::format("  steps         {}\n", a.steps);
   const auto start = std::chrono::steady_clock::now();
   const std::uint64_t first = sim.steps();

@@ -83,6 +83,7 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
   const Ending ending = session.run(limits, options.quiet);
   const RunSummary summary = session.summary();
   write_summary(folder / "summary.json", summary);
+  for (const std::string& warning : summary.warnings) say("epafi: warning: " + warning);
   if (!session.trouble().empty()) say("epafi: " + session.trouble());
   if (options.json)
     print(summary_json(summary) + "\n");
@@ -90,7 +91,8 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
     say(fmt::format("{}: {} steps, t = {:.6g} s, {:.3g} s of wall time, energy error {:.2g}, state {}; results in {}",
                     summary.status, summary.steps, summary.simulated_time, summary.wall_time,
                     summary.energy->relative_error, summary.state_hash, folder.string()));
-  return exit_code(ending);
+  const int code = exit_code(ending);
+  return options.strict && code == exit_done && !summary.warnings.empty() ? static_cast<int>(exit_bound) : code;
 }
 
 void set_threads(int threads) {

@@ -38,6 +38,8 @@ std::shared_ptr<const Guideway> way_of(const Assembly& a) {
   return tracks > 1 ? std::make_shared<StraightWay>() : way;
 }
 
+}  // namespace
+
 std::vector<SpringElement> springs_of(const Assembly& a) {
   std::vector<SpringElement> out;
   for (const SpringSpec& s : a.scene.springs) {
@@ -47,8 +49,6 @@ std::vector<SpringElement> springs_of(const Assembly& a) {
   }
   return out;
 }
-
-}  // namespace
 
 RollingSetup rolling_setup(const Scene& scene) {
   const Parameters& p = scene.contact.wheel_rail;

@@ -37,6 +37,7 @@ std::string kind_of_failure(const std::vector<FailureSpec>& fails_when, const Ca
   if (result.status == "over_budget") return "slower than budget";
   if (result.status == "crashed") return "crashed";
   if (result.status == "wrong_scene") return "refused";
+  if (result.trouble.find("unstable time step") != std::string::npos) return "unstable step";
   if (result.status == "failed")
     return result.trouble.find("lost body") != std::string::npos ? "tunnelled" : "non-finite";
   if (result.status == "bound_violated") {

@@ -38,6 +38,11 @@ struct BlockTask {
     if constexpr (friction) places = block.springs.begin_step();
     for (const SphereBlocks::Run& run : block.runs) sweep<n>(run, total, places);
     if (friction && arrays.dt > 0.0) block.springs.end_step(places);
+    block.deepest = block.deepest_relative = 0.0;
+    for (int l = 0; l < n; ++l) {
+      block.deepest = std::max(block.deepest, double{total.deepest[l]});
+      block.deepest_relative = std::max(block.deepest_relative, double{total.deepest_relative[l]});
+    }
     block.touching = total.touching, block.viscous = total.viscous.total();
     if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
     block.slipped = 0.5 * total.twice_slipped.total() + total.released;
@@ -301,7 +306,10 @@ class FusedModel final : public FusedSpheres {
     report.contacts += blocks_.pairs();
     Losses lost;
     double viscous_power = 0.0;
+    report.deepest = report.deepest_relative = 0.0;
     for (const auto& block : blocks_.blocks()) {
+      report.deepest = std::max(report.deepest, block.deepest);
+      report.deepest_relative = std::max(report.deepest_relative, block.deepest_relative);
       report.touching += block.touching, report.elastic += block.elastic;
       viscous_power += block.viscous;
       if (dt > 0.0) lost.frictional += block.slipped;

@@ -110,6 +110,7 @@ class SphereBlocks {
     double viscous = 0.0;        ///< power lost in the dampers [W]
     Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
+    double deepest = 0.0, deepest_relative = 0.0;  ///< overlap [m], over the smaller radius
     void grow_records(std::size_t size, bool rolls);
     void set_touching(std::uint32_t k) {
       touched[k / pairs_per_byte] |= static_cast<std::uint8_t>(1u << (k % pairs_per_byte));

@@ -35,9 +35,10 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(bodies[l].b).spin); }, spin_b.x, spin_b.y,
                  spin_b.z, radius_b);
     c.radius = radius_a * radius_b * curvature;
+    c.smaller = min(radius_a, radius_b);
     c.lever = 1.0 - t.column(t.overlap, g) * curvature;
   } else {
-    c.radius = radius_a, c.lever = filled<n>(1.0);
+    c.radius = c.smaller = radius_a, c.lever = filled<n>(1.0);
   }
   if constexpr (friction) {
     c.twist = 0.5 * with.dt * normal.dot(spin_a + spin_b);
@@ -280,6 +281,7 @@ struct SphereSweep {
     if constexpr (across)
       if (block.records.size() < at.record + t.groups * n) block.grow_records(at.record + SphereTile<n>::most, rolls);
     for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
+    note_depths<n>(t, total);
     const Law kept = law;  // in registers, or spread over lanes
     const auto respond = [&](std::size_t g) EPAFI_INLINED {
       find_response<n, Normal, Tangential, Rolling>(t, g, kept, with.tells_energy);

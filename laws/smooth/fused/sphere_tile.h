@@ -40,6 +40,7 @@ struct SphereTotals {
   LaneSum<n> elastic, viscous;             ///< of the normal parts [J], [W]
   LaneSum<n> twice_stored, twice_slipped;  ///< of the springs [J]
   LaneSum<n> virial[3];                    ///< with a periodic cell [N m]
+  typename LanesOf<n>::Real deepest{}, deepest_relative{};  ///< overlap [m], over the smaller radius
   double released = 0.0;                   ///< energy of the springs of contacts that opened [J]
   std::size_t touching = 0;
 };
@@ -63,6 +64,7 @@ struct SphereTile {
   struct Group {
     V lever;  ///< distance over sum of radii
     V approach, inverse_mass, radius;
+    V smaller;       ///< radius of the pair [m]
     V3 slip;         ///< velocity, in the middle of the step [m/s]; of rolling springs [rad/s]
     V twist;         ///< about the normal in the step [rad]
     V force;         ///< [N]
@@ -226,6 +228,22 @@ EPAFI_LANES void settle_springs(SphereTile<n>& t, std::size_t g, SphereSpring* t
     (store<n>(to[g * n + l].load, rows[l]), ...);
   }
   (std::make_index_sequence<n>{});
+}
+
+/// Divides only where an overlap may exceed the largest so far; with some slack, so that the result does not depend on
+/// the order. Lanes behind the last contact repeat it and change nothing.
+template <int n>
+EPAFI_LANES void note_depths(const SphereTile<n>& t, SphereTotals<n>& total) {
+  using V = typename LanesOf<n>::Real;
+  constexpr double slack = 1.0 - 1e-12;
+  V deepest = total.deepest, relative = total.deepest_relative;
+  for (std::size_t g = 0; g < t.groups; ++g) {
+    const V overlap = t.column(t.overlap, g), smaller = t.group[g].smaller;
+    deepest = max(deepest, overlap);
+    if (less_bits<n>(slack * relative * smaller, overlap) != 0) [[unlikely]]
+      relative = max(relative, overlap / smaller);
+  }
+  total.deepest = deepest, total.deepest_relative = relative;
 }
 
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25

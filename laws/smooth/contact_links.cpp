@@ -1,0 +1,138 @@
+#include "laws/smooth/contact_links.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "laws/smooth/choose_law.h"
+
+namespace epafi {
+
+namespace {
+
+/// Parameters of a part for every pair that occurs.
+template <class L>
+std::vector<typename L::Parameters> parameters_of_pairs(const MaterialTable& table) {
+  std::vector<typename L::Parameters> out(table.pairs.size());
+  for (std::size_t k = 0; k < out.size(); ++k)
+    if (table.pairs[k].occurs) out[k] = L::parameters(table.pairs[k]);
+  return out;
+}
+
+template <NormalLaw N>
+NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
+  constexpr double little = 1e-4;  // of the overlap: digits enough for a slope, near enough for a power law
+  const double overlap = at.overlap;
+  NormalState<N> fresh{}, loaded{}, next{};
+  at.approach_velocity = 0.0;
+  const NormalResponse still = respond<N>(p, at, fresh, loaded);
+  NormalSlopes out;
+  out.of_law = still.stiffness;
+  out.force = std::max(0.0, still.force);
+  if constexpr (RemembersNormal<N>) {
+    at.overlap = overlap * (1.0 - little);
+    const NormalResponse less = respond<N>(p, at, loaded, next);
+    out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (overlap * little);
+    at.overlap = overlap;
+  } else {
+    out.stiffness = std::max(0.0, still.stiffness);
+  }
+  // so fast that the force doubles with a dashpot of the critical kind: forces of all laws are linear in it
+  at.approach_velocity = overlap * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
+  const NormalResponse moving = respond<N>(p, at, loaded, next);
+  if (at.approach_velocity > 0.0) out.dashpot = std::max(0.0, moving.force - still.force) / at.approach_velocity;
+  return out;
+}
+
+/// 1/m + r^2/I pushed sideways at a contact point, as the law takes it [1/kg]; 0 of a body that is not free.
+double slip_mobility_of(const World& world, Slot s, const Vec3& arm) {
+  if (!world.is_movable(s)) return 0.0;
+  return world.inverse_mass[s] + (world.rotates() ? arm.squaredNorm() * world.inverse_inertia_of(s).sum() / 3.0 : 0.0);
+}
+
+/// 1/(I + m r^2) [1/(kg m^2)], as the law takes it.
+double rolling_mobility_of(const World& world, Slot s, const Vec3& arm) {
+  if (!world.is_movable(s) || !world.rotates()) return 0.0;
+  return 1.0 / (3.0 / world.inverse_inertia_of(s).sum() + arm.squaredNorm() / world.inverse_mass[s]);
+}
+
+template <RollingLaw R>
+double rolling_weight(const typename R::Parameters& p, const RollingStep& step) {
+  if constexpr (requires { p.type; }) {
+    if (p.type == AnyRolling::Type::constant) return 0.0;  // limits itself to what stops the spin
+    return 0.25 * step.dt * step.dt * R::stiffness(p, step) + step.dt * R::damping(p, step);
+  } else {
+    return 0.0;
+  }
+}
+
+}  // namespace
+
+ContactLinks::ContactLinks(const SmoothSetup& setup) : materials_(setup.materials.materials) {
+  const SmoothParts parts = smooth_parts(setup);
+  const MaterialTable& table = setup.materials;
+  with_law(NormalLaws{}, parts.normal, [&](auto n) {
+    using N = typename decltype(n)::type;
+    normal_ = [pairs = parameters_of_pairs<N>(table)](std::size_t pair, const ContactKinematics& at) {
+      return slopes_of<N>(pairs[pair], at);
+    };
+  });
+  sideways_damping_.assign(table.pairs.size(), 0.0);
+  with_law(TangentialLaws{}, parts.tangential, [&](auto t) {
+    using T = typename decltype(t)::type;
+    auto pairs = parameters_of_pairs<T>(table);
+    if constexpr (requires { pairs[0].damping; })
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        if (table.pairs[k].occurs) sideways_damping_[k] = pairs[k].damping;
+    sideways_ = [pairs = std::move(pairs)](std::size_t pair, double k) {
+      if constexpr (requires { pairs[pair].friction; })
+        if (!(pairs[pair].friction > 0.0)) return 0.0;
+      return double{T::stiffness(pairs[pair], k)};
+    };
+  });
+  with_law(RollingLaws{}, parts.rolling, [&](auto r) {
+    using R = typename decltype(r)::type;
+    rolling_ = [pairs = parameters_of_pairs<R>(table)](std::size_t pair, const RollingStep& step) {
+      return rolling_weight<R>(pairs[pair], step);
+    };
+  });
+}
+
+StiffLink ContactLinks::link(std::uint16_t i, std::uint16_t j, const ContactKinematics& at, double slip_mobility,
+                             double rolling_mobility, double dt) const {
+  const std::size_t pair = i * materials_ + j;
+  const NormalSlopes n = normal_(pair, at);
+  StiffLink out;
+  out.along = 0.25 * dt * dt * n.stiffness + dt * n.dashpot;
+  const double sideways = sideways_(pair, n.of_law);
+  const double dashpot = slip_mobility > 0.0 ? 2.0 * sideways_damping_[pair] * std::sqrt(sideways / slip_mobility) : 0.0;
+  out.across = 0.25 * dt * dt * sideways + dt * dashpot;
+  if (rolling_mobility > 0.0)
+    out.turn = rolling_(pair, {n.of_law, n.force, at.effective_radius, 1.0 / rolling_mobility, 0.0, dt});
+  return out;
+}
+
+void ContactLinks::append(const World& world, const ContactSet& contacts, std::size_t begin, std::size_t end, double dt,
+                          std::vector<StiffLink>& links) const {
+  for (std::size_t k = begin; k < end; ++k) {
+    const Slot a = contacts.a[k], b = contacts.b[k];
+    const double mobility = world.inverse_mass[a] + world.inverse_mass[b];
+    if (!(contacts.gap[k] < 0.0) || mobility == 0.0) continue;
+    ContactKinematics at;
+    at.overlap = -contacts.gap[k];
+    at.effective_mass = 1.0 / mobility;
+    at.effective_radius = k < contacts.effective_radius.size() ? contacts.effective_radius[k] : 0.0;
+    if (k < contacts.area.size()) at.area = contacts.area[k];
+    const Vec3 arm_a = contacts.arm[k], arm_b = contacts.arm_b(k, world);
+    const double slip = slip_mobility_of(world, a, arm_a) + slip_mobility_of(world, b, arm_b);
+    const double roll = rolling_mobility_of(world, a, arm_a) + rolling_mobility_of(world, b, arm_b);
+    StiffLink l = link(world.material[a], world.material[b], at, slip, roll, dt);
+    l.a = a;
+    l.b = b;
+    l.arm_a = arm_a;
+    l.arm_b = arm_b;
+    l.normal = contacts.normal[k];
+    links.push_back(l);
+  }
+}
+
+}  // namespace epafi

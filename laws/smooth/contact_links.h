@@ -1,0 +1,46 @@
+/// @file contact_links.h  How stiff and how damped smooth contacts are at this moment: what engine/stiffest_mode.h needs
+/// of them. Stiffness and dashpot are those of the law at the present overlap; a law that remembers is asked for the way
+/// out, which is the stiffer one. Friction counts as sticking: a contact at its limit may stick in the next step.
+#pragma once
+#include <functional>
+
+#include "engine/contacts.h"
+#include "engine/stiffest_mode.h"
+#include "laws/contact_law.h"
+#include "laws/smooth/make_smooth_contact.h"
+
+namespace epafi {
+
+/// Of one contact along its normal.
+struct NormalSlopes {
+  double stiffness = 0.0;  ///< dN/d(delta) [N/m], >= 0
+  double dashpot = 0.0;    ///< dN/d(delta_dot) [N s/m], >= 0
+  double of_law = 0.0;     ///< what friction and rolling take for k_n [N/m]
+  double force = 0.0;      ///< N at rest [N]
+};
+
+class ContactLinks {
+ public:
+  /// The set-up must pass check_smooth.
+  explicit ContactLinks(const SmoothSetup& setup);
+  /// Those of contacts [begin, end) that overlap, for a step of dt [s].
+  void append(const World& world, const ContactSet& contacts, std::size_t begin, std::size_t end, double dt,
+              std::vector<StiffLink>& links) const;
+  /// A link between bodies of materials i and j by overlap, radius, mass and area of `at`; mobilities: of slip, 1/m + r^2/I
+  /// of both [1/kg], and of rolling [1/(kg m^2)], 0 where it does not count.
+  StiffLink link(std::uint16_t i, std::uint16_t j, const ContactKinematics& at, double slip_mobility,
+                 double rolling_mobility, double dt) const;
+  NormalSlopes normal(std::uint16_t i, std::uint16_t j, const ContactKinematics& at) const {
+    return normal_(i * materials_ + j, at);
+  }
+
+ private:
+  std::size_t materials_;
+  std::function<NormalSlopes(std::size_t pair, const ContactKinematics& at)> normal_;
+  std::function<double(std::size_t pair, double stiffness)> sideways_;  ///< k_t of k_n [N/m]
+  std::vector<double> sideways_damping_;                                ///< by pair, of critical
+  /// dt^2/4 k + dt c of rolling [kg m^2]
+  std::function<double(std::size_t pair, const RollingStep& step)> rolling_;
+};
+
+}  // namespace epafi

@@ -1,0 +1,16 @@
+/// @file stability_watch.h  The watch over the time step of smooth contact: with all contacts and springs of the moment.
+#pragma once
+#include <memory>
+
+#include "scenes/assemble.h"
+
+namespace epafi {
+
+/// Divides a step that the program has chosen, ends a run whose written step is unstable. Null under non-smooth contact
+/// and where the scene allows an unstable step.
+std::unique_ptr<StepWatch> make_stability_watch(const Assembly& assembly);
+
+/// The largest step that all contacts and springs of this moment allow [s]; infinite where there are none.
+double stable_step_now(const Assembly& assembly);
+
+}  // namespace epafi

@@ -1,0 +1,102 @@
+#include "scenes/step_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace epafi {
+
+namespace {
+
+/// The largest dt with value(dt) <= 1, value between dt and dt^2.
+template <class F>
+double solve_step(const F& value) {
+  double dt = 1.0;
+  for (int k = 0; k < 60; ++k) {
+    const double now = value(dt);
+    if (!(now > 0.0)) return infinity;
+    const double ratio = 1.0 / now;
+    if (std::abs(ratio - 1.0) < 1e-3) break;
+    dt *= std::sqrt(ratio);
+  }
+  return dt;
+}
+
+ContactKinematics with_overlap(ContactKinematics at, double overlap) {
+  at.overlap = overlap;
+  return at;
+}
+
+/// Solid spheres give way sideways with 7/2 of their mobility.
+constexpr double sideways = 3.5;
+
+}  // namespace
+
+double overlap_under(const ContactLinks& links, const ExpectedPair& pair, double force) {
+  const auto presses = [&](double overlap) { return links.normal(pair.i, pair.j, with_overlap(pair.at, overlap)).force; };
+  double low = 0.0, high = 1e-12;
+  while (presses(high) < force && high < 1e3) high *= 2.0;
+  for (int k = 0; k < 40; ++k) {
+    const double middle = 0.5 * (low + high);
+    (presses(middle) < force ? low : high) = middle;
+  }
+  return high;
+}
+
+double impact_step(const ContactLinks& links, const ExpectedPair& pair, double overlap) {
+  const double mobility = 1.0 / pair.at.effective_mass;
+  return solve_step(
+      [&](double dt) {
+        const StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways * mobility, 0.0, dt);
+        return mobility * std::max(l.along, sideways * l.across);
+      });
+}
+
+/// As stable_step of laws/smooth/critical_step.h: chains and packings of solid spheres, neighbours in antiphase.
+double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, int coordination) {
+  const double few = std::min(coordination, 2), many = coordination > 2 ? coordination / 3.0 : 0.0;
+  return solve_step(
+      [&](double dt) {
+        const StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways / pair.at.effective_mass,
+                                       0.0, dt);
+        const double chain = std::max(l.along, sideways * l.across);
+        const double packed = std::max(l.along + 2.0 * l.across, 5.0 * l.across);
+        return 2.0 / pair.mass * std::max(few * chain, many * packed);
+      });
+}
+
+double corner_step(const ContactLinks& links, const ExpectedPair& pair, const FlatBody& body, double overlap,
+                   std::size_t stacked) {
+  const bool turns = body.inertia.minCoeff() > 0.0;
+  World world(Columns{.rotation = turns, .anisotropy = turns, .force = false});
+  Body b;
+  b.mass = body.mass;
+  b.inertia = body.inertia;
+  world.add(b);
+  // of n bodies on each other 4 cos^2(pi / (2 n + 1)) times the value of the lowest alone
+  const double half_wave = std::cos(std::numbers::pi / (2.0 * static_cast<double>(stacked) + 1.0));
+  const double factor = stacked > 1 ? 4.0 * half_wave * half_wave : 1.0;
+  const auto value = [&](double dt) {
+    double most = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<StiffLink> points;
+      for (const double u : {-1.0, 1.0})
+        for (const double v : {-1.0, 1.0}) {
+          Vec3 arm = body.half;
+          arm[(axis + 1) % 3] *= u;
+          arm[(axis + 2) % 3] *= v;
+          const double slip = 1.0 / body.mass + (turns ? arm.squaredNorm() * body.inertia.cwiseInverse().sum() / 3.0 : 0.0);
+          StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), slip, 0.0, dt);
+          l.b = 0;
+          l.arm_b = arm;
+          l.normal = Vec3::Unit(axis);
+          points.push_back(l);
+        }
+      most = std::max(most, stiffest_mode(world, points).value);
+    }
+    return factor * most;
+  };
+  return solve_step(value);
+}
+
+}  // namespace epafi

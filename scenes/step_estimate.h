@@ -1,0 +1,45 @@
+/// @file step_estimate.h  What time step the contacts of a scene will bear, before it has any: impacts at an expected
+/// speed, packings under an expected load, flat bodies on four points. All limits are those of engine/stiffest_mode.h with
+/// the law's stiffness and dashpot at the overlap of that speed or load.
+///
+/// Limits hold to 20 % where speed and load are what was expected; they go with its power 1/6 (load) and 1/5 (speed) for
+/// Hertz. What comes otherwise is met by the watch in the run.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "laws/smooth/contact_links.h"
+
+namespace epafi {
+
+/// A body that may rest on several points at once.
+struct FlatBody {
+  double mass = 0.0;
+  Vec3 inertia = Vec3::Zero();  ///< principal [kg m^2]
+  Vec3 half = Vec3::Zero();     ///< half the sides of its box [m]
+  double radius = 0.0;          ///< of the sphere of its volume [m]
+};
+
+/// What two kinds of bodies are to each other.
+struct ExpectedPair {
+  std::uint16_t i = 0, j = 0;    ///< materials
+  double mass = 0.0;             ///< of the lighter body [kg]
+  ContactKinematics at;          ///< m*, R*; the overlap comes with speed or load
+};
+
+/// Overlap at which the pair presses with a force [m].
+double overlap_under(const ContactLinks& links, const ExpectedPair& pair, double force);
+
+/// Of one contact of round bodies at an overlap: the largest step [s].
+double impact_step(const ContactLinks& links, const ExpectedPair& pair, double overlap);
+
+/// Of a packing of round bodies with so many contacts each at an overlap [s].
+double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, int coordination);
+
+/// Of a flat body that lies on four points of its stiffest face at an overlap; the lowest of `stacked` bodies where more
+/// than one is free [s].
+double corner_step(const ContactLinks& links, const ExpectedPair& pair, const FlatBody& body, double overlap,
+                   std::size_t stacked);
+
+}  // namespace epafi

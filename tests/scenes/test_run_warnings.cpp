@@ -1,0 +1,89 @@
+// What a run says of itself where its energy balance opens, and of overlaps between the looks.
+#include <fstream>
+
+#include "scenes/cli/commands.h"
+#include "tests/support/captured.h"
+#include "tests/support/catch.h"
+#include "tests/support/document.h"
+#include "viz_export/json_reader.h"
+
+using namespace epafi;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A ball on a spring floor whose step is beyond what it bears: every contact throws it higher.
+fs::path thrown_ball(const TemporaryFolder& folder, double dt, const std::string& more = {}) {
+  const fs::path file = folder / "ball.toml";
+  std::ofstream(file) << "run = { duration = 0.2, time_step = " << dt << R"(, output_interval = 0.1, allow_unstable = true }
+world = { gravity = [0, 0, -9.81] }
+material.m = { density = 2500.0 }
+contact = { method = "smooth", restitution = 1.0, friction = 0.0, smooth = { law = "linear", stiffness = 1e4 } }
+[[body]]
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+fixed = true
+[[body]]
+name = "ball"
+shape = { sphere = { radius = 0.01 } }
+material = "m"
+position = [0, 0, 0.0099]
+)" << more;
+  return file;
+}
+
+Captured run_of(const fs::path& scene, const RunOptions& options) {
+  return captured([&] { return guarded([&] { return command_run({scene.string(), {}}, options); }); });
+}
+
+RunOptions into(const TemporaryFolder& folder) {
+  RunOptions o;
+  o.out = (folder / "out").string();
+  o.threads = 1;
+  o.quiet = true;
+  return o;
+}
+
+}  // namespace
+
+TEST_CASE("a run whose balance opens beyond a half ends as a violated bound", "[scenes][warnings]") {
+  const TemporaryFolder folder;
+  // omega = sqrt(k/m) = 977 /s: a step of 2.5 ms is beyond 2/omega
+  const Captured run = run_of(thrown_ball(folder, 2.5e-3), into(folder));
+  CHECK(run.code == exit_bound);
+  CHECK_THAT(run.err, Catch::Contains("[bounds] energy_error") && Catch::Contains("warning: the energy balance is open"));
+  const FlatJson summary = read_json(folder / "out" / "summary.json");
+  CHECK(summary.text("status") == "bound_violated");
+  CHECK_THAT(summary.text("warnings.0"), Catch::Contains("energy balance"));
+  CHECK(summary.number("checks.energy_error.ok") == 0.0);
+  CHECK(fs::exists(folder / "out" / "checkpoint.h5"));
+}
+
+TEST_CASE("a bound of the scene's own takes the place of the watch over the balance", "[scenes][warnings]") {
+  const TemporaryFolder folder;
+  CHECK(run_of(thrown_ball(folder, 2.5e-3, "[bounds]\nenergy_error = 1e9\n"), into(folder)).code == exit_done);
+  CHECK_THAT(read_json(folder / "out" / "summary.json").text("warnings.0"), Catch::Contains("energy balance"));
+}
+
+TEST_CASE("where nothing is wrong there is no warning; strict runs end with 1 where there is one", "[scenes][warnings]") {
+  const TemporaryFolder folder;
+  RunOptions strict = into(folder);
+  strict.strict = true;
+  strict.force = true;
+  CHECK(run_of(thrown_ball(folder, 5e-5), strict).code == exit_done);
+  CHECK(read_json(folder / "out" / "summary.json").text("warnings.0").empty());
+  CHECK(run_of(thrown_ball(folder, 2.5e-3, "[bounds]\nenergy_error = 1e9\n"), strict).code == exit_bound);
+}
+
+TEST_CASE("the largest overlap is that of all steps, and a bound on it holds in each", "[scenes][warnings]") {
+  const TemporaryFolder folder;
+  // 1 m/s: pi/omega = 3.2 ms in the floor, between two looks of 100 steps each 0.05 ms; v/omega = 1.02 mm deep
+  const std::string fast = "velocity = [0, 0, -1]\n";
+  CHECK(run_of(thrown_ball(folder, 5e-5, fast), into(folder)).code == exit_done);
+  const double overlap = read_json(folder / "out" / "summary.json").number("overlap.max").value();
+  CHECK(overlap == Approx(1.04e-3).epsilon(0.03));
+  CHECK(read_json(folder / "out" / "summary.json").number("overlap.max_relative").value() == Approx(overlap / 0.01));
+  RunOptions again = into(folder);
+  again.force = true;
+  CHECK(run_of(thrown_ball(folder, 5e-5, fast + "[bounds]\noverlap_relative = 0.09\n"), again).code == exit_bound);
+}
