@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/crew.h"
 #include "engine/shared_out.h"
+#include "engine/threads/thread_team.h"
 
 namespace epafi {
 
@@ -35,23 +35,31 @@ inline std::vector<int> bound_processors() {
 /// Of the calling thread, below thread_count(); 0 outside loops.
 inline std::size_t thread_number() { return static_cast<std::size_t>(omp_get_thread_num()); }
 
-/// body(), all loops of it by threads that stay together (engine/crew.h); what it throws is thrown here.
+/// body(), all loops of it by threads that stay together (engine/threads/thread_team.h); what it throws is thrown here.
 template <class F>
-void with_crew(const F& body) {
+void with_team(const F& body) {
   if (thread_count() == 1 || omp_in_parallel()) return body();
-  Crew crew(static_cast<std::size_t>(thread_count()), looks_before_sleep(thread_count() > omp_get_num_procs()));
+  ThreadTeam team(static_cast<std::size_t>(thread_count()), spin_limit(thread_count() > omp_get_num_procs()));
 #pragma omp parallel
   if (thread_number() == 0)
-    crew.lead(static_cast<std::size_t>(omp_get_num_threads()), body);
+    team.lead(static_cast<std::size_t>(omp_get_num_threads()), body);
   else
-    crew.follow(thread_number());
-  crew.rethrow();
+    team.follow(thread_number());
+  team.rethrow();
 }
 
-/// f(thread) by every thread at once.
+/// Threads that the next loop is shared out over: fewer than thread_count() while other programs need the processors.
+/// No result may depend on it.
+inline std::size_t team_size() {
+  ThreadTeam* const team = ThreadTeam::idle();
+  return team ? team->size() : static_cast<std::size_t>(thread_count());
+}
+
+/// f(member) by team_size() threads at once. One that comes when the others have done all work is left out, so f shares
+/// work out by itself and leaves none to a member that has not begun.
 template <class F>
 void parallel_team(const F& f) {
-  if (Crew* const crew = Crew::idle()) return crew->run(f);
+  if (ThreadTeam* const team = ThreadTeam::idle()) return team->run(f);
 #pragma omp parallel
   f(thread_number());
 }
@@ -127,8 +135,7 @@ class Runs {
 /// Runs of one loop, with their own counters.
 class LoopRuns {
  public:
-  explicit LoopRuns(std::size_t n)
-      : runs_(n, std::span(left_).first(std::min(left_.size(), static_cast<std::size_t>(thread_count())))) {
+  LoopRuns(std::size_t n, std::size_t threads) : runs_(n, std::span(left_).first(std::min(left_.size(), threads))) {
     runs_.start();
   }
   LoopRuns(const LoopRuns&) = delete;
@@ -150,11 +157,12 @@ void parallel_blocks(std::size_t n, std::size_t size, const F& f) {
   const std::size_t blocks = (n + size - 1) / size;
   const auto one = [&](std::size_t b) { f(b * size, std::min(n, (b + 1) * size), b); };
   const SharedOut meter(blocks > 1);
-  if (blocks < 2 || thread_count() == 1) {
+  const std::size_t threads = blocks < 2 ? 1 : team_size();
+  if (threads == 1) {
     for (std::size_t b = 0; b < blocks; ++b) one(b);
     return;
   }
-  const LoopRuns runs(blocks);
+  const LoopRuns runs(blocks, threads);
   parallel_team([&](std::size_t thread) { runs.each(thread, one); });
 }
 

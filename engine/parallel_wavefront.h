@@ -63,7 +63,7 @@ class Finds {
   void add(std::size_t thread, std::size_t i) {
     std::atomic_ref(flags_[place(i)]).store(1, std::memory_order_release);
     std::atomic_ref(counts_[thread % runs_].value).fetch_add(1);
-    sleepers_.wake();
+    event_.wake();
   }
   bool has(std::size_t i) const { return std::atomic_ref(flags_[place(i)]).load(std::memory_order_acquire) != 0; }
   std::size_t count() const {
@@ -73,9 +73,9 @@ class Finds {
   }
   /// Until there are more than `seen`; false where a thread gave up.
   bool wait_beyond(std::size_t seen) {
-    return sleepers_.wait_until([&] { return count() > seen; }, looks_at_pieces);
+    return event_.wait_until([&] { return count() > seen; }, polls_for_piece);
   }
-  Sleepers& sleepers() { return sleepers_; }
+  EventCount& event() { return event_; }
 
  private:
   static constexpr std::size_t line = 64;
@@ -84,7 +84,7 @@ class Finds {
   std::size_t n_, runs_;
   std::vector<unsigned char>& flags_;
   std::vector<Counter>& counts_;
-  Sleepers sleepers_;
+  EventCount event_;
 };
 }  // namespace parallel_detail
 
@@ -123,13 +123,15 @@ template <class Sources, class Find, class Finish>
 void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::uint32_t> order, const Sources& sources,
                         const Find& find, const Finish& finish) {
   const SharedOut meter(n > 1);
-  if (n < 2 || thread_count() == 1) {
+  const std::size_t threads = n < 2 ? 1 : team_size();
+  if (threads == 1) {
     for (std::size_t i = 0; i < n; ++i) find(i, std::size_t{0}), finish(i, std::size_t{0}, i + 1 < n ? i + 1 : i);
     return;
   }
-  parallel_detail::Finds finds(n, std::min(n, static_cast<std::size_t>(thread_count())));
-  const LoopRuns runs(n);
-  const bool in_order = order.size() == n && n <= trays * static_cast<std::size_t>(thread_count());
+  parallel_detail::Finds finds(n, std::min(n, threads));
+  const LoopRuns runs(n, threads);
+  const bool is_for_all = threads == static_cast<std::size_t>(thread_count());
+  const bool in_order = is_for_all && order.size() == n && n <= trays * threads;
   const auto go_through = [&](std::size_t thread) {
     parallel_detail::Waiting waiting(thread * trays, trays);
     const auto part_at = [&](std::size_t place) -> std::size_t { return in_order ? order[place] : place; };
@@ -160,7 +162,7 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
     if (goes_on) finish_until(0);
   };
   parallel_team(
-      [&](std::size_t thread) { parallel_detail::wait_together(finds.sleepers(), [&] { go_through(thread); }); });
+      [&](std::size_t thread) { parallel_detail::wait_together(finds.event(), [&] { go_through(thread); }); });
 }
 
 }  // namespace epafi

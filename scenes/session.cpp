@@ -259,7 +259,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   start_ = std::chrono::steady_clock::now();
   const double first_cpu = processor_seconds();
   Progress progress(assembly_->steps, first_step_, quiet);
-  with_crew([&] { ending_ = take_steps(limits, progress); });
+  with_team([&] { ending_ = take_steps(limits, progress); });
   wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;
   // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes on
   // must not tell that it was cut off.

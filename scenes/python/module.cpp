@@ -75,7 +75,7 @@ class Run {
     std::optional<Failure> failure;
     {
       const py::gil_scoped_release free;
-      with_crew([&] {
+      with_team([&] {
         for (std::uint64_t k = 0; k < count && !failure; ++k)
           failure = sim.advance(sim.steps() + 1 == assembly_->steps);
       });
