@@ -28,8 +28,8 @@ std::string scene(const std::string& wheelset, const std::string& rail = "", dou
 }  // namespace
 
 TEST_CASE("a wheelset placed on its rails stays there under its weight", "[physics][wheel_rail]") {
-  // pressed in by Hertz at the rigid point, 30 um or more; strips on the whole gap have it up to a third of that higher.
-  // Without friction it runs down the rails' inclination: g t^2 / 2 times 0.04
+  // pressed in by Hertz at the rigid point, 30 um and, under 56 kN, 100 um; strips on the whole gap have it up to a tenth
+  // of that higher, and it swings by as much again. Without friction it runs down the rails' inclination
   for (const char* where : {"position = [0, 0, 0]\n", "position = [3, 2e-3, 5]\n",
                             "position = [1, -4e-3, -1]\neuler_deg = [4, 70, 0.1]\nforce = [0, 0, 50e3]\n"}) {
     INFO(where);
@@ -37,10 +37,14 @@ TEST_CASE("a wheelset placed on its rails stays there under its weight", "[physi
     Simulation& sim = run.simulation();
     const Slot s = sim.world.slot_of(BodyId{1});
     const Vec3 start = sim.world.position[s];
-    run.advance_to(400);
+    double farthest = 0.0;
+    for (std::uint64_t step = 1; step <= 100; ++step) {  // two periods and a half of sinking
+      run.advance_to(step);
+      farthest = std::max(farthest, std::abs(sim.world.position[s].z() - start.z()));
+    }
     CHECK(run.failure.empty());
-    CHECK(std::abs(sim.world.position[s].z() - start.z()) < 12e-6);
-    CHECK(std::abs(sim.world.position[s].y() - start.y()) < 0.4e-3);
+    CHECK(farthest < 20e-6);
+    CHECK(std::abs(sim.world.position[s].y() - start.y()) < 0.2e-3);
     CHECK(run.smallest("at", "contacts") >= 2.0);
   }
 }

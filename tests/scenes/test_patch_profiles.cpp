@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -92,21 +93,20 @@ std::string wheel_and_rail(const std::string& wheel, const std::string& rail) {
 TEST_CASE("tread and gauge corner 29 mm apart share the load as CONTACT has it", "[scenes][wheel_rail]") {
   // CONTACT 25.2, 0.25 mm cells: at 754.2 mm 48230 N, 913 MPa, approach 44.2 um; at 725.4 mm 11810 N, 1402 MPa; creep
   // forces -4384 and -2412 N
-  const auto all = answers(built_in("uic60", 0.05),
-                           "load = \"60 kN\"\nlateral_shift = \"6 mm\"\nroll = 0\nrolling_radius = 0.46\n"
-                           "normal = [\"hertz\", \"kik-piotrowski\", \"stripes\", \"analyn\", \"semi-hertz\", "
-                           "\"half-space\"]\ntangential = \"fastrip\"\n");
-  for (const PatchResult& r : all) {
+  const std::string shapes = built_in("uic60", 0.05),
+                    place = "load = \"60 kN\"\nlateral_shift = \"6 mm\"\nroll = 0\nrolling_radius = 0.46\n";
+  for (const PatchResult& r :
+       answers(shapes, place + "normal = [\"hertz\", \"kik-piotrowski\", \"stripes\", \"analyn\"]\n")) {
     INFO(r.normal);
-    for (const auto& reason : r.reasons) UNSCOPED_INFO(reason);
-    const bool several = r.normal == "semi-hertz" || r.normal == "half-space";
-    if (!several) {
-      CHECK_FALSE(r.reasons.empty());
-      continue;
-    }
+    CHECK(std::any_of(r.reasons.begin(), r.reasons.end(),
+                      [](const std::string& text) { return text.find("second region") != std::string::npos; }));
+  }
+  for (const PatchResult& r :
+       answers(shapes, place + "normal = [\"semi-hertz\", \"half-space\"]\ntangential = \"half-space\"\n")) {
+    INFO(r.normal);
     REQUIRE(r.contacts.size() == 2);
-    const PatchContact &tread = r.contacts[0].point.y() > 0.74 ? r.contacts[0] : r.contacts[1],
-                       &corner = r.contacts[0].point.y() > 0.74 ? r.contacts[1] : r.contacts[0];
+    const bool first = r.contacts[0].point.y() > 0.74;
+    const PatchContact &tread = r.contacts[first ? 0 : 1], &corner = r.contacts[first ? 1 : 0];
     CHECK(tread.point.y() == Approx(0.7542).margin(0.3e-3));
     CHECK(corner.point.y() == Approx(0.7254).margin(0.1e-3));
     // the corner is 7 of the reference's cells wide, which is 3 to 4 % of its peak

@@ -42,11 +42,12 @@ void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, st
                       std::to_string(static_cast<int>(100.0 * d)) + " % of its edge value");
 }
 
-void check_second_region(const NormalInput& in, NormalPatch& patch) {
+void check_second_region(const NormalInput& in, NormalPatch& patch, double beyond) {
   // the wheel comes down along z: what one region is pressed in along its normal, another is by the ratio of cosines
   const double depth = patch.approach / std::cos(in.regions.front().angle);
   for (std::size_t k = 1; k < in.regions.size(); ++k) {
     if (!(in.regions[k].offset < depth * std::cos(in.regions[k].angle))) continue;
+    if (std::abs(in.regions[k].y_rail - in.regions.front().y_rail) < beyond) continue;
     patch.reasons.push_back("a second region would touch before this one is compressed by " +
                             std::to_string(1e6 * patch.approach) + " um");
     return;

@@ -150,7 +150,8 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
     check_conformal(r, p, p.reasons);
   else
     check_hertz_range(r, p, p.reasons);
-  if (!mean_curvature || overlaps(lines, approach) > 1) check_second_region(in, p);
+  const bool one_patch = mean_curvature && overlaps(lines, approach) <= 1;  // with all that its profile holds
+  check_second_region(in, p, one_patch ? -r.profile.start : 0.0);
   p.error_estimate =
       std::max((off > most_left_open ? 4.2 * off : off + 0.002) + 0.12 * askew(r, p.ellipse.b, p.ellipse.a),
                p.reasons.empty() ? 0.0 : 0.15);
