@@ -20,7 +20,7 @@ set(doors
   "CGAL/|detection/shapes/hull_from_points\\.cpp,detection/shapes/convex_parts\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/usage\\.h"
-  "zlib\\.h|viz_export/vtp_writer\\.cpp"
+  "zlib\\.h|viz_export/deflate\\.cpp"
   "nlohmann/|viz_export/json_reader\\.cpp"
   "catch2/|tests/support/catch\\.h")
 

@@ -18,6 +18,7 @@
 #include "engine/types.h"
 #include "laws/material.h"
 #include "scenes/rare.h"
+#include "viz_export/view/settings.h"
 
 namespace epafi {
 
@@ -209,6 +210,7 @@ struct MeasureSpec {
   std::string name;
   std::string kind;
   double interval = 0.0;  ///< [s]; 0: every step
+  bool thinned = false;   ///< no interval is written: every step is looked at, not every one is written
   Parameters parameters;
   std::vector<NamedBodies> bodies;  ///< of body = NAME (one) or between = [NAME, NAME] (two)
   Place place;
@@ -267,6 +269,7 @@ struct Scene {
   std::vector<Variation> sweep;
   std::optional<BenchmarkSpec> benchmark;
   OutputSettings output;
+  ViewSettings view;
 };
 
 /// Name of Scene::bodies[k].

@@ -13,6 +13,7 @@
 #include "engine/state_snapshot.h"
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
+#include "scenes/about.h"
 #include "scenes/peak_memory.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/stop.h"
@@ -61,6 +62,11 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
 
 }  // namespace
 
+std::uint64_t rows_apart(const MeasureSpec& spec, std::uint64_t steps) {
+  constexpr std::uint64_t most_rows = 10'000;
+  return spec.thinned ? (steps + most_rows - 1) / most_rows : 1;
+}
+
 struct Session::Files {
   MeasuresCsv csv;
   RunFile run;
@@ -87,7 +93,8 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
   scene_hash_ = scene_hash(scene);
-  const RunFileHeader header{EPAFI_VERSION, scene_hash_, scene.title, scene.text, overrides_};
+  const RunFileHeader header{EPAFI_VERSION, scene_hash_, scene.title, scene.text, overrides_,
+                             to_text(about_of(*assembly_))};
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
                            continued_run(folder_ / "run.h5", header, *from, note_),
@@ -144,8 +151,9 @@ void Session::add_observers() {
   sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
     const std::uint64_t every = spec.interval > 0 ? steps_of(spec.interval, dt) : 1;
+    const std::uint64_t written = rows_apart(spec, assembly_->steps);
     auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), &files_->csv, &files_->run,
-                                                      every);
+                                                      every, spec.kind, written);
     recorders_.push_back(recorder.get());
     sim.observers.push_back(std::move(recorder));
   }
@@ -247,6 +255,7 @@ Ending Session::take_steps(const SessionLimits& limits, Progress& progress) {
     const bool run_on = !reason && goes_on(limits, {keep_every, problems_every, checkpoint_every});
     if (const auto stop = step_once(last_step, run_on)) return *stop;
     progress.update(sim, *monitor_);
+    files_->csv.flush_each_second();
     if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
     if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
   }

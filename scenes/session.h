@@ -83,6 +83,9 @@ class Session {
   double wall_ = 0, cpu_ = 0;
 };
 
+/// Steps between two rows of a measure in the files: where the scene writes no interval, 10 000 rows at most.
+std::uint64_t rows_apart(const MeasureSpec& spec, std::uint64_t steps);
+
 /// Hash of everything that decides the run: scene text with includes, overrides.
 std::string scene_hash(const Scene& scene);
 

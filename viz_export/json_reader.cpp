@@ -32,4 +32,11 @@ FlatJson read_json(const std::filesystem::path& path) {
   return out;
 }
 
+FlatJson flat_json(const std::string& text) {
+  const auto parsed = nlohmann::json::parse(text, nullptr, false);
+  FlatJson out;
+  if (!parsed.is_discarded()) flatten(parsed, "", out);
+  return out;
+}
+
 }  // namespace epafi

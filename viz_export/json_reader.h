@@ -24,5 +24,7 @@ struct FlatJson {
 
 /// Throws FileError where the file cannot be read or is no JSON. null has no entry.
 FlatJson read_json(const std::filesystem::path& path);
+/// The same of a text; empty where it is no JSON.
+FlatJson flat_json(const std::string& text);
 
 }  // namespace epafi

@@ -70,7 +70,13 @@ void MeasuresCsv::flush() {
   out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
   buffer_.clear();
   out_.flush();
+  flushed_ = std::chrono::steady_clock::now();
   if (!out_) throw FileError(path_.string() + ": cannot write (is the disk full?)");
+}
+
+void MeasuresCsv::flush_each_second() {
+  if (buffer_.empty()) return;
+  if (std::chrono::steady_clock::now() - flushed_ > std::chrono::seconds(1)) flush();
 }
 
 }  // namespace epafi

@@ -2,6 +2,7 @@
 /// the same bits. Rows are buffered; flush() before a checkpoint, so that a resumed run can cut the file to the
 /// checkpoint.
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -25,11 +26,14 @@ class MeasuresCsv {
   void add(double time, std::string_view measure, std::string_view component, double value);
   /// Hands the rows to the system; throws FileError where they could not be written.
   void flush();
+  /// The same once a second, so that others can follow a run: to be called often.
+  void flush_each_second();
 
  private:
   std::filesystem::path path_;
   std::ofstream out_;
   std::string buffer_;
+  std::chrono::steady_clock::time_point flushed_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace epafi

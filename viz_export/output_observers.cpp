@@ -21,14 +21,15 @@ void StateRecorder::observe(const StepView& view) {
 }
 
 MeasureRecorder::MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
-                                 std::uint64_t every)
+                                 std::uint64_t every, const std::string& kind, std::uint64_t written)
     : name_(std::move(name)),
       measure_(std::move(measure)),
       components_(measure_->components()),
       csv_(csv),
       run_(run),
-      due_(every) {
-  if (run_ != nullptr) number_ = run_->define_measure(name_, components_);
+      due_(every),
+      written_(written) {
+  if (run_ != nullptr) number_ = run_->define_measure(name_, components_, kind);
   last_.assign(components_.size(), std::numeric_limits<double>::quiet_NaN());
   min_ = max_ = last_;
 }
@@ -38,9 +39,10 @@ void MeasureRecorder::observe(const StepView& view) {
   sampled_ = view.step;
   measure_->sample(view, values_);
   EPAFI_REQUIRE(values_.size() == components_.size(), "one value per component");
-  if (run_ != nullptr) run_->add_measure(number_, view.world.time, values_);
+  const bool is_written = view.step % written_ == 0 || view.last;
+  if (run_ != nullptr && is_written) run_->add_measure(number_, view.world.time, values_);
   for (std::size_t c = 0; c < values_.size(); ++c) {
-    if (csv_ != nullptr) csv_->add(view.world.time, name_, components_[c], values_[c]);
+    if (csv_ != nullptr && is_written) csv_->add(view.world.time, name_, components_[c], values_[c]);
     last_[c] = values_[c];
     if (std::isnan(values_[c])) continue;
     min_[c] = std::fmin(min_[c], values_[c]), max_[c] = std::fmax(max_[c], values_[c]);  // fmin passes over NaN

@@ -34,8 +34,10 @@ class StateRecorder final : public Observer {
 /// Samples one measure into measures.csv, run.h5 and the summary. Either file may be null.
 class MeasureRecorder final : public Observer {
  public:
+  /// Looks at every `every`-th step, for files at those of them that are multiples of `written`. kind: as in the scene,
+  /// for readers of run.h5.
   MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
-                  std::uint64_t every);
+                  std::uint64_t every, const std::string& kind = {}, std::uint64_t written = 1);
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   bool wants_energy(std::uint64_t step) const override { return measure_->wants_energy() && is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
@@ -56,6 +58,7 @@ class MeasureRecorder final : public Observer {
   RunFile* run_;
   std::size_t number_ = 0;  ///< in run.h5
   EverySteps due_;
+  std::uint64_t written_;                          ///< steps between two rows of the files
   std::uint64_t sampled_ = ~std::uint64_t{0};      ///< step of the last sample
   std::vector<double> values_, last_, min_, max_;  ///< by component; NaN where there was no value yet
 };

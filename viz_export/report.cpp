@@ -4,53 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engine/error.h"
 #include "viz_export/charts.h"
+#include "viz_export/html_text.h"
 #include "viz_export/json_reader.h"
-#include "viz_export/picture.h"
+#include "viz_export/measure_units.h"
+#include "viz_export/report_folder.h"
+#include "viz_export/report_style.h"
 #include "viz_export/side_file.h"
 #include "viz_export/stored_run.h"
+#include "viz_export/view/page.h"
+#include "viz_export/view/render_run.h"
 
 namespace epafi {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '&') out += "&amp;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
-  }
-  return out;
-}
-
-std::string base64(const std::string& bytes) {
-  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      group = group << 8 | (k + i < bytes.size() ? static_cast<unsigned char>(bytes[k + i]) : 0u);
-    for (std::size_t i = 0; i < 4; ++i) out += k + i > bytes.size() ? '=' : digits[group >> (18 - 6 * i) & 63u];
-  }
-  return out;
-}
-
-constexpr const char* style = R"(<style>
-:root{color-scheme:light;--ink:#1d2430;--soft:#667085;--line:#e3e6ec;--good:#1a7f4b;--bad:#b42318;--bar:#3b6ea5}
-body{font:15px/1.5 system-ui,"DejaVu Sans",sans-serif;color:var(--ink);max-width:1080px;margin:2rem auto;padding:0 1.2rem;background:#fff}
-h1{font-size:1.6rem;margin:0 0 .2rem}h2{font-size:1.1rem;margin:2rem 0 .6rem;border-bottom:1px solid var(--line);padding-bottom:.25rem}
-p.sub{color:var(--soft);margin:0 0 1rem}table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:.28rem .7rem .28rem 0;border-bottom:1px solid var(--line);vertical-align:top}
-th{color:var(--soft);font-weight:600}td.n{font-variant-numeric:tabular-nums;white-space:nowrap}.grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(460px,1fr));gap:1rem;margin-bottom:.8rem}
-figure{margin:0;border:1px solid var(--line);border-radius:6px;padding:.4rem}figure img,figure svg{width:100%;height:auto;display:block}figcaption{color:var(--soft);font-size:.85rem;padding:.3rem .2rem 0}
-.three{grid-template-columns:repeat(auto-fit,minmax(300px,1fr))}.cards{display:flex;flex-wrap:wrap;gap:.6rem}.card{border:1px solid var(--line);border-radius:6px;padding:.5rem .8rem;min-width:8.5rem}.card b{display:block;font-size:1.15rem;font-variant-numeric:tabular-nums}.card span{color:var(--soft);font-size:.82rem}
-.ok{color:var(--good)}.no{color:var(--bad)}.bar{height:.9rem;background:var(--bar);border-radius:2px;min-width:1px}pre{background:#f6f7f9;border:1px solid var(--line);border-radius:6px;padding:.8rem;overflow-x:auto;font-size:.82rem;line-height:1.4}
-</style>)";
+std::string escaped(const std::string& text) { return html_escaped(text); }
 
 /// What the parts of the page share.
 struct Page {
@@ -95,43 +68,71 @@ void head(Page& p) {
   }
 }
 
-void pictures(Page& p) {
-  const std::size_t n = p.run.snapshots();
-  if (n == 0) return;
+void warnings(Page& p) {
+  for (const auto& [name, text] : p.summary.texts)
+    if (name.starts_with("warnings.")) p.html += "<p class='warning'>" + escaped(text) + "</p>";
+}
+
+/// Six frames of one camera, chosen by what happens between them; where contacts are few, those of the last one too.
+void pictures(Page& p, const ViewSource& source) {
+  if (source.times().empty()) return;
+  const Overview overview = look_over(source);
+  RenderOptions options;
+  options.width = 720;
+  options.height = 480;
   p.html += "<h2>Pictures</h2><div class='grid three'>";
-  double fastest = 0;
-  std::vector<std::size_t> shown{0, n / 2, n - 1};
-  shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
-  const std::size_t stride = std::max<std::size_t>(1, n / 20);  // enough to know how fast it gets
-  for (std::size_t k = 0; k < n; k += stride)
-    for (const BodyRecord& b : p.run.snapshot(k).bodies) fastest = std::max(fastest, b.is_wall() ? 0.0 : b.velocity.norm());
-  for (std::size_t k : shown) {
-    const StoredSnapshot s = p.run.snapshot(k);
-    p.figure(picture_svg(s, {}, fastest), fmt::format("t = {:.4g} s; colour is speed, slate 0 to yellow {:.3g} m/s", s.stamp.time, fastest));
+  RunPainter painter(source, overview, options);
+  const auto add = [&](RunPainter& by, std::size_t k, const std::string& what) {
+    p.figure("<img alt='bodies' src='data:image/png;base64," + base64(png_of(by.paint(k))) + "'/>",
+             fmt::format("t = {:.4g} s{}", source.times()[k], what));
+  };
+  const std::vector<std::size_t> shown = telling_frames(source, 6);
+  for (const std::size_t k : shown) add(painter, k, "");
+  constexpr std::size_t few = 4000;
+  const std::size_t contacts = source.frame(shown.back()).contacts.size();
+  if (contacts > 0 && contacts <= few) {
+    options.contacts = true;
+    RunPainter chains(source, overview, options);
+    add(chains, shown.back(), fmt::format(", {} contacts, as wide as their force", contacts));
   }
   p.html += "</div>";
 }
 
-/// A curve per component that moves; nothing where none does.
+/// The page of `epafi view` within this one.
+void three_dimensions(Page& p, const ViewSource& source) {
+  if (source.times().empty() || page_parts().three[0] == '\0') return;
+  constexpr std::size_t most = 8'000'000;
+  WrittenPage about;
+  const std::string page = complete_page(source, most, about);
+  p.html += "<h2>In three dimensions</h2><iframe title='the run in three dimensions' loading='lazy' srcdoc=\"" + escaped(page) + "\"></iframe>";
+}
+
+/// A plot for each quantity of the measure, with a curve per component that moves.
 void curves(Page& p, const std::string& name, const std::string& title, const StoredMeasure& m) {
-  LinePlot plot{title, "time [s]", m.name.ends_with(']') ? m.name : m.name + " [SI units]", {}};
-  for (std::size_t c = 0; c < m.components.size() && plot.lines.size() < 8; ++c) {
+  std::map<std::string, LinePlot> plots;
+  const std::size_t width = m.components.size(), stride = std::max<std::size_t>(1, m.times.size() / 2000);
+  for (std::size_t c = 0; c < width; ++c) {
+    const std::string axis = axis_label(measure_unit(m.kind, m.components[c]));
     PlotLine line{m.components[c], {}, {}};
-    const std::size_t width = m.components.size(), stride = std::max<std::size_t>(1, m.times.size() / 2000);
     bool moves = false;
     for (std::size_t k = 0; k < m.times.size(); k += stride) {
       const double v = m.values[k * width + c];
       if (!std::isfinite(v)) continue;
-      line.points.push_back({m.times[k], v}), moves = moves || v != line.points.front()[1];
+      line.points.push_back({m.times[k], v});
+      moves = moves || v != line.points.front()[1];
     }
-    if (moves) plot.lines.push_back(std::move(line));
+    LinePlot& plot = plots.try_emplace(axis, LinePlot{title, "time [s]", axis, {}}).first->second;
+    if (moves && plot.lines.size() < 8) plot.lines.push_back(std::move(line));
   }
-  if (plot.lines.empty()) return;
-  const fs::path path = p.folder / "report.part" / name;
-  p.drawn = p.drawn && draw(plot, path);
-  if (!p.drawn) return;
-  p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," + base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
-           title);
+  int number = 0;
+  for (const auto& [axis, plot] : plots) {
+    if (plot.lines.empty()) continue;
+    const fs::path path = p.folder / "report.part" / fmt::format("{}_{}", name, number++);
+    p.drawn = p.drawn && draw(plot, path);
+    if (!p.drawn) return;
+    p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," + base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
+             title + ": " + axis);
+  }
 }
 
 bool is_energy(const StoredMeasure& m) {
@@ -143,7 +144,7 @@ bool is_energy(const StoredMeasure& m) {
 StoredMeasure energies(const Page& p) {
   for (const StoredMeasure& m : p.run.measures())
     if (is_energy(m)) return m;
-  StoredMeasure kinetic{"energy [J]", {"kinetic"}, {}, {}};
+  StoredMeasure kinetic{"energy", "energy", {"kinetic"}, {}, {}};
   for (std::size_t k = 0; k < p.run.snapshots(); ++k) {
     const StoredSnapshot s = p.run.snapshot(k);
     double sum = 0;
@@ -162,16 +163,7 @@ void energy(Page& p) {
     p.html += fmt::format("<tr><td>{}</td><td class='n'>{:.6g}{}</td></tr>", error ? "relative error of the ledger" : part, *value, error ? "" : " J");
   }
   p.html += "</table></div>";
-  StoredMeasure m = energies(p);
-  const auto error = std::find(m.components.begin(), m.components.end(), "relative_error");
-  if (error != m.components.end()) {  // another scale: left to the table
-    const auto c = static_cast<std::size_t>(error - m.components.begin());
-    StoredMeasure rest{"energy [J]", m.components, m.times, {}};
-    for (std::size_t k = 0; k < m.values.size(); ++k)
-      if (k % m.components.size() != c) rest.values.push_back(m.values[k]);
-    rest.components.erase(rest.components.begin() + static_cast<std::ptrdiff_t>(c));
-    m = std::move(rest);
-  }
+  const StoredMeasure m = energies(p);
   curves(p, "energy", m.components.size() > 1 ? "energy over time" : "kinetic energy of the snapshots", m);
   p.html += "</div>";
 }
@@ -231,18 +223,28 @@ void settings(Page& p) {
 }  // namespace
 
 fs::path write_report(const fs::path& folder, const fs::path& wanted) {
+  if (!fs::exists(folder / "summary.json") && has_tables(folder)) return write_folder_report(folder, wanted);
   if (!fs::exists(folder / "summary.json"))
     throw FileError("no run in '" + folder.string() + "': summary.json is missing; `epafi run` writes it");
   const FlatJson summary = read_json(folder / "summary.json");
   const StoredRun run(folder / "run.h5");
   fs::create_directories(folder / "report.part");
   Page page{folder, summary, run};
-  head(page), pictures(page), energy(page), measures(page), quality(page), stages(page), settings(page);
+  const auto source = open_run(folder);
+  head(page);
+  warnings(page);
+  pictures(page, *source);
+  three_dimensions(page, *source);
+  energy(page);
+  measures(page);
+  quality(page);
+  stages(page);
+  settings(page);
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
   fs::remove_all(folder / "report.part");
   fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>",
-                            escaped(run.title()), "</title>", style, "</head><body>", page.html, "</body></html>\n"});
+                            escaped(run.title()), "</title>", report_style, "</head><body>", page.html, "</body></html>\n"});
   return target;
 }
 

@@ -80,6 +80,7 @@ RunFile::RunFile(std::filesystem::path path, const RunFileHeader& header) : path
   file.set_attribute("/", "title", header.title);
   file.write_text("scene", header.scene_text);
   file.write_text("overrides", joined(header.overrides, '\n'));
+  file.write_text("about", header.about);
   file.write<std::uint32_t>("bodies/shape", {}, growing);
   file.write<std::int32_t>("bodies/surface", {}, growing);
   file.write<std::uint16_t>("bodies/material", {}, growing);
@@ -189,7 +190,8 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
   last_step_ = static_cast<std::int64_t>(stamp.step);
 }
 
-std::size_t RunFile::define_measure(const std::string& name, const std::vector<std::string>& components) {
+std::size_t RunFile::define_measure(const std::string& name, const std::vector<std::string>& components,
+                                    const std::string& kind) {
   const std::string group = "measures/" + link_name(name);
   measures_.push_back({group, components.size(), {}, {}});
   Hdf5File file(path_, Hdf5File::Mode::append);
@@ -197,6 +199,7 @@ std::size_t RunFile::define_measure(const std::string& name, const std::vector<s
     file.write<double>(group + "/time", {}, growing);
     file.write<double>(group + "/value", {}, {.columns = components.size(), .extendable = true, .chunk_rows = 512});
     file.set_attribute(group, "name", name);
+    file.set_attribute(group, "kind", kind);
     file.set_attribute(group, "components", joined(components, ','));
   } else if (file.text_attribute(group, "components") != joined(components, ',')) {
     throw FileError(path_.string() + ": measure '" + name + "' has other components than this scene's");

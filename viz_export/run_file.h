@@ -1,10 +1,11 @@
 /// @file run_file.h  run.h5: what a run was and how its bodies moved. Plain HDF5, meant to be read with h5py:
-///   attributes kind, format, version, scene_hash, title; texts scene, overrides
+///   attributes kind, format, version, scene_hash, title; texts scene, overrides, about (names of
+///                     bodies and materials, springs, view: see view/settings.h)
 ///   bodies/{shape, surface, material, mass, radius}   one row per body id; surface: number in shapes/, -1 for spheres
 ///   shapes/NNNNNN/{points, connectivity, offsets}     polygons in body axes
 ///   snapshots/NNNNNN  attributes time, step, state_hash; id, position, velocity, kinetic_energy and, where the scene
 ///                     rotates, orientation (w x y z) and angular_velocity; rows in the order of body ids
-///   measures/NAME     attribute components; time, value (one column per component)
+///   measures/NAME     attributes name, kind, components; time, value (one column per component)
 /// The file is open only while something is written: a crash between snapshots leaves it whole, and others may read it
 /// meanwhile. A crash within a write can spoil it: readers then get a FileError; the checkpoint is another file.
 #pragma once
@@ -21,6 +22,7 @@ namespace epafi {
 struct RunFileHeader {
   std::string version, scene_hash, title, scene_text;
   std::vector<std::string> overrides;
+  std::string about{};  ///< names, springs, view (view/settings.h)
 };
 
 /// State of one instant beside its bodies.
@@ -44,7 +46,9 @@ class RunFile {
   /// Ignored where a snapshot of this step or a later one is already there. Also flushes the measures.
   void add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies);
   /// Number of a measure for add_measure; one that the file already holds is continued.
-  std::size_t define_measure(const std::string& name, const std::vector<std::string>& components);
+  /// kind: as in the scene.
+  std::size_t define_measure(const std::string& name, const std::vector<std::string>& components,
+                             const std::string& kind = {});
   void add_measure(std::size_t measure, double time, const std::vector<double>& values);
   /// Writes buffered measures and waits until the file is on disk: call before a checkpoint.
   void flush();

@@ -50,6 +50,18 @@ struct StoredRun::Impl {
       if (s < -1 || s >= static_cast<std::int32_t>(surfaces.size())) refuse("a body has a surface that is not there");
   }
 
+  /// Without motion.
+  BodyRecord body(std::uint32_t id) const {
+    BodyRecord b;
+    b.id = id;
+    b.shape = shape[id];
+    b.material = material[id];
+    b.mass = mass[id];
+    b.radius = radius[id];
+    b.surface = surface[id] < 0 ? nullptr : &surfaces[static_cast<std::size_t>(surface[id])];
+    return b;
+  }
+
   std::vector<double> rows(const std::string& name, std::size_t width, std::size_t n) const {
     auto values = file.read<double>(name);
     if (values.size() != width * n) refuse("'" + name + "' has not one row per body");
@@ -88,14 +100,22 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
   for (std::size_t i = 0; i < n; ++i) {
     BodyRecord& b = out.bodies[i];
     if (id[i] >= impl_->shape.size()) impl_->refuse("'" + group + "' holds a body that is not in 'bodies'");
-    b.id = id[i], b.shape = impl_->shape[b.id], b.material = impl_->material[b.id];
-    b.mass = impl_->mass[b.id], b.radius = impl_->radius[b.id], b.kinetic_energy = energy[i];
-    const std::int32_t surface = impl_->surface[b.id];
-    b.surface = surface < 0 ? nullptr : &impl_->surfaces[static_cast<std::size_t>(surface)];
+    b = impl_->body(id[i]);
+    b.kinetic_energy = energy[i];
     b.pose.position = Vec3(&x[3 * i]), b.velocity = Vec3(&v[3 * i]);
     if (out.stamp.has_orientation) b.pose.orientation = Quat(q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]);
     if (out.stamp.rotates) b.angular_velocity = Vec3(&w[3 * i]);
   }
+  return out;
+}
+
+double StoredRun::time(std::size_t k) const {
+  return impl_->file.number_attribute("snapshots/" + impl_->snapshots.at(k), "time");
+}
+
+std::vector<BodyRecord> StoredRun::bodies() const {
+  std::vector<BodyRecord> out;
+  for (std::uint32_t id = 0; id < impl_->shape.size(); ++id) out.push_back(impl_->body(id));
   return out;
 }
 
@@ -106,6 +126,7 @@ std::vector<StoredMeasure> StoredRun::measures() const {
     const std::string group = "measures/" + name;
     StoredMeasure m;
     m.name = file.text_attribute(group, "name");
+    if (file.has_attribute(group, "kind")) m.kind = file.text_attribute(group, "kind");
     std::istringstream words(file.text_attribute(group, "components"));
     for (std::string word; std::getline(words, word, ',');) m.components.push_back(word);
     m.times = file.read<double>(group + "/time");
@@ -116,6 +137,7 @@ std::vector<StoredMeasure> StoredRun::measures() const {
 }
 
 std::string StoredRun::title() const { return impl_->file.text_attribute("/", "title"); }
+std::string StoredRun::about() const { return impl_->file.has("about") ? impl_->file.read_text("about") : ""; }
 std::string StoredRun::scene_text() const { return impl_->file.read_text("scene"); }
 std::string StoredRun::overrides() const { return impl_->file.read_text("overrides"); }
 

@@ -16,6 +16,7 @@ struct StoredSnapshot {
 
 struct StoredMeasure {
   std::string name;
+  std::string kind;  ///< as in the scene; "" in older files
   std::vector<std::string> components;
   std::vector<double> times, values;  ///< values row by row
 };
@@ -26,8 +27,11 @@ class StoredRun {
   ~StoredRun();
   std::size_t snapshots() const;
   StoredSnapshot snapshot(std::size_t k) const;
+  double time(std::size_t k) const;         ///< of a snapshot [s]
+  std::vector<BodyRecord> bodies() const;   ///< all that were ever stored, by id, without motion
   std::vector<StoredMeasure> measures() const;
   std::string title() const;
+  std::string about() const;  ///< names, springs, view (view/settings.h); "" in older files
   std::string scene_text() const;
   std::string overrides() const;  ///< one per line
 

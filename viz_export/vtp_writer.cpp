@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -14,6 +13,7 @@
 
 #include "engine/error.h"
 #include "engine/parallel.h"
+#include "viz_export/deflate.h"
 #include "viz_export/side_file.h"
 
 namespace epafi {
@@ -42,12 +42,7 @@ std::string compress_blocks(Bytes data) {
   const std::size_t blocks = (data.size() + block_bytes - 1) / block_bytes;
   std::vector<std::string> streams(blocks);
   parallel_blocks(data.size(), block_bytes, [&](std::size_t begin, std::size_t end, std::size_t b) {
-    uLongf size = compressBound(static_cast<uLong>(end - begin));
-    streams[b].resize(size);
-    const auto* from = reinterpret_cast<const Bytef*>(data.data() + begin);
-    const int status =
-        compress2(reinterpret_cast<Bytef*>(streams[b].data()), &size, from, static_cast<uLong>(end - begin), 1);
-    streams[b].resize(status == Z_OK ? size : 0);
+    streams[b] = deflated(data.subspan(begin, end - begin), 1);
   });
   std::string out;
   put_word(out, blocks), put_word(out, block_bytes), put_word(out, data.size() % block_bytes);

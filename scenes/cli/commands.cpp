@@ -116,6 +116,13 @@ void remove_results(const std::filesystem::path& folder) {
   if (std::filesystem::is_empty(folder / "frames")) std::filesystem::remove(folder / "frames");
 }
 
+void note_thinned(const Assembly& assembly) {
+  for (const MeasureSpec& m : assembly.scene.measures)
+    if (const std::uint64_t apart = rows_apart(m, assembly.steps); apart > 1)
+      say(fmt::format("measure '{}' has no interval: every step is looked at, one of {} is written ({:.3g} s); interval = 0 writes all",
+                      m.name, apart, static_cast<double>(apart) * assembly.time_step.value));
+}
+
 /// What nobody caught, or what cannot travel (inside a parallel loop), ends here: a message, no abort. Checkpoints
 /// stand, they are written aside and renamed.
 [[noreturn]] void give_up() {
@@ -158,6 +165,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   if (!options.quiet)
     say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason,
                     assembly->steps));
+  if (!options.quiet) note_thinned(*assembly);
   const SignalWatch from_the_first_file_on;
   Session session(std::move(assembly), common.overrides, folder,
                   options.least_output ? Session::Output::least : Session::Output::all);

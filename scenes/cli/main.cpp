@@ -7,6 +7,7 @@
 #include "scenes/cli/narrow.h"
 #include "scenes/cli/study_commands.h"
 #include "scenes/cli/usage.h"
+#include "scenes/cli/view_commands.h"
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -87,6 +88,8 @@ struct Program {
   epafi::StudyOptions study;
   epafi::SweepOptions sweep;
   epafi::BenchOptions bench;
+  epafi::ViewOptions view;
+  epafi::RenderRequest render;
   std::string directory, kind, page, format = "vtk";
   std::function<int()> chosen;
 
@@ -153,6 +156,27 @@ void add_pages(Program& p) {
         [&p] { return epafi::command_completion(described(p.app)); });
 }
 
+void add_views(Program& p) {
+  auto* view = p.add("view", "shows a run, or a scene's first state, in a browser; --out writes one file to be mailed",
+                     [&p] { return epafi::command_view(p.view); });
+  view->add_option("what", p.view.what, "output folder of a run, or a scene file")->required();
+  view->add_option("--set", p.view.overrides, "override a value of the scene, KEY.PATH=VALUE (repeatable)")
+      ->allow_extra_args(false);
+  view->add_option("-o,--out", p.view.out, "writes this page instead, complete in itself");
+  view->add_option("--port", p.view.port, "of the local server (default 8047; 0: any free one)");
+  view->add_flag("--no-browser", p.view.no_browser, "only prints the address");
+  auto* render = p.add("render", "a picture (PNG) or film (MP4, WebM by ffmpeg) of a run, without a display",
+                       [&p] { return epafi::command_render(p.render); });
+  render->add_option("dir", p.render.directory, "output folder of a run")->required();
+  render->add_option("-o,--out", p.render.out, "FILE.png, FILE.mp4 or FILE.webm (default DIR/picture.png)");
+  render->add_option("--time", p.render.time, "of the picture [s]; the last frame where not given");
+  render->add_option("--every", p.render.every, "one frame of so many in a film")->check(epafi::whole_number(1));
+  render->add_option("--camera", p.render.camera, "scene, iso, front, back, left, right, top, bottom");
+  render->add_option("--field", p.render.field, "what colours the bodies: speed, spin, force, size, id, material ...");
+  render->add_option("--size", p.render.size, "pixels, as 1280x720");
+  render->add_flag("--contacts", p.render.contacts, "contacts as ribbons as wide as their force, bodies pale");
+}
+
 void add_patch(Program& p) {
   auto* patch = p.add("patch", "one wheel-rail or Hertzian contact in statics, by each chosen model",
                       [&p] { return epafi::command_patch(p.common, p.patch); });
@@ -212,7 +236,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up
   Program p;
   p.app.set_version_flag("--version", std::string(EPAFI_VERSION));
   p.app.require_subcommand(1);
-  for (const auto add : {add_runs, add_lists, add_pages, add_patch, add_studies, add_bench}) add(p);
+  for (const auto add : {add_runs, add_lists, add_pages, add_views, add_patch, add_studies, add_bench}) add(p);
   if (const std::string wrong = epafi::unknown_command(p.app, argc, argv); !wrong.empty()) {
     std::cerr << wrong;
     return epafi::exit_usage;

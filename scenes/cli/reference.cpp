@@ -56,7 +56,8 @@ void add_fields(std::string& out, const std::vector<Field>& fields, const std::s
   for (const Field& f : fields) {
     if (f.kind == Kind::tables) continue;  // has a section of its own
     const std::string otherwise = f.default_value ? "`" + format_value(*f.default_value) + "`" : f.optional ? "optional" : "**required**";
-    out += fmt::format("| `{}{}` | {} | {} | {} | {} | {} | {} |\n", prefix, f.name, cell(f.symbol), f.unit, kind_name(f.kind), otherwise,
+    const char* kind = f.kind == Kind::table && !f.choices.empty() ? "word or table" : kind_name(f.kind);
+    out += fmt::format("| `{}{}` | {} | {} | {} | {} | {} | {} |\n", prefix, f.name, cell(f.symbol), f.unit, kind, otherwise,
                        cell(admissible(f)), cell(f.help));
     if (f.kind == Kind::table) add_fields(out, f.fields, prefix + f.name + ".");
   }

@@ -112,7 +112,7 @@ struct Writer {
       case Kind::texts:
         return any_of(word(field), list_schema(word(field)));
       case Kind::table:
-        return object(field.fields, "");
+        return field.choices.empty() ? object(field.fields, "") : any_of(word(field), object(field.fields, ""));
       case Kind::shape:
         return any_of("{\"type\":\"string\"}", "{\"$ref\":\"#/definitions/shape\"}");
       case Kind::tables:

@@ -38,6 +38,7 @@ void read_springs(Draft& draft);
 void read_measures(Draft& draft);
 void read_bounds(Draft& draft);
 void read_studies(Draft& draft);  ///< [sweep], [benchmark], [output]
+void read_view(Draft& draft);
 /// What needs all bodies: restitution and friction of pairs that can touch, densities of free bodies.
 void check_pairs(Draft& draft);
 

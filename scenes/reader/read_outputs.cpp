@@ -43,6 +43,7 @@ void read_measure(Draft& draft, const Node& item) {
   MeasureSpec measure{values.has("name") ? values.text("name") : entry->name,
                       entry->name,
                       values.number_or("interval", 0.0),
+                      !values.written("interval"),
                       {},
                       {},
                       item.place};

@@ -52,7 +52,7 @@ ReadResult read_document(Document document, const std::string& file, const Regis
     reading.check_params();
     for (const auto read :
          {read_run, read_world, read_materials, read_contact, read_detection, read_shapes, read_bodies, read_body_files,
-          read_fills, read_outlets, read_springs, read_measures, read_bounds, read_studies, check_pairs}) {
+          read_fills, read_outlets, read_springs, read_measures, read_bounds, read_studies, read_view, check_pairs}) {
       read(draft);
     }
     if (whole && reading.errors() == 0) result.scene = std::move(draft.scene);

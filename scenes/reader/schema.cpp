@@ -4,6 +4,8 @@
 
 #include "engine/error.h"
 #include "scenes/reader/fields.h"
+#include "viz_export/view/camera.h"
+#include "viz_export/view/fields.h"
 
 namespace epafi {
 namespace {
@@ -263,9 +265,9 @@ TableSchema measure_table(const Registry& registry) {
   return {"measure", TableSchema::Form::list, "a quantity written to measures.csv",
           std::vector<Field>{optional("name", "", "", Kind::text, {}, "name; the kind where not written"),
                              word("kind", "what is measured", names_of(registry.measures)),
-                             with_default(required("interval", "", "s", Kind::number, not_negative,
-                                                   "time between values; 0 is every step"),
-                                          Value(0.0))} +
+                             optional("interval", "", "s", Kind::number, not_negative,
+                                      "time between values; 0 is every step; where not written, every step is looked at and "
+                                      "10 000 at most are written")} +
               as_optional(united_fields(registry.measures))};
 }
 
@@ -280,6 +282,22 @@ std::vector<Field> bound_fields() {
           optional("residual", "", "", Kind::number, not_negative, "residual of the contact problem"),
           table("drift", "horizontal displacement of bodies", of_body),
           table("sag", "vertical displacement of bodies", of_body)};
+}
+
+TableSchema view_table() {
+  Field camera = table("camera", "where it is seen from: one of these words, or a place",
+                       {required("from", "", "m", Kind::vec3, {}, "the eye"),
+                        optional("to", "", "m", Kind::vec3, {}, "what it looks at; the middle where not written"),
+                        with_default(required("up", "", "", Kind::vec3, {}, "upwards in the picture"), Value(Vec3(0, 0, 1))),
+                        with_default(required("angle_deg", "", "deg", Kind::number, {1, 170}, "height of the picture"),
+                                     Value(30.0))});
+  for (const auto& [name, direction] : camera_presets()) camera.choices.push_back(name);
+  Field field = word("field", "what colours the bodies", view_field_names());
+  field.optional = true;
+  return {"view",
+          TableSchema::Form::single,
+          "how a run is looked at by `epafi view`, `render` and `report`",
+          {camera, field, optional("range", "", "", Kind::numbers, {}, "least and largest value of the colours, in SI")}};
 }
 
 }  // namespace
@@ -326,6 +344,7 @@ SceneSchema make_schema(const Registry& registry) {
                   with_default(required("orientation", "", "", Kind::boolean, {},
                                         "orientations of spheres too, which otherwise need none"),
                                Value(false))}});
+  all.push_back(view_table());
   return schema;
 }
 

@@ -192,7 +192,12 @@ std::optional<Value> read_value(const Node& node, const Key& key) {
   return std::nullopt;
 }
 
+/// With `choices`: or one of these words.
 void read_nested(const Node& node, const Key& key, TableValues& out) {
+  if (node.type == Node::Type::text && !key.field.choices.empty()) {
+    if (auto word = read_word(node, key)) out.set(key.field.name, std::move(*word));
+    return;
+  }
   if (node.type != Node::Type::table) return wrong_type(node, key, "a table");
   const TableValues inner = read_table(node, key.label, key.field.fields, key.reading);
   for (const auto& [name, value] : inner.all()) out.set(key.field.name + "." + name, value);

@@ -39,15 +39,16 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 TEST_CASE("a report has all its parts and asks for nothing from outside", "[scenes][report]") {
   const ReportedRun run;
-  for (const char* part : {"Pictures", "Energy balance", "Measures", "Overlap and checks", "Where the time went", "Settings"})
+  for (const char* part : {"Pictures", "In three dimensions", "Energy balance", "Measures", "Overlap and checks", "Where the time went", "Settings"})
     CHECK(count(run.page, std::string("<h2>") + part + "</h2>") == 1);
-  CHECK(count(run.page, "<svg ") >= 3);                    // three snapshots
-  CHECK(count(run.page, "<polygon ") > 3 * 5 * 10);        // five stones of some forty faces, half of which are seen
+  CHECK(count(run.page, "src='data:image/png;base64,") >= 5);  // the run has five snapshots; contacts where they are few
+  CHECK(run.page.find("energy [J]") != run.page.npos);        // one quantity with its unit on each axis
   CHECK(count(run.page, "params.n=5") >= 1);               // the override
   CHECK(run.page.find("solid = { file") != run.page.npos);  // the scene
-  // nothing is fetched: every source is in the page, there is no script, no style sheet, no import
-  CHECK(count(run.page, "src='") == count(run.page, "src='data:image/svg+xml;base64,"));
-  for (const char* outside : {"<script", "<link", "@import", "url(", "href="}) CHECK(count(run.page, outside) == 0);
+  // nothing is fetched: every source is in the page, no style sheet, no import; the only script stands within the frame in
+  // three dimensions
+  CHECK(count(run.page, "src='") == count(run.page, "src='data:image/"));
+  for (const char* outside : {"<script", "<link", "@import", "url("}) CHECK(count(run.page, outside) == 0);
   if (shell("command -v gnuplot > /dev/null") == 0) CHECK(count(run.page, "src='data:image") >= 2);
   const std::string state = epafi::support::read_text(run.folder / "summary.json");
   const auto at = state.find("\"state_hash\": \"");

@@ -1,0 +1,128 @@
+#include "scenes/cli/view_commands.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include "scenes/about.h"
+#include "scenes/cli/commands.h"
+#include "scenes/full_registry.h"
+#include "scenes/reader/scene_reader.h"
+#include "scenes/stop.h"
+#include "viz_export/view/page.h"
+#include "viz_export/view/render_run.h"
+#include "viz_export/view/server.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+void tell(const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); }
+
+/// The first state of a scene. The assembly and its surfaces stay as long as the source.
+class FirstState {
+ public:
+  FirstState(const std::string& path, const std::vector<std::string>& overrides) {
+    ReadResult read = read_scene(path, overrides, full_registry());
+    if (!read.scene) throw SceneError(read.problems);
+    assembly_ = assemble(std::move(*read.scene));
+    surfaces_ = std::make_unique<SurfaceCache>(*assembly_->shapes);
+  }
+  std::unique_ptr<ViewSource> source() {
+    const World& world = assembly_->simulation->world;
+    ViewFrame frame{world.time, world.rotates(), world.has_orientation(), body_records(world, *surfaces_), {}};
+    return still_source(assembly_->scene.title, about_of(*assembly_), std::move(frame));
+  }
+
+ private:
+  std::unique_ptr<Assembly> assembly_;
+  std::unique_ptr<SurfaceCache> surfaces_;
+};
+
+/// Where there is a screen and a program that opens addresses.
+void open_browser(const std::string& address) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  const pid_t child = fork();
+  if (child != 0) return;
+  std::freopen("/dev/null", "w", stderr);
+  execlp("xdg-open", "xdg-open", address.c_str(), static_cast<char*>(nullptr));
+  _exit(1);
+}
+
+int write_file(const ViewSource& source, const std::string& target) {
+  const WrittenPage page = write_page(source, target);
+  for (const std::string& note : page.notes) tell("epafi: note: " + note);
+  tell(fmt::format("{}: {} frames, {:.1f} MB", target, source.times().size(), 1e-6 * static_cast<double>(page.bytes)));
+  return exit_done;
+}
+
+/// "1280x720"
+void set_size(const std::string& text, RenderOptions& options) {
+  const std::size_t cross = text.find('x');
+  const auto number = [&](std::size_t begin, std::size_t end, int& out) {
+    const auto result = std::from_chars(text.data() + begin, text.data() + end, out);
+    return result.ec == std::errc() && result.ptr == text.data() + end && out >= 16 && out <= 16384;
+  };
+  if (cross != text.npos && number(0, cross, options.width) && number(cross + 1, text.size(), options.height)) return;
+  throw SceneError("--size " + text + ": expected WIDTHxHEIGHT in pixels, 16 to 16384 each, as 1280x720");
+}
+
+std::size_t nearest_frame(const std::vector<double>& times, double wanted) {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < times.size(); ++k)
+    if (std::abs(times[k] - wanted) < std::abs(times[best] - wanted)) best = k;
+  return best;
+}
+
+}  // namespace
+
+int command_render(const RenderRequest& request) {
+  const auto source = open_run(request.directory);
+  const std::vector<double>& times = source->times();
+  if (times.empty()) throw FileError("the run in '" + request.directory + "' has no frame yet");
+  RenderOptions options;
+  options.camera = request.camera;
+  options.field = request.field;
+  options.contacts = request.contacts;
+  set_size(request.size, options);
+  const fs::path target = request.out.empty() ? fs::path(request.directory) / "picture.png" : fs::path(request.out);
+  const std::string ending = target.extension().string();
+  if (ending == ".mp4" || ending == ".webm") {
+    const std::size_t pictures = render_film(*source, options, request.every, target);
+    tell(fmt::format("{}: {} pictures, {:.3g} s at 25 per second", target.string(), pictures, static_cast<double>(pictures) / 25));
+    return exit_done;
+  }
+  if (ending != ".png") throw SceneError("--out " + target.string() + ": expected an ending .png, .mp4 or .webm");
+  const std::size_t frame = request.time ? nearest_frame(times, *request.time) : times.size() - 1;
+  render_picture(*source, options, frame, target);
+  tell(fmt::format("{}: t = {:.4g} s", target.string(), times[frame]));
+  return exit_done;
+}
+
+int command_view(const ViewOptions& options) {
+  require_page_library();
+  const bool is_run = fs::is_directory(options.what);
+  if (!fs::exists(options.what)) throw FileError("there is no run and no scene '" + options.what + "'");
+  std::unique_ptr<FirstState> scene;
+  if (!is_run) scene = std::make_unique<FirstState>(options.what, options.overrides);
+  if (!options.out.empty()) return write_file(*(is_run ? open_run(options.what) : scene->source()), options.out);
+  const std::unique_ptr<RunServer> run =
+      is_run ? std::make_unique<RunServer>(fs::path(options.what)) : std::make_unique<RunServer>(scene->source());
+  const SignalWatch signals;
+  const LocalServer server(options.port);
+  std::printf("%s\n", server.address().c_str());
+  std::fflush(stdout);
+  tell("open this address in a browser of this machine; Ctrl-C ends");
+  if (!options.no_browser) open_browser(server.address());
+  server.serve([&](const std::string& path) { return run->answer(path); }, [] { return SignalWatch::received() != 0; });
+  return exit_done;
+}
+
+}  // namespace epafi

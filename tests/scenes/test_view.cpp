@@ -1,0 +1,274 @@
+// The page of `epafi view` in a real browser, without a network: it draws what our own rasteriser draws, and slider,
+// colours, cut, list and mouse do what they say.
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/support/browser.h"
+#include "tests/support/catch.h"
+#include "tests/support/document.h"
+#include "viz_export/view/page.h"
+#include "viz_export/view/render_run.h"
+
+using namespace epafi;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* scene_text = R"(
+title = "Shapes <on> a floor"
+[run]
+duration = 0.2
+output_interval = 0.02
+[world]
+gravity = [0, 0, -9.81]
+[material.glass]
+density = 2500.0
+youngs_modulus = "5 MPa"
+poissons_ratio = 0.25
+[material.steel]
+density = 7800.0
+youngs_modulus = "5 MPa"
+poissons_ratio = 0.25
+[contact]
+method = "smooth"
+restitution = 0.5
+friction = 0.4
+[[body]]
+name = "floor"
+shape = { box = { size = [1, 1, 0.05] } }
+material = "steel"
+fixed = true
+position = [0, 0, -0.025]
+[[body]]
+name = "ball"
+repeat = 6
+shape = { sphere = { radius = 0.06 } }
+material = "glass"
+position = ["= 0.15*(i - 2.5)", -0.2, "= 0.1 + 0.05*i"]
+[[body]]
+name = "brick"
+shape = { box = { size = [0.3, 0.12, 0.1] } }
+material = "steel"
+position = [-0.15, 0.15, 0.2]
+euler_deg = [20, 10, 30]
+[[body]]
+name = "pill"
+shape = { capsule = { radius = 0.06, length = 0.15 } }
+material = "glass"
+position = [0.25, 0.2, 0.15]
+euler_deg = [60, 20, 0]
+velocity = [0, 0, 0.8]
+[[measure]]
+name = "energy"
+kind = "energy"
+interval = 0.01
+[view]
+camera = "iso"
+field = "speed"
+)";
+
+bool has_browser() {
+  const bool found = !support::find_browser().empty() && page_parts().three[0] != '\0';
+  if (!found) WARN("skipped: no Chromium here, or built without libjs-three");
+  return found;
+}
+
+int program(const std::string& arguments) {
+  return std::system((std::string(EPAFI_BINARY_DIR) + "/bin/epafi " + arguments + " > /dev/null 2>&1").c_str());
+}
+
+/// A short run of all kinds of objects.
+struct ShownRun {
+  TemporaryFolder folder;
+  fs::path run = folder / "run", page = folder / "page.html";
+  ShownRun() {
+    std::ofstream(folder / "scene.toml") << scene_text;
+    REQUIRE(program("run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run.string()) == 0);
+  }
+};
+
+/// Means of red, green and blue in 32 x 18 fields of the picture, from above; in JavaScript.
+constexpr const char* grid_of_picture = R"((() => {
+  const gl = epafi.renderer.getContext();
+  epafi.renderer.render(epafi.scene, epafi.camera);
+  const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const p = new Uint8Array(4 * w * h);
+  gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p);
+  const sum = new Float64Array(32 * 18 * 4);
+  for (let y = 0; y < h; ++y) for (let x = 0; x < w; ++x) {
+    const field = 4 * (Math.floor((h - 1 - y) * 18 / h) * 32 + Math.floor(x * 32 / w));
+    for (let k = 0; k < 3; ++k) sum[field + k] += p[4 * (y * w + x) + k];
+    sum[field + 3] += 1;
+  }
+  const out = [];
+  for (let f = 0; f < 32 * 18; ++f) for (let k = 0; k < 3; ++k) out.push((sum[4 * f + k] / sum[4 * f + 3]).toFixed(2));
+  return out.join(" ");
+})())";
+
+std::vector<double> numbers(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<double> out;
+  for (double v; in >> v;) out.push_back(v);
+  return out;
+}
+
+std::vector<double> grid_of(Image image) {
+  std::vector<double> sum(32 * 18 * 3, 0.0), count(32 * 18, 0.0);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const auto field = static_cast<std::size_t>(y * 18 / image.height * 32 + x * 32 / image.width);
+      for (std::size_t k = 0; k < 3; ++k) sum[3 * field + k] += image.at(x, y)[k];
+      count[field] += 1;
+    }
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] /= count[k / 3];
+  return sum;
+}
+
+double mean_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  REQUIRE(a.size() == b.size());
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += std::abs(a[k] - b[k]);
+  return sum / static_cast<double>(a.size());
+}
+
+/// Fields that are not background.
+int drawn_fields(const std::vector<double>& grid) {
+  int out = 0;
+  for (std::size_t k = 0; k < grid.size(); k += 3) out += grid[k] < 240 ? 1 : 0;
+  return out;
+}
+
+void choose(support::Browser& b, const std::string& id, const std::string& value, const char* event) {
+  b.text("(() => { const e = document.getElementById('" + id + "'); e.value = '" + value +
+         "'; e.dispatchEvent(new Event('" + event + "', { bubbles: true })); return ''; })()");
+}
+
+}  // namespace
+
+TEST_CASE("the mailed page draws what our rasteriser draws, and every control answers", "[scenes][view]") {
+  if (!has_browser()) return;
+  const ShownRun shown;
+  REQUIRE(program("view " + shown.run.string() + " --out " + shown.page.string()) == 0);
+  const std::string html = support::read_text(shown.page);
+  for (const char* outside : {"src=\"http", "href=\"http", "@import", "<link rel=\"stylesheet"}) CHECK(html.find(outside) == html.npos);
+  support::Browser b(1100, 700);
+  REQUIRE(b.open("file://" + shown.page.string()));
+  CHECK(b.text("document.title") == "Shapes <on> a floor");
+  CHECK(b.number("document.querySelectorAll('canvas').length") == 1);
+  CHECK(b.number("document.getElementById('time').max") == 10);
+
+  // two programs, one camera: antialiasing, lines along edges and 8 bits differ
+  choose(b, "time", "5", "input");
+  REQUIRE(b.wait_for("epafi.at === 5"));
+  const auto source = open_run(shown.run);
+  RenderOptions options;
+  options.width = static_cast<int>(b.number("epafi.renderer.domElement.width"));
+  options.height = static_cast<int>(b.number("epafi.renderer.domElement.height"));
+  options.labels = false;
+  RunPainter painter(*source, look_over(*source), options);
+  const std::vector<double> page = numbers(b.text(grid_of_picture)), own = grid_of(painter.paint(5));
+  CHECK(drawn_fields(page) > 30);
+  CHECK(mean_difference(page, own) < 1.5);
+  const std::vector<double> other = grid_of(painter.paint(0));
+  CHECK(mean_difference(page, other) > 1.0);  // another frame is another picture
+
+  SECTION("positions are exact to 1e-5 of the box, orientations to 0.2 degrees") {
+    const ViewFrame frame = source->frame(5);
+    const double size = look_over(*source).box.diagonal();
+    for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
+      const std::string at = std::to_string(k);
+      const auto p = numbers(b.text("Array.from(epafi.frame.place.subarray(3*" + at + ",3*" + at + "+3)).join(' ')"));
+      const auto q = numbers(b.text("Array.from(epafi.frame.turn.subarray(4*" + at + ",4*" + at + "+4)).join(' ')"));
+      REQUIRE(p.size() == 3);
+      CHECK((Vec3(p.data()) - frame.bodies[k].pose.position).cwiseAbs().maxCoeff() < 0.51e-5 * size + 1e-7);
+      CHECK(Quat(q[3], q[0], q[1], q[2]).angularDistance(frame.bodies[k].pose.orientation) < 0.2 * 3.14159 / 180);
+    }
+  }
+  SECTION("colour, range and legend") {
+    choose(b, "field", "height", "change");
+    CHECK(b.text("document.getElementById('legend-name').textContent") == "height z [m]");
+    CHECK(mean_difference(page, numbers(b.text(grid_of_picture))) > 0.3);
+    choose(b, "field", "material", "change");
+    CHECK(b.text("document.getElementById('legend-kinds').textContent") == "glasssteel");
+  }
+  SECTION("a cut takes away, and hiding too") {
+    choose(b, "clip", "x", "input");
+    CHECK(drawn_fields(numbers(b.text(grid_of_picture))) < 0.8 * drawn_fields(page));
+    choose(b, "clip", "", "input");
+    b.text("document.querySelectorAll('#list input[type=checkbox]').forEach(e => e.click()), ''");
+    CHECK(drawn_fields(numbers(b.text(grid_of_picture))) == 0);
+  }
+  SECTION("a click picks the body under it, and shows its values over time") {
+    const std::string place = "(() => { const p = new THREE.Vector3().fromArray(epafi.frame.place, 3 * 3).project(epafi.camera);"
+                              "const r = document.getElementById('picture').getBoundingClientRect();"
+                              "return (r.left + (p.x + 1) / 2 * r.width) + ' ' + (r.top + (1 - p.y) / 2 * r.height); })()";
+    const auto at = numbers(b.text(place));
+    REQUIRE(at.size() == 2);
+    b.click(at[0], at[1]);
+    REQUIRE(b.wait_for("epafi.picked && epafi.history && epafi.history.x.length === 11"));
+    CHECK(b.number("epafi.picked.id") == 3);
+    CHECK(b.text("document.querySelector('#picked h2').textContent") == "ball[2]");
+    CHECK(b.number("document.querySelectorAll('#picked-plot path').length") == 1);
+  }
+  SECTION("keys: play, next frame, contacts, cameras") {
+    b.press("ArrowRight");
+    CHECK(b.wait_for("epafi.at === 6"));
+    b.press(" ");
+    CHECK(b.wait_for("epafi.playing && epafi.at !== 6"));
+    b.press(" ");
+    choose(b, "time", "10", "input");
+    REQUIRE(b.wait_for("epafi.at === 10"));
+    b.press("c");
+    CHECK(b.number("epafi.contacts.geometry.maxInstancedCount") == static_cast<double>(source->frame(10).contacts.size()));
+    b.press("6");
+    CHECK(b.number("epafi.camera.position.z") > b.number("epafi.box.max.z"));
+  }
+  CHECK(b.complaints() == std::vector<std::string>{});
+}
+
+TEST_CASE("the local server gives a run to the browser of this machine alone", "[scenes][view]") {
+  if (!has_browser()) return;
+  const ShownRun shown;
+  const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi view " + shown.run.string() + " --port 0 --no-browser";
+  const fs::path said = shown.folder / "said", number = shown.folder / "number";
+  REQUIRE(std::system((command + " > " + said.string() + " 2> /dev/null & echo $! > " + number.string()).c_str()) == 0);
+  std::string address;
+  for (int k = 0; k < 200 && address.empty(); ++k) {
+    ::usleep(50000);
+    std::ifstream in(said);
+    in >> address;
+  }
+  {
+    support::Browser b(800, 600);
+    CHECK(b.open(address));
+    CHECK(b.number("epafi.source.frames") == 11);
+    CHECK(drawn_fields(numbers(b.text(grid_of_picture))) > 30);
+    CHECK(b.text("fetch('/etc/passwd').then(a => String(a.status))") == "404");
+    CHECK(b.complaints().size() == 1);  // of that answer
+  }
+  std::system(("kill $(cat " + number.string() + ")").c_str());
+}
+
+TEST_CASE("two hundred thousand spheres are drawn", "[scenes][view]") {
+  if (!has_browser()) return;
+  ViewFrame frame;
+  for (std::uint32_t k = 0; k < 200'000; ++k) {
+    BodyRecord b;
+    b.id = k;
+    b.mass = 1;
+    b.radius = 0.4;
+    b.pose.position = Vec3(k % 100, k / 100 % 100, k / 10'000);
+    b.velocity = Vec3(0, 0, 0.01 * (k % 100));
+    frame.bodies.push_back(b);
+  }
+  const auto source = still_source("many", {}, std::move(frame));
+  const TemporaryFolder folder;
+  const WrittenPage page = write_page(*source, folder / "many.html");
+  CHECK(page.bytes < 8'000'000);
+  support::Browser b(1000, 700);
+  REQUIRE(b.open("file://" + (folder / "many.html").string()));
+  CHECK(drawn_fields(numbers(b.text(grid_of_picture))) > 100);
+  CHECK(b.number("performance.memory.usedJSHeapSize") < 300e6);
+  CHECK(b.complaints() == std::vector<std::string>{});
+}

@@ -1,0 +1,44 @@
+/// @file camera.h  Where a run is seen from: the page and `epafi render` place the same camera by the same formulas
+/// (page/camera.js).
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viz_export/view/settings.h"
+
+namespace epafi {
+
+/// An axis-aligned box [m]; empty while min > max.
+struct ViewBox {
+  Vec3 min = Vec3::Constant(1e300), max = Vec3::Constant(-1e300);
+  bool is_empty() const { return !(min.x() <= max.x()); }
+  void include(const Vec3& p, double radius = 0.0) {
+    min = min.cwiseMin(p - Vec3::Constant(radius));
+    max = max.cwiseMax(p + Vec3::Constant(radius));
+  }
+  void include(const ViewBox& other) {
+    min = min.cwiseMin(other.min);
+    max = max.cwiseMax(other.max);
+  }
+  Vec3 centre() const { return 0.5 * (min + max); }
+  double diagonal() const { return (max - min).norm(); }
+};
+
+struct Camera {
+  Vec3 eye, target;
+  Vec3 up = Vec3::UnitZ();
+  double angle = 30.0;  ///< of the picture's height, in degrees
+};
+
+/// Names and the direction from the target to the eye.
+[[nodiscard]] const std::vector<std::pair<std::string, Vec3>>& camera_presets();
+
+/// The camera that sees the whole box from `direction` (any length) in a picture of this width over height.
+[[nodiscard]] Camera fitted_camera(const ViewBox& box, const Vec3& direction, double aspect, double angle = 30.0);
+
+/// name: a preset, "scene", or "" for the scene's choice and else the first preset. Throws FileError for another name.
+[[nodiscard]] Camera choose_camera(const std::string& name, const ViewSettings& settings, const ViewBox& box,
+                                   double aspect);
+
+}  // namespace epafi

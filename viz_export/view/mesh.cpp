@@ -1,0 +1,98 @@
+#include "viz_export/view/mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/hash.h"
+
+namespace epafi {
+namespace {
+
+constexpr double crease = 0.86;  // cosine: 31 degrees; the facets of drawn round bodies are bent by 30
+
+/// Normals of the polygons (Newell), unit or zero.
+std::vector<Vec3> polygon_normals(const Surface& s) {
+  std::vector<Vec3> out;
+  std::size_t begin = 0;
+  for (const std::int32_t offset : s.offsets) {
+    const auto end = static_cast<std::size_t>(offset);
+    Vec3 normal = Vec3::Zero();
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec3& p = s.points[static_cast<std::size_t>(s.connectivity[k])];
+      const Vec3& q = s.points[static_cast<std::size_t>(s.connectivity[k + 1 < end ? k + 1 : begin])];
+      normal += p.cross(q);
+    }
+    const double length = normal.norm();
+    out.push_back(length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero()));
+    begin = end;
+  }
+  return out;
+}
+
+double largest_coordinate(const Surface& s) {
+  double out = 0;
+  for (const Vec3& p : s.points) out = std::max(out, p.cwiseAbs().maxCoeff());
+  return out;
+}
+
+/// The same for scaled copies: corners to 1e-6 of the size.
+std::string form_of(const Surface& s, double size) {
+  Hash hash;
+  for (const auto* numbers : {&s.connectivity, &s.offsets})
+    for (const std::int32_t number : *numbers) hash.add(static_cast<std::uint64_t>(number));
+  for (const Vec3& p : s.points)
+    for (int axis = 0; axis < 3; ++axis) hash.add(static_cast<std::uint64_t>(std::llround(1e6 * p[axis] / size)));
+  return hash.hex();
+}
+
+}  // namespace
+
+ViewMesh view_mesh(const Surface& s) {
+  ViewMesh mesh;
+  for (const Vec3& p : s.points) mesh.points.push_back(p.cast<float>());
+  const std::vector<Vec3> normals = polygon_normals(s);
+  std::vector<std::vector<std::uint32_t>> around(s.points.size());  // polygons at each point
+  std::size_t begin = 0;
+  for (std::uint32_t f = 0; f < s.offsets.size(); ++f) {
+    for (std::size_t k = begin; k < static_cast<std::size_t>(s.offsets[f]); ++k)
+      around[static_cast<std::size_t>(s.connectivity[k])].push_back(f);
+    begin = static_cast<std::size_t>(s.offsets[f]);
+  }
+  const auto add_corner = [&](std::uint32_t polygon, std::size_t place) {
+    const auto point = static_cast<std::uint32_t>(s.connectivity[place]);
+    Vec3 sum = Vec3::Zero();
+    for (const std::uint32_t other : around[point])
+      if (normals[other].dot(normals[polygon]) > crease) sum += normals[other];
+    const double length = sum.norm();
+    mesh.corners.push_back(point);
+    mesh.normals.push_back((length > 0 ? Vec3(sum / length) : normals[polygon]).cast<float>());
+  };
+  begin = 0;
+  for (std::uint32_t f = 0; f < s.offsets.size(); ++f) {
+    const auto end = static_cast<std::size_t>(s.offsets[f]);
+    for (std::size_t k = begin + 1; k + 1 < end; ++k) {  // fans: polygons of a surface are convex
+      add_corner(f, begin);
+      add_corner(f, k);
+      add_corner(f, k + 1);
+    }
+    begin = end;
+  }
+  return mesh;
+}
+
+MeshStore::Copy MeshStore::of(const Surface* surface) {
+  if (surface == nullptr) return {};
+  const auto found = known_.find(surface);
+  if (found != known_.end()) return found->second;
+  const double size = std::max(largest_coordinate(*surface), 1e-300);
+  const auto [form, is_new] = by_form_.emplace(form_of(*surface, size), static_cast<std::int32_t>(meshes_.size()));
+  if (is_new) {
+    meshes_.push_back(view_mesh(*surface));
+    sizes_.push_back(size);
+  }
+  const Copy copy{form->second, size / sizes_[static_cast<std::size_t>(form->second)]};
+  known_.emplace(surface, copy);
+  return copy;
+}
+
+}  // namespace epafi

@@ -1,0 +1,38 @@
+/// @file mesh.h  Surfaces as triangles with normals, for drawing. Edges bent by less than a crease look round. Surfaces
+/// that are one another's scaled copies share a mesh.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "viz_export/surface.h"
+
+namespace epafi {
+
+struct ViewMesh {
+  std::vector<Eigen::Vector3f> points;   ///< body axes [m], of the copy with scale 1
+  std::vector<std::uint32_t> corners;    ///< three per triangle, counter-clockwise from outside
+  std::vector<Eigen::Vector3f> normals;  ///< unit, one per corner
+};
+
+[[nodiscard]] ViewMesh view_mesh(const Surface& surface);
+
+/// The meshes that occur. Surfaces are told apart by their address: they must stay.
+class MeshStore {
+ public:
+  struct Copy {
+    std::int32_t mesh = -1;  ///< -1: a sphere
+    double scale = 1.0;
+  };
+  /// null: a sphere.
+  Copy of(const Surface* surface);
+  const std::vector<ViewMesh>& all() const { return meshes_; }
+
+ private:
+  std::vector<ViewMesh> meshes_;
+  std::vector<double> sizes_;  ///< of each mesh, largest coordinate [m]
+  std::map<const Surface*, Copy> known_;
+  std::map<std::string, std::int32_t> by_form_;  ///< form without size
+};
+
+}  // namespace epafi

@@ -1,0 +1,31 @@
+/// @file overview.h  What is found by looking over a whole run once: the box that matters, the ranges of the fields, and
+/// the frames worth showing.
+#pragma once
+#include <array>
+#include <map>
+
+#include "viz_export/view/camera.h"
+#include "viz_export/view/fields.h"
+
+namespace epafi {
+
+struct Overview {
+  ViewBox box;                                         ///< what a picture shows: strays and far walls are left out
+  std::map<std::string, std::array<double, 2>> range;  ///< of each field that is a number, colours end there
+  std::map<std::string, double> largest;               ///< of each moving field over the frames looked at
+  float strongest = 0;                                 ///< normal force of a contact [N], of 99 % of them
+  std::size_t frames_looked_at = 0;
+};
+
+/// Looks at 24 frames at most.
+[[nodiscard]] Overview look_over(const ViewSource& source);
+
+/// Start, end, and between them what shares the change of the run (distance that bodies move, from frame to frame) into
+/// equal parts: `wanted` frames at most, ascending, all different.
+[[nodiscard]] std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wanted);
+
+/// Lower and upper end of the colours: by [view] range where it speaks of this field.
+[[nodiscard]] std::array<double, 2> colour_range(const Overview& overview, const ViewSettings& settings,
+                                                 const std::string& field);
+
+}  // namespace epafi

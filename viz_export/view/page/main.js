@@ -1,0 +1,119 @@
+// What the user does with mouse, fingers and keys, and the start of the page.
+
+class Page extends Viewer {
+  listen() {
+    const on = (id, event, f) => el(id).addEventListener(event, f);
+    on("time", "input", () => {
+      this.play(false);
+      this.goTo(Number(el("time").value));
+    });
+    on("play", "click", () => this.play(!this.playing));
+    on("speed", "change", () => this.play(this.playing));
+    on("field", "change", () => {
+      this.resetRange();
+      if (this.picked) this.collect(this.picked, this.field());
+    });
+    on("map", "change", () => this.showColours());
+    for (const [id, end] of [["low", 0], ["high", 1]]) {
+      on(id, "change", () => {
+        this.range[end] = Number(el(id).value);
+        this.showColours();
+      });
+    }
+    on("camera", "change", () => this.place(el("camera").value));
+    on("theme", "change", () => this.setTheme());
+    on("list-of", "change", () => this.listChanged());
+    on("contacts", "change", () => this.showOpacity());
+    on("arrows", "change", () => this.showLines());
+    on("springs", "change", () => this.showLines());
+    on("edges", "change", () => {
+      for (const edges of this.bodies.edges) edges.visible = el("edges").checked;
+      this.dirty = true;
+    });
+    for (const id of ["clip", "clip-at"]) {
+      on(id, "input", () => {
+        this.cutWithView();
+        this.dirty = true;
+      });
+    }
+    on("measure", "change", () => this.showFrame());
+    on("panel-switch", "click", () => this.togglePanel());
+    window.addEventListener("resize", () => this.resize());
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.setTheme());
+    this.listenToPointer();
+    document.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  togglePanel() {
+    document.body.classList.toggle("narrow");
+    this.resize();
+  }
+
+  // A press that does not move picks.
+  listenToPointer() {
+    const canvas = el("picture");
+    let start = null;
+    canvas.addEventListener("pointerdown", (e) => (start = [e.clientX, e.clientY, e.button]));
+    canvas.addEventListener("pointerup", (e) => {
+      const still = start && start[2] === 0 && Math.hypot(e.clientX - start[0], e.clientY - start[1]) < 4;
+      start = null;
+      if (still && this.frame) this.pickAt(e.clientX, e.clientY);
+    });
+  }
+
+  key(e) {
+    if (["SELECT", "INPUT"].includes(e.target.tagName) && e.target.type !== "range" && e.target.type !== "checkbox") return;
+    if (e.ctrlKey || e.metaKey || e.altKey) return;
+    const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -10, PageDown: 10, Home: -1e9, End: 1e9 }[e.key];
+    if (step && e.target.id !== "time" && e.target.type !== "range") {
+      this.play(false);
+      this.goTo(Math.min(this.source.frames - 1, Math.max(0, this.wanted + step)));
+    } else if (e.key === " ") {
+      this.play(!this.playing);
+    } else if (e.key >= "1" && e.key <= "7") {
+      el("camera").value = Object.keys(presets)[Number(e.key) - 1];
+      this.place(el("camera").value);
+    } else if (e.key === "f") {
+      this.place(el("camera").value);
+    } else if (e.key === "h") {
+      this.togglePanel();
+    } else if ({ c: 1, v: 1 }[e.key]) {
+      el({ c: "contacts", v: "arrows" }[e.key]).click();
+    } else {
+      return;
+    }
+    e.preventDefault();
+  }
+}
+
+async function main() {
+  const message = (text) => {
+    el("message").hidden = false;
+    el("message").textContent = text;
+  };
+  try {
+    const source = new Source();
+    await source.readManifest();
+    const viewer = new Page(source);
+    window.epafi = viewer;
+    if (window.innerWidth <= 760 || window.self !== window.top) document.body.classList.add("narrow");
+    viewer.start();
+    if (source.frames === 0) {
+      message("There is no frame yet.");
+      const wait = setInterval(async () => {
+        await source.readManifest();
+        if (source.frames > 0) location.reload();
+        else if (source.inside) clearInterval(wait);
+      }, 1000);
+      return;
+    }
+    await viewer.goTo(0);
+    viewer.draw(0);
+    setTimeout(() => viewer.follow(), 1000);
+  } catch (e) {
+    message(e.message);
+    throw e;
+  }
+}
+
+main();

@@ -1,0 +1,93 @@
+// The controls: what the user chooses, and what stands beside the picture.
+
+const el = (id) => document.getElementById(id);
+const escaped = (text) => String(text).replace(/[&<>"]/g, (c) => "&#" + c.charCodeAt(0) + ";");
+
+function fillSelect(select, options, chosen) {
+  select.replaceChildren(...options.map(([value, text]) => new Option(text, value, false, value === chosen)));
+}
+
+function showLegend(field, map, range, kinds) {
+  el("legend-name").textContent = labelOf(field.label, field.unit);
+  const numbers = field.kind !== "category";
+  el("legend-bar").hidden = el("legend-ticks").hidden = !numbers;
+  el("legend-bar").style.display = numbers ? "" : "none";
+  el("legend-ticks").style.display = numbers ? "" : "none";
+  el("legend-bar").style.background = gradient(map);
+  const ticks = [0, 0.5, 1].map((t) => digits(range[0] + t * (range[1] - range[0])));
+  el("legend-ticks").replaceChildren(...ticks.map((t) => Object.assign(document.createElement("span"), { textContent: t })));
+  el("legend-kinds").replaceChildren(...kinds.slice(0, 12).map((name, k) => {
+    const row = document.createElement("div");
+    const mark = document.createElement("i");
+    mark.style.background = css(kindColours[k % kindColours.length]);
+    row.append(mark, name);
+    return row;
+  }));
+}
+
+function showForceLegend(shown, strongest) {
+  const box = el("legend-force");
+  box.hidden = !shown;
+  box.children[0].textContent = "contact force [N]";
+  box.children[1].style.background = gradient("inferno");
+  const ticks = [0, strongest / 2, strongest].map((v) => Object.assign(document.createElement("span"), { textContent: digits(v) }));
+  box.children[2].replaceChildren(...ticks);
+}
+
+// A row per body name or material: seen or not, and how clear.
+function showList(entries, changed) {
+  el("list").replaceChildren(...entries.map((entry) => {
+    const row = document.createElement("div");
+    const seen = Object.assign(document.createElement("input"), { type: "checkbox", checked: entry.opacity > 0, title: "seen" });
+    const name = Object.assign(document.createElement("span"), { textContent: entry.name });
+    const clear = Object.assign(document.createElement("input"), { type: "range", min: 0, max: 1, step: 0.05, value: entry.opacity, title: "opacity" });
+    seen.addEventListener("change", () => {
+      entry.opacity = seen.checked ? entry.before || 1 : 0;
+      clear.value = entry.opacity;
+      changed();
+    });
+    clear.addEventListener("input", () => {
+      entry.opacity = entry.before = Number(clear.value);
+      seen.checked = entry.opacity > 0;
+      changed();
+    });
+    row.append(seen, name, clear);
+    return row;
+  }));
+}
+
+function showPicked(title, rows) {
+  el("picked-section").hidden = !title;
+  if (!title) return;
+  const cells = rows.map(([name, value]) => `<tr><td>${escaped(name)}</td><td>${escaped(value)}</td></tr>`).join("");
+  el("picked").innerHTML = `<h2>${escaped(title)}</h2><table>${cells}</table>`;
+}
+
+function showAxes(camera) {
+  const names = ["x", "y", "z"];
+  const colours = ["#d55e00", "#009e73", "#0072b2"];
+  const turn = camera.quaternion.clone().inverse();
+  const ways = names.map((name, k) => {
+    const v = new THREE.Vector3().setComponent(k, 1).applyQuaternion(turn);
+    return { name, colour: colours[k], x: 34 * v.x, y: -34 * v.y, z: v.z };
+  });
+  ways.sort((a, b) => a.z - b.z);
+  el("axes").innerHTML = ways.map((w) =>
+    `<line x2="${w.x}" y2="${w.y}" stroke="${w.colour}" stroke-width="3"/><text x="${1.25 * w.x}" y="${1.25 * w.y + 4}" fill="${w.colour}" text-anchor="middle" font-size="14">${w.name}</text>`).join("");
+}
+
+// Measures by quantity: each entry is one plot with one quantity on its axis.
+function measurePlots(measures) {
+  const out = [];
+  for (const m of measures) {
+    const byUnit = new Map();
+    for (const c of m.components) {
+      if (c.values.every((v) => v === null || v === c.values[0]) && m.components.length > 1) continue;
+      const key = labelOf(c.quantity, c.unit);
+      if (!byUnit.has(key)) byUnit.set(key, []);
+      byUnit.get(key).push({ label: c.name, x: m.times, y: c.values });
+    }
+    for (const [label, lines] of byUnit) out.push({ name: `${m.name}: ${label}`, label, lines });
+  }
+  return out;
+}

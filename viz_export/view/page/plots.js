@@ -1,0 +1,57 @@
+// Curves as SVG, with quantity and unit on the axes and a line at the picture's time.
+
+const curveColours = ["#1f77b4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+
+function niceTicks(low, high, wanted) {
+  const raw = (high - low) / wanted;
+  const size = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((k) => k * size).find((s) => s >= raw);
+  const out = [];
+  for (let v = Math.ceil(low / step) * step; v <= high + 1e-9 * step; v += step) out.push(Math.abs(v) < 1e-9 * step ? 0 : v);
+  return out;
+}
+
+// lines: [{ label, x, y }]
+function drawPlot(svg, lines, xLabel, yLabel, now) {
+  const [w, h, left, right, top, bottom] = [264, 150, 44, 6, 16, 28];
+  let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
+  for (const line of lines) {
+    for (let k = 0; k < line.x.length; ++k) {
+      if (line.y[k] === null || !isFinite(line.y[k])) continue;
+      [x0, x1] = [Math.min(x0, line.x[k]), Math.max(x1, line.x[k])];
+      [y0, y1] = [Math.min(y0, line.y[k]), Math.max(y1, line.y[k])];
+    }
+  }
+  if (!(x1 > x0)) [x0, x1] = [isFinite(x0) ? x0 - 0.5 : 0, isFinite(x0) ? x0 + 0.5 : 1];
+  if (!(y1 > y0)) [y0, y1] = isFinite(y0) ? [y0 - (Math.abs(y0) || 1) * 0.1, y0 + (Math.abs(y0) || 1) * 0.1] : [0, 1];
+  const px = (x) => left + ((x - x0) / (x1 - x0)) * (w - left - right);
+  const py = (y) => h - bottom - ((y - y0) / (y1 - y0)) * (h - top - bottom);
+  let out = `<rect class="frame" x="${left}" y="${top}" width="${w - left - right}" height="${h - top - bottom}"/>`;
+  for (const t of niceTicks(x0, x1, 4)) out += `<text x="${px(t)}" y="${h - bottom + 11}" text-anchor="middle">${digits(t)}</text>`;
+  for (const t of niceTicks(y0, y1, 3)) out += `<text x="${left - 3}" y="${py(t) + 3}" text-anchor="end">${digits(t)}</text>`;
+  out += `<text x="${(left + w - right) / 2}" y="${h - 4}" text-anchor="middle">${xLabel}</text><text x="2" y="10">${yLabel}</text>`;
+  let legend = w - right;
+  lines.forEach((line, k) => {
+    const colour = curveColours[k % curveColours.length];
+    let path = "";
+    let pen = "M";
+    for (let i = 0; i < line.x.length; ++i) {
+      if (line.y[i] === null || !isFinite(line.y[i])) {
+        pen = "M";
+        continue;
+      }
+      path += pen + px(line.x[i]).toFixed(1) + " " + py(line.y[i]).toFixed(1);
+      pen = "L";
+    }
+    out += `<path d="${path}" fill="none" stroke="${colour}" stroke-width="1.4"/>`;
+    if (line.label && lines.length > 1) {
+      legend -= 6.2 * line.label.length + 6;
+      if (legend > 70) out += `<text x="${legend}" y="10" style="fill:${colour}">${escaped(line.label)}</text>`;
+    }
+  });
+  if (now >= x0 && now <= x1) out += `<line class="now" x1="${px(now)}" x2="${px(now)}" y1="${top}" y2="${h - bottom}"/>`;
+  svg.setAttribute("viewBox", `0 0 ${w} ${h}`);
+  svg.innerHTML = out;
+}
+
+const labelOf = (quantity, unit) => (unit ? `${quantity} [${unit}]` : quantity);

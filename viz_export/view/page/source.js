@@ -1,0 +1,68 @@
+// Where the page's data come from: its own elements, or the server that gave it. Decoded chunks are kept up to a limit.
+
+const mostKept = 400e6;  // bytes of decoded frames
+
+class Source {
+  constructor() {
+    this.manifest = null;
+    this.bodies = null;
+    this.kept = new Map();  // chunk -> { frames, bytes, promise }
+    this.inside = document.getElementById("manifest");
+  }
+  get frames() {
+    return this.manifest.times.length;
+  }
+  async bytes(name) {
+    if (this.inside) return bytesOfBase64(document.getElementById(name).textContent);
+    const answer = await fetch(name);
+    if (!answer.ok) throw new Error(await answer.text());
+    return new Uint8Array(await answer.arrayBuffer());
+  }
+  async readManifest() {
+    if (this.inside) this.manifest = JSON.parse(this.inside.textContent);
+    else this.manifest = await (await fetch("manifest")).json();
+    if (!this.bodies || this.bodies.n !== this.manifest.bodies) {
+      this.bodies = bodiesOf(await inflate(await this.bytes("bodies")));
+      return true;
+    }
+    return false;
+  }
+  framesIn(chunk) {
+    return Math.min(this.manifest.chunk_frames, this.frames - chunk * this.manifest.chunk_frames);
+  }
+  async frame(k) {
+    const size = this.manifest.chunk_frames;
+    const chunk = Math.floor(k / size);
+    let entry = this.kept.get(chunk);
+    if (!entry || entry.frames < this.framesIn(chunk)) {
+      const frames = this.framesIn(chunk);
+      entry = { frames, promise: this.bytes("chunk-" + chunk).then((b) => framesOfChunk(b, this.manifest.columns, frames)) };
+      entry.promise.catch(() => this.kept.delete(chunk));
+    }
+    this.kept.delete(chunk);
+    this.kept.set(chunk, entry);  // the last one used stands last
+    const decoded = await entry.promise;
+    this.forget();
+    return decoded[k - chunk * size];
+  }
+  forget() {
+    const most = Math.max(2, Math.floor(mostKept / (this.manifest.chunk_frames * Math.max(1, this.bodies.n) * 60)));
+    for (const chunk of this.kept.keys()) {
+      if (this.kept.size <= most) break;
+      this.kept.delete(chunk);
+    }
+  }
+  name(id) {
+    const g = this.manifest.groups[this.groupOf(id)];
+    if (!g || !g.name) return "body " + id;
+    return g.count > 1 ? g.name + "[" + (id - g.first) + "]" : g.name;
+  }
+  groupOf(id) {
+    const groups = this.manifest.groups;
+    for (let g = 0; g < groups.length; ++g) if (id >= groups[g].first && id < groups[g].first + groups[g].count) return g;
+    return groups.length;
+  }
+  materialName(k) {
+    return this.manifest.materials[k] || "material " + k;
+  }
+}

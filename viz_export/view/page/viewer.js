@@ -1,0 +1,424 @@
+// Puts the parts together: frames into objects, the user's choices into pictures. A picture is drawn only when something changed.
+
+// Without a graphics processor every sample is paid for: four per pixel take three times as long.
+function drawsInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  if (gl) gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
+class Viewer {
+  constructor(source) {
+    this.source = source;
+    this.at = -1;
+    this.wanted = 0;
+    this.frame = null;
+    this.picked = null;
+    this.playing = false;
+    this.dirty = true;
+    this.opacities = { body: [], material: [] };
+  }
+
+  get manifest() {
+    return this.source.manifest;
+  }
+
+  start() {
+    const canvas = el("picture");
+    const antialias = !drawsInSoftware();
+    const context = canvas.getContext("webgl2", { antialias, preserveDrawingBuffer: true });
+    if (!context) throw new Error("This browser has no WebGL 2, which this page needs.");
+    this.renderer = new THREE.WebGLRenderer({ canvas, context, antialias, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(antialias ? Math.min(window.devicePixelRatio || 1, 2) : 1);
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.enableKeys = false;
+    this.controls.addEventListener("change", () => {
+      this.cutWithView();
+      this.dirty = true;
+    });
+    this.box = new THREE.Box3(new THREE.Vector3(...this.manifest.box.min), new THREE.Vector3(...this.manifest.box.max));
+    this.makeObjects();
+    this.fillPanel();
+    this.setTheme();
+    this.resize();
+    this.place(el("camera").value);
+    this.listen();
+  }
+
+  makeObjects() {
+    if (this.bodies) {
+      this.bodies.dispose();
+      for (const ribbons of [this.contacts, this.arrows, this.springs]) this.scene.remove(ribbons.object);
+    }
+    this.bodies = new Bodies(this.scene, this.source.bodies);
+    this.contacts = new Ribbons(this.scene, this.bodies.shared, colourTable("inferno"), false);
+    this.arrows = new Ribbons(this.scene, this.bodies.shared, colourTable("viridis"), true);
+    this.springs = new Ribbons(this.scene, this.bodies.shared, colourTable("viridis"), false);
+    this.opacity = new Float32Array(this.source.bodies.n);
+    const { radius, wall, n } = this.source.bodies;
+    let sum = 0;
+    let free = 0;
+    for (let k = 0; k < n; ++k) if (!wall[k] && radius[k] > 0) [sum, free] = [sum + radius[k], free + 1];
+    this.size = free > 0 ? sum / free : 0.02 * this.box.getSize(new THREE.Vector3()).length();
+    this.fillLists();
+  }
+
+  fillLists() {
+    const m = this.manifest;
+    const bodies = this.source.bodies;
+    const walls = new Set();
+    const free = new Set();
+    this.groupOf = new Uint32Array(bodies.n);
+    for (let k = 0; k < bodies.n; ++k) {
+      this.groupOf[k] = this.source.groupOf(k);
+      if (this.groupOf[k] === m.groups.length && bodies.wall[k]) ++this.groupOf[k];
+      (bodies.wall[k] ? walls : free).add(this.groupOf[k]);
+    }
+    const names = m.groups.map((g) => g.name || "bodies " + g.first + " to " + (g.first + g.count - 1));
+    names.push(m.groups.length > 0 ? "other bodies" : "bodies", "walls");
+    const materials = 1 + bodies.material.reduce((a, b) => Math.max(a, b), 0);
+    const before = this.opacities;
+    this.opacities = {
+      body: names.map((name, k) => (before.body[k] && before.body[k].name === name ? before.body[k]
+        : { name, opacity: walls.has(k) && !free.has(k) && free.size > 0 ? 0.22 : 1 })),
+      material: Array.from({ length: materials }, (_, k) => before.material[k] || { name: this.source.materialName(k), opacity: 1 }),
+    };
+    this.present = new Set([...walls, ...free]);
+    this.listChanged();
+  }
+
+  listChanged() {
+    const kind = el("list-of").value;
+    const entries = this.opacities[kind].filter((_, k) => kind === "material" || this.present.has(k));
+    showList(entries, () => this.showOpacity());
+    this.showOpacity();
+  }
+
+  showOpacity() {
+    const bodies = this.source.bodies;
+    const chains = el("contacts").checked ? 0.16 : 1;
+    for (let k = 0; k < bodies.n; ++k) {
+      const own = this.opacities.body[this.groupOf[k]].opacity * this.opacities.material[bodies.material[k]].opacity;
+      this.opacity[k] = own * (bodies.wall[k] ? 1 : chains);
+    }
+    this.bodies.showOpacity(this.opacity);
+    if (this.frame) this.showLines();
+    this.dirty = true;
+  }
+
+  fillPanel() {
+    const m = this.manifest;
+    el("title").textContent = m.title;
+    fillSelect(el("field"), m.fields.map((f) => [f.name, f.label]), m.view.field || "speed");
+    fillSelect(el("map"), Object.keys(polynomials).map((name) => [name, name]), "viridis");
+    const cameras = Object.keys(presets).map((name, k) => [name, `${name} (${k + 1})`]);
+    fillSelect(el("camera"), m.view.from ? [["scene", "of the scene"], ...cameras] : cameras, m.view.from ? "scene" : m.view.preset || "iso");
+    el("contacts").disabled = !m.columns.includes("contact");
+    el("arrows").disabled = !m.columns.includes("heading");
+    el("springs").disabled = m.springs.length === 0;
+    el("springs").checked = m.springs.length > 0;
+    this.resetRange();
+    this.fillMeasures();
+    this.manifestChanged();
+  }
+
+  fillMeasures() {
+    const chosen = el("measure").value;
+    this.plots = measurePlots(this.manifest.measures);
+    el("measure-section").hidden = this.plots.length === 0;
+    fillSelect(el("measure"), this.plots.map((p) => [p.name, p.name]), chosen);
+  }
+
+  manifestChanged() {
+    el("time").max = Math.max(0, this.source.frames - 1);
+    el("notes").textContent = [...this.manifest.notes, ...(this.manifest.running ? ["the run goes on"] : [])].join("\n");
+  }
+
+  field() {
+    return this.manifest.fields.find((f) => f.name === el("field").value) || this.manifest.fields[0];
+  }
+
+  resetRange() {
+    const field = this.field();
+    this.range = field.range ? [...field.range] : [0, 1];
+    el("low").value = Number(this.range[0].toPrecision(4));
+    el("high").value = Number(this.range[1].toPrecision(4));
+    el("low").disabled = el("high").disabled = field.kind === "category";
+    this.showColours();
+  }
+
+  showColours() {
+    const field = this.field();
+    const kinds = field.kind !== "category" ? [] : field.name === "material"
+      ? this.opacities.material.map((e) => e.name) : this.opacities.body.filter((_, k) => this.present.has(k)).map((e) => e.name);
+    showLegend(field, el("map").value, this.range, kinds);
+    this.bodies.setTable(colourTable(el("map").value, field.kind === "category"));
+    if (this.frame) this.showFrame();
+  }
+
+  // The field's number of a body of the frame.
+  valueOf(frame, row, name) {
+    const bodies = this.source.bodies;
+    const id = frame.id[row];
+    if (frame.fields[name]) return frame.fields[name][row];
+    if (name === "height") return frame.place[3 * row + 2];
+    if (name === "size") return bodies.radius[id];
+    if (name === "material") return bodies.material[id];
+    return name === "body" ? this.groupOf[id] : id;
+  }
+
+  shares(frame) {
+    const field = this.field();
+    const [low, high] = this.range;
+    const out = new Float32Array(frame.n);
+    const kindOf = [];
+    if (field.name === "body") [...this.present].sort((a, b) => a - b).forEach((g, k) => (kindOf[g] = k));
+    for (let row = 0; row < frame.n; ++row) {
+      const value = this.valueOf(frame, row, field.name);
+      if (field.kind === "category") out[row] = (field.name === "body" ? kindOf[value] : value) % 256 / 255;
+      else if (this.source.bodies.wall[frame.id[row]]) out[row] = -2;
+      else out[row] = Math.min(1, Math.max(0, (value - low) / (high - low)));
+    }
+    return out;
+  }
+
+  async goTo(k) {
+    this.wanted = k;
+    if (this.loading) return;
+    this.loading = true;
+    try {
+      while (this.at !== this.wanted) {
+        const next = this.wanted;
+        this.frame = await this.source.frame(next);
+        this.at = next;
+        this.showFrame();
+      }
+    } finally {
+      this.loading = false;
+    }
+  }
+
+  showFrame() {
+    this.bodies.show(this.frame, this.shares(this.frame));
+    this.showLines();
+    const time = this.manifest.times[this.at];
+    el("time").value = this.at;
+    el("clock").textContent = `t = ${digits(time)} s`;
+    if (this.plots.length > 0) {
+      const plot = this.plots.find((p) => p.name === el("measure").value) || this.plots[0];
+      drawPlot(el("measure-plot"), plot.lines, "time [s]", plot.label, time);
+    }
+    this.showPick();
+    this.dirty = true;
+  }
+
+  rowOf(id) {
+    if (this.frame.id[id] === id) return id;
+    return this.frame.id.indexOf(id);
+  }
+
+  showLines() {
+    const strongest = this.manifest.strongest || 1;
+    const contacts = el("contacts").checked && this.frame.contacts;
+    const none = new Float32Array(0);
+    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest, 0.42 * this.size));
+    else this.contacts.show(0, none, none, none);
+    showForceLegend(Boolean(contacts), strongest);
+    const speed = this.manifest.fields.find((f) => f.name === "speed").range[1];
+    if (el("arrows").checked && this.frame.heading)
+      showArrows(this.arrows, this.frame, this.source.bodies, speed, 8 * this.size, (id) => this.opacity[id] > 0);
+    else this.arrows.show(0, none, none, none);
+    if (el("springs").checked) showSprings(this.springs, this.frame, this.manifest.springs, (id) => this.rowOf(id), 0.25 * this.size);
+    else this.springs.show(0, none, none, none);
+    this.dirty = true;
+  }
+
+  place(name) {
+    placeCamera(name, this.camera, this.controls, this.box, this.manifest.view);
+    this.dirty = true;
+  }
+
+  // The cut in axes of the world: { normal, at }; null without one.
+  cut() {
+    const axis = el("clip").value;
+    if (!axis) return null;
+    const share = Number(el("clip-at").value);
+    const { min, max } = this.box;
+    if (axis === "view") {
+      const normal = new THREE.Vector3().subVectors(this.camera.position, this.controls.target).normalize();
+      const half = 0.5 * max.distanceTo(min);
+      return { normal, at: normal.dot(this.controls.target) + half * (1 - 2 * share) };
+    }
+    const k = "xyz".indexOf(axis);
+    const sign = axis === "y" ? -1 : 1;
+    const place = min.getComponent(k) + (max.getComponent(k) - min.getComponent(k)) * share;
+    return { normal: new THREE.Vector3().setComponent(k, sign), at: sign * place };
+  }
+
+  cutWithView() {
+    const cut = this.cut();
+    const plane = this.bodies.shared.clipPlane.value;
+    if (!cut) return plane.set(0, 0, 0, 1e30);
+    this.camera.updateMatrixWorld();
+    const rotation = new THREE.Matrix3().setFromMatrix4(this.camera.matrixWorldInverse);
+    const normal = cut.normal.clone().applyMatrix3(rotation);
+    const point = cut.normal.clone().multiplyScalar(cut.at).applyMatrix4(this.camera.matrixWorldInverse);
+    plane.set(normal.x, normal.y, normal.z, normal.dot(point));
+    this.dirty = true;
+    return plane;
+  }
+
+  // x, y: in pixels of the page.
+  pickAt(x, y) {
+    const area = el("picture").getBoundingClientRect();
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2((2 * (x - area.left)) / area.width - 1, 1 - (2 * (y - area.top)) / area.height), this.camera);
+    const body = pickBody(caster.ray, this.frame, this.source.bodies, this.opacity, this.cut());
+    const shown = el("contacts").checked && this.frame.contacts;
+    const contact = shown ? pickContact(caster.ray, this.frame.contacts, 0.4 * this.size) : { contact: -1, distance: Infinity };
+    if (contact.contact >= 0 && contact.distance < body.distance) {
+      const { a, b } = this.frame.contacts;
+      this.picked = { a: a[contact.contact], b: b[contact.contact] };
+    } else {
+      this.picked = body.row >= 0 ? { id: this.frame.id[body.row] } : null;
+    }
+    this.history = null;
+    this.showPick();
+    if (this.picked) this.collect(this.picked, this.field());
+    return this.picked;
+  }
+
+  showPick() {
+    if (!this.picked) return showPicked(null);
+    return this.picked.id === undefined ? this.showPickedContact() : this.showPickedBody();
+  }
+
+  showPickedBody() {
+    const id = this.picked.id;
+    const bodies = this.source.bodies;
+    const row = this.rowOf(id);
+    const rows = [["number", id], ["material", this.source.materialName(bodies.material[id])]];
+    if (bodies.radius[id] > 0) rows.push(["bounding radius", digits(bodies.radius[id]) + " m"]);
+    if (row >= 0) {
+      rows.push(["position", [0, 1, 2].map((k) => digits(this.frame.place[3 * row + k])).join(", ") + " m"]);
+      for (const f of this.manifest.fields)
+        if (f.kind === "moving") rows.push([f.label, digits(this.valueOf(this.frame, row, f.name)) + (f.unit ? " " + f.unit : "")]);
+    } else {
+      rows.push(["state", "not there at this time"]);
+    }
+    showPicked(this.source.name(id) + (bodies.wall[id] ? " (wall)" : ""), rows);
+    this.showHistory();
+    return null;
+  }
+
+  contactNow(frame) {
+    const c = frame.contacts;
+    for (let k = 0; c && k < c.n; ++k) if (c.a[k] === this.picked.a && c.b[k] === this.picked.b) return c.force[k];
+    return null;
+  }
+
+  showPickedContact() {
+    const { a, b } = this.picked;
+    const force = this.contactNow(this.frame);
+    showPicked("contact", [["between", this.source.name(a)], ["and", this.source.name(b)],
+      ["normal force", force === null ? "apart" : digits(force) + " N"]]);
+    this.showHistory();
+  }
+
+  showHistory() {
+    const plot = el("picked-plot");
+    if (!this.history) return plot.replaceChildren();
+    return drawPlot(plot, [this.history], "time [s]", this.history.axis, this.manifest.times[this.at]);
+  }
+
+  // The picked body's field, or the contact's force, over 200 frames at most.
+  async collect(picked, field) {
+    const history = { x: [], y: [], axis: picked.id === undefined ? "normal force [N]" : labelOf(field.label, field.unit) };
+    this.history = history;
+    const stride = Math.max(1, Math.ceil(this.source.frames / 200));
+    for (let k = 0; k < this.source.frames && this.history === history; k += stride) {
+      const frame = await this.source.frame(k);
+      const row = picked.id === undefined ? -1 : frame.id[picked.id] === picked.id ? picked.id : frame.id.indexOf(picked.id);
+      history.x.push(this.manifest.times[k]);
+      if (picked.id === undefined) history.y.push(this.contactNow(frame));
+      else history.y.push(row < 0 ? null : this.valueOf(frame, row, field.name));
+    }
+    if (this.history === history) this.showHistory();
+  }
+
+  setTheme() {
+    const chosen = el("theme").value;
+    const dark = chosen ? chosen === "dark" : window.matchMedia("(prefers-color-scheme: dark)").matches;
+    document.documentElement.classList.toggle("dark", dark);
+    this.renderer.setClearColor(dark ? 0x14171c : 0xf7f8fa, 1);
+    this.bodies.shared.lifted.value = dark ? 1 : 0;
+    this.bodies.shared.wallColour.value.setRGB(...(dark ? [0.5, 0.54, 0.6] : [0.7, 0.73, 0.78]));
+    this.dirty = true;
+  }
+
+  resize() {
+    const panel = document.body.classList.contains("narrow") || window.innerWidth <= 760 ? 0 : 292;
+    const w = Math.max(50, window.innerWidth - panel);
+    const h = Math.max(50, window.innerHeight - 44);
+    const canvas = el("picture");
+    canvas.style.width = w + "px";
+    canvas.style.height = h + "px";
+    this.renderer.setSize(w, h, false);
+    this.camera.aspect = w / h;
+    this.camera.updateProjectionMatrix();
+    this.dirty = true;
+  }
+
+  play(on) {
+    this.playing = on && this.source.frames > 1;
+    el("play").innerHTML = this.playing ? "&#10074;&#10074;" : "&#9654;";
+    this.clock = null;
+  }
+
+  // At speed 1 the whole run takes 8 seconds, or a frame each refresh where that is quicker.
+  advance(now) {
+    if (!this.playing) return;
+    const pace = (Number(el("speed").value) * this.source.frames) / 8000;
+    if (this.clock === null) [this.clock, this.from] = [now, this.at >= this.source.frames - 1 ? 0 : this.at];
+    const k = Math.floor(this.from + (now - this.clock) * pace);
+    if (k >= this.source.frames) {
+      [this.clock, this.from] = [now, 0];
+      return;
+    }
+    if (k !== this.wanted && !this.loading) this.goTo(k);
+  }
+
+  draw(now) {
+    this.advance(now);
+    if (this.dirty && this.frame) {
+      this.dirty = false;
+      this.renderer.render(this.scene, this.camera);
+      this.drawn = (this.drawn || 0) + 1;
+      showAxes(this.camera);
+      document.body.dataset.ready = "true";
+    }
+    requestAnimationFrame((t) => this.draw(t));
+  }
+
+  async follow() {
+    if (this.source.inside || !this.manifest.running) return;
+    const atEnd = this.at >= this.source.frames - 1;
+    try {
+      if (await this.source.readManifest()) {
+        this.makeObjects();
+        this.showColours();
+        this.setTheme();
+      }
+      this.fillMeasures();
+      this.manifestChanged();
+      if (atEnd && !this.playing) await this.goTo(this.source.frames - 1);
+    } catch (e) {
+      el("notes").textContent = "the server does not answer: " + e.message;
+    }
+    setTimeout(() => this.follow(), 1000);
+  }
+}

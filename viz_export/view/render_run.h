@@ -1,0 +1,52 @@
+/// @file render_run.h  Pictures and films of a run without a display: the page's camera, colours and shapes, with colour
+/// bar, time and title. Films are coded by ffmpeg, which runs as a program.
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "viz_export/view/image.h"
+#include "viz_export/view/mesh.h"
+#include "viz_export/view/overview.h"
+
+namespace epafi {
+
+struct RenderOptions {
+  std::string camera, field;      ///< "": the scene's choice
+  int width = 1280, height = 720;
+  bool contacts = false;          ///< as ribbons, bodies pale
+  bool labels = true;             ///< title, time, colour bar
+};
+
+class RunPainter {
+ public:
+  /// Throws FileError for a camera or field that is not there.
+  RunPainter(const ViewSource& source, const Overview& overview, const RenderOptions& options);
+  Image paint(std::size_t frame);
+  const ViewField& field() const { return field_; }
+  std::array<double, 2> range() const { return range_; }
+
+ private:
+  Rgb colour_of(const BodyRecord& body, float value) const;
+  void label(Image& image, double time) const;
+  const ViewSource& source_;
+  const Overview& overview_;
+  RenderOptions options_;
+  ViewField field_;
+  std::array<double, 2> range_;
+  Camera camera_;
+  MeshStore meshes_;
+};
+
+/// One frame as PNG.
+void render_picture(const ViewSource& source, const RenderOptions& options, std::size_t frame,
+                    const std::filesystem::path& target);
+
+/// Every so many frames as a film, 25 per second; the ending of the name chooses: .mp4 or .webm. Returns the number of
+/// pictures. Throws FileError with what to install where ffmpeg is not there.
+std::size_t render_film(const ViewSource& source, const RenderOptions& options, std::size_t every,
+                        const std::filesystem::path& target);
+
+/// "12.5", "3e-06": four digits, no trailing zeros.
+[[nodiscard]] std::string short_number(double value);
+
+}  // namespace epafi

@@ -1,0 +1,96 @@
+#include <charconv>
+#include <map>
+
+#include "engine/error.h"
+#include "viz_export/view/page.h"
+#include "viz_export/view/pack.h"
+#include "viz_export/view/server.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_kept = 32;  // encoded chunks
+
+/// Changes when the run has written something.
+std::pair<std::uintmax_t, fs::file_time_type> mark_of(const fs::path& folder) {
+  std::error_code none;
+  const bool over = fs::exists(folder / "summary.json", none);
+  return {fs::file_size(folder / "run.h5", none) * 2 + (over ? 1 : 0), fs::last_write_time(folder / "run.h5", none)};
+}
+
+}  // namespace
+
+struct RunServer::State {
+  fs::path folder;  ///< empty: a still
+  std::unique_ptr<ViewSource> source;
+  Overview overview;
+  std::pair<std::uintmax_t, fs::file_time_type> mark;
+  std::unique_ptr<Packer> packer;
+  std::map<std::size_t, std::string> chunks;  ///< encoded, of whole chunks
+
+  void look() {
+    overview = look_over(*source);
+    packer = std::make_unique<Packer>(*source, overview, PackPlan{});
+  }
+
+  /// Where the files have changed. A file that is being written is read at the next request.
+  void read_again() {
+    if (folder.empty()) return;
+    const auto now = mark_of(folder);
+    if (now == mark) return;
+    auto fresh = open_run(folder);
+    const bool grows = source != nullptr && fresh->times().size() >= source->times().size();
+    if (!grows) chunks.clear();
+    packer.reset();
+    source = std::move(fresh);
+    look();
+    mark = now;
+  }
+
+  std::string chunk(std::size_t k) {
+    const auto kept = chunks.find(k);
+    if (kept != chunks.end()) return kept->second;
+    std::string bytes = packer->chunk(k);
+    const bool whole = (k + 1) * chunk_frames <= packer->frames();
+    if (!whole) return bytes;
+    if (chunks.size() >= most_kept) chunks.erase(chunks.begin());
+    return chunks[k] = std::move(bytes);
+  }
+};
+
+RunServer::RunServer(fs::path folder) : state_(std::make_unique<State>()) {
+  require_page_library();
+  state_->folder = std::move(folder);
+  state_->read_again();
+}
+
+RunServer::RunServer(std::unique_ptr<ViewSource> still) : state_(std::make_unique<State>()) {
+  require_page_library();
+  state_->source = std::move(still);
+  state_->look();
+}
+
+RunServer::~RunServer() = default;
+
+HttpAnswer RunServer::answer(const std::string& path) {
+  State& s = *state_;
+  if (path == "/") return {200, "text/html; charset=utf-8", served_page(s.source->title())};
+  if (path == "/manifest") {
+    s.read_again();
+    return {200, "application/json", s.packer->manifest({})};
+  }
+  const char* binary = "application/octet-stream";
+  if (path == "/bodies") return {200, binary, s.packer->bodies()};
+  const std::string word = "/chunk-";
+  std::size_t k = 0;
+  const char* end = path.data() + path.size();
+  if (path.starts_with(word)) {
+    const auto number = std::from_chars(path.data() + word.size(), end, k);
+    if (number.ec == std::errc() && number.ptr == end && k < s.packer->chunks()) return {200, binary, s.chunk(k)};
+  }
+  return {404, "text/plain", "there is no " + path};
+}
+
+}  // namespace epafi

@@ -1,0 +1,105 @@
+#include "viz_export/view/view_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "viz_export/pvd_file.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int contacts_part = 2;  // of the files of one time in frames.pvd
+
+/// Files with contacts by time; none where the run wrote no frames.
+std::map<double, fs::path> contact_files(const fs::path& folder) {
+  std::map<double, fs::path> out;
+  if (!fs::exists(folder / "frames.pvd")) return out;
+  PvdFile list(folder / "frames.pvd");
+  list.keep_until(std::numeric_limits<double>::infinity());
+  for (const auto& entry : list.entries())
+    if (entry.part == contacts_part) out[entry.time] = folder / entry.file;
+  return out;
+}
+
+class RunSource final : public ViewSource {
+ public:
+  explicit RunSource(const fs::path& folder)
+      : run_(folder / "run.h5"),
+        about_(about_from_text(run_.about())),
+        bodies_(run_.bodies()),
+        contacts_(contact_files(folder)),
+        running_(!fs::exists(folder / "summary.json")) {
+    for (std::size_t k = 0; k < run_.snapshots(); ++k) times_.push_back(run_.time(k));
+  }
+  std::string title() const override { return run_.title(); }
+  const RunAbout& about() const override { return about_; }
+  const std::vector<double>& times() const override { return times_; }
+  const std::vector<BodyRecord>& bodies() const override { return bodies_; }
+  std::vector<StoredMeasure> measures() const override { return run_.measures(); }
+  bool has_contacts() const override { return !contacts_.empty(); }
+  bool is_running() const override { return running_; }
+
+  ViewFrame frame(std::size_t k) const override {
+    StoredSnapshot s = run_.snapshot(k);
+    ViewFrame out{s.stamp.time, s.stamp.rotates, s.stamp.has_orientation, std::move(s.bodies), {}};
+    const auto file = contacts_.find(out.time);
+    if (file == contacts_.end() || !fs::exists(file->second)) return out;
+    out.contacts = read_contacts(file->second);
+    std::sort(out.contacts.begin(), out.contacts.end(),
+              [](const StoredContact& p, const StoredContact& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
+    return out;
+  }
+
+ private:
+  StoredRun run_;
+  RunAbout about_;
+  std::vector<BodyRecord> bodies_;
+  std::map<double, fs::path> contacts_;
+  bool running_;
+  std::vector<double> times_;
+};
+
+class StillSource final : public ViewSource {
+ public:
+  StillSource(std::string title, RunAbout about, ViewFrame frame)
+      : title_(std::move(title)), about_(std::move(about)), frame_(std::move(frame)), times_{frame_.time} {
+    for (const BodyRecord& b : frame_.bodies) {
+      bodies_.resize(std::max<std::size_t>(bodies_.size(), b.id + 1u));
+      bodies_[b.id] = b;
+    }
+  }
+  std::string title() const override { return title_; }
+  const RunAbout& about() const override { return about_; }
+  const std::vector<double>& times() const override { return times_; }
+  const std::vector<BodyRecord>& bodies() const override { return bodies_; }
+  std::vector<StoredMeasure> measures() const override { return {}; }
+  bool has_contacts() const override { return false; }
+  bool is_running() const override { return false; }
+  ViewFrame frame(std::size_t) const override { return frame_; }
+
+ private:
+  std::string title_;
+  RunAbout about_;
+  ViewFrame frame_;
+  std::vector<double> times_;
+  std::vector<BodyRecord> bodies_;
+};
+
+}  // namespace
+
+std::unique_ptr<ViewSource> open_run(const fs::path& folder) {
+  if (!fs::exists(folder / "run.h5"))
+    throw FileError("no run in '" + folder.string() + "': run.h5 is missing; `epafi run` writes it");
+  return std::make_unique<RunSource>(folder);
+}
+
+std::unique_ptr<ViewSource> still_source(std::string title, RunAbout about, ViewFrame frame) {
+  return std::make_unique<StillSource>(std::move(title), std::move(about), std::move(frame));
+}
+
+}  // namespace epafi

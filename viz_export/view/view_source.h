@@ -1,0 +1,43 @@
+/// @file view_source.h  What can be looked at: a run's folder, during the run or afterwards, or the first state of a
+/// scene. Frames are read one by one.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "viz_export/stored_run.h"
+#include "viz_export/view/contact_file.h"
+#include "viz_export/view/settings.h"
+
+namespace epafi {
+
+struct ViewFrame {
+  double time = 0.0;                    ///< [s]
+  bool rotates = false;                 ///< angular velocities are known
+  bool has_orientation = false;         ///< orientations are known
+  std::vector<BodyRecord> bodies;       ///< in the order of ids
+  std::vector<StoredContact> contacts;  ///< in the order of ids a, b
+};
+
+class ViewSource {
+ public:
+  virtual ~ViewSource() = default;
+  virtual std::string title() const = 0;
+  virtual const RunAbout& about() const = 0;
+  virtual const std::vector<double>& times() const = 0;  ///< of the frames [s]
+  virtual ViewFrame frame(std::size_t k) const = 0;
+  /// Of all bodies that ever were, by id; without motion.
+  virtual const std::vector<BodyRecord>& bodies() const = 0;
+  virtual std::vector<StoredMeasure> measures() const = 0;
+  virtual bool has_contacts() const = 0;
+  virtual bool is_running() const = 0;
+};
+
+/// Reads run.h5, and the contacts from frames/. Throws FileError.
+[[nodiscard]] std::unique_ptr<ViewSource> open_run(const std::filesystem::path& folder);
+
+/// One state; the surfaces of the records must stay.
+[[nodiscard]] std::unique_ptr<ViewSource> still_source(std::string title, RunAbout about, ViewFrame frame);
+
+}  // namespace epafi
