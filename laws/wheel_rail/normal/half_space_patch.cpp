@@ -80,6 +80,15 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   // without deformation regions are nearer: their distance is that at the approach of this load, not of the window
   const Separation apart(overlaps_of(r.profile, in.approach > 0.0 ? in.approach : approach), in.influence);
   Window w = interpenetration(in, approach);
+  // a gap that opens faster than its curvature at the rigid point says (noise, a kink) overlaps farther down
+  double farther = std::max(approach, in.approach);
+  for (int n = 0; n < 20 && !(w.x1 > w.x0 && w.y1 > w.y0); ++n, farther *= 2.0) w = interpenetration(in, farther);
+  if (!(w.x1 > w.x0 && w.y1 > w.y0)) {
+    RegionPatch none;
+    none.patch.reasons.push_back("nothing overlaps: the samples of the gap stay open");
+    none.patch.error_estimate = 1.0;
+    return {none};
+  }
   HalfSpaceNormal coarse;
   bool inside = false;
   for (int n = 0; n < 4 && !inside; ++n) {
