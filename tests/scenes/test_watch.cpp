@@ -21,7 +21,7 @@ TEST_CASE("watch shows the last value of each component, and ends with the run",
   CHECK(said.code == 0);
   CHECK(said.out.find("t = 1 s") != said.out.npos);
   CHECK(said.out.find("fall,z") != said.out.npos);
-  CHECK(said.out.find("▁") != said.out.npos);   // it ends at its least value
+  CHECK(said.out.find("▁") != said.out.npos);  // it ends at its least value
   CHECK(said.out.find("completed") != said.out.npos);
   CHECK(said.out.find("0.5 ") == said.out.npos);
 }
