@@ -42,9 +42,12 @@ std::vector<std::string> csv_fields(const std::string& line) {
   std::vector<std::string> out(1);
   bool quoted = false;
   for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    else if (c == ',' && !quoted) out.emplace_back();
-    else if (c != '\r') out.back() += c;
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      out.emplace_back();
+    else if (c != '\r')
+      out.back() += c;
   }
   return out;
 }
@@ -70,9 +73,13 @@ std::string table_of(const fs::path& path) {
 
 /// What differs between cases comes first: a column for each number that all have.
 std::string table_of(const std::vector<fs::path>& cases) {
-  const std::vector<std::pair<std::string, std::string>> columns{
-      {"bodies", "bodies"}, {"simulated_time", "time [s]"}, {"wall_time", "wall time [s]"}, {"ns_per_body_step", "ns per body and step"},
-      {"energy.relative_error", "energy error"}, {"overlap.max_relative", "overlap over radius"}, {"residual.max", "residual"}};
+  const std::vector<std::pair<std::string, std::string>> columns{{"bodies", "bodies"},
+                                                                 {"simulated_time", "time [s]"},
+                                                                 {"wall_time", "wall time [s]"},
+                                                                 {"ns_per_body_step", "ns per body and step"},
+                                                                 {"energy.relative_error", "energy error"},
+                                                                 {"overlap.max_relative", "overlap over radius"},
+                                                                 {"residual.max", "residual"}};
   std::set<std::string> measured;
   std::vector<FlatJson> all;
   for (const fs::path& one : cases) {
@@ -113,7 +120,8 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   if (!cases.empty()) html += table_of(cases);
   for (const fs::path& table : files_with(folder, ".csv")) html += table_of(table);
   const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
-  write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>",
+  write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+                            "content='width=device-width'><title>",
                             html_escaped(title), "</title>", report_style, "</head><body>", html, "</body></html>\n"});
   return target;
 }

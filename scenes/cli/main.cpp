@@ -8,6 +8,7 @@
 #include "scenes/cli/study_commands.h"
 #include "scenes/cli/usage.h"
 #include "scenes/cli/view_commands.h"
+#include "scenes/cli/watch.h"
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -174,6 +175,9 @@ void add_views(Program& p) {
   render->add_option("--camera", p.render.camera, "scene, iso, front, back, left, right, top, bottom");
   render->add_option("--field", p.render.field, "what colours the bodies: speed, spin, force, size, id, material ...");
   render->add_option("--size", p.render.size, "pixels, as 1280x720");
+  auto* watch = p.add("watch", "follows a run in the terminal: its measures and their course",
+                      [&p] { return epafi::command_watch(p.directory); });
+  watch->add_option("dir", p.directory, "output folder of the run")->required();
   render->add_flag("--contacts", p.render.contacts, "contacts as ribbons as wide as their force, bodies pale");
 }
 

@@ -96,7 +96,8 @@ int command_render(const RenderRequest& request) {
   const std::string ending = target.extension().string();
   if (ending == ".mp4" || ending == ".webm") {
     const std::size_t pictures = render_film(*source, options, request.every, target);
-    tell(fmt::format("{}: {} pictures, {:.3g} s at 25 per second", target.string(), pictures, static_cast<double>(pictures) / 25));
+    tell(fmt::format("{}: {} pictures, {:.3g} s at 25 per second", target.string(), pictures,
+                     static_cast<double>(pictures) / 25));
     return exit_done;
   }
   if (ending != ".png") throw SceneError("--out " + target.string() + ": expected an ending .png, .mp4 or .webm");

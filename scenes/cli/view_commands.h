@@ -10,7 +10,7 @@ namespace epafi {
 struct ViewOptions {
   std::string what;  ///< folder of a run, or a scene file
   std::vector<std::string> overrides;
-  std::string out;           ///< file; empty: a local server
+  std::string out;  ///< file; empty: a local server
   std::uint16_t port = 8047;
   bool no_browser = false;
 };

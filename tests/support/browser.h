@@ -1,5 +1,5 @@
-/// @file browser.h  A headless Chromium driven through a pair of pipes (DevTools protocol): pages are opened, clicked and
-/// asked as a user and a script would, without a network. What the page complains of is kept.
+/// @file browser.h  A headless Chromium driven through a pair of pipes (DevTools protocol): pages are opened, clicked
+/// and asked as a user and a script would, without a network. What the page complains of is kept.
 #pragma once
 #include <fcntl.h>
 #include <poll.h>
@@ -37,8 +37,8 @@ class Browser {
     ::close(to[0]), ::close(from[1]);
     to_ = to[1], from_ = from[0];
     const FlatJson target = call("Target.createTarget", R"({"url":"about:blank"})");
-    const FlatJson attached =
-        call("Target.attachToTarget", R"({"flatten":true,"targetId":)" + json_text(target.text("result.targetId")) + "}");
+    const FlatJson attached = call("Target.attachToTarget",
+                                   R"({"flatten":true,"targetId":)" + json_text(target.text("result.targetId")) + "}");
     session_ = attached.text("result.sessionId");
     for (const char* domain : {"Runtime.enable", "Log.enable", "Page.enable"}) call(domain, "{}");
   }
@@ -75,8 +75,8 @@ class Browser {
   }
   void click(double x, double y) {
     for (const char* kind : {"mousePressed", "mouseReleased"})
-      call("Input.dispatchMouseEvent", "{\"type\":\"" + std::string(kind) + "\",\"x\":" + json_number(x) + ",\"y\":" + json_number(y) +
-                                           ",\"button\":\"left\",\"clickCount\":1}");
+      call("Input.dispatchMouseEvent", "{\"type\":\"" + std::string(kind) + "\",\"x\":" + json_number(x) +
+                                           ",\"y\":" + json_number(y) + ",\"button\":\"left\",\"clickCount\":1}");
   }
   void press(const std::string& key) {
     for (const char* kind : {"keyDown", "keyUp"})
@@ -93,9 +93,10 @@ class Browser {
     ::dup2(in, 13), ::dup2(out, 14), ::dup2(13, 3), ::dup2(14, 4);
     const int nowhere = ::open("/dev/null", O_WRONLY);
     ::dup2(nowhere, 2);
-    ::execl(browser.c_str(), browser.c_str(), "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--hide-scrollbars",
-            "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-extensions",
-            "--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--force-device-scale-factor=1",
+    ::execl(browser.c_str(), browser.c_str(), "--headless=new", "--no-sandbox", "--remote-debugging-pipe",
+            "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run",
+            "--disable-extensions", "--disable-background-networking",
+            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--force-device-scale-factor=1",
             profile.c_str(), size.c_str(), static_cast<char*>(nullptr));
     ::_exit(127);
   }
@@ -126,7 +127,8 @@ class Browser {
     const std::string type = event.text("params.type"), level = event.text("params.entry.level");
     if (method == "Runtime.consoleAPICalled" && (type == "error" || type == "warning"))
       complaints_.push_back(type + ": " + event.text("params.args.0.value"));
-    if (method == "Log.entryAdded" && level == "error") complaints_.push_back(level + ": " + event.text("params.entry.text"));
+    if (method == "Log.entryAdded" && level == "error")
+      complaints_.push_back(level + ": " + event.text("params.entry.text"));
   }
 
   std::string next_message() {

@@ -54,7 +54,8 @@ std::string ask(std::uint16_t port, const std::string& request) {
 }  // namespace
 
 TEST_CASE("an orientation in 32 bits is off by 0.16 degrees at most", "[viz_export][view]") {
-  // three components are off by half a step of sqrt(2)/1022 each; the fourth follows: angle <= 2 sqrt(3 (1 + 1)) half steps
+  // three components are off by half a step of sqrt(2)/1022 each; the fourth follows: angle <= 2 sqrt(3 (1 + 1)) half
+  // steps
   double worst = 0;
   for (int k = 0; k < 20000; ++k) {
     const auto u = [&](int part) { return std::sin(12.9898 * (4 * k + part) + 78.233 * part * part); };
@@ -65,7 +66,8 @@ TEST_CASE("an orientation in 32 bits is off by 0.16 degrees at most", "[viz_expo
   CHECK(worst > 0);
 }
 
-TEST_CASE("differences go by row first and by frame then, and small ones fill the lowest plane only", "[viz_export][view]") {
+TEST_CASE("differences go by row first and by frame then, and small ones fill the lowest plane only",
+          "[viz_export][view]") {
   CHECK(zigzag(0) == 0);
   CHECK(zigzag(-1) == 1);
   CHECK(zigzag(1) == 2);
@@ -80,7 +82,8 @@ TEST_CASE("differences go by row first and by frame then, and small ones fill th
 
 TEST_CASE("scaled copies of a surface share a mesh; normals of a cube are those of its faces", "[viz_export][view]") {
   ShapeStore shapes;
-  const Surface small = surface_of(shapes, shapes.add(Box{Vec3(1, 2, 3)}), 1), large = surface_of(shapes, shapes.add(Box{Vec3(2, 4, 6)}), 1),
+  const Surface small = surface_of(shapes, shapes.add(Box{Vec3(1, 2, 3)}), 1),
+                large = surface_of(shapes, shapes.add(Box{Vec3(2, 4, 6)}), 1),
                 other = surface_of(shapes, shapes.add(Box{Vec3(2, 2, 3)}), 1);
   MeshStore store;
   const auto a = store.of(&small), b = store.of(&large), c = store.of(&other), ball = store.of(nullptr);
@@ -91,8 +94,8 @@ TEST_CASE("scaled copies of a surface share a mesh; normals of a cube are those 
   const ViewMesh& mesh = store.all()[0];
   CHECK(mesh.corners.size() == 6 * 2 * 3);
   for (std::size_t k = 0; k < mesh.normals.size(); ++k) {
-    CHECK(mesh.normals[k].cwiseAbs().maxCoeff() == Approx(1));          // along an axis
-    CHECK(mesh.normals[k].dot(mesh.points[mesh.corners[k]]) > 0);       // outwards
+    CHECK(mesh.normals[k].cwiseAbs().maxCoeff() == Approx(1));     // along an axis
+    CHECK(mesh.normals[k].dot(mesh.points[mesh.corners[k]]) > 0);  // outwards
   }
 }
 
@@ -113,7 +116,8 @@ TEST_CASE("every camera sees the whole box", "[viz_export][view]") {
   box.include(Vec3(4, 2.5, 9));
   for (const auto& [name, direction] : camera_presets()) {
     const Camera c = choose_camera(name, {}, box, 1.6);
-    const Vec3 towards = (c.eye - c.target).normalized(), right = c.up.cross(towards).normalized(), up = towards.cross(right);
+    const Vec3 towards = (c.eye - c.target).normalized(), right = c.up.cross(towards).normalized(),
+               up = towards.cross(right);
     const double half = std::tan(0.5 * c.angle * std::numbers::pi / 180);
     double largest = 0;
     for (int k = 0; k < 8; ++k) {
@@ -187,10 +191,12 @@ TEST_CASE("the local server answers its own machine, and nothing else", "[viz_ex
   const LocalServer server(0);
   std::atomic<bool> stop{false};
   std::thread serving([&] {
-    server.serve([](const std::string& path) -> HttpAnswer {
-      if (path == "/bad") throw FileError("not now");
-      return {200, "text/plain", "you asked " + path};
-    }, [&] { return stop.load(); });
+    server.serve(
+        [](const std::string& path) -> HttpAnswer {
+          if (path == "/bad") throw FileError("not now");
+          return {200, "text/plain", "you asked " + path};
+        },
+        [&] { return stop.load(); });
   });
   const std::string own = "Host: 127.0.0.1:" + std::to_string(server.port()) + "\r\n\r\n";
   CHECK(ask(server.port(), "GET /a?b HTTP/1.1\r\n" + own).ends_with("you asked /a"));

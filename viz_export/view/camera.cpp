@@ -10,7 +10,7 @@ namespace epafi {
 
 const std::vector<std::pair<std::string, Vec3>>& camera_presets() {
   static const std::vector<std::pair<std::string, Vec3>> all{
-      {"iso", {0.45, -1.0, 0.5}}, {"front", {0, -1, 0}}, {"back", {0, 1, 0}}, {"left", {-1, 0, 0}},
+      {"iso", {0.45, -1.0, 0.5}}, {"front", {0, -1, 0}}, {"back", {0, 1, 0}},   {"left", {-1, 0, 0}},
       {"right", {1, 0, 0}},       {"top", {0, 0, 1}},    {"bottom", {0, 0, -1}}};
   return all;
 }
@@ -38,7 +38,9 @@ Camera fitted_camera(const ViewBox& box, const Vec3& direction, double aspect, d
 
 Camera choose_camera(const std::string& name, const ViewSettings& settings, const ViewBox& box, double aspect) {
   const bool by_scene = name.empty() || name == "scene";
-  const std::string preset = !by_scene ? name : settings.preset.empty() ? camera_presets().front().first : settings.preset;
+  const std::string preset = !by_scene                 ? name
+                             : settings.preset.empty() ? camera_presets().front().first
+                                                       : settings.preset;
   if (by_scene && settings.from) {
     const Vec3 target = settings.to ? *settings.to : box.centre();
     return {*settings.from, target, settings.up, settings.angle};

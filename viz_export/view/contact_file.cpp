@@ -46,7 +46,8 @@ class VtpArrays {
     if (at == head_.npos) refuse("lacks " + word);
     std::size_t value = 0;
     const char* end = head_.data() + head_.size();
-    if (std::from_chars(head_.data() + at + word.size(), end, value).ec != std::errc()) refuse("has no number behind " + word);
+    if (std::from_chars(head_.data() + at + word.size(), end, value).ec != std::errc())
+      refuse("has no number behind " + word);
     return value;
   }
 

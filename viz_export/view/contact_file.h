@@ -10,10 +10,10 @@ namespace epafi {
 
 /// A contact as files show it.
 struct StoredContact {
-  std::uint32_t a = 0, b = 0;            ///< ids
-  Eigen::Vector3f from, to;              ///< centres; the contact point in place of a wall's centre [m]
-  Eigen::Vector3f force;                 ///< on A [N]
-  float normal_force = 0, overlap = 0;   ///< [N], [m]
+  std::uint32_t a = 0, b = 0;           ///< ids
+  Eigen::Vector3f from, to;             ///< centres; the contact point in place of a wall's centre [m]
+  Eigen::Vector3f force;                ///< on A [N]
+  float normal_force = 0, overlap = 0;  ///< [N], [m]
 };
 
 /// Throws FileError where the file is not one of ours, or is cut.

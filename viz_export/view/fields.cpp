@@ -17,7 +17,9 @@ double volume_of(const BodyRecord& b) {
   double six_volumes = 0;
   std::size_t begin = 0;
   for (const std::int32_t offset : s.offsets) {
-    const auto point = [&](std::size_t k) -> const Vec3& { return s.points[static_cast<std::size_t>(s.connectivity[k])]; };
+    const auto point = [&](std::size_t k) -> const Vec3& {
+      return s.points[static_cast<std::size_t>(s.connectivity[k])];
+    };
     for (std::size_t k = begin + 1; k + 1 < static_cast<std::size_t>(offset); ++k)
       six_volumes += point(begin).dot(point(k).cross(point(k + 1)));
     begin = static_cast<std::size_t>(offset);
@@ -30,7 +32,8 @@ struct ContactSums {
   std::vector<float> count, force, pressure;
 };
 
-/// pressure: sum over contacts of half the branch times the normal force, over three volumes (Love 1927, isotropic part).
+/// pressure: sum over contacts of half the branch times the normal force, over three volumes (Love 1927, isotropic
+/// part).
 ContactSums contact_sums(const ViewFrame& frame) {
   const std::size_t n = frame.bodies.size();
   ContactSums out{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};

@@ -21,10 +21,32 @@ constexpr int not_installed = 127;
   const std::string size = fmt::format("{}x{}", width, height);
   const bool webm = target.ends_with(".webm");
   const char* codec = webm ? "libvpx-vp9" : "libx264";
-  const std::vector<const char*> words{
-      "ffmpeg", "-y",     "-loglevel", "error",    "-f",       "rawvideo", "-pix_fmt", "rgb24", "-s",
-      size.c_str(), "-r", "25",        "-i",       "-",        "-an",      "-vf",      "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v",
-      codec,    "-pix_fmt", "yuv420p", "-crf",     webm ? "30" : "18",     "--", target.c_str(), nullptr};
+  const std::vector<const char*> words{"ffmpeg",
+                                       "-y",
+                                       "-loglevel",
+                                       "error",
+                                       "-f",
+                                       "rawvideo",
+                                       "-pix_fmt",
+                                       "rgb24",
+                                       "-s",
+                                       size.c_str(),
+                                       "-r",
+                                       "25",
+                                       "-i",
+                                       "-",
+                                       "-an",
+                                       "-vf",
+                                       "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                       "-c:v",
+                                       codec,
+                                       "-pix_fmt",
+                                       "yuv420p",
+                                       "-crf",
+                                       webm ? "30" : "18",
+                                       "--",
+                                       target.c_str(),
+                                       nullptr};
   std::vector<char*> arguments;
   for (const char* word : words) arguments.push_back(const_cast<char*>(word));
   execvp("ffmpeg", arguments.data());
@@ -67,9 +89,10 @@ void Film::finish() {
   waitpid(process_, &status, 0);
   process_ = -1;
   if (WIFEXITED(status) && WEXITSTATUS(status) == not_installed)
-    throw FileError("films are coded by ffmpeg, which is not installed: apt-get install ffmpeg; pictures need nothing: --out FILE.png");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw FileError(target_.string() + ": ffmpeg could not write it");
+    throw FileError(
+        "films are coded by ffmpeg, which is not installed: apt-get install ffmpeg; pictures need nothing: --out "
+        "FILE.png");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw FileError(target_.string() + ": ffmpeg could not write it");
 }
 
 }  // namespace epafi

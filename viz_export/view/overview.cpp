@@ -64,7 +64,8 @@ class FreeBox {
 
 ViewBox box_of(const BodyRecord& b) {
   ViewBox out;
-  if (b.surface == nullptr) out.include(b.pose.position, b.radius);
+  if (b.surface == nullptr)
+    out.include(b.pose.position, b.radius);
   else
     for (const Vec3& p : b.surface->points) out.include(b.pose.to_world(p));
   return out;

@@ -1,5 +1,5 @@
-/// @file overview.h  What is found by looking over a whole run once: the box that matters, the ranges of the fields, and
-/// the frames worth showing.
+/// @file overview.h  What is found by looking over a whole run once: the box that matters, the ranges of the fields,
+/// and the frames worth showing.
 #pragma once
 #include <array>
 #include <map>

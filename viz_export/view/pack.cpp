@@ -12,8 +12,8 @@
 namespace epafi {
 namespace {
 
-constexpr double finest = 1e-5;       // step of positions over the diagonal of the box
-constexpr int largest_16 = 65535;     // of fields
+constexpr double finest = 1e-5;    // step of positions over the diagonal of the box
+constexpr int largest_16 = 65535;  // of fields
 constexpr double heading_steps = 127;
 
 using Ints = std::vector<std::int32_t>;
@@ -99,8 +99,7 @@ struct ChunkColumns {
     for (int axis = 0; axis < 3; ++axis)
       for (const BodyRecord& b : frame.bodies)
         all.push_back(orientation_bits(b.pose.orientation).rest[static_cast<std::size_t>(axis)]);
-    for (const BodyRecord& b : frame.bodies)
-      largest += static_cast<char>(orientation_bits(b.pose.orientation).largest);
+    for (const BodyRecord& b : frame.bodies) largest += static_cast<char>(orientation_bits(b.pose.orientation).largest);
     rest.add(std::move(all));
   }
 
@@ -121,7 +120,8 @@ struct ChunkColumns {
     headings.add(std::move(all));
   }
 
-  /// Per frame: their number, then ids a, ids b, forces (square root of the share), the ends at A, the ways to those at B.
+  /// Per frame: their number, then ids a, ids b, forces (square root of the share), the ends at A, the ways to those at
+  /// B.
   void add_contacts(const ViewFrame& frame, float least) {
     std::vector<const StoredContact*> kept;
     for (const StoredContact& c : frame.contacts)

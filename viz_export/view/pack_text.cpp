@@ -33,7 +33,11 @@ void put_about(JsonWriter& json, const RunAbout& about) {
   for (const std::string& name : about.materials) json.value(name);
   json.end_array().key("groups").begin_array();
   for (const auto& g : about.groups)
-    json.begin_object().member("name", g.name).member("first", std::uint64_t{g.first}).member("count", std::uint64_t{g.count}).end_object();
+    json.begin_object()
+        .member("name", g.name)
+        .member("first", std::uint64_t{g.first})
+        .member("count", std::uint64_t{g.count})
+        .end_object();
   json.end_array().key("springs").begin_array();
   for (const auto& s : about.springs) {
     json.begin_object().member("name", s.name).member("body", std::uint64_t{s.body});
@@ -107,7 +111,8 @@ std::string Packer::manifest(const std::vector<std::string>& notes) const {
   for (const ViewField& f : fields_) {
     json.begin_object().member("name", f.name).member("label", f.label).member("unit", f.unit);
     json.member("kind", kind_name(f.kind));
-    if (f.kind != ViewField::Kind::category) put_pair(json, "range", colour_range(overview_, source_.about().view, f.name));
+    if (f.kind != ViewField::Kind::category)
+      put_pair(json, "range", colour_range(overview_, source_.about().view, f.name));
     json.end_object();
   }
   json.end_array().key("box").begin_object();

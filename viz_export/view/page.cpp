@@ -77,8 +77,9 @@ std::string leave_out(PackPlan& plan, const Overview& overview, std::size_t byte
 
 void require_page_library() {
   if (page_parts().three[0] != '\0') return;
-  throw FileError("this program was built without the library that draws in the browser: install it with "
-                  "`apt-get install libjs-three` (three.js, MIT licence) and build again");
+  throw FileError(
+      "this program was built without the library that draws in the browser: install it with "
+      "`apt-get install libjs-three` (three.js, MIT licence) and build again");
 }
 
 std::string served_page(const std::string& title) { return page_around(title, ""); }
@@ -99,7 +100,8 @@ std::string complete_page(const ViewSource& source, std::size_t most_bytes, Writ
     about.notes.push_back(note);
     packed = pack(source, overview, plan, about.notes);
   }
-  std::string data = "<script type=\"application/json\" id=\"manifest\">" + script_escaped(packed.manifest) + "</script>\n";
+  std::string data =
+      "<script type=\"application/json\" id=\"manifest\">" + script_escaped(packed.manifest) + "</script>\n";
   const auto add = [&](const std::string& id, const std::string& bytes) {
     data += "<script type=\"text/plain\" id=\"" + id + "\">" + base64(bytes) + "</script>\n";
   };

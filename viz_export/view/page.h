@@ -26,8 +26,8 @@ struct WrittenPage {
   std::vector<std::string> notes;  ///< what was left out to keep it small
 };
 
-/// One file, complete in itself. Larger than `most_bytes` it does not get: directions of velocities, then weak contacts,
-/// then all contacts, then frames are left out, and the page says so.
+/// One file, complete in itself. Larger than `most_bytes` it does not get: directions of velocities, then weak
+/// contacts, then all contacts, then frames are left out, and the page says so.
 [[nodiscard]] std::string complete_page(const ViewSource& source, std::size_t most_bytes, WrittenPage& about);
 
 /// The same into a file.

@@ -104,8 +104,8 @@ struct FlatTriangle {
   /// f(x, y, weights, depth) of each sample inside.
   template <class F>
   void each(const Layer& layer, const F& f) const {
-    const SampleBox box = clamped(std::min({x[0], x[1], x[2]}), std::max({x[0], x[1], x[2]}), std::min({y[0], y[1], y[2]}),
-                                  std::max({y[0], y[1], y[2]}), layer);
+    const SampleBox box = clamped(std::min({x[0], x[1], x[2]}), std::max({x[0], x[1], x[2]}),
+                                  std::min({y[0], y[1], y[2]}), std::max({y[0], y[1], y[2]}), layer);
     for (int sy = box.y0; sy < box.y1; ++sy)
       for (int sx = box.x0; sx < box.x1; ++sx) {
         const V3 w = weights(static_cast<float>(sx) + 0.5f, static_cast<float>(sy) + 0.5f);
@@ -138,11 +138,13 @@ class Painter {
 
   void find_nearest() {
     for (std::size_t k = 0; k < scene_.balls.size(); ++k)
-      draw_ball(lens_.seen(scene_.balls[k].centre), scene_.balls[k].radius, static_cast<std::uint32_t>(k), lens_, layer_);
+      draw_ball(lens_.seen(scene_.balls[k].centre), scene_.balls[k].radius, static_cast<std::uint32_t>(k), lens_,
+                layer_);
     const std::size_t first = scene_.balls.size();
     for (std::size_t k = 0; k < scene_.triangles.size(); ++k)
       if (scene_.triangles[k].opacity >= 1) mark(corners_of(scene_.triangles[k]).data(), first + k);
-    for (std::size_t k = 0; k < scene_.lines.size(); ++k) mark_line(scene_.lines[k], first + scene_.triangles.size() + k);
+    for (std::size_t k = 0; k < scene_.lines.size(); ++k)
+      mark_line(scene_.lines[k], first + scene_.triangles.size() + k);
   }
 
   void light() {
@@ -208,7 +210,8 @@ class Painter {
   /// Towards the eye, in axes of the camera.
   V3 normal_of(const DrawnTriangle& t, const V3& w, const FlatTriangle& flat) const {
     const V3 true_weights(w.x() * flat.inverse[0], w.y() * flat.inverse[1], w.z() * flat.inverse[2]);
-    V3 n = lens_.turned(true_weights.x() * t.normal[0] + true_weights.y() * t.normal[1] + true_weights.z() * t.normal[2]);
+    V3 n =
+        lens_.turned(true_weights.x() * t.normal[0] + true_weights.y() * t.normal[1] + true_weights.z() * t.normal[2]);
     n.normalize();
     return n.z() < 0 ? V3(-n) : n;
   }

@@ -28,7 +28,8 @@ ViewField find_field(const ViewSource& source, const std::string& name) {
   throw FileError("this run has no field '" + name + "'; it has " + known);
 }
 
-void add_mesh(const ViewMesh& mesh, const BodyRecord& b, double scale, const Rgb& colour, float opacity, DrawnScene& out) {
+void add_mesh(const ViewMesh& mesh, const BodyRecord& b, double scale, const Rgb& colour, float opacity,
+              DrawnScene& out) {
   const Eigen::Matrix3f turn = b.pose.orientation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f place = b.pose.position.cast<float>();
   const auto size = static_cast<float>(scale);
@@ -89,7 +90,8 @@ Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
 Image RunPainter::paint(std::size_t k) {
   const ViewFrame frame = source_.frame(k);
   const std::vector<float> values = field_values(field_.name, frame, source_.about());
-  const bool some_free = std::any_of(frame.bodies.begin(), frame.bodies.end(), [](const BodyRecord& b) { return !b.is_wall(); });
+  const bool some_free =
+      std::any_of(frame.bodies.begin(), frame.bodies.end(), [](const BodyRecord& b) { return !b.is_wall(); });
   DrawnScene scene;
   for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
     const BodyRecord& b = frame.bodies[row];
@@ -116,7 +118,9 @@ void RunPainter::label(Image& image, double time) const {
   draw_text(image, left, 1.7 * size, source_.title(), 1.25 * size, ink);
   draw_text(image, left, 3.1 * size, "t = " + short_number(time) + " s", size, ink);
   if (field_.kind == ViewField::Kind::category) return;
-  const std::string unit = options_.contacts ? "contact force [N]" : field_.unit.empty() ? field_.label : field_.label + " [" + field_.unit + "]";
+  const std::string unit = options_.contacts     ? "contact force [N]"
+                           : field_.unit.empty() ? field_.label
+                                                 : field_.label + " [" + field_.unit + "]";
   const std::array<double, 2> range = options_.contacts ? std::array<double, 2>{0, overview_.strongest} : range_;
   const int width = static_cast<int>(13 * size), height = static_cast<int>(0.8 * size);
   const int x = static_cast<int>(left), y = image.height - static_cast<int>(2.6 * size);

@@ -1,5 +1,5 @@
-/// @file render_run.h  Pictures and films of a run without a display: the page's camera, colours and shapes, with colour
-/// bar, time and title. Films are coded by ffmpeg, which runs as a program.
+/// @file render_run.h  Pictures and films of a run without a display: the page's camera, colours and shapes, with
+/// colour bar, time and title. Films are coded by ffmpeg, which runs as a program.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -11,10 +11,10 @@
 namespace epafi {
 
 struct RenderOptions {
-  std::string camera, field;      ///< "": the scene's choice
+  std::string camera, field;  ///< "": the scene's choice
   int width = 1280, height = 720;
-  bool contacts = false;          ///< as ribbons, bodies pale
-  bool labels = true;             ///< title, time, colour bar
+  bool contacts = false;  ///< as ribbons, bodies pale
+  bool labels = true;     ///< title, time, colour bar
 };
 
 class RunPainter {

@@ -2,8 +2,8 @@
 #include <map>
 
 #include "engine/error.h"
-#include "viz_export/view/page.h"
 #include "viz_export/view/pack.h"
+#include "viz_export/view/page.h"
 #include "viz_export/view/server.h"
 
 namespace epafi {

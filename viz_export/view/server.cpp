@@ -53,12 +53,18 @@ std::string header_of(const std::string& request, const std::string& name) {
 
 const char* reason(int status) {
   switch (status) {
-    case 200: return "OK";
-    case 400: return "Bad Request";
-    case 403: return "Forbidden";
-    case 404: return "Not Found";
-    case 405: return "Method Not Allowed";
-    default: return "Service Unavailable";
+    case 200:
+      return "OK";
+    case 400:
+      return "Bad Request";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    default:
+      return "Service Unavailable";
   }
 }
 
@@ -91,12 +97,12 @@ LocalServer::LocalServer(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STRE
   setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   socklen_t size = sizeof place;
   const bool ready = socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&place), size) == 0 &&
-                     listen(socket_, 16) == 0 &&
-                     getsockname(socket_, reinterpret_cast<sockaddr*>(&place), &size) == 0;
+                     listen(socket_, 16) == 0 && getsockname(socket_, reinterpret_cast<sockaddr*>(&place), &size) == 0;
   if (!ready) {
     const std::string cause = std::strerror(errno);
     if (socket_ >= 0) close(socket_);
-    throw FileError(fmt::format("cannot listen on 127.0.0.1:{}: {}; choose another with --port, 0 takes a free one", port, cause));
+    throw FileError(
+        fmt::format("cannot listen on 127.0.0.1:{}: {}; choose another with --port, 0 takes a free one", port, cause));
   }
   port_ = ntohs(place.sin_port);
 }
@@ -112,9 +118,10 @@ void LocalServer::serve(const std::function<HttpAnswer(const std::string&)>& ans
     const int connection = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
     if (connection < 0) continue;
     const HttpAnswer a = answer_to(read_request(connection), port_, answer);
-    send_all(connection, fmt::format("HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
-                                     "X-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n",
-                                     a.status, reason(a.status), a.type, a.body.size()));
+    send_all(connection,
+             fmt::format("HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
+                         "X-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n",
+                         a.status, reason(a.status), a.type, a.body.size()));
     send_all(connection, a.body);
     shutdown(connection, SHUT_WR);
     close(connection);

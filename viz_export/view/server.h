@@ -1,5 +1,6 @@
-/// @file server.h  Gives the page and a run's data to the browsers of this machine: HTTP 1.1 on 127.0.0.1, GET only, one
-/// answer per connection. Requests that name another host are refused, so that no page from elsewhere can read a run.
+/// @file server.h  Gives the page and a run's data to the browsers of this machine: HTTP 1.1 on 127.0.0.1, GET only,
+/// one answer per connection. Requests that name another host are refused, so that no page from elsewhere can read a
+/// run.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -24,7 +25,8 @@ class LocalServer {
   LocalServer& operator=(const LocalServer&) = delete;
   std::uint16_t port() const { return port_; }
   std::string address() const;
-  /// Answers until `stop` says so (asked four times a second). answer(path) may throw FileError: then 503 with its text.
+  /// Answers until `stop` says so (asked four times a second). answer(path) may throw FileError: then 503 with its
+  /// text.
   void serve(const std::function<HttpAnswer(const std::string& path)>& answer, const std::function<bool()>& stop) const;
 
  private:

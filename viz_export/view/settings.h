@@ -1,5 +1,5 @@
-/// @file settings.h  What a run says of itself to those who draw it: names of bodies and materials, springs, and how its
-/// scene wants to be looked at. Kept as a text of one line per entry in run.h5 ("about"); older runs have none.
+/// @file settings.h  What a run says of itself to those who draw it: names of bodies and materials, springs, and how
+/// its scene wants to be looked at. Kept as a text of one line per entry in run.h5 ("about"); older runs have none.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -16,8 +16,8 @@ struct ViewSettings {
   std::string preset;            ///< one of camera_presets(); "" where `from` and `to` are given, or nothing is
   std::optional<Vec3> from, to;  ///< eye and the point it looks at [m]
   Vec3 up = Vec3::UnitZ();
-  double angle = 30.0;  ///< of the picture's height, in degrees, in (0, 170)
-  std::string field;    ///< name of a field, "" for the default
+  double angle = 30.0;                         ///< of the picture's height, in degrees, in (0, 170)
+  std::string field;                           ///< name of a field, "" for the default
   std::optional<std::array<double, 2>> range;  ///< of the colours, in units of the field
 };
 
