@@ -38,7 +38,7 @@
 namespace epafi {
 
 struct NonsmoothSetup {
-  std::string solver = "pgs";
+  std::string solver = "adaptive";
   Parameters parameters;  ///< fields of the solver's entry (solvers/solver.h); absent ones take their defaults
   MaterialTable materials;
 };
