@@ -13,6 +13,7 @@ class ContactLayer : public ContactModel {
   const char* name() const override { return below_->name(); }
   void reorder(const Reordering& change) override { below_->reorder(change); }
   void visit(StateVisitor& visitor) override { below_->visit(visitor); }
+  void store(const World& world, StepReport& report) override { below_->store(world, report); }
   void publish(const World& world, ContactSet& contacts) const override { below_->publish(world, contacts); }
   std::size_t own_parts() const override { return below_->own_parts(); }
   std::size_t own_count(std::size_t part) const override { return below_->own_count(part); }

@@ -45,6 +45,12 @@ struct RunOn {
   bool bounded = true;  ///< it will ask where they are in the next one, not only whether somewhere
 };
 
+/// Impulses that act within a step beside gravity, external forces and contacts: those of springs. By slot.
+struct Pushes {
+  std::vector<Vec3> linear;   ///< [N s]
+  std::vector<Vec3> angular;  ///< world axes [N m s]; empty in worlds without rotation
+};
+
 /// What a stage that acts needs to know about the step.
 struct StepClock {
   double dt = 0.0;  ///< [s]
@@ -55,6 +61,7 @@ struct StepClock {
   /// left as they are.
   std::vector<std::uint8_t>* touched = nullptr;
   const RunOn* run_on = nullptr;  ///< where it is given, the next step has the same dt
+  const Pushes* pushes = nullptr;  ///< where given, a model that changes velocities adds them as it adds gravity
 };
 
 /// Finds the pairs of bodies that may touch.
@@ -76,6 +83,8 @@ class NarrowPhase : public StepStage {
 class ContactModel : public StepStage {
  public:
   virtual void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) = 0;
+  /// Adds the energy stored in the present positions to report.elastic, where no forces are evaluated at the start.
+  virtual void store(const World&, StepReport& /*report*/) {}
   /// Runs the first half of clock.scheme, and in `act` its second, along with its own passes over the bodies: what it
   /// reads or has written is in cache then. False: it does neither.
   virtual bool move(World&, const StepClock&) { return false; }

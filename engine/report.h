@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "engine/shared_out.h"
@@ -15,6 +16,19 @@ struct SolverReport {
   bool converged = true;
   int iterations = 0;
   double residual = 0.0;
+};
+
+/// What a problem of a step lacks, where its solver cannot help it.
+struct SolverTrouble {
+  enum class Kind {
+    none,
+    no_solution,    ///< contacts demand of bodies what no motion gives: squeezed between driven walls
+    beyond_measure  ///< impulses so large that rounding is more than every velocity
+  };
+  Kind kind = Kind::none;
+  std::string text;       ///< why, with numbers
+  double size = 0.0;      ///< how fast the contacts close that cannot [m/s], or the largest impulse [N s]
+  std::uint32_t slot = 0; ///< of a body it is about
 };
 
 enum class Stage { integrate, broad_phase, narrow_phase, contact, output };
@@ -70,6 +84,7 @@ struct StepReport {
   double deepest_relative = 0.0;  ///< of contacts that a model finds itself, over the smaller radius of the pair
   bool has_solver = false;
   SolverReport solver;
+  SolverTrouble trouble;
   StageSeconds seconds;  ///< summed over all steps so far
 };
 

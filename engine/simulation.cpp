@@ -42,7 +42,10 @@ std::string suspect_of(const World& world, const ContactSet& contacts, Slot slot
 void Simulation::start() {
   sort_bodies();
   count_movable();
-  if (pipeline.scheme->needs_initial_forces()) evaluate_forces(world, pipeline, work);
+  if (pipeline.scheme->needs_initial_forces())
+    evaluate_forces(world, pipeline, work);
+  else
+    pipeline.contact_model->store(world, work.report);
   ledger.start(world, work.report);
   observe(false);
   static_cast<void>(look_at_step());  // a single look ends no run
@@ -140,9 +143,13 @@ void Simulation::take_out() {
 }
 
 /// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again over no time, which
-/// leaves their history as it is; the forces of the step that was done stay.
+/// leaves their history as it is; the forces of the step that was done stay. Impulses store nothing, springs do.
 void Simulation::drop_contacts() {
-  if (!pipeline.scheme->needs_initial_forces()) return;
+  if (!pipeline.scheme->needs_initial_forces()) {
+    work.report.elastic = 0.0;
+    pipeline.contact_model->store(world, work.report);
+    return ledger.take_elastic(work.report);
+  }
   const auto force = world.force, torque = world.torque;
   evaluate_forces(world, pipeline, work);
   world.force = force, world.torque = torque;
@@ -154,6 +161,8 @@ std::optional<Failure> Simulation::watch() {
     return Failure{"non-finite state", steps_, std::nullopt,
                    "the solver's residual became non-finite in step " + std::to_string(steps_) +
                        ": masses, impulses or speeds are beyond what numbers hold"};
+  if (const SolverTrouble& trouble = work.report.trouble; trouble.kind == SolverTrouble::Kind::beyond_measure)
+    return Failure{"state without measure", steps_, world.id[trouble.slot], trouble.text};
   const Extent* seen = pipeline.contact_model->extent();
   if (seen && (is_ahead() ? seen->finite : seen->is_inside(watched()))) return std::nullopt;
   return look_at_strays();

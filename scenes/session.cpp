@@ -162,12 +162,27 @@ void Session::add_observers() {
         std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
 }
 
+namespace {
+const ContactModel& under_layers(const Simulation& sim) {
+  const ContactModel* model = sim.pipeline.contact_model.get();
+  while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
+  return *model;
+}
+}  // namespace
+
+std::string Session::advice() const {
+  if (monitor_->not_converged() == 0) return {};
+  const Simulation& sim = *assembly_->simulation;
+  const std::string would_do = solver_advice(under_layers(sim));
+  return fmt::format("solver {}: {} of {} steps ended above its tolerance, worst residual {:.2g}{}{}",
+                     assembly_->scene.contact.solver.value, monitor_->not_converged(), sim.steps(),
+                     monitor_->residual_max(), would_do.empty() ? "" : "; ", would_do);
+}
+
 /// The contact problem of the step just made, for `epafi solve`: problems/<scene>-i<step>-<contacts>.hdf5.
 void Session::write_contact_problem() const {
   const Simulation& sim = *assembly_->simulation;
-  const ContactModel* model = sim.pipeline.contact_model.get();
-  while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
-  const ContactProblem* problem = last_problem(*model);
+  const ContactProblem* problem = last_problem(under_layers(sim));
   if (problem == nullptr || problem->size() == 0) return;
   const std::string scene = std::filesystem::path(assembly_->scene.file).stem().string();
   std::filesystem::create_directories(folder_ / "problems");
@@ -326,6 +341,7 @@ RunSummary Session::summary() const {
   if (!smooth) {
     s.residual = RunSummary::MaxMean{monitor_->residual_max(), monitor_->residual_mean()};
     s.iterations = RunSummary::MaxMean{monitor_->iterations_max(), monitor_->iterations_mean()};
+    s.unconverged_steps = monitor_->not_converged();
   }
   for (const auto* r : recorders_) s.measures[r->name()] = r->summary();
   for (const auto& c : monitor_->checks()) s.checks[c.name] = {c.value, c.bound, c.ok};

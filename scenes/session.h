@@ -42,6 +42,8 @@ class Session {
   Ending run(const SessionLimits& limits, bool quiet);
   /// Text of the failure or of the violated bound; empty when all is well.
   const std::string& trouble() const { return trouble_; }
+  /// Of a run whose solver stopped above its tolerance: how often, how far, and which solver would do; else empty.
+  std::string advice() const;
   /// What a resumed run has to say of the files it found; empty when nothing.
   const std::string& note() const { return note_; }
   /// A line for each warning of the run, body names written out.

@@ -279,8 +279,8 @@ TimeStep choose_time_step(const Assembly& a) {
   const bool smooth = a.scene.contact.method.value == Method::smooth;
   TimeStep step{a.scene.run.output_interval.value / 10, infinity, "no body can touch another: output_interval / 10"};
   if (s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) step = smooth ? smooth_step(a, s) : nonsmooth_step(a, s);
-  if (const TimeStep railway = railway_step(a); railway.value < infinity && smooth) {
-    const bool only = s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2;
+  if (const TimeStep railway = railway_step(a); railway.value < infinity) {
+    const bool only = smooth && (s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2);
     if (only || railway.value < step.value) step.value = railway.value, step.reason = railway.reason;
     step.limit = std::min(step.limit, railway.limit);
   }

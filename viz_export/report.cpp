@@ -58,6 +58,8 @@ void head(Page& p) {
   p.card(p.number("energy.relative_error", "{:.2g}"), "energy error");
   p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, worst step");
   if (p.summary.number("residual.max")) p.card(p.number("residual.max", "{:.2g}"), "residual, worst step");
+  if (p.summary.number("unconverged_steps").value_or(0.0) > 0.0)
+    p.card(p.number("unconverged_steps", "{:.0f}"), "steps above the solver's tolerance");
   p.html += "</div>";
   if (const std::string failure = p.summary.text("failure"); !failure.empty())
     p.html += "<p class='no'>" + escaped(failure) + "</p>";

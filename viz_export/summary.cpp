@@ -77,6 +77,7 @@ std::string summary_json(const RunSummary& s) {
         .end_object();
   put_max_mean(json, "residual", s.residual);
   put_max_mean(json, "iterations", s.iterations);
+  json.member("unconverged_steps", s.unconverged_steps);
   put_measures(json, s);
   put_checks(json, "checks", s.checks);
   if (!s.accuracy.empty()) put_checks(json, "accuracy", s.accuracy);

@@ -56,6 +56,7 @@ struct RunSummary {
   std::optional<double> momentum_error;
   std::optional<Overlap> overlap;
   std::optional<MaxMean> residual, iterations;                       ///< non-smooth contact only
+  std::optional<std::uint64_t> unconverged_steps;  ///< that ended above the solver's tolerance; non-smooth contact only
   std::map<std::string, std::map<std::string, Component>> measures;  ///< by measure, by component
   std::map<std::string, Check> checks;                               ///< of [bounds]
   std::map<std::string, Check> accuracy;                             ///< of [accuracy]; absent where the scene asks for none

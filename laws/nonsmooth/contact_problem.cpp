@@ -48,7 +48,7 @@ Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
 
 }  // namespace
 
-void ContactProblem::load_bodies(const World& world, double dt) {
+void ContactProblem::load_bodies(const World& world, double dt, const Pushes* pushes) {
   rotates = world.rotates();
   const std::size_t n = world.size();
   parallel_copy(world.inverse_mass, inverse_mass);
@@ -56,8 +56,10 @@ void ContactProblem::load_bodies(const World& world, double dt) {
   parallel_for(n, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     free.linear[k] = world.velocity[k] + dt * world.free_acceleration(s);
+    if (pushes) free.linear[k] += world.inverse_mass[k] * pushes->linear[k];
     if (!rotates) return;
     free.angular[k] = world.angular_velocity[k];
+    if (pushes && world.is_movable(s)) free.angular[k] += world.apply_inverse_inertia(s, pushes->angular[k]);
     const Vec3 j = world.inverse_inertia_of(s);
     if (j.x() == j.y() && j.y() == j.z()) {  // spheres, cubes and fixed bodies: the axes do not matter
       inverse_inertia[k] = j.x() * Mat3::Identity();
@@ -91,6 +93,16 @@ void ContactProblem::load_diagonal() {
     else
       diagonal[i].setZero();
   });
+}
+
+Mat3 ContactProblem::diagonal_of(std::size_t i) const { return diagonal_block(*this, i); }
+
+void ContactProblem::push(BodyVelocities& v, std::size_t i, const Vec3& r) const {
+  const Vec3 p = to_world(i, r);
+  v.linear[a[i]] -= inverse_mass[a[i]] * p, v.linear[b[i]] += inverse_mass[b[i]] * p;
+  if (!rotates) return;
+  v.angular[a[i]] -= inverse_inertia[a[i]] * arm_a[i].cross(p);
+  v.angular[b[i]] += inverse_inertia[b[i]] * arm_b[i].cross(p);
 }
 
 ContactProblem::BodyImpulse ContactProblem::impulse_on(Slot s, const Impulses& r) const {

@@ -9,6 +9,7 @@
 #include "engine/contacts.h"
 #include "engine/frame.h"
 #include "engine/incidence.h"
+#include "engine/pipeline.h"
 #include "laws/nonsmooth/coloring.h"
 #include "laws/nonsmooth/lane_groups.h"
 
@@ -45,12 +46,16 @@ struct ContactProblem {
   std::size_t size() const { return a.size(); }
   bool is_free(Slot s) const { return inverse_mass[s] > 0.0; }
 
-  /// Bodies with v_free = v + dt * acceleration by everything but contact.
-  void load_bodies(const World& world, double dt);
+  /// Bodies with v_free = v + dt * acceleration by everything but contact, and pushes where there are any.
+  void load_bodies(const World& world, double dt, const Pushes* pushes = nullptr);
   /// Geometry of the contacts and their mobilities; sets friction and offset to 0. Needs the bodies.
   void load_contacts(const World& world, const ContactSet& contacts);
   /// What solvers need beside: a step that starts with its solution has none (a tenth of it for a pyramid at rest).
   void load_diagonal();
+  /// W_ii of one contact [1/kg], loaded or not.
+  Mat3 diagonal_of(std::size_t i) const;
+  /// v += M^-1 H_i r: an impulse at one contact.
+  void push(BodyVelocities& v, std::size_t i, const Vec3& r) const;
   /// Takes a contact out: no impulse acts there.
   void leave_out(std::size_t i) {
     mobility[i] = 0.0;

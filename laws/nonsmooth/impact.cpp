@@ -3,6 +3,7 @@
 #include <queue>
 
 #include "engine/parallel.h"
+#include "laws/nonsmooth/energetic_impact.h"
 #include "laws/nonsmooth/solvers/nsgs.h"
 
 namespace epafi {
@@ -16,9 +17,10 @@ constexpr int most_sweeps = 2000;
 }  // namespace
 
 ImpactLaw impact_law(const Parameters& parameters) {
-  const std::string name = parameters.has("impact") ? parameters.text("impact") : "newton";
+  const std::string name = parameters.has("impact") ? parameters.text("impact") : "energetic";
+  if (name == "newton") return ImpactLaw::newton;
   if (name == "poisson") return ImpactLaw::poisson;
-  return name == "sequential" ? ImpactLaw::sequential : ImpactLaw::newton;
+  return name == "sequential" ? ImpactLaw::sequential : ImpactLaw::energetic;
 }
 
 /// Approaches at the middle, and whether there is an impact.
@@ -39,16 +41,6 @@ bool Impacts::find(const ContactProblem& problem, const Step& step) {
   }
   threshold_ = std::max(step.threshold, rounding * fastest_);
   return any && fastest_ > threshold_;
-}
-
-/// v += M^-1 H_i r.
-void Impacts::push(BodyVelocities& v, std::size_t i, const Vec3& r) const {
-  const Vec3 p = impact_.to_world(i, r);
-  const Slot a = impact_.a[i], b = impact_.b[i];
-  v.linear[a] -= impact_.inverse_mass[a] * p, v.linear[b] += impact_.inverse_mass[b] * p;
-  if (!impact_.rotates) return;
-  v.angular[a] -= impact_.inverse_inertia[a] * impact_.arm_a[i].cross(p);
-  v.angular[b] += impact_.inverse_inertia[b] * impact_.arm_b[i].cross(p);
 }
 
 void Impacts::poisson(const Step& step, ContactSolver& solver) {
@@ -73,7 +65,7 @@ void Impacts::expand(const Step& step) {
   for (std::size_t i = 0; i < n; ++i) {
     e[i].x() = step.restitution[i] * r_c_[i].x();
     total += e[i].squaredNorm();
-    push(v, i, e[i]);
+    impact_.push(v, i, e[i]);
   }
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
     double change = 0.0;
@@ -87,7 +79,7 @@ void Impacts::expand(const Step& step) {
       const double mu = impact_.friction[i];
       const Vec3 next =
           project_disk({normal, e[i].y() - slip.y() / largest, e[i].z() - slip.z() / largest}, mu * normal);
-      push(v, i, next - e[i]);
+      impact_.push(v, i, next - e[i]);
       change += (next - e[i]).squaredNorm();
       e[i] = next;
     }
@@ -128,8 +120,8 @@ void Impacts::sequential(const Step& step) {
     Vec3 q = impact_.relative_velocity(i, v);
     q.x() = (1.0 + step.restitution[i]) * (q.x() - gravity(i) * event.time);
     const Vec3 r = NsgsRule::solve(NsgsRule::pack(impact_.diagonal[i]), impact_.friction[i], q);
-    push(v, i, r);
-    push(shift_, i, -event.time * r);
+    impact_.push(v, i, r);
+    impact_.push(shift_, i, -event.time * r);
     r_[i] += r, ++done;
     for (const Slot s : {impact_.a[i], impact_.b[i]}) {
       if (!impact_.is_free(s)) continue;
@@ -147,6 +139,48 @@ void Impacts::sequential(const Step& step) {
   for (; !queue.empty(); queue.pop()) left_ += queue.top().stamp == stamp[queue.top().contact];
 }
 
+/// No other contact of the free bodies of contact i closes in this step.
+bool Impacts::is_single(const ContactProblem& problem, std::size_t i, const Step& step) const {
+  bool single = true;
+  for (const Slot s : {problem.a[i], problem.b[i]}) {
+    if (!problem.is_free(s)) continue;
+    problem.incidence.for_each(s, [&](std::uint32_t k, double) {
+      if (k == i || problem.mobility[k] <= 0.0) return;
+      const double approach = -problem.relative_velocity(k, problem.free).x();
+      if (step.gap[k] <= 0.0 || step.gap[k] < step.dt * approach) single = false;
+    });
+  }
+  return single;
+}
+
+bool Impacts::strike_single(ContactProblem& problem, const Step& step, ImpactBalance& balance) {
+  struct Strike {
+    std::size_t contact;
+    Vec3 impulse;
+  };
+  std::vector<Strike> strikes;
+  for (std::size_t i = 0; i < problem.size(); ++i) {
+    const Bounce& bounce = balance.bounce(i);
+    if (bounce.middle <= 0.0 || !problem.rotates || !(problem.friction[i] > 0.0)) continue;
+    const Mat3 w = problem.diagonal_of(i);
+    if (!is_eccentric(w, problem.friction[i]) || !is_single(problem, i, step)) continue;
+    const Vec3 middle =
+        0.5 * (problem.relative_velocity(i, step.before) + problem.relative_velocity(i, problem.free));
+    strikes.push_back({i, energetic_impulse(w, problem.friction[i], bounce.restitution, middle)});
+  }
+  if (strikes.empty()) return false;
+  r_.assign(problem.size(), Vec3::Zero());
+  for (const Strike& strike : strikes) {
+    const std::size_t i = strike.contact;
+    problem.push(problem.free, i, strike.impulse);
+    problem.offset[i] = std::max(0.0, step.gap[i] / step.dt);
+    balance.drop(i);
+    r_[i] = strike.impulse;
+  }
+  events_ += strikes.size();
+  return true;
+}
+
 bool Impacts::apply(ContactProblem& problem, const Step& step, ContactSolver& solver) {
   if (!find(problem, step)) return false;
   impact_ = problem;
@@ -162,7 +196,7 @@ bool Impacts::apply(ContactProblem& problem, const Step& step, ContactSolver& so
     poisson(step, solver);
   else
     sequential(step);
-  for (std::size_t i = 0; i < problem.size(); ++i) push(problem.free, i, r_[i]);
+  for (std::size_t i = 0; i < problem.size(); ++i) impact_.push(problem.free, i, r_[i]);
   return true;
 }
 

@@ -1,16 +1,22 @@
-/// @file impact.h  Impact laws other than Newton's (nonsmooth_contact.h), chosen by `impact`. Both act once, at the
-/// middle of a step in which some contact closes faster than the threshold (and any has e > 0), on the velocities v_k +
-/// a dt/2; the other half of gravity and all lasting contact follow in the problem of the step, without restitution.
+/// @file impact.h  Laws of impact, chosen by `impact`. An impact is an approach above the threshold, at the middle of the
+/// step: on the velocities v_k + a dt/2.
 ///
-///   poisson     (Pfeiffer and Glocker 1996, ch. 8) Compression: the contacts that close take the impulses r_c that
-///   stop
+///   energetic   (the default) gains no energy. One contact alone that friction couples to the slip: Stronge's energetic
+///               coefficient (energetic_impact.h), applied before the problem of the step. All others: u_N+ >= -e u_N- in
+///               the problem of the step, e reduced where friction would give energy back (impact_balance.h). Central
+///               impacts of one contact are Newton's.
+///   newton      the same without a look at energy: gains some with friction and rotation (Kane's paradox), where e differs
+///               from contact to contact, and where a contact that opens is struck from elsewhere.
+///
+/// The next two act once in a step in which some contact closes faster than the threshold (and any has e > 0); the other
+/// half of gravity and all lasting contact follow in the problem of the step, without restitution.
+///   poisson     (Pfeiffer and Glocker 1996, ch. 8) Compression: the contacts that close take the impulses r_c that stop
 ///               them. Expansion: each gives back e r_cN along its normal, more only where it would close again, with
 ///               friction |r_T| <= mu r_N: u+ = W r + u_c, 0 <= u+_N orthogonal to r_N - e r_cN >= 0. One contact
 ///               without friction: Newton's law. In chains the shock goes through everything that touches. The
 ///               expansion is solved by sweeps in sequence: accurate where shocks are sparse, slow to converge in tall
-///               stacks.
-///   sequential  one contact at a time in the order of closing within the drift to the next middle (event-driven;
-///   Ivanov
+///               stacks. Gains energy as Newton's does.
+///   sequential  one contact at a time in the order of closing within the drift to the next middle (event-driven; Ivanov
 ///               1995): u_N+ = -e u_N-, friction on the exact cone, then the velocities of its neighbours are new.
 ///               Impacts are located: with gravity until then in u_N-, and a body struck at time t after the middle is
 ///               put where it would be, -t dv from where the step takes it: a ball falling freely bounces exactly, at any
@@ -19,24 +25,25 @@
 ///               Newton's cradle sends the last ball off; Galperin's billiard counts pi. Ties go by contact order, so
 ///               that a ball that strikes two touching ones at once is not treated symmetrically. With e < 1 chains of
 ///               ever smaller impacts end at the threshold; those left after `most_events` per contact are stopped
-///               without rebound and counted in `left`.
-/// Energy: the sequential law gains none without friction; with friction a single impact can, as Newton's (Kane's
-/// paradox).
+///               without rebound and counted in `left`. Gains energy with friction and rotation as Newton's does, and
+///               O(dt) by putting bodies that turn where they would be.
 #pragma once
 #include <string>
 
+#include "laws/nonsmooth/impact_balance.h"
 #include "laws/nonsmooth/solvers/solver.h"
 
 namespace epafi {
 
-enum class ImpactLaw { newton, poisson, sequential };
-/// Of the parameter `impact`, newton if it is absent.
+enum class ImpactLaw { energetic, newton, poisson, sequential };
+/// Of the parameter `impact`, energetic if it is absent.
 ImpactLaw impact_law(const Parameters& parameters);
 
 class Impacts {
  public:
   explicit Impacts(ImpactLaw law) : law_(law) {}
-  bool separate() const { return law_ != ImpactLaw::newton; }
+  ImpactLaw law() const { return law_; }
+  bool separate() const { return law_ == ImpactLaw::poisson || law_ == ImpactLaw::sequential; }
 
   /// What the impacts see of a step.
   struct Step {
@@ -48,6 +55,10 @@ class Impacts {
   };
   /// Adds the impulses of the impacts to problem.free. False, and nothing done, in a step without impact.
   bool apply(ContactProblem& problem, const Step& step, ContactSolver& solver);
+
+  /// Law `energetic`: strikes the contacts alone, adds their impulses to problem.free and takes their bounce out of the
+  /// problem and of `balance`. False where there is none.
+  bool strike_single(ContactProblem& problem, const Step& step, ImpactBalance& balance);
 
   const Impulses& impulses() const { return r_; }
   /// What takes the bodies to where impacts at their own times have them at the next detection [m], [rad].
@@ -62,7 +73,7 @@ class Impacts {
   void poisson(const Step& step, ContactSolver& solver);
   void expand(const Step& step);
   void sequential(const Step& step);
-  void push(BodyVelocities& v, std::size_t i, const Vec3& r) const;
+  bool is_single(const ContactProblem& problem, std::size_t i, const Step& step) const;
 
   ImpactLaw law_;
   ContactProblem impact_;  ///< of the middle of the step; contacts that stay open have W_ii = 0

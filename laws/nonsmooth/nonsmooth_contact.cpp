@@ -1,13 +1,17 @@
 #include "laws/nonsmooth/nonsmooth_contact.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "engine/error.h"
 #include "engine/parallel_order.h"
 #include "laws/nonsmooth/displacement.h"
+#include "laws/nonsmooth/driven_motion.h"
 #include "laws/nonsmooth/impact.h"
+#include "laws/nonsmooth/no_solution.h"
 #include "laws/nonsmooth/position_correction.h"
 #include "laws/nonsmooth/residual.h"
+#include "laws/nonsmooth/solvers/advice.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/warm_start.h"
 
@@ -18,7 +22,14 @@ namespace {
 constexpr double impact_threshold = 2.0;  // of |g| dt, see the header
 constexpr double calm_from = 0.01;        // of the tolerance: pyramids of 20 to 70 rows come to rest without iterations
 constexpr double creep = 1e-3;            // of the threshold
+constexpr double unit_rounding = 2.2e-16;
+constexpr std::size_t most_kept = 20'000;  // contacts of a step that is kept in blocks: 1 kB each
 constexpr double touching_share = 1e-9;   // a gap that closes in this share of the step is none
+
+bool bounces(const MaterialTable& materials) {
+  return std::any_of(materials.pairs.begin(), materials.pairs.end(),
+                     [](const MaterialPair& pair) { return pair.restitution > 0.0; });
+}
 
 class NonsmoothContact final : public ContactModel {
  public:
@@ -28,6 +39,7 @@ class NonsmoothContact final : public ContactModel {
         solver_(solver.make(setup.parameters)),
         tolerance_(setup.parameters.number_or("tolerance", 1e-6)),
         impacts_(impact_law(setup.parameters)),
+        balances_(impacts_.law() == ImpactLaw::energetic && bounces(setup.materials)),
         warm_start_(!setup.parameters.has("warm_start") || setup.parameters.boolean("warm_start")),
         correction_({.share = setup.parameters.number_or("correction", CorrectionSettings{}.share),
                      .slop = setup.parameters.number_or("slop", CorrectionSettings{}.slop)}) {}
@@ -35,19 +47,27 @@ class NonsmoothContact final : public ContactModel {
   const char* name() const override { return name_.c_str(); }
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
   void reorder(const Reordering& change) override { memory_.reorder(change), solver_->forget(); }
-  void visit(StateVisitor& visitor) override { memory_.visit(visitor), solver_->visit(visitor); }
+  void visit(StateVisitor& visitor) override {
+    memory_.visit(visitor), driven_.visit(visitor);
+    visitor.value("nonsmooth/unconverged", unconverged_);
+    solver_->visit(visitor);
+  }
   const ContactProblem& problem() const { return problem_; }
   const Impacts& impacts() const { return impacts_; }
+  std::string advice() const { return blocks_.size() > 0 ? solver_that_would_do(blocks_, tolerance_) : std::string(); }
 
  private:
-  void load(const World& world, const ContactSet& contacts, double dt);
+  void load(const World& world, const ContactSet& contacts, const StepClock& clock);
   void start(const World& world, const ContactSet& contacts, double dt);
   SolverReport solve(const World& world, const ContactSet& contacts, double dt);
   bool release_induced(const World& world, const ContactSet& contacts, double dt);
+  void balance(const ContactSet& contacts, double dt, const std::function<void()>& solve);
   void account(const World& world, ContactSet& contacts, double dt, StepReport& report) const;
+  Vec3 driven_change(std::size_t i) const;
+  SolverTrouble look_for_trouble(const SolverReport& report);
   void foresee(const ContactSet& contacts, double dt);
   void add_impacts();
-  void write_back(World& world) const;
+  void write_back(World& world, const Pushes* pushes) const;
   const Impulses& calmest(double creep);
   double foreseen_residual(const Impulses& r, const BodyVelocities* v);
 
@@ -56,6 +76,8 @@ class NonsmoothContact final : public ContactModel {
   std::unique_ptr<ContactSolver> solver_;
   double tolerance_;
   Impacts impacts_;
+  bool balances_;  ///< impacts are to gain no energy
+  ImpactBalance balance_;
   bool warm_start_;
   PositionCorrection correction_;
 
@@ -70,15 +92,20 @@ class NonsmoothContact final : public ContactModel {
   std::vector<Vec3> moments_;  ///< of r_ on the bodies
   UnwrittenStream<double> next_gap_, restitution_;
   WarmStart memory_;
+  DrivenMotion driven_;
+  ConeProblem blocks_;             ///< of a step that was not solved
+  std::uint64_t unconverged_ = 0;  ///< steps so far
 };
 
 /// Sets up the problem of this step and u_k, the velocities before it.
-void NonsmoothContact::load(const World& world, const ContactSet& contacts, double dt) {
-  problem_.load_bodies(world, dt);
+void NonsmoothContact::load(const World& world, const ContactSet& contacts, const StepClock& clock) {
+  const double dt = clock.dt;
+  problem_.load_bodies(world, dt, clock.pushes);
   problem_.load_contacts(world, contacts);
   parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
   renew(u_before_, contacts.size()), renew(restitution_, contacts.size());
   const double threshold = impact_threshold * world.gravity.norm() * dt;
+  if (balances_) balance_.begin(contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
     const Slot a = contacts.a[i], b = contacts.b[i];
     const MaterialPair& pair = materials_.of(world.material[a], world.material[b]);
@@ -87,14 +114,25 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, doub
     problem_.offset[i] = std::max(0.0, gap / dt);
     u_before_[i] = problem_.relative_velocity(i, before_);
     const double approach = -u_before_[i].x();
+    if (balances_ && -approach <= threshold)  // see the header: Energy
+      problem_.offset[i] = std::max(problem_.offset[i], std::min(-approach, gap / dt + threshold));
     restitution_[i] = pair.restitution;
     if (impacts_.separate() || pair.restitution <= 0.0 || approach <= threshold) return;
     const double free_approach = -problem_.relative_velocity(i, problem_.free).x();
     if (gap > 0.0 && gap >= dt * free_approach) return;
     const double middle = 0.5 * (approach + free_approach);  // impact speed at the middle of the step
-    const double rebound = pair.restitution * middle - 0.5 * (free_approach - approach);
-    problem_.offset[i] = -std::max(0.0, rebound);
+    const double half = 0.5 * (free_approach - approach);
+    problem_.offset[i] = -std::max(0.0, pair.restitution * middle - half);
+    if (balances_) balance_.note(i, {middle, half, pair.restitution});
   });
+}
+
+/// What driven bodies changed of the slip of contact i since the last step, in its frame.
+Vec3 NonsmoothContact::driven_change(std::size_t i) const {
+  const Slot a = problem_.a[i], b = problem_.b[i];
+  Vec3 change = driven_.change(b, problem_.arm_b[i]) - driven_.change(a, problem_.arm_a[i]);
+  change = problem_.to_frame(i, change);
+  return {0.0, change.y(), change.z()};
 }
 
 /// r = impulses of the last step. Always, even after an impact: taking r = 0 where that has the smaller residual chose
@@ -105,9 +143,11 @@ void NonsmoothContact::start(const World& world, const ContactSet& contacts, dou
   memory_.recall(world, contacts, problem_, r_);
   if (!memory_.same()) solver_->forget();
   if (problem_.rotates) parallel_fill(problem_.lag, contacts.size(), Vec3(Vec3::Zero()));
+  driven_.look(world);
   parallel_for(contacts.size(), [&](std::size_t i) {  // rolling, see the header
     if (const auto slip = memory_.slip(i); slip && problem_.rotates && problem_.friction[i] > 0.0) {
-      const Vec3 now(0.0, u_before_[i].y(), u_before_[i].z());
+      Vec3 now(0.0, u_before_[i].y(), u_before_[i].z());
+      if (driven_.changed()) now -= driven_change(i);
       Vec3 turned =
           now - problem_.to_frame(i, *slip);  // by the geometry alone: the velocities are those of the last step
       turned.x() = 0.0;
@@ -116,6 +156,7 @@ void NonsmoothContact::start(const World& world, const ContactSet& contacts, dou
     }
     if (contacts.gap[i] >= 0.0 || problem_.offset[i] < 0.0) return;
     const double missed = memory_.foreseen(i) - contacts.gap[i], approach = -u_before_[i].x();
+    if (balances_ && approach <= 0.0) return;
     problem_.offset[i] = -std::clamp(missed / dt, 0.0, std::max(0.0, approach));
   });
 }
@@ -155,6 +196,7 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
   };
   if (solved_) solve();
   for (int pass = 0; pass < 3 && release_induced(world, contacts, dt); ++pass) solve(), solved_ = true;
+  if (balances_ && balance_.any()) balance(contacts, dt, solve), solved_ = true;
   if (solved_) {
     foresee(contacts, dt);
     free_motion_ = measure_free_motion(problem_);  // without the contacts that were released
@@ -162,6 +204,18 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
   }
   report.converged = report.residual <= tolerance_;
   return report;
+}
+
+/// Solves again while the impacts of some island give energy back by friction.
+void NonsmoothContact::balance(const ContactSet& contacts, double dt, const std::function<void()>& solve) {
+  const ImpactBalance::Solved solved{problem_, r_, u_before_, u_after_};
+  foresee(contacts, dt);
+  balance_.find_islands(solved);
+  while (balance_.tighten(solved, tolerance_, problem_)) {
+    solve();
+    foresee(contacts, dt);
+  }
+  balance_.clip(solved, r_);
 }
 
 /// What the next step starts from: not the solution, which also takes out what earlier steps left in the velocities,
@@ -240,11 +294,13 @@ void NonsmoothContact::add_impacts() {
   });
 }
 
-void NonsmoothContact::write_back(World& world) const {
+void NonsmoothContact::write_back(World& world, const Pushes* pushes) const {
   parallel_copy(after_.linear, world.velocity);
   parallel_for(world.rotates() ? world.size() : 0, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
-    if (world.is_movable(s) && problem_.incidence.count(s) > 0) world.apply_angular_impulse(s, moments_[k]);
+    if (!world.is_movable(s)) return;
+    if (pushes) world.apply_angular_impulse(s, pushes->angular[k]);
+    if (problem_.incidence.count(s) > 0) world.apply_angular_impulse(s, moments_[k]);
   });
 }
 
@@ -259,27 +315,65 @@ void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
   });
 }
 
+/// Of a step that was not solved. What has no solution is looked for in the 1st, 2nd, 4th, 8th ... of them: it costs as
+/// much as a hundred sweeps.
+SolverTrouble NonsmoothContact::look_for_trouble(const SolverReport& report) {
+  if (report.converged) return {};
+  ++unconverged_;
+  std::size_t largest = 0;
+  const auto moved = [&](std::size_t i) { return problem_.mobility[i] * r_[i].norm(); };
+  for (std::size_t i = 1; i < r_.size(); ++i)
+    if (moved(i) > moved(largest)) largest = i;
+  const bool beyond = !r_.empty() && !(unit_rounding * moved(largest) <= free_motion_.largest);
+  const bool due = (unconverged_ & (unconverged_ - 1)) == 0 && problem_.size() <= most_kept;
+  if (!beyond && !due) return {};
+  problem_.load_diagonal();
+  blocks_.load(problem_);
+  const auto none = find_no_solution(blocks_, u_);
+  if (!beyond && !none) return {};
+  const std::size_t at = none ? none->contacts.front() : largest;
+  SolverTrouble out;
+  out.slot = problem_.is_free(problem_.a[at]) ? problem_.a[at] : problem_.b[at];
+  out.kind = beyond ? SolverTrouble::Kind::beyond_measure : SolverTrouble::Kind::no_solution;
+  out.size = none ? none->closing : r_[largest].norm();
+  char text[200] = "";
+  if (beyond)
+    std::snprintf(text, sizeof text, "impulses of %.3g N s: their rounding is more than all velocities%s",
+                  r_[largest].norm(), none ? "; " : "");
+  out.text = text;
+  if (!none) return out;
+  std::snprintf(text, sizeof text,
+                "the contacts have no solution: %zu of them close with %.4g m/s together, whatever the bodies do",
+                none->contacts.size(), none->closing);
+  out.text += text;
+  return out;
+}
+
 void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
   EPAFI_REQUIRE(clock.dt > 0.0, "non-smooth contact acts over a time step");
-  load(world, contacts, clock.dt);
+  load(world, contacts, clock);
   rho_ = problem_.mean_effective_mass();
   start(world, contacts, clock.dt);
   report.contacts = contacts.size();
   report.has_solver = true;
   report.elastic = 0.0;
+  report.losses = {};
   const double threshold = impact_threshold * world.gravity.norm() * clock.dt;
   if (impacts_.separate()) problem_.load_diagonal();
-  const bool impact = impacts_.separate() &&
-                      impacts_.apply(problem_, {contacts.gap, restitution_, before_, threshold, clock.dt}, *solver_);
+  const Impacts::Step step{contacts.gap, restitution_, before_, threshold, clock.dt};
+  const bool located = impacts_.separate() && impacts_.apply(problem_, step, *solver_);
+  const bool single = balances_ && balance_.any() && impacts_.strike_single(problem_, step, balance_);
   solver_->see(world, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
+  report.trouble = look_for_trouble(report.solver);
   // impacts do not recur: r_ without them
+  if (warm_start_) driven_.remember(world);
   if (warm_start_) memory_.remember(world, contacts, problem_, calmest(creep * threshold), next_gap_, u_after_);
-  if (impact) add_impacts();
+  if (located || single) add_impacts();
   account(world, contacts, clock.dt, report);
-  write_back(world);
+  write_back(world, clock.pushes);
   // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
-  if (impact) report.dissipated -= displace(world, impacts_.displacement());
+  if (located) report.dissipated -= displace(world, impacts_.displacement());
   const BodyVelocities* own = solver_->displacement();
   report.correction = own ? displace(world, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }
@@ -289,6 +383,11 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
 const ContactProblem* last_problem(const ContactModel& model) {
   const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
   return contact != nullptr ? &contact->problem() : nullptr;
+}
+
+std::string solver_advice(const ContactModel& model) {
+  const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
+  return contact != nullptr ? contact->advice() : std::string();
 }
 
 std::uint64_t impact_count(const ContactModel& model) {

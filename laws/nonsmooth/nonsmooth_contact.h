@@ -20,11 +20,13 @@
 /// ball by 1 %, case A22.) Slower approaches do not bounce: one step of gravity is not resolved, and sweeps that stop
 /// early leave velocities of that order in a pile; a resting contact has u_k = 0 and cannot bounce whatever e is. An
 /// open contact bounces in the step in which it would close, at gap > 0: early by less than dt, without overlap, and
-/// without a change of energy if e = 1. Limit: Newton's law can create energy in frictional impacts with rotation
-/// (Kane's paradox, case A21). Other laws of impact: impact.h.
+/// without a change of energy if e = 1. This law alone can create energy in frictional impacts with rotation (Kane's
+/// paradox, case A21): what the default does about it, and other laws of impact, in impact.h.
 ///
 /// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding
-/// but for the drift of rotating unsymmetric bodies.
+/// but for the drift of rotating unsymmetric bodies. A contact that opens slowly and is closed again by gravity within
+/// the step would gain r u_k / 2 if it were stopped at u_N = 0. Where contacts bounce it demands u_N >= -u_k only: it comes
+/// back to where it was a step ago, while that is no deeper than gravity falls in a step.
 #pragma once
 #include <memory>
 #include <string>
@@ -36,7 +38,7 @@
 namespace epafi {
 
 struct NonsmoothSetup {
-  std::string solver = "pgs";
+  std::string solver = "adaptive";
   Parameters parameters;  ///< fields of the solver's entry (solvers/solver.h); absent ones take their defaults
   MaterialTable materials;
 };
@@ -52,6 +54,9 @@ std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup
 
 /// The problem that a non-smooth contact model solved in the last step; null for other models.
 const ContactProblem* last_problem(const ContactModel& model);
+/// For the end of a run in which steps were left above the tolerance: which solver would do. Empty where none was left, or
+/// where the problem was too large to keep.
+std::string solver_advice(const ContactModel& model);
 /// Impacts so far under the law `poisson` or `sequential` (impact.h); 0 for other laws and models.
 std::uint64_t impact_count(const ContactModel& model);
 

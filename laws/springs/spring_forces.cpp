@@ -1,6 +1,10 @@
 #include "laws/springs/spring_forces.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/rotation.h"
 
 namespace epafi {
 namespace {
@@ -19,6 +23,7 @@ class SpringForces final : public ContactLayer {
       : ContactLayer(std::move(below)), springs_(std::move(springs)), way_(std::move(way)), smooth_(smooth) {}
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
+  void store(const World& world, StepReport& report) override;
   void visit(StateVisitor& visitor) override {
     ContactLayer::visit(visitor);
     visitor.column("springs/relaxed", relaxed_), visitor.column("springs/start", start_);
@@ -33,9 +38,10 @@ class SpringForces final : public ContactLayer {
     Vec3 force = Vec3::Zero();
     Vec3 arm = Vec3::Zero(), far_arm = Vec3::Zero();
     Vec3 damper = Vec3::Zero();  ///< part of the force
+    Vec3 rate = Vec3::Zero();    ///< of the stretch, world axes [m/s]
     FarEnd far;
   };
-  void attach(const World& world, const StepClock& clock);
+  void attach(const World& world, double time);
   /// Both its bodies are there still.
   bool holds(const World& world, std::size_t k) const {
     return world.slot_of(springs_[k].body) != no_slot && (!springs_[k].to || world.slot_of(*springs_[k].to) != no_slot);
@@ -47,7 +53,11 @@ class SpringForces final : public ContactLayer {
   FarEnd far_end(const World& world, std::size_t k, const Vec3& near, const StepClock& clock) const;
   Pull pull(const World& world, std::size_t k, const StepClock& clock, Power& power) const;
   void push_smooth(World& world, std::size_t k, const Pull& p) const;
-  void push_rigid(World& world, std::size_t k, const Pull& p, double dt) const;
+  void act_smooth(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report);
+  void act_rigid(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report);
+  void push_rigid(const World& world, std::size_t k, const Pull& p, double dt);
+  Vec3 rate_now(const World& world, std::size_t k, const Pull& p) const;
+  double stored(const World& world, std::size_t k, double ahead) const;
 
   std::vector<SpringElement> springs_;
   std::shared_ptr<const Guideway> way_;
@@ -56,12 +66,25 @@ class SpringForces final : public ContactLayer {
   std::vector<double> start_;  ///< distance of the frame along the way at time 0 [m]
   Power power_;
   std::vector<Pull> pulls_;
+  Pushes pushes_;  ///< of a non-smooth step
 };
 
+/// The pose after the body went on for `ahead` [s] as it moves now.
+Pose pose_ahead(const World& world, Slot s, double ahead) {
+  Pose pose = world.pose(s);
+  pose.position += ahead * world.velocity[s];
+  if (world.has_orientation()) pose.orientation = turned(pose.orientation, ahead * world.angular_velocity[s]);
+  return pose;
+}
+
 /// Far ends lie where the near ones are, but for the preload.
-void SpringForces::attach(const World& world, const StepClock& clock) {
-  const double time = moment(world, clock);
-  for (const SpringElement& s : springs_) {
+void SpringForces::attach(const World& world, double time) {
+  for (std::size_t k = 0; k < springs_.size(); ++k) {
+    const SpringElement& s = springs_[k];
+    if (!holds(world, k)) {
+      relaxed_.push_back(Vec3::Zero()), start_.push_back(0.0);
+      continue;
+    }
     const Slot a = world.slot_of(s.body);
     const Vec3 near = world.pose(a).to_world(s.attachment);
     Vec3 stretch = Vec3::Zero();
@@ -100,7 +123,7 @@ SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const S
   const Vec3 stretch = p.far.axes.transpose() * (p.far.point - near),
              rate = p.far.axes.transpose() * (p.far.velocity - m.velocity - m.angular_velocity.cross(p.arm));
   const Vec3 damper = s.damping.cwiseProduct(rate);
-  p.damper = p.far.axes * damper;
+  p.damper = p.far.axes * damper, p.rate = p.far.axes * rate;
   p.force = p.far.axes * s.stiffness.cwiseProduct(stretch) + p.damper;
   if (s.to) p.far_arm = near - world.position[world.slot_of(*s.to)];
   power.elastic += 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
@@ -121,32 +144,89 @@ void SpringForces::push_smooth(World& world, std::size_t k, const Pull& p) const
   if (world.rotates()) world.torque[b] -= p.far_arm.cross(p.force);
 }
 
-void SpringForces::push_rigid(World& world, std::size_t k, const Pull& p, double dt) const {
-  const auto kick = [&](Slot s, const Vec3& impulse, const Vec3& arm) {
+void SpringForces::push_rigid(const World& world, std::size_t k, const Pull& p, double dt) {
+  const auto push = [&](Slot s, const Vec3& impulse, const Vec3& arm) {
     if (!world.is_movable(s)) return;
-    world.velocity[s] += world.inverse_mass[s] * impulse;
-    if (world.rotates()) world.apply_angular_impulse(s, arm.cross(impulse));
+    pushes_.linear[s] += impulse;
+    if (world.rotates()) pushes_.angular[s] += arm.cross(impulse);
   };
-  kick(world.slot_of(springs_[k].body), dt * p.force, p.arm);
-  if (springs_[k].to) kick(world.slot_of(*springs_[k].to), -dt * p.force, p.far_arm);
+  push(world.slot_of(springs_[k].body), dt * p.force, p.arm);
+  if (springs_[k].to) push(world.slot_of(*springs_[k].to), -dt * p.force, p.far_arm);
+}
+
+/// Of the stretch, by the velocities of now at the places of the pull; world axes.
+Vec3 SpringForces::rate_now(const World& world, std::size_t k, const Pull& p) const {
+  const auto at = [&](Slot s, const Vec3& arm) -> Vec3 {
+    return world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
+  };
+  const Vec3 near = at(world.slot_of(springs_[k].body), p.arm);
+  return springs_[k].to ? Vec3(at(world.slot_of(*springs_[k].to), p.far_arm) - near) : Vec3(p.far.velocity - near);
+}
+
+/// k d^2/2 of one spring, `ahead` [s] after the present positions; the frame's time is world.time + 2 ahead, as
+/// positions are those of the middle of the step where ahead is half of it.
+double SpringForces::stored(const World& world, std::size_t k, double ahead) const {
+  const SpringElement& s = springs_[k];
+  const Vec3 near = pose_ahead(world, world.slot_of(s.body), ahead).to_world(s.attachment);
+  const Pose far = s.to ? pose_ahead(world, world.slot_of(*s.to), ahead)
+                        : way_->frame(start_[k] + s.speed * (world.time + 2.0 * ahead));
+  const Vec3 stretch = far.orientation.conjugate() * (far.to_world(relaxed_[k]) - near);
+  return 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
+}
+
+void SpringForces::store(const World& world, StepReport& report) {
+  below_->store(world, report);
+  if (relaxed_.empty()) attach(world, world.time);
+  for (std::size_t k = 0; k < springs_.size(); ++k)
+    if (holds(world, k)) report.elastic += stored(world, k, 0.0);
 }
 
 void SpringForces::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
-  if (relaxed_.empty()) attach(world, clock);
+  if (relaxed_.empty()) attach(world, moment(world, clock));
+  if (smooth_)
+    act_smooth(world, contacts, clock, report);
+  else
+    act_rigid(world, contacts, clock, report);
+}
+
+void SpringForces::act_smooth(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
   Power now;
   pulls_.assign(springs_.size(), {});
   for (std::size_t k = 0; k < springs_.size(); ++k)
     if (holds(world, k)) pulls_[k] = pull(world, k, clock, now);
-  for (std::size_t k = 0; !smooth_ && k < springs_.size(); ++k)
-    if (holds(world, k)) push_rigid(world, k, pulls_[k], clock.dt);
   below_->act(world, contacts, clock, report);
-  for (std::size_t k = 0; smooth_ && k < springs_.size(); ++k)
+  for (std::size_t k = 0; k < springs_.size(); ++k)
     if (holds(world, k)) push_smooth(world, k, pulls_[k]);
   report.elastic += now.elastic;
   report.dissipated += 0.5 * clock.dt * (power_.lost + now.lost);
   report.losses.viscous += 0.5 * clock.dt * (power_.lost + now.lost);
   report.work += 0.5 * clock.dt * (power_.driven + now.driven);
   power_ = now;
+}
+
+/// The impulses change v_k to v_k+1 together with those of contacts: what they do is by the mean of both velocities.
+void SpringForces::act_rigid(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
+  Power unused;
+  pulls_.assign(springs_.size(), {});
+  pushes_.linear.assign(world.size(), Vec3::Zero());
+  pushes_.angular.assign(world.rotates() ? world.size() : 0, Vec3::Zero());
+  for (std::size_t k = 0; k < springs_.size(); ++k) {
+    if (!holds(world, k)) continue;
+    pulls_[k] = pull(world, k, clock, unused);
+    push_rigid(world, k, pulls_[k], clock.dt);
+  }
+  StepClock with_springs = clock;
+  with_springs.pushes = &pushes_;
+  below_->act(world, contacts, with_springs, report);
+  for (std::size_t k = 0; k < springs_.size(); ++k) {
+    if (!holds(world, k)) continue;
+    const Pull& p = pulls_[k];
+    const double lost = 0.5 * clock.dt * p.damper.dot(p.rate + rate_now(world, k, p));
+    report.elastic += stored(world, k, 0.5 * clock.dt);
+    report.dissipated += lost, report.losses.viscous += lost;
+    const bool driven = !springs_[k].to || !world.is_movable(world.slot_of(*springs_[k].to));
+    if (driven) report.work += clock.dt * p.force.dot(p.far.velocity);
+  }
 }
 
 }  // namespace
@@ -157,21 +237,99 @@ std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> spri
   return std::make_unique<SpringForces>(std::move(springs), std::move(way), smooth, std::move(below));
 }
 
-SpringRates spring_rates(const std::vector<SpringElement>& springs, const World& world) {
-  SpringRates most;
-  for (const SpringElement& one : springs) {
-    const Slot s = world.slot_of(one.body);
-    if (s == no_slot || !world.is_movable(s)) continue;
-    SpringRates sum;
-    for (const SpringElement& k : springs) {
-      if (k.body != one.body) continue;
-      const double reach = world.rotates() ? k.attachment.squaredNorm() * world.inverse_inertia_of(s).maxCoeff() : 0.0;
-      const double mobility = std::max(world.inverse_mass[s], reach);
-      sum.square += k.stiffness.maxCoeff() * mobility, sum.damping += k.damping.maxCoeff() * mobility;
+namespace {
+
+/// M^-1/2 of a free body, and where its part of a vector over all free bodies begins.
+struct MassRoot {
+  double linear = 0.0;
+  Mat3 angular = Mat3::Zero();
+};
+
+/// J^T D J of springs in the velocities M^1/2 v, with D their stiffness or damping: symmetric, its largest eigenvalue is
+/// that of M^-1 J^T D J. Positions and axes are those of the moment.
+class SpringOperator {
+ public:
+  SpringOperator(const std::vector<SpringElement>& springs, const World& world, const Guideway& way) : world_(world) {
+    roots_.resize(world.size());
+    for (Slot s = 0; s < world.size(); ++s) load(s);
+    for (const SpringElement& s : springs) {
+      const Slot a = world.slot_of(s.body), b = s.to ? world.slot_of(*s.to) : no_slot;
+      if (a == no_slot || (s.to && b == no_slot)) continue;
+      const Vec3 arm = world.pose(a).orientation * s.attachment, near = world.position[a] + arm;
+      const Quat axes = s.to ? world.pose(b).orientation : way.frame(way.distance_of(near)).orientation;
+      ends_.push_back({a, b, arm, s.to ? Vec3(near - world.position[b]) : Vec3(Vec3::Zero()), axes.toRotationMatrix(),
+                       s.stiffness, s.damping});
     }
-    most.square = std::max(most.square, sum.square), most.damping = std::max(most.damping, sum.damping);
   }
-  return most;
+
+  /// By power iteration: after n steps on vectors of m entries the quotient is below the eigenvalue by log(m)/2n at most.
+  double largest(bool damping) const {
+    constexpr int most_iterations = 300;
+    std::vector<Vec6> x(world_.size(), Vec6::Zero()), y;
+    for (std::size_t k = 0; k < ends_.size(); ++k)
+      for (const Slot s : {ends_[k].a, ends_[k].b})
+        if (s != no_slot) x[s] += Vec6(1.0, 0.83, 0.71, 0.61, 0.53, 0.47) / (1.0 + 0.37 * static_cast<double>(k));
+    double value = 0.0;
+    for (int k = 0; k < most_iterations; ++k) {
+      apply(x, damping, y);
+      double size = 0.0, along = 0.0;
+      for (std::size_t s = 0; s < x.size(); ++s) size += x[s].squaredNorm(), along += x[s].dot(y[s]);
+      if (!(size > 0.0) || !(along > 0.0)) return value;
+      value = along / size;
+      for (Vec6& v : y) v /= value;
+      x.swap(y);
+    }
+    return value;
+  }
+
+ private:
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  struct End {
+    Slot a, b;
+    Vec3 arm_a, arm_b;
+    Mat3 axes;
+    Vec3 stiffness, damping;
+  };
+  void load(Slot s) {
+    if (!world_.is_movable(s)) return;
+    roots_[s].linear = std::sqrt(world_.inverse_mass[s]);
+    if (!world_.rotates()) return;
+    const Mat3 turn = world_.pose(s).orientation.toRotationMatrix();
+    roots_[s].angular = turn * world_.inverse_inertia_of(s).cwiseSqrt().asDiagonal() * turn.transpose();
+  }
+  void apply(const std::vector<Vec6>& x, bool damping, std::vector<Vec6>& y) const {
+    y.assign(x.size(), Vec6::Zero());
+    const auto velocity = [&](Slot s, const Vec3& arm) -> Vec3 {
+      return roots_[s].linear * x[s].head<3>() + Vec3(roots_[s].angular * x[s].tail<3>()).cross(arm);
+    };
+    const auto push = [&](Slot s, const Vec3& arm, const Vec3& force) {
+      y[s].head<3>() += roots_[s].linear * force, y[s].tail<3>() += roots_[s].angular * arm.cross(force);
+    };
+    for (const End& e : ends_) {
+      Vec3 rate = velocity(e.a, e.arm_a);
+      if (e.b != no_slot) rate -= velocity(e.b, e.arm_b);
+      const Vec3 force = e.axes * (damping ? e.damping : e.stiffness).cwiseProduct(e.axes.transpose() * rate);
+      push(e.a, e.arm_a, force);
+      if (e.b != no_slot) push(e.b, e.arm_b, -force);
+    }
+  }
+
+  const World& world_;
+  std::vector<MassRoot> roots_;
+  std::vector<End> ends_;
+};
+
+}  // namespace
+
+SpringRates spring_rates(const std::vector<SpringElement>& springs, const World& world, const Guideway& way) {
+  if (springs.empty()) return {};
+  const SpringOperator all(springs, world, way);
+  return {all.largest(false), all.largest(true)};
+}
+
+double impulse_limit(const SpringRates& rates) {
+  const double c = rates.damping, sum = c + std::sqrt(c * c + 4.0 * rates.square);
+  return sum > 0.0 ? 4.0 / sum : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace epafi

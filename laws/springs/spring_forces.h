@@ -3,8 +3,8 @@
 ///
 /// Energies: springs store k d^2/2 along each axis, dampers dissipate (trapezoid over the step), the frame does the
 /// work of its motion at the place of the attachment. Smooth contact: forces of the moment of detection. Non-smooth
-/// contact: they kick the velocities before the impulses are found (second order in the springs, first in the dampers).
-/// Stable while dt < 2/omega of the stiffest body on its springs.
+/// contact: impulses of the forces at the middle of the step, in the balance beside gravity, so that a contact that
+/// sticks takes them up whole (second order in the springs, first in the dampers). Explicit: see impulse_limit().
 #pragma once
 #include <memory>
 #include <optional>
@@ -32,10 +32,16 @@ std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> spri
                                                  std::shared_ptr<const Guideway> way, bool smooth,
                                                  std::unique_ptr<ContactModel> below);
 
-/// Largest omega^2 of springs on one free body at its attachments [1/s^2], and largest damping rate [1/s].
+/// Largest omega^2 of all springs and masses together [1/s^2], and largest damping rate [1/s]: eigenvalues of M^-1 K and
+/// M^-1 C with masses, moments, arms and axes of the moment.
 struct SpringRates {
   double square = 0.0, damping = 0.0;
 };
-SpringRates spring_rates(const std::vector<SpringElement>& springs, const World& world);
+SpringRates spring_rates(const std::vector<SpringElement>& springs, const World& world, const Guideway& way);
+
+/// Non-smooth steps are stable below it [s]. x_m = x + dt v/2, v' = (1 - dt c) v - dt omega^2 x_m, x' = x_m + dt v'/2
+/// has determinant 1 - dt c and trace 2 - dt c - (dt omega)^2: (dt omega)^2 + 2 dt c < 4 (Jury). Contacts only take
+/// freedom away.
+double impulse_limit(const SpringRates& rates);
 
 }  // namespace epafi

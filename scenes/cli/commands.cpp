@@ -85,6 +85,7 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
   write_summary(folder / "summary.json", summary);
   for (const std::string& warning : summary.warnings) say("epafi: warning: " + warning);
   if (!session.trouble().empty()) say("epafi: " + session.trouble());
+  if (const std::string advice = session.advice(); !advice.empty()) say("epafi: warning: " + advice);
   if (options.json)
     print(summary_json(summary) + "\n");
   else if (!options.quiet)

@@ -81,7 +81,7 @@ restitution = 0.0
 friction = 0.5
 
 [contact.nonsmooth]
-solver = "pgs"                # `epafi list solvers`
+solver = "adaptive"           # the default; `epafi list solvers`
 iterations = 50
 
 [[body]]
@@ -128,7 +128,7 @@ restitution = 0.0
 friction = 0.5
 
 [contact.nonsmooth]
-solver = "pgs"
+solver = "adaptive"
 iterations = 50
 
 [shape.pebble]                # 16 corners by chance; their hull is taken

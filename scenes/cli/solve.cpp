@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <time.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/error.h"
 #include "engine/nearest.h"
 #include "engine/parallel.h"
 #include "laws/nonsmooth/cone_sweep.h"
+#include "laws/nonsmooth/no_solution.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/pgs.h"
 #include "scenes/cli/commands.h"
@@ -24,7 +26,7 @@ namespace epafi {
 namespace {
 
 struct Row {
-  std::string problem, method, status;
+  std::string problem, method, status, reason;
   int iterations = 0;
   double ms = 0.0, residual = 0.0, penetration_rate = 0.0, sweeps = 0.0;
 };
@@ -72,6 +74,44 @@ double sweep_ms(const ConeProblem& problem) {
   return least;
 }
 
+/// What a solver was asked for and what it says.
+struct Asked {
+  SolverReport report;
+  double tolerance, iterations;
+  bool late;
+};
+
+bool has_zero_row(const ConeProblem& problem) {
+  for (std::size_t i = 0; i < problem.size(); ++i)
+    if (!problem.moves(i) && problem.q[i].x() < 0.0) return true;
+  return false;
+}
+
+/// Status of a row, and the reason where it is not "solved".
+void judge(Row& row, const ConeProblem& problem, const Impulses& r, const std::vector<Vec3>& u, const Asked& asked) {
+  const bool trusted = !beyond_measure(problem, r, asked.tolerance);
+  if (row.residual <= asked.tolerance && trusted && !has_zero_row(problem)) return;
+  if (const auto none = find_no_solution(problem, u)) {
+    row.status = "no_solution";
+    row.reason = none->text();
+    return;
+  }
+  if (!std::isfinite(row.residual)) {
+    row.status = "not_finite";
+    row.reason = "impulses or velocities are no finite numbers";
+  } else if (asked.report.residual == infinity && asked.report.iterations == 0) {
+    row.status = "not_applicable";
+    row.reason = "the method does not take problems of this form";
+  } else if (!trusted) {
+    row.status = "not_trusted";
+    row.reason = "impulses so large that the rounding of W r is above the tolerance";
+  } else {
+    const bool ended = asked.report.iterations >= asked.iterations;
+    row.status = asked.late ? "time_limit" : ended ? "iteration_limit" : "stalled";
+    row.reason = fmt::format("residual {:.3g} above the tolerance {:.3g}", row.residual, asked.tolerance);
+  }
+}
+
 /// One cold solve from r = 0.
 Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveOptions& o, double limit, Impulses& r) {
   Parameters parameters;
@@ -89,23 +129,15 @@ Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveO
   std::vector<Vec3> u;
   problem.relative_velocities(r, v, u);
   row.residual = problem.residual(r, u), row.penetration_rate = problem.penetration_rate(u);
-  if (std::isfinite(row.residual) && row.residual <= o.tolerance) return row;
-  if (!std::isfinite(row.residual))
-    row.status = "not_finite";
-  else if (report.residual == infinity && report.iterations == 0)
-    row.status = "not_applicable";
-  else if (late)
-    row.status = "time_limit";
-  else
-    row.status = report.iterations >= o.max_iterations ? "iteration_limit" : "stalled";
+  judge(row, problem, r, u, {report, o.tolerance, o.max_iterations, late});
   return row;
 }
 
 std::string csv(const std::vector<Row>& rows) {
-  std::string text = "problem,method,status,iterations,ms,residual,penetration_rate,sweep_equivalents\n";
+  std::string text = "problem,method,status,iterations,ms,residual,penetration_rate,sweep_equivalents,reason\n";
   for (const Row& r : rows)
-    text += fmt::format("{},{},{},{},{:.4g},{:.3e},{:.3e},{:.4g}\n", r.problem, r.method, r.status, r.iterations, r.ms,
-                        r.residual, r.penetration_rate, r.sweeps);
+    text += fmt::format("{},{},{},{},{:.4g},{:.3e},{:.3e},{:.4g},{}\n", r.problem, r.method, r.status, r.iterations, r.ms,
+                        r.residual, r.penetration_rate, r.sweeps, r.reason);
   return text;
 }
 
@@ -122,6 +154,7 @@ std::string json(const std::vector<Row>& rows) {
         .member("residual", r.residual)
         .member("penetration_rate", r.penetration_rate)
         .member("sweep_equivalents", r.sweeps)
+        .member("reason", r.reason)
         .end_object();
   w.end_array();
   return w.text() + "\n";
@@ -169,7 +202,8 @@ int command_solve(const SolveOptions& o) {
   } else if (o.json) {
     print(text);
   }
-  return exit_done;
+  const bool solved = std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.status == "solved"; });
+  return solved ? exit_done : exit_bound;
 }
 
 }  // namespace epafi

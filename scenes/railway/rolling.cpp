@@ -79,7 +79,7 @@ void add_springs(Assembly& a) {
 TimeStep railway_step(const Assembly& a) {
   TimeStep out{infinity, infinity, ""};
   const World& w = a.simulation->world;
-  const SpringRates springs = spring_rates(springs_of(a), w);
+  const SpringRates springs = spring_rates(springs_of(a), w, *way_of(a));
   double square = springs.square, damping = springs.damping;
   std::string what = "springs";
   if (a.plan.rolling) {
@@ -104,11 +104,15 @@ TimeStep railway_step(const Assembly& a) {
   }
   if (square == 0.0 && damping == 0.0) return out;
   const double omega = std::sqrt(square);
+  out.reason = fmt::format("{}: omega = {:.4g} /s, damping {:.4g} /s", what, omega, damping);
+  out.value = std::min(omega > 0.0 ? 0.3 / omega : infinity, damping > 0.0 ? 0.5 / damping : infinity);
+  if (a.scene.contact.method.value != Method::smooth) {
+    out.limit = impulse_limit({square, damping});
+    return out;
+  }
   // velocity Verlet with velocities predicted over half a step: unstable beyond dt = 1/rate of a damper (roots of
   // z^2 - (1 - 3h/2) z - h/2), 2/omega of a spring
   out.limit = std::min(omega > 0.0 ? 2.0 / omega : infinity, damping > 0.0 ? 1.0 / damping : infinity);
-  out.value = std::min(omega > 0.0 ? 0.3 / omega : infinity, damping > 0.0 ? 0.5 / damping : infinity);
-  out.reason = fmt::format("{}: omega = {:.4g} /s, damping {:.4g} /s", what, omega, damping);
   return out;
 }
 

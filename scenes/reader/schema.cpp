@@ -102,7 +102,7 @@ void add_contact_tables(std::vector<TableSchema>& all, const Registry& registry)
                  std::vector<Field>{law, tangential, rolling, locate} + smooth_fields(registry)});
   all.push_back(
       {"contact.nonsmooth", TableSchema::Form::single, "solver of non-smooth contact with its parameters",
-       std::vector<Field>{choice("solver", "solver of the contact problem", names_of(registry.solvers), "pgs")} +
+       std::vector<Field>{choice("solver", "solver of the contact problem", names_of(registry.solvers), "adaptive")} +
            as_optional(united_fields(registry.solvers))});
   all.push_back({"contact.wheel_rail", TableSchema::Form::single,
                  "normal and tangential model of wheels on rails, with smooth contact", registry.rolling_fields});

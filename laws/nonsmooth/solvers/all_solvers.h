@@ -9,6 +9,7 @@ SolverEntry nsgs_entry();
 SolverEntry newton_entry();
 SolverEntry proximal_entry();
 SolverEntry auto_entry();
+SolverEntry adaptive_entry();
 SolverEntry lagrange_entry();
 SolverEntry penalty_entry();
 SolverEntry augmented_lagrangian_entry();
@@ -30,6 +31,7 @@ inline const std::vector<SolverEntry>& all_solvers() {
       newton_entry(),
       proximal_entry(),
       auto_entry(),
+      adaptive_entry(),
       lagrange_entry(),
       penalty_entry(),
       augmented_lagrangian_entry(),

@@ -17,6 +17,15 @@ constexpr int patience = 20;           // factorisations after which newton must
 constexpr int steps_again = 10;        // factorisations of a newton that was right in the last step
 constexpr int steps_try = 8;  // of a try, after sweeps for twice as many; the next after ten times as many more
 
+// with a credit (adaptive.h): stacks and arches cost 5 to 10, walls and piles of 40 boxes 20 to 30, of 200 hulls 100
+constexpr double chain_price = 12.0, largest_price = 60.0;
+
+/// Multiplications of one sweep.
+double sweep_work(const ConeProblem& problem) {
+  return problem.has_bodies() ? 80.0 * static_cast<double>(problem.size())
+                              : 9.0 * static_cast<double>(problem.column.size());
+}
+
 }  // namespace
 
 void Auto::make_parts(std::size_t count) {
@@ -32,9 +41,23 @@ Auto::Kept Auto::left_by(const Newton& newton, const SolverReport& report, std::
 
 /// Its multiplications over those of a sweep.
 double Auto::factorisation(Part& part, const ConeProblem& problem) const {
-  const double n = static_cast<double>(problem.size());
-  const double sweep = problem.has_bodies() ? 80.0 * n : 9.0 * static_cast<double>(problem.column.size());
-  return (part.newton.work(problem) + 350.0 * n) / sweep;
+  return (part.newton.work(problem) + 350.0 * static_cast<double>(problem.size())) / sweep_work(problem);
+}
+
+bool Auto::is_too_dear(const ConeProblem& problem, double price) const {
+  if (credit_ == infinity || price <= chain_price) return false;
+  return price > largest_price || newton_steps * price * sweep_work(problem) > credit_;
+}
+
+bool Auto::left_some() const {
+  return std::any_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(islands_.size()),
+                     [](const auto& part) { return part->left; });
+}
+
+double Auto::work() const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < islands_.size(); ++k) sum += parts_[k]->work;
+  return sum;
 }
 
 /// Stage 0: r is the solution, or as it was.
@@ -55,10 +78,15 @@ SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, st
 
 /// Stages 0 and 1.
 SolverReport Auto::begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
-  const double price = factorisation(part, problem);
+  const double price = factorisation(part, problem), sweep_cost = sweep_work(problem);
+  part.work = 0.0;
+  part.left = is_too_dear(problem, price);
+  if (part.left) return {false, 0, infinity};
   const SolverReport again = go_on(part, problem, r, island, price);
+  part.work += again.iterations * price * sweep_cost;
   if (again.converged || again.iterations >= iterations_) return again;
   SolverReport report = sweep(part, problem, r, iterations_ - again.iterations, price);
+  part.work += report.iterations * sweep_cost;
   if (report.converged) spent_[island] = std::min(spent_[island] + report.iterations, 1 << 30);
   report.iterations += again.iterations;
   return report;
@@ -92,7 +120,9 @@ SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, c
                           std::size_t island) {
   part.newton.interrupted = part.proximal.interrupted = interrupted;
   part.newton.limit(std::min(newton_limit, iterations_ - swept.iterations), patience, swept.residual);
+  const double factorisation_cost = factorisation(part, problem) * sweep_work(problem);
   const SolverReport newton = part.newton.solve(problem, r);
+  part.work += newton.iterations * factorisation_cost;
   kept_[island] = left_by(part.newton, newton, spent_[island]);
   if (newton.residual > swept.residual) r.swap(part.swept);
   const int count = swept.iterations + newton.iterations;
@@ -100,6 +130,7 @@ SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, c
   if (report.converged || count >= iterations_ || stop()) return report;
   part.proximal.limit(iterations_ - count);
   const SolverReport proximal = part.proximal.solve(problem, r);
+  part.work += 2.0 * proximal.iterations * factorisation_cost;  // LU
   return {proximal.converged, count + proximal.iterations, proximal.residual};
 }
 
@@ -121,7 +152,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   if (count == 1) {
     parts_[0]->swept = r;
     const SolverReport swept = begin(*parts_[0], problem, parts_[0]->swept, 0);
-    if (!unfinished(swept) || stop()) {
+    if (!unfinished(*parts_[0], swept) || stop()) {
       r.swap(parts_[0]->swept);
       return swept;
     }
@@ -132,7 +163,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
       count, [&](std::size_t k) { reports_[k] = begin_part(k, problem, r); }, 1);
   order_.clear();  // the small ones first: an interrupted solve has most of them done
   for (std::uint32_t k = 0; k < count; ++k)
-    if (unfinished(reports_[k])) order_.push_back(k);
+    if (unfinished(*parts_[k], reports_[k])) order_.push_back(k);
   std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::pair(islands_.contacts(a).size(), a) < std::pair(islands_.contacts(b).size(), b);
   });

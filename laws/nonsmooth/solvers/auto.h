@@ -28,6 +28,14 @@ class Auto final : public ConeSolver {
   void forget() override;
   void visit(StateVisitor& visitor) override;
 
+  /// From now on islands whose factorisation costs much are left as they start: by price always, above that of chains where
+  /// Newton steps would take more than `credit` multiplications. Infinite: none is.
+  void limit_price(double credit) { credit_ = credit; }
+  /// Multiplications of the last solve, about.
+  double work() const;
+  /// Some island of the last solve was left.
+  bool left_some() const;
+
  private:
   /// What one island keeps from step to step.
   struct Part {
@@ -39,6 +47,8 @@ class Auto final : public ConeSolver {
     Proximal proximal;
     std::vector<Vec6> v;
     std::vector<Vec3> u;
+    double work = 0.0;  ///< multiplications of this solve
+    bool left = false;  ///< not looked at: too dear
   };
   /// Of newton's, where it had the last word: that it is to begin the next step, and its factor, which calms.
   enum class Kept : std::uint8_t { nothing, method, factor };
@@ -52,12 +62,16 @@ class Auto final : public ConeSolver {
   SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept,
                       std::size_t island);
   SolverReport begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r);
-  bool unfinished(const SolverReport& swept) const { return !swept.converged && swept.iterations < iterations_; }
+  bool unfinished(const Part& part, const SolverReport& swept) const {
+    return !part.left && !swept.converged && swept.iterations < iterations_;
+  }
+  bool is_too_dear(const ConeProblem& problem, double price) const;
   void drop_factors();
   std::vector<Mat3> derivative() const;
   void resume(const ConeProblem& problem, const std::vector<Mat3>& derivative);
 
   int iterations_;
+  double credit_ = infinity;
   Islands islands_;
   std::vector<std::unique_ptr<Part>> parts_;
   std::vector<Kept> kept_;           ///< by island of the last solve

@@ -87,11 +87,11 @@ inline std::vector<Field> solver_fields(std::vector<Field> own = {}, double iter
        "",
        "",
        Kind::text,
-       Value(std::string("newton")),
+       Value(std::string("energetic")),
        {},
-       "law of restitution: newton (all contacts at once), poisson, or sequential (one impact at a time)",
+       "law of restitution: energetic (gains no energy), newton (all contacts at once), poisson, or sequential (one impact at a time)",
        false,
-       {"newton", "poisson", "sequential"}},
+       {"energetic", "newton", "poisson", "sequential"}},
   };
   all.insert(all.end(), own.begin(), own.end());
   return all;

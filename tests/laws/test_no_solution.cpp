@@ -1,0 +1,91 @@
+// Problems without solution are named: rays, zero rows, bodies squeezed between driven walls; solvable ones are not.
+#include "engine/random.h"
+#include "laws/nonsmooth/no_solution.h"
+#include "laws/nonsmooth/solvers/all_solvers.h"
+#include "tests/support/catch.h"
+#include "tests/support/rigid_experiment.h"
+
+using namespace epafi;
+using namespace epafi::test;
+
+namespace {
+
+/// W = A^T A on the normal rows, 1 on the tangential ones.
+ConeProblem normal_problem(const Eigen::MatrixXd& a, const Eigen::VectorXd& q) {
+  const Eigen::MatrixXd w = a.transpose() * a;
+  const Eigen::Index n = q.size();
+  LocalForm form;
+  form.W.resize(3 * n, 3 * n);
+  form.q = Eigen::VectorXd::Zero(3 * n), form.mu = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index k = 0; k < n; ++k) form.W.insert(3 * i, 3 * k) = w(i, k);
+    form.W.insert(3 * i + 1, 3 * i + 1) = form.W.insert(3 * i + 2, 3 * i + 2) = 1.0;
+    form.q(3 * i) = q(i);
+  }
+  return ConeProblem::from(form);
+}
+
+std::optional<NoSolution> judged(const ConeProblem& p) {
+  std::vector<Vec3> u(p.q);
+  return find_no_solution(p, u);
+}
+
+}  // namespace
+
+TEST_CASE("two walls that close on a body, and a contact that nothing moves, have no solution", "[laws][lcp]") {
+  Eigen::MatrixXd a(1, 2);
+  a << 1, -1;
+  const auto squeezed = judged(normal_problem(a, Eigen::Vector2d(-0.3, -0.2)));
+  REQUIRE(squeezed);
+  CHECK(squeezed->contacts == std::vector<std::uint32_t>{0, 1});
+  CHECK(squeezed->closing == Approx(0.5));
+  CHECK_FALSE(judged(normal_problem(a, Eigen::Vector2d(-0.3, 0.3 + 1e-6))));
+  a << 1, 0;
+  const auto zero = judged(normal_problem(a, Eigen::Vector2d(1, -1)));
+  REQUIRE(zero);
+  CHECK(zero->zero_row);
+  CHECK(zero->contacts.front() == 1);
+}
+
+TEST_CASE("a null vector that all contacts oppose decides: 200 random problems and scales", "[laws][lcp]") {
+  Random random(3, 0);
+  const auto in = [&](double low, double high) { return random.uniform(low, high); };
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Index n = 2 + k % 9;
+    Eigen::MatrixXd a(n + 2, n);
+    Eigen::VectorXd d(n), q(n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      d(j) = in(0.1, 2), q(j) = in(-1, 1);
+      for (Eigen::Index i = 0; i < a.rows(); ++i) a(i, j) = in(-1, 1);
+    }
+    a -= (a * d) * d.transpose() / d.squaredNorm();  // A d = 0
+    const double scale = std::pow(10.0, in(-3, 3));
+    const double distance = in(0.05, 1.0) * d.norm();
+    q += (-q.dot(d) - distance) / d.squaredNorm() * d;  // q.d = -distance
+    INFO("case " << k);
+    CHECK(judged(normal_problem(scale * a, q)));
+    q += 2.0 * distance / d.squaredNorm() * d;  // q.d = +distance
+    CHECK_FALSE(judged(normal_problem(scale * a, q)));
+  }
+}
+
+TEST_CASE("a ball squeezed between two driven walls is told by every solver", "[laws][nonsmooth][lcp]") {
+  for (const SolverEntry& solver : all_solvers()) {
+    INFO(solver.entry.name);
+    RigidSettings s{.gravity = Vec3::Zero(), .solver = solver.entry.name};
+    s.parameters.set("tolerance", 1e-8), s.parameters.set("iterations", 200.0);
+    RigidExperiment run(s);
+    run.plane(Vec3::Zero(), Vec3::UnitZ(), Vec3(0, 0, 0.3));
+    run.plane(Vec3(0, 0, 0.2), -Vec3::UnitZ(), Vec3(0, 0, -0.2));
+    run.sphere(0.1, 811, Vec3(0, 0, 0.1));
+    bool told = false;
+    for (int k = 0; k < 5 && !told; ++k) {
+      run.run(1);
+      const SolverTrouble& trouble = run.work.report.trouble;
+      told = trouble.kind != SolverTrouble::Kind::none;
+      CHECK_FALSE(run.work.report.solver.converged);
+      if (trouble.kind == SolverTrouble::Kind::no_solution) CHECK(trouble.size == Approx(0.5).epsilon(1e-6));
+    }
+    CHECK(told);
+  }
+}
