@@ -259,7 +259,11 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
   }
   TimeStep step{shortest.auto_step, infinity, fmt::format("contact {}: {}", between, shortest.reason)};
   if (estimate.chosen < step.value) step.value = estimate.chosen, step.reason = estimate.reason;
-  step.limit = std::max(estimate.limit, step.value);
+  if (estimate.limit < step.value) {  // the load decides, not the impact
+    step.value = 0.5 * estimate.limit;
+    step.reason = "half of " + estimate.limit_reason;
+  }
+  step.limit = estimate.limit;
   step.limit_reason = estimate.limit_reason;
   return step;
 }
@@ -282,6 +286,7 @@ TimeStep choose_time_step(const Assembly& a) {
   if (const TimeStep railway = railway_step(a); railway.value < infinity) {
     const bool only = smooth && (s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2);
     if (only || railway.value < step.value) step.value = railway.value, step.reason = railway.reason;
+    if (railway.limit < step.limit) step.limit_reason = railway.reason;
     step.limit = std::min(step.limit, railway.limit);
   }
   if (a.scene.run.adaptive && !smooth)

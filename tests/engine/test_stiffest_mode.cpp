@@ -1,5 +1,6 @@
 #include "engine/stiffest_mode.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 

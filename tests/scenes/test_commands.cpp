@@ -177,7 +177,7 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
                        "drift = { body = \"ball\", below = 1e-3 }\n"),
                whole)
             .code == exit_bound);
-  const Captured lost = run_of(scene, whole, {"world.domain={ min = [-1, -1, 0.015], max = [1, 1, 1] }"});
+  const Captured lost = run_of(ball_in(folder), whole, {"world.domain={ min = [-1, -1, 0.015], max = [1, 1, 1] }"});
   CHECK(lost.code == exit_failed);
   CHECK_THAT(lost.err, Catch::Contains("body"));
   std::ofstream(scene, std::ios::app) << "# \n[[measure]]\nname = \"more\"\nkind = \"energy\"\n";

@@ -1,0 +1,60 @@
+#include "engine/energy.h"
+
+#include <cmath>
+
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+
+World resting_body(double mass) {
+  World world(Columns{.force = false});
+  Body b;
+  b.mass = mass;
+  world.add(b);
+  world.velocity[0] = Vec3(2, 0, 0);
+  return world;
+}
+
+StepReport taking(double energy, bool impulses = false) {
+  StepReport r;
+  r.dissipated = energy;
+  r.has_solver = impulses;
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("what contacts give is a gain and stays in the error: dissipation never falls", "[engine][energy]") {
+  World world = resting_body(1.0);  // 2 J
+  EnergyLedger ledger;
+  ledger.start(world, {});
+  ledger.add(taking(1.0));
+  world.velocity[0].x() = std::sqrt(2.0);  // 1 J
+  ledger.measure(world);
+  CHECK(ledger.relative_error() == Approx(0.0).margin(1e-12));
+  ledger.add(taking(-0.5));
+  world.velocity[0].x() = std::sqrt(3.0);  // 1.5 J
+  const Energy gave = ledger.measure(world);
+  CHECK(gave.dissipated == 1.0);
+  CHECK(gave.gained == Approx(0.5));
+  CHECK(ledger.relative_error() == Approx(0.25));  // 0.5 of 2 J
+  ledger.add(taking(0.7));
+  CHECK(ledger.last().dissipated == Approx(1.2));
+  CHECK(ledger.last().gained == Approx(0.5));  // the most that there was
+}
+
+TEST_CASE("gains below a thousandth of one step of free fall are what solvers leave", "[engine][energy]") {
+  const double mass = 3.0, fall = 0.04, noise = 1e-3 * 0.5 * mass * fall * fall;
+  for (const double part : {0.5, 2.0}) {
+    World world = resting_body(mass);
+    EnergyLedger ledger;
+    ledger.start(world, {});
+    ledger.add(taking(-part * noise, true), fall);
+    const double before = 0.5 * mass * 4.0;
+    world.velocity[0].x() = std::sqrt(2.0 * (before + part * noise) / mass);
+    ledger.measure(world);
+    CHECK(ledger.relative_error() * before == Approx(part > 1.0 ? noise * (part - 1.0) : 0.0).margin(1e-9 * noise + 1e-13));
+  }
+}
