@@ -282,7 +282,7 @@ TimeStep choose_time_step(const Assembly& a) {
   if (const TimeStep railway = railway_step(a); railway.value < infinity) {
     const bool only = smooth && (s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2);
     if (only || railway.value < step.value) step.value = railway.value, step.reason = railway.reason;
-    step.limit = std::min(step.limit, railway.limit);
+    if (railway.limit < step.limit) step.limit = railway.limit, step.limit_reason = railway.reason;
   }
   if (a.scene.run.adaptive && !smooth)
     throw SceneError("[run] time_step = \"adaptive\" is for contact.method = \"smooth\"", written.place);
