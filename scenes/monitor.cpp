@@ -78,12 +78,33 @@ void RunMonitor::observe(const StepView& view) {
       totals_.iterations += s.iterations,
           totals_.iterations_max = std::max(totals_.iterations_max, double(s.iterations));
       totals_.not_converged += s.converged ? 0 : 1;
+      watch_solver(view);
     }
   }
   note_overlap(view);
   const bool looks = view.step % interval_ == 0 || view.last;
   if (looks) look(view);
   check(view, looks);
+}
+
+/// A solver that stopped above its tolerance, and contacts that no solver can help.
+void RunMonitor::watch_solver(const StepView& view) {
+  const StepReport& report = view.report;
+  if (report.solver.converged) return;
+  char text[120];
+  std::snprintf(text, sizeof text, "the solver stopped above its tolerance: residual %.3g", report.solver.residual);
+  warnings_.add({.kind = "unconverged",
+                 .text = text,
+                 .first_step = view.step,
+                 .first_time = view.world.time,
+                 .value = report.solver.residual});
+  if (report.trouble.kind != SolverTrouble::Kind::no_solution) return;
+  warnings_.add({.kind = "no_solution",
+                 .text = report.trouble.text,
+                 .first_step = view.step,
+                 .first_time = view.world.time,
+                 .value = report.trouble.size,
+                 .body = view.world.id[report.trouble.slot]});
 }
 
 /// The largest overlap so far. A contact matters to the relative one only where it would exceed it on the smallest body.

@@ -72,6 +72,7 @@ class RunMonitor final : public Observer {
   void look(const StepView& view);
   void note_overlap(const StepView& view);
   void watch_energy(const StepView& view);
+  void watch_solver(const StepView& view);
   void look_at_momentum(const StepView& view);
   void check(const StepView& view, bool all);
   double value_of(std::size_t bound, const StepView& view);

@@ -54,10 +54,10 @@ TEST_CASE("solve prints a row per problem and method, and writes impulses that o
   const auto rows = rows_of(run.out);
   REQUIRE(rows.size() == 5);
   CHECK(rows[0] == std::vector<std::string>{"problem", "method", "status", "iterations", "ms", "residual",
-                                            "penetration_rate", "sweep_equivalents"});
+                                            "penetration_rate", "sweep_equivalents", "reason"});
   Hdf5File solution(o.solution, Hdf5File::Mode::read);
   for (std::size_t k = 1; k < rows.size(); ++k) {
-    REQUIRE(rows[k].size() == 8);
+    REQUIRE(rows[k].size() == 8);  // no reason beside "solved"
     INFO(rows[k][0] << " " << rows[k][1]);
     CHECK(rows[k][2] == "solved");
     CHECK(std::stod(rows[k][5]) <= 1e-8);
@@ -92,6 +92,21 @@ TEST_CASE("solve says why a problem was left: iterations, time, a method that do
   REQUIRE(rows.size() == 2);
   CHECK(rows[1][2] == "time_limit");
   CHECK(std::stod(rows[1][5]) > 1e-14);
+}
+
+TEST_CASE("solve names problems without solution, whatever the method says, and exits with 1", "[scenes][solve]") {
+  SolveOptions o = solving({"no_solution_ray.hdf5", "no_solution_zero_row.hdf5"},
+                           {"apgd", "projected-gradient", "lemke", "dantzig", "adaptive"});
+  o.time_limit = "0.2s";
+  const Captured run = captured([&] { return command_solve(o); });
+  CHECK(run.code == exit_bound);
+  const auto rows = rows_of(run.out);
+  REQUIRE(rows.size() == 11);
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    INFO(rows[k][0] << " " << rows[k][1]);
+    CHECK(rows[k][2] == "no_solution");
+    CHECK_THAT(rows[k].back(), Catch::Contains(k <= 5 ? "ray: contacts 0 and 1" : "zero row: no impulse moves contact 1"));
+  }
 }
 
 TEST_CASE("solve with all methods tries each, on both forms of files", "[scenes][solve]") {
