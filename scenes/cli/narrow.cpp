@@ -15,7 +15,7 @@
 namespace epafi {
 namespace {
 
-struct Row {
+struct PairRow {
   ConvexAnswer answer;
   bool refused = false;
   double cold = 0.0, warm = 0.0;  ///< ns per query
@@ -41,8 +41,8 @@ double nanoseconds_per_query(const Query& query) {
   return best;
 }
 
-Row ask_pair(const CorpusPair& p, ConvexMethod method, Random& random) {
-  Row row;
+PairRow ask_pair(const CorpusPair& p, ConvexMethod method, Random& random) {
+  PairRow row;
   const auto a = ConvexHull::from_faces(p.a.vertices, p.a.faces), b = ConvexHull::from_faces(p.b.vertices, p.b.faces);
   row.refused = !a.problem.empty() || !b.problem.empty();
   if (row.refused) return row;
@@ -57,7 +57,7 @@ Row ask_pair(const CorpusPair& p, ConvexMethod method, Random& random) {
   return row;
 }
 
-std::string csv_line(std::size_t pair, const Row& row) {
+std::string csv_line(std::size_t pair, const PairRow& row) {
   if (row.refused) return fmt::format("{},refused,,,,,,,,,,,\n", pair);
   const ConvexAnswer& a = row.answer;
   const auto triple = [](const Vec3& v) { return fmt::format("{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z()); };
@@ -65,7 +65,7 @@ std::string csv_line(std::size_t pair, const Row& row) {
                      triple(a.witness_a), triple(a.witness_b), row.cold);
 }
 
-std::string json_line(std::size_t pair, const Row& row) {
+std::string json_line(std::size_t pair, const PairRow& row) {
   if (row.refused) return fmt::format("    {{\"pair\": {}, \"status\": \"refused\"}}", pair);
   const ConvexAnswer& a = row.answer;
   const auto triple = [](const Vec3& v) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z()); };
@@ -89,7 +89,7 @@ int command_narrow(const NarrowOptions& options) {
   double cold = 0.0, warm = 0.0;
   std::size_t asked = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Row row = ask_pair(pairs[k], *method, random);
+    const PairRow row = ask_pair(pairs[k], *method, random);
     asked += !row.refused, cold += row.cold, warm += row.warm;
     text += options.json ? json_line(k, row) + (k + 1 < pairs.size() ? ",\n" : "\n") : csv_line(k, row);
   }
