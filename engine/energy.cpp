@@ -93,12 +93,15 @@ Energy EnergyLedger::measure(const World& world) {
   return now_;
 }
 
-double EnergyLedger::relative_error() const {
-  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
+double EnergyLedger::error() const {
   // what solvers leave of bodies at rest goes to and fro: below a thousandth of what one step of free fall gives them it is
   // no gain
   const double gain = now_.dissipated - now_.taken, noise = 1e-3 * 0.5 * mass_ * fall_ * fall_;
-  const double error = now_.stored() - start_ + now_.dissipated - now_.work - std::min(gain, noise);
+  return now_.stored() - start_ + now_.dissipated - now_.work - std::min(gain, noise);
+}
+
+double EnergyLedger::relative(double error) const {
+  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
   // what is left of sums of large terms is rounding: a body at rest high up has no energy error
   const double rounding =
       1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + now_.elastic + now_.dissipated);

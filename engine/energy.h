@@ -49,11 +49,15 @@ class EnergyLedger {
   Energy measure(const World& world);
 
   const Energy& last() const { return now_; }
-  double relative_error() const;
+  double relative_error() const { return relative(error()); }
+  /// The same without what position correction put in, whose cause is known.
+  double unexplained_error() const { return relative(error() - now_.correction); }
   double stored(const World& world) const { return kinetic_energy(world) + potential_energy(world) + now_.elastic; }
   void visit(StateVisitor& visitor);
 
  private:
+  double error() const;  ///< [J]
+  double relative(double error) const;
   Energy now_;
   double start_ = 0;          ///< E(0) [J]
   double largest_inner_ = 0;  ///< max of kinetic + elastic [J]

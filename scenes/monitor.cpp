@@ -145,7 +145,8 @@ void RunMonitor::watch_energy(const StepView& view) {
     return;
   }
   if (balance_watch_.open_since == 0) balance_watch_.open_since = step;
-  if (!(std::abs(error) > ending_error))
+  const double unexplained = view.ledger.unexplained_error();
+  if (!(std::abs(unexplained) > ending_error))
     balance_watch_.wide_since = 0;
   else if (balance_watch_.wide_since == 0)
     balance_watch_.wide_since = step;
@@ -160,9 +161,13 @@ void RunMonitor::watch_energy(const StepView& view) {
     std::snprintf(text, sizeof text, ", the contacts %.3g J", e.gained);
     what += text;
   }
+  if (e.correction > 0) {
+    std::snprintf(text, sizeof text, ", moving overlapping bodies apart %.3g J", e.correction);
+    what += text;
+  }
   warnings_.add({.kind = "energy", .text = std::move(what), .first_step = view.step, .first_time = view.world.time, .value = std::abs(error)});
   if (!watches_balance_ || !lasts(balance_watch_.wide_since)) return;
-  balance_ = BoundCheck{"energy_error", std::abs(error), ending_error, false};
+  balance_ = BoundCheck{"energy_error", std::abs(unexplained), ending_error, false};
 }
 
 void RunMonitor::look_at_momentum(const StepView& view) {

@@ -320,7 +320,7 @@ RunSummary Session::summary() const {
                                                                       : "interrupted";
   s.warnings = warnings();
   s.bodies = sim.world.size(), s.bodies_lost = lost_;
-  if (sim.bodies_removed() > 0) s.bodies_removed = sim.bodies_removed();
+  s.bodies_removed = sim.bodies_removed();
   s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_,
   s.threads = thread_count();
   s.cpu_time = cpu_;

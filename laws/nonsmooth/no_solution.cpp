@@ -143,7 +143,7 @@ std::string NoSolution::text() const {
   char number[48];
   std::snprintf(number, sizeof number, "%.4g m/s", closing);
   if (zero_row)
-    return "zero row: no impulse moves contact " + std::to_string(contacts.front()) + ", which closes with " + number;
+    return "zero row: no impulse moves contact " + std::to_string(contacts.front()) + " that closes with " + number;
   std::string names;
   for (std::size_t k = 0; k < contacts.size() && k < 6; ++k)
     names += (k == 0 ? "" : k + 1 == contacts.size() ? " and " : " ") + std::to_string(contacts[k]);

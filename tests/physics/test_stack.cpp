@@ -1,4 +1,4 @@
-// The box stack of the library by PGS with 50 iterations at dt = 1/240 s.
+// The box stack of the library by its default solver at dt = 1/240 s.
 #include "engine/state_snapshot.h"
 #include "scenes/monitor.h"
 #include "tests/support/catch.h"

@@ -263,7 +263,7 @@ TEST_CASE("100 000 repeated bodies share one shape", "[scenes][reader]") {
 
 TEST_CASE("every starter scene reads without a problem", "[scenes][reader]") {
   for (const auto& kind : starter_kinds()) {
-    const auto result = read_scene_text(starter_scene(kind), kind + ".toml", {}, test_registry());
+    const auto result = read_scene_text(starter_scene(kind), kind + ".toml", {}, full_registry());
     INFO(kind << "\n" << all_of(result));
     CHECK(result.problems.empty());
     CHECK(result.scene);

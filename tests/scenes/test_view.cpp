@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* scene_text = R"(
+constexpr const char* scene_text = R"toml(
 title = "Shapes <on> a floor"
 [run]
 duration = 0.2
@@ -66,7 +66,7 @@ interval = 0.01
 [view]
 camera = "iso"
 field = "speed"
-)";
+)toml";
 
 bool has_browser() {
   const bool found = !support::find_browser().empty() && page_parts().three[0] != '\0';

@@ -1,5 +1,5 @@
 /// @file orientation_bits.h  A unit quaternion in 32 bits: which component is largest (2 bits), and the other three as
-/// steps of sqrt(2)/1022 (10 bits each). The angle is off by 0.16 degrees at most.
+/// steps of sqrt(2)/1022 (10 bits each). The angle is off by 0.28 degrees at most.
 #pragma once
 #include <array>
 #include <cmath>
