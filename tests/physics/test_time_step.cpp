@@ -59,7 +59,7 @@ TEST_CASE("a step chosen by itself follows the load of a servo wall", "[physics]
   for (int k = 0; k < 6; ++k) {
     const double force = std::pow(10.0, random.uniform(-1, 1)), e = random.uniform(0, 0.8);
     INFO(force << " N, e = " << e);
-    auto run = start_text("run = { duration = 0.1, time_step = \"auto\", output_interval = 0.01 }\n" +
+    auto run = start_text("run = { duration = 0.5, time_step = \"auto\", output_interval = 0.01 }\n" +
                           contact(k % 2 ? "hertz-mindlin" : "tsuji", e, 0.3) + pressed_balls(servo(force), 0.0015));
     run.advance_to(0);
     CHECK(run.failure.empty());
