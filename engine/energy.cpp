@@ -82,9 +82,8 @@ void EnergyLedger::accept_bodies(double kinetic, double potential) {
 
 Energy EnergyLedger::measure(const World& world) {
   if (fall_ > 0.0)
-    mass_ = block_sum<double>(world.size(), [&](std::size_t s) {
-      return world.inverse_mass[s] > 0.0 ? 1.0 / world.inverse_mass[s] : 0.0;
-    });
+    mass_ = block_sum<double>(
+        world.size(), [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? 1.0 / world.inverse_mass[s] : 0.0; });
   now_.kinetic = kinetic_energy(world);
   now_.potential = potential_energy(world);
   largest_inner_ = std::max(largest_inner_, now_.kinetic + now_.elastic);
@@ -94,8 +93,8 @@ Energy EnergyLedger::measure(const World& world) {
 }
 
 double EnergyLedger::error() const {
-  // what solvers leave of bodies at rest goes to and fro: below a thousandth of what one step of free fall gives them it is
-  // no gain
+  // what solvers leave of bodies at rest goes to and fro: below a thousandth of what one step of free fall gives them
+  // it is no gain
   const double gain = now_.dissipated - now_.taken, noise = 1e-3 * 0.5 * mass_ * fall_ * fall_;
   return now_.stored() - start_ + now_.dissipated - now_.work - std::min(gain, noise);
 }

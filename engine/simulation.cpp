@@ -102,8 +102,8 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) 
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
   step(world, pipeline, work, dt, rest ? &leave : nullptr);
-  work.report.deepest =
-      block_max<double>(work.contacts.size(), work.report.deepest, [&](std::size_t k) { return -work.contacts.gap[k]; });
+  work.report.deepest = block_max<double>(work.contacts.size(), work.report.deepest,
+                                          [&](std::size_t k) { return -work.contacts.gap[k]; });
   ledger.add(work.report, dt * world.gravity.norm());
   return watch();
 }

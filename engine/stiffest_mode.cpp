@@ -79,7 +79,8 @@ class LinkedBodies {
     if (body == none) return 0.0;
     const Mobility& m = mobility_[body];
     const Vec3& arm = second ? l.arm_b : l.arm_a;
-    double trace = m.linear * m.linear * (l.along + 2.0 * l.across) + m.line.squaredNorm() * m.line.squaredNorm() * l.along;
+    double trace =
+        m.linear * m.linear * (l.along + 2.0 * l.across) + m.line.squaredNorm() * m.line.squaredNorm() * l.along;
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 slip = Vec3(m.angular.col(axis)).cross(arm);
       const double straight = l.normal.dot(slip);
@@ -173,8 +174,8 @@ std::vector<Twist> start_of(const World& world, const LinkedBodies& bodies) {
 
 double lanczos(const World& world, const LinkedBodies& bodies, double enough) {
   constexpr std::size_t most = 60, least = 6;
-  constexpr double sure = 1.5;       // six steps find two thirds of the largest and more
-  constexpr double settled = 1e-3;   // change of the last three steps
+  constexpr double sure = 1.5;      // six steps find two thirds of the largest and more
+  constexpr double settled = 1e-3;  // change of the last three steps
   std::vector<Twist> now = start_of(world, bodies), before(now.size()), next(now.size());
   std::vector<double> diagonal, beside, found;
   for (std::size_t step = 0; step < most; ++step) {

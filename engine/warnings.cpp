@@ -11,7 +11,7 @@ namespace {
 struct WarningNumbers {
   std::uint64_t first_step, worst_step, times;
   double first_time, value;
-  std::uint64_t body;      ///< the number of a body, or no_body
+  std::uint64_t body;        ///< the number of a body, or no_body
   std::uint64_t kind, text;  ///< characters of each
 };
 constexpr std::uint64_t no_body = ~std::uint64_t{0};

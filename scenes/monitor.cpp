@@ -48,8 +48,8 @@ Overlap measure_overlap(const World& world, const ContactPieces& contacts, const
   return {all.max, all.pairs > 0 ? all.sum / static_cast<double>(all.pairs) : 0.0, all.max_relative, all.pairs};
 }
 
-RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies,
-                       const ShapeStore& shapes, const Setup& setup, Warnings& warnings)
+RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes,
+                       const Setup& setup, Warnings& warnings)
     : bounds_(scene.bounds),
       stopping_(bounds_.size()),
       bound_bodies_(bound_bodies),
@@ -107,7 +107,8 @@ void RunMonitor::watch_solver(const StepView& view) {
                  .body = view.world.id[report.trouble.slot]});
 }
 
-/// The largest overlap so far. A contact matters to the relative one only where it would exceed it on the smallest body.
+/// The largest overlap so far. A contact matters to the relative one only where it would exceed it on the smallest
+/// body.
 void RunMonitor::note_overlap(const StepView& view) {
   const ContactSet& c = view.contacts;
   const double deepest = view.report.deepest;
@@ -165,7 +166,11 @@ void RunMonitor::watch_energy(const StepView& view) {
     std::snprintf(text, sizeof text, ", moving overlapping bodies apart %.3g J", e.correction);
     what += text;
   }
-  warnings_.add({.kind = "energy", .text = std::move(what), .first_step = view.step, .first_time = view.world.time, .value = std::abs(error)});
+  warnings_.add({.kind = "energy",
+                 .text = std::move(what),
+                 .first_step = view.step,
+                 .first_time = view.world.time,
+                 .value = std::abs(error)});
   if (!watches_balance_ || !lasts(balance_watch_.wide_since)) return;
   balance_ = BoundCheck{"energy_error", std::abs(unexplained), ending_error, false};
 }

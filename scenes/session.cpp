@@ -47,8 +47,8 @@ double least_radius(const Assembly& a) {
   return least;
 }
 
-/// The run file of a run that goes on. One that was torn is set aside: what it held up to now is lost to the new one, the
-/// state is not.
+/// The run file of a run that goes on. One that was torn is set aside: what it held up to now is lost to the new one,
+/// the state is not.
 RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& header, const CheckpointHeader& from,
                       std::string& note) {
   const std::string damage = damage_of(path);
@@ -56,7 +56,8 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
   const std::filesystem::path aside = path.string() + ".damaged";
   std::error_code none;
   std::filesystem::rename(path, aside, none);
-  note = damage + "; it is kept as " + aside.filename().string() + ", a new one begins at step " + std::to_string(from.step);
+  note = damage + "; it is kept as " + aside.filename().string() + ", a new one begins at step " +
+         std::to_string(from.step);
   return {path, header};
 }
 
@@ -93,16 +94,15 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
   scene_hash_ = scene_hash(scene);
-  const RunFileHeader header{EPAFI_VERSION, scene_hash_, scene.title, scene.text, overrides_,
-                             to_text(about_of(*assembly_))};
+  const RunFileHeader header{EPAFI_VERSION, scene_hash_, scene.title,
+                             scene.text,    overrides_,  to_text(about_of(*assembly_))};
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
-                           continued_run(folder_ / "run.h5", header, *from, note_),
-                           FrameWriter(folder_, from->time), StateSnapshot(folder_ / ".last_good")});
+                           continued_run(folder_ / "run.h5", header, *from, note_), FrameWriter(folder_, from->time),
+                           StateSnapshot(folder_ / ".last_good")});
   else
-    files_.reset(
-        new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header), FrameWriter(folder_),
-                  StateSnapshot(folder_ / ".last_good")});
+    files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header),
+                           FrameWriter(folder_), StateSnapshot(folder_ / ".last_good")});
   add_observers();
   tracks_ = std::make_unique<TrackWatch>(*assembly_);
   std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 184 bytes each, more than there
@@ -197,8 +197,8 @@ void Session::save_checkpoint_now() {
   files_->run.flush();
   const Scene& scene = assembly_->scene;
   save_checkpoint(folder_ / "checkpoint.h5",
-                  {EPAFI_VERSION, scene_hash_, std::filesystem::absolute(scene.file).string(), scene.text,
-                   overrides_, sim.steps(), sim.world.time},
+                  {EPAFI_VERSION, scene_hash_, std::filesystem::absolute(scene.file).string(), scene.text, overrides_,
+                   sim.steps(), sim.world.time},
                   [this](StateVisitor& v) { walk(v); });
 }
 
@@ -248,7 +248,8 @@ Ending Session::fail(const Failure& failure) {
   trouble_ = fmt::format("{}: {}{}", failure.kind, failure.text,
                          failure.body ? " ('" + body_name(*assembly_, *failure.body) + "')" : "");
   const ContactSettings& contact = assembly_->scene.contact;
-  trouble_ += contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
+  trouble_ +=
+      contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
   lost_ = failure.kind == "lost body" ? 1 : 0;
   const Warnings met = assembly_->simulation->warnings;  // those since the saved state count too
   if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });
@@ -285,12 +286,13 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   Progress progress(assembly_->steps, first_step_, quiet);
   with_team([&] { ending_ = take_steps(limits, progress); });
   wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;
-  // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes on
-  // must not tell that it was cut off.
+  // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes
+  // on must not tell that it was cut off.
   const bool is_cut = sim.steps() < assembly_->steps && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
-  if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt) ending_ = fail(*failure), save_checkpoint_now();
+  if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt)
+    ending_ = fail(*failure), save_checkpoint_now();
   if (output_ == Output::least) {
     StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
     assembly_->simulation->make_room();
@@ -329,8 +331,8 @@ RunSummary Session::summary() const {
   if (body_steps > 0) s.ns_per_body_step = 1e9 * (wall_ - output) / body_steps;
   s.contacts_mean = monitor_->contacts_mean();
   const Energy& e = sim.ledger.last();
-  s.energy = RunSummary::Energy{
-      e.kinetic, e.potential, std::nullopt, e.dissipated, e.work, e.gained, std::nullopt, sim.ledger.relative_error()};
+  s.energy = RunSummary::Energy{e.kinetic, e.potential, std::nullopt, e.dissipated,
+                                e.work,    e.gained,    std::nullopt, sim.ledger.relative_error()};
   if (smooth)
     s.energy->elastic = e.elastic;
   else

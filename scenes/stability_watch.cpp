@@ -15,10 +15,10 @@ namespace epafi {
 namespace {
 
 // Of the largest eigenvalue, 1 where the step is unstable: (step/limit)^2 without dampers.
-constexpr double most_chosen = 0.5;   // of a step that the program has chosen: beyond it is divided
-constexpr double aim_chosen = 0.3;    // to about half the limit, where energy errs by a percent of one oscillation
-constexpr double grown = 1.15;        // of the largest overlap: stiffness of Hertz by 7 %, the limit by 3.5 %
-constexpr std::uint64_t soon = 10;    // steps to the second look at a written step that is unstable
+constexpr double most_chosen = 0.5;  // of a step that the program has chosen: beyond it is divided
+constexpr double aim_chosen = 0.3;   // to about half the limit, where energy errs by a percent of one oscillation
+constexpr double grown = 1.15;       // of the largest overlap: stiffness of Hertz by 7 %, the limit by 3.5 %
+constexpr std::uint64_t soon = 10;   // steps to the second look at a written step that is unstable
 constexpr int most_parts = 10000;
 
 /// Contacts and springs of a state.
@@ -49,7 +49,10 @@ class LinkSource {
 class StabilityWatch final : public StepWatch {
  public:
   explicit StabilityWatch(const Assembly& a)
-      : source_(a), names_(a), written_(a.scene.run.time_step.value.has_value()), interval_(a.plan.fused_spheres ? 1000 : 100) {}
+      : source_(a),
+        names_(a),
+        written_(a.scene.run.time_step.value.has_value()),
+        interval_(a.plan.fused_spheres ? 1000 : 100) {}
 
   bool is_due(std::uint64_t step) const override { return step >= state_.next_look; }
   void note(std::uint64_t step, double deepest) override {

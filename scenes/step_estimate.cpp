@@ -33,7 +33,9 @@ constexpr double sideways = 3.5;
 }  // namespace
 
 double overlap_under(const ContactLinks& links, const ExpectedPair& pair, double force) {
-  const auto presses = [&](double overlap) { return links.normal(pair.i, pair.j, with_overlap(pair.at, overlap)).force; };
+  const auto presses = [&](double overlap) {
+    return links.normal(pair.i, pair.j, with_overlap(pair.at, overlap)).force;
+  };
   double low = 0.0, high = 1e-12;
   while (presses(high) < force && high < 1e3) high *= 2.0;
   for (int k = 0; k < 40; ++k) {
@@ -45,24 +47,22 @@ double overlap_under(const ContactLinks& links, const ExpectedPair& pair, double
 
 double impact_step(const ContactLinks& links, const ExpectedPair& pair, double overlap) {
   const double mobility = 1.0 / pair.at.effective_mass;
-  return solve_step(
-      [&](double dt) {
-        const StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways * mobility, 0.0, dt);
-        return mobility * std::max(l.along, sideways * l.across);
-      });
+  return solve_step([&](double dt) {
+    const StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways * mobility, 0.0, dt);
+    return mobility * std::max(l.along, sideways * l.across);
+  });
 }
 
 /// As stable_step of laws/smooth/critical_step.h: chains and packings of solid spheres, neighbours in antiphase.
 double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, int coordination) {
   const double few = std::min(coordination, 2), many = coordination > 2 ? coordination / 3.0 : 0.0;
-  return solve_step(
-      [&](double dt) {
-        const StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways / pair.at.effective_mass,
-                                       0.0, dt);
-        const double chain = std::max(l.along, sideways * l.across);
-        const double packed = std::max(l.along + 2.0 * l.across, 5.0 * l.across);
-        return 2.0 / pair.mass * std::max(few * chain, many * packed);
-      });
+  return solve_step([&](double dt) {
+    const StiffLink l =
+        links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways / pair.at.effective_mass, 0.0, dt);
+    const double chain = std::max(l.along, sideways * l.across);
+    const double packed = std::max(l.along + 2.0 * l.across, 5.0 * l.across);
+    return 2.0 / pair.mass * std::max(few * chain, many * packed);
+  });
 }
 
 double corner_step(const ContactLinks& links, const ExpectedPair& pair, const FlatBody& body, double overlap,
@@ -85,7 +85,8 @@ double corner_step(const ContactLinks& links, const ExpectedPair& pair, const Fl
           Vec3 arm = body.half;
           arm[(axis + 1) % 3] *= u;
           arm[(axis + 2) % 3] *= v;
-          const double slip = 1.0 / body.mass + (turns ? arm.squaredNorm() * body.inertia.cwiseInverse().sum() / 3.0 : 0.0);
+          const double slip =
+              1.0 / body.mass + (turns ? arm.squaredNorm() * body.inertia.cwiseInverse().sum() / 3.0 : 0.0);
           StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), slip, 0.0, dt);
           l.b = 0;
           l.arm_b = arm;

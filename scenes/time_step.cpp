@@ -64,7 +64,8 @@ void look_at(Survey& out, const Assembly& a, const Body& body, const Vec3& at) {
   const double density = a.scene.materials[material].material.density;
   const double volume = mass / density, of_volume = std::cbrt(0.75 * volume / std::numbers::pi);
   FlatBody flat{mass, body.inertia, box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()), density > 0 ? of_volume : radius};
-  // the faces of other shapes do not fill the sides of their box: a cylinder's rim is as far as the corners of a square in it
+  // the faces of other shapes do not fill the sides of their box: a cylinder's rim is as far as the corners of a square
+  // in it
   if (ShapeRef{shape}.type() != ShapeStore::type_of<Box>()) flat.half *= std::sqrt(0.5);
   smallest.flat.emplace(shape, flat);
 }
@@ -178,10 +179,12 @@ class ContactEstimate {
     if (!round) return corners(pair, p, q, impact_overlap, restitution);
     // a body has one contact with a wall and shares the others with its like; in a column they are two
     const bool column = area_ < 2.0 * 4.0 * p.radius * p.radius;
-    const int neighbours = std::min<int>(column ? 2 : 10, static_cast<int>(survey_.free_bodies + survey_.held_bodies) - 1);
+    const int neighbours =
+        std::min<int>(column ? 2 : 10, static_cast<int>(survey_.free_bodies + survey_.held_bodies) - 1);
     const double pressed = overlap_under(links_, pair, chains * load_of(p.radius));
     const bool one = !q && survey_.free_bodies > 1;
-    take(one ? impact_step(links_, pair, pressed) : packing_step(links_, pair, pressed, neighbours), infinity, "under the load of the bodies above");
+    take(one ? impact_step(links_, pair, pressed) : packing_step(links_, pair, pressed, neighbours), infinity,
+         "under the load of the bodies above");
     take(impact_step(links_, pair, impact_overlap), infinity, "at the expected speed");
   }
 
@@ -297,7 +300,8 @@ TimeStep choose_time_step(const Assembly& a) {
   if (*written.value > step.limit && !a.scene.run.allow_unstable)
     throw SceneError(
         fmt::format("[run] time_step = {:g} s exceeds the limit {:.4g} s ({}); use time_step = \"auto\" ({:.4g} s)",
-                    *written.value, step.limit, step.limit_reason.empty() ? step.reason : step.limit_reason, step.value),
+                    *written.value, step.limit, step.limit_reason.empty() ? step.reason : step.limit_reason,
+                    step.value),
         written.place);
   return {*written.value, step.limit,
           "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason), step.limit_reason};

@@ -46,7 +46,8 @@ int main(int, char** argv) {
   FT_Set_Pixel_Sizes(face, 0, 64);
   const FT_Outline_Funcs functions{move_to, line_to, conic_to, cubic_to, 0, 0};
   std::printf(
-      "/// @file glyphs.h  Outlines of the printable ASCII characters, made by tools/font_outlines.cpp from DejaVu Sans\n"
+      "/// @file glyphs.h  Outlines of the printable ASCII characters, made by tools/font_outlines.cpp from DejaVu "
+      "Sans\n"
       "/// (Bitstream Vera and public domain; free to use, change and pass on). Of each character: its advance, then\n"
       "/// polygons divided by blanks; a point is two characters, x and y + 16 in 1/64 of the em, counted from '0'.\n"
       "#pragma once\n\nnamespace epafi {\n\ninline constexpr const char* glyph_outlines[95] = {\n");

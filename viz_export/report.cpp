@@ -38,7 +38,8 @@ struct Page {
     return value ? fmt::format(fmt::runtime(format), *value) : "-";
   }
   void card(const std::string& value, const std::string& label, const char* kind = "") {
-    html += fmt::format("<div class='card'><b class='{}'>{}</b><span>{}</span></div>", kind, escaped(value), escaped(label));
+    html += fmt::format("<div class='card'><b class='{}'>{}</b><span>{}</span></div>", kind, escaped(value),
+                        escaped(label));
   }
   void figure(const std::string& inner, const std::string& caption) {
     html += "<figure>" + inner + "<figcaption>" + escaped(caption) + "</figcaption></figure>";
@@ -47,11 +48,13 @@ struct Page {
 
 void head(Page& p) {
   const std::string status = p.summary.text("status");
-  p.html += fmt::format("<h1>{}</h1><p class='sub'>{} &middot; Epafi {} &middot; state {}</p>", escaped(p.run.title()), escaped(p.summary.text("scene")),
-                        escaped(p.summary.text("epafi")), escaped(p.summary.text("state_hash")));
+  p.html += fmt::format("<h1>{}</h1><p class='sub'>{} &middot; Epafi {} &middot; state {}</p>", escaped(p.run.title()),
+                        escaped(p.summary.text("scene")), escaped(p.summary.text("epafi")),
+                        escaped(p.summary.text("state_hash")));
   p.html += "<div class='cards'>";
   p.card(status, "status", status == "completed" ? "ok" : "no");
-  p.card(p.number("simulated_time") + " s", "simulated, in " + p.number("steps", "{:.0f}") + " steps of " + p.number("time_step") + " s");
+  p.card(p.number("simulated_time") + " s",
+         "simulated, in " + p.number("steps", "{:.0f}") + " steps of " + p.number("time_step") + " s");
   p.card(p.number("wall_time") + " s", "wall time, " + p.number("threads", "{:.0f}") + " threads");
   p.card(p.number("bodies", "{:.0f}"), "bodies, " + p.number("bodies_lost", "{:.0f}") + " lost");
   p.card(p.number("contacts_mean"), "contacts in the mean");
@@ -106,7 +109,8 @@ void three_dimensions(Page& p, const ViewSource& source) {
   constexpr std::size_t most = 8'000'000;
   WrittenPage about;
   const std::string page = complete_page(source, most, about);
-  p.html += "<h2>In three dimensions</h2><iframe title='the run in three dimensions' loading='lazy' srcdoc=\"" + escaped(page) + "\"></iframe>";
+  p.html += "<h2>In three dimensions</h2><iframe title='the run in three dimensions' loading='lazy' srcdoc=\"" +
+            escaped(page) + "\"></iframe>";
 }
 
 /// A plot for each quantity of the measure, with a curve per component that moves.
@@ -132,13 +136,16 @@ void curves(Page& p, const std::string& name, const std::string& title, const St
     const fs::path path = p.folder / "report.part" / fmt::format("{}_{}", name, number++);
     p.drawn = p.drawn && draw(plot, path);
     if (!p.drawn) return;
-    p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," + base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
+    p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," +
+                 base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
              title + ": " + axis);
   }
 }
 
 bool is_energy(const StoredMeasure& m) {
-  const auto has = [&](const char* c) { return std::find(m.components.begin(), m.components.end(), c) != m.components.end(); };
+  const auto has = [&](const char* c) {
+    return std::find(m.components.begin(), m.components.end(), c) != m.components.end();
+  };
   return has("kinetic") && has("relative_error");
 }
 
@@ -158,11 +165,13 @@ StoredMeasure energies(const Page& p) {
 
 void energy(Page& p) {
   p.html += "<h2>Energy balance</h2><div class='grid'><div><table>";
-  for (const char* part : {"kinetic", "potential", "elastic", "dissipated", "gained", "work", "correction", "relative_error"}) {
+  for (const char* part :
+       {"kinetic", "potential", "elastic", "dissipated", "gained", "work", "correction", "relative_error"}) {
     const auto value = p.summary.number(std::string("energy.") + part);
     if (!value) continue;
     const bool error = std::string(part) == "relative_error";
-    p.html += fmt::format("<tr><td>{}</td><td class='n'>{:.6g}{}</td></tr>", error ? "relative error of the ledger" : part, *value, error ? "" : " J");
+    p.html += fmt::format("<tr><td>{}</td><td class='n'>{:.6g}{}</td></tr>",
+                          error ? "relative error of the ledger" : part, *value, error ? "" : " J");
   }
   p.html += "</table></div>";
   const StoredMeasure m = energies(p);
@@ -181,24 +190,32 @@ void measures(Page& p) {
     for (const auto& c : m.components) {
       const std::string at = "measures." + m.name + "." + c + ".";
       if (!p.summary.number(at + "last") && !p.summary.number(at + "max")) continue;
-      p.html += fmt::format("<tr><td>{}</td><td>{}</td><td class='n'>{}</td><td class='n'>{}</td><td class='n'>{}</td></tr>", escaped(m.name),
-                            escaped(c), p.number(at + "last", "{:.6g}"), p.number(at + "min", "{:.6g}"), p.number(at + "max", "{:.6g}"));
+      p.html +=
+          fmt::format("<tr><td>{}</td><td>{}</td><td class='n'>{}</td><td class='n'>{}</td><td class='n'>{}</td></tr>",
+                      escaped(m.name), escaped(c), p.number(at + "last", "{:.6g}"), p.number(at + "min", "{:.6g}"),
+                      p.number(at + "max", "{:.6g}"));
     }
   p.html += "</table>";
 }
 
 void quality(Page& p) {
   p.html += "<h2>Overlap and checks</h2><table><tr><th>quantity</th><th>value</th><th>bound</th><th></th></tr>";
-  for (const auto& [name, text] : {std::pair{"overlap.max", "deepest overlap, worst step [m]"}, {"overlap.mean", "mean overlap, last tenth of the run [m]"},
-                                   {"overlap.max_relative", "deepest over bounding radius, worst step"}, {"momentum_error", "momentum error"},
-                                   {"residual.max", "residual, worst step"}, {"residual.mean", "residual, mean"}, {"iterations.mean", "iterations, mean"}})
-    if (p.summary.number(name)) p.html += fmt::format("<tr><td>{}</td><td class='n'>{}</td><td></td><td></td></tr>", text, p.number(name));
+  for (const auto& [name, text] : {std::pair{"overlap.max", "deepest overlap, worst step [m]"},
+                                   {"overlap.mean", "mean overlap, last tenth of the run [m]"},
+                                   {"overlap.max_relative", "deepest over bounding radius, worst step"},
+                                   {"momentum_error", "momentum error"},
+                                   {"residual.max", "residual, worst step"},
+                                   {"residual.mean", "residual, mean"},
+                                   {"iterations.mean", "iterations, mean"}})
+    if (p.summary.number(name))
+      p.html += fmt::format("<tr><td>{}</td><td class='n'>{}</td><td></td><td></td></tr>", text, p.number(name));
   for (const auto& [name, value] : p.summary.numbers) {
     if (name.rfind("checks.", 0) != 0 || !name.ends_with(".value")) continue;
     const std::string check = name.substr(7, name.size() - 13);
     const bool ok = p.summary.number("checks." + check + ".ok").value_or(0) > 0;
-    p.html += fmt::format("<tr><td>[bounds] {}</td><td class='n'>{:.4g}</td><td class='n'>{}</td><td class='{}'>{}</td></tr>", escaped(check), value,
-                          p.number("checks." + check + ".bound"), ok ? "ok" : "no", ok ? "held" : "violated");
+    p.html += fmt::format(
+        "<tr><td>[bounds] {}</td><td class='n'>{:.4g}</td><td class='n'>{}</td><td class='{}'>{}</td></tr>",
+        escaped(check), value, p.number("checks." + check + ".bound"), ok ? "ok" : "no", ok ? "held" : "violated");
   }
   p.html += "</table>";
 }
@@ -210,10 +227,13 @@ void stages(Page& p) {
     if (name.rfind("stage_seconds.", 0) == 0) total += value;
   for (const auto& [name, value] : p.summary.numbers)
     if (name.rfind("stage_seconds.", 0) == 0)
-      p.html += fmt::format("<tr><td>{}</td><td class='n'>{:.3g} s</td><td style='width:60%'><div class='bar' style='width:{:.1f}%'></div></td></tr>",
-                            name.substr(14), value, total > 0 ? 100 * value / total : 0.0);
-  p.html += fmt::format("</table><p class='sub'>{} ns per body and step, {} MB at the peak</p>", p.number("ns_per_body_step"),
-                        fmt::format("{:.0f}", p.summary.number("peak_memory_bytes").value_or(0) / 1e6));
+      p.html += fmt::format(
+          "<tr><td>{}</td><td class='n'>{:.3g} s</td><td style='width:60%'><div class='bar' "
+          "style='width:{:.1f}%'></div></td></tr>",
+          name.substr(14), value, total > 0 ? 100 * value / total : 0.0);
+  p.html +=
+      fmt::format("</table><p class='sub'>{} ns per body and step, {} MB at the peak</p>", p.number("ns_per_body_step"),
+                  fmt::format("{:.0f}", p.summary.number("peak_memory_bytes").value_or(0) / 1e6));
 }
 
 void settings(Page& p) {
@@ -245,8 +265,10 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
   fs::remove_all(folder / "report.part");
   fs::path target = wanted.empty() ? folder / "report.html" : wanted;
-  write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>",
-                            escaped(run.title()), "</title>", report_style, "</head><body>", page.html, "</body></html>\n"});
+  write_whole_file(target,
+                   {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+                    "content='width=device-width'><title>",
+                    escaped(run.title()), "</title>", report_style, "</head><body>", page.html, "</body></html>\n"});
   return target;
 }
 

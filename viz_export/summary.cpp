@@ -11,7 +11,8 @@ void put_stages(JsonWriter& json, const StageSeconds& seconds) {
   constexpr std::array order{Stage::broad_phase, Stage::narrow_phase, Stage::contact, Stage::integrate, Stage::output};
   const auto put = [&](const char* key, const std::array<double, 5>& values) {
     json.key(key).begin_object();
-    for (const Stage s : order) json.member(stage_names[static_cast<std::size_t>(s)], values[static_cast<std::size_t>(s)]);
+    for (const Stage s : order)
+      json.member(stage_names[static_cast<std::size_t>(s)], values[static_cast<std::size_t>(s)]);
     json.end_object();
   };
   put("stage_seconds", seconds.seconds), put("serial_seconds", seconds.serial);
@@ -63,7 +64,10 @@ std::string summary_json(const RunSummary& s) {
   put_warnings(json, s.warnings);
   json.member("bodies", s.bodies).member("bodies_lost", s.bodies_lost).member("bodies_removed", s.bodies_removed);
   json.member("steps", s.steps).member("time_step", s.time_step).member("simulated_time", s.simulated_time);
-  json.member("wall_time", s.wall_time).member("cpu_time", s.cpu_time).member("threads", s.threads).member("ns_per_body_step", s.ns_per_body_step);
+  json.member("wall_time", s.wall_time)
+      .member("cpu_time", s.cpu_time)
+      .member("threads", s.threads)
+      .member("ns_per_body_step", s.ns_per_body_step);
   put_stages(json, s.stage_seconds);
   json.member("contacts_mean", s.contacts_mean);
   if (s.energy) put_energy(json, *s.energy);

@@ -77,8 +77,8 @@ class ArrayTags {
  public:
   explicit ArrayTags(std::vector<std::size_t> offsets) : offsets_(std::move(offsets)) {}
   std::string array(const std::string& name, const char* type, int components) {
-    return fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)", type,
-                       name, components, offsets_[next_++]) +
+    return fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)",
+                       type, name, components, offsets_[next_++]) +
            "\n";
   }
   std::string cells(const char* tag) {
@@ -108,10 +108,10 @@ class ArrayTags {
 };
 
 /// The opening tag of the raw data. VTK reads 4096 bytes at a time and stops at this tag, but expat since its repair of
-/// CVE-2023-52425 (Debian 12's 2.5.0-1+deb12u2) puts off an incomplete tag until its bytes have doubled: VTK 9.1 and ParaView 5.11
-/// then run into the raw bytes and read nothing. With the word at the end of a buffer the rest comes byte by byte, expat tries at 26
-/// and 52 bytes of the tag, and VTK's own ending (14 bytes) reaches 52 where the tag has 38 to 50: it has 44 here (seen to read
-/// with 25, 31 and 37 bytes behind the word, not with 20 and 40).
+/// CVE-2023-52425 (Debian 12's 2.5.0-1+deb12u2) puts off an incomplete tag until its bytes have doubled: VTK 9.1 and
+/// ParaView 5.11 then run into the raw bytes and read nothing. With the word at the end of a buffer the rest comes byte
+/// by byte, expat tries at 26 and 52 bytes of the tag, and VTK's own ending (14 bytes) reaches 52 where the tag has 38
+/// to 50: it has 44 here (seen to read with 25, 31 and 37 bytes behind the word, not with 20 and 40).
 void begin_appended(std::string& head) {
   constexpr std::string_view word = "<AppendedData";
   constexpr std::size_t buffer = 4096;

@@ -39,8 +39,8 @@ struct Pentadiagonal {
   }
 };
 
-/// Share of smoothing at each point: the bending that counts is curvature along the profile, z'' / (1 + z'^2)^(3/2), or a
-/// flank of 1:20 would be bent aside before anything of the tread's noise is taken away.
+/// Share of smoothing at each point: the bending that counts is curvature along the profile, z'' / (1 + z'^2)^(3/2), or
+/// a flank of 1:20 would be bent aside before anything of the tread's noise is taken away.
 std::vector<double> shares_of_smoothing(const ProfilePoints& p) {
   const std::size_t n = p.y.size();
   std::vector<double> out(n);
@@ -52,8 +52,8 @@ std::vector<double> shares_of_smoothing(const ProfilePoints& p) {
   return out;
 }
 
-/// Second derivatives g at the inner knots and fitted values of the smoothing spline with shares s: (R + lambda Q^T S Q)
-/// g = Q^T z, f = z - lambda S Q g.
+/// Second derivatives g at the inner knots and fitted values of the smoothing spline with shares s: (R + lambda Q^T S
+/// Q) g = Q^T z, f = z - lambda S Q g.
 struct Fit {
   std::vector<double> value, second;
   double rms = 0.0;
@@ -67,10 +67,10 @@ Fit fit(const ProfilePoints& p, double lambda, const std::vector<double>& share)
     return k == 0 ? 1.0 / h(j) : k == 2 ? 1.0 / h(j + 1) : -1.0 / h(j) - 1.0 / h(j + 1);
   };
   for (std::size_t j = 0; j < m; ++j) {
-    A.d[j] = (h(j) + h(j + 1)) / 3.0 + 
-             lambda * (share[j] * q(j, 0) * q(j, 0) + share[j + 1] * q(j, 1) * q(j, 1) + share[j + 2] * q(j, 2) * q(j, 2));
-    if (j + 1 < m) A.e[j] = h(j + 1) / 6.0 + 
-                               lambda * (share[j + 1] * q(j, 1) * q(j + 1, 0) + share[j + 2] * q(j, 2) * q(j + 1, 1));
+    A.d[j] = (h(j) + h(j + 1)) / 3.0 + lambda * (share[j] * q(j, 0) * q(j, 0) + share[j + 1] * q(j, 1) * q(j, 1) +
+                                                 share[j + 2] * q(j, 2) * q(j, 2));
+    if (j + 1 < m)
+      A.e[j] = h(j + 1) / 6.0 + lambda * (share[j + 1] * q(j, 1) * q(j + 1, 0) + share[j + 2] * q(j, 2) * q(j + 1, 1));
     if (j + 2 < m) A.f[j] = lambda * share[j + 2] * q(j, 2) * q(j + 2, 0);
     b[j] = q(j, 0) * p.z[j] + q(j, 1) * p.z[j + 1] + q(j, 2) * p.z[j + 2];
   }
@@ -176,7 +176,8 @@ bool counts_rows(const std::vector<Row>& rows) {
   if (rows.size() < 4) return false;
   const bool up = rows[1].z > rows[0].z;
   for (std::size_t k = 1; k < rows.size(); ++k)
-    if (rows[k].y != rows[k - 1].y + 1.0 || std::isnan(rows[k].third) || (rows[k].z > rows[k - 1].z) != up) return false;
+    if (rows[k].y != rows[k - 1].y + 1.0 || std::isnan(rows[k].third) || (rows[k].z > rows[k - 1].z) != up)
+      return false;
   return rows[0].y == std::floor(rows[0].y);
 }
 
@@ -223,7 +224,8 @@ ProfileFile read_profile(const std::string& text) {
     }
   }
   if (counts_rows(rows))
-    return out.problem = "the first column numbers the points; the first two columns are y and z: leave the numbers out",
+    return out.problem =
+               "the first column numbers the points; the first two columns are y and z: leave the numbers out",
            out;
   out.problem = sort_out(points);
   if (!out.problem.empty()) return out;

@@ -106,7 +106,8 @@ std::string WheelsetOnTrack::left_track(const Pose& body, const Pose& track_body
     const std::string wheel = right ? "its right wheel" : "its left wheel";
     if (pair.missing() != WheelRailPair::Missing::nothing) return wheel + " lies beside its rail";
     const std::optional<ContactRegion> region = pair.deepest();
-    if (region && region->y_wheel <= tip_ && pair.clearance() < near) return wheel + " stands on its rail by the flange";
+    if (region && region->y_wheel <= tip_ && pair.clearance() < near)
+      return wheel + " stands on its rail by the flange";
   }
   return "";
 }
@@ -131,8 +132,7 @@ std::optional<Pose> WheelsetOnTrack::stand(const Pose& body, const Pose& track_b
     const auto axle = [](const WheelsetPosition& p) {
       return Vec3(-std::sin(p.yaw) * std::cos(p.roll), std::cos(p.yaw) * std::cos(p.roll), std::sin(p.roll));
     };
-    const Quat turn = at.frame.orientation *
-                      Quat::FromTwoVectors(axle(start.position), axle(at.position)) *
+    const Quat turn = at.frame.orientation * Quat::FromTwoVectors(axle(start.position), axle(at.position)) *
                       at.frame.orientation.conjugate();
     const Vec3 rise(0.0, 0.0, at.position.height - start.position.height);
     return Pose{body.position + at.frame.orientation * rise, (turn * body.orientation).normalized()};

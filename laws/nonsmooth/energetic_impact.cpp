@@ -126,16 +126,13 @@ class ImpactPath {
 
 }  // namespace
 
-bool is_eccentric(const Mat3& w, double mu) {
-  return mu > 0.0 && tangential_norm(w.col(0)) > uncoupled * w(0, 0);
-}
+bool is_eccentric(const Mat3& w, double mu) { return mu > 0.0 && tangential_norm(w.col(0)) > uncoupled * w(0, 0); }
 
 Vec3 energetic_impulse(const Mat3& w, double mu, double restitution, const Vec3& u) {
   ImpactPath impact(w, mu, u);
   impact.run({});
   const double compression = impact.now().work;
-  if (restitution > 0.0)
-    impact.run({.compression = false, .work = (1.0 - restitution * restitution) * compression});
+  if (restitution > 0.0) impact.run({.compression = false, .work = (1.0 - restitution * restitution) * compression});
   return impact.now().r;
 }
 

@@ -164,8 +164,7 @@ bool Impacts::strike_single(ContactProblem& problem, const Step& step, ImpactBal
     if (bounce.middle <= 0.0 || !problem.rotates || !(problem.friction[i] > 0.0)) continue;
     const Mat3 w = problem.diagonal_of(i);
     if (!is_eccentric(w, problem.friction[i]) || !is_single(problem, i, step)) continue;
-    const Vec3 middle =
-        0.5 * (problem.relative_velocity(i, step.before) + problem.relative_velocity(i, problem.free));
+    const Vec3 middle = 0.5 * (problem.relative_velocity(i, step.before) + problem.relative_velocity(i, problem.free));
     strikes.push_back({i, energetic_impulse(w, problem.friction[i], bounce.restitution, middle)});
   }
   if (strikes.empty()) return false;

@@ -7,10 +7,10 @@
 namespace epafi {
 
 namespace {
-constexpr int most_solves = 8;         // of a step, to find s; the lowest bound found stands then
-constexpr double close_enough = 0.01;  // of the energy that was struck: s need not be nearer
-constexpr double clip_rounding = 1e-13;    // of the energy that was struck
-constexpr double least_scale = 0.999;      // impulses further off are no matter of tolerance: bodies would sink
+constexpr int most_solves = 8;           // of a step, to find s; the lowest bound found stands then
+constexpr double close_enough = 0.01;    // of the energy that was struck: s need not be nearer
+constexpr double clip_rounding = 1e-13;  // of the energy that was struck
+constexpr double least_scale = 0.999;    // impulses further off are no matter of tolerance: bodies would sink
 }  // namespace
 
 void ImpactBalance::begin(std::size_t contacts) { bounces_.assign(contacts, {}); }

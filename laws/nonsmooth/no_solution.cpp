@@ -11,7 +11,7 @@ namespace epafi {
 
 namespace {
 
-constexpr double no_distance = 1e-7;  // of the normalised problem: least squares that are none
+constexpr double no_distance = 1e-7;          // of the normalised problem: least squares that are none
 constexpr double machine_rounding = 2.2e-16;  // rounding
 
 /// NormalColumns of the least-squares problem: of contact i its row of W^(1/2) over its length, and below it q_N alike.

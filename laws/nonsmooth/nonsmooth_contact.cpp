@@ -24,7 +24,7 @@ constexpr double calm_from = 0.01;        // of the tolerance: pyramids of 20 to
 constexpr double creep = 1e-3;            // of the threshold
 constexpr double unit_rounding = 2.2e-16;
 constexpr std::size_t most_kept = 20'000;  // contacts of a step that is kept in blocks: 1 kB each
-constexpr double touching_share = 1e-9;   // a gap that closes in this share of the step is none
+constexpr double touching_share = 1e-9;    // a gap that closes in this share of the step is none
 
 bool bounces(const MaterialTable& materials) {
   return std::any_of(materials.pairs.begin(), materials.pairs.end(),

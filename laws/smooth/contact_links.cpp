@@ -104,7 +104,8 @@ StiffLink ContactLinks::link(std::uint16_t i, std::uint16_t j, const ContactKine
   StiffLink out;
   out.along = 0.25 * dt * dt * n.stiffness + dt * n.dashpot;
   const double sideways = sideways_(pair, n.of_law);
-  const double dashpot = slip_mobility > 0.0 ? 2.0 * sideways_damping_[pair] * std::sqrt(sideways / slip_mobility) : 0.0;
+  const double dashpot =
+      slip_mobility > 0.0 ? 2.0 * sideways_damping_[pair] * std::sqrt(sideways / slip_mobility) : 0.0;
   out.across = 0.25 * dt * dt * sideways + dt * dashpot;
   if (rolling_mobility > 0.0)
     out.turn = rolling_(pair, {n.of_law, n.force, at.effective_radius, 1.0 / rolling_mobility, 0.0, dt});

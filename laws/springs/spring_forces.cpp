@@ -245,8 +245,8 @@ struct MassRoot {
   Mat3 angular = Mat3::Zero();
 };
 
-/// J^T D J of springs in the velocities M^1/2 v, with D their stiffness or damping: symmetric, its largest eigenvalue is
-/// that of M^-1 J^T D J. Positions and axes are those of the moment.
+/// J^T D J of springs in the velocities M^1/2 v, with D their stiffness or damping: symmetric, its largest eigenvalue
+/// is that of M^-1 J^T D J. Positions and axes are those of the moment.
 class SpringOperator {
  public:
   SpringOperator(const std::vector<SpringElement>& springs, const World& world, const Guideway& way) : world_(world) {
@@ -262,7 +262,8 @@ class SpringOperator {
     }
   }
 
-  /// By power iteration: after n steps on vectors of m entries the quotient is below the eigenvalue by log(m)/2n at most.
+  /// By power iteration: after n steps on vectors of m entries the quotient is below the eigenvalue by log(m)/2n at
+  /// most.
   double largest(bool damping) const {
     constexpr int most_iterations = 300;
     std::vector<Vec6> x(world_.size(), Vec6::Zero()), y;

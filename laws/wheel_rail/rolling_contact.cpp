@@ -133,7 +133,8 @@ RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r
   out.touches = true;
   // the patch may lie beside the rigid point: forces act where it is and along its own mean normal
   double angle = r.region.angle;
-  if (normal_.whole_gap && r.region.profile.size() > 0) angle = place_of_patch(*r.source, r.region, r.approach + r.region.offset).angle;
+  if (normal_.whole_gap && r.region.profile.size() > 0)
+    angle = place_of_patch(*r.source, r.region, r.approach + r.region.offset).angle;
   const double turn = angle - r.region.angle;
   const Vec3 x = r.axes.col(0), t = std::cos(turn) * r.axes.col(1) + std::sin(turn) * r.axes.col(2), n = x.cross(t);
   const double side = r.mirrored ? -1.0 : 1.0;

@@ -120,7 +120,9 @@ void remove_results(const std::filesystem::path& folder) {
 void note_thinned(const Assembly& assembly) {
   for (const MeasureSpec& m : assembly.scene.measures)
     if (const std::uint64_t apart = rows_apart(m, assembly.steps); apart > 1)
-      say(fmt::format("measure '{}' has no interval: every step is looked at, one of {} is written ({:.3g} s); interval = 0 writes all",
+      say(
+          fmt::format("measure '{}' has no interval: every step is looked at, one of {} is written ({:.3g} s); "
+                      "interval = 0 writes all",
                       m.name, apart, static_cast<double>(apart) * assembly.time_step.value));
 }
 

@@ -15,7 +15,8 @@ namespace epafi {
 namespace {
 
 constexpr const char* origin =
-    "<!-- written by `epafi reference docs/reference --messages tests/data/broken`; edit the entry in the code, not this page -->\n";
+    "<!-- written by `epafi reference docs/reference --messages tests/data/broken`; edit the entry in the code, not "
+    "this page -->\n";
 
 std::string cell(std::string text) {  // a bar would end the cell
   for (std::size_t at = 0; (at = text.find('|', at)) != text.npos; at += 2) text.insert(at, "\\");
@@ -24,20 +25,34 @@ std::string cell(std::string text) {  // a bar would end the cell
 
 const char* kind_name(Kind kind) {
   switch (kind) {
-    case Kind::number: return "number";
-    case Kind::integer: return "integer";
-    case Kind::boolean: return "true or false";
-    case Kind::text: return "text";
-    case Kind::vec3: return "[x, y, z]";
-    case Kind::quaternion: return "[w, x, y, z]";
-    case Kind::numbers: return "list of numbers";
-    case Kind::integers: return "integer or list";
-    case Kind::vectors: return "list of [x, y, z]";
-    case Kind::quadruples: return "list of [x, y, z, r]";
-    case Kind::texts: return "text or list";
-    case Kind::table: return "table";
-    case Kind::shape: return "shape";
-    case Kind::tables: return "table";
+    case Kind::number:
+      return "number";
+    case Kind::integer:
+      return "integer";
+    case Kind::boolean:
+      return "true or false";
+    case Kind::text:
+      return "text";
+    case Kind::vec3:
+      return "[x, y, z]";
+    case Kind::quaternion:
+      return "[w, x, y, z]";
+    case Kind::numbers:
+      return "list of numbers";
+    case Kind::integers:
+      return "integer or list";
+    case Kind::vectors:
+      return "list of [x, y, z]";
+    case Kind::quadruples:
+      return "list of [x, y, z, r]";
+    case Kind::texts:
+      return "text or list";
+    case Kind::table:
+      return "table";
+    case Kind::shape:
+      return "shape";
+    case Kind::tables:
+      return "table";
   }
   return "";
 }
@@ -55,10 +70,12 @@ std::string admissible(const Field& f) {
 void add_fields(std::string& out, const std::vector<Field>& fields, const std::string& prefix) {
   for (const Field& f : fields) {
     if (f.kind == Kind::tables) continue;  // has a section of its own
-    const std::string otherwise = f.default_value ? "`" + format_value(*f.default_value) + "`" : f.optional ? "optional" : "**required**";
+    const std::string otherwise = f.default_value ? "`" + format_value(*f.default_value) + "`"
+                                  : f.optional    ? "optional"
+                                                  : "**required**";
     const char* kind = f.kind == Kind::table && !f.choices.empty() ? "word or table" : kind_name(f.kind);
-    out += fmt::format("| `{}{}` | {} | {} | {} | {} | {} | {} |\n", prefix, f.name, cell(f.symbol), f.unit, kind, otherwise,
-                       cell(admissible(f)), cell(f.help));
+    out += fmt::format("| `{}{}` | {} | {} | {} | {} | {} | {} |\n", prefix, f.name, cell(f.symbol), f.unit, kind,
+                       otherwise, cell(admissible(f)), cell(f.help));
     if (f.kind == Kind::table) add_fields(out, f.fields, prefix + f.name + ".");
   }
 }
@@ -76,7 +93,8 @@ std::string needs_text(const Needs& n) {
     if (has) out += (out.empty() ? "" : ", ") + std::string(name);
   };
   add(n.rotation, "rotation"), add(n.slip_velocity, "slip velocity"), add(n.memory, "memory of each contact");
-  add(n.curvature, "curvature"), add(n.manifold, "several points per pair"), add(n.contact_moment, "contact moment"), add(n.area, "overlap area");
+  add(n.curvature, "curvature"), add(n.manifold, "several points per pair"), add(n.contact_moment, "contact moment"),
+      add(n.area, "overlap area");
   return out;
 }
 
@@ -103,21 +121,28 @@ std::string pair_matrix(const std::vector<Entry>& shapes) {
 
 const char* form_text(TableSchema::Form form) {
   switch (form) {
-    case TableSchema::Form::single: return "one table";
-    case TableSchema::Form::named: return "one table per name";
-    case TableSchema::Form::list: return "any number, `[[...]]`";
-    case TableSchema::Form::free: return "names are yours";
+    case TableSchema::Form::single:
+      return "one table";
+    case TableSchema::Form::named:
+      return "one table per name";
+    case TableSchema::Form::list:
+      return "any number, `[[...]]`";
+    case TableSchema::Form::free:
+      return "names are yours";
   }
   return "";
 }
 
 std::string keys_page(const Registry& registry) {
-  std::string out = std::string(origin) + "# Keys of a scene file\n\nNumbers are SI, a text with a unit (`\"10 mm\"`), or `\"= expression\"` over `[params]` (and `seed`, that of `[run]`). "
-                    "Parameters of laws and solvers stand on their own pages. Top level: `title` (text), `include` (list of files merged below this one).\n";
+  std::string out = std::string(origin) +
+                    "# Keys of a scene file\n\nNumbers are SI, a text with a unit (`\"10 mm\"`), or `\"= expression\"` "
+                    "over `[params]` (and `seed`, that of `[run]`). "
+                    "Parameters of laws and solvers stand on their own pages. Top level: `title` (text), `include` "
+                    "(list of files merged below this one).\n";
   for (const TableSchema& t : make_schema(registry).tables) {
     const bool list = t.form == TableSchema::Form::list, named = t.form == TableSchema::Form::named;
-    out += "\n## " + std::string(list ? "[[" : "[") + t.name + (named ? ".NAME" : "") + (list ? "]]" : "]") + "\n" + t.summary + "; " + form_text(t.form) +
-           ".\n\n";
+    out += "\n## " + std::string(list ? "[[" : "[") + t.name + (named ? ".NAME" : "") + (list ? "]]" : "]") + "\n" +
+           t.summary + "; " + form_text(t.form) + ".\n\n";
     if (t.form == TableSchema::Form::free) continue;
     if (t.name == "shape") {
       out += "One of the forms of [shapes.md](shapes.md), and:\n\n";
@@ -134,8 +159,9 @@ std::string keys_page(const Registry& registry) {
 
 std::string patch_page(const Registry& registry) {
   return std::string(origin) + "# Keys of a patch case (`epafi patch`)\n\n## [patch]\n" + field_table(patch_fields()) +
-         "\nThe profiles are shapes: [wheel_profile and rail_profile](shapes.md).\n\n## [contact]\n" + field_table(patch_contact_fields()) + "\n## [material.NAME]\n" +
-         field_table(patch_material_fields()) + "\n## Normal models\n" + entries(registry.patch_normal_models) + "\n## Tangential models\n" +
+         "\nThe profiles are shapes: [wheel_profile and rail_profile](shapes.md).\n\n## [contact]\n" +
+         field_table(patch_contact_fields()) + "\n## [material.NAME]\n" + field_table(patch_material_fields()) +
+         "\n## Normal models\n" + entries(registry.patch_normal_models) + "\n## Tangential models\n" +
          entries(registry.patch_tangential_models);
 }
 
@@ -150,8 +176,8 @@ std::vector<std::pair<std::string, std::string>> reference_pages(const Registry&
                           "\n## Rolling: `[contact.smooth] rolling`\n" + entries(r.rolling_laws)},
           {"solvers.md", top + "# Solvers of non-smooth contact: `[contact.nonsmooth] solver`\n" + entries(r.solvers)},
           {"measures.md", top + "# Measures: `[[measure]] kind`\n" + entries(r.measures)},
-          {"stages.md", top + "# Broad phases and time schemes\n\n## `[detection] broad_phase`\n" + entries(r.broad_phases) +
-                            "\n## `[run] scheme`\n" + entries(r.schemes)},
+          {"stages.md", top + "# Broad phases and time schemes\n\n## `[detection] broad_phase`\n" +
+                            entries(r.broad_phases) + "\n## `[run] scheme`\n" + entries(r.schemes)},
           {"keys.md", keys_page(r)},
           {"patch.md", patch_page(r)}};
 }
@@ -162,8 +188,10 @@ std::string messages_page(const std::filesystem::path& folder) {
     if (file.path().extension() == ".toml") files.push_back(file.path());
   std::sort(files.begin(), files.end());
   std::string out = std::string(origin) +
-                    "# Messages\n\nEach says place (line:column), what was found, and what to write instead. All problems of a file come at once. "
-                    "These come from scenes that are wrong on purpose; a test compares them word for word.\n\n| message | scene |\n|---|---|\n";
+                    "# Messages\n\nEach says place (line:column), what was found, and what to write instead. All "
+                    "problems of a file come at once. "
+                    "These come from scenes that are wrong on purpose; a test compares them word for word.\n\n| "
+                    "message | scene |\n|---|---|\n";
   for (const auto& file : files) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line) && line.rfind("# expect: ", 0) == 0;)

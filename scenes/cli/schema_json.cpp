@@ -165,7 +165,8 @@ SceneSchema with_patch_cases(SceneSchema schema) {
   for (TableSchema& t : schema.tables)  // a patch case has no mechanics to choose
     if (t.name == "contact")
       for (Field& f : t.fields) f.optional = f.optional || f.name == "method";
-  schema.tables.push_back({"patch", TableSchema::Form::single, "one wheel-rail or Hertzian contact in statics (`epafi patch`)", patch_fields()});
+  schema.tables.push_back({"patch", TableSchema::Form::single,
+                           "one wheel-rail or Hertzian contact in statics (`epafi patch`)", patch_fields()});
   return schema;
 }
 

@@ -136,8 +136,8 @@ Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveO
 std::string csv(const std::vector<Row>& rows) {
   std::string text = "problem,method,status,iterations,ms,residual,penetration_rate,sweep_equivalents,reason\n";
   for (const Row& r : rows)
-    text += fmt::format("{},{},{},{},{:.4g},{:.3e},{:.3e},{:.4g},{}\n", r.problem, r.method, r.status, r.iterations, r.ms,
-                        r.residual, r.penetration_rate, r.sweeps, r.reason);
+    text += fmt::format("{},{},{},{},{:.4g},{:.3e},{:.3e},{:.4g},{}\n", r.problem, r.method, r.status, r.iterations,
+                        r.ms, r.residual, r.penetration_rate, r.sweeps, r.reason);
   return text;
 }
 

@@ -114,7 +114,8 @@ void check_dimensions(Reading& reading, const TableValues& patch, ProfileCase& c
                                                 {"lateral_shift", std::abs(c.position.lateral_shift)}};
   for (const auto& [name, value] : all) {
     if (value <= largest) continue;
-    const std::string text = fmt::format("[patch] {} = {:.4g} m: is it in millimetres? write \"{:.4g} mm\"", name, value, value);
+    const std::string text =
+        fmt::format("[patch] {} = {:.4g} m: is it in millimetres? write \"{:.4g} mm\"", name, value, value);
     reading.warning(patch.place, text);
     c.doubts.push_back(text);
   }

@@ -22,15 +22,18 @@ namespace {
 std::string toml_of(const py::handle& value) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
   if (py::isinstance<py::int_>(value)) return py::str(value);
-  if (py::isinstance<py::float_>(value)) return fmt::format("{:.17g}", value.cast<double>()).find_first_of(".einf") == std::string::npos
-                                                    ? fmt::format("{:.17g}.0", value.cast<double>())
-                                                    : fmt::format("{:.17g}", value.cast<double>());
+  if (py::isinstance<py::float_>(value))
+    return fmt::format("{:.17g}", value.cast<double>()).find_first_of(".einf") == std::string::npos
+               ? fmt::format("{:.17g}.0", value.cast<double>())
+               : fmt::format("{:.17g}", value.cast<double>());
   if (py::isinstance<py::str>(value)) {
     std::string out = "\"";
     for (const char c : value.cast<std::string>()) {
       if (c == '"' || c == '\\') out += '\\';
-      if (c == '\n') out += "\\n";
-      else out += c;
+      if (c == '\n')
+        out += "\\n";
+      else
+        out += c;
     }
     return out + "\"";
   }
@@ -41,8 +44,12 @@ std::string toml_of(const py::handle& value) {
     return "{" + out + "}";
   }
   if (!py::isinstance<py::sequence>(value) && !py::hasattr(value, "__iter__"))
-    throw py::type_error("a scene is made of dict, list, str, bool, int and float, not of " + std::string(py::str(py::type::of(value))));
-  for (const auto& item : value) out += (out.empty() ? "" : ", ") + toml_of(item.get_type().attr("__module__").cast<std::string>() == "numpy" ? item.attr("item")() : py::reinterpret_borrow<py::object>(item));
+    throw py::type_error("a scene is made of dict, list, str, bool, int and float, not of " +
+                         std::string(py::str(py::type::of(value))));
+  for (const auto& item : value)
+    out += (out.empty() ? "" : ", ") + toml_of(item.get_type().attr("__module__").cast<std::string>() == "numpy"
+                                                   ? item.attr("item")()
+                                                   : py::reinterpret_borrow<py::object>(item));
   return "[" + out + "]";
 }
 
@@ -89,7 +96,8 @@ class Run {
     Simulation& sim = simulation();
     const Energy e = sim.ledger.measure(sim.world);
     py::dict out;
-    out["kinetic"] = e.kinetic, out["potential"] = e.potential, out["elastic"] = e.elastic, out["dissipated"] = e.dissipated;
+    out["kinetic"] = e.kinetic, out["potential"] = e.potential, out["elastic"] = e.elastic,
+    out["dissipated"] = e.dissipated;
     out["work"] = e.work, out["relative_error"] = sim.ledger.relative_error();
     return out;
   }
@@ -122,8 +130,9 @@ py::array view(Column& column, py::ssize_t width, const py::object& owner, bool 
   std::size_t stride = sizeof(column[0]);
   if constexpr (requires { column.stride(); }) stride = column.stride();
   const auto row = static_cast<py::ssize_t>(stride);
-  py::array out = width == 1 ? py::array(py::dtype::of<T>(), {n}, {row}, data, owner)
-                             : py::array(py::dtype::of<T>(), {n, width}, {row, static_cast<py::ssize_t>(sizeof(T))}, data, owner);
+  py::array out =
+      width == 1 ? py::array(py::dtype::of<T>(), {n}, {row}, data, owner)
+                 : py::array(py::dtype::of<T>(), {n, width}, {row, static_cast<py::ssize_t>(sizeof(T))}, data, owner);
   if (!writable) py::detail::array_proxy(out.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return out;
 }
@@ -156,7 +165,9 @@ auto of_contacts(py::ssize_t width, Put put) {
 }  // namespace
 
 PYBIND11_MODULE(epafi, m) {
-  m.doc() = "Epafi: many-body contact. load() or build() a scene, step() it, read its columns as NumPy arrays without copying.";
+  m.doc() =
+      "Epafi: many-body contact. load() or build() a scene, step() it, read its columns as NumPy arrays without "
+      "copying.";
   m.attr("__version__") = EPAFI_VERSION;
   py::register_exception_translator([](std::exception_ptr p) {
     try {
@@ -167,34 +178,92 @@ PYBIND11_MODULE(epafi, m) {
       PyErr_SetString(PyExc_OSError, e.what());
     }
   });
-  m.def("load", [](const std::string& path, const std::vector<std::string>& overrides) { return std::make_unique<Run>(load(path, overrides)); },
-        py::arg("path"), py::arg("overrides") = std::vector<std::string>{}, "A scene file; overrides: KEY.PATH=VALUE, as --set takes them.");
-  m.def("build", [](const py::dict& scene, const std::vector<std::string>& overrides) { return std::make_unique<Run>(load_text(scene_of(scene), overrides)); },
-        py::arg("scene"), py::arg("overrides") = std::vector<std::string>{}, "A scene as nested dicts and lists with the keys of a scene file.");
-  m.def("set_threads", [](int n) { set_thread_count(n); }, py::arg("count"), "Threads of all runs from now on; the bits do not depend on it.");
+  m.def(
+      "load",
+      [](const std::string& path, const std::vector<std::string>& overrides) {
+        return std::make_unique<Run>(load(path, overrides));
+      },
+      py::arg("path"), py::arg("overrides") = std::vector<std::string>{},
+      "A scene file; overrides: KEY.PATH=VALUE, as --set takes them.");
+  m.def(
+      "build",
+      [](const py::dict& scene, const std::vector<std::string>& overrides) {
+        return std::make_unique<Run>(load_text(scene_of(scene), overrides));
+      },
+      py::arg("scene"), py::arg("overrides") = std::vector<std::string>{},
+      "A scene as nested dicts and lists with the keys of a scene file.");
+  m.def(
+      "set_threads", [](int n) { set_thread_count(n); }, py::arg("count"),
+      "Threads of all runs from now on; the bits do not depend on it.");
 
-  py::class_<Run>(m, "Run", "A scene that runs. Arrays are views of its columns: always of the present moment, in the order of slots (see id).")
-      .def("step", &Run::step, py::arg("count") = 1, "Makes `count` steps; raises RuntimeError where the simulation fails.")
+  py::class_<Run>(m, "Run",
+                  "A scene that runs. Arrays are views of its columns: always of the present moment, in the order of "
+                  "slots (see id).")
+      .def("step", &Run::step, py::arg("count") = 1,
+           "Makes `count` steps; raises RuntimeError where the simulation fails.")
       .def("energy", &Run::energy, "Energies [J] and the ledger's relative error.")
       .def("measures", &Run::measures, "Last, smallest and largest value of every component of the scene's measures.")
       .def_property_readonly("title", &Run::title)
       .def_property_readonly("total_steps", &Run::total_steps, "Steps of the scene's duration.")
       .def_property_readonly("steps", [](Run& r) { return r.simulation().steps(); })
-      .def_property_readonly("time", [](Run& r) { return r.world().time; }, "[s]")
-      .def_property_readonly("time_step", [](Run& r) { return r.simulation().time_step; }, "[s]")
+      .def_property_readonly(
+          "time", [](Run& r) { return r.world().time; }, "[s]")
+      .def_property_readonly(
+          "time_step", [](Run& r) { return r.simulation().time_step; }, "[s]")
       .def_property_readonly("state_hash", [](Run& r) { return state_hash(r.world()); })
-      .def_property_readonly("id", column<std::uint32_t>([](Run& r) -> auto& { return r.world().id; }, 1), "Body in each slot; slots change when bodies are sorted or removed.")
-      .def_property_readonly("material", column<std::uint16_t>([](Run& r) -> auto& { return r.world().material; }, 1))
-      .def_property_readonly("inverse_mass", column<double>([](Run& r) -> auto& { return r.world().inverse_mass; }, 1), "[1/kg], 0 for fixed bodies")
-      .def_property_readonly("position", column<double>([](Run& r) -> auto& { return r.world().position; }, 3), "(n, 3) [m]")
-      .def_property_readonly("velocity", column<double>([](Run& r) -> auto& { return r.world().velocity; }, 3, true), "(n, 3) [m/s]; may be written: a kick")
-      .def_property_readonly("force", column<double>([](Run& r) -> auto& { return r.world().force; }, 3), "(n, 3) contact force [N], smooth contact")
-      .def_property_readonly("orientation", column<double>([](Run& r) -> auto& { return r.world().orientation; }, 4), "(n, 4) quaternion x y z w, where bodies turn")
-      .def_property_readonly("angular_velocity", column<double>([](Run& r) -> auto& { return r.world().angular_velocity; }, 3), "(n, 3) world axes [rad/s]")
-      .def_property_readonly("contact_bodies", of_contacts<std::uint32_t>(2, [](const World& w, const ContactSet& c, std::size_t k, std::uint32_t* to) { to[0] = static_cast<std::uint32_t>(w.id[c.a[k]]), to[1] = static_cast<std::uint32_t>(w.id[c.b[k]]); }), "(n, 2) ids of A and B; contacts of the last step, a copy as the next three")
-      .def_property_readonly("contact_gap", of_contacts<double>(1, [](const World&, const ContactSet& c, std::size_t k, double* to) { *to = c.gap[k]; }), "[m], < 0 overlap")
-      .def_property_readonly("contact_normal", of_contacts<double>(3, [](const World&, const ContactSet& c, std::size_t k, double* to) { std::copy_n(c.normal[k].data(), 3, to); }), "(n, 3) from A to B")
-      .def_property_readonly("contact_force", of_contacts<double>(3, [](const World&, const ContactSet& c, std::size_t k, double* to) { const Vec3 f = k < c.force.size() ? c.force[k] : Vec3(Vec3::Zero()); std::copy_n(f.data(), 3, to); }), "(n, 3) on A [N]");
+      .def_property_readonly("id",
+                             column<std::uint32_t>(
+                                 [](Run & r) -> auto& { return r.world().id; }, 1),
+                             "Body in each slot; slots change when bodies are sorted or removed.")
+      .def_property_readonly("material", column<std::uint16_t>(
+                                             [](Run & r) -> auto& { return r.world().material; }, 1))
+      .def_property_readonly("inverse_mass",
+                             column<double>(
+                                 [](Run & r) -> auto& { return r.world().inverse_mass; }, 1),
+                             "[1/kg], 0 for fixed bodies")
+      .def_property_readonly("position",
+                             column<double>(
+                                 [](Run & r) -> auto& { return r.world().position; }, 3),
+                             "(n, 3) [m]")
+      .def_property_readonly("velocity",
+                             column<double>(
+                                 [](Run & r) -> auto& { return r.world().velocity; }, 3, true),
+                             "(n, 3) [m/s]; may be written: a kick")
+      .def_property_readonly("force",
+                             column<double>(
+                                 [](Run & r) -> auto& { return r.world().force; }, 3),
+                             "(n, 3) contact force [N], smooth contact")
+      .def_property_readonly("orientation",
+                             column<double>(
+                                 [](Run & r) -> auto& { return r.world().orientation; }, 4),
+                             "(n, 4) quaternion x y z w, where bodies turn")
+      .def_property_readonly("angular_velocity",
+                             column<double>(
+                                 [](Run & r) -> auto& { return r.world().angular_velocity; }, 3),
+                             "(n, 3) world axes [rad/s]")
+      .def_property_readonly(
+          "contact_bodies",
+          of_contacts<std::uint32_t>(2,
+                                     [](const World& w, const ContactSet& c, std::size_t k, std::uint32_t* to) {
+                                       to[0] = static_cast<std::uint32_t>(w.id[c.a[k]]),
+                                       to[1] = static_cast<std::uint32_t>(w.id[c.b[k]]);
+                                     }),
+          "(n, 2) ids of A and B; contacts of the last step, a copy as the next three")
+      .def_property_readonly(
+          "contact_gap",
+          of_contacts<double>(1, [](const World&, const ContactSet& c, std::size_t k, double* to) { *to = c.gap[k]; }),
+          "[m], < 0 overlap")
+      .def_property_readonly("contact_normal",
+                             of_contacts<double>(3, [](const World&, const ContactSet& c, std::size_t k,
+                                                       double* to) { std::copy_n(c.normal[k].data(), 3, to); }),
+                             "(n, 3) from A to B")
+      .def_property_readonly("contact_force",
+                             of_contacts<double>(3,
+                                                 [](const World&, const ContactSet& c, std::size_t k, double* to) {
+                                                   const Vec3 f = k < c.force.size() ? c.force[k] : Vec3(Vec3::Zero());
+                                                   std::copy_n(f.data(), 3, to);
+                                                 }),
+                             "(n, 3) on A [N]");
 }
 
 }  // namespace epafi

@@ -27,7 +27,8 @@ const Wheelset& wheelset_of(const Assembly& a, Slot s) {
 /// Way down along z by which half the load presses a wheel in; 0 for rigid contact or no load.
 SinkOfRegion sink_of(const Assembly& a, Slot s, Slot track) {
   const World& w = a.simulation->world;
-  if (a.scene.contact.method.value != Method::smooth || !w.is_movable(s)) return [](const ContactRegion&) { return 0.0; };
+  if (a.scene.contact.method.value != Method::smooth || !w.is_movable(s))
+    return [](const ContactRegion&) { return 0.0; };
   const Vec3 down = w.pose(track).orientation * Vec3::UnitZ();
   const double load = 0.5 * w.free_acceleration(s).dot(down) / w.inverse_mass[s];
   const MaterialTable table = material_table(a.scene);
@@ -56,8 +57,7 @@ void place_on_rails(Assembly& a) {
                        place);
     const Slot s = w.slot_of(Assembly::body_id(k)), track = tracks.front();
     const Track& rails = *a.shapes->of<RailProfile>()[ShapeRef{w.shape[track]}.index()].track;
-    const auto pose =
-        WheelsetOnTrack(wheelset_of(a, s), rails).stand(w.pose(s), w.pose(track), sink_of(a, s, track));
+    const auto pose = WheelsetOnTrack(wheelset_of(a, s), rails).stand(w.pose(s), w.pose(track), sink_of(a, s, track));
     if (!pose)
       throw SceneError(
           fmt::format("body '{}': on_rails: the wheelset does not stand on both rails {:.4g} m beside the track's "
@@ -77,8 +77,7 @@ TrackWatch::TrackWatch(const Assembly& a) : world_(a.simulation->world) {
   track_ = a.shapes->of<RailProfile>()[ShapeRef{world_.shape[tracks.front()]}.index()].track;
   for (Slot s = 0; s < world_.size(); ++s) {
     if (ShapeRef{world_.shape[s]}.type() != ShapeStore::type_of<WheelProfile>() || !world_.is_movable(s)) continue;
-    std::shared_ptr<const Wheelset> wheelset =
-        a.shapes->of<WheelProfile>()[ShapeRef{world_.shape[s]}.index()].wheelset;
+    std::shared_ptr<const Wheelset> wheelset = a.shapes->of<WheelProfile>()[ShapeRef{world_.shape[s]}.index()].wheelset;
     auto search = std::make_unique<WheelsetOnTrack>(*wheelset, *track_);
     wheelsets_.push_back({world_.id[s], std::move(wheelset), std::move(search)});
   }

@@ -26,16 +26,15 @@ std::string wrong_unit(const ProfilePoints& p) {
   const double width = width_of(p);
   if (width >= shortest && width <= longest) return "";
   return fmt::format("the points span {:.4g} m in y: is the unit of the first line right? ({})", width,
-                     width > longest ? "millimetres called m, or an index in the first column"
-                                     : "metres called mm");
+                     width > longest ? "millimetres called m, or an index in the first column" : "metres called mm");
 }
 
 /// Slope of the profile's end pieces over 5 % of its width, positive where z grows outwards.
 double slope_of_end(const ProfilePoints& p, bool last) {
   const double part = 0.05 * width_of(p);
   const std::size_t n = p.y.size();
-  const std::size_t inner = last ? std::min(at_least(p.y, p.y.back() - part), n - 2) : std::max<std::size_t>(
-                                                                  at_least(p.y, p.y.front() + part), 1);
+  const std::size_t inner = last ? std::min(at_least(p.y, p.y.back() - part), n - 2)
+                                 : std::max<std::size_t>(at_least(p.y, p.y.front() + part), 1);
   const std::size_t outer = last ? n - 1 : 0;
   return (p.z[outer] - p.z[inner]) / std::abs(p.y[outer] - p.y[inner]);
 }
@@ -73,7 +72,8 @@ ProfileRemarks remarks_on_wheel(const ProfilePoints& p) {
   if (up.height >= flange) {
     if (!up.tread_right)
       out.problem = fmt::format(
-          "the flange (tip at y = {:.4g} m) lies on the field side: y is negative towards the flange; mirror y", up.tip);
+          "the flange (tip at y = {:.4g} m) lies on the field side: y is negative towards the flange; mirror y",
+          up.tip);
     else if (up.tip > -0.25 * flange)
       out.problem = fmt::format(
           "the flange's tip lies at y = {:.4g} m: y counts from the tape circle, flange side negative, and not from "
@@ -86,9 +86,10 @@ ProfileRemarks remarks_on_wheel(const ProfilePoints& p) {
         down.tip, down.tread_right ? "" : " and of y");
   }
   if (out.problem.empty() && (p.y.front() > 0.0 || p.y.back() < 0.0))
-    out.problem = fmt::format("the points lie from y = {:.4g} to {:.4g} m: y counts from the tape circle, which must "
-                              "be on the profile",
-                              p.y.front(), p.y.back());
+    out.problem = fmt::format(
+        "the points lie from y = {:.4g} to {:.4g} m: y counts from the tape circle, which must "
+        "be on the profile",
+        p.y.front(), p.y.back());
   return out;
 }
 
@@ -104,9 +105,10 @@ ProfileRemarks remarks_on_rail(const ProfilePoints& p) {
     return out;
   }
   if (p.y.front() > 0.0 || p.y.back() < 0.0) {
-    out.problem = fmt::format("the points lie from y = {:.4g} to {:.4g} m: y counts from the rail's axis, which must "
-                              "be on the profile",
-                              p.y.front(), p.y.back());
+    out.problem = fmt::format(
+        "the points lie from y = {:.4g} to {:.4g} m: y counts from the rail's axis, which must "
+        "be on the profile",
+        p.y.front(), p.y.back());
     return out;
   }
   // heads lean inwards, so that the top lies on the field side of the middle between the flanks

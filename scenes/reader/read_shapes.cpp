@@ -105,7 +105,8 @@ void check_railway(Reading& reading, ShapeSpec& shape, const TableValues& values
 }
 
 void check_size(Reading& reading, const TableValues& values, const Entry& form, const std::string& label) {
-  if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere" && form.name != "solid") {
+  if (values.written("scale_to_diameter") && form.name != "polyhedron" && form.name != "sphere" &&
+      form.name != "solid") {
     reading.error(values.place_of("scale_to_diameter"),
                   label + ": scale_to_diameter is for a polyhedron, a solid or a sphere, not for a " + form.name);
   }

@@ -53,7 +53,9 @@ TableSchema world_table() {
   std::vector<Field> domain{
       required("min", "", "m", Kind::vec3, {}, "lower corner"),
       required("max", "", "m", Kind::vec3, {}, "upper corner"),
-      with_default(word("outside", "what leaving it does; to delete, every 100th step looks (20th with impulses)", {"error", "delete"}), Value(std::string("error"))),
+      with_default(word("outside", "what leaving it does; to delete, every 100th step looks (20th with impulses)",
+                        {"error", "delete"}),
+                   Value(std::string("error"))),
       axes,
       optional("strain_rate", "", "1/s", Kind::vec3, {}, "of the periodic axes, extension positive"),
       optional("pressure", "p", "Pa", Kind::number, positive, "the periodic axes strain towards this contact stress"),
@@ -169,11 +171,12 @@ TableSchema body_table() {
        with_default(required("continuous", "", "", Kind::boolean, {},
                              "held back from passing through other bodies within a step; non-smooth contact only"),
                     Value(false)),
-       with_default(required("on_rails", "", "", Kind::boolean, {},
-                             "a wheelset stands on the rails of the scene's track at the start, pressed in by its load: "
-                             "height and roll are found, position and orientation give its place along and beside the "
-                             "track, its yaw and the turn of its wheels"),
-                    Value(false)),
+       with_default(
+           required("on_rails", "", "", Kind::boolean, {},
+                    "a wheelset stands on the rails of the scene's track at the start, pressed in by its load: "
+                    "height and roll are found, position and orientation give its place along and beside the "
+                    "track, its yaw and the turn of its wheels"),
+           Value(false)),
        with_default(required("position", "x", "m", Kind::vec3, {}, "centre of mass"), Value(zero)),
        optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
        optional("euler_deg", "", "", Kind::vec3, {},
@@ -187,18 +190,19 @@ TableSchema body_table() {
 }
 
 TableSchema bodies_table() {
-  return {"bodies",
-          TableSchema::Form::list,
-          "bodies from a file: CSV with columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius, diameter or shape "
-          "[,material]; a dump of LAMMPS or LIGGGHTS (last frame), a text export of YADE",
-          {text("file", ".csv, .dump, .lammpstrj, .liggghts, .txt (YADE) or .polyset"),
-           optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
-           optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
-           optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"),
-           with_default(required("jitter", "", "m", Kind::number, not_negative,
-                                 "each is displaced by chance (run.seed), at most this far along every axis"),
-                        Value(0.0)),
-           with_default(required("fixed", "", "", Kind::boolean, {}, "never move"), Value(false))}};
+  return {
+      "bodies",
+      TableSchema::Form::list,
+      "bodies from a file: CSV with columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius, diameter or shape "
+      "[,material]; a dump of LAMMPS or LIGGGHTS (last frame), a text export of YADE",
+      {text("file", ".csv, .dump, .lammpstrj, .liggghts, .txt (YADE) or .polyset"),
+       optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+       optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
+       optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"),
+       with_default(required("jitter", "", "m", Kind::number, not_negative,
+                             "each is displaced by chance (run.seed), at most this far along every axis"),
+                    Value(0.0)),
+       with_default(required("fixed", "", "", Kind::boolean, {}, "never move"), Value(false))}};
 }
 
 TableSchema fill_table() {
@@ -214,26 +218,28 @@ TableSchema fill_table() {
                    Value(std::string("number")))};
   Field full = word("until", "fills the region", {"full"});
   full.optional = true;
-  return {"fill",
-          TableSchema::Form::list,
-          "many bodies placed in a region; exactly one of count, mass, until",
-          {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
-           required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
-           optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
-           table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
-           optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
-           optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
-           needed(table("region", "where the bodies are placed", region_box())),
-           with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
-                        Value(std::string("lattice"))),
-           optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
-           optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
-           with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
-           optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
-           with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
-           with_default(required("velocity_deviation", "", "m/s", Kind::number, not_negative,
-                                 "standard deviation of each component of a body's own velocity, without momentum in all: a gas"),
-                        Value(0.0))}};
+  return {
+      "fill",
+      TableSchema::Form::list,
+      "many bodies placed in a region; exactly one of count, mass, until",
+      {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
+       required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
+       optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
+       table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
+       optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
+       optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
+       needed(table("region", "where the bodies are placed", region_box())),
+       with_default(word("method", "how the bodies are placed", {"lattice", "random", "pour"}),
+                    Value(std::string("lattice"))),
+       optional("rate", "", "1/s", Kind::number, positive, "pour: bodies per second"),
+       optional("mass_rate", "", "kg/s", Kind::number, positive, "pour: mass per second"),
+       with_default(required("from", "", "s", Kind::number, not_negative, "pour: begin"), Value(0.0)),
+       optional("seed", "", "", Kind::integer, seeds, "seed; that of [run] where not written"),
+       with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity of all bodies"), Value(zero)),
+       with_default(
+           required("velocity_deviation", "", "m/s", Kind::number, not_negative,
+                    "standard deviation of each component of a body's own velocity, without momentum in all: a gas"),
+           Value(0.0))}};
 }
 
 TableSchema outlet_table() {
@@ -263,11 +269,12 @@ TableSchema spring_table() {
 
 TableSchema measure_table(const Registry& registry) {
   return {"measure", TableSchema::Form::list, "a quantity written to measures.csv",
-          std::vector<Field>{optional("name", "", "", Kind::text, {}, "name; the kind where not written"),
-                             word("kind", "what is measured", names_of(registry.measures)),
-                             optional("interval", "", "s", Kind::number, not_negative,
-                                      "time between values; 0 is every step; where not written, every step is looked at and "
-                                      "10 000 at most are written")} +
+          std::vector<Field>{
+              optional("name", "", "", Kind::text, {}, "name; the kind where not written"),
+              word("kind", "what is measured", names_of(registry.measures)),
+              optional("interval", "", "s", Kind::number, not_negative,
+                       "time between values; 0 is every step; where not written, every step is looked at and "
+                       "10 000 at most are written")} +
               as_optional(united_fields(registry.measures))};
 }
 
@@ -285,19 +292,20 @@ std::vector<Field> bound_fields() {
 }
 
 TableSchema view_table() {
-  Field camera = table("camera", "where it is seen from: one of these words, or a place",
-                       {required("from", "", "m", Kind::vec3, {}, "the eye"),
-                        optional("to", "", "m", Kind::vec3, {}, "what it looks at; the middle where not written"),
-                        with_default(required("up", "", "", Kind::vec3, {}, "upwards in the picture"), Value(Vec3(0, 0, 1))),
-                        with_default(required("angle_deg", "", "deg", Kind::number, {1, 170}, "height of the picture"),
-                                     Value(30.0))});
+  Field camera = table(
+      "camera", "where it is seen from: one of these words, or a place",
+      {required("from", "", "m", Kind::vec3, {}, "the eye"),
+       optional("to", "", "m", Kind::vec3, {}, "what it looks at; the middle where not written"),
+       with_default(required("up", "", "", Kind::vec3, {}, "upwards in the picture"), Value(Vec3(0, 0, 1))),
+       with_default(required("angle_deg", "", "deg", Kind::number, {1, 170}, "height of the picture"), Value(30.0))});
   for (const auto& [name, direction] : camera_presets()) camera.choices.push_back(name);
   Field field = word("field", "what colours the bodies", view_field_names());
   field.optional = true;
-  return {"view",
-          TableSchema::Form::single,
-          "how a run is looked at by `epafi view`, `render` and `report`",
-          {camera, field, optional("range", "", "", Kind::numbers, {}, "least and largest value of the colours, in SI")}};
+  return {
+      "view",
+      TableSchema::Form::single,
+      "how a run is looked at by `epafi view`, `render` and `report`",
+      {camera, field, optional("range", "", "", Kind::numbers, {}, "least and largest value of the colours, in SI")}};
 }
 
 }  // namespace
@@ -379,10 +387,12 @@ std::vector<Field> united_fields(const std::vector<Entry>& entries, const std::s
 }
 
 std::vector<Field> authoring_fields(const Entry& shape) {
-  const Field unit = with_default(text("unit", "of the numbers in the file: m, mm, cm, um, in"), Value(std::string("m")));
+  const Field unit =
+      with_default(text("unit", "of the numbers in the file: m, mm, cm, um, in"), Value(std::string("m")));
   if (shape.name == "mesh")
-    return {text("file", "surface as STL, OBJ or PLY"), unit,
-            choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
+    return {
+        text("file", "surface as STL, OBJ or PLY"), unit,
+        choice("tree", "boxes that find its triangles; obb: for thin parts that lie askew", {"aabb", "obb"}, "aabb")};
   if (shape.name == "solid") return {text("file", "closed surface as STL, OBJ or PLY"), unit};
   if (shape.name != "polyhedron") return shape.fields;
   Field file = text("file", "corners from OBJ, STL or PLY; their hull is taken");

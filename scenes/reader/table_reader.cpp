@@ -12,7 +12,7 @@
 namespace epafi {
 namespace {
 
-constexpr double unit_quaternion_tolerance = 1e-3;      // digits people type: 0.707 is 2e-4 off
+constexpr double unit_quaternion_tolerance = 1e-3;  // digits people type: 0.707 is 2e-4 off
 
 /// One key being read.
 struct Key {

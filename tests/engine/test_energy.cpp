@@ -55,6 +55,7 @@ TEST_CASE("gains below a thousandth of one step of free fall are what solvers le
     const double before = 0.5 * mass * 4.0;
     world.velocity[0].x() = std::sqrt(2.0 * (before + part * noise) / mass);
     ledger.measure(world);
-    CHECK(ledger.relative_error() * before == Approx(part > 1.0 ? noise * (part - 1.0) : 0.0).margin(1e-9 * noise + 1e-13));
+    CHECK(ledger.relative_error() * before ==
+          Approx(part > 1.0 ? noise * (part - 1.0) : 0.0).margin(1e-9 * noise + 1e-13));
   }
 }

@@ -43,7 +43,8 @@ double by_matrix(double mass, const Vec3& inertia, const Mat3& turn, const std::
 
 }  // namespace
 
-TEST_CASE("the stiffest mode of a column of n equal bodies is 4 cos^2(pi/(2n+1)) of one on the ground", "[engine][stability]") {
+TEST_CASE("the stiffest mode of a column of n equal bodies is 4 cos^2(pi/(2n+1)) of one on the ground",
+          "[engine][stability]") {
   const double m = 0.3, k = 2.0;
   for (const int n : {1, 2, 3, 5, 10, 40}) {
     INFO(n);
@@ -77,9 +78,11 @@ TEST_CASE("bodies on many points: as their matrices of six by six have it", "[en
   const auto vector = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
   for (int k = 0; k < 50; ++k) {
     const double mass = std::pow(10.0, random.uniform(-3, 3));
-    const Vec3 half(random.uniform(0.1, 1), random.uniform(0.1, 1), random.uniform(0.1, 1)), square = half.cwiseProduct(half);
+    const Vec3 half(random.uniform(0.1, 1), random.uniform(0.1, 1), random.uniform(0.1, 1)),
+        square = half.cwiseProduct(half);
     const Vec3 inertia = mass / 3.0 * Vec3(square.y() + square.z(), square.x() + square.z(), square.x() + square.y());
-    const Quat turn = Quat(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).normalized();
+    const Quat turn =
+        Quat(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).normalized();
     const World world = world_of({body_of(mass, inertia, turn)});
     std::vector<StiffLink> links(1 + k % 9);
     for (StiffLink& l : links) {
@@ -104,5 +107,6 @@ TEST_CASE("a servo wall gives way along its line alone", "[engine][stability]") 
   const double alone = stiffest_mode(world, {link}).value;
   CHECK(alone == Approx(3.0 / 0.5));
   // n.d = 0.8: 0.64 of 1/m comes on top
-  CHECK(stiffest_mode(world, {link}, 0.0, {{BodyId{0}, Vec3::UnitZ(), 0.1}}).value == Approx(3.0 * (2.0 + 0.64 / 0.1)).epsilon(1e-6));
+  CHECK(stiffest_mode(world, {link}, 0.0, {{BodyId{0}, Vec3::UnitZ(), 0.1}}).value ==
+        Approx(3.0 * (2.0 + 0.64 / 0.1)).epsilon(1e-6));
 }

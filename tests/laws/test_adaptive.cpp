@@ -30,7 +30,8 @@ RigidExperiment pile(int n, const std::string& solver) {
 
 }  // namespace
 
-TEST_CASE("the default is `adaptive`; it holds 1:1000 and 50 boxes within its tolerance", "[laws][nonsmooth][adaptive]") {
+TEST_CASE("the default is `adaptive`; it holds 1:1000 and 50 boxes within its tolerance",
+          "[laws][nonsmooth][adaptive]") {
   CHECK(NonsmoothSetup{}.solver == "adaptive");
   for (const auto& [count, density] : {std::pair(2, 1e6), {50, 1000.0}, {20, 1e5}}) {
     INFO(count << " boxes, " << density);

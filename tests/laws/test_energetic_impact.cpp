@@ -31,7 +31,8 @@ double rebound(double compression_work, double slope, double e) {
 
 }  // namespace
 
-TEST_CASE("an impact that sticks or slides one way returns e of its approach: sphere, rod", "[laws][impact][energetic]") {
+TEST_CASE("an impact that sticks or slides one way returns e of its approach: sphere, rod",
+          "[laws][impact][energetic]") {
   const Mat3 w = rod(0.7);
   for (const double e : {0.0, 0.3, 0.9, 1.0}) {
     INFO(e);
@@ -39,10 +40,10 @@ TEST_CASE("an impact that sticks or slides one way returns e of its approach: sp
       return Vec3(u + m * energetic_impulse(m, mu, e, u));
     };
     CHECK((after(Mat3::Identity(), 0.0, {-2, 0, 0}) - Vec3(2.0 * e, 0, 0)).norm() < 1e-12);
-    CHECK(after(w, 0.0, {-2, 1, 0.5}).x() == Approx(2.0 * e).margin(1e-12));     // no friction
-    CHECK(after(w, 10.0, {-2, 0, 0}).x() == Approx(2.0 * e).margin(1e-9));       // sticks all through
+    CHECK(after(w, 0.0, {-2, 1, 0.5}).x() == Approx(2.0 * e).margin(1e-12));  // no friction
+    CHECK(after(w, 10.0, {-2, 0, 0}).x() == Approx(2.0 * e).margin(1e-9));    // sticks all through
     CHECK(after(w, 10.0, {-2, 0, 0}).tail<2>().norm() < 1e-9);
-    CHECK(after(w, 0.1, {-1, -20, 0}).x() == Approx(e).margin(1e-9));            // slides one way all through
+    CHECK(after(w, 0.1, {-1, -20, 0}).x() == Approx(e).margin(1e-9));  // slides one way all through
   }
 }
 

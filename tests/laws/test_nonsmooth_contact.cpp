@@ -180,7 +180,7 @@ TEST_CASE("B04: the convex relaxation lifts a sliding box at mu v, and its resid
     auto x = block_on_plane({.friction = 0.5, .dt = dt, .solver = "apgd", .parameters = p}, Vec3(1, 0, 0));
     x.run(1);
     const Vec3& v = x.world.velocity[1];
-    CHECK(v.z() == Approx(0.5 * v.x()).epsilon(1e-8));  // exact friction: 0
+    CHECK(v.z() == Approx(0.5 * v.x()).epsilon(1e-8));                                // exact friction: 0
     CHECK(x.world.position[1].z() - 0.05 == Approx(0.5 * dt * v.z()).epsilon(1e-8));  // the drift after the impulse
     CHECK(x.worst_residual > 0.1);
   }
@@ -193,7 +193,8 @@ TEST_CASE("a pyramid of m sides has friction between mu cos(pi/m) and mu", "[law
     for (int k = 0; k < 24; ++k) {  // all ways between two generators of the coarsest, and on
       const double turn = k * 2.0 * std::numbers::pi / 48.0;
       Parameters p;
-      p.set("tolerance", 1e-10), p.set("iterations", 2000.0), p.set("cone", std::string("pyramid")), p.set("sides", sides);
+      p.set("tolerance", 1e-10), p.set("iterations", 2000.0), p.set("cone", std::string("pyramid")),
+          p.set("sides", sides);
       auto x = block_on_plane({.friction = 0.5, .dt = 0.01, .solver = "pgs", .parameters = p},
                               Vec3(std::cos(turn), std::sin(turn), 0));
       x.run_for(0.1);

@@ -1,4 +1,5 @@
-// Springs in non-smooth contact: no creep beside contacts that stick, balance from time 0 on, and the limit of their step.
+// Springs in non-smooth contact: no creep beside contacts that stick, balance from time 0 on, and the limit of their
+// step.
 #include "engine/energy.h"
 #include "laws/springs/spring_forces.h"
 #include "tests/support/catch.h"
@@ -33,7 +34,8 @@ TEST_CASE("a box pulled by a spring below its friction stays: step, stiffness, a
       for (const Vec3& pull : {Vec3(2, 0, 0), Vec3(-1, 1.5, 0), Vec3(2, 0, 3), Vec3(2, -1, -4)})
         for (const bool warm : {true, false}) {
           RigidSettings s{.friction = 0.5, .dt = dt, .solver = warm ? "newton" : "nsgs"};
-          s.parameters.set("tolerance", 1e-11), s.parameters.set("iterations", 500.0), s.parameters.set("warm_start", warm);
+          s.parameters.set("tolerance", 1e-11), s.parameters.set("iterations", 500.0),
+              s.parameters.set("warm_start", warm);
           RigidExperiment run(s);
           run.plane(Vec3::Zero(), Vec3::UnitZ());
           const Slot box = run.box(Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.05));
@@ -83,7 +85,8 @@ TEST_CASE("a weight at rest on a preloaded spring has a balance from time 0 on",
   CHECK(run.world.position[box].z() == Approx(1.0).epsilon(1e-13));
 }
 
-TEST_CASE("springs let a body swing with its frequency, dampers take what the ledger says", "[laws][springs][nonsmooth]") {
+TEST_CASE("springs let a body swing with its frequency, dampers take what the ledger says",
+          "[laws][springs][nonsmooth]") {
   for (const double damping : {0.0, 2.0}) {
     RigidExperiment run(RigidSettings{.dt = 1e-3, .gravity = Vec3::Zero()});
     const Slot box = run.box(Vec3::Constant(0.05), 1000, Vec3::Zero(), Vec3(1, 0, 0));
@@ -122,7 +125,8 @@ TEST_CASE("the largest rate of springs counts arms, both ends and chains as they
   e.to = run.world.id[b], e.attachment = Vec3(0.5, 0, 0);
   const double arm = 0.25 * (6.0 / 0.01 + 6.0 / 0.04);  // both half a metre off, I = m a^2/6 with a = 0.1 m
   CHECK(rates(run, {e}) == Approx(1e6 * (1.0 + 0.25 + arm)).epsilon(1e-3));
-  SpringElement pivot = spring_on(run, rod, 1e6);  // of the pendulum: k (1/m + (l/2)^2/I), not k (l/2)^2 over its least moment
+  SpringElement pivot =
+      spring_on(run, rod, 1e6);  // of the pendulum: k (1/m + (l/2)^2/I), not k (l/2)^2 over its least moment
   pivot.attachment = Vec3(0.5, 0, 0);
   CHECK(rates(run, {pivot}) == Approx(1e6 * (1.0 + 0.25 * 3.0 / (0.25 + 0.0001))).epsilon(1e-3));
   // three equal masses in a row: 3 k/m

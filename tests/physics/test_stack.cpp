@@ -36,12 +36,16 @@ TEST_CASE("a stack of 30 at rest starts from its solution: hardly an iteration i
 }
 
 // `auto` begins where newton had the last word: 38 iterations a step before, sweeps that never ended.
-TEST_CASE("a pyramid at rest needs no iterations, and a restart amid them gives the same bits", "[physics][stack][restart]") {
+TEST_CASE("a pyramid at rest needs no iterations, and a restart amid them gives the same bits",
+          "[physics][stack][restart]") {
   for (const std::string solver : {"newton", "auto"}) {
     INFO(solver);
-    const std::vector<std::string> set{"params.n=20", "run.time_step=0.016666666666666666",
-                                       "contact.nonsmooth.tolerance=1e-6", "contact.nonsmooth.iterations=1000",
-                                       "contact.nonsmooth.solver=" + solver, "run.duration=5"};
+    const std::vector<std::string> set{"params.n=20",
+                                       "run.time_step=0.016666666666666666",
+                                       "contact.nonsmooth.tolerance=1e-6",
+                                       "contact.nonsmooth.iterations=1000",
+                                       "contact.nonsmooth.solver=" + solver,
+                                       "run.duration=5"};
     auto run = run_scene("stacking/pyramid.toml", set, 150);
     Simulation& sim = run.simulation();
     StateSnapshot half;
@@ -66,7 +70,8 @@ TEST_CASE("a pyramid at rest needs no iterations, and a restart amid them gives 
   }
 }
 
-TEST_CASE("stacks apart come to rest each by its own factor, and a restart gives the same bits", "[physics][stack][restart]") {
+TEST_CASE("stacks apart come to rest each by its own factor, and a restart gives the same bits",
+          "[physics][stack][restart]") {
   const std::string text = R"(title = "Three stacks"
 run = { duration = 2.0, time_step = 4e-3, output_interval = 1.0 }
 world = { gravity = [0, 0, -9.81] }
@@ -79,7 +84,8 @@ fixed = true
 )";
   std::string stacks;
   for (const int n : {2, 12, 30})
-    stacks += "[[body]]\nrepeat = " + std::to_string(n) + "\nshape = { box = { size = [1, 1, 1] } }\nmaterial = \"stone\"\n" +
+    stacks += "[[body]]\nrepeat = " + std::to_string(n) +
+              "\nshape = { box = { size = [1, 1, 1] } }\nmaterial = \"stone\"\n" +
               "position = [\"= " + std::to_string(5 * n) + "\", 0, \"= 1.0001*i + 0.5\"]\n";
   auto run = start_text(text + stacks);
   Simulation& sim = run.simulation();
@@ -102,7 +108,8 @@ fixed = true
   }
 }
 
-TEST_CASE("a state that is saved at every step changes nothing of a run in which auto tries newton", "[physics][restart]") {
+TEST_CASE("a state that is saved at every step changes nothing of a run in which auto tries newton",
+          "[physics][restart]") {
   const std::string scene = "simbenchmark/rolling.toml";
   auto run = run_scene(scene, {}, 400), watched = prepare_scene(library(scene), {});
   watched.simulation().start();

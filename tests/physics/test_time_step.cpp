@@ -35,15 +35,19 @@ std::string pressed_balls(const std::string& motion, double radius) {
 [[body]]
 name = "ball"
 repeat = 3
-shape = { sphere = { radius = )" + r + R"( } }
+shape = { sphere = { radius = )" +
+         r + R"( } }
 material = "m"
-position = [0, 0, "= )" + r + "*(1 + 2*i)" + R"("]
+position = [0, 0, "= )" +
+         r + "*(1 + 2*i)" + R"("]
 [[body]]
 name = "plate"
 shape = { half_space = { normal = [0, 0, -1] } }
 material = "m"
-position = [0, 0, "= 6.1*)" + r + R"("]
-motion = )" + motion + R"(
+position = [0, 0, "= 6.1*)" +
+         r + R"("]
+motion = )" +
+         motion + R"(
 [[measure]]
 name = "plate"
 kind = "force"
@@ -73,7 +77,8 @@ TEST_CASE("a written step that a driven plate makes unstable ends the run with b
   auto run = start_text("run = { duration = 0.1, time_step = 2e-5, output_interval = 0.01 }\n" +
                         contact("hertz-mindlin", 0.2, 0.3) + pressed_balls("{ velocity = [0, 0, -0.01] }", 0.0015));
   run.advance_to(0);
-  CHECK_THAT(run.failure, Catch::Contains("the time step of 2e-05 s became unstable in step") && Catch::Contains("'ball["));
+  CHECK_THAT(run.failure,
+             Catch::Contains("the time step of 2e-05 s became unstable in step") && Catch::Contains("'ball["));
 }
 
 TEST_CASE("a box on four damped points slides as friction has it", "[physics][time_step]") {
@@ -102,7 +107,8 @@ interval = 0
     run.advance_to(run.assembly->steps / 2);
     const double half_time = run.simulation().world.time, half_speed = run.last("v", "x");
     run.advance_to(0);
-    // While it settles, friction is not yet that of its weight: its tangential springs grow with the way that it has slid.
+    // While it settles, friction is not yet that of its weight: its tangential springs grow with the way that it has
+    // slid.
     const double acceleration = (run.last("v", "x") - half_speed) / (run.simulation().world.time - half_time);
     CHECK(acceleration == Approx(9.81 * (std::sin(slope) - mu * std::cos(slope))).epsilon(0.01));
     CHECK(std::abs(run.energy_error()) < 1e-2);

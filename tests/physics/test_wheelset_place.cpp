@@ -14,7 +14,8 @@ namespace {
 
 std::string scene(const std::string& wheelset, const std::string& rail = "", double duration = 0.2) {
   return fmt::format(
-             "[run]\nduration = {}\ntime_step = 1e-4\n[world]\ngravity = [0, 0, 9.81]\n[material.steel]\ndensity = 7850\n"
+             "[run]\nduration = {}\ntime_step = 1e-4\n[world]\ngravity = [0, 0, 9.81]\n[material.steel]\ndensity = "
+             "7850\n"
              "youngs_modulus = \"210 GPa\"\npoissons_ratio = 0.28\n[contact]\nmethod = \"smooth\"\nfriction = 0.3\n"
              "restitution = 0.0\n[contact.wheel_rail]\nnormal = \"semi-hertz\"\ntangential = \"none\"\n"
              "[shape.wheelset]\nwheel_profile = {{ name = \"s1002\", mass = 1200, inertia = [700, 100, 700] }}\n"
@@ -28,8 +29,8 @@ std::string scene(const std::string& wheelset, const std::string& rail = "", dou
 }  // namespace
 
 TEST_CASE("a wheelset placed on its rails stays there under its weight", "[physics][wheel_rail]") {
-  // pressed in by Hertz at the rigid point, 30 um and, under 56 kN, 100 um; strips on the whole gap have it up to a tenth
-  // of that higher, and it swings by as much again. Without friction it runs down the rails' inclination
+  // pressed in by Hertz at the rigid point, 30 um and, under 56 kN, 100 um; strips on the whole gap have it up to a
+  // tenth of that higher, and it swings by as much again. Without friction it runs down the rails' inclination
   for (const char* where : {"position = [0, 0, 0]\n", "position = [3, 2e-3, 5]\n",
                             "position = [1, -4e-3, -1]\neuler_deg = [4, 70, 0.1]\nforce = [0, 0, 50e3]\n"}) {
     INFO(where);
@@ -69,8 +70,8 @@ TEST_CASE("a wheelset that cannot stand is named", "[physics][wheel_rail]") {
 
 TEST_CASE("a wheelset that leaves its track is told with place and time", "[physics][wheel_rail]") {
   // thrown sideways: the flange climbs; lifted over the rail: the wheel falls beside it
-  for (const char* how : {"position = [0, 0, -0.47]\nvelocity = [20, 1, -1]\n",
-                          "position = [0, 0.03, -0.5]\nvelocity = [5, 0.5, 0]\n"}) {
+  for (const char* how :
+       {"position = [0, 0, -0.47]\nvelocity = [20, 1, -1]\n", "position = [0, 0.03, -0.5]\nvelocity = [5, 0.5, 0]\n"}) {
     INFO(how);
     SceneRun run = start_text(scene(how, "", 2.0));
     Simulation& sim = run.simulation();

@@ -65,7 +65,8 @@ TEST_CASE("lists, schema and reference are printed by the program as the tree ha
   std::size_t pages = 0;
   for (const auto& entry : fs::directory_iterator(folder / "pages")) {
     ++pages;
-    CHECK(support::read_text(entry.path()) == support::read_text(root + "/docs/reference/" + entry.path().filename().string()));
+    CHECK(support::read_text(entry.path()) ==
+          support::read_text(root + "/docs/reference/" + entry.path().filename().string()));
   }
   CHECK(pages > 5);
 }
@@ -135,9 +136,9 @@ TEST_CASE("a run that ends early tells the overlap it was left with", "[scenes][
   const TemporaryFolder folder;
   RunOptions o;
   o.out = (folder / "out").string(), o.threads = 1, o.steps = 5, o.quiet = true;
-  const Captured run =
-      run_of(ball_in(folder), o, {"contact.method=smooth", "run.time_step=1e-5", "run.output_interval=1e-5",
-                                  "body.ball.position=[0, 0, 0.01]", "body.ball.velocity=[0, 0, -1]"});
+  const Captured run = run_of(ball_in(folder), o,
+                              {"contact.method=smooth", "run.time_step=1e-5", "run.output_interval=1e-5",
+                               "body.ball.position=[0, 0, 0.01]", "body.ball.velocity=[0, 0, -1]"});
   CHECK(run.code == exit_done);
   // 1 m/s for 5 steps of 1e-5 s, hardly braked yet: looked at after the fourth or the fifth
   const double overlap = read_json(folder / "out" / "summary.json").number("overlap.max").value();

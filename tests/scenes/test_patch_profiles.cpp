@@ -84,8 +84,8 @@ std::string wheel_and_rail(const std::string& wheel, const std::string& rail) {
   const auto keys = [](const std::string& what, const std::string& name) {
     return (what.find('/') == std::string::npos ? "name = \"" : "file = \"") + what + "\"" + name;
   };
-  return "[shape.wheel]\nwheel_profile = { " + keys(wheel, ", radius = 0.46") +
-         " }\n[shape.rail]\nrail_profile = { " + keys(rail, "") + " }\n";
+  return "[shape.wheel]\nwheel_profile = { " + keys(wheel, ", radius = 0.46") + " }\n[shape.rail]\nrail_profile = { " +
+         keys(rail, "") + " }\n";
 }
 
 }  // namespace
@@ -124,9 +124,10 @@ TEST_CASE("the load of regions apart is met and changes steadily as one of them 
   double last = 0.0;
   for (double shift = 5.6; shift <= 6.05; shift += 0.05) {
     INFO(shift);
-    const PatchResult r = answers(built_in("60e1", std::atan(0.05)),
-                                  fmt::format("load = 60e3\nlateral_shift = {}\nnormal = \"semi-hertz\"\n", 1e-3 * shift))
-                              .front();
+    const PatchResult r =
+        answers(built_in("60e1", std::atan(0.05)),
+                fmt::format("load = 60e3\nlateral_shift = {}\nnormal = \"semi-hertz\"\n", 1e-3 * shift))
+            .front();
     double vertical = 0.0;
     for (const PatchContact& c : r.contacts) vertical += c.normal_force * std::cos(c.angle);
     CHECK(vertical == Approx(60e3).epsilon(1e-3));
@@ -208,7 +209,8 @@ TEST_CASE("every place of a wheelset has a contact or a reason", "[scenes][wheel
         built_in(n % 2 ? "60e1" : "uic60", n % 5 ? in(0.0, 0.06) : in(-0.5, 0.5), n % 3 ? 0.46 : in(0.2, 0.7));
     const double wide = n % 7 ? 0.01 : 0.2;
     const std::string patch = fmt::format(
-        "load = 60e3\nlateral_shift = {}\nyaw = {}\ngauge = {}\nside = \"{}\"\nnormal = [\"hertz\", \"semi-hertz\"]\n{}",
+        "load = 60e3\nlateral_shift = {}\nyaw = {}\ngauge = {}\nside = \"{}\"\nnormal = [\"hertz\", "
+        "\"semi-hertz\"]\n{}",
         in(-wide, wide), in(-0.05, 0.05), n % 4 ? 1.435 : in(1.40, 1.47), n % 2 ? "right" : "left",
         n % 6 ? "" : fmt::format("roll = {}\n", in(-0.02, 0.02)));
     INFO(shapes << patch);

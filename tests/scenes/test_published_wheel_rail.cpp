@@ -158,9 +158,11 @@ TEST_CASE("unlike materials and lines along the track are no cases of Carter's",
     return out;
   };
   // Bentall and Johnson 1967: 0.75 mu N there, where like materials would slide
-  for (const std::size_t n : reasons("radii = { x1 = 0.05, x2 = 0.05, y1 = inf, y2 = inf }\nmaterials = [\"al\", \"st\"]\n"))
+  for (const std::size_t n :
+       reasons("radii = { x1 = 0.05, x2 = 0.05, y1 = inf, y2 = inf }\nmaterials = [\"al\", \"st\"]\n"))
     CHECK(n > 0);
-  for (const std::size_t n : reasons("radii = { x1 = inf, x2 = inf, y1 = 0.05, y2 = inf }\nmaterials = [\"st\", \"st\"]\n"))
+  for (const std::size_t n :
+       reasons("radii = { x1 = inf, x2 = inf, y1 = 0.05, y2 = inf }\nmaterials = [\"st\", \"st\"]\n"))
     CHECK(n > 0);
   const auto good = reasons("radii = { x1 = 0.05, x2 = 0.05, y1 = inf, y2 = inf }\nmaterials = [\"st\", \"st\"]\n");
   CHECK(good[0] == 0);

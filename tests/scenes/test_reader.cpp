@@ -50,7 +50,8 @@ TEST_CASE("expressions know the seed of the run, and jitter displaces bodies of 
       if (!b.fixed) out.push_back(b.position);
     return out;
   };
-  const auto written = places({}), some = places({"params.jitter=0.02"}), other = places({"params.jitter=0.02", "run.seed=7"}),
+  const auto written = places({}), some = places({"params.jitter=0.02"}),
+             other = places({"params.jitter=0.02", "run.seed=7"}),
              named = places({"params.jitter=\"= 0.01*seed\"", "run.seed=2"});
   REQUIRE(written.size() == 1000);
   double largest = 0.0, sum = 0.0;
@@ -60,7 +61,7 @@ TEST_CASE("expressions know the seed of the run, and jitter displaces bodies of 
     CHECK((named[k] - written[k]).cwiseAbs().maxCoeff() <= 0.02);
   }
   CHECK(largest <= 0.02);
-  CHECK(largest > 0.0199);  // of 3000 draws
+  CHECK(largest > 0.0199);                                         // of 3000 draws
   CHECK(std::abs(sum / 3000) < 4 * 0.02 / std::sqrt(3.0 * 3000));  // mean 0 within four deviations
 }
 

@@ -22,7 +22,8 @@ struct ReportedRun {
     fs::remove_all(folder);
     const std::string program = std::string(EPAFI_BINARY_DIR) + "/bin/epafi";
     const std::string scene = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/tutorials/04_stones.toml";
-    REQUIRE(shell(program + " run " + scene + " -q --set params.n=5 --until 0.2 -o " + folder.string() + " 2>/dev/null") == 0);
+    REQUIRE(shell(program + " run " + scene + " -q --set params.n=5 --until 0.2 -o " + folder.string() +
+                  " 2>/dev/null") == 0);
     REQUIRE(shell(program + " report " + folder.string() + " 2>/dev/null") == 0);
     page = epafi::support::read_text(folder / "report.html");
   }
@@ -39,14 +40,16 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 TEST_CASE("a report has all its parts and asks for nothing from outside", "[scenes][report]") {
   const ReportedRun run;
-  for (const char* part : {"Pictures", "In three dimensions", "Energy balance", "Measures", "Overlap and checks", "Where the time went", "Settings"})
+  for (const char* part : {"Pictures", "In three dimensions", "Energy balance", "Measures", "Overlap and checks",
+                           "Where the time went", "Settings"})
     CHECK(count(run.page, std::string("<h2>") + part + "</h2>") == 1);
-  CHECK(count(run.page, "src='data:image/png;base64,") >= 5);  // the run has five snapshots; contacts where they are few
-  CHECK(run.page.find("energy [J]") != run.page.npos);        // one quantity with its unit on each axis
-  CHECK(count(run.page, "params.n=5") >= 1);               // the override
+  CHECK(count(run.page, "src='data:image/png;base64,") >=
+        5);                                                 // the run has five snapshots; contacts where they are few
+  CHECK(run.page.find("energy [J]") != run.page.npos);      // one quantity with its unit on each axis
+  CHECK(count(run.page, "params.n=5") >= 1);                // the override
   CHECK(run.page.find("solid = { file") != run.page.npos);  // the scene
-  // nothing is fetched: every source is in the page, no style sheet, no import; the only script stands within the frame in
-  // three dimensions
+  // nothing is fetched: every source is in the page, no style sheet, no import; the only script stands within the frame
+  // in three dimensions
   CHECK(count(run.page, "src='") == count(run.page, "src='data:image/"));
   for (const char* outside : {"<script", "<link", "@import", "url("}) CHECK(count(run.page, outside) == 0);
   if (shell("command -v gnuplot > /dev/null") == 0) CHECK(count(run.page, "src='data:image") >= 2);
@@ -64,8 +67,10 @@ TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary"
   }
   const ReportedRun run;
   const fs::path said = run.folder / "said";
-  REQUIRE(shell(python + " " + EPAFI_SOURCE_DIR + "/examples/read_run.py " + run.folder.string() + " > " + said.string()) == 0);
-  const std::string text = epafi::support::read_text(said), summary = epafi::support::read_text(run.folder / "summary.json");
+  REQUIRE(shell(python + " " + EPAFI_SOURCE_DIR + "/examples/read_run.py " + run.folder.string() + " > " +
+                said.string()) == 0);
+  const std::string text = epafi::support::read_text(said),
+                    summary = epafi::support::read_text(run.folder / "summary.json");
   CHECK(count(text, "t = ") == 5);  // at 0, 0.05, 0.1, 0.15, 0.2 s
   CHECK(text.find("measure energy ") != text.npos);
   const double last = std::stod(text.substr(text.rfind("kinetic energy ") + 15));
@@ -76,7 +81,8 @@ TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary"
 TEST_CASE("a folder without a run has no report, and the message says why", "[scenes][report]") {
   const fs::path folder = fs::temp_directory_path() / ("epafi-no-report-" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2> " + (folder / "said").string();
+  const std::string command =
+      std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2> " + (folder / "said").string();
   CHECK(WEXITSTATUS(shell(command)) == 3);
   CHECK(epafi::support::read_text(folder / "said").find("summary.json is missing") != std::string::npos);
   fs::remove_all(folder);
@@ -91,9 +97,10 @@ TEST_CASE("a browser shows the report without a network", "[scenes][report][slow
     return;
   }
   const ReportedRun run;
-  const std::string common = "cd " + run.folder.string() + " && timeout 120 " + browser +
-                             " --headless --no-sandbox --disable-gpu --user-data-dir=profile --host-resolver-rules='MAP * ~NOTFOUND'"
-                             " --window-size=1100,2400 ";
+  const std::string common =
+      "cd " + run.folder.string() + " && timeout 120 " + browser +
+      " --headless --no-sandbox --disable-gpu --user-data-dir=profile --host-resolver-rules='MAP * ~NOTFOUND'"
+      " --window-size=1100,2400 ";
   REQUIRE(shell(common + "--dump-dom report.html > dom.html 2> log") == 0);
   const std::string dom = epafi::support::read_text(run.folder / "dom.html");
   for (const char* part : {"Pictures", "Energy balance", "Measures", "Where the time went", "Settings"})

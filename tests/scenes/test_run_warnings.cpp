@@ -15,7 +15,8 @@ namespace {
 /// A ball on a spring floor whose step is beyond what it bears: every contact throws it higher.
 fs::path thrown_ball(const TemporaryFolder& folder, double dt, const std::string& more = {}) {
   const fs::path file = folder / "ball.toml";
-  std::ofstream(file) << "run = { duration = 0.2, time_step = " << dt << R"(, output_interval = 0.1, allow_unstable = true }
+  std::ofstream(file) << "run = { duration = 0.2, time_step = " << dt
+                      << R"(, output_interval = 0.1, allow_unstable = true }
 world = { gravity = [0, 0, -9.81] }
 material.m = { density = 2500.0 }
 contact = { method = "smooth", restitution = 1.0, friction = 0.0, smooth = { law = "linear", stiffness = 1e4 } }
@@ -51,7 +52,8 @@ TEST_CASE("a run whose balance opens beyond a half ends as a violated bound", "[
   // omega = sqrt(k/m) = 977 /s: a step of 2.5 ms is beyond 2/omega
   const Captured run = run_of(thrown_ball(folder, 2.5e-3), into(folder));
   CHECK(run.code == exit_bound);
-  CHECK_THAT(run.err, Catch::Contains("[bounds] energy_error") && Catch::Contains("warning: the energy balance is open"));
+  CHECK_THAT(run.err,
+             Catch::Contains("[bounds] energy_error") && Catch::Contains("warning: the energy balance is open"));
   const FlatJson summary = read_json(folder / "out" / "summary.json");
   CHECK(summary.text("status") == "bound_violated");
   CHECK_THAT(summary.text("warnings.0"), Catch::Contains("energy balance"));
@@ -65,7 +67,8 @@ TEST_CASE("a bound of the scene's own takes the place of the watch over the bala
   CHECK_THAT(read_json(folder / "out" / "summary.json").text("warnings.0"), Catch::Contains("energy balance"));
 }
 
-TEST_CASE("where nothing is wrong there is no warning; strict runs end with 1 where there is one", "[scenes][warnings]") {
+TEST_CASE("where nothing is wrong there is no warning; strict runs end with 1 where there is one",
+          "[scenes][warnings]") {
   const TemporaryFolder folder;
   RunOptions strict = into(folder);
   strict.strict = true;

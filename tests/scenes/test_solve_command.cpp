@@ -105,7 +105,8 @@ TEST_CASE("solve names problems without solution, whatever the method says, and 
   for (std::size_t k = 1; k < rows.size(); ++k) {
     INFO(rows[k][0] << " " << rows[k][1]);
     CHECK(rows[k][2] == "no_solution");
-    CHECK_THAT(rows[k].back(), Catch::Contains(k <= 5 ? "ray: contacts 0 and 1" : "zero row: no impulse moves contact 1"));
+    CHECK_THAT(rows[k].back(),
+               Catch::Contains(k <= 5 ? "ray: contacts 0 and 1" : "zero row: no impulse moves contact 1"));
   }
 }
 

@@ -54,8 +54,8 @@ std::string ask(std::uint16_t port, const std::string& request) {
 }  // namespace
 
 TEST_CASE("an orientation in 32 bits is off by 0.28 degrees at most", "[viz_export][view]") {
-  // Three components are off by h = sqrt(2)/2044 each. The fourth is the largest, at least 1/2, and the others at most as
-  // large: it is off by 3 h. Angle <= 2 sqrt(3 + 9) h = 0.275 degrees.
+  // Three components are off by h = sqrt(2)/2044 each. The fourth is the largest, at least 1/2, and the others at most
+  // as large: it is off by 3 h. Angle <= 2 sqrt(3 + 9) h = 0.275 degrees.
   double worst = 0;
   for (int k = 0; k < 20000; ++k) {
     const auto u = [&](int part) { return std::sin(12.9898 * (4 * k + part) + 78.233 * part * part); };

@@ -7,11 +7,11 @@
 namespace epafi {
 
 namespace {
-constexpr double lane_work = 20.0;       // multiplications of a contact in a sweep of four at a time, by its time
-constexpr double over_sweeps = 1.5;      // of the work of all sweeps: what a step may cost on average
-constexpr double first_steps = 20.0;     // whose credit is there at the start
-constexpr double first_credit = 2e7;     // beside it: 10 ms
-constexpr double most_saved = 200.0;     // steps whose credit is kept
+constexpr double lane_work = 20.0;    // multiplications of a contact in a sweep of four at a time, by its time
+constexpr double over_sweeps = 1.5;   // of the work of all sweeps: what a step may cost on average
+constexpr double first_steps = 20.0;  // whose credit is there at the start
+constexpr double first_credit = 2e7;  // beside it: 10 ms
+constexpr double most_saved = 200.0;  // steps whose credit is kept
 constexpr std::int32_t longest_pause = 63;
 constexpr int direct_iterations = 2000;  // of the attempt, as `auto`
 }  // namespace

@@ -31,9 +31,9 @@ std::string solver_that_would_do(const ConeProblem& problem, double tolerance) {
   Newton measure(1, tolerance);
   const double factorisation = measure.work(problem) + 350.0 * n;
   const SolverTrial trials[] = {{"newton", 100, factorisation},
-                          {"proximal", 60, 2.0 * factorisation},
-                          {"auto", 200, factorisation},
-                          {"pgs", 5000, sweep}};
+                                {"proximal", 60, 2.0 * factorisation},
+                                {"auto", 200, factorisation},
+                                {"pgs", 5000, sweep}};
   for (const SolverTrial& trial : trials) {
     if (trial.iterations * trial.work > most_work) continue;
     Parameters parameters;
@@ -46,10 +46,11 @@ std::string solver_that_would_do(const ConeProblem& problem, double tolerance) {
     const double residual = problem.residual(r, u);
     if (!(residual <= tolerance)) continue;
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "contact.nonsmooth.solver = %s with contact.nonsmooth.iterations = %g solves such a step (residual %.2g "
-                  "after %d iterations)",
-                  trial.solver, trial.iterations, residual, report.iterations);
+    std::snprintf(
+        text, sizeof text,
+        "contact.nonsmooth.solver = %s with contact.nonsmooth.iterations = %g solves such a step (residual %.2g "
+        "after %d iterations)",
+        trial.solver, trial.iterations, residual, report.iterations);
     return text;
   }
   return "none of the solvers brings such a step below it at little cost: more contact.nonsmooth.iterations, a shorter "
