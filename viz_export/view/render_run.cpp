@@ -67,7 +67,8 @@ void add_contacts(const ViewFrame& frame, double strongest, DrawnScene& out) {
 }  // namespace
 
 std::string short_number(double v) {
-  const std::string text = fmt::format("{:.4g}", v);
+  const bool five_digits = std::abs(v) >= 9999.5 && std::abs(v) < 99995;
+  const std::string text = five_digits ? fmt::format("{:.0f}", 10 * std::round(v / 10)) : fmt::format("{:.4g}", v);
   return text == "-0" ? "0" : text;
 }
 
@@ -129,8 +130,16 @@ void RunPainter::label(Image& image, double time) const {
     const double share = (k + 0.5) / width;
     fill_box(image, x + k, y, 1, height, options_.contacts ? inferno(0.15 + 0.75 * share) : viridis(share));
   }
-  for (int tick = 0; tick < 3; ++tick) {
-    const std::string text = short_number(range[0] + 0.5 * tick * (range[1] - range[0]));
+  std::array<std::string, 3> ticks;
+  double written = 0;
+  for (std::size_t tick = 0; tick < 3; ++tick) {
+    ticks[tick] = short_number(range[0] + 0.5 * static_cast<double>(tick) * (range[1] - range[0]));
+    written += text_width(ticks[tick], 0.9 * size);
+  }
+  // long numbers would run into each other: the ends are enough
+  const int step = written + text_width(ticks[1], 0.9 * size) > 0.9 * width ? 2 : 1;
+  for (int tick = 0; tick < 3; tick += step) {
+    const std::string& text = ticks[static_cast<std::size_t>(tick)];
     const double shift = 0.5 * tick * text_width(text, 0.9 * size);
     draw_text(image, left + 0.5 * tick * width - shift, y + height + 1.1 * size, text, 0.9 * size, soft);
   }

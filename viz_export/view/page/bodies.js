@@ -69,13 +69,14 @@ class Bodies {
     });
   }
 
-  add(kind, geometry) {
+  // all: the bodies of it
+  add(kind, geometry, all) {
     geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(), 1e30);
     for (const pass of [0, 1]) {
       const object = new THREE.Mesh(geometry, this.material(kind, pass, false));
       object.frustumCulled = false;
       object.renderOrder = pass;
-      object.userData.pass = pass;
+      object.userData = { pass, all };
       this.group.add(object);
     }
   }
@@ -90,21 +91,30 @@ class Bodies {
     const loose = [];
     const walls = [];
     for (const [m, all] of copies) {
-      if (m < 0) this.add("sphere", this.squares(all));
-      else if (all.length >= fewCopies) this.add("mesh", this.copiesOf(m, all));
+      if (m < 0) this.add("sphere", this.squares(all), all);
+      else if (all.length >= fewCopies) this.add("mesh", this.copiesOf(m, all), all);
       else loose.push(...all);
       if (m >= 0) walls.push(...all.filter((k) => this.bodies.wall[k]));
     }
-    if (loose.length > 0) this.add("mesh", this.joined(loose));
+    if (loose.length > 0) this.add("mesh", this.joined(loose), loose);
     this.addEdges(walls);
   }
 
+  // Four corners for each ball, not copies of one square: SwiftShader sets up a drawing for each copy.
   squares(all) {
-    const geometry = new THREE.InstancedBufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array([-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0]), 3));
-    geometry.setIndex([0, 1, 2, 2, 1, 3]);
-    geometry.setAttribute("body", new THREE.InstancedBufferAttribute(new Float32Array(all), 1));
-    geometry.maxInstancedCount = all.length;
+    const n = all.length;
+    const corners = new Int8Array(16 * n);
+    const body = new Float32Array(4 * n);
+    const index = new Uint32Array(6 * n);
+    for (let k = 0; k < n; ++k) {
+      corners.set([-1, -1, 0, 0, 1, -1, 0, 0, -1, 1, 0, 0, 1, 1, 0, 0], 16 * k);
+      body.fill(all[k], 4 * k, 4 * k + 4);
+      index.set([4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 2, 4 * k + 1, 4 * k + 3], 6 * k);
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(corners, 4));
+    geometry.setAttribute("body", new THREE.BufferAttribute(body, 1));
+    geometry.setIndex(new THREE.BufferAttribute(index, 1));
     return geometry;
   }
 
@@ -196,15 +206,12 @@ class Bodies {
 
   // opacity: of each body; what is left out is not drawn at all.
   showOpacity(opacity) {
-    let clear = false;
-    let solid = false;
-    for (let k = 0; k < this.bodies.n; ++k) {
-      this.states.image.data[4 * k + 1] = opacity[k];
-      if (opacity[k] > 0.995) solid = true;
-      else if (opacity[k] > 0) clear = true;
-    }
+    for (let k = 0; k < this.bodies.n; ++k) this.states.image.data[4 * k + 1] = opacity[k];
     this.states.needsUpdate = true;
-    for (const object of this.group.children) if (object.isMesh) object.visible = object.userData.pass === 0 ? solid : clear;
+    for (const object of this.group.children) {
+      const { pass, all } = object.userData;
+      if (object.isMesh) object.visible = all.some((k) => (pass === 0 ? opacity[k] > 0.995 : opacity[k] > 0 && opacity[k] <= 0.995));
+    }
   }
 
   setTable(bytes) {

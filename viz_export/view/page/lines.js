@@ -76,6 +76,9 @@ function showSprings(ribbons, frame, springs, rowOf, width) {
   }
   const n = from.length / 3;
   const sizes = new Float32Array(2 * n);
-  for (let k = 0; k < n; ++k) sizes.set([width, -2], 2 * k);
+  for (let k = 0; k < n; ++k) {
+    const length = Math.hypot(to[3 * k] - from[3 * k], to[3 * k + 1] - from[3 * k + 1], to[3 * k + 2] - from[3 * k + 2]);
+    sizes.set([Math.min(width, 0.02 * length), -2], 2 * k);  // a line, not a post, whatever it holds
+  }
   ribbons.show(n, new Float32Array(from), new Float32Array(to), sizes);
 }

@@ -42,6 +42,13 @@ class Page extends Viewer {
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.setTheme());
     this.listenToPointer();
     document.addEventListener("keydown", (e) => this.key(e));
+    for (const event of ["change", "click"]) document.addEventListener(event, (e) => this.giveBackKeys(e));
+  }
+
+  // Who chose with the mouse means the picture by the next key; who came by the keyboard stays where they are.
+  giveBackKeys(e) {
+    const done = e.type === "click" ? "button" : "select, [type=checkbox]";
+    if (e.target.matches(done) && !e.target.matches(":focus-visible")) e.target.blur();
   }
 
   togglePanel() {
@@ -64,6 +71,7 @@ class Page extends Viewer {
   key(e) {
     if (["SELECT", "INPUT"].includes(e.target.tagName) && e.target.type !== "range" && e.target.type !== "checkbox") return;
     if (e.ctrlKey || e.metaKey || e.altKey) return;
+    if (e.key === " " && e.target.matches("[type=checkbox], button")) return;
     const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -10, PageDown: 10, Home: -1e9, End: 1e9 }[e.key];
     if (step && e.target.id !== "time" && e.target.type !== "range") {
       this.play(false);

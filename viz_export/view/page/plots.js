@@ -13,7 +13,7 @@ function niceTicks(low, high, wanted) {
 
 // lines: [{ label, x, y }]
 function drawPlot(svg, lines, xLabel, yLabel, now) {
-  const [w, h, left, right, top, bottom] = [264, 150, 44, 6, 16, 28];
+  const [w, h, left, right, top, bottom] = [264, 150, 50, 16, 16, 28];
   let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
   for (const line of lines) {
     for (let k = 0; k < line.x.length; ++k) {
