@@ -5,6 +5,8 @@
 #include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <chrono>
+#include <thread>
 
 #include <cmath>
 #include <csignal>
@@ -46,6 +48,16 @@ class Browser {
     ::close(to_), ::close(from_);
     ::kill(process_, SIGTERM);
     ::waitpid(process_, nullptr, 0);
+    // its helpers write into the profile until they have ended too
+    ::kill(-process_, SIGKILL);
+    for (int k = 0; k < 500 && ::kill(-process_, 0) == 0; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::error_code trouble;
+    for (int k = 0; k < 100; ++k) {
+      std::filesystem::remove_all(profile_ / "profile", trouble);
+      if (!trouble) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   }
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
@@ -88,6 +100,7 @@ class Browser {
  private:
   [[noreturn]] void become_browser(int in, int out, int width, int height) {
     const std::string browser = find_browser();
+    ::setpgid(0, 0);
     const std::string profile = "--user-data-dir=" + (profile_ / "profile").string();
     const std::string size = "--window-size=" + std::to_string(width) + "," + std::to_string(height);
     ::dup2(in, 13), ::dup2(out, 14), ::dup2(13, 3), ::dup2(14, 4);
