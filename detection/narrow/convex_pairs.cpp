@@ -3,6 +3,7 @@
 #include "detection/narrow/epa.h"
 #include "detection/narrow/flat_patch.h"
 #include "detection/narrow/gjk.h"
+#include "detection/narrow/hertz_radius.h"
 #include "detection/narrow/overlap_cells.h"
 #include "detection/narrow/resting_patch.h"
 
@@ -34,6 +35,17 @@ struct CoreContact {
   Vec3 normal, middle;
 };
 
+void add_core_contact(const CoreContact& c, double radius, const PairQuery& q, ContactSink& sink) {
+  const Mat3 to_world = q.a.orientation.toRotationMatrix();
+  sink.add({c.gap, to_world * c.normal, to_world * c.middle, radius, 0});
+}
+
+/// From the nearest points of the cores to those of the rounded bodies.
+CoreContact rounded_contact(double core_gap, const Vec3& normal, const Vec3& on_a, const Vec3& on_b,
+                            const RoundedPair& r) {
+  return {core_gap - r.sweep_a - r.sweep_b, normal, 0.5 * (on_a + on_b) + 0.5 * (r.sweep_a - r.sweep_b) * normal};
+}
+
 /// False where they are farther apart than the reach.
 bool find_nearest(const MinkowskiDifference& difference, const RoundedPair& r, const PairQuery& q, ContactSink& sink,
                   CoreContact& out) {
@@ -52,7 +64,7 @@ bool find_nearest(const MinkowskiDifference& difference, const RoundedPair& r, c
     uncertainty = p.upper - p.lower;
   }
   if (uncertainty > certain * size) sink.mark_degenerate();
-  out = {core - r.sweep_a - r.sweep_b, n, 0.5 * (on_a + on_b) + 0.5 * (r.sweep_a - r.sweep_b) * n};
+  out = rounded_contact(core, n, on_a, on_b, r);
   return out.gap < q.reach;
 }
 
@@ -70,9 +82,25 @@ void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r,
                    ContactSink& sink) {
   CoreContact c;
   if (bounds_apart(a, b, r, q) || !find_nearest(MinkowskiDifference(a, b, q.a, q.b), r, q, sink, c)) return;
-  const Mat3 to_world = q.a.orientation.toRotationMatrix();
-  sink.add({c.gap, to_world * c.normal, to_world * c.middle,
-            q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, 0});
+  add_core_contact(c, q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, q, sink);
+}
+
+void collide_round(const RoundRef& a, const RoundRef& b, const ConvexRef& core_a, const ConvexRef& core_b,
+                   const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
+  if (bounds_apart(core_a, core_b, r, q)) return;
+  const double limit = q.reach + r.sweep_a + r.sweep_b;
+  const MinkowskiDifference difference(core_a, core_b, q.a, q.b);
+  const CommonNormal c = common_normal(a, b, difference.rotation, difference.offset, limit);
+  if (c.status == CommonNormal::Status::beyond) return;
+  CoreContact contact;
+  if (c.status == CommonNormal::Status::found)
+    contact = rounded_contact(c.gap, c.normal, c.on_a, c.on_b, r);
+  else if (!find_nearest(difference, r, q, sink, contact))
+    return;
+  if (!(contact.gap < q.reach)) return;
+  const double radius =
+      q.curvature ? hertz_radius(a, r.sweep_a, b, r.sweep_b, difference.rotation, contact.normal) : 0.0;
+  add_core_contact(contact, radius, q, sink);
 }
 
 void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& sides, const RoundedPair& r,

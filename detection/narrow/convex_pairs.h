@@ -1,6 +1,7 @@
-/// @file convex_pairs.h  Convex pairs without a closed form: polyhedra by their features, everything else by GJK and
-/// EPA.
+/// @file convex_pairs.h  Convex pairs without a closed form: polyhedra by their features, round shapes by their common
+/// normal, everything else by GJK and EPA.
 #pragma once
+#include "detection/narrow/common_normal.h"
 #include "detection/narrow/core_patch.h"
 #include "detection/narrow/manifold.h"
 #include "detection/narrow/minkowski.h"
@@ -16,6 +17,10 @@ struct RoundedPair {
 /// Distance by GJK while the cores are apart, depth by EPA otherwise: one point.
 void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& rounded, const PairQuery& q,
                    ContactSink& sink);
+
+/// The same where both are round: by their common normal, by the former where that is not certain.
+void collide_round(const RoundRef& a, const RoundRef& b, const ConvexRef& core_a, const ConvexRef& core_b,
+                   const RoundedPair& rounded, const PairQuery& q, ContactSink& sink);
 
 /// The same where one is a polyhedron and the other has flat sides: up to 4 points. `sides`: of the core, as in
 /// CoreAndPolyhedron.
@@ -63,6 +68,8 @@ void collide(const A& a, const B& b, const PairQuery& q, ContactSink& sink) {
                       sink);
   } else if constexpr (HasFlatSides<A> && HasFlatSides<B>) {
     collide_flat_pair(ConvexRef::to(a), ConvexRef::to(b), {facing_of<A>, facing_of<B>}, rounded_pair(a, b), q, sink);
+  } else if constexpr (RoundShape<A> && RoundShape<B>) {
+    collide_round(RoundRef::to(a), RoundRef::to(b), ConvexRef::to(a), ConvexRef::to(b), rounded_pair(a, b), q, sink);
   } else {
     collide_cores(ConvexRef::to(a), ConvexRef::to(b), rounded_pair(a, b), q, sink);
   }

@@ -1,6 +1,7 @@
 /// @file half_space_pairs.h  Closed forms against a plane: the points of the body below (or within reach of) it.
 #pragma once
 #include "detection/narrow/convex_pairs.h"
+#include "detection/narrow/hertz_radius.h"
 #include "detection/narrow/manifold.h"
 #include "detection/shapes/half_space.h"
 
@@ -21,10 +22,14 @@ template <ConvexShape S>
 requires(!PolyhedralShape<S>) void collide_closed(const S& a, const HalfSpace& b, const PairQuery& q,
                                                   ContactSink& sink) {
   const Vec3 outward = q.b.orientation * b.normal;
-  const Vec3 deepest = q.a.orientation * a.support(q.a.orientation.conjugate() * -outward);
+  const Vec3 towards = q.a.orientation.conjugate() * -outward;
+  const Vec3 deepest = q.a.orientation * a.support(towards);
   const double gap = outward.dot(q.a.position - q.b.position) + outward.dot(deepest) - a.rounding();
   if (!(gap < q.reach)) return;
-  sink.add({gap, -outward, deepest - (a.rounding() + 0.5 * gap) * outward, contact_radius(a), 0});
+  double radius = contact_radius(a);
+  if constexpr (RoundShape<S>)
+    if (q.curvature) radius = hertz_radius_on_plane(RoundRef::to(a), a.rounding(), towards);
+  sink.add({gap, -outward, deepest - (a.rounding() + 0.5 * gap) * outward, radius, 0});
 }
 
 }  // namespace epafi

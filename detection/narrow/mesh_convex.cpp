@@ -49,7 +49,7 @@ Verdict judge(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles
 /// All triangles lie in one flat part and none at its rim: the body sees a plane. (Where the part ended below the body,
 /// one of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so, 14 us triangle by triangle
 /// (perf/mesh.cpp).
-bool is_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles) {
+bool all_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles) {
   return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
     const auto& kinds = mesh.edge_kinds[t];
     return mesh.flat_group[t] == mesh.flat_group[triangles.front()] &&
@@ -367,7 +367,7 @@ void collide_all(const BodyOnMesh& body, std::span<const std::uint32_t> triangle
   static thread_local std::vector<BarredTriangle> barred;
   static thread_local std::vector<char> spoke;
   points.clear(), barred.clear(), spoke.clear();
-  if (is_plain(body.mesh(), triangles)) {
+  if (all_plain(body.mesh(), triangles)) {
     body.collide_plain(triangles.front(), points);
   } else {
     for (const auto t : triangles) {

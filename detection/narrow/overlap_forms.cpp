@@ -88,12 +88,12 @@ class Pyramid {
   double extent_ = 0.0;
 };
 
-struct Scratch {
+struct FormScratch {
   Pyramid pyramid;
   std::vector<Vec3> corners;  ///< in the other body's axes
 };
-Scratch& scratch() {
-  static thread_local Scratch s;  // results do not depend on it
+FormScratch& form_scratch() {
+  static thread_local FormScratch s;  // results do not depend on it
   return s;
 }
 
@@ -106,8 +106,8 @@ struct Placing {
 
 bool corner_in_face(const PolyhedronView& tip, std::uint32_t vertex, const PolyhedronView& other, std::uint32_t face,
                     const Placing& place, bool tip_is_a, std::vector<OverlapCell>& out) {
-  Pyramid& pyramid = scratch().pyramid;
-  std::vector<Vec3>& corners = scratch().corners;
+  Pyramid& pyramid = form_scratch().pyramid;
+  std::vector<Vec3>& corners = form_scratch().corners;
   const double least = thinnest(tip, other);
   const Vec3 &v = tip.vertices[vertex], &n = other.face_normals[face], up = place.turn.transpose() * n;
   const double height = n.dot(place(v)) - other.face_offsets[face];
@@ -276,7 +276,7 @@ OverlapForm form_of(const PolyhedronPair& pair, std::span<const std::uint32_t> o
 }
 
 Volume corner_below(const PolyhedronView& view, std::uint32_t vertex, const Vec3& up, double height) {
-  Pyramid& pyramid = scratch().pyramid;
+  Pyramid& pyramid = form_scratch().pyramid;
   Volume out{view.vertices[vertex]};
   if (!pyramid.assign(view, vertex, up, height)) return out;
   if (!pyramid.is_all_of(view, 0.0)) return out;

@@ -44,6 +44,22 @@ struct Ellipsoid {
     return semi_axes.cwiseProduct(stretched / size);
   }
   double rounding() const { return 0.0; }
+  /// The derivative A^2/|A d| - x x^T/|A d| of the support point x = A^2 d/|A d|.
+  CurvedSupport curved_support(const Vec3& d) const {
+    const Vec3 stretched = semi_axes.cwiseProduct(d);
+    const double size = std::sqrt(stretched.squaredNorm());
+    const Vec3 point = semi_axes.cwiseProduct(stretched / size);
+    Mat3 derivative = -(point / size) * point.transpose();
+    derivative.diagonal() += semi_axes.cwiseProduct(semi_axes) / size;
+    return {point, derivative};
+  }
+  Vec3 core_semi_axes() const { return semi_axes; }
+  /// At the end of the longest axis, along the shortest.
+  bool curved() const { return true; }
+  double least_radius() const {
+    const double shortest = semi_axes.minCoeff();
+    return shortest * shortest / semi_axes.maxCoeff();
+  }
 
  private:
   double contact_radius_;

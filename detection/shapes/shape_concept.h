@@ -32,4 +32,11 @@ concept ConvexShape = requires(const S& s, const Vec3& d) {
   { s.rounding() } -> std::same_as<double>;
 };
 
+/// A support point x(d) and its derivative along unit directions d: symmetric, zero along d, with the radii of
+/// curvature as its other eigenvalues [m].
+struct CurvedSupport {
+  Vec3 point;
+  Mat3 derivative;
+};
+
 }  // namespace epafi

@@ -23,6 +23,10 @@ struct Sphere {
   }
   Vec3 support(const Vec3&) const { return Vec3::Zero(); }  // the core is the centre
   double rounding() const { return radius; }
+  CurvedSupport curved_support(const Vec3&) const { return {Vec3::Zero(), Mat3::Zero()}; }
+  Vec3 core_semi_axes() const { return Vec3::Constant(radius); }
+  bool curved() const { return true; }
+  double least_radius() const { return 0.0; }
 };
 static_assert(SolidShape<Sphere> && ConvexShape<Sphere>);
 

@@ -59,6 +59,24 @@ Superquadric::Superquadric(const Vec3& abc, int n, int m) : semi_axes(abc), acro
   // a bound may be a little large, never small
   radius_ = (1.0 + 1e-12) * reach_of(reach_of(abc.x(), abc.y(), n), abc.z(), m);
   contact_radius_ = equal_volume_radius(volume_);
+  least_radius_ = find_least_radius();
+}
+
+/// Of the directions of a grid over one octant, halved for what lies between them.
+double Superquadric::find_least_radius() const {
+  constexpr int cells = 24;
+  double least = infinity;
+  for (int i = 0; i <= cells; ++i)
+    for (int j = 0; i + j <= cells; ++j) {
+      const Vec3 d = Vec3(i, j, cells - i - j).cwiseQuotient(semi_axes).normalized();
+      const Mat3 k = curved_support(d).derivative;
+      // the two radii are the roots of x^2 - trace x + sum of the principal minors
+      const double trace = k.trace();
+      const double minors = 0.5 * (trace * trace - (k * k).trace());
+      const double root = std::sqrt(std::max(0.0, 0.25 * trace * trace - minors));
+      least = std::min(least, minors / (0.5 * trace + root));
+    }
+  return 0.5 * least;
 }
 
 Entry Superquadric::entry() {
@@ -72,20 +90,49 @@ Entry Superquadric::entry() {
           "Barr 1981"};
 }
 
-Vec3 Superquadric::support(const Vec3& d) const {
+Superquadric::UnitPoint Superquadric::unit_point(const Vec3& d) const {
   const Vec3 stretched = semi_axes.cwiseProduct(d).cwiseAbs();
-  if (!(stretched.maxCoeff() > 0.0)) return {semi_axes.x(), 0.0, 0.0};
-  GridCorner flat{0.0, 0.0};
-  double beside = 0.0;
+  UnitPoint p;
+  if (!(stretched.maxCoeff() > 0.0)) return p;
   if (std::max(stretched.x(), stretched.y()) > 0.0) {
-    flat = farthest(stretched.x(), stretched.y(), across);
-    beside = stretched.x() * flat.u + stretched.y() * flat.v;
+    const GridCorner flat = farthest(stretched.x(), stretched.y(), across);
+    p.u = flat.u;
+    p.v = flat.v;
+    p.beside = stretched.x() * flat.u + stretched.y() * flat.v;
   }
-  const GridCorner up = farthest(beside, stretched.z(), along);
-  const Vec3 unit(flat.u * up.u, flat.v * up.u, up.v);
-  Vec3 out;
-  for (int k = 0; k < 3; ++k) out[k] = d[k] < 0.0 ? -semi_axes[k] * unit[k] : semi_axes[k] * unit[k];
+  const GridCorner up = farthest(p.beside, stretched.z(), along);
+  p.scale = up.u;
+  p.height = up.v;
+  p.reach = p.beside * up.u + stretched.z() * up.v;
+  return p;
+}
+
+Vec3 Superquadric::on_surface(const UnitPoint& p, const Vec3& d) const {
+  Vec3 out = semi_axes.cwiseProduct(Vec3(p.u * p.scale, p.v * p.scale, p.height));
+  for (int k = 0; k < 3; ++k)
+    if (d[k] < 0.0) out[k] = -out[k];
   return out;
+}
+
+Vec3 Superquadric::support(const Vec3& d) const { return on_surface(unit_point(d), d); }
+
+CurvedSupport Superquadric::curved_support(const Vec3& d) const {
+  const UnitPoint p = unit_point(d);
+  const auto flatness = [](double x, int n) { return 1.0 / whole_power(std::max(x, least_side), n - 2); };
+  // second derivatives of the norm of (T, z) along z, T that of (x, y) across it: for each of exponent n' dual to n,
+  // with gradient g, (diag(g^(2 - n)) - g g^T) / ((n - 1) norm)
+  const double h = 1.0 / ((along - 1) * p.reach);
+  const double tt = h * (flatness(p.scale, along) - p.scale * p.scale), tz = -h * p.scale * p.height;
+  const double zz = h * (flatness(p.height, along) - p.height * p.height);
+  const double t = flatness(p.scale, along) / ((across - 1) * p.reach);  // scale / beside, finite at the poles
+  Mat3 m;
+  m << tt * p.u * p.u + t * (flatness(p.u, across) - p.u * p.u), tt * p.u * p.v - t * p.u * p.v, tz * p.u,  //
+      tt * p.u * p.v - t * p.u * p.v, tt * p.v * p.v + t * (flatness(p.v, across) - p.v * p.v), tz * p.v,   //
+      tz * p.u, tz * p.v, zz;
+  Vec3 signed_axes = semi_axes;
+  for (int k = 0; k < 3; ++k)
+    if (d[k] < 0.0) signed_axes[k] = -signed_axes[k];
+  return {on_surface(p, d), signed_axes.asDiagonal() * m * signed_axes.asDiagonal()};
 }
 
 Aabb Superquadric::bounding_box(const Pose& pose) const {

@@ -26,9 +26,23 @@ struct Superquadric {
   /// The point whose outward normal is d: coordinates are (n - 1)th roots of the stretched direction's.
   Vec3 support(const Vec3& d) const;
   double rounding() const { return 0.0; }
+  /// Where the surface is flat the derivative is large and not infinite.
+  CurvedSupport curved_support(const Vec3& d) const;
+  Vec3 core_semi_axes() const { return semi_axes; }
+  bool curved() const { return across == 2 && along == 2; }
+  double least_radius() const { return least_radius_; }
 
  private:
-  double volume_, radius_, contact_radius_;
+  /// The support point of the unit superquadric, without signs: (u s, v s, height).
+  struct UnitPoint {
+    double u = 1.0, v = 0.0, scale = 1.0, height = 0.0;
+    double beside = 0.0, reach = 0.0;  ///< of the stretched direction: across z, and in all
+  };
+  static constexpr double least_side = 1e-4;  ///< a coordinate below counts as this in a curvature
+  UnitPoint unit_point(const Vec3& d) const;
+  Vec3 on_surface(const UnitPoint& p, const Vec3& d) const;
+  double find_least_radius() const;
+  double volume_, radius_, contact_radius_, least_radius_;
 };
 static_assert(SolidShape<Superquadric> && ConvexShape<Superquadric>);
 

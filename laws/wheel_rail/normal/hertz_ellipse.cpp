@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/error.h"
-#include "laws/wheel_rail/elliptic_integrals.h"
+#include "engine/elliptic_integrals.h"
 
 namespace epafi {
 namespace {
