@@ -70,6 +70,7 @@ RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bod
 
 void RunMonitor::observe(const StepView& view) {
   if (view.step > 0) {
+    energy_.note(view.report);
     totals_.steps += 1, totals_.contacts += static_cast<double>(view.report.touching);
     totals_.body_steps += static_cast<double>(view.movable);
     if (view.report.has_solver) {
@@ -98,9 +99,7 @@ void RunMonitor::watch_solver(const StepView& view) {
                  .first_step = view.step,
                  .first_time = view.world.time,
                  .value = report.solver.residual});
-  // A solver that stopped close to a solution has found none missing: the search sees 64 contacts, not all.
-  constexpr double far_from_solved = 1e-2;
-  if (report.trouble.kind != SolverTrouble::Kind::no_solution || report.solver.residual < far_from_solved) return;
+  if (report.trouble.kind != SolverTrouble::Kind::no_solution) return;
   warnings_.add({.kind = "no_solution",
                  .text = report.trouble.text,
                  .first_step = view.step,
@@ -135,58 +134,42 @@ void RunMonitor::look(const StepView& view) {
 }
 
 namespace {
-constexpr double telling_error = 1e-2;  // of the energy balance: told
-constexpr double ending_error = 0.5;    // ends the run where the scene sets no bound of its own
-// steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
-constexpr double passing = 40;
-constexpr double no_speed = 1e-7;  // below it nothing moves that a scene could mean [m/s]
-
-/// Energies that mean something [J]: those of all free bodies at a speed of nothing, with impulses at that which one step
-/// of free fall gives. Of bodies at rest the ledger holds rounding alone, and its error relative to itself says nothing.
-double least_energy(const StepView& view) {
-  const World& world = view.world;
-  const double mass = block_sum<double>(
-      world.size(), [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? 1.0 / world.inverse_mass[s] : 0.0; });
-  const double speed = view.report.has_solver ? std::max(no_speed, world.gravity.norm() * view.dt) : no_speed;
-  return 0.5 * mass * speed * speed;
-}
-}  // namespace
-
-void RunMonitor::watch_energy(const StepView& view) {
-  const double error = view.ledger.relative_error(), step = static_cast<double>(view.step);
-  const Energy& now = view.ledger.last();
-  const double moved = now.kinetic + now.elastic + now.dissipated + now.gained + std::abs(now.work);
-  if (!(std::abs(error) > telling_error) || view.step == 0 || moved < least_energy(view)) {
-    balance_watch_ = {};
-    return;
-  }
-  if (balance_watch_.open_since == 0) balance_watch_.open_since = step;
-  const double unexplained = view.ledger.unexplained_error();
-  if (!(std::abs(unexplained) > ending_error))
-    balance_watch_.wide_since = 0;
-  else if (balance_watch_.wide_since == 0)
-    balance_watch_.wide_since = step;
-  const auto lasts = [&](double since) { return since > 0 && (view.last || step - since >= passing); };
-  if (!lasts(balance_watch_.open_since)) return;
-  char text[200];
-  std::snprintf(text, sizeof text, "the energy balance is open by %.2g of the largest energy: %s", error,
-                error > 0 ? "the bodies gained energy that nothing gave them" : "energy was lost track of");
+std::string balance_text(const WatchedBalance::Finding& open, const Energy& now) {
+  constexpr double net_open = 1e-2;
+  char text[240];
+  if (std::abs(open.net) > net_open || !std::isfinite(open.net))
+    std::snprintf(text, sizeof text, "the energy balance is open by %.2g of the largest energy: %s", open.net,
+                  open.net > 0 ? "the bodies gained energy that nothing gave them" : "energy was lost track of");
+  else
+    std::snprintf(text, sizeof text,
+                  "the energy balance was open in between, by %.2g of the energy exchanged: the bodies gained %.3g J that "
+                  "nothing gave them, %.3g J were lost track of",
+                  open.share, open.gained, open.lost);
   std::string what = text;
-  if (error > 0 && now.gained > 0) {
-    std::snprintf(text, sizeof text, ", the contacts %.3g J", now.gained);
+  const double contacts = std::max(open.put_in, now.gained);
+  if (contacts > 0 && !(open.net < -net_open)) {
+    std::snprintf(text, sizeof text, ", the contacts %.3g J", contacts);
     what += text;
   }
   if (now.correction > 0) {
     std::snprintf(text, sizeof text, ", moving overlapping bodies apart %.3g J", now.correction);
     what += text;
   }
+  return what;
+}
+}  // namespace
+
+void RunMonitor::watch_energy(const StepView& view) {
+  energy_.look(view);
+  const WatchedBalance::Finding& open = energy_.finding();
+  if (!open.told) return;
   warnings_.add({.kind = "energy",
-                 .text = std::move(what),
+                 .text = balance_text(open, view.ledger.last()),
                  .first_step = view.step,
                  .first_time = view.world.time,
-                 .value = std::abs(error)});
-  if (!watches_balance_ || !lasts(balance_watch_.wide_since)) return;
-  balance_ = BoundCheck{"energy_error", std::abs(unexplained), ending_error, false};
+                 .value = open.share});
+  if (!watches_balance_ || !open.ends) return;
+  balance_ = BoundCheck{"energy_error", std::max(std::abs(open.unexplained), open.share), 0.5, false};
 }
 
 void RunMonitor::look_at_momentum(const StepView& view) {
@@ -258,7 +241,7 @@ Overlap RunMonitor::overlap() const {
 
 void RunMonitor::visit(StateVisitor& v) {
   v.value("monitor/totals", totals_), v.value("monitor/momentum", momentum_);
-  v.value("monitor/balance", balance_watch_);
+  energy_.visit(v);
   if (momentum_.started != 0) momentum_error_ = momentum_.error;
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
     const std::string name = "monitor/bound" + std::to_string(i);

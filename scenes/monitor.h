@@ -9,6 +9,7 @@
 #include "engine/observer.h"
 #include "engine/warnings.h"
 #include "scenes/scene.h"
+#include "scenes/watched_balance.h"
 
 namespace epafi {
 
@@ -85,11 +86,7 @@ class RunMonitor final : public Observer {
   struct Momentum {
     double start[3] = {0, 0, 0}, largest = 0, error = 0, started = 0;
   };
-  /// Since which look the energy balance has been open, and beyond what ends a run; 0: it is not.
-  struct BalanceWatch {
-    double open_since = 0, wide_since = 0;
-  };
-  BalanceWatch balance_watch_;
+  WatchedBalance energy_;
   std::vector<BoundSpec> bounds_;  ///< of [bounds], then of [accuracy]
   std::size_t stopping_;           ///< the first so many end the run
   std::vector<BodyIds> bound_bodies_;

@@ -68,9 +68,9 @@ struct ContactProblem {
     if (rotates) u += v.angular[b[i]].cross(arm_b[i]) - v.angular[a[i]].cross(arm_a[i]);
     return to_frame(i, u);
   }
-  /// q_i = (H^T v_free + w)_i; 0 where neither body can move, as no impulse could change it.
+  /// q_i = (H^T v_free + w)_i; 0 where no impulse acts: neither body can move, or the contact is left out.
   Vec3 free_relative_velocity(std::size_t i) const {
-    if (!is_free(a[i]) && !is_free(b[i])) return Vec3::Zero();
+    if (mobility[i] <= 0.0) return Vec3::Zero();
     return with_offset(i, relative_velocity(i, free));
   }
   /// World vector of an impulse in the frame of contact i, acting on B.

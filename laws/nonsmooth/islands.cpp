@@ -16,6 +16,7 @@ std::uint32_t Islands::root(std::uint32_t i) {
 
 void Islands::find(const ConeProblem& p) {
   const auto n = static_cast<std::uint32_t>(p.size());
+  norm_ = p.q_norm();
   parent_.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) parent_[i] = i;
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
@@ -58,7 +59,7 @@ void Islands::extract(const ConeProblem& p, std::size_t k, ConeProblem& out) con
   out.friction.resize(n), out.q.resize(n), out.diagonal.resize(n), out.rows.resize(p.has_bodies() ? n : 0);
   out.mass.clear(), out.begin.assign(1, 0), out.column.clear(), out.block.clear();
   out.scale = p.scale;
-  out.reference = p.q_norm() * std::sqrt(static_cast<double>(n) / static_cast<double>(p.size()));
+  out.reference = norm_ * std::sqrt(static_cast<double>(n) / static_cast<double>(p.size()));
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t from = chosen[i];
     out.friction[i] = p.friction[from], out.q[i] = p.q[from], out.diagonal[i] = p.diagonal[from];

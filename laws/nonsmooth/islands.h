@@ -21,6 +21,7 @@ class Islands {
  private:
   std::uint32_t root(std::uint32_t i);
 
+  double norm_ = 0.0;  ///< of q of the whole problem: once, not for every island
   std::vector<std::uint32_t> parent_, first_;
   std::vector<std::uint32_t> island_;  ///< of each contact
   std::vector<std::size_t> begin_{0};

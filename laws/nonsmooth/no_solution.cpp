@@ -167,7 +167,7 @@ std::optional<NoSolution> find_no_solution(const ConeProblem& p, const std::vect
   Eigen::VectorXd b = Eigen::VectorXd::Zero(c.a.rows());
   b(b.size() - 1) = -1.0;
   const Eigen::VectorXd x = nonnegative_squares(c.a, b);
-  if ((c.a * x - b).norm() > no_distance) return std::nullopt;
+  if (!((c.a * x - b).norm() <= no_distance)) return std::nullopt;
   NoSolution out;
   double largest = 0.0, closing = 0.0;
   for (Eigen::Index k = 0; k < x.size(); ++k) largest = std::max(largest, x(k) / c.length[static_cast<std::size_t>(k)]);

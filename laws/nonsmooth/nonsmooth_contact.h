@@ -18,7 +18,10 @@
 /// close the contact is an impact: u_N >= -e u_N^- with half of the step's gravity before it and half after, as if it
 /// happened at the middle: u_{k+1} = -e (u_k + a dt/2) + a dt/2. (With u^- = u_k each bounce came out dt late: Zeno's
 /// ball by 1 %, case A22.) Slower approaches do not bounce: one step of gravity is not resolved, and sweeps that stop
-/// early leave velocities of that order in a pile; a resting contact has u_k = 0 and cannot bounce whatever e is. An
+/// early leave velocities of that order in a pile; a resting contact has u_k = 0 and cannot bounce whatever e is. A
+/// contact that an impact elsewhere closes is left out of the step and bounces in the next one, but for one that rests: it has
+/// not opened faster than that, and its gap is within what that speed closes in a step. Such a contact passes the shock on as
+/// one without a gap does, and it carries load: without it a stack would fall for a step. An
 /// open contact bounces in the step in which it would close, at gap > 0: early by less than dt, without overlap, and
 /// without a change of energy if e = 1. This law alone can create energy in frictional impacts with rotation (Kane's
 /// paradox, case A21): what the default does about it, and other laws of impact, in impact.h.

@@ -18,26 +18,40 @@ std::vector<typename L::Parameters> parameters_of_pairs(const MaterialTable& tab
   return out;
 }
 
+/// How far beyond touch a contact of the law may hold [m].
+template <NormalLaw N>
+double reach_of(const typename N::Parameters& p, double radius) {
+  if constexpr (requires { N::reach(p, radius); }) return N::reach(p, radius);
+  return 0.0;
+}
+
+/// An overlap below 0 is that of a contact that holds on beyond touch, by a law that can.
 template <NormalLaw N>
 NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
   constexpr double little = 1e-4;  // of the overlap: digits enough for a slope, near enough for a power law
-  const double overlap = at.overlap;
+  const double overlap = at.overlap, size = std::abs(overlap);
   NormalState<N> fresh{}, loaded{}, next{};
   at.approach_velocity = 0.0;
+  if (overlap < 0.0) {  // it has touched before
+    at.overlap = size;
+    respond<N>(p, at, fresh, loaded);
+    fresh = loaded;
+    at.overlap = overlap;
+  }
   const NormalResponse still = respond<N>(p, at, fresh, loaded);
   NormalSlopes out;
   out.of_law = still.stiffness;
   out.force = std::max(0.0, still.force);
   if constexpr (RemembersNormal<N>) {
-    at.overlap = overlap * (1.0 - little);
+    at.overlap = overlap - size * little;
     const NormalResponse less = respond<N>(p, at, loaded, next);
-    out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (overlap * little);
+    out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (size * little);
     at.overlap = overlap;
   } else {
     out.stiffness = std::max(0.0, still.stiffness);
   }
   // so fast that the force doubles with a dashpot of the critical kind: forces of all laws are linear in it
-  at.approach_velocity = overlap * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
+  at.approach_velocity = size * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
   const NormalResponse moving = respond<N>(p, at, loaded, next);
   if (at.approach_velocity > 0.0) out.dashpot = std::max(0.0, moving.force - still.force) / at.approach_velocity;
   return out;
@@ -72,6 +86,9 @@ ContactLinks::ContactLinks(const SmoothSetup& setup) : materials_(setup.material
   const MaterialTable& table = setup.materials;
   with_law(NormalLaws{}, parts.normal, [&](auto n) {
     using N = typename decltype(n)::type;
+    reach_ = [pairs = parameters_of_pairs<N>(table)](std::size_t pair, double radius) {
+      return reach_of<N>(pairs[pair], radius);
+    };
     normal_ = [pairs = parameters_of_pairs<N>(table)](std::size_t pair, const ContactKinematics& at) {
       return slopes_of<N>(pairs[pair], at);
     };
@@ -117,11 +134,13 @@ void ContactLinks::append(const World& world, const ContactSet& contacts, std::s
   for (std::size_t k = begin; k < end; ++k) {
     const Slot a = contacts.a[k], b = contacts.b[k];
     const double mobility = world.inverse_mass[a] + world.inverse_mass[b];
-    if (!(contacts.gap[k] < 0.0) || mobility == 0.0) continue;
+    if (mobility == 0.0) continue;
     ContactKinematics at;
-    at.overlap = -contacts.gap[k];
-    at.effective_mass = 1.0 / mobility;
     at.effective_radius = k < contacts.effective_radius.size() ? contacts.effective_radius[k] : 0.0;
+    const double reach = reach_(world.material[a] * materials_ + world.material[b], at.effective_radius);
+    if (!(contacts.gap[k] < reach)) continue;
+    at.overlap = contacts.gap[k] < 0.0 ? -contacts.gap[k] : std::min(-contacts.gap[k], -1e-6 * reach);
+    at.effective_mass = 1.0 / mobility;
     if (k < contacts.area.size()) at.area = contacts.area[k];
     const Vec3 arm_a = contacts.arm[k], arm_b = contacts.arm_b(k, world);
     const double slip = slip_mobility_of(world, a, arm_a) + slip_mobility_of(world, b, arm_b);

@@ -23,7 +23,8 @@ class ContactLinks {
  public:
   /// The set-up must pass check_smooth.
   explicit ContactLinks(const SmoothSetup& setup);
-  /// Those of contacts [begin, end) that overlap, for a step of dt [s].
+  /// Those of contacts [begin, end) that overlap, for a step of dt [s]; and of those that a law with adhesion may hold
+  /// beyond touch, as if it did: whether they have touched is in the memory of the contact model.
   void append(const World& world, const ContactSet& contacts, std::size_t begin, std::size_t end, double dt,
               std::vector<StiffLink>& links) const;
   /// A link between bodies of materials i and j by overlap, radius, mass and area of `at`; mobilities: of slip, 1/m + r^2/I
@@ -37,6 +38,7 @@ class ContactLinks {
  private:
   std::size_t materials_;
   std::function<NormalSlopes(std::size_t pair, const ContactKinematics& at)> normal_;
+  std::function<double(std::size_t pair, double radius)> reach_;         ///< beyond touch [m]
   std::function<double(std::size_t pair, double stiffness)> sideways_;  ///< k_t of k_n [N/m]
   std::vector<double> sideways_damping_;                                ///< by pair, of critical
   /// dt^2/4 k + dt c of rolling [kg m^2]

@@ -3,6 +3,7 @@
 
 #include "engine/random.h"
 #include "laws/all_laws.h"
+#include "laws/smooth/contact_links.h"
 #include "laws/smooth/critical_step.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"
@@ -262,5 +263,48 @@ TEST_CASE("rolling types A and B slow a rolling sphere as their formulas say", "
     CHECK(rig.world.angular_velocity[0].y() * R == Approx(expected).epsilon(2e-3));
     rig.ledger.measure(rig.world);
     CHECK(std::abs(rig.ledger.relative_error()) < 1e-4);
+  }
+}
+
+TEST_CASE("the watch over the step counts JKR contacts that hold beyond touch, with their own stiffness",
+          "[laws][adhesion][time-step]") {
+  // along the branch of equilibria dN/d(delta) = (dN/da) / (d(delta)/da)
+  const double radius = 5e-3, R = 0.5 * radius, dt = 1e-5;
+  Random random(29, 0);
+  for (int k = 0; k < 40; ++k) {
+    const double work = std::pow(10.0, random.uniform(-3, 0));
+    const SmoothSetup setup =
+        setup_of({"jkr", 1.0, 0, 0, parameters_of({{"work_of_adhesion", work}})}, {rubber, rubber});
+    const double E = 0.5 * rubber.youngs_modulus / (1 - rubber.poissons_ratio * rubber.poissons_ratio);
+    const double B = std::sqrt(2 * pi * work / E), least = std::cbrt(B * R / 4.0);  // root of a where it breaks
+    const double u = least * random.uniform(1.05, 2.5);                           // touch is at 1.59
+    const double overlap = u * u * u * u / R - B * u;
+    const double dN = 8.0 * E * std::pow(u, 5) / R - 6.0 * E * B * u * u, ddelta = 4.0 * u * u * u / R - B;  // over u
+    World world(Columns{.rotation = true, .anisotropy = false, .force = false});
+    for (int i = 0; i < 2; ++i) {
+      Body b;
+      b.position = Vec3(0, 0, i * (2 * radius - overlap));
+      b.mass = 1e-3;
+      b.inertia = Vec3::Constant(0.4 * b.mass * radius * radius);
+      world.add(b);
+    }
+    ContactSet contacts;
+    ContactPoint point;
+    point.gap = -overlap;
+    point.normal = Vec3::UnitZ();
+    point.arm = Vec3(0, 0, radius - 0.5 * overlap);
+    contacts.append(0, 1, point);
+    contacts.effective_radius.assign(1, R);
+    std::vector<StiffLink> links;
+    ContactLinks(setup).append(world, contacts, 0, 1, dt, links);
+    const double slope = dN / ddelta, seen = links.empty() ? 0.0 : links[0].along / (0.25 * dt * dt);
+    INFO("work " << work << ", overlap " << overlap << " m, u " << u / least << ", slope " << slope << ", seen " << seen);
+    REQUIRE(links.size() == 1);
+    CHECK(seen == Approx(std::max(0.0, slope)).epsilon(1e-2).margin(1e-6 * E * u * u));  // of the law's 2 E* a
+    // beyond its reach it is gone
+    contacts.gap[0] = 1.001 * 0.75 * std::cbrt(pi * pi * work * work * R / (E * E));
+    links.clear();
+    ContactLinks(setup).append(world, contacts, 0, 1, dt, links);
+    CHECK(links.empty());
   }
 }

@@ -414,3 +414,44 @@ TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "
   CHECK(cell(rows[0], 11) == cell(rows[1], 11));  // state hash
   CHECK(std::stod(cell(rows[0], 3)) > 0);
 }
+
+TEST_CASE("chart and limits judge overlaps by the largest of all steps", "[scenes][study]") {
+  // Hertz: the largest overlap d of an elastic impact is that of m v^2/2 = 8/15 E* sqrt(R) d^(5/2); here the contact
+  // has come and gone between two pictures of the run
+  const TemporaryFolder folder;
+  std::ofstream(folder / "fall.toml") << R"(
+params = { v = 0.41 }
+run = { duration = 5e-4, time_step = 1e-6, output_interval = 2e-4 }
+material.m = { density = 3000.0, youngs_modulus = 1e10, poissons_ratio = 0.2 }
+contact = { method = "smooth", restitution = 1.0, friction = 0.0, smooth = { law = "hertz" } }
+[[body]]
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+fixed = true
+[[body]]
+shape = { sphere = { radius = 0.01 } }
+material = "m"
+position = [0, 0, 0.010001]
+velocity = [0, 0, "= -v"]
+)";
+  const double radius = 0.01, mass = 3000.0 * 4.0 / 3.0 * M_PI * std::pow(radius, 3);
+  const double modulus = 1e10 / (2.0 * (1.0 - 0.2 * 0.2));
+  const auto energy = [&](double overlap) {
+    return 8.0 / 15.0 * modulus * std::sqrt(radius) * std::pow(overlap, 2.5);
+  };
+  const auto study = [&](const std::string& rest) {
+    Study out = read_study(write(folder, "scene = \"fall.toml\"\nvary = [{ name = \"hertz\" }]\n" + rest), {});
+    out.program = program;
+    return out;
+  };
+  const Chart chart = run_chart(study("error = \"overlap\"\nrepeats = 1\n"), folder / "chart", silent);
+  REQUIRE(chart.points.size() == 1);
+  CHECK(energy(chart.points[0].error * radius) == Approx(0.5 * mass * 0.41 * 0.41).epsilon(5e-3));
+  const LimitMap map = run_limits(study("parameter = { key = \"params.v\", from = 0.01, to = 40, scale = \"log\", search = "
+                                        "\"bisect\", tolerance = 0.01 }\nfails_when = { overlap_relative = 1e-3 }\n"),
+                                  folder / "limits", 1, silent);
+  REQUIRE(map.limits.size() == 1);
+  REQUIRE(map.limits[0].last_good);
+  const double exact = std::sqrt(2.0 * energy(1e-3 * radius) / mass);
+  CHECK(*map.limits[0].last_good == Approx(exact).epsilon(0.012));
+}

@@ -30,6 +30,12 @@ SolverReport Adaptive::solve_directly(const ContactProblem& problem, Impulses& r
 }
 
 SolverReport Adaptive::solve(const ContactProblem& problem, Impulses& r) {
+  const SolverReport report = choose(problem, r);
+  solved_ = report.converged;
+  return report;
+}
+
+SolverReport Adaptive::choose(const ContactProblem& problem, Impulses& r) {
   const double sweep = lane_work * static_cast<double>(problem.size()), step = over_sweeps * most_sweeps_ * sweep;
   if (!started_) credit_ = first_credit + first_steps * step;
   started_ = true;
@@ -71,7 +77,7 @@ void Adaptive::visit(StateVisitor& visitor) {
   direct_.visit(visitor);
   visitor.value("adaptive/credit", credit_), visitor.value("adaptive/started", started_);
   visitor.value("adaptive/pause", pause_), visitor.value("adaptive/next_pause", next_pause_);
-  visitor.value("adaptive/direct", direct_was_right_);
+  visitor.value("adaptive/direct", direct_was_right_), visitor.value("adaptive/solved", solved_);
 }
 
 SolverEntry adaptive_entry() {

@@ -20,7 +20,8 @@ class Adaptive final : public ContactSolver {
   SolverReport solve(const ContactProblem& problem, Impulses& r) override;
   /// Cold and alone: whatever it takes.
   SolverReport solve(const ConeProblem& problem, Impulses& r) override;
-  double good_start() const override { return direct_.good_start(); }
+  /// After a step that was not solved no start is: it is not looked at, which costs as much as a sweep or two.
+  double good_start() const override { return solved_ ? direct_.good_start() : -1.0; }
   bool calms() const override { return direct_.calms(); }
   void calm(const std::vector<Vec3>& change, Impulses& r) override { direct_.calm(change, r); }
   void forget() override { direct_.forget(); }
@@ -28,6 +29,7 @@ class Adaptive final : public ContactSolver {
 
  private:
   SolverReport solve_directly(const ContactProblem& problem, Impulses& r);
+  SolverReport choose(const ContactProblem& problem, Impulses& r);
 
   GaussSeidel<PgsRule> sweeps_;
   Auto direct_;
@@ -38,6 +40,7 @@ class Adaptive final : public ContactSolver {
   std::int32_t pause_ = 0;        ///< steps until the next attempt
   std::int32_t next_pause_ = 0;   ///< behind it, if it fails
   bool direct_was_right_ = false; ///< in the last step
+  bool solved_ = true;            ///< in the last step, by whatever means
 };
 
 }  // namespace epafi

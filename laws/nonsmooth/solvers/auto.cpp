@@ -61,9 +61,9 @@ double Auto::work() const {
 }
 
 /// Stage 0: r is the solution, or as it was.
-SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island, double price) {
+SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
   const bool was_right = kept_[island] != Kept::nothing;
-  if (!was_right && spent_[island] < 2.0 * steps_try * price) return {false, 0, infinity};
+  if (!was_right && spent_[island] < 2.0 * steps_try * part.price) return {false, 0, infinity};
   const int most = std::min(was_right ? steps_again : steps_try, iterations_);
   part.newton.interrupted = interrupted;
   part.newton.limit(most, most, infinity);
@@ -71,18 +71,22 @@ SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, st
   const SolverReport report = part.newton.solve(problem, part.change);
   if (kept_[island] == Kept::factor && report.iterations == 0) part.newton.hold();  // others are at work
   kept_[island] = left_by(part.newton, report, 0);
-  spent_[island] = report.converged ? 0 : static_cast<std::int32_t>(std::max(-10.0 * steps_try * price, -1e9));
+  spent_[island] = report.converged ? 0 : static_cast<std::int32_t>(std::max(-10.0 * steps_try * part.price, -1e9));
   if (report.converged) r.swap(part.change);
   return report;
 }
 
-/// Stages 0 and 1.
-SolverReport Auto::begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
-  const double price = factorisation(part, problem), sweep_cost = sweep_work(problem);
+void Auto::appraise(Part& part, const ConeProblem& problem) const {
+  part.price = factorisation(part, problem);
   part.work = 0.0;
-  part.left = is_too_dear(problem, price);
+  part.left = is_too_dear(problem, part.price);
+}
+
+/// Stages 0 and 1, of a part that is appraised.
+SolverReport Auto::begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
   if (part.left) return {false, 0, infinity};
-  const SolverReport again = go_on(part, problem, r, island, price);
+  const double price = part.price, sweep_cost = sweep_work(problem);
+  const SolverReport again = go_on(part, problem, r, island);
   part.work += again.iterations * price * sweep_cost;
   if (again.converged || again.iterations >= iterations_) return again;
   SolverReport report = sweep(part, problem, r, iterations_ - again.iterations, price);
@@ -134,15 +138,22 @@ SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, c
   return {proximal.converged, count + proximal.iterations, proximal.residual};
 }
 
-/// Island k of several, stages 0 and 1.
-SolverReport Auto::begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r) {
+/// Island k of several, appraised.
+void Auto::extract_part(std::size_t k, const ConeProblem& problem, const Impulses& r) {
   Part& part = *parts_[k];
   const auto contacts = islands_.contacts(k);
   islands_.extract(problem, k, part.problem);
   part.r.resize(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) part.r[i] = r[contacts[i]];
   part.swept = part.r;
-  return begin(part, part.problem, part.swept, k);
+  appraise(part, part.problem);
+}
+
+/// It is left, and its start is no solution: then nothing that others do makes one of the whole.
+bool Auto::is_hopeless(Part& part) const {
+  if (!part.left) return false;
+  part.problem.relative_velocities(part.r, part.v, part.u);
+  return !(part.problem.residual(part.r, part.u) <= tolerance_);
 }
 
 SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
@@ -151,6 +162,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   make_parts(count);
   if (count == 1) {
     parts_[0]->swept = r;
+    appraise(*parts_[0], problem);
     const SolverReport swept = begin(*parts_[0], problem, parts_[0]->swept, 0);
     if (!unfinished(*parts_[0], swept) || stop()) {
       r.swap(parts_[0]->swept);
@@ -160,7 +172,11 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   }
   reports_.assign(count, {});
   parallel_for(
-      count, [&](std::size_t k) { reports_[k] = begin_part(k, problem, r); }, 1);
+      count, [&](std::size_t k) { extract_part(k, problem, r); }, 1);
+  for (std::size_t k = 0; k < count; ++k)
+    if (is_hopeless(*parts_[k])) return {false, 0, infinity};
+  parallel_for(
+      count, [&](std::size_t k) { reports_[k] = begin(*parts_[k], parts_[k]->problem, parts_[k]->swept, k); }, 1);
   order_.clear();  // the small ones first: an interrupted solve has most of them done
   for (std::uint32_t k = 0; k < count; ++k)
     if (unfinished(*parts_[k], reports_[k])) order_.push_back(k);

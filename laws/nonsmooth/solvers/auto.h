@@ -47,7 +47,8 @@ class Auto final : public ConeSolver {
     Proximal proximal;
     std::vector<Vec6> v;
     std::vector<Vec3> u;
-    double work = 0.0;  ///< multiplications of this solve
+    double price = 0.0;  ///< of a factorisation, in sweeps
+    double work = 0.0;   ///< multiplications of this solve
     bool left = false;  ///< not looked at: too dear
   };
   /// Of newton's, where it had the last word: that it is to begin the next step, and its factor, which calms.
@@ -56,12 +57,14 @@ class Auto final : public ConeSolver {
   void make_parts(std::size_t count);
   static Kept left_by(const Newton& newton, const SolverReport& report, std::int32_t spent);
   double factorisation(Part& part, const ConeProblem& problem) const;
+  void appraise(Part& part, const ConeProblem& problem) const;
   SolverReport begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island);
-  SolverReport go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island, double price);
+  SolverReport go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island);
   SolverReport sweep(Part& part, const ConeProblem& problem, Impulses& r, int limit, double price);
   SolverReport refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept,
                       std::size_t island);
-  SolverReport begin_part(std::size_t k, const ConeProblem& problem, const Impulses& r);
+  void extract_part(std::size_t k, const ConeProblem& problem, const Impulses& r);
+  bool is_hopeless(Part& part) const;
   bool unfinished(const Part& part, const SolverReport& swept) const {
     return !part.left && !swept.converged && swept.iterations < iterations_;
   }

@@ -1,0 +1,121 @@
+#include "scenes/watched_balance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/parallel.h"
+
+namespace epafi {
+
+namespace {
+constexpr double telling_share = 1e-2;  // of the energy exchanged: told
+constexpr double ending_share = 0.5;    // ends the run where the scene sets no bound of its own
+constexpr double band_share = 1e-3;     // swings of single contacts: automatic steps err by less of all energy
+// steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
+constexpr double passing = 40;
+constexpr double noise_per_residual = 1e3;  // velocities of a stack of 30 err by 30 times what its residual says
+
+double free_mass(const World& world) {
+  return block_sum<double>(
+      world.size(), [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? 1.0 / world.inverse_mass[s] : 0.0; });
+}
+}  // namespace
+
+void WatchedBalance::Swings::follow(double value, double band) {
+  if (direction == 0.0) {
+    far = value;
+    if (std::abs(value - turn) > band) direction = value > turn ? 1.0 : -1.0;
+    return;
+  }
+  if (direction * (value - far) >= 0.0) {
+    far = value;
+    return;
+  }
+  if (!(std::abs(value - far) > band)) return;
+  (direction > 0 ? rises : falls) += std::abs(far - turn);
+  turn = far;
+  far = value;
+  direction = -direction;
+}
+
+void WatchedBalance::note(const StepReport& report) {
+  if (!report.has_solver) return;
+  state_.noisy_steps += std::clamp(noise_per_residual * report.solver.residual, 1e-6, 1.0);
+}
+
+/// Of smooth contact: what bodies that are found a rounding of their positions apart have moved with, once in every step,
+/// as a dashpot between them goes on to take it [J].
+double WatchedBalance::rounding_energy(const StepView& view) const {
+  const World& world = view.world;
+  const double far = block_max<double>(
+      world.size(), 0.0, [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? world.position[s].norm() : 0.0; });
+  const double speed = std::numeric_limits<double>::epsilon() * far / view.dt;
+  return 0.5 * static_cast<double>(view.step) * free_mass(world) * speed * speed;
+}
+
+/// E_ref of the looks [J]. The spread is that of the bodies' motion: where some come or go the potential energy jumps.
+double WatchedBalance::reference(const StepView& view) {
+  const Energy& now = view.ledger.last();
+  const double bodies = static_cast<double>(view.world.size());
+  const bool same = state_.started > 0 && bodies == state_.bodies;
+  const double jump = same ? 0.0 : now.potential - state_.potential;
+  state_.lowest = std::min(state_.lowest + jump, now.potential);
+  state_.highest = std::max(state_.highest + jump, now.potential);
+  state_.inner = std::max(state_.inner, now.kinetic + now.elastic);
+  state_.potential = now.potential;
+  state_.bodies = bodies;
+  return state_.inner + (state_.highest - state_.lowest);
+}
+
+void WatchedBalance::look(const StepView& view) {
+  const Energy& now = view.ledger.last();
+  if (view.report.has_solver) {
+    const double fall = view.world.gravity.norm() * view.dt;
+    state_.noise += state_.noisy_steps * 0.5 * free_mass(view.world) * fall * fall;
+    state_.noisy_steps = 0;
+  }
+  const double unexplained = now.stored() + now.taken - now.work, put_in = -now.taken;
+  const double known = reference(view);
+  if (state_.started == 0) {
+    state_.started = 1;
+    state_.unexplained.turn = unexplained;
+    state_.put_in.turn = put_in;
+  }
+  const double band = band_share * (known + state_.noise);
+  state_.unexplained.follow(unexplained, band);
+  state_.put_in.follow(put_in, band);
+  judge(view, known);
+}
+
+void WatchedBalance::judge(const StepView& view, double known) {
+  Finding& f = finding_ = {};
+  f.put_in = state_.put_in.risen();
+  f.gained = state_.unexplained.risen() + f.put_in;
+  f.lost = state_.unexplained.fallen();
+  const double net = view.ledger.relative_error(), unexplained = view.ledger.unexplained_error();
+  double exchanged = 0.0;
+  const auto measure = [&](double noise) {
+    const double least = std::numeric_limits<double>::min(), all = std::max(known + noise, least);
+    exchanged = all + state_.put_in.fallen();
+    f.net = net * known / all;
+    f.unexplained = unexplained * known / all;
+    f.share = std::max({std::abs(f.net), f.gained / exchanged, f.lost / exchanged});
+    if (!std::isfinite(net)) f.share = std::abs(net);
+  };
+  measure(state_.noise);
+  if (f.share > telling_share && !view.report.has_solver) measure(rounding_energy(view));
+  const double step = static_cast<double>(view.step);
+  const auto lasts = [&](bool open, double& since) {
+    if (!open || view.step == 0) since = 0;
+    else if (since == 0) since = step;
+    return since > 0 && (view.last || step - since >= passing);
+  };
+  f.told = lasts(!(f.share <= telling_share), state_.since_told);
+  const bool wide = !(std::abs(f.unexplained) <= ending_share && f.put_in <= ending_share * exchanged);
+  f.ends = lasts(wide, state_.since_wide) && f.told;
+}
+
+void WatchedBalance::visit(StateVisitor& visitor) { visitor.value("monitor/balance", state_); }
+
+}  // namespace epafi

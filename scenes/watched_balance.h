@@ -1,0 +1,67 @@
+/// @file watched_balance.h  The energy balance of a run as its watch books it: what bodies gained and what was lost track of,
+/// each by itself, so that losses never pay for gains.
+///   unexplained   stored + taken by contacts - work: the scheme and the position correction move it; it should not move
+///   put in        minus what contacts took: it should only fall
+/// Both are followed from turning point to turning point. A swing smaller than a thousandth of the reference energy (as
+/// the ledger's: largest kinetic and elastic energy, and the spread of the potential one) is that of a contact in motion and comes back; all others are added up, rises and falls apart. A steady change is
+/// one swing, however slow. The sums are held against the energy exchanged since the start: the reference and all that was
+/// dissipated.
+///
+/// Noise. Solvers of impulses leave velocities of their residual times one step of free fall, M (g dt)^2 / 2 in all bodies;
+/// a thousand times its part by the residual is added to what was exchanged in every step. Under smooth contact only rounding
+/// of the positions is noise: overlaps that differ by it, at the fastest motion that a step resolves.
+#pragma once
+#include "engine/observer.h"
+
+namespace epafi {
+
+class WatchedBalance {
+ public:
+  /// After every step.
+  void note(const StepReport& report);
+  /// After the energies were measured.
+  void look(const StepView& view);
+
+  /// What stands open, and since when.
+  struct Finding {
+    double share = 0.0;        ///< the largest of all below, of the energy exchanged
+    double net = 0.0;          ///< of the ledger's balance now, > 0: gained
+    double unexplained = 0.0;  ///< the same without position correction
+    double gained = 0.0;       ///< all that bodies gained [J]
+    double lost = 0.0;         ///< all that was lost track of [J]
+    double put_in = 0.0;       ///< by contacts, part of `gained` [J]
+    bool told = false;         ///< open for long enough to be told
+    bool ends = false;         ///< so far, for so long, that the run ends
+  };
+  const Finding& finding() const { return finding_; }
+  void visit(StateVisitor& visitor);
+
+ private:
+  /// Rises and falls of a value, swings below a band left out.
+  struct Swings {
+    double rises = 0, falls = 0;  ///< booked, both >= 0 [J]
+    double turn = 0;              ///< the last turning point
+    double far = 0;               ///< the farthest since
+    double direction = 0;         ///< 1, -1, or 0 at the start
+    void follow(double value, double band);
+    double risen() const { return rises + (direction > 0 ? far - turn : 0.0); }
+    double fallen() const { return falls + (direction < 0 ? turn - far : 0.0); }
+  };
+  struct State {  // plain: one value of the checkpoint
+    Swings unexplained, put_in;
+    double started = 0, since_told = 0, since_wide = 0;  ///< steps since which it is open; 0: it is not
+    double noisy_steps = 0;  ///< since the last look: by residual, 1 where it is a thousandth or more
+    double noise = 0;        ///< so far [J]
+    double inner = 0;        ///< largest kinetic and elastic energy together [J]
+    double lowest = 0, highest = 0, potential = 0;  ///< potential energy, and that of the last look [J]
+    double bodies = 0;       ///< at the last look
+  };
+  double rounding_energy(const StepView& view) const;
+  double reference(const StepView& view);
+  void judge(const StepView& view, double reference);
+
+  State state_;
+  Finding finding_;
+};
+
+}  // namespace epafi
