@@ -234,7 +234,8 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
   Simulation& sim = *assembly_->simulation;
   if (sim.steps() % keep_every == 0) files_->last_good.save([this](StateVisitor& v) { walk(v); });
   if (const auto failure = sim.advance(sim.steps() + 1 == last_step, run_on)) return fail(*failure);
-  if (const auto failure = sim.is_ahead() ? std::nullopt : tracks_->look(sim.steps())) return fail(*failure);
+  if (const auto failure = sim.is_ahead() ? std::nullopt : tracks_->look(sim.steps()))
+    return end_off_track(*failure);
   if (const auto bound = monitor_->violated()) {
     trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value,
                            bound->bound, sim.world.time, sim.steps());
@@ -243,13 +244,25 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
   return std::nullopt;
 }
 
-/// Back to the last good state.
-Ending Session::fail(const Failure& failure) {
+/// Text of a failure with its body and what computed it.
+void Session::set_trouble(const Failure& failure) {
   trouble_ = fmt::format("{}: {}{}", failure.kind, failure.text,
                          failure.body ? " ('" + body_name(*assembly_, *failure.body) + "')" : "");
   const ContactSettings& contact = assembly_->scene.contact;
   trouble_ +=
       contact.method.value == Method::smooth ? "; law " + contact.law.value : "; solver " + contact.solver.value;
+}
+
+/// A wheelset beside its rails is a whole state: it is saved as it is, to be looked at.
+Ending Session::end_off_track(const Failure& failure) {
+  set_trouble(failure);
+  trouble_ += fmt::format("; the state of step {} is saved in checkpoint.h5", assembly_->simulation->steps());
+  return Ending::failed;
+}
+
+/// Back to the last good state.
+Ending Session::fail(const Failure& failure) {
+  set_trouble(failure);
   lost_ = failure.kind == "lost body" ? 1 : 0;
   const Warnings met = assembly_->simulation->warnings;  // those since the saved state count too
   if (files_->last_good.saved()) files_->last_good.restore([this](StateVisitor& v) { walk(v); });

@@ -64,6 +64,8 @@ class Session {
   Ending take_steps(const SessionLimits& limits, Progress& progress);
   std::optional<Ending> step_once(std::uint64_t last_step, bool run_on);
   Ending fail(const Failure& failure);
+  Ending end_off_track(const Failure& failure);
+  void set_trouble(const Failure& failure);
   std::optional<Ending> reason_to_stop(const SessionLimits& limits) const;
   double elapsed() const;
 

@@ -40,8 +40,10 @@ class Standing {
     const auto beside = [&](double at) { return at_rails(at) ? p_.lateral_shift - shift : no_place; };
     double from = shift, f_from = beside(from), step = std::max(1e-6, 1.5 * std::abs(f_from)), to = from, f_to = f_from;
     while (f_to * f_from > 0.0) {
-      from = to, f_from = f_to;
-      to -= std::copysign(step, f_from), f_to = beside(to);
+      from = to;
+      f_from = f_to;
+      to -= std::copysign(step, f_from);
+      f_to = beside(to);
       step = std::min(2.0 * step, 1e-3);
       if (std::abs(to - shift) > 0.2) return false;
     }
@@ -51,7 +53,8 @@ class Standing {
       if (std::isnan(f)) return false;
       f_from = f * f_to < 0.0 ? f_to : 0.5 * f_from;
       from = f * f_to < 0.0 ? to : from;
-      to = middle, f_to = f;
+      to = middle;
+      f_to = f;
       if (std::abs(f) < 1e-14) break;
     }
     return !std::isnan(f_to);

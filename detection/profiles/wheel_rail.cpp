@@ -375,6 +375,12 @@ double WheelRailPair::angle_at(const ContactRegion& region, double y) const {
 }
 
 ContactRegion WheelRailPair::moved(const ContactRegion& region, double y, double angle) const {
+  ContactRegion out = place_at(region, y, angle);
+  add_profile(out);
+  return out;
+}
+
+ContactRegion WheelRailPair::place_at(const ContactRegion& region, double y, double angle) const {
   ContactRegion out = region;
   const Plane plane = plane_of(region);
   Vec3 p = plane.origin + y * plane.t + rail_height(plane, y, 0.0) * plane.n;
@@ -394,7 +400,6 @@ ContactRegion WheelRailPair::moved(const ContactRegion& region, double y, double
   out.y_rail = axis_ - p.y(), out.y_wheel = q.y() - tape_;
   out.angle = angle;
   out.rolling_radius = track_.radius + wheel_.at(out.y_wheel).z;
-  add_profile(out);
   return out;
 }
 

@@ -72,6 +72,8 @@ class WheelRailPair final : public GapSource {
   GapField field(const ContactRegion& region, double x, double y, double dx, double dy, std::size_t nx,
                  std::size_t ny) const override;
   ContactRegion moved(const ContactRegion& region, double y, double angle) const override;
+  /// The same without the profile of the gap.
+  ContactRegion place_at(const ContactRegion& region, double y, double angle) const;
   double angle_at(const ContactRegion& region, double y) const override;
   std::unique_ptr<GapOperator> gaps_between(GapMethod method, std::span<const Vec3> nodes,
                                             std::span<const std::array<std::uint32_t, 3>> first,
@@ -151,8 +153,10 @@ WheelsetGeometry stand_on_rails(const WheelRailPair& side, WheelsetPosition star
 /// roll times radius: one place for every shift. position.lateral_shift is then the axle's.
 WheelsetGeometry stand_at_rails(const WheelRailPair& side, WheelsetPosition start);
 
-/// Equivalent conicity at this amplitude [m], not a number where the wheelset does not stand so far out: wavelength of the wheelset's free kinematic motion y'' = -delta_r(y) /
-/// (r0 s), integrated over a whole period (EN 15302), put into Klingel's formula.
+/// Equivalent conicity at this amplitude [m]: wavelength of the wheelset's free kinematic motion
+/// y'' = -delta_r(y) / (r0 s), integrated over a whole period (EN 15302, annex B), put into Klingel's formula. Not a
+/// number where the wheelset does not stand so far out. Displacements count at the rails. The wheelset rolls, which the
+/// standard's tables leave out: 0.002 to 0.007 more (wheel B on rail A).
 double equivalent_conicity(const Profile& wheel, const Profile& rail, const TrackGeometry& track, double amplitude);
 /// The same from rolling radius differences [m] at an odd number of equal steps over [-amplitude, amplitude].
 double conicity_of(const std::vector<double>& difference, double amplitude, const TrackGeometry& track);

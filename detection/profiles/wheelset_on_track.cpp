@@ -83,7 +83,8 @@ WheelsetOnTrack::Placed WheelsetOnTrack::place(bool right, const PlaceOnTrack& a
   WheelsetPosition position = at.position;
   Placed out;
   out.rail = track_.shift(at.distance, right);
-  position.lateral_shift -= out.rail.y, position.height -= out.rail.z;
+  position.lateral_shift -= out.rail.y;
+  position.height -= out.rail.z;
   out.along = track_.direction(at.distance, right, pair.rail_axis());
   position.yaw -= std::atan2(out.along.y(), out.along.x());
   const WheelDefect& defect = wheelset_.defect;

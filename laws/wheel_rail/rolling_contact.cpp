@@ -104,7 +104,9 @@ NormalPatch RollingContact::patch_of(const RollingRegion& r, const ElasticPair& 
     one.front().offset = 0.0;
   }
   NormalInput in{*r.source, one, elastic, {false, approach}};
-  in.approach = approach, in.strips = setup_.across, in.along = setup_.along;
+  in.approach = approach;
+  in.strips = setup_.across;
+  in.along = setup_.along;
   in.start = &start;
   return std::move(normal_.solve(in).front().patch);
 }

@@ -219,8 +219,12 @@ TangentialOutcome solve_line(const TangentialInput& in) {
   return out;
 }
 
-TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
-  if (!mended && in.patch.is_line) return solve_line(in);
+/// What a strip's tractions follow: plane rolling, or Kalker's stiffness and FASTSIM's slip directions.
+enum class StripLaw { plane, fastrip };
+
+TangentialOutcome strips_on(const TangentialInput& in, StripLaw law) {
+  const bool is_fastrip = law == StripLaw::fastrip;
+  if (!is_fastrip && in.patch.is_line) return solve_line(in);
   TangentialOutcome out;
   const RollingCase c = case_of(in);
   const KalkerCoefficients k = coefficients(c);
@@ -228,12 +232,12 @@ TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
   const StripPatch patch = strips_of(in, Bound::elliptic);
   RollingCase cells = c;
   cells.creepage = creepage_of_cells(in);
-  const StripSolution s = mended ? fastrip(patch, cells, k, in.store) : strip_theory(patch, cells, in.store);
+  const StripSolution s = is_fastrip ? fastrip(patch, cells, k, in.store) : strip_theory(patch, cells, in.store);
   out.force = s.force;
   out.stick_share = s.stick_share;
   if (in.store) out.map = map_of_strips(patch, s);
   const double ratio = c.ellipse.a / c.ellipse.b, spin = std::min(1.0, r.saturation * r.saturation) * r.spin_share;
-  if (mended) {
+  if (is_fastrip) {
     const double against = 0.1 * r.against * r.against * std::min(1.0, 0.25 * r.saturation * r.saturation),
                  crossed = r.crossed * (0.06 + 0.05 / ratio) * std::min(1.0, r.saturation / 1.5);
     out.error_estimate = std::min(0.025, 0.1 * r.saturation) + 0.03 * spin + against + crossed + grid_error(in);
@@ -250,8 +254,8 @@ TangentialOutcome strips_on(const TangentialInput& in, bool mended) {
   check_ellipse(in, k, out);
   return out;
 }
-TangentialOutcome solve_strip(const TangentialInput& in) { return strips_on(in, false); }
-TangentialOutcome solve_fastrip(const TangentialInput& in) { return strips_on(in, true); }
+TangentialOutcome solve_strip(const TangentialInput& in) { return strips_on(in, StripLaw::plane); }
+TangentialOutcome solve_fastrip(const TangentialInput& in) { return strips_on(in, StripLaw::fastrip); }
 
 /// A steady line contact is plane; a shift of half-planes has no displacement at infinity to count from.
 TangentialOutcome solve_half_space_rolling(const TangentialInput& in) {

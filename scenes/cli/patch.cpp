@@ -22,7 +22,14 @@ int command_patch(const CommonOptions& common, const PatchOptions& options) {
   const std::string text = options.json ? patch_json(results) : patch_table(results);
   if (!options.maps.empty()) write_patch_maps(options.maps, results);
   print(text);
-  return exit_done;
+  bool solved = true;
+  for (const PatchResult& r : results) {
+    if (r.solved()) continue;
+    solved = false;
+    const std::string why = r.reasons.empty() ? "no contact" : r.reasons.front();
+    std::fprintf(stderr, "epafi: %s: not solved: %s\n", r.normal.c_str(), why.c_str());
+  }
+  return solved ? exit_done : exit_bound;
 }
 
 }  // namespace epafi

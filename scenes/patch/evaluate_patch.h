@@ -16,7 +16,7 @@ struct PatchContact {
   double angle = 0.0;                  ///< [rad]
   Ellipse semi_axes;
   double area = 0.0, max_pressure = 0.0, normal_force = 0.0;
-  PatchForce force;
+  PatchForce force;                           ///< on the rail, in the patch's own plane
   TractionMap map;                            ///< if asked for
   std::shared_ptr<const BlockStress> stress;  ///< of finite elements, with the map
 };
@@ -35,6 +35,8 @@ struct PatchResult {
   double error_estimate = 0.0;                ///< larger of: peak pressure, relative; force over mu N
   bool friction = false;                      ///< a tangential model was asked for
   std::vector<std::string> reasons;           ///< empty: valid
+  /// A contact was found; else `reasons` say why there is none.
+  bool solved() const { return normal_force > 0.0; }
 };
 
 std::vector<PatchResult> evaluate_patch(const PatchCase& patch, bool maps = false);

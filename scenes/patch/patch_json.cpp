@@ -14,21 +14,27 @@ std::string object(const Members& members, const char* separator = ", ") {
   return "{" + out + "}";
 }
 
-std::string contact_json(const PatchContact& c) {
-  return object({{"y_wheel", json_number(c.y_wheel)},
-                 {"y_rail", json_number(c.y_rail)},
-                 {"point", "[" + json_number(c.point.x()) + ", " + json_number(c.point.y()) + ", " +
-                               json_number(c.point.z()) + "]"},
-                 {"angle", json_number(c.angle)},
-                 {"semi_axes", "[" + json_number(c.semi_axes.a) + ", " + json_number(c.semi_axes.b) + "]"},
-                 {"area", json_number(c.area)},
-                 {"max_pressure", json_number(c.max_pressure)},
-                 {"normal_force", json_number(c.normal_force)}});
+std::string contact_json(const PatchContact& c, bool friction) {
+  Members m{{"y_wheel", json_number(c.y_wheel)},
+            {"y_rail", json_number(c.y_rail)},
+            {"point",
+             "[" + json_number(c.point.x()) + ", " + json_number(c.point.y()) + ", " + json_number(c.point.z()) + "]"},
+            {"angle", json_number(c.angle)},
+            {"semi_axes", "[" + json_number(c.semi_axes.a) + ", " + json_number(c.semi_axes.b) + "]"},
+            {"area", json_number(c.area)},
+            {"max_pressure", json_number(c.max_pressure)},
+            {"normal_force", json_number(c.normal_force)}};
+  if (friction) {
+    m.push_back({"fx", json_number(c.force.fx)});
+    m.push_back({"fy", json_number(c.force.fy)});
+    m.push_back({"mz", json_number(c.force.mz)});
+  }
+  return object(m);
 }
 
 std::string result_json(const PatchResult& r) {
   std::string contacts, reasons;
-  for (const auto& c : r.contacts) contacts += (contacts.empty() ? "" : ", ") + contact_json(c);
+  for (const auto& c : r.contacts) contacts += (contacts.empty() ? "" : ", ") + contact_json(c, r.friction);
   for (const auto& text : r.reasons) reasons += (reasons.empty() ? "" : ", ") + json_text(text);
   Members m{{"normal", json_text(r.normal)}};
   if (r.friction) m.push_back({"tangential", json_text(r.tangential)});

@@ -35,7 +35,8 @@ class SeatedWheel {
   double approach = 0.0;              ///< of the deepest region, estimated [m]
   double depth = 0.0;                 ///< that the load brings the wheel down by [m]
   double lowered = 0.0;               ///< that it is brought down by [m]
-  std::vector<StripStart> strips = std::vector<StripStart>(1);  ///< of the last solutions, for the next round on the same load
+  /// Of the last solutions, for the next round on the same load.
+  std::vector<StripStart> strips = std::vector<StripStart>(1);
 
  private:
   void settle_deepest(const NormalTarget& target);

@@ -49,7 +49,8 @@ Flange flange_of(const ProfilePoints& p, double sign) {
   Flange out;
   for (std::size_t k = 0; k < p.y.size(); ++k) {
     if (sign * p.z[k] - middle <= out.height) continue;
-    out.height = sign * p.z[k] - middle, out.tip = p.y[k];
+    out.height = sign * p.z[k] - middle;
+    out.tip = p.y[k];
   }
   out.tread_right = p.y.back() - out.tip > out.tip - p.y.front();
   return out;
@@ -136,7 +137,8 @@ double noise_of(const ProfilePoints& p) {
       double w = 1.0;
       for (std::size_t j = k - 2; j <= k + 2; ++j)
         if (j != i) w /= p.y[i] - p.y[j];
-      sum += w * (p.z[i] - p.z[k]), weight += w * w;
+      sum += w * (p.z[i] - p.z[k]);
+      weight += w * w;
     }
     all.push_back(std::abs(sum) / std::sqrt(weight));
   }

@@ -1,6 +1,6 @@
 /// @file plausible.h  What speaks against the points of a wheel or rail profile: on which side the flange is, which way
-/// z points, whether the gauge can be measured, units, columns, noise. A profile taken the wrong way round still touches
-/// somewhere, and the answer looks like any other.
+/// z points, whether the gauge can be measured, units, columns, noise. A profile taken the wrong way round still
+/// touches somewhere, and the answer looks like any other.
 #pragma once
 #include <string>
 #include <vector>

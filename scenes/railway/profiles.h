@@ -19,7 +19,8 @@ struct Built {
   std::string problem{};  ///< begins with the label
   std::string key{};      ///< whose place to report; empty: the table's
   Place place{};          ///< inside a file that was read; file empty: see key
-  std::vector<std::string> doubts{};  ///< that it may not be meant so, or not be good enough; each begins with the label
+  /// That it may not be meant so, or not be good enough; each begins with the label.
+  std::vector<std::string> doubts{};
 };
 
 /// `label` names the table in messages. File names are relative to the working directory.

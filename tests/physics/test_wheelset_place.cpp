@@ -2,10 +2,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 
+#include "scenes/cli/commands.h"
 #include "scenes/railway/on_rails.h"
+#include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
+#include "viz_export/checkpoint.h"
 
 using namespace epafi;
 using namespace epafi::experiments;
@@ -87,6 +91,22 @@ TEST_CASE("a wheelset that leaves its track is told with place and time", "[phys
     CHECK_THAT(left->text, Catch::Contains("left the track at t = "));
     CHECK(std::abs(sim.world.position[sim.world.slot_of(BodyId{1})].y()) > 6e-3);  // the play of the flange
   }
+}
+
+TEST_CASE("a run that ends off the track saves the state of that step", "[physics][wheel_rail]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "off.toml";
+  std::ofstream(file) << scene("position = [0, 0.03, -0.5]\nvelocity = [5, 0.5, 0]\n", "", 2.0);
+  RunOptions o;
+  o.out = (folder / "out").string();
+  o.threads = 1;
+  o.quiet = true;
+  const Captured run = captured([&] { return command_run({file.string(), {}}, o); });
+  CHECK(run.code == exit_failed);
+  const std::uint64_t saved = read_checkpoint_header(folder / "out" / "checkpoint.h5").step;
+  INFO(run.err);
+  CHECK(saved > 8);
+  CHECK(run.err.find(fmt::format("(step {})", saved)) != std::string::npos);
 }
 
 TEST_CASE("a wheelset on the track is not taken for one that has left it", "[physics][wheel_rail]") {

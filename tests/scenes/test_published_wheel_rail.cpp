@@ -70,6 +70,38 @@ TEST_CASE("equivalent conicities are those of EN 15302's tables, in flange conta
                                 {6e-3, 0.447, 0.05}});
 }
 
+TEST_CASE("without roll conicities are the table's to 0.002, where the flange meets the rail to its place",
+          "[scenes][wheel_rail]") {
+  // wheel B on rail A: 0.241 0.283 0.302 at 4, 5, 6 mm; with roll, which the table leaves out, 0.245 0.285 0.304. At 7
+  // mm it grows by 0.03 per 0.1 mm and falls by 0.02 per 0.1 mm of gauge
+  const ProfileCase p = *published("en15302_E2").profiles;
+  const auto conicity = [&](double amplitude, double wider) {
+    TrackGeometry track = p.track;
+    track.gauge += wider;
+    const WheelRailPair side(p.wheel, p.rail, track, true);
+    constexpr int n = 120;
+    std::vector<double> difference;
+    for (int k = -n; k <= n; ++k) {
+      WheelsetPosition at;
+      at.lateral_shift = amplitude * k / n;
+      double radius[2];
+      for (const bool right : {false, true}) {
+        WheelRailPair wheel = side.on_side(right);
+        wheel.place(at);
+        wheel.touch();
+        radius[right] = wheel.deepest()->rolling_radius;
+      }
+      difference.push_back(radius[1] - radius[0]);
+    }
+    return conicity_of(difference, amplitude, track);
+  };
+  CHECK(conicity(4e-3, 0.0) == Approx(0.241).margin(0.002));
+  CHECK(conicity(5e-3, 0.0) == Approx(0.283).margin(0.002));
+  CHECK(conicity(6e-3, 0.0) == Approx(0.302).margin(0.002));
+  CHECK(conicity(7e-3, 0.0) > 0.485);
+  CHECK(conicity(7e-3, 0.1e-3) < 0.485);
+}
+
 TEST_CASE("steady rolling has the forces of CONTACT's stored outputs", "[scenes][wheel_rail]") {
   check_forces("steady_xi_circle", "half-space", 0.637, 0.0, 0.006);
   check_forces("eurosprinter_xi_0.002", "half-space", -0.874, 0.0, 0.008);

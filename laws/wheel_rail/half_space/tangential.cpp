@@ -270,7 +270,8 @@ ExtrapolatedRolling solve_extrapolated(const BoundLevels& levels, const ElasticP
   EPAFI_REQUIRE(!levels.empty(), "a grid");
   ExtrapolatedRolling out;
   PatchForce last;
-  constexpr double little = 0.1, least = 1e-6;  // of the bound: nearly all sticks; what rounding leaves
+  constexpr double little = 0.1;  // of the bound: nearly all sticks
+  constexpr double least = 1e-6;  // of the bound: what rounding leaves
   const double tolerance = 1e-5 * std::clamp(saturation, least, 1.0);
   const TangentialField nothing(levels[0].grid.size());
   for (std::size_t k = 0; k < levels.size(); ++k) {

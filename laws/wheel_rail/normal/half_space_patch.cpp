@@ -9,6 +9,9 @@ namespace {
 
 constexpr double default_cells = 32.0;  // along the shorter axis
 constexpr std::size_t multiple = 8;     // so that three coarser grids exist
+constexpr double most_default = 16384;  // cells of a grid that nobody asked for: 32 across, 16 times as long
+constexpr double longest = 1.0;         // of any patch [m]: a wheel is no longer
+constexpr double most_cells = 4e6;      // of any grid: 2 GB
 
 /// A window of the tangent plane of the deepest region.
 struct Window {
@@ -68,6 +71,22 @@ bool contact_box(const HalfSpaceNormal& s, double cx, double cy, Window& w) {
   return i0 > 0 && j0 > 0 && i1 + 1 < s.grid.nx && j1 + 1 < s.grid.ny;
 }
 
+RegionPatch unsolved(std::string why) {
+  RegionPatch none;
+  none.patch.reasons.push_back(std::move(why));
+  none.patch.error_estimate = 1.0;
+  return none;
+}
+
+/// Those that the case writes, else square ones of which the shorter side has 32; longer along a patch so slender that
+/// there would be too many (many narrow patches side by side, on noise).
+std::pair<double, double> cell_sizes(const NormalInput& in, const Window& w, double shorter) {
+  double dx = shorter / default_cells, dy = dx;
+  const double cells = (w.x1 - w.x0) / dx * ((w.y1 - w.y0) / dy);
+  if (cells > most_default) (w.x1 - w.x0 > w.y1 - w.y0 ? dx : dy) *= cells / most_default;
+  return {in.dx > 0.0 ? in.dx : dx, in.dy > 0.0 ? in.dy : dy};
+}
+
 }  // namespace
 
 std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
@@ -83,12 +102,9 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   // a gap that opens faster than its curvature at the rigid point says (noise, a kink) overlaps farther down
   double farther = std::max(approach, in.approach);
   for (int n = 0; n < 20 && !(w.x1 > w.x0 && w.y1 > w.y0); ++n, farther *= 2.0) w = interpenetration(in, farther);
-  if (!(w.x1 > w.x0 && w.y1 > w.y0)) {
-    RegionPatch none;
-    none.patch.reasons.push_back("nothing overlaps: the samples of the gap stay open");
-    none.patch.error_estimate = 1.0;
-    return {none};
-  }
+  if (!(w.x1 > w.x0 && w.y1 > w.y0)) return {unsolved("nothing overlaps: the samples of the gap stay open")};
+  if (!(w.x1 - w.x0 < longest && w.y1 - w.y0 < longest))
+    return {unsolved("the gap does not open along the track: no patch of finite length")};
   HalfSpaceNormal coarse;
   bool inside = false;
   for (int n = 0; n < 4 && !inside; ++n) {
@@ -104,7 +120,11 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
            w.y1 + 0.25 * (w.y1 - w.y0)};
   }
   const double shorter = std::min(w.x1 - w.x0, w.y1 - w.y0) * (1.0 - 3.0 / 26.0);
-  const double dx = in.dx > 0.0 ? in.dx : shorter / default_cells, dy = in.dy > 0.0 ? in.dy : shorter / default_cells;
+  const auto [dx, dy] = cell_sizes(in, w, shorter);
+  const double cells = (w.x1 - w.x0) / dx * ((w.y1 - w.y0) / dy);
+  if (!(cells <= most_cells))
+    return {unsolved("a grid of " + std::to_string(std::llround(std::min(cells, 1e15))) +
+                     " cells is beyond 4 million; write a coarser grid")};
   const double sx = aligned(w.x0, w.x1, dx), sy = aligned(w.y0, w.y1, dy);
   w = {w.x0 + sx, w.x1 + sx, w.y0 + sy, w.y1 + sy};
   const HalfSpaceNormal s = solve_in(in, w, dx, dy, apart);

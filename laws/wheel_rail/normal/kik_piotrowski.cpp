@@ -19,6 +19,10 @@ constexpr double share = 0.55;  // of the approach, as the authors chose it
 // S1002 on UIC60: 0.153 at the jump (approach 5 %, area 11 % off), 0.087 at 1 mm on the flange's side (peak 4 % off);
 // at all other places of the tread below 0.042 with the peak within 0.8 %
 constexpr double most_misfit = 0.06;
+/// Of the approach, root mean square over the patch: what its pressures may leave of closing the gap. Over 226 random
+/// pairs of profiles (worn wheels, waves, cants, shifts, 1 to 200 kN) the peak is off by less than 2.7 % below it and
+/// by up to 12 % at 0.025, 29 % at 0.05.
+constexpr double most_gap_left = 0.01;
 
 struct Penetration {
   double force = 0.0, peak = 0.0, area = 0.0, longest = 0.0;
@@ -47,7 +51,9 @@ std::vector<Strip> overlap(const ContactRegion& r, double depth) {
   return out;
 }
 
-Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
+/// `pressed`: also gives the strips with their pressures.
+Penetration penetrate(const ContactRegion& r, double approach, double modulus,
+                      std::vector<PressedStrip>* pressed = nullptr) {
   Penetration out;
   double area = 0.0, middle = 0.0;
   const std::vector<Strip> strips = overlap(r, share * approach);
@@ -70,7 +76,14 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus) {
     u1 += a * a / (pi * modulus) *
           (strip_influence((y + 0.5 * step) / a).displacement - strip_influence((y - 0.5 * step) / a).displacement);
   }
-  if (u1 > 0.0) out.peak = approach / u1 * out.longest, out.force = approach / u1 * n1;
+  if (!(u1 > 0.0)) return out;
+  out.peak = approach / u1 * out.longest;
+  out.force = approach / u1 * n1;
+  for (const Strip& s : strips) {
+    if (pressed == nullptr) break;
+    const double a = along * s.half_length, y = across * s.y;
+    pressed->push_back({y, gap_at(r, y).gap, out.peak * a / out.longest, a, across * s.width});
+  }
   return out;
 }
 
@@ -98,7 +111,9 @@ std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in) {
   const ContactRegion& r = in.regions.front();
   const double E = in.elastic.effective_modulus();
   const double approach = in.target.by_force ? approach_of(r, in.target.value, E) : in.target.value;
-  const Penetration at = penetrate(r, approach, E);
+  std::vector<PressedStrip> strips;
+  const Penetration at = penetrate(r, approach, E, &strips);
+  const double left_open = misfit_of(strips, approach, E);
   RegionPatch out;
   NormalPatch& p = out.patch;
   p.normal_force = at.force, p.approach = approach, p.max_pressure = at.peak, p.area = at.area;
@@ -108,8 +123,11 @@ std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in) {
   if (at.misfit > most_misfit)
     p.reasons.push_back("the overlap leaves the ellipse of a parabola by " +
                         std::to_string(static_cast<int>(100.0 * at.misfit)) + " % of its area");
+  if (left_open > most_gap_left)
+    p.reasons.push_back("the pressures of the strips do not close the gap: " +
+                        std::to_string(static_cast<int>(100.0 * left_open)) + " % of the approach is left");
   check_second_region(in, p);
-  p.error_estimate = p.reasons.empty() ? 0.03 : 0.15;
+  p.error_estimate = std::max(error_of_gap_left(left_open), p.reasons.empty() ? 0.03 : 0.15);
   return {out};
 }
 

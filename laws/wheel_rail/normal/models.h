@@ -27,8 +27,8 @@ double askew(const ContactRegion& region, double half_width, double half_length)
 void check_conformal(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
 /// Where Hertz' theory leaves its range: conformal surfaces, curvature that changes over the patch.
 void check_hertz_range(const ContactRegion& region, const NormalPatch& patch, std::vector<std::string>& reasons);
-/// For models of one patch: another region, farther than `beyond` [m], that would touch before this one is compressed as
-/// far.
+/// For models of one patch: another region, farther than `beyond` [m], that would touch before this one is
+/// compressed as far.
 void check_second_region(const NormalInput& in, NormalPatch& patch, double beyond = 0.0);
 
 }  // namespace epafi

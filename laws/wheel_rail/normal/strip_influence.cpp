@@ -72,18 +72,20 @@ StripInfluence strip_influence(double t) {
   return {sign * out.displacement, sign * out.bend};
 }
 
-double misfit_of(std::span<const PressedStrip> strips, double width, double approach, double modulus) {
+double misfit_of(std::span<const PressedStrip> strips, double approach, double modulus) {
   constexpr std::size_t looked_at = 16;  // places: enough to see a slope of the misfit over the patch
   const std::size_t stride = std::max<std::size_t>(1, strips.size() / looked_at);
   double weight = 0.0, sum = 0.0;
   for (std::size_t k = stride / 2; k < strips.size(); k += stride) {
     double u = 0.0;
     for (const PressedStrip& s : strips) {
-      const double d = strips[k].y - s.y, w = 0.5 * width;
+      const double d = strips[k].y - s.y, w = 0.5 * s.width;
       u += s.p * s.a * (strip_influence((d + w) / s.a).displacement - strip_influence((d - w) / s.a).displacement);
     }
     const double open = u / (pi * modulus) + strips[k].gap - approach;
-    weight += strips[k].p, sum += strips[k].p * open * open;
+    const double share = strips[k].p * strips[k].width;
+    weight += share;
+    sum += share * open * open;
   }
   return weight > 0.0 ? std::sqrt(sum / weight) / approach : 0.0;
 }
