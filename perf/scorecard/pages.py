@@ -1,0 +1,2 @@
+def write_pages(table, build):
+    return 0
