@@ -1,11 +1,24 @@
 /// @file draw.cpp  Pictures of the scorecard by the drawing code of the atlas. Usage: perf_scorecard_draw PLOT.txt PATH
-/// PLOT.txt: `title ...`, `x ...`, `y ...`, then `line LABEL` with rows `X Y` below it, `front` with rows, `end`.
-/// Writes PATH.svg and PATH.png.
+/// PLOT.txt, line by line: `title TEXT`, `x TEXT`, `y TEXT`, `line LABEL`, `front`, `default` (those of all engines) or
+/// `ours` (our default), the last four with a row `X Y` for each point below. Writes PATH.svg and PATH.png.
 #include <fstream>
 #include <iostream>
 #include <sstream>
 
 #include "viz_export/charts.h"
+
+namespace {
+
+/// The list that rows below this word belong to, or null where the word begins no list.
+std::vector<epafi::PlotPoint>* list_of(epafi::ScatterPlot& plot, const std::string& word, const std::string& rest) {
+  if (word == "front") return &plot.front;
+  if (word == "default") return &plot.ringed;
+  if (word != "line") return nullptr;
+  plot.lines.push_back({rest, {}, {}});
+  return &plot.lines.back().points;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 3) {
@@ -14,35 +27,30 @@ int main(int argc, char** argv) {
   }
   epafi::ScatterPlot plot;
   plot.joined = false;
-  std::vector<epafi::PlotPoint>* points = nullptr;
+  plot.marked_label = "default of Epafi";
+  std::vector<epafi::PlotPoint> ours;
+  std::vector<epafi::PlotPoint>* points = &ours;
   std::ifstream in(argv[1]);
   for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string word, rest;
-    words >> word;
-    std::getline(words >> std::ws, rest);
+    const std::string word = line.substr(0, line.find(' '));
+    const std::string rest = word.size() < line.size() ? line.substr(word.size() + 1) : "";
     if (word == "title") {
       plot.title = rest;
     } else if (word == "x") {
       plot.x_label = rest;
     } else if (word == "y") {
       plot.y_label = rest;
-    } else if (word == "line") {
-      plot.lines.push_back({rest, {}, {}});
-      points = &plot.lines.back().points;
-    } else if (word == "front") {
-      points = &plot.front;
-    } else if (word == "marked") {
-      std::istringstream numbers(rest);
-      epafi::PlotPoint at{};
-      numbers >> at[0] >> at[1];
-      plot.marked = at;
-    } else if (points != nullptr) {
+    } else if (word == "ours") {
+      points = &ours;
+    } else if (auto* list = list_of(plot, word, rest)) {
+      points = list;
+    } else {
       std::istringstream numbers(line);
       epafi::PlotPoint at{};
       numbers >> at[0] >> at[1];
       points->push_back(at);
     }
   }
+  if (!ours.empty()) plot.marked = ours.front();
   return epafi::draw(plot, argv[2]) ? 0 : 1;
 }

@@ -22,9 +22,10 @@ class Engine:
         """Settings for a kind of problem, the default first; none where the engine is left out."""
         return self.settings.get(kind, [])
 
-    def why_not(self, problem, kind):
+    def why_not(self, problem):
         """The reason for which it has no row on a problem, or None."""
-        return self.left_out.get(problem) or self.left_out.get(kind)
+        own = self.left_out.get(problem.name) or self.left_out.get(problem.KIND)
+        return own or (None if problem.settings(self) else self.left_out.get("all") or getattr(problem, "OTHERS", None))
 
     def arguments(self, setting):
         """Of a setting: the time step (0: the engine's own) and the options as the driver takes them."""

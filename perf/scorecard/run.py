@@ -6,7 +6,7 @@
 A row is one engine at one setting on one problem: processor seconds per simulated second over the steps alone, one thread,
 median of the repeats with their spread, and the error against an exact or converged answer (problems/*/problem.py). The
 rows of a problem take turns, so that a drift of the machine falls on all alike. Rows of what is run again replace the old
-ones in scorecard.csv. --pages writes docs/scorecard from the table. README.md says how to add a problem or an engine.
+ones in docs/scorecard/scorecard.csv. --pages writes docs/scorecard from the table. README.md says how to add a problem or an engine.
 """
 import argparse
 import datetime
@@ -20,7 +20,7 @@ import subprocess
 import sys
 import time
 
-from engines import HERE, ROOT, all_engines, install, make_driver
+from engines import ROOT, all_engines, install, make_driver
 from judge import read_poses
 from pages import write_pages
 from problems import all_problems
@@ -100,39 +100,52 @@ class Row:
                 for m, (e, status) in self.errors.items()]
 
 
+def print_rows(table):
+    columns = ("problem", "measure", "engine", "settings", "seconds", "spread", "error", "status")
+    for line in table:
+        print(" | ".join(str(line.get(k, "")) for k in columns), flush=True)
+
+
 def run_problem(problem, engines, options, deadline):
-    """The rows of a problem, or None where the budget ended first."""
+    """Merges the rows of a problem into the table after each turn. False where the budget ended before the first."""
     write(problem.scene(), problem.DURATION, os.path.join(options.work, "cases", problem.name))
     rows, left = [], []
     for engine in engines:
-        reason = engine.why_not(problem.name, problem.KIND)
+        reason = engine.why_not(problem)
         if reason:
-            left.append((engine, reason))
-        for k, setting in enumerate([] if reason else problem.settings(engine)):
-            rows.append(Row(engine, problem, setting, k == 0))
+            left.append(dict(problem=problem.name, engine=engine.name, version=engine.version, status="left out: " + reason))
+        rows += [Row(engine, problem, setting, k == 0) for k, setting in enumerate([] if reason else problem.settings(engine))]
+    table, date = [], datetime.date.today().isoformat()
     for turn in range(options.turns):
         for row in rows:
             if time.monotonic() > deadline:
-                return None
+                print_rows(table)
+                return turn > 0
             row.turn(options.work, options.limit)
-    date = datetime.date.today().isoformat()
-    table = [line for row in rows for line in row.lines(date)]
-    for engine, reason in left:
-        table.append(dict(problem=problem.name, engine=engine.name, version=engine.version, status="left out: " + reason))
-    for line in table:
-        print(" | ".join(str(line.get(k, "")) for k in ("problem", "measure", "engine", "settings", "seconds", "spread", "error", "status")), flush=True)
-    return table
+        table = [line for row in rows for line in row.lines(date)] + left
+        merge(options.table, problem.name, [e.name for e in engines], table)
+    print_rows(table)
+    return True
+
+
+def chosen(words):
+    """Engines of these names, or whose names begin so where none has the whole name; all where none is asked for."""
+    everyone, found = all_engines(), []
+    for word in words or [""]:
+        same = [e for e in everyone if e.name.lower() == word.lower()]
+        found += same or [e for e in everyone if e.name.lower().startswith(word.lower())]
+    return found
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--engine", nargs="+", help="names or beginnings of names")
     parser.add_argument("--problem", nargs="+")
-    parser.add_argument("--budget", type=seconds_of, default=1e9, help="whole problems only; 90s, 30m, 2h")
+    parser.add_argument("--budget", type=seconds_of, default=1e9, help="whole turns only; 90s, 30m, 2h")
     parser.add_argument("--turns", type=int, default=REPEATS)
     parser.add_argument("--limit", type=int, default=120, help="processor seconds that a row may take in a turn")
     parser.add_argument("--build", default=os.path.join(ROOT, "build"))
-    parser.add_argument("--table", default=os.path.join(HERE, "scorecard.csv"))
+    parser.add_argument("--table", default=os.path.join(ROOT, "docs", "scorecard", "scorecard.csv"))
     parser.add_argument("--no-install", action="store_true")
     parser.add_argument("--pages", action="store_true", help="write docs/scorecard from the table, run nothing")
     o = parser.parse_args()
@@ -140,7 +153,7 @@ def main():
     os.makedirs(o.work, exist_ok=True)
     if o.pages:
         return write_pages(o.table, o.build)
-    wanted = [e for e in all_engines() if not o.engine or any(e.name.lower().startswith(w.lower()) for w in o.engine)]
+    wanted = chosen(o.engine)
     if not o.no_install:
         install(wanted, o.work)
     engines = []
@@ -154,11 +167,9 @@ def main():
     for problem in all_problems():
         if o.problem and problem.name not in o.problem:
             continue
-        rows = run_problem(problem, engines, o, deadline)
-        if rows is None:
+        if not run_problem(problem, engines, o, deadline):
             print("the budget ended before " + problem.name)
             break
-        merge(o.table, problem.name, [e.name for e in engines], rows)
     return 0
 
 

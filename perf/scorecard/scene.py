@@ -26,6 +26,7 @@ class Scene:
     restitution: float = 0.0
     modulus: float = 1e8
     poisson: float = 0.2
+    wall_friction: float = None  # of upright planes, where it is another
 
 
 FLOOR = [((0.0, 0.0, 1.0), 0.0)]
@@ -116,6 +117,8 @@ def write(scene, duration, stem):
     with open(stem + ".scene", "w") as f:
         f.write("gravity %s\nfriction %.17g\nrestitution %.17g\n" % (numbers(scene.gravity), scene.friction, scene.restitution))
         f.write("modulus %.17g %.17g\n" % (scene.modulus, scene.poisson))
+        if scene.wall_friction is not None:
+            f.write("wall_friction %.17g\n" % scene.wall_friction)
         for normal, offset in scene.planes:
             f.write("plane %s %.17g\n" % (numbers(normal), offset))
         for b in scene.bodies:
@@ -123,13 +126,18 @@ def write(scene, duration, stem):
             f.write("%s %s\n" % (shape_line(b.shape), state))
     with open(stem + ".toml", "w") as f:
         f.write("run = { duration = %.17g }\nworld = { gravity = %s }\n" % (duration, vector(scene.gravity)))
-        f.write('contact = { method = "nonsmooth", restitution = %.17g, friction = %.17g }\n' % (scene.restitution, scene.friction))
+        f.write('[contact]\nmethod = "nonsmooth"\nrestitution = %.17g\nfriction = %.17g\n' % (scene.restitution, scene.friction))
         densities = ["%.10g" % (b.mass / volume(b.shape)) for b in scene.bodies]
         names = {d: "m%d" % k for k, d in enumerate(dict.fromkeys(densities))}
         for density, name in names.items():
             f.write("[material.%s]\ndensity = %s\nyoungs_modulus = %.17g\npoissons_ratio = %.17g\n" % (name, density, scene.modulus, scene.poisson))
+        if scene.wall_friction is not None:
+            f.write("[material.wall]\ndensity = 1000\nyoungs_modulus = %.17g\npoissons_ratio = %.17g\n" % (scene.modulus, scene.poisson))
+            f.write('[[contact.pair]]\nbetween = ["wall", "m0"]\nfriction = %.17g\n' % scene.wall_friction)
         for normal, offset in scene.planes:
-            f.write('[[body]]\nshape = { half_space = { normal = %s } }\nmaterial = "m0"\nfixed = true\n' % vector(normal))
+            other = scene.wall_friction is not None and normal[2] == 0
+            f.write("[[body]]\nshape = { half_space = { normal = %s } }\n" % vector(normal))
+            f.write('material = "%s"\nfixed = true\n' % ("wall" if other else "m0"))
             f.write("position = %s\n" % vector(offset * c for c in normal))
         for b, density in zip(scene.bodies, densities):
             f.write('[[body]]\nshape = { %s }\nmaterial = "%s"\n' % (shape_table(b.shape), names[density]))

@@ -41,6 +41,7 @@ struct Body {
 struct Scene {
   Vec gravity{};
   double friction = 0.0, restitution = 0.0;
+  double wall_friction = -1.0;      ///< of upright planes, below 0: the same
   std::array<double, 2> modulus{};  ///< Young's [Pa] and Poisson's ratio: for smooth contact alone
   std::vector<Plane> planes;
   std::vector<Body> bodies;
@@ -115,6 +116,8 @@ inline Scene read_scene(const char* name) {
       in >> scene.friction;
     } else if (word == "restitution") {
       in >> scene.restitution;
+    } else if (word == "wall_friction") {
+      in >> scene.wall_friction;
     } else if (word == "modulus") {
       read(in, scene.modulus);
     } else if (word == "plane") {

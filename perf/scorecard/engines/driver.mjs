@@ -40,6 +40,7 @@ export function readScene(name) {
     if (word === 'gravity') scene.gravity = words.numbers(3);
     else if (word === 'friction') scene.friction = words.number();
     else if (word === 'restitution') scene.restitution = words.number();
+    else if (word === 'wall_friction') scene.wallFriction = words.number();
     else if (word === 'modulus') scene.modulus = words.numbers(2);
     else if (word === 'plane') scene.planes.push({ normal: words.numbers(3), offset: words.number() });
     else scene.bodies.push(readBody(words, word));

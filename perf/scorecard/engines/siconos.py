@@ -34,7 +34,7 @@ def read_scene(name):
         words = iter(file.read().split())
     scene = dict(planes=[], bodies=[])
     for word in words:
-        counts = dict(gravity=3, friction=1, restitution=1, modulus=2, plane=4)
+        counts = dict(gravity=3, friction=1, restitution=1, modulus=2, wall_friction=1, plane=4)
         if word not in counts:
             scene["bodies"].append(read_body(word, words))
             continue
