@@ -43,24 +43,27 @@ def all_engines():
     return sorted(found, key=lambda e: (not e.name.startswith("Epafi"), e.name))
 
 
-def build_epafi(engine, build, target="perf_scorecard_epafi"):
-    subprocess.run(["ninja", "-C", build, target], check=True, stdout=subprocess.DEVNULL)
+def build_epafi(build, as_built, target="perf_scorecard_epafi"):
+    if not as_built:
+        subprocess.run(["ninja", "-C", build, target], check=True, stdout=subprocess.DEVNULL)
     return [os.path.join(build, "perf", target)]
 
 
-def compile_driver(source, flags, libraries, program):
+def compile_driver(source, flags, libraries, program, as_built):
     """Against the installed engine, unless the program is newer than its sources."""
+    if as_built and os.path.exists(program):
+        return [program]
     sources = [os.path.join(FOLDER, source), os.path.join(FOLDER, "driver.h")]
     if not os.path.exists(program) or os.path.getmtime(program) < max(map(os.path.getmtime, sources)):
         subprocess.run(["g++", "-O2", "-std=c++17", *flags, sources[0], "-o", program, *libraries], check=True)
     return [program]
 
 
-def make_driver(engine, build, work):
+def make_driver(engine, build, work, as_built):
     """Sets engine.command and engine.version, or returns why there is none."""
     kind = os.path.splitext(engine.source)[1]
     if engine.stem.startswith("epafi"):
-        engine.command = build_epafi(engine, build)
+        engine.command = build_epafi(build, as_built)
         described = subprocess.run(["git", "-C", ROOT, "describe", "--always"], capture_output=True, text=True).stdout.strip()
         engine.version = described or "?"
         return None
@@ -74,7 +77,7 @@ def make_driver(engine, build, work):
         if not shutil.which("node"):
             return "not installed: node"
         if hasattr(engine, "helper"):
-            compile_driver(engine.helper, engine.helper_flags, [], os.path.join(work, engine.stem + "_describe"))
+            compile_driver(engine.helper, engine.helper_flags, [], os.path.join(work, engine.stem + "_describe"), as_built)
         # without --no-liftoff V8's quick tier of WebAssembly is in the times: Rapier looks eight times too dear
         engine.command = ["node", "--no-liftoff", os.path.join(FOLDER, engine.source)]
         engine.version = ", ".join(engine.npm)
@@ -83,7 +86,7 @@ def make_driver(engine, build, work):
     if kind == ".py":
         engine.command = ["/usr/bin/python3", os.path.join(FOLDER, engine.source)]
     else:
-        engine.command = compile_driver(engine.source, engine.flags, engine.libraries, os.path.join(work, engine.stem))
+        engine.command = compile_driver(engine.source, engine.flags, engine.libraries, os.path.join(work, engine.stem), as_built)
     return None
 
 

@@ -95,8 +95,8 @@ class Row:
         if not self.errors:
             return [dict(base, measure="", seconds="", spread="", error="", status=self.trouble)]
         time = statistics.median(self.times)
-        spread = (max(self.times) - min(self.times)) / time
-        return [dict(base, measure=m, seconds="%.4g" % time, spread="%.2f" % spread, error="%.4g" % e, status=status)
+        spread = "%.2f" % ((max(self.times) - min(self.times)) / time) if len(self.times) > 1 else ""
+        return [dict(base, measure=m, seconds="%.4g" % time, spread=spread, error="%.4g" % e, status=status)
                 for m, (e, status) in self.errors.items()]
 
 
@@ -147,6 +147,7 @@ def main():
     parser.add_argument("--build", default=os.path.join(ROOT, "build"))
     parser.add_argument("--table", default=os.path.join(ROOT, "docs", "scorecard", "scorecard.csv"))
     parser.add_argument("--no-install", action="store_true")
+    parser.add_argument("--as-built", action="store_true", help="drivers that exist are not built again")
     parser.add_argument("--pages", action="store_true", help="write docs/scorecard from the table, run nothing")
     o = parser.parse_args()
     o.work = os.path.join(o.build, "scorecard")
@@ -158,7 +159,7 @@ def main():
         install(wanted, o.work)
     engines = []
     for engine in wanted:
-        reason = make_driver(engine, o.build, o.work)
+        reason = make_driver(engine, o.build, o.work, o.as_built)
         if reason:
             print("%s: %s" % (engine.name, reason))
         else:

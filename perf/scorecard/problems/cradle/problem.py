@@ -13,6 +13,8 @@ TITLE = "Cradle of five: speeds after the impact"
 KIND = "impact"
 UNIT = "over the speed"
 DURATION = 0.1
+WHY = ("Which answer is asked for decides: only one impact after the other sends off the last ball; simultaneous "
+       "laws conserve energy and spread it.")
 EVERY = 0.01
 SPEED, RADIUS = 3.0, 0.05
 

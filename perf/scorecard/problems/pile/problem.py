@@ -13,6 +13,9 @@ TITLE = "Pile of 200 polyhedra"
 KIND = "pile"
 UNIT = "overlap over the sum of radii"
 DURATION = 3.0
+WHY = ("Most contacts of a pile of loose bodies are cheap to sweep; solving each of them exactly while it falls "
+       "costs several times more and lowers overlaps by little, which the share of overlap left alone decides "
+       "(1e-4).")
 EVERY = 0.5
 COUNT, SIDE, PITCH = 200, 1.1, 0.262
 BODIES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../../scenes/library/pile/poly_1000.polyset")
