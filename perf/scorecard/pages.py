@@ -63,8 +63,8 @@ def stem_of(name, measure):
     return name + ("_" + measure if measure else "")
 
 
-def page(name, rows):
-    """The text of a problem's page."""
+def page(name, rows, folder):
+    """The text of a problem's page; with pictures once they are drawn."""
     problem = load(name)
     unit = problem.UNIT
     out = ["# " + problem.TITLE, "", problem.__doc__.strip(), ""]
@@ -75,7 +75,9 @@ def page(name, rows):
         out += [sentences(these, unit), ""]
         if getattr(problem, "WHY", ""):
             out += [problem.WHY, ""]
-        out += ["![%s](%s.svg)" % (problem.TITLE, stem_of(name, measure)), "", table_text(these, unit), ""]
+        if os.path.exists(os.path.join(folder, stem_of(name, measure) + ".svg")):
+            out += ["![%s](%s.svg)" % (problem.TITLE, stem_of(name, measure)), ""]
+        out += [table_text(these, unit), ""]
     left = {r["engine"]: r["status"] for r in rows if r["status"].startswith("left out")}
     out += ["%s: %s." % pair for pair in left.items()] + ([""] if left else [])
     versions = dict.fromkeys("%s %s" % (r["engine"], r["version"]) for r in rows if r["seconds"])
@@ -91,23 +93,25 @@ def index(table):
     lines = ["# Scorecard: contact engines on the same problems", "",
              "One command (`/usr/bin/python3 perf/scorecard/run.py`, [how](../../perf/scorecard/README.md)) runs every engine at its defaults and at a few other",
              "settings on every problem, in turns, and sets what a simulated second costs against the error. WebAssembly engines run in node and",
-             "in single precision; a native build is quicker.", "",
-             "| problem | our default: s per s | error | quickest other engine at no larger error | on the front or within twice its cost |", "|---" * 5 + "|"]
+             "in single precision; a native build is quicker. A row without spread was measured once.", "",
+             "| problem | engines with an answer | our default: s per s | error | quickest other engine at no larger error | on the front or within twice its cost |",
+             "|---" * 6 + "|"]
     for name in (n for n in ORDER if any(r["problem"] == n for r in table)):
         rows = [r for r in table if r["problem"] == name]
         for measure in measures(rows):
             these = of_measure(rows, measure)
             ours = our_default(these)
             title = "[%s](%s.md)" % (load(name).TITLE, name) + (", " + measure if measure else "")
+            count = len({r["engine"].removesuffix(" smooth") for r in these if good(r)})
             if not good(ours):
-                lines.append("| %s | | | | no: %s |" % (title, ours["status"]))
+                lines.append("| %s | %d | | | | no: %s |" % (title, count, ours["status"]))
                 continue
             inside, ratio = standing(these)
             others = [r for r in these if good(r) and not r["engine"].startswith("Epafi") and error_of(r) <= error_of(ours)]
             quickest = min(others, key=lambda r: float(r["seconds"]), default=None)
             peer = "%s: %s" % (named(quickest), figure(quickest["seconds"])) if quickest else "none"
             verdict = "yes" if inside else "no: %.1f times" % ratio
-            lines.append("| %s | %s | %s | %s | %s |" % (title, figure(ours["seconds"]), figure(ours["error"]), peer, verdict))
+            lines.append("| %s | %d | %s | %s | %s | %s |" % (title, count, figure(ours["seconds"]), figure(ours["error"]), peer, verdict))
     return "\n".join(lines) + "\n"
 
 
@@ -131,25 +135,31 @@ def plot_text(problem, rows, measure):
     return "\n".join(out) + "\n"
 
 
-def pages(table):
-    """Name and text of every page."""
+def pages(table, folder):
+    """Name and text of every page in that folder."""
     names = [n for n in ORDER if any(r["problem"] == n and r["error"] for r in table)]
-    return {"README.md": index(table), **{n + ".md": page(n, [r for r in table if r["problem"] == n]) for n in names}}
+    return {"README.md": index(table), **{n + ".md": page(n, [r for r in table if r["problem"] == n], folder) for n in names}}
 
 
-def write_pages(name, build):
-    table, folder = read(name), os.path.dirname(name)
-    for file, text in pages(table).items():
-        with open(os.path.join(folder, file), "w") as f:
-            f.write(text)
+def draw(table, folder, build):
+    """SVG of every measure by the drawing code of the atlas."""
     subprocess.run(["ninja", "-C", build, "perf_scorecard_draw"], check=True, stdout=subprocess.DEVNULL)
-    work = os.path.join(build, "scorecard")
-    for problem in [load(n) for n in ORDER]:
+    for problem in map(load, ORDER):
         rows = [r for r in table if r["problem"] == problem.name]
         for measure in measures(rows):
-            stem = os.path.join(work, stem_of(problem.name, measure))
+            stem = os.path.join(build, "scorecard", stem_of(problem.name, measure))
             with open(stem + ".txt", "w") as f:
                 f.write(plot_text(problem, of_measure(rows, measure), measure))
             subprocess.run([os.path.join(build, "perf", "perf_scorecard_draw"), stem + ".txt", stem], check=True)
             os.replace(stem + ".svg", os.path.join(folder, os.path.basename(stem) + ".svg"))
+
+
+def write_pages(name, build, pictures):
+    """Pictures first: a page shows those that there are."""
+    table, folder = read(name), os.path.dirname(name)
+    if pictures:
+        draw(table, folder, build)
+    for file, text in pages(table, folder).items():
+        with open(os.path.join(folder, file), "w") as f:
+            f.write(text)
     return 0

@@ -60,10 +60,10 @@ class Row:
         self.times, self.errors, self.trouble, self.dt = [], {}, None, None
 
     def turn(self, work, limit):
+        """One more measurement; the first also writes and judges the poses."""
         if self.trouble or len(self.times) >= REPEATS or (self.times and sum(self.times) * self.problem.DURATION > PATIENCE):
             return
-        first = not self.times
-        poses = os.path.join(work, "poses.txt") if first else "-"
+        poses = "-" if self.errors else os.path.join(work, "poses.txt")
         step, options = self.engine.arguments(self.setting)
         stem = os.path.join(work, "cases", self.problem.name)
         said = call([*self.engine.command, stem + ".scene", "%.17g" % self.problem.DURATION, "%.17g" % step,
@@ -72,9 +72,10 @@ class Row:
             self.trouble = said
             return
         seconds = said["cpu_s_per_s"]
-        self.times += seconds if isinstance(seconds, list) else [seconds]
+        # on a machine with many more processes than processors the clock of a process was seen to stand still
+        self.times += [s for s in (seconds if isinstance(seconds, list) else [seconds]) if s > 0]
         self.dt = said["dt"]
-        if first:
+        if not self.errors:
             self.errors = self.judged(poses)
 
     def judged(self, poses):
@@ -94,6 +95,8 @@ class Row:
                     default="yes" if self.default else "no", unit=self.problem.UNIT, processor=processor(), date=date)
         if not self.errors:
             return [dict(base, measure="", seconds="", spread="", error="", status=self.trouble)]
+        if not self.times:
+            return []
         time = statistics.median(self.times)
         spread = "%.2f" % ((max(self.times) - min(self.times)) / time) if len(self.times) > 1 else ""
         return [dict(base, measure=m, seconds="%.4g" % time, spread=spread, error="%.4g" % e, status=status)
@@ -153,7 +156,7 @@ def main():
     o.work = os.path.join(o.build, "scorecard")
     os.makedirs(o.work, exist_ok=True)
     if o.pages:
-        return write_pages(o.table, o.build)
+        return write_pages(o.table, o.build, not o.as_built)
     wanted = chosen(o.engine)
     if not o.no_install:
         install(wanted, o.work)

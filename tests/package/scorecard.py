@@ -120,7 +120,7 @@ def check_pages():
     """The pages say what the table says; the front is what its definition asks."""
     table = read(TABLE)
     assert table, "no table"
-    for file, text in pages(table).items():
+    for file, text in pages(table, os.path.dirname(TABLE)).items():
         with open(os.path.join(ROOT, "docs", "scorecard", file)) as f:
             assert f.read() == text, file + " is not what `run.py --pages` writes"
     for name in {(r["problem"], r["measure"]) for r in table if r["error"]}:
