@@ -144,7 +144,10 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
       add(block(failed), fmt::format("with points pt 2 ps 1.6 lw 2 lc rgb '{}' {}", rgb,
                                      line.points.empty() ? "title " + quoted(line.label + ", failed") : "notitle"));
   }
-  if (plot.marked) add(block({*plot.marked}), "with points pt 6 ps 3 lw 2 lc rgb '#d00000' title 'recommended'");
+  const std::string ring = "with points pt 6 lw 2 ps ";
+  if (!plot.ringed.empty())
+    add(block(plot.ringed), ring + "2.2 lc rgb '#444444' title " + quoted(plot.ringed_label));
+  if (plot.marked) add(block({*plot.marked}), ring + "3 lc rgb '#d00000' title " + quoted(plot.marked_label));
   std::string settings = frame(plot.title, plot.x_label, plot.y_label) +
                          axis_settings('x', left, right, plot.log_x, 0.7, 1.5) +
                          axis_settings('y', low, top, plot.log_y, 0.5, 4.0);

@@ -1,0 +1,25 @@
+"""A cube of 1000 t on a cube of 1 t, both of 1 m.
+
+Exact answer: nothing moves; both stand in line on a plane. Error: displacement of the heavy cube after 2 s. The ratio of
+the loads at the two joints is 1001:1000 but that of the masses 1000:1: methods that sweep over contacts need sweeps in
+proportion to the ratio, methods that factorise do not see it.
+"""
+from judge import displacement
+from scene import FLOOR, Scene, box
+
+TITLE = "Heavy on light, 1:1000: displacement of the heavy cube after 2 s"
+KIND = "rest"
+UNIT = "m"
+DURATION = 2.0
+WHY = ("Sweeps need their number in proportion to the ratio of masses; a factorisation does not see it. Where our "
+       "default costs more than the front, it is its step, shorter than 1/60 s.")
+EVERY = 0.05
+
+
+def scene():
+    return Scene([box((1, 1, 1), (0, 0, 0.5)), box((1, 1, 1), (0, 0, 1.5), 1e6)], FLOOR, modulus=1e11)
+
+
+def measure(times, poses, scene):
+    moved = displacement(poses, 1)
+    return {"": (moved, "ok" if moved < 0.25 else "lost")}
