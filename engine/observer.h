@@ -1,6 +1,10 @@
 /// @file observer.h  Whoever looks at finished steps: measures, files, ledgers of overlap. Const access only, so output
 /// cannot change a trajectory.
 #pragma once
+#include <algorithm>
+#include <cmath>
+#include <span>
+
 #include "engine/contact_pieces.h"
 #include "engine/energy.h"
 
@@ -40,17 +44,29 @@ class Observer {
     return last || is_due(step) ? ContactView::all : ContactView::none;
   }
   virtual void observe(const StepView& view) = 0;
+  /// Between two steps: the bodies from slot `first` on have come in, where they are now.
+  virtual void bodies_come(const World& /*world*/, std::size_t /*first*/) {}
+  /// Between two steps: these bodies are taken out now; they are still there.
+  virtual void bodies_leave(const World& /*world*/, std::span<const BodyId> /*bodies*/) {}
   virtual void visit(StateVisitor&) {}
 };
 
-/// Due every `every` steps and at step 0.
+/// Due in the steps nearest to the multiples of an interval, and at step 0: the k-th time is within half a step of
+/// k times the interval however long the run is.
 class EverySteps {
  public:
-  explicit EverySteps(std::uint64_t every = 1) : every_(every < 1 ? 1 : every) {}
-  bool is_due(std::uint64_t step) const { return step % every_ == 0; }
+  EverySteps() = default;
+  /// every: the interval in steps, a fraction too; below 1 every step is due.
+  EverySteps(double every) : every_(std::max(1.0, every)) {}
+  /// interval [s], 0: every step; dt [s]
+  static EverySteps of_time(double interval, double dt) { return EverySteps(interval / dt); }
+  bool is_due(std::uint64_t step) const {
+    const auto now = static_cast<double>(step);
+    return std::round(std::round(now / every_) * every_) == now;
+  }
 
  private:
-  std::uint64_t every_;
+  double every_ = 1.0;
 };
 
 }  // namespace epafi

@@ -7,6 +7,7 @@
 /// it, and contacts see the flow in addition (as Agnolin and Roux 2007 do).
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -47,6 +48,19 @@ struct PeriodicCell {
     Vec3 s;
     for (int k = 0; k < 3; ++k) s[k] = image_step(code >> (2 * k)) * size[k];
     return s;
+  }
+  /// Cells from the cell itself to the one that x is in, along an axis.
+  double cells_to(const Vec3& x, int axis) const {
+    return repeats[static_cast<std::size_t>(axis)] ? std::floor((x[axis] - low[axis]) / size[axis]) : 0.0;
+  }
+  /// The place inside the cell, low <= x < low + size, that x is an image of.
+  Vec3 inside(Vec3 x) const {
+    for (int k = 0; k < 3; ++k) {
+      if (!repeats[static_cast<std::size_t>(k)]) continue;
+      x[k] -= cells_to(x, k) * size[k];
+      if (!(x[k] < low[k] + size[k])) x[k] = low[k];  // rounded up to the far face
+    }
+    return x;
   }
   double volume() const { return size.prod(); }
   /// Normal stress of the contacts along the axes, compression positive [Pa]; the cell repeats along all three.

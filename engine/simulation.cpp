@@ -115,6 +115,7 @@ void Simulation::welcome(std::size_t before) {
     kinetic += kinetic_energy(world, static_cast<Slot>(s)), potential += potential_energy(world, static_cast<Slot>(s));
   ledger.accept_bodies(kinetic, potential);
   count_movable();
+  for (const auto& o : observers) o->bodies_come(world, before);
 }
 
 void Simulation::count_movable() {
@@ -132,6 +133,7 @@ void Simulation::reorder(const Reordering& change) {
 void Simulation::take_out() {
   std::sort(leaving_.begin(), leaving_.end());
   leaving_.erase(std::unique(leaving_.begin(), leaving_.end()), leaving_.end());
+  for (const auto& o : observers) o->bodies_leave(world, leaving_);
   ledger.measure(world);
   const double before = ledger.stored(world);
   reorder(world.remove(leaving_));

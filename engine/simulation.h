@@ -41,7 +41,7 @@ class Simulation {
   std::uint64_t steps() const { return steps_; }
   /// Evaluations of the forces: more than steps where a time step is divided.
   std::uint64_t parts_made() const { return parts_made_; }
-  std::uint64_t bodies_removed() const { return removed_; }  ///< by remove_at and by `outside = "delete"`
+  std::uint64_t bodies_removed() const { return removed_; }  ///< by remove_at, outlets and `outside = "delete"`
 
   /// Initial forces, the ledger's zero, observers at step 0.
   void start();

@@ -28,6 +28,7 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
   constexpr int trials = 20;
   const auto& queue = setup_.bodies;
   if (!waits(world.time)) return;
+  if (setup_.see_held) setup_.see_held(world);
   std::vector<Ball> balls;  // whatever may be in the way: the box grown by both radii
   for (Slot s = 0; s < world.size(); ++s) {
     if (!world.is_movable(s)) continue;
@@ -46,6 +47,7 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
         body.position[k] = random.uniform(setup_.low[k] + waiting.radius, setup_.high[k] - waiting.radius);
       placed = true;
       for (const Ball& b : balls) placed = placed && !b.meets(world, body.position, waiting.radius);
+      placed = placed && !(setup_.meets_held && setup_.meets_held(body));
       if (!placed) continue;
       world.add(body, waiting.id);
       balls.push_back({body.position, waiting.radius});

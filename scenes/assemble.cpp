@@ -13,6 +13,7 @@
 #include "engine/schemes/all_schemes.h"
 #include "scenes/contact_setup.h"
 #include "scenes/generators.h"
+#include "scenes/held_probe.h"
 #include "scenes/peak_memory.h"
 #include "scenes/periodic_scene.h"
 #include "scenes/railway/on_rails.h"
@@ -38,6 +39,7 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
   body.position = spec.position, body.velocity = spec.velocity, body.angular_velocity = spec.angular_velocity;
   body.shape = shape.ref.packed, body.material = static_cast<std::uint16_t>(spec.material);
   body.orientation = spec.orientation * shape.frame.orientation;
+  if (spec.as_drawn) body.position += spec.orientation * shape.frame.centre;
   if (spec.force) body.external_force = *spec.force;
   if (!spec.moves()) return body;
   const double rho = shape.mass > 0 ? 1.0 : density(a.scene, spec.material, place);
@@ -46,11 +48,29 @@ Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec,
 }
 
 BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
-  const BodyId id = a.simulation->world.add(make_body(a, shape, spec, place));
+  const Body body = make_body(a, shape, spec, place);
+  const BodyId id = a.simulation->world.add(body);
   auto& events = a.simulation->events;
-  if (spec.motion) events.push_back(std::make_unique<DriveBody>(id, *spec.motion, spec.position));
+  if (spec.motion) events.push_back(std::make_unique<DriveBody>(id, *spec.motion, body.position));
   if (spec.servo) events.push_back(std::make_unique<ServoWall>(id, *spec.servo));
   return id;
+}
+
+/// Free bodies that stand outside the domain from the start are lost or taken out at once: said before it happens.
+void look_for_outsiders(Assembly& a, const std::string& table, BodyId first, std::size_t count, const Place& where) {
+  const World& world = a.simulation->world;
+  std::size_t outside = 0;
+  for (std::size_t k = 0; a.simulation->domain && k < count; ++k) {
+    const Slot s = world.slot_of(static_cast<BodyId>(static_cast<std::size_t>(first) + k));
+    outside += world.is_movable(s) && !a.simulation->domain->contains(world.position[s]);
+  }
+  if (outside == 0) return;
+  const std::string text = fmt::format("{}: {} of {} bodies stand outside [world] domain", table, outside, count);
+  if (a.simulation->domain->outside == Domain::Outside::error)
+    throw SceneError(text + ", where outside = \"error\" ends the run; move them or enlarge the domain", where);
+  const std::string told = text + ", where outside = \"delete\" takes them out at once";
+  a.warnings.push_back({Problem::Level::warning, where, told});
+  a.simulation->warnings.add({.kind = "outside " + table, .text = told, .value = static_cast<double>(outside), .times = 1});
 }
 
 void add_bodies(Assembly& a, ShapeBuilder& builder) {
@@ -68,6 +88,8 @@ void add_bodies(Assembly& a, ShapeBuilder& builder) {
     EPAFI_REQUIRE(id == Assembly::body_id(k), "the bodies of a scene come first");
     if (k % many_bodies == many_bodies - 1) a.simulation->world.rest_forces();  // 48 bytes each
   }
+  for (const GroupSpec& g : a.scene.groups)
+    look_for_outsiders(a, "[[body]] '" + g.name + "'", Assembly::body_id(g.first), g.count, g.place);
 }
 
 void add_removals(Assembly& a) {
@@ -83,7 +105,7 @@ struct Stream {
   double time = 0.0;
 };
 
-void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
+std::vector<FillShape> shapes_of(const Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
   std::vector<FillShape> shapes;
   for (std::size_t s : fill.shapes) {
     const BuiltShape b = builder.build(s);
@@ -91,37 +113,103 @@ void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
     shapes.push_back(
         {b.radius, b.mass > 0 ? b.mass : density(a.scene, fill.material, fill.place) * b.volume, b.is_sphere});
   }
-  const FillResult result = generate(fill, shapes);
-  if (!result.shortfall.empty())
-    throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
-  Stream stream{{fill.name, {}, fill.region.min, fill.region.max, fill.seed, {}}, fill.from};
-  auto& ids = a.fill_ids.emplace_back();
-  ids.reserve(result.bodies.size());
-  if (fill.method != FillSpec::Method::pour)
-    a.simulation->world.reserve(a.simulation->world.size() + result.bodies.size());
-  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
-    const FillBody& f = result.bodies[k];
-    BodySpec spec;
-    spec.shape = fill.shapes[f.shape], spec.material = fill.material;
-    spec.position = f.position, spec.orientation = f.orientation;
-    spec.velocity = fill.velocity + f.velocity;
+  return shapes;
+}
+
+/// Refuses amounts of a fill before they take memory that is not there.
+void require_memory(const Assembly& a, const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  const double bodies = static_cast<double>(a.simulation->world.ids_given()) + most_bodies_of(fill, shapes);
+  const double bytes = bodies * static_cast<double>(a.plan.memory.body + sizeof(FillBody));
+  if (const auto there = static_cast<double>(memory_there()); bytes > there)
+    throw SceneError(fmt::format("[[fill]] '{}': {:.3g} bodies take {:.3g} GB at least; {:.3g} GB are there", fill.name,
+                                 bodies, 1e-9 * bytes, 1e-9 * there),
+                     fill.place);
+}
+
+BodySpec spec_of(const FillSpec& fill, const FillBody& f) {
+  BodySpec spec;
+  spec.shape = fill.shapes[f.shape], spec.size = f.size, spec.material = fill.material;
+  spec.position = f.position, spec.orientation = f.orientation;
+  spec.velocity = fill.velocity + f.velocity;
+  return spec;
+}
+
+/// The region reaches as far as the cell along a periodic axis, or further: bodies may meet images of each other.
+bool meets_images(const Scene& scene, const FillSpec& fill) {
+  for (int k = 0; scene.cell && k < 3; ++k)
+    if (scene.cell->cell.repeats[static_cast<std::size_t>(k)] &&
+        fill.region.max[k] - fill.region.min[k] > scene.cell->cell.size[k] * (1 + 1e-12))
+      return true;
+  return false;
+}
+
+/// What is in the world already, for the fills, which ask in the order of the scene.
+struct Placing {
+  Occupancy occupied;
+  HeldProbe held;
+  explicit Placing(const Assembly& a) : occupied(a.simulation->world.cell), held(*a.shapes) {
+    if (a.scene.fills.empty()) return;
+    const World& world = a.simulation->world;
+    for (Slot s = 0; s < world.size(); ++s)
+      if (world.is_movable(s)) occupied.add(world.position[s], a.shapes->bounding_radius({world.shape[s]}));
+  }
+};
+
+FillResult place_bodies(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const std::vector<FillShape>& shapes,
+                 Placing& placing) {
+  Obstacles obstacles;
+  obstacles.occupied = std::move(placing.occupied);
+  obstacles.keep = &fill != &a.scene.fills.back() || meets_images(a.scene, fill);
+  placing.held.look(a.simulation->world, fill.region.min, fill.region.max);
+  if (!placing.held.sees_nothing())
+    obstacles.meets_held = [&](const FillBody& f) {
+      return placing.held.meets(make_body(a, builder.build(fill.shapes[f.shape], f.size), spec_of(fill, f), fill.place));
+    };
+  FillResult result = generate(fill, shapes, obstacles);
+  placing.occupied = std::move(obstacles.occupied);
+  return result;
+}
+
+/// Bodies that come in their time.
+void add_stream(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const FillResult& result) {
+  Stream stream{{fill.name, {}, fill.region.min, fill.region.max, fill.seed, {}, {}, {}}, fill.from};
+  for (const FillBody& f : result.bodies) {
+    const BodySpec spec = spec_of(fill, f);
     const BuiltShape shape = builder.build(spec.shape, f.size);
-    if (fill.method != FillSpec::Method::pour) {
-      ids.push_back(add_body(a, shape, spec, fill.place));
-      continue;
-    }
     if (((fill.region.max - fill.region.min).array() < 2 * shape.radius).any())
       throw SceneError("[[fill]]: a body is larger than the region it is poured into", fill.place);
-    ids.push_back(a.simulation->world.reserve());
+    a.fill_ids.back().push_back(a.simulation->world.reserve());
     const Body body = make_body(a, shape, spec, fill.place);
-    stream.setup.bodies.push_back({body, ids.back(), stream.time, shape.radius});
+    stream.setup.bodies.push_back({body, a.fill_ids.back().back(), stream.time, shape.radius});
     stream.time += fill.rate > 0 ? 1.0 / fill.rate : body.mass / fill.mass_rate;
   }
   if (stream.setup.bodies.empty()) return;
+  if (const auto& domain = a.simulation->domain;
+      domain && !(domain->contains(fill.region.min) && domain->contains(fill.region.max)))
+    a.warnings.push_back({Problem::Level::warning, fill.place,
+                          "[[fill]] '" + fill.name + "': the region that bodies are poured into reaches outside [world] domain"});
   stream.setup.radius = [store = a.shapes](std::uint32_t shape) { return store->bounding_radius({shape}); };
+  const auto probe = std::make_shared<HeldProbe>(*a.shapes);
+  stream.setup.see_held = [probe, region = fill.region](const World& world) { probe->look(world, region.min, region.max); };
+  stream.setup.meets_held = [probe, store = a.shapes](const Body& body) { return probe->meets(body); };
   auto source = std::make_unique<PourBodies>(std::move(stream.setup));
   a.sources.push_back(source.get());
   a.simulation->events.push_back(std::move(source));
+}
+
+void add_fill(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, Placing& placing) {
+  const std::vector<FillShape> shapes = shapes_of(a, builder, fill);
+  require_memory(a, fill, shapes);
+  const FillResult result = place_bodies(a, builder, fill, shapes, placing);
+  if (!result.shortfall.empty())
+    throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
+  auto& ids = a.fill_ids.emplace_back();
+  ids.reserve(result.bodies.size());
+  if (fill.method == FillSpec::Method::pour) return add_stream(a, builder, fill, result);
+  a.simulation->world.reserve(a.simulation->world.size() + result.bodies.size());
+  for (const FillBody& f : result.bodies)
+    ids.push_back(add_body(a, builder.build(fill.shapes[f.shape], f.size), spec_of(fill, f), fill.place));
+  if (!ids.empty()) look_for_outsiders(a, "[[fill]] '" + fill.name + "'", ids.front(), ids.size(), fill.place);
 }
 
 void add_outlets(Assembly& a) {
@@ -156,7 +244,7 @@ void set_broad_phase(Assembly& a) {
   std::unique_ptr<BroadPhase> broad_phase;
   if (world.cell) {
     BroadSetup inner = setup;
-    inner.spheres.wanted = false;
+    inner.spheres.wanted = inner.strays = false;
     broad_phase = std::make_unique<PeriodicPairs>(setup, make_broad_phase(name, inner, world));
   } else {
     broad_phase = make_broad_phase(name, setup, world);
@@ -254,17 +342,16 @@ std::unique_ptr<Measure> Assembly::measure(const MeasureSpec& spec) const {
 }
 
 namespace {
-/// Refuses numbers of bodies before they take what is not there.
-void require_memory(const Scene& scene, const StepPlan& plan) {
-  double bodies = static_cast<double>(scene.bodies.size());
-  for (const FillSpec& fill : scene.fills) {
-    bodies += static_cast<double>(fill.count.value_or(0));
-    const double bytes = bodies * static_cast<double>(plan.memory.body + sizeof(FillBody));
-    if (const auto there = static_cast<double>(memory_there()); bytes > there)
-      throw SceneError(fmt::format("[[fill]] '{}': {:g} bodies take {:.3g} GB at least; {:.3g} GB are there", fill.name,
-                                   bodies, 1e-9 * bytes, 1e-9 * there),
-                       fill.place);
-  }
+/// Shapes that some body or fill has; what nothing uses is not built.
+std::vector<BuiltShape> build_used(const Scene& scene, ShapeBuilder& builder) {
+  std::vector<char> used(scene.shapes.size(), 0);
+  for (const BodySpec& b : scene.bodies) used[b.shape] = 1;
+  for (const FillSpec& f : scene.fills)
+    for (const std::size_t s : f.shapes) used[s] = 1;
+  std::vector<BuiltShape> shapes(scene.shapes.size());
+  for (std::size_t s = 0; s < shapes.size(); ++s)
+    if (used[s] != 0) shapes[s] = builder.build(s);
+  return shapes;
 }
 
 /// Of the whole duration, one at least.
@@ -284,10 +371,7 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   a->scene = std::move(scene);
   a->shapes = std::make_shared<ShapeStore>();
   ShapeBuilder builder(a->scene, *a->shapes);
-  std::vector<BuiltShape> shapes;
-  for (std::size_t s = 0; s < a->scene.shapes.size(); ++s) shapes.push_back(builder.build(s));
-  a->plan = plan(a->scene, shapes);
-  require_memory(a->scene, a->plan);
+  a->plan = plan(a->scene, build_used(a->scene, builder));
   a->simulation = std::make_unique<Simulation>(World(a->plan.columns), make_pipeline(*a), 0.0);
   Simulation& sim = *a->simulation;
   sim.world.gravity = a->scene.gravity;
@@ -298,14 +382,16 @@ std::unique_ptr<Assembly> assemble(Scene scene) {
   if (a->scene.cell) sim.world.cell = a->scene.cell->cell;
   add_bodies(*a, builder);
   place_on_rails(*a);
-  for (const auto& f : a->scene.fills) add_fill(*a, builder, f);
+  Placing placing(*a);
+  for (const auto& f : a->scene.fills) add_fill(*a, builder, f, placing);
+  a->origins = builder.origins();
   add_outlets(*a);
   if (a->scene.cell) add_cell(*a);
   sim.pipeline.guard = make_guard(*a);
   add_rolling(*a);
   add_springs(*a);
   add_removals(*a);
-  a->warnings = builder.warnings();
+  a->warnings.insert(a->warnings.begin(), builder.warnings().begin(), builder.warnings().end());
   warn_of_distance(*a);
   set_broad_phase(*a);
   a->time_step = choose_time_step(*a);

@@ -11,6 +11,7 @@
 #include "engine/sources.h"
 #include "scenes/monitor.h"
 #include "scenes/plan.h"
+#include "viz_export/body_origin.h"
 #include "viz_export/measures/measure.h"
 
 namespace epafi {
@@ -36,6 +37,7 @@ struct Assembly {
   std::vector<std::vector<BodyId>> fill_ids;  ///< of Scene::fills; those that are poured have no slot before they come
   std::vector<const PourBodies*> sources;
   BatchNarrowPhase* narrow_phase = nullptr;  ///< of the pipeline
+  ShapeOrigins origins;                      ///< of shapes in use, for files that are read back
   std::vector<Problem> warnings;
 
   /// Of Scene::bodies[k]: the world has them first.

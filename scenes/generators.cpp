@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <unordered_map>
 
 #include "engine/random.h"
 
@@ -95,69 +95,57 @@ double mass_of(const FillBody& b, const std::vector<FillShape>& shapes) {
   return shapes[b.shape].mass * b.size * b.size * b.size;
 }
 
-FillResult lattice(const FillSpec& fill, const std::vector<FillShape>& shapes) {
-  const double pitch = 2.04 * largest_radius(fill, shapes);
-  const Vec3 extent = fill.region.max - fill.region.min;
+/// Cubic cells of one body each.
+struct Lattice {
   std::array<std::uint64_t, 3> cells{};
-  Vec3 cell;
-  for (int k = 0; k < 3; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    cells[i] = static_cast<std::uint64_t>(std::max(0.0, std::floor(extent[k] / pitch * (1 + 1e-12))));
-    cell[k] = k < 2 ? extent[k] / static_cast<double>(std::max<std::uint64_t>(1, cells[i])) : pitch;
+  Vec3 cell;  ///< edges [m]
+  std::uint64_t size() const { return cells[0] * cells[1] * cells[2]; }
+
+  Lattice(const FillSpec& fill, double largest) {
+    const double pitch = 2.04 * largest;
+    const Vec3 extent = fill.region.max - fill.region.min;
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      cells[i] = static_cast<std::uint64_t>(std::max(0.0, std::floor(extent[k] / pitch * (1 + 1e-12))));
+      cell[k] = k < 2 ? extent[k] / static_cast<double>(std::max<std::uint64_t>(1, cells[i])) : pitch;
+    }
   }
+  /// Somewhere in cell number n.
+  Vec3 place(const FillSpec& fill, std::uint64_t n, double radius, Random& random) const {
+    const std::uint64_t column = n % cells[0], row = n / cells[0] % cells[1], layer = n / (cells[0] * cells[1]);
+    const Vec3 index(static_cast<double>(column), static_cast<double>(row), static_cast<double>(layer));
+    Vec3 x;
+    for (int k = 0; k < 3; ++k)
+      x[k] = fill.region.min[k] + (index[k] + 0.5) * cell[k] + (0.5 * cell[k] - radius) * random.uniform(-1, 1);
+    return x;
+  }
+};
+
+FillResult lattice(const FillSpec& fill, const std::vector<FillShape>& shapes, Obstacles& obstacles) {
+  constexpr int tries = 3;
+  const Lattice places(fill, largest_radius(fill, shapes));
   FillResult result;
   Quota quota(fill);
+  std::uint64_t next = 0;  // cell
   for (std::uint64_t n = 0;; ++n) {
     Random random(fill.seed, n);
     FillBody body = draw(fill, shapes, random);
-    const double mass = mass_of(body, shapes);
+    const double mass = mass_of(body, shapes), radius = shapes[body.shape].radius * body.size;
     if (!quota.wants_more(mass)) return result;
-    if (n >= cells[0] * cells[1] * cells[2]) break;
-    const std::uint64_t column = n % cells[0], row = n / cells[0] % cells[1], layer = n / (cells[0] * cells[1]);
-    const Vec3 index(static_cast<double>(column), static_cast<double>(row), static_cast<double>(layer));
-    const double radius = shapes[body.shape].radius * body.size;
-    for (int k = 0; k < 3; ++k)
-      body.position[k] =
-          fill.region.min[k] + (index[k] + 0.5) * cell[k] + (0.5 * cell[k] - radius) * random.uniform(-1, 1);
+    bool placed = false;
+    for (; next < places.size() && !placed; ++next)
+      for (int t = 0; t < tries && !placed; ++t) {
+        body.position = places.place(fill, next, radius, random);
+        placed = obstacles.is_free(body, radius);
+      }
+    if (!placed) break;
+    if (obstacles.keep) obstacles.occupied.add(body.position, radius);
     result.bodies.push_back(body);
     quota.place(mass);
   }
   result.shortfall = quota.shortfall();
   return result;
 }
-
-/// Placed spheres, found by cells of the largest diameter.
-class Occupancy {
- public:
-  Occupancy(const Vec3& origin, double cell) : origin_(origin), cell_(cell) {}
-  bool is_free(const Vec3& x, double radius) const {
-    const auto c = cell_of(x);
-    for (long i = c[0] - 1; i <= c[0] + 1; ++i)
-      for (long j = c[1] - 1; j <= c[1] + 1; ++j)
-        for (long k = c[2] - 1; k <= c[2] + 1; ++k) {
-          const auto found = spheres_.find(key({i, j, k}));
-          if (found == spheres_.end()) continue;
-          for (const auto& [y, r] : found->second)
-            if ((x - y).squaredNorm() < (radius + r) * (radius + r)) return false;
-        }
-    return true;
-  }
-  void add(const Vec3& x, double radius) { spheres_[key(cell_of(x))].push_back({x, radius}); }
-
- private:
-  std::array<long, 3> cell_of(const Vec3& x) const {
-    const Vec3 u = (x - origin_) / cell_;
-    return {static_cast<long>(std::floor(u.x())), static_cast<long>(std::floor(u.y())),
-            static_cast<long>(std::floor(u.z()))};
-  }
-  static std::uint64_t key(const std::array<long, 3>& c) {
-    const auto part = [](long v) { return static_cast<std::uint64_t>(v + 1) & 0x1fffff; };
-    return part(c[0]) | part(c[1]) << 21 | part(c[2]) << 42;
-  }
-  Vec3 origin_;
-  double cell_;
-  std::unordered_map<std::uint64_t, std::vector<std::pair<Vec3, double>>> spheres_;
-};
 
 /// Bodies without places: those that a source pours.
 FillResult stream(const FillSpec& fill, const std::vector<FillShape>& shapes) {
@@ -173,10 +161,9 @@ FillResult stream(const FillSpec& fill, const std::vector<FillShape>& shapes) {
   }
 }
 
-FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& shapes, Obstacles& obstacles) {
   constexpr int trials = 200;
   const double largest = largest_radius(fill, shapes);
-  Occupancy occupied(fill.region.min, 2 * largest);
   FillResult result;
   Quota quota(fill);
   double low = fill.region.min.z();
@@ -197,12 +184,12 @@ FillResult random_insertion(const FillSpec& fill, const std::vector<FillShape>& 
         const Vec3 to(fill.region.max.x() - radius, fill.region.max.y() - radius, high - radius);
         if ((to - from).minCoeff() < 0) break;
         body.position = from + u.cwiseProduct(to - from);
-        placed = occupied.is_free(body.position, radius);
+        placed = obstacles.is_free(body, radius);
       }
       if (!placed) low += largest;
     }
     if (!placed) break;
-    occupied.add(body.position, radius);
+    obstacles.occupied.add(body.position, radius);
     result.bodies.push_back(body);
     quota.place(mass);
   }
@@ -233,12 +220,33 @@ SizeBounds natural_bounds(const FillSpec::Size& s) {
   return {std::exp(mean - 3 * deviation), std::exp(mean + 3 * deviation)};
 }
 
-FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes, Obstacles& obstacles) {
   FillResult result = fill.method == FillSpec::Method::pour      ? stream(fill, shapes)
-                      : fill.method == FillSpec::Method::lattice ? lattice(fill, shapes)
-                                                                 : random_insertion(fill, shapes);
+                      : fill.method == FillSpec::Method::lattice ? lattice(fill, shapes, obstacles)
+                                                                 : random_insertion(fill, shapes, obstacles);
   if (fill.velocity_deviation > 0.0) draw_velocities(fill, shapes, result.bodies);
   return result;
+}
+
+FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  Obstacles none;
+  return generate(fill, shapes, none);
+}
+
+double most_bodies_of(const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  if (fill.count) return static_cast<double>(*fill.count);
+  constexpr std::uint64_t samples = 256;
+  double mass = 0.0, ball = 0.0;  // means
+  for (std::uint64_t n = 0; n < samples; ++n) {
+    Random random(fill.seed, n);
+    const FillBody body = draw(fill, shapes, random);
+    const double radius = shapes[body.shape].radius * body.size;
+    mass += mass_of(body, shapes) / samples, ball += 4.0 / 3.0 * M_PI * radius * radius * radius / samples;
+  }
+  const double wanted = fill.mass ? *fill.mass / mass : infinity;
+  if (fill.method == FillSpec::Method::pour) return wanted;
+  constexpr double densest = 0.74;  // of equal balls, which no placing reaches
+  return std::min(wanted, densest * (fill.region.max - fill.region.min).prod() / ball);
 }
 
 }  // namespace epafi

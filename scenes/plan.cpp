@@ -38,7 +38,13 @@ ShapesInUse shapes_in_use(const Scene& scene, const std::vector<BuiltShape>& sha
 
 bool is_isotropic(const Vec3& m) { return m.x() == m.y() && m.y() == m.z(); }
 
-bool is_turned(const BodySpec& b) { return std::abs(b.orientation.w()) < 1.0; }
+bool is_identity(const Quat& q) { return q.vec().squaredNorm() == 0.0; }
+
+/// Why a body does not stand in its principal axes; null where it does.
+const char* turned_by(const BodySpec& b, const BuiltShape& shape) {
+  if (!is_identity(b.orientation)) return " is turned";
+  return is_identity(shape.frame.orientation) ? nullptr : " is written in other axes than its principal ones";
+}
 
 /// Everything that makes spins and orientations necessary, most telling reason first.
 void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
@@ -72,9 +78,10 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
     const bool driven = b.motion && b.motion->rotation_rate != 0;
     if (driven) pay(name() + " is driven to rotate", where);
     if (shapes[b.shape].is_sphere) continue;
-    if (is_turned(b)) pay(name() + " is turned", where);
-    if (is_turned(b) || driven || b.angular_velocity.squaredNorm() > 0)
-      stand(name() + (is_turned(b) ? " is turned" : " turns"), where);
+    const char* turned = turned_by(b, shapes[b.shape]);
+    if (turned != nullptr) pay(name() + turned, where);
+    if (turned != nullptr || driven || b.angular_velocity.squaredNorm() > 0)
+      stand(name() + (turned != nullptr ? turned : " turns"), where);
   }
   if (!plan.columns.rotation || !scene.output.orientation.value) return;
   stand("[output] asks for it", scene.output.orientation.place);

@@ -103,10 +103,11 @@ struct BodySpec {
   bool fixed = false;
   bool on_rails = false;                                      ///< a wheelset whose height and roll are found
   bool continuous = false;                                    ///< held back from passing through others within a step
+  bool as_drawn = false;                                      ///< position is that of the origin of the shape's file
   Rare<Motion> motion;                                        ///< motion = { ... } of a driven body
   Rare<Servo> servo;                                          ///< motion = { servo = { ... } } of one that presses
   Rare<double> remove_at;                                     ///< [s]
-  Vec3 position = Vec3::Zero();                               ///< of the centre of mass [m]
+  Vec3 position = Vec3::Zero();                               ///< of the centre of mass, or as_drawn [m]
   Quat orientation = Quat(1, 0, 0, 0);                        ///< of the author's axes, unit
   Vec3 velocity = Vec3::Zero();                               ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();                       ///< world axes [rad/s]

@@ -1,7 +1,6 @@
 #include "scenes/session.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/about.h"
 #include "scenes/peak_memory.h"
+#include "scenes/processor_time.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/stop.h"
 #include "viz_export/problem_file.h"
@@ -28,13 +28,6 @@ namespace {
 /// Steps between two happenings `interval` seconds apart, at least 1.
 std::uint64_t steps_of(double interval, double dt) {
   return static_cast<std::uint64_t>(std::max(1.0, std::round(interval / dt)));
-}
-
-/// Of all threads of this process [s].
-double processor_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 /// Of all bodies of the scene, those too that are poured in later [m].
@@ -95,7 +88,7 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   const Scene& scene = assembly_->scene;
   scene_hash_ = scene_hash(scene);
   const RunFileHeader header{EPAFI_VERSION, scene_hash_, scene.title,
-                             scene.text,    overrides_,  to_text(about_of(*assembly_))};
+                             scene.text,    overrides_,  to_text(about_of(*assembly_)), assembly_->origins};
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
                            continued_run(folder_ / "run.h5", header, *from, note_), FrameWriter(folder_, from->time),
@@ -137,6 +130,32 @@ void Session::walk(StateVisitor& visitor) {
   files_->frames.visit(visitor);
 }
 
+namespace {
+
+/// Frames of a run whose end is one of them. Steps are counted up to or beyond the duration, so that the step nearest to
+/// that last multiple of the interval may be the one before the end: the frame at the end is it, not a second one.
+class FramesToTheEnd final : public Observer {
+ public:
+  FramesToTheEnd(std::unique_ptr<StateRecorder> frames, std::uint64_t last) : frames_(std::move(frames)), last_(last) {}
+  bool is_due(std::uint64_t step) const override { return step + 1 != last_ && frames_->is_due(step); }
+  ContactView wants_contacts(std::uint64_t step, bool last) const override {
+    return last || is_due(step) ? frames_->wants_contacts(step, last) : ContactView::none;
+  }
+  void observe(const StepView& view) override { frames_->observe(view); }
+
+ private:
+  std::unique_ptr<StateRecorder> frames_;
+  std::uint64_t last_;
+};
+
+/// The duration is a multiple of the interval that no step meets.
+bool ends_between_steps(double duration, double interval, double dt) {
+  const double intervals = duration / interval, steps = duration / dt;
+  return std::abs(intervals - std::round(intervals)) < 1e-9 * intervals && std::abs(steps - std::round(steps)) > 1e-6;
+}
+
+}  // namespace
+
 void Session::add_observers() {
   const Scene& scene = assembly_->scene;
   Simulation& sim = *assembly_->simulation;
@@ -150,16 +169,20 @@ void Session::add_observers() {
   monitor_ = monitor.get();
   sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
-    const std::uint64_t every = spec.interval > 0 ? steps_of(spec.interval, dt) : 1;
     const std::uint64_t written = rows_apart(spec, assembly_->steps);
     auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), &files_->csv, &files_->run,
-                                                      every, spec.kind, written);
+                                                      EverySteps::of_time(spec.interval, dt), spec.kind, written);
     recorders_.push_back(recorder.get());
     sim.observers.push_back(std::move(recorder));
   }
-  if (output_ == Output::all)
-    sim.observers.push_back(
-        std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
+  if (output_ != Output::all) return;
+  const double interval = scene.run.output_interval.value;
+  auto frames = std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes,
+                                                EverySteps::of_time(interval, dt));
+  if (ends_between_steps(scene.run.duration.value, interval, dt))
+    sim.observers.push_back(std::make_unique<FramesToTheEnd>(std::move(frames), assembly_->steps));
+  else
+    sim.observers.push_back(std::move(frames));
 }
 
 namespace {
@@ -210,7 +233,7 @@ std::optional<Ending> Session::reason_to_stop(const SessionLimits& limits) const
   const Simulation& sim = *assembly_->simulation;
   if (const int signal = SignalWatch::received()) return signal == 2 ? Ending::interrupted : Ending::terminated;
   if (limits.wall && elapsed() >= *limits.wall) return Ending::time_limit;
-  if (limits.processor && processor_seconds() >= *limits.processor) return Ending::time_limit;
+  if (limits.processor && process_seconds() >= *limits.processor) return Ending::time_limit;
   if (limits.steps && sim.steps() >= *limits.steps) return Ending::until;
   if (limits.until && sim.world.time >= *limits.until - 1e-9 * sim.time_step) return Ending::until;
   return std::nullopt;
@@ -295,10 +318,10 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   SignalWatch signals;
   Simulation& sim = *assembly_->simulation;
   start_ = std::chrono::steady_clock::now();
-  const double first_cpu = processor_seconds();
+  const double first_cpu = process_seconds();
   Progress progress(assembly_->steps, first_step_, quiet);
   with_team([&] { ending_ = take_steps(limits, progress); });
-  wall_ = elapsed(), cpu_ = processor_seconds() - first_cpu;
+  wall_ = elapsed(), cpu_ = process_seconds() - first_cpu;
   // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes
   // on must not tell that it was cut off.
   const bool is_cut = sim.steps() < assembly_->steps && ending_ != Ending::failed && ending_ != Ending::bound_violated;
@@ -307,7 +330,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt)
     ending_ = fail(*failure), save_checkpoint_now();
   if (output_ == Output::least) {
-    StateRecorder last(&files_->run, nullptr, *assembly_->shapes, 1);
+    StateRecorder last(&files_->run, nullptr, *assembly_->shapes, EverySteps());
     assembly_->simulation->make_room();
     sim.show(last);
   }

@@ -8,6 +8,7 @@
 #include "engine/random.h"
 #include "engine/units.h"
 #include "scenes/railway/profiles.h"
+#include "scenes/shape_text.h"
 
 namespace epafi {
 
@@ -96,6 +97,8 @@ BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
     throw SceneError("shape '" + spec.type + "' cannot be built", spec.place);
   constexpr std::size_t most_kept = 1000;  // a map of a million radii would take as much as their bodies
   if (!out.is_sphere || built_.size() < most_kept) built_.emplace(key, out);
+  if (!out.is_sphere)
+    origins_[out.ref.packed] = {shape_text(spec), key.second, out.frame.orientation, out.frame.centre};
   return out;
 }
 
@@ -141,6 +144,7 @@ BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {
   if (!built.problem.empty()) throw SceneError("the hull of '" + spec.name + "' " + built.problem, spec.place);
   built.hull.sweep = size * spec.rounding;
   const double f3 = factor * factor * factor, radius = built.hull.bounding_radius();
+  frame.centre *= factor;
   frame.moments *= f3 * factor * factor;
   return {store_.add(std::move(built.hull)), author.mass * f3, frame, radius, false, true};
 }

@@ -8,6 +8,7 @@
 #include "detection/shape_store.h"
 #include "detection/shapes/mesh_file.h"
 #include "scenes/scene.h"
+#include "viz_export/body_origin.h"
 
 namespace epafi {
 
@@ -32,6 +33,8 @@ class ShapeBuilder {
   BuiltShape build(std::size_t shape, double size = 1.0);
   /// Remarks about geometry that can be used but may not be meant (an open mesh, say).
   const std::vector<Problem>& warnings() const { return warnings_; }
+  /// Of the shapes built so far that are no spheres.
+  const ShapeOrigins& origins() const { return origins_; }
 
  private:
   BuiltShape build_clump(const ShapeSpec& spec, double size);
@@ -45,6 +48,7 @@ class ShapeBuilder {
   ShapeStore& store_;
   std::map<std::pair<std::size_t, double>, BuiltShape> built_;
   std::vector<Problem> warnings_;
+  ShapeOrigins origins_;
 };
 
 }  // namespace epafi

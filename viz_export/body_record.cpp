@@ -75,10 +75,12 @@ double BodyList::radius(std::size_t k) const {
                [this](Slot s) { return surfaces_->shapes().bounding_radius({world_->shape[s]}); });
 }
 Pose BodyList::pose(std::size_t k) const {
-  return value(k, &BodyRecord::pose, [this](Slot s) { return world_->pose(s); });
+  return value(k, &BodyRecord::pose, [this](Slot s) {
+    return Pose{world_->shown_position(s), world_->pose(s).orientation};
+  });
 }
 Vec3 BodyList::position(std::size_t k) const {
-  return records_ != nullptr ? (*records_)[place(k)].pose.position : world_->position[place(k)];
+  return records_ != nullptr ? (*records_)[place(k)].pose.position : world_->shown_position(place(k));
 }
 Vec3 BodyList::velocity(std::size_t k) const {
   return value(k, &BodyRecord::velocity, [this](Slot s) { return world_->velocity[s]; });

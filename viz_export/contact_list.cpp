@@ -35,14 +35,15 @@ ContactList::ContactList(const World& world, const ContactPieces& contacts) : wo
 Vec3 ContactRows::from(std::size_t row) const {
   const std::size_t i = at(row);
   const Slot a = contacts_->a[i];
-  return world_->is_movable(a) ? world_->position[a] : contacts_->point(i, *world_);
+  return world_->is_movable(a) ? world_->shown_position(a) : contacts_->point(i, *world_);
 }
 
 Vec3 ContactRows::to(std::size_t row) const {
   const std::size_t i = at(row);
   const Slot a = contacts_->a[i], b = contacts_->b[i];
-  if (!world_->is_movable(b)) return contacts_->point(i, *world_);
-  return world_->position[a] + world_->branch(a, b, contacts_->feature[i]);
+  const Vec3 moved = world_->shown_position(a) - world_->position[a];  // as `from` is
+  if (!world_->is_movable(b)) return contacts_->point(i, *world_) + moved;
+  return world_->position[a] + moved + world_->branch(a, b, contacts_->feature[i]);
 }
 
 }  // namespace epafi

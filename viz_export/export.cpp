@@ -56,18 +56,39 @@ void write_snapshots_csv(const std::filesystem::path& path, const StoredRun& run
   });
 }
 
-void write_bodies_csv(const std::filesystem::path& path, const StoredSnapshot& last) {
-  const auto& all = last.bodies;
-  const bool spheres =
-      std::all_of(all.begin(), all.end(), [](const BodyRecord& b) { return b.is_wall() || !b.surface; });
+/// A cell that a comma or a quote would break stands in quotes, its own doubled.
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+/// The free bodies as [[bodies]] reads them: what they are in the words of the scene, as far as the run file has them.
+void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, const StoredSnapshot& last) {
+  std::vector<StoredWords> words;
+  bool sized = false, material = true, group = false;
+  for (const BodyRecord& b : last.bodies) {
+    words.push_back(run.words(b));
+    if (b.is_wall()) continue;
+    sized = sized || b.surface != nullptr;
+    material = material && !words.back().material.empty(), group = group || !words.back().group.empty();
+  }
   std::string rows;
-  for (const BodyRecord& b : all) {
+  for (std::size_t k = 0; k < last.bodies.size(); ++k) {
+    const BodyRecord& b = last.bodies[k];
     if (b.is_wall()) continue;
     append_state(rows, b);
-    if (spheres) fmt::format_to(std::back_inserter(rows), ",{:.17g}", b.radius);
+    const bool is_sphere = b.surface == nullptr;
+    rows += is_sphere ? fmt::format(",{:.17g}", b.radius) : ",";
+    if (sized) rows += is_sphere ? ",," : fmt::format(",{},{:.17g}", csv_cell(words[k].shape), words[k].size);
+    if (material) rows += "," + csv_cell(words[k].material);
+    if (group) rows += "," + csv_cell(words[k].group);
     rows += '\n';
   }
-  write_table(path, std::string(state_columns) + (spheres ? ",radius" : ""), [&] { return std::exchange(rows, {}); });
+  const std::string header = std::string(state_columns) + ",radius" + (sized ? ",shape,size" : "") +
+                             (material ? ",material" : "") + (group ? ",group" : "");
+  write_table(path, header, [&] { return std::exchange(rows, {}); });
 }
 
 struct Sample {
@@ -108,12 +129,12 @@ ExportReport export_run(const std::filesystem::path& folder, ExportFormat format
     FrameWriter frames(folder);
     for (std::size_t k = 0; k < run.snapshots(); ++k) {
       const StoredSnapshot snapshot = run.snapshot(k);
-      frames.write(snapshot.stamp.time, snapshot.bodies, {});
+      frames.write_bodies(snapshot.stamp.time, snapshot.bodies);
     }
     return report;
   }
   write_snapshots_csv(folder / "snapshots.csv", run);
-  if (run.snapshots() > 0) write_bodies_csv(folder / "bodies.csv", run.snapshot(run.snapshots() - 1));
+  if (run.snapshots() > 0) write_bodies_csv(folder / "bodies.csv", run, run.snapshot(run.snapshots() - 1));
   const auto measures = run.measures();
   report.measures = measures.size();
   write_measures_csv(folder / "measures.csv", measures);

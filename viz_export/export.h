@@ -6,10 +6,10 @@
 namespace epafi {
 
 enum class ExportFormat {
-  vtk,  ///< frames/*.vtp and frames.pvd, without contacts (run.h5 does not hold them)
+  vtk,  ///< frames/*.vtp and frames.pvd; of contacts, which run.h5 does not hold, the files that the run wrote
   csv   ///< snapshots.csv: time, step and every column of every body; measures.csv;
-        ///< bodies.csv: free bodies of the last snapshot as [[bodies]] of another scene reads them (radius where all are
-        ///< spheres; else the scene names their shape)
+        ///< bodies.csv: free bodies of the last snapshot as [[bodies]] of another scene reads them: centres of mass,
+        ///< orientations of the axes in which the scene wrote the shapes, radius or shape and size, material, group
 };
 
 /// What was written, for the user.

@@ -164,7 +164,7 @@ FrameWriter::Entry FrameWriter::walls_entry(const BodyList& walls, double time) 
 }
 
 std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& bodies,
-                                                  const ContactList& contacts) const {
+                                                  const ContactList* contacts) const {
   UnwrittenColumn<Slot> solids, walls, others;
   parallel_select(
       bodies.size(), [&](std::size_t k) { return !bodies.is_sphere(k); },
@@ -179,15 +179,19 @@ std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& b
          }});
   }
   if (!solids.empty()) out.push_back(surfaces_entry(1, "bodies", bodies.only(std::move(solids)), time));
-  require_countable(2 * contacts.size());
-  // also none: readers count the parts of a frame
-  out.push_back({2, file_of("contacts"), [time, &contacts](const std::filesystem::path& path) {
-                   write_vtp_pieces(path, contacts.begins(), [&](std::size_t piece) {
-                     PolyData drawn;
-                     contacts.read(piece, [&](const ContactRows& rows) { drawn = draw_contacts(rows, time); });
-                     return drawn;
-                   });
-                 }});
+  if (contacts != nullptr) {
+    require_countable(2 * contacts->size());
+    // also none: readers count the parts of a frame
+    out.push_back({2, file_of("contacts"), [time, contacts](const std::filesystem::path& path) {
+                     write_vtp_pieces(path, contacts->begins(), [&](std::size_t piece) {
+                       PolyData drawn;
+                       contacts->read(piece, [&](const ContactRows& rows) { drawn = draw_contacts(rows, time); });
+                       return drawn;
+                     });
+                   }});
+  } else if (std::filesystem::exists(folder_ / file_of("contacts"))) {
+    out.push_back({2, file_of("contacts")});
+  }
   if (!walls.empty()) out.push_back(walls_entry(bodies.only(std::move(walls)), time));
   return out;
 }
@@ -203,12 +207,22 @@ void FrameWriter::visit(StateVisitor& visitor) {
 void FrameWriter::write(double time, const BodyList& bodies, const ContactList& contacts,
                         const std::function<void()>& meanwhile) {
   const bool is_new = list_.entries().empty() || list_.entries().back().time < time;
-  std::vector<Entry> files = is_new ? draw(time, bodies, contacts) : std::vector<Entry>();
+  std::vector<Entry> files = is_new ? draw(time, bodies, &contacts) : std::vector<Entry>();
   write_at_once(files.size() + 1, [&](std::size_t k) {
     if (k == 0 && meanwhile) meanwhile();
     if (k > 0 && files[k - 1].write) files[k - 1].write(folder_ / files[k - 1].file);
   });
-  if (!is_new) return;
+  if (is_new) list(time, files);
+}
+
+void FrameWriter::write_bodies(double time, const BodyList& bodies) {
+  std::vector<Entry> files = draw(time, bodies, nullptr);
+  for (const Entry& e : files)
+    if (e.write) e.write(folder_ / e.file);
+  list(time, files);
+}
+
+void FrameWriter::list(double time, std::vector<Entry>& files) {
   for (Entry& e : files) {
     list_.add(time, e.part, e.file);
     if (!e.poses.empty()) wall_file_ = e.file, wall_poses_ = std::move(e.poses);

@@ -33,6 +33,8 @@ class FrameWriter {
   /// `meanwhile` writes another file of the same time beside them; its error goes first.
   void write(double time, const BodyList& bodies, const ContactList& contacts,
              const std::function<void()>& meanwhile = {});
+  /// Of bodies read back from run.h5, which holds no contacts: those files that the run itself wrote stay in the list.
+  void write_bodies(double time, const BodyList& bodies);
   std::size_t frames() const { return next_; }
   /// Where the walls were last written: without it a run that goes on writes them once more.
   void visit(StateVisitor& visitor);
@@ -42,7 +44,8 @@ class FrameWriter {
   std::string file_of(const char* kind) const;
   Entry surfaces_entry(int part, const char* kind, const BodyList& bodies, double time) const;
   Entry walls_entry(const BodyList& walls, double time) const;
-  std::vector<Entry> draw(double time, const BodyList& bodies, const ContactList& contacts) const;
+  std::vector<Entry> draw(double time, const BodyList& bodies, const ContactList* contacts) const;
+  void list(double time, std::vector<Entry>& files);
   std::filesystem::path folder_;
   PvdFile list_;
   std::size_t next_ = 0;            ///< number of the next frame

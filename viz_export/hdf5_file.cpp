@@ -309,6 +309,17 @@ void Hdf5File::append_raw(const std::string& name, Hdf5Type type, const void* va
   impl_->write_rows(d, type, dims[0] - count[0], count, values, what);
 }
 
+void Hdf5File::overwrite_raw(const std::string& name, Hdf5Type type, std::size_t first, const void* values,
+                             std::size_t elements) {
+  const Handle d = impl_->dataset(name);
+  std::vector<hsize_t> count = impl_->extents(d, name);
+  const std::size_t columns = count.size() > 1 ? count[1] : 1, rows = elements / columns;
+  EPAFI_REQUIRE(!count.empty() && elements % columns == 0 && first + rows <= count[0], "the rows are there");
+  if (rows == 0) return;
+  count[0] = rows;
+  impl_->write_rows(d, type, first, count, values, "overwrite rows of dataset '" + name + "'");
+}
+
 void Hdf5File::truncate(const std::string& name, std::size_t rows) {
   const Handle d = impl_->dataset(name);
   std::vector<hsize_t> dims = impl_->extents(d, name);

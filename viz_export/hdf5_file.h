@@ -102,6 +102,11 @@ class Hdf5File {
   void append(const std::string& name, std::span<const T> values) {
     append_raw(name, Hdf5TypeOf<T>::value, values.data(), values.size());
   }
+  /// Rows from `first` on, which are there already.
+  template <class T>
+  void overwrite(const std::string& name, std::size_t first, std::span<const T> values) {
+    overwrite_raw(name, Hdf5TypeOf<T>::value, first, values.data(), values.size());
+  }
   /// Keeps the first `rows` rows of an extendable dataset.
   void truncate(const std::string& name, std::size_t rows);
   /// All elements, row by row. The stored type must be of the same kind and not wider than T.
@@ -141,6 +146,7 @@ class Hdf5File {
   using Piece = std::function<const void*(std::size_t first, std::size_t count)>;
   void write_pieces_raw(const std::string&, Hdf5Type, std::size_t rows, std::size_t columns, const Piece&);
   void append_raw(const std::string&, Hdf5Type, const void*, std::size_t elements);
+  void overwrite_raw(const std::string&, Hdf5Type, std::size_t first, const void*, std::size_t elements);
   std::size_t elements_checked(const std::string&, Hdf5Type) const;
   void read_raw(const std::string&, Hdf5Type, void*) const;
   [[noreturn]] void refuse_size(const std::string&, std::size_t wanted) const;

@@ -21,13 +21,13 @@ void StateRecorder::observe(const StepView& view) {
 }
 
 MeasureRecorder::MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
-                                 std::uint64_t every, const std::string& kind, std::uint64_t written)
+                                 EverySteps due, const std::string& kind, std::uint64_t written)
     : name_(std::move(name)),
       measure_(std::move(measure)),
       components_(measure_->components()),
       csv_(csv),
       run_(run),
-      due_(every),
+      due_(due),
       written_(written) {
   if (run_ != nullptr) number_ = run_->define_measure(name_, components_, kind);
   last_.assign(components_.size(), std::numeric_limits<double>::quiet_NaN());

@@ -13,11 +13,11 @@
 
 namespace epafi {
 
-/// Snapshots into run.h5 and frames for ParaView, every so many steps and at the end. Either may be null.
+/// Snapshots into run.h5 and frames for ParaView, as `due` says and at the end. Either may be null.
 class StateRecorder final : public Observer {
  public:
-  StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, std::uint64_t every)
-      : run_(run), frames_(frames), surfaces_(shapes), due_(every) {}
+  StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, EverySteps due)
+      : run_(run), frames_(frames), surfaces_(shapes), due_(due) {}
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
     return frames_ != nullptr && (last || is_due(step)) ? ContactView::pieces : ContactView::none;
@@ -37,13 +37,15 @@ class MeasureRecorder final : public Observer {
   /// Looks at every `every`-th step, for files at those of them that are multiples of `written`. kind: as in the scene,
   /// for readers of run.h5.
   MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
-                  std::uint64_t every, const std::string& kind = {}, std::uint64_t written = 1);
+                  EverySteps due, const std::string& kind = {}, std::uint64_t written = 1);
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   bool wants_energy(std::uint64_t step) const override { return measure_->wants_energy() && is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
     return last || is_due(step) ? measure_->wants_contacts() : ContactView::none;
   }
   void observe(const StepView& view) override;
+  void bodies_come(const World& world, std::size_t first) override { measure_->bodies_come(world, first); }
+  void bodies_leave(const World& world, std::span<const BodyId> bodies) override { measure_->bodies_leave(world, bodies); }
   void visit(StateVisitor& visitor) override;
 
   const std::string& name() const { return name_; }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <fstream>
 #include <optional>
 #include <sstream>
 
@@ -40,7 +41,9 @@ void PvdFile::keep_until(double time) {
     if (line.find("<DataSet") == std::string::npos) continue;
     Entry e{};
     const auto file = attribute(line, "file");
-    if (!parse(attribute(line, "timestep"), e.time) || !parse(attribute(line, "part"), e.part) || !file)
+    const bool whole = parse(attribute(line, "timestep"), e.time) && parse(attribute(line, "part"), e.part) && file;
+    if (!whole && in.eof()) break;  // the last line, cut by a crash
+    if (!whole)
       throw FileError(path_.string() + ": is not a list of frames as Epafi writes it: '" + line + "'");
     e.file = *file;
     if (e.time <= time) entries_.push_back(e);
@@ -49,13 +52,31 @@ void PvdFile::keep_until(double time) {
 
 void PvdFile::add(double time, int part, const std::string& file) { entries_.push_back({time, part, file}); }
 
-void PvdFile::write() const {
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-      "<Collection>\n";
-  for (const Entry& e : entries_)
-    text += fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", e.time, e.part, e.file);
-  write_whole_file(path_, {text, "</Collection>\n</VTKFile>\n"});
+namespace {
+constexpr const char* pvd_closing = "</Collection>\n</VTKFile>\n";
+
+std::string pvd_line(const PvdFile::Entry& e) {
+  return fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", e.time, e.part, e.file);
+}
+}  // namespace
+
+void PvdFile::write() {
+  std::string text;
+  if (end_ == 0) {
+    text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+           "<Collection>\n";
+    listed_ = 0;
+  }
+  for (; listed_ < entries_.size(); ++listed_) text += pvd_line(entries_[listed_]);
+  if (end_ == 0) {
+    write_whole_file(path_, {text, pvd_closing});
+  } else {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(end_);
+    file << text + pvd_closing << std::flush;
+    if (!file) throw FileError(path_.string() + ": cannot write (is the disk full?)");
+  }
+  end_ += static_cast<std::streamoff>(text.size());
 }
 
 }  // namespace epafi

@@ -6,7 +6,9 @@
 
 namespace epafi {
 
-/// The list of frames that ParaView opens: which file shows at which time. Rewritten as a whole through a side file.
+/// The list of frames that ParaView opens: which file shows at which time. Begun through a side file, then appended to in
+/// place: what is added goes over the closing tags, with new ones behind it, in one write. A crash within that write may
+/// leave the last line cut, which keep_until passes over.
 class PvdFile {
  public:
   explicit PvdFile(std::filesystem::path path) : path_(std::move(path)) {}
@@ -14,7 +16,8 @@ class PvdFile {
   void keep_until(double time);
   /// `file` relative to the folder of the .pvd; part numbers the files of one time.
   void add(double time, int part, const std::string& file);
-  void write() const;
+  /// Puts on disk what was added since the last call.
+  void write();
 
   struct Entry {
     double time;
@@ -26,6 +29,8 @@ class PvdFile {
  private:
   std::filesystem::path path_;
   std::vector<Entry> entries_;
+  std::size_t listed_ = 0;  ///< entries in the file
+  std::streamoff end_ = 0;  ///< of their last line in the file; 0: this object has not begun it
 };
 
 }  // namespace epafi

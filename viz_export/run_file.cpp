@@ -70,7 +70,8 @@ void check_scene(const std::filesystem::path& path, const std::string& scene_has
 
 }  // namespace
 
-RunFile::RunFile(std::filesystem::path path, const RunFileHeader& header) : path_(std::move(path)) {
+RunFile::RunFile(std::filesystem::path path, const RunFileHeader& header)
+    : path_(std::move(path)), origins_(header.shapes) {
   SideFile side(path_);
   Hdf5File file(side.path(), Hdf5File::Mode::create);
   file.set_attribute("/", "kind", std::string(run_layout::kind));
@@ -92,7 +93,7 @@ RunFile::RunFile(std::filesystem::path path, const RunFileHeader& header) : path
 }
 
 RunFile::RunFile(std::filesystem::path path, const RunFileHeader& header, std::uint64_t step, double time)
-    : path_(std::move(path)) {
+    : path_(std::move(path)), origins_(header.shapes) {
   check_scene(path_, header.scene_hash);
   drop_after(step, time);
 }
@@ -118,25 +119,32 @@ void RunFile::drop_after(std::uint64_t step, double time) {
     surfaces_[static_cast<std::uint32_t>(file.count_attribute("shapes/" + name, "shape"))] = number_of(path_, name);
   const auto rows = file.shape("bodies/shape");
   if (rows.empty()) throw FileError(path_.string() + ": is damaged: 'bodies/shape' is no column");
-  bodies_known_ = rows[0];
+  const auto mass = file.read<double>("bodies/mass"), radius = file.read<double>("bodies/radius");
+  if (mass.size() != rows[0] || radius.size() != rows[0])
+    throw FileError(path_.string() + ": is damaged: the columns of 'bodies' differ in length");
+  described_.resize(rows[0]);
+  for (std::size_t id = 0; id < rows[0]; ++id) described_[id] = mass[id] != 0.0 || radius[id] != 0.0;
   file.close();
 }
 
 void RunFile::append_bodies(Hdf5File& file, const BodyList& bodies) {
-  // rows by id: ids that came and went between two snapshots leave rows of zero mass and radius
-  const std::size_t n = bodies.size();
-  const std::size_t known = n == 0 ? bodies_known_ : std::max<std::size_t>(bodies_known_, bodies.id(n - 1) + 1u);
-  const std::size_t fresh = known - bodies_known_;
+  describe_late(file, bodies);
+  // rows by id: ids that come later or came and went between two snapshots have rows of zero mass and radius
+  const std::size_t n = bodies.size(), before = described_.size();
+  const std::size_t known = n == 0 ? before : std::max<std::size_t>(before, bodies.id(n - 1) + 1u);
+  const std::size_t fresh = known - before;
   if (fresh == 0) return;
   constexpr std::uint32_t nobody = ~std::uint32_t{0};
   std::vector<std::uint32_t> rows(fresh, nobody);  // place in `bodies`
   for (std::size_t k = n; k-- > 0;) {
     const std::uint32_t id = bodies.id(k);
-    if (id < bodies_known_) break;
-    rows[id - bodies_known_] = static_cast<std::uint32_t>(k);
+    if (id < before) break;
+    rows[id - before] = static_cast<std::uint32_t>(k);
   }
-  for (const std::uint32_t k : rows)
+  for (const std::uint32_t k : rows) {
     if (k != nobody) add_surface(file, bodies[k]);
+    described_.push_back(k != nobody);
+  }
   const auto record = [&](std::size_t row) { return rows[row] == nobody ? BodyRecord{} : bodies[rows[row]]; };
   append_column<std::uint32_t>(file, "bodies/shape", fresh, [&](std::size_t k) { return record(k).shape; });
   append_column<std::int32_t>(file, "bodies/surface", fresh, [&](std::size_t k) {
@@ -146,19 +154,58 @@ void RunFile::append_bodies(Hdf5File& file, const BodyList& bodies) {
   append_column<std::uint16_t>(file, "bodies/material", fresh, [&](std::size_t k) { return record(k).material; });
   append_column<double>(file, "bodies/mass", fresh, [&](std::size_t k) { return record(k).mass; });
   append_column<double>(file, "bodies/radius", fresh, [&](std::size_t k) { return record(k).radius; });
-  bodies_known_ = known;
+}
+
+/// Fills the rows of bodies that have come since their rows were made: those of a source have low ids and come late.
+void RunFile::describe_late(Hdf5File& file, const BodyList& bodies) {
+  std::vector<std::size_t> late;  // places in `bodies`, ascending ids
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    if (const std::uint32_t id = bodies.id(k); id < described_.size() && !described_[id]) late.push_back(k);
+  for (std::size_t begin = 0, end = 0; begin < late.size(); begin = end) {
+    std::vector<BodyRecord> run;  // of consecutive ids
+    for (; end < late.size() && bodies.id(late[end]) == bodies.id(late[begin]) + (end - begin); ++end) {
+      run.push_back(bodies[late[end]]);
+      add_surface(file, run.back());
+      described_[run.back().id] = true;
+    }
+    const auto column = [&]<class T>(const char* name, T of) {
+      std::vector<decltype(of(run[0]))> values;
+      for (const BodyRecord& b : run) values.push_back(of(b));
+      file.overwrite<decltype(of(run[0]))>(name, run[0].id, values);
+    };
+    column("bodies/shape", [](const BodyRecord& b) { return b.shape; });
+    column("bodies/surface", [&](const BodyRecord& b) { return b.surface ? surfaces_.at(b.shape) : -1; });
+    column("bodies/material", [](const BodyRecord& b) { return b.material; });
+    column("bodies/mass", [](const BodyRecord& b) { return b.mass; });
+    column("bodies/radius", [](const BodyRecord& b) { return b.radius; });
+  }
 }
 
 void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
   if (b.surface == nullptr || surfaces_.count(b.shape) != 0) return;
   const auto number = static_cast<std::int32_t>(surfaces_.size());
   const std::string group = numbered("shapes", static_cast<std::size_t>(number));
-  write_rows(file, group + "/points", 3, b.surface->points.size(),
-             [&](std::size_t k, double* to) { put(b.surface->points[k], to); });
+  const ShapeOrigin* origin = origins_.of(b.shape);
+  const bool turned = origin != nullptr && origin->is_turned();
+  write_rows(file, group + "/points", 3, b.surface->points.size(), [&](std::size_t k, double* to) {
+    const Vec3& x = b.surface->points[k];
+    put(turned ? Vec3(origin->to_author * x) : x, to);
+  });
   file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
   file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
   file.set_attribute(group, "shape", std::uint64_t{b.shape});
+  if (origin != nullptr) file.set_attribute(group, "name", origin->shape), file.set_attribute(group, "size", origin->size);
   surfaces_[b.shape] = number;
+}
+
+/// Of the axes in which the scene wrote the shapes: those of the engine are principal ones.
+void RunFile::write_orientations(Hdf5File& file, const std::string& group, const BodyList& bodies) {
+  write_rows(file, group + "/orientation", 4, bodies.size(), [&](std::size_t k, double* to) {
+    Quat q = bodies.pose(k).orientation;
+    const ShapeOrigin* origin = bodies.is_sphere(k) ? nullptr : origins_.of(bodies.shape(k));
+    if (origin != nullptr && origin->is_turned()) q = q * origin->to_author.conjugate();
+    to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+  });
 }
 
 void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
@@ -173,11 +220,7 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
   });
   write_rows(file, group + "/position", 3, n, [&](std::size_t k, double* to) { put(bodies.position(k), to); });
   write_rows(file, group + "/velocity", 3, n, [&](std::size_t k, double* to) { put(bodies.velocity(k), to); });
-  if (stamp.has_orientation)
-    write_rows(file, group + "/orientation", 4, n, [&](std::size_t k, double* to) {
-      const Quat q = bodies.pose(k).orientation;
-      to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
-    });
+  if (stamp.has_orientation) write_orientations(file, group, bodies);
   if (stamp.rotates)
     write_rows(file, group + "/angular_velocity", 3, n,
                [&](std::size_t k, double* to) { put(bodies.angular_velocity(k), to); });

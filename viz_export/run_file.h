@@ -1,10 +1,13 @@
 /// @file run_file.h  run.h5: what a run was and how its bodies moved. Plain HDF5, meant to be read with h5py:
 ///   attributes kind, format, version, scene_hash, title; texts scene, overrides, about (names of
 ///                     bodies and materials, springs, view: see view/settings.h)
-///   bodies/{shape, surface, material, mass, radius}   one row per body id; surface: number in shapes/, -1 for spheres
-///   shapes/NNNNNN/{points, connectivity, offsets}     polygons in body axes
-///   snapshots/NNNNNN  attributes time, step, state_hash; id, position, velocity, kinetic_energy and, where the scene
-///                     rotates, orientation (w x y z) and angular_velocity; rows in the order of body ids
+///   bodies/{shape, surface, material, mass, radius}   one row per body id; surface: number in shapes/, -1 for
+///                     spheres; rows of bodies that have not come yet are 0
+///   shapes/NNNNNN/{points, connectivity, offsets}     polygons about the centre of mass, in the axes in which the
+///                     scene wrote the shape; attributes name (as the scene wrote it) and size (factor of its lengths)
+///   snapshots/NNNNNN  attributes time, step, state_hash; id, position (centre of mass, inside a periodic cell), velocity,
+///                     kinetic_energy and, where the scene rotates, orientation (w x y z, of the axes in which the scene
+///                     wrote the shape) and angular_velocity; rows in the order of body ids
 ///   measures/NAME     attributes name, kind, components; time, value (one column per component)
 /// The file is open only while something is written: a crash between snapshots leaves it whole, and others may read it
 /// meanwhile. A crash within a write can spoil it: readers then get a FileError; the checkpoint is another file.
@@ -15,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "viz_export/body_origin.h"
 #include "viz_export/body_record.h"
 
 namespace epafi {
@@ -23,6 +27,7 @@ struct RunFileHeader {
   std::string version, scene_hash, title, scene_text;
   std::vector<std::string> overrides;
   std::string about{};  ///< names, springs, view (view/settings.h)
+  ShapeOrigins shapes{};  ///< names and axes of those in use
 };
 
 /// State of one instant beside its bodies.
@@ -62,12 +67,16 @@ class RunFile {
   void drop_after(std::uint64_t step, double time);
   void append_measures(Hdf5File& file);
   void append_bodies(Hdf5File& file, const BodyList& bodies);
+  void describe_late(Hdf5File& file, const BodyList& bodies);
+  void write_orientations(Hdf5File& file, const std::string& group, const BodyList& bodies);
   void add_surface(Hdf5File& file, const BodyRecord& body);
   std::filesystem::path path_;
+  ShapeOrigins origins_;
   std::vector<Measure> measures_;
   std::size_t buffered_ = 0;                        ///< values of measures waiting
   std::map<std::uint32_t, std::int32_t> surfaces_;  ///< number in shapes/ by packed reference
-  std::size_t snapshots_ = 0, bodies_known_ = 0;
+  std::size_t snapshots_ = 0;
+  std::vector<bool> described_;  ///< by body id with a row in bodies/: the row is that of a body that was there
   std::int64_t last_step_ = -1;
 };
 

@@ -4,10 +4,12 @@
 
 #include "viz_export/hdf5_file.h"
 #include "viz_export/run_layout.h"
+#include "viz_export/view/settings.h"
 
 namespace epafi {
 
 struct StoredRun::Impl {
+  explicit Impl(const std::filesystem::path& path) : file(path, Hdf5File::Mode::read) {}
   Hdf5File file;
   std::vector<std::string> snapshots;
   std::vector<Surface> surfaces;
@@ -15,27 +17,36 @@ struct StoredRun::Impl {
   std::vector<std::int32_t> surface;
   std::vector<std::uint16_t> material;
   std::vector<double> mass, radius;
+  RunAbout about;
+  struct Name {
+    std::string shape;
+    double size = 1.0;
+  };
+  std::vector<Name> names;  ///< of surfaces
 
   [[noreturn]] void refuse(const std::string& what) const {
     throw FileError(file.path().string() + ": is damaged: " + what);
   }
 
-  void read_surface(const std::string& group) {
+  void read_surface(const std::string& group_name) {
     Surface s;
-    const auto points = file.read<double>(group + "/points");
-    s.connectivity = file.read<std::int32_t>(group + "/connectivity");
-    s.offsets = file.read<std::int32_t>(group + "/offsets");
-    if (points.size() % 3 != 0) refuse("'" + group + "/points' is not a list of triples");
+    const auto points = file.read<double>(group_name + "/points");
+    s.connectivity = file.read<std::int32_t>(group_name + "/connectivity");
+    s.offsets = file.read<std::int32_t>(group_name + "/offsets");
+    if (points.size() % 3 != 0) refuse("'" + group_name + "/points' is not a list of triples");
     for (std::size_t k = 0; k < points.size(); k += 3) s.points.emplace_back(points[k], points[k + 1], points[k + 2]);
     for (std::int32_t c : s.connectivity)
       if (c < 0 || static_cast<std::size_t>(c) >= s.points.size())
-        refuse("'" + group + "' names a point that is not there");
+        refuse("'" + group_name + "' names a point that is not there");
     std::int32_t last = 0;
     for (std::int32_t o : s.offsets) {
-      if (o < last || static_cast<std::size_t>(o) > s.connectivity.size()) refuse("'" + group + "' has a wrong offset");
+      if (o < last || static_cast<std::size_t>(o) > s.connectivity.size()) refuse("'" + group_name + "' has a wrong offset");
       last = o;
     }
     surfaces.push_back(std::move(s));
+    Name& name = names.emplace_back();
+    if (file.has_attribute(group_name, "name")) name.shape = file.text_attribute(group_name, "name");
+    if (file.has_attribute(group_name, "size")) name.size = file.number_attribute(group_name, "size");
   }
 
   void read_bodies() {
@@ -70,12 +81,13 @@ struct StoredRun::Impl {
 };
 
 StoredRun::StoredRun(const std::filesystem::path& path)
-    : impl_(std::make_unique<Impl>(Impl{Hdf5File(path, Hdf5File::Mode::read), {}, {}, {}, {}, {}, {}, {}})) {
+    : impl_(std::make_unique<Impl>(path)) {
   Hdf5File& file = impl_->file;
   run_layout::check(file);
   impl_->snapshots = file.children("snapshots");
   for (const std::string& name : file.children("shapes")) impl_->read_surface("shapes/" + name);
   impl_->read_bodies();
+  impl_->about = about_from_text(about());
 }
 
 StoredRun::~StoredRun() = default;
@@ -133,6 +145,19 @@ std::vector<StoredMeasure> StoredRun::measures() const {
     m.values = impl_->rows(group + "/value", m.components.size(), m.times.size());
     out.push_back(std::move(m));
   }
+  return out;
+}
+
+StoredWords StoredRun::words(const BodyRecord& b) const {
+  StoredWords out;
+  if (const std::int32_t surface = impl_->surface.at(b.id); surface >= 0) {
+    const Impl::Name& name = impl_->names[static_cast<std::size_t>(surface)];
+    out.shape = name.shape, out.size = name.size;
+  }
+  const RunAbout& about = impl_->about;
+  if (b.material < about.materials.size()) out.material = about.materials[b.material];
+  for (const auto& group : about.groups)
+    if (b.id >= group.first && b.id - group.first < group.count) out.group = group.name;
   return out;
 }
 

@@ -21,6 +21,14 @@ struct StoredMeasure {
   std::vector<double> times, values;  ///< values row by row
 };
 
+/// How a scene names what a body is.
+struct StoredWords {
+  std::string shape;     ///< name or table of a shape that is no sphere; "" where the file does not say
+  double size = 1.0;     ///< factor of the shape's lengths
+  std::string material;  ///< name; "" where the file does not say
+  std::string group;     ///< name of the body's table; may be ""
+};
+
 class StoredRun {
  public:
   explicit StoredRun(const std::filesystem::path& path);
@@ -30,6 +38,7 @@ class StoredRun {
   double time(std::size_t k) const;         ///< of a snapshot [s]
   std::vector<BodyRecord> bodies() const;   ///< all that were ever stored, by id, without motion
   std::vector<StoredMeasure> measures() const;
+  StoredWords words(const BodyRecord& body) const;
   std::string title() const;
   std::string about() const;  ///< names, springs, view (view/settings.h); "" in older files
   std::string scene_text() const;

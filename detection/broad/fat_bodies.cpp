@@ -20,6 +20,8 @@ constexpr double best_share_times_life = 15.0;
 constexpr double most_margin =
     2.0;  // of the bounding radius: for the few fast ones; with 0.5 what falls from a hopper asks for a list every
           // 14 steps, with 6 bodies near a mesh look at too many triangles
+constexpr double most_stray_margin = 1000.0;  // of the bounding radius: for so few that their pairs do not count
+constexpr double most_strays = 1e-3;          // of all bodies, and 1 always
 constexpr double giant_ratio =
     16.0;  // of the median radius: above, one box test per body is cheaper than one more grid level
 constexpr std::size_t most_giants = 16;
@@ -79,7 +81,7 @@ double FatBodies::corner_depth(Slot i, const ApartPlane& p) const {
   return p.normal.dot(boxes[i].centre() - p.point) - p.normal.cwiseAbs().dot(Vec3(0.5 * boxes[i].extent()));
 }
 
-FatBodies::FatBodies() : least_share_(least_margin) {}
+FatBodies::FatBodies() : most_margin_(most_margin), least_share_(least_margin) {}
 
 void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
   if (!boxes.empty() || !(step_time > 0.0) || world.size() != size()) return;  // pairs of other shapes cost more
@@ -180,7 +182,21 @@ double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup,
   const double wanted = 2.0 * headroom * steps * step;
   if (!std::isfinite(wanted)) return 0.0;  // a turning half-space: its list lasts one step
   if (immovable[s]) return std::min(wanted, most_margin * small);
-  return std::clamp(wanted, least_share_ * std::min(radius, small), most_margin * radius);
+  return std::clamp(wanted, least_share_ * std::min(radius, small), most_margin_ * radius);
+}
+
+/// One body that flies off would ask for a list every few steps, which costs all others five times as much: where few
+/// are that fast they get the margin that they want, however large.
+void FatBodies::see_strays(const World& world, const BroadSetup& setup, double step_time, double steps) {
+  most_margin_ = most_stray_margin;
+  const auto is_swift = [&](std::size_t i) {
+    if (immovable[i]) return false;
+    return margin_of(world, static_cast<Slot>(i), setup, step_time, steps) > most_margin * radius_of(world, *setup.shapes, i);
+  };
+  const auto swift =
+      setup.strays ? block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{is_swift(i)}; }) : 0;
+  const bool few = setup.strays && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
+  if (!few) most_margin_ = most_margin;
 }
 
 /// By how much the exact bound of a body grows on every side [m].
@@ -191,6 +207,7 @@ double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup,
 
 void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_time, double steps) {
   boxes.resize(round_ ? 0 : world.size()), orientation.resize(world.has_orientation() ? world.size() : 0);
+  see_strays(world, setup, step_time, steps);
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     const double r = radius_of(world, *setup.shapes, i);

@@ -33,6 +33,7 @@ struct BroadSetup {
   double margin = 0.0;  ///< one margin for all bodies [m]; <= 0: each body its own, from its size and motion
   PairFilter filter{};
   SphereRoles spheres{};  ///< which pairs are listed apart from the others
+  bool strays = true;     ///< the few fastest bodies may have margins of many radii; not where images have margins too
 };
 
 /// Fat bounding ball; 32 bytes, so that a candidate costs half a cache line.
@@ -147,6 +148,7 @@ struct FatBodies {
 
  private:
   double median_radius_ = 0.0;
+  double most_margin_;     ///< of the bounding radius, of free bodies
   double least_share_;  ///< least margin over radius
   Drift drift_;
   Vec3 mean_velocity_ = Vec3::Zero();  ///< of the bodies that move, at the last update [m/s]
@@ -171,6 +173,7 @@ struct FatBodies {
   double margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const;
   double mean_motion(const World& world, const BroadSetup& setup, double step_time) const;
   double choose_drift(const World& world, const BroadSetup& setup, double step_time, double since);
+  void see_strays(const World& world, const BroadSetup& setup, double step_time, double steps);
   static double fattening(const World& world, Slot s, const BroadSetup& setup, double margin);
   void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);
   void set_apart(const World& world, const ShapeStore& shapes, bool same_bodies);

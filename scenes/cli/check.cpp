@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
 #include "scenes/peak_memory.h"
+#include "scenes/processor_time.h"
 #include "scenes/progress.h"
 
 namespace epafi {
@@ -77,13 +77,32 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
-/// Of the whole run, by the seconds that a step took with `there` of the `free` bodies.
-std::string wall_time_text(double seconds, std::size_t there, std::size_t free) {
+/// Of the whole run, by the processor seconds that its steps would take with `there` of the `free` bodies. Not by the
+/// clock: what else runs on the machine would count.
+std::string time_text(double seconds, std::size_t there, std::size_t free) {
   if (10 * there < free)
     return "  wall time     not to be told by the first steps: nearly all bodies are poured in later\n";
   const double all = seconds * static_cast<double>(free) / static_cast<double>(std::max<std::size_t>(1, there));
-  return fmt::format("  wall time     about {} with {} threads, by the first steps (denser states cost more)\n",
-                     clock_text(all), thread_count());
+  return fmt::format(
+      "  processor     about {:.3g} s, by the first steps (denser states cost more)\n"
+      "  wall time     about {} with {} threads where nothing else runs\n",
+      all, clock_text(all / thread_count()), thread_count());
+}
+
+/// Processor seconds of a step by the first ones, which are made here: not by the very first, which still ask for memory.
+std::optional<Failure> time_steps(Simulation& sim, std::uint64_t last, double& seconds) {
+  constexpr std::uint64_t warm = 5, most = 300;
+  constexpr double enough = 0.5;  // [s]
+  const std::uint64_t first = sim.steps();
+  double start = process_seconds();
+  std::uint64_t timed = 0;
+  while ((timed < 1 || process_seconds() - start < enough) && sim.steps() < std::min(first + most, last)) {
+    if (auto failure = sim.advance()) return failure;
+    ++timed;
+    if (sim.steps() == first + warm && sim.steps() < last) start = process_seconds(), timed = 0;
+  }
+  seconds = (process_seconds() - start) / static_cast<double>(std::max<std::uint64_t>(1, timed));
+  return {};
 }
 
 }  // namespace
@@ -114,19 +133,13 @@ std::string check_text(Assembly& a) {
     out += fmt::format("  its limit     {:.4g} s{}\n", a.time_step.limit,
                        a.time_step.limit_reason.empty() ? "" : ": " + a.time_step.limit_reason);
   out += fmt::format("  steps         {}\n", a.steps);
-  const auto start = std::chrono::steady_clock::now();
-  const std::uint64_t first = sim.steps();
-  double elapsed = 0;
-  while (elapsed < 0.5 && sim.steps() < first + 100 && sim.steps() < a.steps) {
-    if (const auto failure = sim.advance())
-      return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
-    elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  }
+  double seconds = 0.0;
+  if (const auto failure = time_steps(sim, a.steps, seconds))
+    return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
   out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
                      1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.memory.body,
                      a.plan.memory.contact);
-  const auto steps = static_cast<double>(std::max<std::uint64_t>(1, sim.steps() - first));
-  return out + wall_time_text(elapsed / steps * static_cast<double>(a.steps), free, free + later);
+  return out + time_text(seconds * static_cast<double>(a.steps), free, free + later);
 }
 
 }  // namespace epafi

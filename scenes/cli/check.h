@@ -6,7 +6,7 @@
 
 namespace epafi {
 
-/// Bodies, geometry, overlaps at t = 0, time step and its limit, steps, memory, estimated wall time. Runs one detection
+/// Bodies, geometry, overlaps at t = 0, time step and its limit, steps, memory, estimated processor time. Runs one detection
 /// and a few timed steps on the assembled scene, which is used up; writes nothing.
 std::string check_text(Assembly& assembly);
 

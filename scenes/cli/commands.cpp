@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -41,9 +42,10 @@ void print_problems(const std::vector<Problem>& problems) {
 
 /// The scene, or a SceneError with all its problems; warnings are printed.
 Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
-  if (!std::filesystem::exists(path))
+  const std::string file = scene_file(path);
+  if (!std::filesystem::exists(file))
     throw FileError("the scene file '" + path + "' does not exist; `epafi list scenes` names those of the library");
-  ReadResult result = read_scene(path, overrides, full_registry());
+  ReadResult result = read_scene(file, overrides, full_registry());
   if (!result.scene) throw SceneError(result.problems);
   print_problems(result.problems);
   return std::move(*result.scene);
@@ -86,6 +88,8 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
   for (const std::string& warning : summary.warnings) say("epafi: warning: " + warning);
   if (!session.trouble().empty()) say("epafi: " + session.trouble());
   if (const std::string advice = session.advice(); !advice.empty()) say("epafi: warning: " + advice);
+  if (summary.bodies_removed > 0 && !options.quiet)
+    say(fmt::format("epafi: {} bodies were taken out, by remove_at, outlets or the domain", summary.bodies_removed));
   if (options.json)
     print(summary_json(summary) + "\n");
   else if (!options.quiet)
@@ -177,7 +181,6 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
 
 int command_resume(const std::string& directory, const RunOptions& options) {
   set_threads(options.threads);
-  const SessionLimits limits = limits_of(options);
   const std::filesystem::path folder(directory);
   const FolderLock lock(folder);
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
@@ -188,8 +191,18 @@ int command_resume(const std::string& directory, const RunOptions& options) {
   if (scene_hash(scene) != header.scene_hash)
     throw SceneError("the scene '" + header.scene_path +
                      "' has changed since the run was started; restore it, or start anew with `epafi run`");
+  auto assembly = assemble(std::move(scene));
+  SessionLimits limits = limits_of(options);
+  if (options.steps) limits.steps = header.step + *options.steps;  // so many more
+  if (limits.steps) assembly->steps = std::max(assembly->steps, *limits.steps);
+  if (header.step >= assembly->steps) {
+    say(fmt::format("epafi: the run in {} is complete: {} steps, t = {:.6g} s; nothing is changed; `epafi resume {} --steps N` "
+                    "takes N more",
+                    folder.string(), header.step, header.time, directory));
+    return exit_done;
+  }
   const SignalWatch from_the_first_file_on;
-  auto session = Session::resume(assemble(std::move(scene)), header.overrides, folder);
+  auto session = Session::resume(std::move(assembly), header.overrides, folder);
   if (!session->note().empty()) say("epafi: warning: " + session->note());
   return finish(*session, folder, options, limits);
 }

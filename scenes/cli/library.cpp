@@ -36,6 +36,15 @@ std::vector<fs::path> library_files() {
 
 }  // namespace
 
+std::string scene_file(const std::string& name) {
+  std::error_code none;
+  const fs::path folder = library_folder();
+  if (fs::exists(name, none) || folder.empty() || fs::path(name).is_absolute()) return name;
+  for (const fs::path& file : {folder / name, folder / (name + ".toml")})
+    if (fs::is_regular_file(file, none)) return file.string();
+  return name;
+}
+
 std::string list_scenes() {
   const fs::path folder = library_folder();
   if (folder.empty()) return "scenes: the library is not installed\n";

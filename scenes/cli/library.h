@@ -13,6 +13,9 @@ std::filesystem::path library_folder();
 /// `epafi list scenes`: path and title of every scene and study of the library, by path.
 std::string list_scenes();
 
+/// The file of that name, or that of the library which `epafi list scenes` shows under it, with or without .toml.
+std::string scene_file(const std::string& name);
+
 /// The library's scenes that have a [benchmark].
 std::vector<std::string> library_benchmarks();
 

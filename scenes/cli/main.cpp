@@ -26,7 +26,7 @@ void add_run_flags(CLI::App* command, epafi::RunOptions& o) {
   command->add_option("-t,--threads", o.threads, "threads (default: all cores)")->check(epafi::whole_number(1));
   command->add_option("--until", o.until, "stop at this simulated time [s], with a checkpoint")
       ->check(epafi::at_least(0));
-  command->add_option("--steps", o.steps, "stop after this many steps, with a checkpoint")
+  command->add_option("--steps", o.steps, "stop after this many steps, with a checkpoint; resume: so many more")
       ->check(epafi::whole_number(0, 1'000'000'000'000'000));
   command->add_option("--time-limit", o.time_limit,
                       "stop after this wall time (90s, 3h50m) with a checkpoint, exit code 75");

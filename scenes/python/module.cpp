@@ -65,8 +65,8 @@ class Run {
   explicit Run(std::unique_ptr<Assembly> assembly) : assembly_(std::move(assembly)) {
     Simulation& sim = simulation();
     for (const auto& spec : assembly_->scene.measures) {
-      const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / sim.time_step)));
-      auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), nullptr, nullptr, every);
+      auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), nullptr, nullptr,
+                                                        EverySteps::of_time(spec.interval, sim.time_step));
       recorders_.push_back(recorder.get());
       sim.observers.push_back(std::move(recorder));
     }

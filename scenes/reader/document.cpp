@@ -127,18 +127,18 @@ Node* Loader::step_into(Node& node, const std::string& key, const Place& place, 
     error(place, "there is nothing inside " + std::string(type_name(node.type)) + " to set '" + key + "' of");
     return nullptr;
   }
+  std::vector<std::string> names;
+  for (auto& item : node.items) {  // names first: one may be a number
+    const Node* name = item.type == Node::Type::table ? item.find("name") : nullptr;
+    if (!name) continue;
+    if (name->text == key) return &item;
+    names.push_back(name->text);
+  }
   if (!key.empty() && key.size() < 10 && key.find_first_not_of("0123456789") == std::string::npos) {
     const auto index = static_cast<std::size_t>(std::stoul(key));
     if (index < node.items.size()) return &node.items[index];
     error(place, fmt::format("there is no element {}; the list has {}, counted from 0", index, node.items.size()));
     return nullptr;
-  }
-  std::vector<std::string> names;
-  for (auto& item : node.items) {
-    const Node* name = item.type == Node::Type::table ? item.find("name") : nullptr;
-    if (!name) continue;
-    if (name->text == key) return &item;
-    names.push_back(name->text);
   }
   error(place, "no element has the name '" + key + "'" + suggestion(key, names, "names"));
   return nullptr;

@@ -125,6 +125,7 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   body.fixed = v.has("fixed") && v.boolean("fixed");
   body.continuous = v.has("continuous") && v.boolean("continuous");
   body.on_rails = v.has("on_rails") && v.boolean("on_rails");
+  body.as_drawn = v.has("place") && v.text("place") == "as-drawn";
   body.position = vec3("position"), body.velocity = vec3("velocity");
   body.angular_velocity = vec3("angular_velocity");
   if (const Vec3 force = vec3("force"); force.squaredNorm() > 0) body.force = force;
@@ -251,6 +252,20 @@ std::optional<std::size_t> index_in(const std::string& name, const std::string& 
   return std::stoul(digits);
 }
 
+/// A table of that name stands in the file and was told to be wrong: who names it has made no other mistake.
+bool is_written(const Reading& reading, const std::string& name) {
+  const std::string plain = name.substr(0, name.find('['));
+  for (const char* list : {"body", "bodies", "fill"}) {
+    const Node* tables = reading.root.find(list);
+    if (tables == nullptr) continue;
+    for (const Node& item : tables->items) {
+      const Node* own = item.find("name");
+      if (own != nullptr && own->type == Node::Type::text && (own->text == name || own->text == plain)) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& place, const std::string& label) {
@@ -269,7 +284,8 @@ NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& plac
     if (fill.name == name || one) found.fills.push_back({f, one});
     names.push_back(fill.name);
   }
-  if (found.bodies.empty() && found.fills.empty())
+  const bool told = draft.reading.errors() > 0 && is_written(draft.reading, name);
+  if (found.bodies.empty() && found.fills.empty() && !told)
     draft.reading.error(place, "unknown body '" + name + "' in " + label + suggestion(name, names, "bodies"));
   return found;
 }

@@ -11,14 +11,14 @@
 #include "engine/nearest.h"
 #include "engine/random.h"
 #include "scenes/reader/parts.h"
+#include "scenes/reader/toml_text.h"
 
 namespace epafi {
 namespace {
 
-const std::vector<std::string> number_columns{"x",  "y",  "z",  "vx", "vy", "vz", "qw",
-                                              "qx", "qy", "qz", "wx", "wy", "wz", "radius"};
-const std::vector<std::string> known_columns{"x",  "y",  "z",  "vx", "vy", "vz",     "qw",       "qx",    "qy",
-                                             "qz", "wx", "wy", "wz", "radius", "diameter", "shape", "material"};
+const std::vector<std::string> known_columns{"x",  "y",  "z",  "vx",     "vy",       "vz",    "qw",   "qx",       "qy",
+                                             "qz", "wx", "wy", "wz",     "radius",   "diameter", "shape", "size", "material",
+                                             "group"};
 
 enum class Format { csv, dump, yade };
 
@@ -50,14 +50,35 @@ std::vector<Cell> words(const std::string& line, const std::string& file, int nu
   return cells;
 }
 
+/// Where the cell that begins there ends: at the next comma outside quotes.
+std::size_t end_of_cell(const std::string& line, std::size_t begin) {
+  bool quoted = false;
+  for (std::size_t k = begin; k < line.size(); ++k) {
+    if (line[k] == '"') quoted = !quoted;
+    if (line[k] == ',' && !quoted) return k;
+  }
+  return line.size();
+}
+
+/// "a ""b""" to a "b"; other texts stay.
+std::string without_quotes(const std::string& text) {
+  if (text.size() < 2 || text.front() != '"' || text.back() != '"') return text;
+  std::string out;
+  for (std::size_t k = 1; k + 1 < text.size(); ++k) {
+    out += text[k];
+    if (text[k] == '"') ++k;  // the second of two
+  }
+  return out;
+}
+
 std::vector<Cell> split(const std::string& line, const std::string& file, int number) {
   std::vector<Cell> cells;
   for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
+    const std::size_t end = end_of_cell(line, begin);
     std::size_t first = begin, last = end;
     while (first < last && (line[first] == ' ' || line[first] == '\t')) ++first;
     while (last > first && (line[last - 1] == ' ' || line[last - 1] == '\t' || line[last - 1] == '\r')) --last;
-    cells.push_back({line.substr(first, last - first), {file, number, static_cast<int>(first) + 1}});
+    cells.push_back({without_quotes(line.substr(first, last - first)), {file, number, static_cast<int>(first) + 1}});
     begin = end + 1;
   }
   return cells;
@@ -69,9 +90,10 @@ struct Rows {
   std::string label;
   std::vector<Cell> header;
   std::optional<std::size_t> shape, material;  ///< of rows that name none
-  bool fixed = false;
+  bool fixed = false, as_drawn = false;
   Format format = Format::csv;
-  std::map<std::string, Cell> row;
+  std::map<std::string, Cell> row;                   ///< its cells that hold something
+  std::map<std::string, std::size_t> written_shapes;  ///< of column shape, by its text
   double own_size = 1.0;  ///< of the shape of this row
 
   bool has(const std::string& column) const { return row.count(column) != 0; }
@@ -92,6 +114,10 @@ struct Rows {
   bool check_header(const Place& place);
   std::optional<BodySpec> body();
   std::optional<std::size_t> shape_of_row();
+  std::optional<std::size_t> named_shape();
+  std::optional<std::size_t> sphere_of_row(const std::string& column);
+  double length(const std::string& column);
+  void enter_group();
 };
 
 bool Rows::check_header(const Place& place) {
@@ -121,32 +147,68 @@ bool Rows::check_header(const Place& place) {
   const bool has_size = has_column("radius") || has_column("diameter");
   if (!shape && !has_column("shape") && !has_size) missing("radius' or 'shape");
   if (!material && !has_column("material")) missing("material");
-  if (has_column("shape") && has_size)
-    draft.reading.error(header[0].place, "columns radius and shape are both given; keep one");
   return draft.reading.errors() == errors;
 }
 
-std::optional<std::size_t> Rows::shape_of_row() {
-  if (has("shape")) return own_size = 1.0, find_shape(draft, row.at("shape").text, row.at("shape").place, label);
-  const std::string size = has("radius") ? "radius" : "diameter";
-  own_size = 1.0;
-  if (!has(size)) return shape;
-  const double radius = size == "radius" ? number(size) : 0.5 * number(size);
-  if (!(radius > 0.0)) {
-    draft.reading.error(row.at(size).place,
-                        "column " + size + " = " + format_number(radius) + " is outside (0, inf) (" + size + ", in m)");
-    return std::nullopt;
-  }
+/// A number above 0.
+double Rows::length(const std::string& column) {
+  const double value = number(column);
+  if (!(value > 0.0))
+    draft.reading.error(row.at(column).place, "column " + column + " = " + format_number(value) +
+                                                  " is outside (0, inf) (" + column +
+                                                  (column == "size" ? ", a factor)" : ", in m)"));
+  return value;
+}
+
+/// Of column shape: a name, or a table as it may stand in a scene.
+std::optional<std::size_t> Rows::named_shape() {
+  const Cell& cell = row.at("shape");
+  if (const auto found = written_shapes.find(cell.text); found != written_shapes.end()) return found->second;
+  const bool is_table = cell.text.front() == '{';
+  const auto named = is_table ? read_shape_value(draft, parse_toml_value(cell.text, cell.place), label)
+                              : find_shape(draft, cell.text, cell.place, label);
+  if (!named) return std::nullopt;
+  if (!fixed) let_move(draft, *named);
+  return written_shapes[cell.text] = *named;
+}
+
+std::optional<std::size_t> Rows::sphere_of_row(const std::string& column) {
+  own_size = column == "radius" ? length(column) : 0.5 * length(column);
+  if (!(own_size > 0.0)) return std::nullopt;
   if (!draft.unit_sphere) {
     draft.unit_sphere = draft.scene.shapes.size();
     ShapeSpec sphere;
     sphere.type = "sphere";
     sphere.parameters.set("radius", 1.0);
-    sphere.place = row.at(size).place;
+    sphere.place = row.at(column).place;
     draft.scene.shapes.push_back(std::move(sphere));
   }
-  own_size = radius;
   return draft.unit_sphere;
+}
+
+std::optional<std::size_t> Rows::shape_of_row() {
+  const std::string column = has("radius") ? "radius" : "diameter";
+  own_size = 1.0;
+  if (has("shape") && has(column)) {
+    draft.reading.error(row.at(column).place, "the row has a " + column + " and a shape; keep one");
+    return std::nullopt;
+  }
+  if (has(column)) return sphere_of_row(column);
+  if (has("size")) own_size = length("size");
+  if (has("shape")) return named_shape();
+  if (!shape) draft.reading.error(row.at("x").place, "the row has neither radius nor shape");
+  return shape;
+}
+
+/// Rows that name a group make one of their own; those of one name stand together.
+void Rows::enter_group() {
+  auto& groups = draft.scene.groups;
+  const std::string name = has("group") ? row.at("group").text : "";
+  if (name.empty() || groups.back().name == name) return;
+  const Place& place = row.at("group").place;
+  check_group_name(draft, name, place);
+  if (groups.back().count == 0) groups.pop_back();
+  groups.push_back({name, draft.scene.bodies.size(), 0, place, {1}});
 }
 
 std::optional<BodySpec> Rows::body() {
@@ -154,6 +216,7 @@ std::optional<BodySpec> Rows::body() {
   const auto own_shape = shape_of_row();
   const auto own_material =
       has("material") ? find_material(draft, row.at("material").text, row.at("material").place, label) : material;
+  if (!has("material") && !material) draft.reading.error(row.at("x").place, "the row has no material");
   body.position = Vec3(number("x"), number("y"), number("z"));
   body.velocity = Vec3(number("vx"), number("vy"), number("vz"));
   body.angular_velocity = Vec3(number("wx"), number("wy"), number("wz"));
@@ -164,6 +227,7 @@ std::optional<BodySpec> Rows::body() {
   else
     body.orientation.normalize();
   body.fixed = fixed;
+  body.as_drawn = as_drawn;
   if (!own_shape || !own_material) return std::nullopt;
   body.shape = *own_shape, body.size = own_size, body.material = *own_material;
   return body;
@@ -204,10 +268,16 @@ int read_foreign_header(Rows& rows, std::istream& in, const std::string& file, c
 
 void add_row(Rows& rows, std::vector<Cell> cells) {
   auto& scene = rows.draft.scene;
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    if (!rows.header[k].text.empty()) rows.row[rows.header[k].text] = std::move(cells[k]);
+  rows.row.clear();
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const std::string& column = rows.header[k].text;
+    const bool may_be_empty = column == "shape" || column == "size" || column == "radius" || column == "diameter" ||
+                              column == "material" || column == "group";
+    if (!column.empty() && !(may_be_empty && cells[k].text.empty())) rows.row[column] = std::move(cells[k]);
+  }
   auto body = rows.body();
   if (!body) return;
+  rows.enter_group();
   body->group = scene.groups.size() - 1;
   scene.bodies.push_back(std::move(*body));
   ++scene.groups.back().count;
@@ -266,7 +336,8 @@ void read_file(Draft& draft, const Node& item) {
   const std::string label = item_label("bodies", item);
   const std::size_t errors = reading.errors();
   const TableValues values = read_table(item, label, reading.schema.at("bodies").fields, reading);
-  Rows rows{draft, label, {}, {}, {}, values.has("fixed") && values.boolean("fixed"), Format::csv, {}};
+  Rows rows{draft, label, {}, {}, {}, values.has("fixed") && values.boolean("fixed"), false, Format::csv, {}, {}};
+  rows.as_drawn = values.has("place") && values.text("place") == "as-drawn";
   if (const Node* shape = item.find("shape")) rows.shape = read_shape_value(draft, *shape, label);
   if (values.has("material"))
     rows.material = find_material(draft, values.text("material"), values.place_of("material"), label);

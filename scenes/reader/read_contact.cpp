@@ -50,7 +50,18 @@ Laws read_smooth(Draft& draft, bool active) {
   auto fields = reading.schema.at("contact.smooth").fields;
   const LawChoice written{peek(table, "law"), peek(table, "tangential"), peek(table, "rolling")};
   const std::vector<Field> words(fields.begin(), fields.begin() + 4);  // law, tangential, rolling, locate_edges
-  const TableValues values = read_table(table, "[contact.smooth]", words + smooth_fields(registry, written), reading);
+  const auto of = [](const std::vector<Entry>& entries, const std::string& name) {
+    const Entry* entry = find_entry(entries, name);
+    return entry ? entry->fields : std::vector<Field>{};
+  };
+  const bool chosen = find_entry(registry.normal_laws, written.law) != nullptr;
+  const std::vector<Field> all = words + smooth_fields(registry, written);
+  const std::vector<Field> offered = words + of(registry.normal_laws, written.law) +
+                                     (written.tangential.empty() ? united_fields(registry.tangential_laws)
+                                                                 : of(registry.tangential_laws, written.tangential)) +
+                                     (written.rolling.empty() ? united_fields(registry.rolling_laws)
+                                                              : of(registry.rolling_laws, written.rolling));
+  const TableValues values = read_table(table, "[contact.smooth]", all, reading, chosen ? offered : all);
   contact.law = values.placed_text("law");
   contact.tangential = values.placed_text("tangential");
   contact.rolling = values.placed_text("rolling");
@@ -73,7 +84,8 @@ void read_nonsmooth(Draft& draft, bool active) {
   const std::string written = peek(table, "solver");
   const std::string likely = written.empty() ? std::get<std::string>(*word[0].default_value) : written;
   const TableValues values =
-      read_table(table, "[contact.nonsmooth]", word + as_optional(united_fields(solvers, likely)), reading);
+      read_table(table, "[contact.nonsmooth]", word + as_optional(united_fields(solvers, likely)), reading,
+                 word + fields_of(solvers, likely));
   contact.solver = values.placed_text("solver");
   const Entry* entry = find_entry(solvers, contact.solver.value);
   if (!entry) return;

@@ -105,7 +105,8 @@ std::optional<std::vector<double>> read_quadruples(const Node& node, const Key& 
 /// A bare word after --set needs no quotes: a text that looks like a number (60e1) is that text where one is expected.
 bool is_text(const Node& node) {
   if (node.type == Node::Type::text) return true;
-  return is_override(node.place) && node.is_number() && !node.text.empty();
+  const bool is_list = node.type == Node::Type::array || node.type == Node::Type::table;
+  return is_override(node.place) && !is_list && !node.text.empty();
 }
 
 std::optional<std::string> read_word(const Node& node, const Key& key) {
@@ -208,10 +209,15 @@ void read_nested(const Node& node, const Key& key, TableValues& out) {
 
 TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields,
                        Reading& reading) {
+  return read_table(table, label, fields, reading, fields);
+}
+
+TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields, Reading& reading,
+                       const std::vector<Field>& offered) {
   TableValues out;
   out.place = table.place;
   std::vector<std::string> known;
-  for (const auto& field : fields) known.push_back(field.name);
+  for (const auto& field : offered) known.push_back(field.name);
   for (const auto& [name, place, value] : table.members) {
     const auto field =
         std::find_if(fields.begin(), fields.end(), [&, &key = name](const Field& f) { return f.name == key; });

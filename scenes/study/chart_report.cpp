@@ -14,6 +14,11 @@ namespace fs = std::filesystem;
 
 std::string number(const std::optional<double>& v) { return v ? fmt::format("{}", *v) : ""; }
 
+/// Nothing where a method has no such error.
+std::string error_number(const ChartPoint& p, double error) {
+  return p.good() && !std::isnan(error) ? fmt::format("{}", error) : "";
+}
+
 std::string name_of(const ErrorSpec& e) { return e.name + (e.component.empty() ? "" : "." + e.component); }
 
 }  // namespace
@@ -26,11 +31,11 @@ std::string chart_csv(const Chart& chart) {
   out += "\n";
   for (const auto& p : chart.points) {
     out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_text(p.method.name),
-                       csv_text(p.method.settings()), p.time, p.good() ? fmt::format("{}", p.error) : "",
+                       csv_text(p.method.settings()), p.time, error_number(p, p.error),
                        p.error_spread, p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative),
                        p.state_hash, p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
     for (std::size_t k = 0; k < chart.study.more_errors.size(); ++k)
-      out += p.good() && k < p.more_errors.size() ? fmt::format(",{}", p.more_errors[k]) : ",";
+      out += "," + (k < p.more_errors.size() ? error_number(p, p.more_errors[k]) : "");
     out += "\n";
   }
   return out;
@@ -49,9 +54,10 @@ std::string chart_json(const Chart& chart) {
         .member("settings", p.method.settings())
         .member("time", p.time)
         .member("time_spread", p.time_spread);
-    if (p.good()) json.member("error", p.error);
+    if (p.good() && !std::isnan(p.error)) json.member("error", p.error);
     for (std::size_t k = 0; p.good() && k < p.more_errors.size(); ++k)
-      json.member("error:" + name_of(chart.study.more_errors[k]), p.more_errors[k]);
+      if (!std::isnan(p.more_errors[k]))
+        json.member("error:" + name_of(chart.study.more_errors[k]), p.more_errors[k]);
     json.member("error_spread", p.error_spread).member("status", p.status);
     if (!p.trouble.empty()) json.member("trouble", p.trouble);
     json.member("residual", p.residual)
@@ -125,7 +131,9 @@ namespace {
 ScatterPlot error_over_time(const Chart& chart, std::size_t measure) {
   const Study& study = chart.study;
   const auto error = [&](const ChartPoint& p) { return measure == 0 ? p.error : p.more_errors[measure - 1]; };
-  const auto has_error = [&](const ChartPoint& p) { return p.good() && (measure == 0 || measure <= p.more_errors.size()); };
+  const auto has_error = [&](const ChartPoint& p) {
+    return p.good() && measure <= p.more_errors.size() && !std::isnan(error(p));
+  };
   ScatterPlot plot;
   plot.joined = chart.one_question;
   plot.x_label = chart.time_label, plot.y_label = (measure == 0 ? study.error : study.more_errors[measure - 1]).axis_label();

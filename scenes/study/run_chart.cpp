@@ -132,13 +132,17 @@ struct Runner {
     p.overlap_relative = r.summary.number("overlap.max_relative");
     p.error_spread = truth.own_errors[0];
     p.more_errors.clear();
+    bool has_some = false;  // an error that a method has none of leaves the others as they are
     for (std::size_t k = 0; k < measures(); ++k) {
       const auto e = study_error(measure(k), r, wanted.folder, truth.yardsticks[k]);
-      if (!e && p.good())
-        p.status = "no_error", p.trouble = "the run has no '" + measure(k).name + "' to compare";
+      has_some = has_some || e;
       (k == 0 ? p.error : p.more_errors.emplace_back()) = e.value_or(NAN);
     }
-    p.accurate = !study.accuracy || p.error <= *study.accuracy;
+    if (!has_some && p.good()) {
+      p.status = "no_error";
+      p.trouble = "the run has no '" + measure(0).name + "' to compare";
+    }
+    p.accurate = study.accuracy ? p.error <= *study.accuracy : !std::isnan(p.error);
     for (const auto& [name, value] : r.summary.numbers)
       if (name.compare(0, 9, "accuracy.") == 0 && name.size() > 3 && name.compare(name.size() - 3, 3, ".ok") == 0)
         p.accurate = p.accurate && value > 0;

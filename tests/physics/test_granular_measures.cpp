@@ -116,12 +116,48 @@ name = "ridge"
 kind = "angle_of_repose"
 centre = [1, 2, 2]
 axis = "x"
+bins = 10
 )X");
   run.advance_to(0);
   CHECK(run.last("heap", "angle") == Approx(30.0).epsilon(1e-9));
   CHECK(run.last("heap", "reach") == Approx(1.0));
   CHECK(run.last("heap", "height") == Approx(1 - 0.05 * std::tan(3.14159265358979 / 6) + 0.01));
   CHECK(run.last("ridge", "angle") == Approx(30.0).epsilon(1e-9));  // the tops are those on the axis of x
+}
+
+TEST_CASE("what has rolled off a heap changes neither its slope nor its reach", "[physics][measures]") {
+  // a full cone: shells of spacing 0.05 about the axis, 33 balls a turn at the foot, strays on the ground far away
+  const auto heap = [](double degrees, int strays) {
+    const std::string slope = std::to_string(std::tan(degrees * 3.14159265358979 / 180));
+    auto run = start_text(measured_head(1e-5, 0.5, "1e-5") + R"X(
+[[body]]
+name = "cone"
+repeat = [20, 40]
+shape = "ball"
+material = "m"
+position = ["= 0.05*(i + 1)*cos(pi/20*j)", "= 0.05*(i + 1)*sin(pi/20*j)", "= (1.05 - 0.05*(i + 1))*)X" +
+                          slope + R"X("]
+[[body]]
+name = "stray"
+repeat = )X" + std::to_string(strays) +
+                          R"X(
+shape = "ball"
+material = "m"
+position = ["= 1.1 + 0.2*i", "= 0.3*i", 0]
+[[measure]]
+name = "heap"
+kind = "angle_of_repose"
+)X");
+    run.advance_to(0);
+    return std::pair(run.last("heap", "angle"), run.last("heap", "reach"));
+  };
+  for (const double degrees : {5.0, 12.0, 25.0, 40.0}) {
+    CHECK(heap(degrees, 1).first == Approx(degrees).epsilon(1e-5));
+    for (const int strays : {5, 10, 20}) {
+      CHECK(heap(degrees, strays).first == Approx(degrees).epsilon(1e-5));
+      CHECK(heap(degrees, strays).second == Approx(1.0));
+    }
+  }
 }
 
 TEST_CASE("Lacey's index is 0 for groups apart and 1 by chance", "[physics][measures]") {

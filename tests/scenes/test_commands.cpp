@@ -13,6 +13,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
 #include "viz_export/json_reader.h"
+#include "viz_export/side_file.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;
@@ -165,6 +166,22 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
     return read_json(fs::path(run) / "summary.json").text("state_hash");
   };
   CHECK(hash(o.out) == hash(whole.out));
+
+  const auto bytes = [&] {
+    std::string all;
+    for (const char* file : {"run.h5", "checkpoint.h5", "summary.json", "frames.pvd"})
+      all += read_whole_file(fs::path(o.out) / file);
+    return all;
+  };
+  const std::string before = bytes();
+  const Captured nothing = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
+  CHECK(nothing.code == exit_done);
+  CHECK_THAT(nothing.err, Catch::Contains("is complete: 100 steps, t = 0.1 s; nothing is changed"));
+  CHECK(bytes() == before);
+  RunOptions seven = rest;
+  seven.steps = 7;
+  CHECK(captured([&] { return guarded([&] { return command_resume(o.out, seven); }); }).code == exit_done);
+  CHECK(read_json(fs::path(o.out) / "summary.json").number("steps") == 107.0);
 
   CHECK(run_of(scene, whole).code == exit_usage);  // the folder is not empty
   whole.force = true, whole.time_limit = "never";

@@ -74,7 +74,7 @@ bool has_browser() {
   return found;
 }
 
-int program(const std::string& arguments) {
+int run_program(const std::string& arguments) {
   return std::system((std::string(EPAFI_BINARY_DIR) + "/bin/epafi " + arguments + " > /dev/null 2>&1").c_str());
 }
 
@@ -84,7 +84,7 @@ struct ShownRun {
   fs::path run = folder / "run", page = folder / "page.html";
   ShownRun() {
     std::ofstream(folder / "scene.toml") << scene_text;
-    REQUIRE(program("run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run.string()) == 0);
+    REQUIRE(run_program("run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run.string()) == 0);
   }
 };
 
@@ -149,7 +149,7 @@ void choose(support::Browser& b, const std::string& id, const std::string& value
 TEST_CASE("the mailed page draws what our rasteriser draws, and every control answers", "[scenes][view]") {
   if (!has_browser()) return;
   const ShownRun shown;
-  REQUIRE(program("view " + shown.run.string() + " --out " + shown.page.string()) == 0);
+  REQUIRE(run_program("view " + shown.run.string() + " --out " + shown.page.string()) == 0);
   const std::string html = support::read_text(shown.page);
   for (const char* outside : {"src=\"http", "href=\"http", "@import", "<link rel=\"stylesheet"})
     CHECK(html.find(outside) == html.npos);

@@ -51,8 +51,8 @@ inline SceneRun prepare(ReadResult read) {
   run.assembly = assemble(std::move(*read.scene));
   const Scene& scene = run.assembly->scene;
   for (const auto& spec : scene.measures) {
-    const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(spec.interval / run.simulation().time_step)));
-    auto recorder = std::make_unique<MeasureRecorder>(spec.name, run.assembly->measure(spec), nullptr, nullptr, every);
+    auto recorder = std::make_unique<MeasureRecorder>(spec.name, run.assembly->measure(spec), nullptr, nullptr,
+                                                      EverySteps::of_time(spec.interval, run.simulation().time_step));
     run.recorders.push_back(recorder.get());
     run.simulation().observers.push_back(std::move(recorder));
   }

@@ -39,7 +39,11 @@ TEST_CASE("exported frames and measures are those that the run wrote itself, byt
   std::filesystem::copy_file(folder / "run.h5", copy / "run.h5");
   CHECK(export_run(copy.path(), ExportFormat::vtk).snapshots == 3);
   CHECK(export_run(copy.path(), ExportFormat::csv).measures == 2);
-  for (const char* name : {"frames.pvd", "measures.csv", "frames/spheres_000002.vtp", "frames/walls_000000.vtp"})
+  const std::string list = read_whole_file(folder / "frames.pvd");
+  export_run(folder.path(), ExportFormat::vtk);  // contacts are those of the run: run.h5 holds none
+  CHECK(read_whole_file(folder / "frames.pvd") == list);
+  CHECK_FALSE(std::filesystem::exists(copy / "frames/contacts_000000.vtp"));
+  for (const char* name : {"measures.csv", "frames/spheres_000002.vtp", "frames/walls_000000.vtp"})
     CHECK(read_whole_file(copy / name) == read_whole_file(folder / name));
   const std::string rows = read_whole_file(copy / "snapshots.csv");
   CHECK(std::count(rows.begin(), rows.end(), '\n') == 1 + 3 * 5);

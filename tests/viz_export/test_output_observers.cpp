@@ -1,8 +1,10 @@
 #include "viz_export/output_observers.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "engine/random.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
@@ -35,8 +37,8 @@ struct Recording {
   RunFile run;
   MeasuresCsv csv;
   FrameWriter frames;
-  MeasureRecorder measure{"place", std::make_unique<Place>(), &csv, &run, 2};
-  StateRecorder state{&run, &frames, scene.shapes, 3};
+  MeasureRecorder measure{"place", std::make_unique<Place>(), &csv, &run, 2.0};
+  StateRecorder state{&run, &frames, scene.shapes, 3.0};
   PairList pairs;
   StepReport report;
   EnergyLedger ledger;
@@ -62,6 +64,21 @@ struct Recording {
 };
 
 }  // namespace
+
+TEST_CASE("what is due every so often is due in the steps nearest to the multiples of its interval", "[viz_export][output]") {
+  Random random(14, 0);
+  for (int k = 0; k < 50; ++k) {
+    const double every = k < 3 ? std::array{1.0, 0.2, 7.0}[static_cast<std::size_t>(k)] : random.uniform(1.0, 30.0);
+    const EverySteps due(every);
+    std::uint64_t count = 0;
+    for (std::uint64_t step = 0; step < 2000; ++step) {
+      if (!due.is_due(step)) continue;
+      CHECK(std::abs(static_cast<double>(step) - std::max(1.0, every) * static_cast<double>(count)) <= 0.5 + 1e-9);
+      ++count;
+    }
+    CHECK(std::abs(static_cast<double>(count) - 2000.0 / std::max(1.0, every)) <= 1.0);
+  }
+}
 
 TEST_CASE("a measure's summary has last, least and greatest value, passing over NaN", "[viz_export][observers]") {
   const TemporaryFolder folder;

@@ -66,6 +66,20 @@ TEST_CASE("the list of frames keeps its times exactly and drops those after a ch
   REQUIRE(again.entries().size() == 8);
   CHECK((again.entries()[7].time == 0.1 * 3 && again.entries()[7].part == 3 &&
          again.entries()[6].file == "frames/a3.vtp"));
+  PvdFile pieces(folder / "b.pvd");  // appended to in place: the same bytes as at once
+  for (int k = 0; k < 5; ++k) {
+    pieces.add(0.1 * k, 0, "frames/a" + std::to_string(k) + ".vtp"), pieces.add(0.1 * k, 3, "frames/w.vtp");
+    pieces.write();
+  }
+  const std::string whole = read_whole_file(folder / "a.pvd");
+  CHECK(read_whole_file(folder / "b.pvd") == whole);
+  const std::size_t tags = whole.find("</Collection>");
+  for (const std::size_t cut : {tags - 1, tags - 20, tags + 3}) {  // a crash while the last line is written
+    write_whole_file(folder / "c.pvd", {whole.substr(0, cut)});
+    PvdFile torn(folder / "c.pvd");
+    torn.keep_until(1e9);
+    CHECK(torn.entries().size() == (cut < tags - 1 ? 9 : 10));
+  }
   write_whole_file(folder / "a.pvd", {"<DataSet timestep=\"x\" part=\"0\" file=\"a\"/>\n"});
   CHECK_THROWS_AS(again.keep_until(1.0), FileError);
 }

@@ -24,6 +24,7 @@ const Field centre{"centre", "", "m", Kind::vec3, Value(Vec3(0, 0, 0)), {}, "top
 const Field cell{"cell", "", "m", Kind::number, {}, positive, "edge of the cubes that are compared"};
 const Field outlet{"outlet", "", "", Kind::text, {}, {}, "name of an outlet"};
 const Field bins{"bins", "", "", Kind::integer, 10.0, {1, 200}, "number of layers"};
+const Field rings{"bins", "", "", Kind::integer, {}, {1, 1000}, "number of rings or layers; else they are one mean diameter wide", true};
 const Field least{"least", "", "", Kind::integer, 4.0, {1, 100},
                   "contacts below which a body is a rattler: 4 without friction, 2 with it"};
 const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
@@ -60,7 +61,7 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<HysteresisMeasure>(std::move(s)); }},
       {{"force_chains", "chains of bodies of high stress, share of strong contacts", {}, {}, "Peters et al. 2005; Radjai et al. 1996"},
        [](MeasureSetup s) { return std::make_unique<ForceChains>(std::move(s)); }},
-      {{"angle_of_repose", "slope of a heap (degrees), its height and reach", {centre, axis, bins}, {}, ""},
+      {{"angle_of_repose", "slope of a heap (degrees), its height and reach", {centre, axis, rings}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<ReposeMeasure>(std::move(s)); }},
       {{"mixing", "Lacey's index of two groups", {between, cell}, {}, "Lacey 1954"},
        [](MeasureSetup s) { return std::make_unique<MixingMeasure>(std::move(s)); }},

@@ -1,5 +1,6 @@
 #include "viz_export/measures/flow_measures.h"
 
+#include <cmath>
 #include <utility>
 
 #include "engine/parallel.h"
@@ -10,13 +11,36 @@ MassFlow::MassFlow(MeasureSetup setup)
     : setup_(std::move(setup)), point_(setup_.parameters.vec3("plane.point")),
       normal_(setup_.parameters.vec3("plane.normal").normalized()), window_(setup_.parameters.number("window")) {}
 
-/// How many of the planes a body has before it: one, or in a cell that repeats across it one per cell of its path.
+/// How many of the planes a body has before it: that of the scene, and its images along the axes that the cell repeats.
+/// A lap along an axis in the direction of the normal passes one more, wherever the body is beside the axis.
 int MassFlow::level(const World& w, Slot s) const {
-  int axis = -1;
-  for (int k = 0; w.cell && k < 3; ++k)
-    if (w.cell->repeats[static_cast<std::size_t>(k)] && std::abs(normal_[k]) > 1 - 1e-12) axis = k;
-  if (axis < 0) return (w.position[s] - point_).dot(normal_) > 0 ? 1 : 0;
-  return static_cast<int>(std::floor((w.unwrapped(s) - point_).dot(normal_) / w.cell->size[axis]));
+  if (!w.cell) return (w.position[s] - point_).dot(normal_) > 0 ? 1 : 0;
+  constexpr double along_plane = 1e-12;  // of the normal: an axis within the plane passes no image
+  int laps = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (!w.cell->repeats[static_cast<std::size_t>(k)] || std::abs(normal_[k]) <= along_plane) continue;
+    const int lap = w.wraps[s][k] + static_cast<int>(w.cell->cells_to(w.position[s], k));
+    laps += normal_[k] > 0 ? lap : -lap;
+  }
+  return laps + ((w.cell->inside(w.position[s]) - point_).dot(normal_) > 0 ? 1 : 0);
+}
+
+/// The mass of a body for each plane that it has passed since it was last looked at [kg].
+double MassFlow::passed(const World& w, Slot s) {
+  const int now = level(w, s), before = std::exchange(level_[static_cast<std::size_t>(w.id[s])], now);
+  return before == unseen ? 0.0 : (now - before) / w.inverse_mass[s];
+}
+
+void MassFlow::bodies_come(const World& w, std::size_t first) {
+  level_.resize(w.ids_given(), unseen);
+  for (std::size_t s = first; s < w.size(); ++s)
+    if (w.is_movable(static_cast<Slot>(s))) mass_ += passed(w, static_cast<Slot>(s));
+}
+
+void MassFlow::bodies_leave(const World& w, std::span<const BodyId> bodies) {
+  level_.resize(w.ids_given(), unseen);
+  for (const BodyId body : bodies)
+    if (const Slot s = w.slot_of(body); s != no_slot && w.is_movable(s)) mass_ += passed(w, s);
 }
 
 void MassFlow::sample(const StepView& view, std::vector<double>& values) {
@@ -24,9 +48,7 @@ void MassFlow::sample(const StepView& view, std::vector<double>& values) {
   level_.resize(w.ids_given(), unseen);
   mass_ += block_sum<double>(level_.size(), [&](std::size_t id) {
     const Slot s = w.slot_of(static_cast<BodyId>(id));
-    if (s == no_slot || !w.is_movable(s)) return 0.0;
-    const int now = level(w, s), before = std::exchange(level_[id], now);
-    return before == unseen ? 0.0 : (now - before) / w.inverse_mass[s];
+    return s == no_slot || !w.is_movable(s) ? 0.0 : passed(w, s);
   });
   times_.push_back(w.time), masses_.push_back(mass_);
   std::size_t first = 0;  // the youngest sample at least a window old, or the oldest there is

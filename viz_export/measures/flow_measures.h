@@ -6,17 +6,21 @@
 
 namespace epafi {
 
-/// mass [kg] that went through the plane in the direction of its normal since the start (backwards counts negative; bodies
-/// removed behind it stay counted), rate [kg/s] over the last `window` seconds.
+/// mass [kg] that went through the plane in the direction of its normal since the start (backwards counts negative), rate
+/// [kg/s] over the last `window` seconds. Bodies that come in or are taken out between two samples are looked at then, so the
+/// mass does not depend on how often it is written.
 class MassFlow final : public Measure {
  public:
   explicit MassFlow(MeasureSetup setup);
   std::vector<std::string> components() const override { return {"rate", "mass"}; }
   void sample(const StepView& view, std::vector<double>& values) override;
+  void bodies_come(const World& world, std::size_t first) override;
+  void bodies_leave(const World& world, std::span<const BodyId> bodies) override;
   void visit(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
   int level(const World& world, Slot s) const;
+  double passed(const World& world, Slot s);
 
   MeasureSetup setup_;
   Vec3 point_, normal_;

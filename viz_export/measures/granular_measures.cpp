@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace epafi {
 
@@ -107,33 +108,66 @@ void ForceChains::sample(const StepView& view, std::vector<double>& values) {
 ReposeMeasure::ReposeMeasure(MeasureSetup setup)
     : centre_(setup.parameters.vec3("centre")),
       axis_(setup.parameters.text("axis")),
-      bins_(static_cast<int>(setup.parameters.integer("bins"))),
+      bins_(setup.parameters.has("bins") ? static_cast<int>(setup.parameters.integer("bins")) : 0),
       shapes_(setup.shapes) {}
 
-void ReposeMeasure::sample(const StepView& view, std::vector<double>& values) {
-  const World& w = view.world;
-  const auto distance = [&](const Vec3& x) {
-    const Vec3 d = x - centre_;
-    return axis_ == "z" ? std::hypot(d.x(), d.y()) : std::abs(axis_ == "x" ? d.x() : d.y());
-  };
-  double reach = 0, height = -infinity;
+double ReposeMeasure::distance(const Vec3& x) const {
+  const Vec3 d = x - centre_;
+  return axis_ == "z" ? std::hypot(d.x(), d.y()) : std::abs(axis_ == "x" ? d.x() : d.y());
+}
+
+/// Stray bodies lie farther out: the least distance within which the share of the mass lies.
+double ReposeMeasure::reach(const World& w) const {
+  constexpr double heap_share = 0.97;
+  std::vector<std::pair<double, double>> masses;  // distance, mass
+  double total = 0.0, within = 0.0;
   for (Slot s = 0; s < w.size(); ++s)
-    if (w.is_movable(s)) reach = std::max(reach, distance(w.position[s]));
-  std::vector<double> top(static_cast<std::size_t>(bins_), -infinity), at(top.size(), 0.0);
+    if (w.is_movable(s)) masses.emplace_back(distance(w.position[s]), 1.0 / w.inverse_mass[s]);
+  for (const auto& [d, mass] : masses) total += mass;
+  std::sort(masses.begin(), masses.end());
+  for (const auto& [d, mass] : masses) {
+    within += mass;
+    if (within >= (1.0 - 1e-9) * heap_share * total) return d;
+  }
+  return nan;
+}
+
+/// As `bins` says, else rings of one mean diameter.
+std::size_t ReposeMeasure::rings(const World& w, double reach) const {
+  if (bins_ > 0) return static_cast<std::size_t>(bins_);
+  double diameters = 0.0, bodies = 0.0;
+  for (Slot s = 0; s < w.size(); ++s)
+    if (w.is_movable(s)) bodies += 1.0, diameters += 2.0 * shapes_->bounding_radius({w.shape[s]});
+  constexpr double most = 1e5;
+  return static_cast<std::size_t>(std::clamp(std::ceil(reach * bodies / diameters), 1.0, most));
+}
+
+void ReposeMeasure::sample(const StepView& view, std::vector<double>& values) {
+  struct Top {
+    double at = 0, height = -infinity;
+  };
+  const World& w = view.world;
+  const double far = reach(w);
+  if (!(far > 0.0)) return void(values = {nan, nan, far});
+  std::vector<Top> tops(rings(w, far));  // the line goes through the tops themselves
+  double height = -infinity;
   for (Slot s = 0; s < w.size(); ++s) {
     if (!w.is_movable(s)) continue;
-    const double d = distance(w.position[s]), z = w.position[s].z() + shapes_->bounding_radius({w.shape[s]});
-    const auto k = std::min(top.size() - 1, static_cast<std::size_t>(d / reach * bins_));
+    const double d = distance(w.position[s]);
+    const double z = w.position[s].z() + shapes_->bounding_radius({w.shape[s]}) - centre_.z();
+    if (!(d <= far)) continue;
     height = std::max(height, z);
-    if (z > top[k]) top[k] = z, at[k] = d;  // the line goes through the tops themselves
+    const auto ring = static_cast<std::size_t>(d / far * static_cast<double>(tops.size()));
+    Top& top = tops[std::min(tops.size() - 1, ring)];
+    if (z > top.height) top = {d, z};
   }
   double n = 0, sx = 0, sz = 0, sxx = 0, sxz = 0;
-  for (std::size_t k = 0; k < top.size(); ++k) {
-    if (!(top[k] > -infinity) || at[k] < 0.2 * reach || at[k] > 0.8 * reach) continue;
-    n += 1, sx += at[k], sz += top[k], sxx += at[k] * at[k], sxz += at[k] * top[k];
+  for (const Top& top : tops) {
+    if (!(top.height >= 0.3 * height && top.height <= 0.9 * height)) continue;
+    n += 1, sx += top.at, sz += top.height, sxx += top.at * top.at, sxz += top.at * top.height;
   }
   const double slope = n >= 2 ? (n * sxz - sx * sz) / (n * sxx - sx * sx) : nan;
-  values = {std::atan(-slope) * 57.29577951308232, height - centre_.z(), reach};
+  values = {std::atan(-slope) * 57.29577951308232, height, far};
 }
 
 void MixingMeasure::sample(const StepView& view, std::vector<double>& values) {

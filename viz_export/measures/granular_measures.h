@@ -35,9 +35,11 @@ class ForceChains final : public Measure {
   const ShapeStore* shapes_;
 };
 
-/// Slope of a heap: of the largest height in each of `bins` equal rings about `centre` (axis = "z": a cone; "x", "y":
-/// layers on both sides of a ridge) a line is fitted between 0.2 and 0.8 of the reach. angle [degrees], height [m] of
-/// the highest top, reach [m]: the farthest touching-size body's centre, NaN without bodies. Gravity points down z.
+/// Slope of a heap. reach [m]: the distance from the axis within which 97 % of the mass lie; what lies farther out has
+/// rolled off. In each of `bins` equal rings about `centre` (axis = "z": a cone; "x", "y": layers on both sides of a
+/// ridge; without `bins` one mean diameter wide) the highest top is a point of the surface; a line is fitted to those
+/// between 0.3 and 0.9 of the greatest height (sketch in docs/granular.md). angle [degrees], height [m] of the highest
+/// top above `centre`; NaN without bodies. Gravity points down z.
 class ReposeMeasure final : public Measure {
  public:
   explicit ReposeMeasure(MeasureSetup setup);
@@ -45,9 +47,12 @@ class ReposeMeasure final : public Measure {
   void sample(const StepView& view, std::vector<double>& values) override;
 
  private:
+  double distance(const Vec3& x) const;
+  double reach(const World& world) const;
+  std::size_t rings(const World& world, double reach) const;
   Vec3 centre_;
   std::string axis_;
-  int bins_;
+  int bins_;  ///< 0: by the bodies
   const ShapeStore* shapes_;
 };
 

@@ -29,6 +29,9 @@ class Measure {
   virtual std::vector<std::string> components() const = 0;
   /// One value per component; NaN where the quantity does not exist at this moment.
   virtual void sample(const StepView& view, std::vector<double>& values) = 0;
+  /// As Observer::bodies_come and bodies_leave.
+  virtual void bodies_come(const World&, std::size_t /*first*/) {}
+  virtual void bodies_leave(const World&, std::span<const BodyId>) {}
   virtual bool wants_energy() const { return false; }
   /// What `sample` looks at of single contacts: the set may lack those of the loop over spheres, or their other columns.
   virtual ContactView wants_contacts() const { return ContactView::none; }

@@ -1,0 +1,152 @@
+// What a run wrote is read back whole: sizes, shapes, materials, groups, axes; and goes on with the energies it had.
+#include <filesystem>
+#include <fstream>
+
+#include "scenes/full_registry.h"
+#include "scenes/reader/scene_reader.h"
+#include "scenes/session.h"
+#include "tests/support/catch.h"
+#include "tests/viz_export/temporary_folder.h"
+#include "viz_export/export.h"
+#include "viz_export/side_file.h"
+#include "viz_export/stored_run.h"
+
+using namespace epafi;
+
+namespace {
+
+const std::string state_head = R"(run = { duration = 0.04, time_step = 1e-5, output_interval = 0.02 }
+world = { gravity = [0, 0, -9.81] }
+material.stone = { density = 2500.0, youngs_modulus = "1 MPa", poissons_ratio = 0.3 }
+material.wood = { density = 700.0, youngs_modulus = "1 MPa", poissons_ratio = 0.3 }
+contact = { method = "smooth", restitution = 0.1, friction = 0.0, smooth = { law = "linear", stiffness = 500.0 } }
+shape.clump = { clump = { spheres = [["-1.5 mm", 0, 0, "2 mm"], ["1.5 mm", "0.3 mm", 0, "2 mm"]] } }
+shape.hull = { polyhedron = { random = { vertices = 16, seed = 3 } }, scale_to_diameter = 0.005 }
+shape.ball = { sphere = { radius = 0.001 } }
+shape.brick = { box = { size = [0.002, 0.001, 0.0015] } }
+[[body]]
+name = "floor"
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "stone"
+fixed = true
+)";
+
+const std::string state_bodies = R"(
+[[fill]]
+name = "clumps"
+shape = "clump"
+material = "stone"
+size = { distribution = "table", values = [0.71, 1.0, 1.41], shares = [25, 50, 25], by = "mass" }
+count = 30
+region = { box = { min = [0, 0, 0], max = [0.05, 0.05, 0.03] } }
+[[fill]]
+name = "hulls"
+shape = "hull"
+material = "wood"
+size = { distribution = "uniform", min = 0.8, max = 1.1 }
+count = 30
+region = { box = { min = [0.05, 0, 0], max = [0.08, 0.03, 0.03] } }
+[[fill]]
+name = "balls"
+shape = "ball"
+material = "wood"
+size = { distribution = "uniform", min = 0.5, max = 1.0 }
+method = "pour"
+rate = 5000
+count = 40
+region = { box = { min = [0, 0.05, 0], max = [0.02, 0.07, 0.02] } }
+[[fill]]
+name = "more"
+shape = "brick"
+material = "stone"
+method = "pour"
+rate = 5000
+count = 40
+region = { box = { min = [0.02, 0.05, 0], max = [0.04, 0.07, 0.02] } }
+)";
+
+std::unique_ptr<Assembly> assembled(const std::string& text, const std::filesystem::path& folder) {
+  ReadResult read = read_scene_text(text, (folder / "scene.toml").string(), {}, full_registry());
+  for (const Problem& p : read.problems) UNSCOPED_INFO(p.to_string());
+  REQUIRE(read.scene);
+  return assemble(std::move(*read.scene));
+}
+
+}  // namespace
+
+TEST_CASE("a state that was exported goes on with the bodies and energies it had", "[scenes][export]") {
+  const TemporaryFolder folder;
+  Session run(assembled(state_head + state_bodies, folder.path()), {}, folder / "out");
+  REQUIRE(run.run({}, true) == Ending::completed);
+  export_run(folder / "out", ExportFormat::csv);
+  const std::string header = read_whole_file(folder / "out/bodies.csv").substr(0, 75);
+  CHECK_THAT(header, Catch::StartsWith("x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz,radius,shape,size,material,group\n"));
+  auto again = assembled(state_head + "[[bodies]]\nfile = \"out/bodies.csv\"\n", folder.path());
+  again->simulation->start();
+  const World &was = run.assembly().simulation->world, &is = again->simulation->world;
+  REQUIRE(is.size() == was.size());
+  CHECK(was.size() == 141);
+  for (std::uint32_t id = 0; id < was.ids_given(); ++id) {  // those of pours came late and have low ids
+    const Slot s = was.slot_of(static_cast<BodyId>(id)), t = is.slot_of(static_cast<BodyId>(id));
+    REQUIRE(is.position[t] == was.position[s]);
+    REQUIRE(is.material[t] == was.material[s]);
+    if (!was.is_movable(s)) continue;
+    REQUIRE(is.velocity[t] == was.velocity[s]);
+    REQUIRE(is.inverse_mass[t] == Approx(was.inverse_mass[s]).epsilon(1e-12));
+    REQUIRE((is.angular_velocity[t] - was.angular_velocity[s]).norm() <= 1e-9 * was.angular_velocity[s].norm());
+    const Aabb a = run.assembly().shapes->bounding_box(was, s), b = again->shapes->bounding_box(is, t);
+    REQUIRE((a.min - b.min).norm() + (a.max - b.max).norm() < 1e-15);
+  }
+  const Energy before = run.assembly().simulation->ledger.measure(was), after = again->simulation->ledger.measure(is);
+  CHECK(after.kinetic == Approx(before.kinetic).epsilon(1e-10));
+  CHECK(after.potential == Approx(before.potential).epsilon(1e-10));
+  CHECK(before.elastic > 0.0);
+  CHECK(after.elastic == Approx(before.elastic).epsilon(1e-6));
+  CHECK(again->scene.groups.size() == 5);
+  CHECK(again->scene.groups[4].name == "more");
+}
+
+TEST_CASE("every body that ever came has its row in run.h5, the axes are those of the scene", "[scenes][export]") {
+  const TemporaryFolder folder;
+  Session run(assembled(state_head + state_bodies, folder.path()), {}, folder / "out");
+  REQUIRE(run.run({std::nullopt, 500, std::nullopt}, true) == Ending::until);
+  auto more = Session::resume(assembled(state_head + state_bodies, folder.path()), {}, folder / "out");
+  REQUIRE(more->run({}, true) == Ending::completed);
+  const StoredRun stored(folder / "out/run.h5");
+  const World& w = more->assembly().simulation->world;
+  const StoredSnapshot last = stored.snapshot(stored.snapshots() - 1);
+  REQUIRE(last.bodies.size() == w.size());
+  for (const BodyRecord& b : last.bodies) {
+    const Slot s = w.slot_of(static_cast<BodyId>(b.id));
+    if (!w.is_movable(s)) continue;
+    CHECK(b.mass == Approx(1.0 / w.inverse_mass[s]).epsilon(1e-14));
+    CHECK(b.radius > 0.0);
+    CHECK(stored.words(b).group != "");
+    if (b.surface == nullptr) continue;
+    // corners in the axes of the file, turned as the file says, lie in the box of the body
+    const Aabb box = more->assembly().shapes->bounding_box(w, s);
+    Aabb drawn{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+    for (const Vec3& p : b.surface->points) {
+      const Vec3 x = b.pose.position + b.pose.orientation * p;
+      drawn.min = drawn.min.cwiseMin(x), drawn.max = drawn.max.cwiseMax(x);
+    }
+    const bool is_round = stored.words(b).shape == "clump";  // drawn with flat facets
+    CHECK((drawn.min - box.min).norm() + (drawn.max - box.max).norm() < (is_round ? 0.1 : 1e-12) * b.radius);
+  }
+}
+
+TEST_CASE("a hull without orientation is exported without one", "[scenes][export]") {
+  const TemporaryFolder folder;
+  const std::string text = state_head + "[[body]]\nname = \"b\"\nshape = \"hull\"\nmaterial = \"wood\"\nposition = [0, 0, 1]\n";
+  Session run(assembled(text, folder.path()), {}, folder / "out");
+  run.run({std::nullopt, 1, std::nullopt}, true);
+  export_run(folder / "out", ExportFormat::csv);
+  std::ifstream in(folder / "out/bodies.csv");
+  std::string header, row;
+  std::getline(in, header), std::getline(in, row);
+  CHECK_THAT(header, Catch::StartsWith("x,y,z,vx,vy,vz,qw,qx,qy,qz"));
+  std::vector<double> values;
+  for (std::size_t at = 0, k = 0; k < 10; ++k, at = row.find(',', at) + 1) values.push_back(std::stod(row.substr(at)));
+  CHECK(values[6] == Approx(1.0).epsilon(1e-15));
+  CHECK(std::abs(values[7]) + std::abs(values[8]) + std::abs(values[9]) < 1e-15);
+}
