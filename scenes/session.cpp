@@ -137,6 +137,14 @@ void Session::walk(StateVisitor& visitor) {
   files_->frames.visit(visitor);
 }
 
+namespace {
+const ContactModel& under_layers(const Simulation& sim) {
+  const ContactModel* model = sim.pipeline.contact_model.get();
+  while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
+  return *model;
+}
+}  // namespace
+
 void Session::add_observers() {
   const Scene& scene = assembly_->scene;
   Simulation& sim = *assembly_->simulation;
@@ -158,17 +166,10 @@ void Session::add_observers() {
     sim.observers.push_back(std::move(recorder));
   }
   if (output_ == Output::all)
-    sim.observers.push_back(
-        std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes, frame_every));
+    sim.observers.push_back(std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes,
+                                                            frame_every,
+                                                            [&sim] { return contact_residuals(under_layers(sim)); }));
 }
-
-namespace {
-const ContactModel& under_layers(const Simulation& sim) {
-  const ContactModel* model = sim.pipeline.contact_model.get();
-  while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
-  return *model;
-}
-}  // namespace
 
 std::string Session::advice() const {
   if (monitor_->not_converged() == 0) return {};
