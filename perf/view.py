@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the viewer costs: page size, time of a picture in a headless Chromium without a graphics processor, and in `epafi render`.
+"""What the viewer costs: page size and memory, time of a picture in a headless Chromium without a graphics processor, and in `epafi render`.
    /usr/bin/python3 perf/view.py [build/bin/epafi]     measures, writes perf/view.csv and the table of docs/performance/view.md
    /usr/bin/python3 perf/view.py --table               writes the table again from perf/view.csv
 Needs Chromium (SwiftShader draws) and nothing else. Times are of the clock: `load` in the file says what else ran."""
@@ -18,6 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 CSV, TABLE = ROOT / "perf/view.csv", ROOT / "docs/performance/view.md"
 HOPPER = ["scenes/library/hopper/hopper.toml", "--set", "params.open_at=0.3", "--set", "run.duration=0.6", "--set", "run.output_interval=0.006",
           "--set", "run.checkpoint_interval=1"]
+MANY = ["scenes/library/bed/bed.toml", "--set", "params.n=200000", "--set", "run.output_interval=0.002", "--until", "0.02"]
 COLUMNS = ["what", "value", "unit", "needed", "load"]
 
 
@@ -51,10 +52,13 @@ class Browser:
         self.profile.cleanup()
 
     def call(self, method, **parameters):
+        return self.send(method, parameters, self.session)
+
+    def send(self, method, parameters, session):
         self.last += 1
         message = {"id": self.last, "method": method, "params": parameters}
-        if self.session:
-            message["sessionId"] = self.session
+        if session:
+            message["sessionId"] = session
         left = json.dumps(message).encode() + b"\0"
         while left:
             left = left[os.write(self.to, left):]
@@ -97,6 +101,22 @@ class Browser:
         self.call("Page.navigate", url=address)
         self.wait_for("document.body && document.body.dataset.ready === 'true'")
 
+    def script_memory(self):
+        """Objects of the page's script after a collection, without the arrays they hold [bytes]."""
+        self.call("HeapProfiler.collectGarbage")
+        self.call("Performance.enable")
+        return {m["name"]: m["value"] for m in self.call("Performance.getMetrics")["metrics"]}["JSHeapUsedSize"]
+
+    def page_memory(self):
+        """What the processes hold that run and draw the page; shared pages count in parts [bytes]."""
+        total = 0
+        for process in self.send("SystemInfo.getProcessInfo", {}, None)["processInfo"]:
+            if process["type"] not in ("renderer", "GPU"):
+                continue
+            text = pathlib.Path(f"/proc/{process['id']}/smaps_rollup").read_text()
+            total += 1024 * sum(int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:"))
+        return total
+
     def picture(self, path):
         pathlib.Path(path).write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
 
@@ -122,6 +142,12 @@ PLAY = """(async () => {
     while (epafi.drawn === drawn) await new Promise(requestAnimationFrame);
   }
   return n / (performance.now() - start) * 1000;
+})()"""
+# Every frame of the run, shown once.
+ALL = """(async () => {
+  for (let k = 0; k < epafi.source.frames; ++k) await epafi.goTo(k);
+  epafi.dirty = true;
+  await new Promise(requestAnimationFrame);
 })()"""
 # Fields of 32 x 18 in which something else than the background is seen.
 FIELDS = """(() => {
@@ -176,16 +202,27 @@ def measure_render(table, epafi, run, folder):
     table.add("the same: one picture, with the program's start and its look at 101 frames", single, "s of one core")
 
 
+def measure_writing(table, epafi, run, page):
+    start = time.monotonic()
+    used = processor_time([epafi, "view", run, "-o", page])
+    table.add("hopper of 20 000, 101 frames: writing the page", used, "s of one core")
+    table.add("the same by the clock", time.monotonic() - start, "s")
+
+
 def measure_page(table, name, page, needed):
     with Browser(1280, 720) as browser:
         start = time.monotonic()
         browser.open(page.as_uri())
         table.add(f"{name}: page opens", time.monotonic() - start, "s")
+        opened = browser.page_memory() / 1e6
         table.add(f"{name}: fields of 576 with something in them", browser.value(FIELDS), "fields", "> 20")
         table.add(f"{name}: camera turns", browser.value(TURN), "pictures/s", needed)
         if browser.value("epafi.source.frames") > 1:
             table.add(f"{name}: time goes on", browser.value(PLAY), "frames/s", needed)
-        table.add(f"{name}: memory of the script", browser.value("performance.memory.usedJSHeapSize") / 1e6, "MB")
+        table.add(f"{name}: memory of the page, opened", opened, "MB")
+        browser.value(ALL)
+        table.add(f"{name}: memory of the page after all frames", browser.page_memory() / 1e6, "MB")
+        table.add(f"{name}: of it objects of the script", browser.script_memory() / 1e6, "MB")
         table.add(f"{name}: complaints of the browser", len(browser.complaints), "", "0")
 
 
@@ -198,11 +235,13 @@ def main():
         folder = pathlib.Path(name)
         run, page, many = folder / "hopper", folder / "hopper.html", folder / "many.html"
         subprocess.run([epafi, "run", *HOPPER, "-q", "-o", run], check=True, cwd=ROOT)
-        subprocess.run([epafi, "view", run, "-o", page], check=True, cwd=ROOT)
+        measure_writing(table, epafi, run, page)
         table.add("hopper of 20 000, 101 frames: page", page.stat().st_size / 1e6, "MB", "< 30")
         measure_page(table, "hopper of 20 000", page, ">= 5")
-        subprocess.run([epafi, "view", "scenes/library/bed/bed.toml", "--set", "params.n=200000", "-o", many], check=True, cwd=ROOT)
-        table.add("200 000 spheres, one frame: page", many.stat().st_size / 1e6, "MB")
+        bed = folder / "bed"
+        subprocess.run([epafi, "run", *MANY, "-q", "-o", bed], check=True, cwd=ROOT)
+        subprocess.run([epafi, "view", bed, "-o", many], check=True, cwd=ROOT)
+        table.add("200 000 spheres, 11 frames: page", many.stat().st_size / 1e6, "MB", "< 30")
         measure_page(table, "200 000 spheres", many, "")
         measure_render(table, epafi, run, folder)
     table.write()

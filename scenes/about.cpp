@@ -19,6 +19,7 @@ RunAbout about_of(const Assembly& assembly) {
     if (s.to) spring.to = static_cast<std::uint32_t>(*s.to);
     out.springs.push_back(std::move(spring));
   }
+  out.gravity = assembly.simulation->world.gravity;
   out.view = scene.view;
   return out;
 }

@@ -154,6 +154,11 @@ bool ends_between_steps(double duration, double interval, double dt) {
   return std::abs(intervals - std::round(intervals)) < 1e-9 * intervals && std::abs(steps - std::round(steps)) > 1e-6;
 }
 
+const ContactModel& under_layers(const Simulation& sim) {
+  const ContactModel* model = sim.pipeline.contact_model.get();
+  while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
+  return *model;
+}
 }  // namespace
 
 void Session::add_observers() {
@@ -178,20 +183,13 @@ void Session::add_observers() {
   if (output_ != Output::all) return;
   const double interval = scene.run.output_interval.value;
   auto frames = std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes,
-                                                EverySteps::of_time(interval, dt));
+                                                EverySteps::of_time(interval, dt),
+                                                [&sim] { return contact_residuals(under_layers(sim)); });
   if (ends_between_steps(scene.run.duration.value, interval, dt))
     sim.observers.push_back(std::make_unique<FramesToTheEnd>(std::move(frames), assembly_->steps));
   else
     sim.observers.push_back(std::move(frames));
 }
-
-namespace {
-const ContactModel& under_layers(const Simulation& sim) {
-  const ContactModel* model = sim.pipeline.contact_model.get();
-  while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
-  return *model;
-}
-}  // namespace
 
 std::string Session::advice() const {
   if (monitor_->not_converged() == 0) return {};

@@ -13,7 +13,8 @@ std::vector<std::uint32_t> ContactList::acting(const ContactSet& contacts, std::
   return places;
 }
 
-ContactList::ContactList(const World& world, const ContactPieces& contacts) : world_(&world), contacts_(contacts) {
+ContactList::ContactList(const World& world, const ContactPieces& contacts, std::span<const float> residual)
+    : world_(&world), contacts_(contacts), residual_(residual) {
   std::vector<std::size_t> rows(contacts.size());
   parallel_for(
       rows.size(),

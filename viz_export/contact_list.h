@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/contact_pieces.h"
@@ -15,8 +16,10 @@ class ContactRows {
  public:
   ContactRows() = default;
   /// `acting`: places among the contacts.
-  ContactRows(const World& world, const ContactSet& contacts, std::size_t first, std::vector<std::uint32_t> acting)
-      : world_(&world), contacts_(&contacts), first_(first), acting_(std::move(acting)) {}
+  /// residual: of each contact of the set, or empty.
+  ContactRows(const World& world, const ContactSet& contacts, std::size_t first, std::vector<std::uint32_t> acting,
+              std::span<const float> residual = {})
+      : world_(&world), contacts_(&contacts), first_(first), acting_(std::move(acting)), residual_(residual) {}
   std::size_t begin() const { return first_; }
   std::size_t end() const { return first_ + acting_.size(); }
 
@@ -29,6 +32,9 @@ class ContactRows {
   /// > 0 pushes the bodies apart [N].
   double normal_force(std::size_t row) const { return -force(row).dot(contacts_->normal[at(row)]); }
   double overlap(std::size_t row) const { return std::max(0.0, -contacts_->gap[at(row)]); }  ///< [m], >= 0
+  bool has_residual() const { return !residual_.empty(); }
+  /// What this contact adds to the square of the solver's residual is the square of this.
+  float residual(std::size_t row) const { return residual_[at(row)]; }
 
  private:
   std::size_t at(std::size_t row) const { return acting_[row - first_]; }
@@ -36,6 +42,7 @@ class ContactRows {
   const ContactSet* contacts_ = nullptr;
   std::size_t first_ = 0;
   std::vector<std::uint32_t> acting_;
+  std::span<const float> residual_;
 };
 
 /// All of them, a piece at a time: whole columns of what a contact model finds itself took 350 bytes a sphere of a bed.
@@ -43,7 +50,8 @@ class ContactRows {
 class ContactList {
  public:
   ContactList() = default;
-  ContactList(const World& world, const ContactPieces& contacts);
+  /// residual: of each contact that the model has not found itself, of which there are then none; or empty.
+  ContactList(const World& world, const ContactPieces& contacts, std::span<const float> residual = {});
   std::size_t size() const { return begins_.back(); }
   /// The row at which each piece begins, and one behind the last: a piece at least, which may be empty.
   const std::vector<std::size_t>& begins() const { return begins_; }
@@ -52,7 +60,8 @@ class ContactList {
   void read(std::size_t piece, const F& f) const {
     if (size() == 0) return f(ContactRows{});
     contacts_->read(pieces_[piece], [&](const ContactSet& c, std::size_t begin, std::size_t end) {
-      f(ContactRows(*world_, c, begins_[piece], acting(c, begin, end, contacts_->is_own(pieces_[piece]))));
+      f(ContactRows(*world_, c, begins_[piece], acting(c, begin, end, contacts_->is_own(pieces_[piece])),
+                    residual_.size() == c.size() ? residual_ : std::span<const float>{}));
     });
   }
 
@@ -61,6 +70,7 @@ class ContactList {
   static std::vector<std::uint32_t> acting(const ContactSet& contacts, std::size_t begin, std::size_t end, bool own);
   const World* world_ = nullptr;
   std::optional<ContactPieces> contacts_;
+  std::span<const float> residual_;
   std::vector<std::size_t> pieces_;  ///< that have rows
   std::vector<std::size_t> begins_{0, 0};
 };

@@ -114,6 +114,8 @@ PolyData draw_contacts(const ContactRows& c, double time) {
   d.cell_data.push_back(rows.scalar<std::uint32_t>("id_a", [&](std::size_t k) { return c.id_a(k); }));
   d.cell_data.push_back(rows.scalar<std::uint32_t>("id_b", [&](std::size_t k) { return c.id_b(k); }));
   d.cell_data.push_back({"force", 3, rows.vectors([&](std::size_t k) { return c.force(k); })});
+  if (c.has_residual())
+    d.cell_data.push_back(rows.scalar<float>("residual", [&](std::size_t k) { return c.residual(k); }));
   rows.fill();
   return d;
 }

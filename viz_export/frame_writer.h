@@ -19,7 +19,7 @@ namespace epafi {
 PolyData draw_spheres(const BodyList& bodies, double time, FrameRows rows);
 /// Polygons in world axes, with id, material, speed, kinetic_energy and velocity on every polygon.
 PolyData draw_surfaces(const BodyList& bodies, double time);
-/// Lines with force, force_magnitude, normal_force, overlap, id_a, id_b.
+/// Lines with force, force_magnitude, normal_force, overlap, id_a, id_b and, of non-smooth contact, residual.
 PolyData draw_contacts(const ContactRows& contacts, double time);
 
 class FrameWriter {

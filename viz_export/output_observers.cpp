@@ -14,10 +14,9 @@ void StateRecorder::observe(const StepView& view) {
     if (run_ == nullptr) return;
     run_->add_snapshot({view.step, world.time, state_hash(world), world.rotates(), world.has_orientation()}, bodies);
   };
-  if (frames_ != nullptr)
-    frames_->write(world.time, bodies, ContactList(world, view.pieces()), snapshot);
-  else
-    snapshot();
+  if (frames_ == nullptr) return snapshot();
+  const std::vector<float> residuals = residuals_ ? residuals_() : std::vector<float>();
+  frames_->write(world.time, bodies, ContactList(world, view.pieces(), residuals), snapshot);
 }
 
 MeasureRecorder::MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,

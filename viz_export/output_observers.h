@@ -1,5 +1,6 @@
 /// @file output_observers.h  The observers that write files: snapshots, frames, measures.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,8 +17,10 @@ namespace epafi {
 /// Snapshots into run.h5 and frames for ParaView, as `due` says and at the end. Either may be null.
 class StateRecorder final : public Observer {
  public:
-  StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, EverySteps due)
-      : run_(run), frames_(frames), surfaces_(shapes), due_(due) {}
+  /// residuals(): of the contacts of the last step, or none.
+  StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, EverySteps due,
+                std::function<std::vector<float>()> residuals = {})
+      : run_(run), frames_(frames), surfaces_(shapes), due_(due), residuals_(std::move(residuals)) {}
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
     return frames_ != nullptr && (last || is_due(step)) ? ContactView::pieces : ContactView::none;
@@ -29,6 +32,7 @@ class StateRecorder final : public Observer {
   FrameWriter* frames_;
   SurfaceCache surfaces_;
   EverySteps due_;
+  std::function<std::vector<float>()> residuals_;
 };
 
 /// Samples one measure into measures.csv, run.h5 and the summary. Either file may be null.

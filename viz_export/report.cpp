@@ -66,11 +66,6 @@ void head(Page& p) {
   p.html += "</div>";
   if (const std::string failure = p.summary.text("failure"); !failure.empty())
     p.html += "<p class='no'>" + escaped(failure) + "</p>";
-  for (std::size_t k = 0;; ++k) {
-    const std::string warning = p.summary.text(fmt::format("warnings.{}", k));
-    if (warning.empty()) break;
-    p.html += "<p class='no'>Warning: " + escaped(warning) + "</p>";
-  }
 }
 
 void warnings(Page& p) {

@@ -8,10 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/error.h"
 #include "viz_export/html_text.h"
 #include "viz_export/json_reader.h"
 #include "viz_export/report_style.h"
 #include "viz_export/side_file.h"
+#include "viz_export/view/render_run.h"
 
 namespace epafi {
 namespace {
@@ -19,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_rows = 500;  // of a table; the CSV has them all
+constexpr std::size_t open_rows = 60;   // longer tables are folded up
+constexpr std::size_t most_pictures = 12;
 
 std::vector<fs::path> files_with(const fs::path& folder, const std::string& ending) {
   std::vector<fs::path> out;
@@ -60,7 +64,7 @@ std::string row_of(const std::vector<std::string>& cells, const char* tag) {
 
 std::string table_of(const fs::path& path) {
   std::istringstream in(read_whole_file(path));
-  std::string html = "<h2>" + html_escaped(path.filename().string()) + "</h2><div style='overflow-x:auto'><table>";
+  std::string html = "<div style='overflow-x:auto'><table>";
   std::size_t rows = 0;
   for (std::string line; std::getline(in, line); ++rows) {
     if (line.empty() || line.front() == '#') continue;
@@ -68,7 +72,8 @@ std::string table_of(const fs::path& path) {
   }
   html += "</table></div>";
   if (rows > most_rows) html += fmt::format("<p class='sub'>{} of {} rows</p>", most_rows, rows - 1);
-  return html;
+  if (rows > open_rows) html = fmt::format("<details><summary>{} rows</summary>{}</details>", rows - 1, html);
+  return "<h2>" + html_escaped(path.filename().string()) + "</h2>" + html;
 }
 
 /// What differs between cases comes first: a column for each number that all have.
@@ -104,6 +109,27 @@ std::string table_of(const std::vector<fs::path>& cases) {
   return html + "</table></div>";
 }
 
+/// How each case ended, of a few; those without a state that can be read have none.
+std::string pictures_of(const std::vector<fs::path>& cases) {
+  std::string html;
+  for (std::size_t k = 0; k < std::min(cases.size(), most_pictures); ++k) {
+    try {
+      const auto source = open_run(cases[k]);
+      if (source->times().empty()) continue;
+      RenderOptions options;
+      options.width = 480;
+      options.height = 320;
+      RunPainter painter(*source, look_over(*source), options);
+      html += "<figure><img alt='bodies' src='data:image/png;base64," +
+              base64(png_of(painter.paint(source->times().size() - 1))) + "'/><figcaption>" +
+              html_escaped(cases[k].filename().string()) + "</figcaption></figure>";
+    } catch (const FileError&) {
+      continue;
+    }
+  }
+  return html.empty() ? html : "<h2>How the cases ended</h2><div class='grid three'>" + html + "</div>";
+}
+
 }  // namespace
 
 bool has_tables(const fs::path& folder) {
@@ -115,9 +141,10 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   std::string html = "<h1>" + html_escaped(title) + "</h1>";
   for (const fs::path& picture : files_with(folder, ".svg"))
     html += "<figure><img alt='" + html_escaped(picture.stem().string()) + "' src='data:image/svg+xml;base64," +
-            base64(read_whole_file(picture)) + "'/></figure>";
+            base64(read_whole_file(picture)) + "'/><figcaption>" + html_escaped(picture.stem().string()) +
+            "</figcaption></figure>";
   const std::vector<fs::path> cases = cases_in(folder);
-  if (!cases.empty()) html += table_of(cases);
+  if (!cases.empty()) html += table_of(cases) + pictures_of(cases);
   for (const fs::path& table : files_with(folder, ".csv")) html += table_of(table);
   const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "

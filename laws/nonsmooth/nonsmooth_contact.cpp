@@ -5,6 +5,7 @@
 
 #include "engine/error.h"
 #include "engine/parallel_order.h"
+#include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/displacement.h"
 #include "laws/nonsmooth/driven_motion.h"
 #include "laws/nonsmooth/impact.h"
@@ -54,6 +55,7 @@ class NonsmoothContact final : public ContactModel {
   }
   const ContactProblem& problem() const { return problem_; }
   const Impacts& impacts() const { return impacts_; }
+  std::vector<float> residuals() const;
   std::string advice() const;
 
  private:
@@ -85,6 +87,7 @@ class NonsmoothContact final : public ContactModel {
   double rho_ = 1.0;  ///< scale of the residual [kg]
   FreeMotion free_motion_;
   Impulses r_, start_, calmed_;
+  bool with_impacts_ = false;  ///< r_ holds those of located impacts too, which are no part of the problem
   double start_residual_ = infinity;
   bool solved_ = true;  ///< the start was not good enough
   std::vector<Vec3> u_start_, u_, u_before_, u_after_, u_next_;
@@ -296,6 +299,16 @@ void NonsmoothContact::account(const World& world, ContactSet& contacts, double 
   report.touching = static_cast<std::size_t>(sums.c);
 }
 
+std::vector<float> NonsmoothContact::residuals() const {
+  std::vector<float> out(problem_.size());
+  parallel_for(out.size(), [&](std::size_t i) {
+    if (problem_.mobility[i] <= 0.0) return;
+    const Vec3 r = with_impacts_ ? Vec3(r_[i] - impacts_.impulses()[i]) : r_[i];
+    out[i] = static_cast<float>(natural_map(r, u_[i], problem_.friction[i], rho_).norm() / (rho_ * free_motion_.norm));
+  });
+  return out;
+}
+
 /// Of the step's impulses; the velocities have those of the impacts already.
 void NonsmoothContact::add_impacts() {
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
@@ -381,7 +394,8 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   // impacts do not recur: r_ without them
   if (warm_start_) driven_.remember(world);
   if (warm_start_) memory_.remember(world, contacts, problem_, calmest(creep * threshold), next_gap_, u_after_);
-  if (located || single) add_impacts();
+  with_impacts_ = located || single;
+  if (with_impacts_) add_impacts();
   account(world, contacts, clock.dt, report);
   write_back(world, clock.pushes);
   // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
@@ -400,6 +414,11 @@ const ContactProblem* last_problem(const ContactModel& model) {
 std::string solver_advice(const ContactModel& model) {
   const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
   return contact != nullptr ? contact->advice() : std::string();
+}
+
+std::vector<float> contact_residuals(const ContactModel& model) {
+  const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);
+  return contact != nullptr ? contact->residuals() : std::vector<float>();
 }
 
 std::uint64_t impact_count(const ContactModel& model) {

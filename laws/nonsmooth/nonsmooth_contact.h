@@ -33,6 +33,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/pipeline.h"
 #include "laws/material.h"
@@ -60,6 +61,9 @@ const ContactProblem* last_problem(const ContactModel& model);
 /// For the end of a run in which steps were left above the tolerance: which solver would do. Empty where none was left, or
 /// where the problem was too large to keep.
 std::string solver_advice(const ContactModel& model);
+/// Of each contact of the last step what it has of the residual: the squares add up to that of the whole. Empty for other
+/// models.
+std::vector<float> contact_residuals(const ContactModel& model);
 /// Impacts so far under the law `poisson` or `sequential` (impact.h); 0 for other laws and models.
 std::uint64_t impact_count(const ContactModel& model);
 

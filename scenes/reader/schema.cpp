@@ -307,7 +307,7 @@ TableSchema view_table() {
       "camera", "where it is seen from: one of these words, or a place",
       {required("from", "", "m", Kind::vec3, {}, "the eye"),
        optional("to", "", "m", Kind::vec3, {}, "what it looks at; the middle where not written"),
-       with_default(required("up", "", "", Kind::vec3, {}, "upwards in the picture"), Value(Vec3(0, 0, 1))),
+       optional("up", "", "", Kind::vec3, {}, "upwards in the picture; against gravity where not written"),
        with_default(required("angle_deg", "", "deg", Kind::number, {1, 170}, "height of the picture"), Value(30.0))});
   for (const auto& [name, direction] : camera_presets()) camera.choices.push_back(name);
   Field field = word("field", "what colours the bodies", view_field_names());

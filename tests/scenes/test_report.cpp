@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
@@ -76,6 +77,27 @@ TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary"
   const double last = std::stod(text.substr(text.rfind("kinetic energy ") + 15));
   const double expected = std::stod(summary.substr(summary.find("\"kinetic\": ") + 11));
   CHECK(last == Approx(expected).epsilon(1e-5));  // six digits are printed
+}
+
+TEST_CASE("a folder of cases and tables shows how each case ended and folds long tables", "[scenes][report]") {
+  const ReportedRun run;
+  const fs::path folder = fs::temp_directory_path() / ("epafi-cases-" + std::to_string(::getpid()));
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  for (const char* name : {"first", "second"}) fs::copy(run.folder, folder / name, fs::copy_options::recursive);
+  std::ofstream(folder / "short.csv") << "a,b\n1,<2>\n";
+  std::ofstream longer(folder / "long.csv");
+  longer << "a\n";
+  for (int k = 0; k < 100; ++k) longer << k << "\n";
+  longer.close();
+  REQUIRE(shell(std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2>/dev/null") == 0);
+  const std::string page = epafi::support::read_text(folder / "report.html");
+  CHECK(count(page, "src='data:image/png;base64,") == 2);
+  CHECK(count(page, "<figcaption>first</figcaption>") == 1);
+  CHECK(count(page, "<td>&lt;2&gt;</td>") == 1);
+  CHECK(count(page, "<summary>100 rows</summary>") == 1);
+  CHECK(count(page, "<details>") == 1);
+  fs::remove_all(folder);
 }
 
 TEST_CASE("a folder without a run has no report, and the message says why", "[scenes][report]") {

@@ -90,6 +90,26 @@ class Browser {
       call("Input.dispatchMouseEvent", "{\"type\":\"" + std::string(kind) + "\",\"x\":" + json_number(x) +
                                            ",\"y\":" + json_number(y) + ",\"button\":\"left\",\"clickCount\":1}");
   }
+  /// The left button goes down at one place, is held over a few others and comes up at the last.
+  void drag(double x0, double y0, double x1, double y1) {
+    mouse("mousePressed", x0, y0);
+    for (int k = 1; k <= 4; ++k) mouse("mouseMoved", x0 + 0.25 * k * (x1 - x0), y0 + 0.25 * k * (y1 - y0));
+    mouse("mouseReleased", x1, y1);
+  }
+  /// Fingers at these places: "touchStart", "touchMove", or "touchEnd" with none.
+  void touch(const std::string& kind, const std::vector<std::pair<double, double>>& fingers) {
+    std::string points;
+    for (std::size_t k = 0; k < fingers.size(); ++k)
+      points += (k > 0 ? "," : "") + ("{\"x\":" + json_number(fingers[k].first)) + ",\"y\":" +
+                json_number(fingers[k].second) + ",\"id\":" + std::to_string(k) + "}";
+    call("Input.dispatchTouchEvent", "{\"type\":" + json_text(kind) + ",\"touchPoints\":[" + points + "]}");
+  }
+  /// Fingers in place of a mouse, from the next page on.
+  void take_touch() { call("Emulation.setTouchEmulationEnabled", "{\"enabled\":true,\"maxTouchPoints\":2}"); }
+  void prefer(const std::string& scheme) {
+    call("Emulation.setEmulatedMedia",
+         "{\"features\":[{\"name\":\"prefers-color-scheme\",\"value\":" + json_text(scheme) + "}]}");
+  }
   void press(const std::string& key) {
     for (const char* kind : {"keyDown", "keyUp"})
       call("Input.dispatchKeyEvent", "{\"type\":\"" + std::string(kind) + "\",\"key\":" + json_text(key) + "}");
@@ -112,6 +132,11 @@ class Browser {
             "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--force-device-scale-factor=1",
             profile.c_str(), size.c_str(), static_cast<char*>(nullptr));
     ::_exit(127);
+  }
+
+  void mouse(const char* kind, double x, double y) {
+    call("Input.dispatchMouseEvent", "{\"type\":\"" + std::string(kind) + "\",\"x\":" + json_number(x) + ",\"y\":" +
+                                         json_number(y) + ",\"button\":\"left\",\"buttons\":1,\"clickCount\":1}");
   }
 
   FlatJson call(const std::string& method, const std::string& parameters) {

@@ -170,6 +170,7 @@ TEST_CASE("names, springs and camera of a run come back from their text", "[viz_
   about.materials = {"glass", "two words"};
   about.groups = {{"stack", 3, 10}, {"", 13, 1}};
   about.springs = {{"leaf spring", 4, {}, Vec3(0.1, -0.2, 0.3)}, {"s", 1, 2u, Vec3::Zero()}};
+  about.gravity = Vec3(0, 1.5, -9.81);
   about.view.from = Vec3(1, 2, 3);
   about.view.field = "force";
   about.view.range = {{-1, 1e-3}};
@@ -182,7 +183,9 @@ TEST_CASE("names, springs and camera of a run come back from their text", "[viz_
   CHECK(back.springs[0].name == "leaf spring");
   CHECK(!back.springs[0].to);
   CHECK(back.springs[1].to == 2u);
+  CHECK(back.gravity == about.gravity);
   CHECK(back.view.from == about.view.from);
+  CHECK(upwards(back).z() > 0.98);  // against gravity: the text names no other
   CHECK(back.view.range == about.view.range);
   CHECK(back.view.field == "force");
 }

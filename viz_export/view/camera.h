@@ -1,5 +1,5 @@
 /// @file camera.h  Where a run is seen from: the page and `epafi render` place the same camera by the same formulas
-/// (page/camera.js).
+/// (page/camera.js). Up is against gravity.
 #pragma once
 #include <string>
 #include <utility>
@@ -31,14 +31,21 @@ struct Camera {
   double angle = 30.0;  ///< of the picture's height, in degrees
 };
 
-/// Names and the direction from the target to the eye.
+/// Names and the direction from the target to the eye, as if up were z.
 [[nodiscard]] const std::vector<std::pair<std::string, Vec3>>& camera_presets();
 
-/// The camera that sees the whole box from `direction` (any length) in a picture of this width over height.
-[[nodiscard]] Camera fitted_camera(const ViewBox& box, const Vec3& direction, double aspect, double angle = 30.0);
+/// What is up in pictures of a run, unit: what its scene says, else against gravity, else z.
+[[nodiscard]] Vec3 upwards(const RunAbout& about);
+
+/// Turns z to `up` (unit) by the shortest way, by half a turn about x where they are opposite.
+[[nodiscard]] Quat upright(const Vec3& up);
+
+/// The camera that sees the whole box from `direction` (any length, as if up were z) in a picture of this width over
+/// height.
+[[nodiscard]] Camera fitted_camera(const ViewBox& box, const Vec3& direction, const Vec3& up, double aspect,
+                                   double angle = 30.0);
 
 /// name: a preset, "scene", or "" for the scene's choice and else the first preset. Throws FileError for another name.
-[[nodiscard]] Camera choose_camera(const std::string& name, const ViewSettings& settings, const ViewBox& box,
-                                   double aspect);
+[[nodiscard]] Camera choose_camera(const std::string& name, const RunAbout& about, const ViewBox& box, double aspect);
 
 }  // namespace epafi

@@ -23,6 +23,8 @@ class VtpArrays {
 
   std::size_t lines() const { return number_behind(head_.find("<Piece "), "NumberOfLines=\""); }
 
+  bool has(const std::string& name) const { return head_.find("Name=\"" + name + "\"") != head_.npos; }
+
   /// Exactly `count` values.
   template <class T>
   std::vector<T> read(const std::string& name, std::size_t count) const {
@@ -62,7 +64,7 @@ Eigen::Vector3f third(const std::vector<float>& values, std::size_t k) {
 
 }  // namespace
 
-std::vector<StoredContact> read_contacts(const std::filesystem::path& path) {
+ContactFile read_contacts(const std::filesystem::path& path) {
   const VtpArrays file(path);
   const std::size_t n = file.lines();
   if (n == 0) return {};
@@ -72,9 +74,11 @@ std::vector<StoredContact> read_contacts(const std::filesystem::path& path) {
   const auto overlap = file.read<float>("overlap", n);
   const auto a = file.read<std::uint32_t>("id_a", n);
   const auto b = file.read<std::uint32_t>("id_b", n);
-  std::vector<StoredContact> out(n);
+  ContactFile out{std::vector<StoredContact>(n), file.has("residual")};
+  const std::vector<float> residual = out.has_residual ? file.read<float>("residual", n) : std::vector<float>(n);
   for (std::size_t k = 0; k < n; ++k)
-    out[k] = {a[k], b[k], third(points, 2 * k), third(points, 2 * k + 1), third(force, k), normal[k], overlap[k]};
+    out.contacts[k] = {a[k],      b[k],       third(points, 2 * k), third(points, 2 * k + 1), third(force, k),
+                       normal[k], overlap[k], residual[k]};
   return out;
 }
 

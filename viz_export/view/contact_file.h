@@ -14,9 +14,16 @@ struct StoredContact {
   Eigen::Vector3f from, to;             ///< centres; the contact point in place of a wall's centre [m]
   Eigen::Vector3f force;                ///< on A [N]
   float normal_force = 0, overlap = 0;  ///< [N], [m]
+  float residual = 0;                   ///< its part of the solver's; 0 where the run has none
+};
+
+/// Of a frame.
+struct ContactFile {
+  std::vector<StoredContact> contacts;
+  bool has_residual = false;
 };
 
 /// Throws FileError where the file is not one of ours, or is cut.
-[[nodiscard]] std::vector<StoredContact> read_contacts(const std::filesystem::path& path);
+[[nodiscard]] ContactFile read_contacts(const std::filesystem::path& path);
 
 }  // namespace epafi

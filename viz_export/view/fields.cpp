@@ -5,6 +5,8 @@
 #include <map>
 #include <numbers>
 
+#include "viz_export/view/camera.h"
+
 namespace epafi {
 namespace {
 
@@ -27,45 +29,50 @@ double volume_of(const BodyRecord& b) {
   return std::abs(six_volumes) / 6.0;
 }
 
-/// Sums over the contacts of each body of the frame.
-struct ContactSums {
-  std::vector<float> count, force, pressure;
+/// The row of each id; `rows.size()` and above: not there.
+class RowsByID {
+ public:
+  explicit RowsByID(const ViewFrame& frame) : none_(static_cast<std::uint32_t>(frame.bodies.size())) {
+    rows_.resize(frame.bodies.empty() ? 0 : std::size_t{frame.bodies.back().id} + 1, none_);
+    for (std::uint32_t k = 0; k < none_; ++k) rows_[frame.bodies[k].id] = k;
+  }
+  std::size_t operator()(std::uint32_t id) const { return id < rows_.size() ? rows_[id] : none_; }
+
+ private:
+  std::uint32_t none_;
+  std::vector<std::uint32_t> rows_;
 };
 
-/// pressure: sum over contacts of half the branch times the normal force, over three volumes (Love 1927, isotropic
-/// part).
-ContactSums contact_sums(const ViewFrame& frame) {
-  const std::size_t n = frame.bodies.size();
-  ContactSums out{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};
-  const auto row_of = [&](std::uint32_t id) {
-    const auto at = std::lower_bound(frame.bodies.begin(), frame.bodies.end(), id,
-                                     [](const BodyRecord& b, std::uint32_t wanted) { return b.id < wanted; });
-    return at != frame.bodies.end() && at->id == id ? static_cast<std::size_t>(at - frame.bodies.begin()) : n;
-  };
-  for (const StoredContact& c : frame.contacts) {
-    const std::size_t a = row_of(c.a), b = row_of(c.b);
-    const bool with_wall = (a < n && frame.bodies[a].is_wall()) || (b < n && frame.bodies[b].is_wall());
-    const float arm = (c.to - c.from).norm() * (with_wall ? 1.0f : 0.5f);
-    for (const std::size_t row : {a, b}) {
-      if (row >= n) continue;
-      out.count[row] += 1;
-      out.force[row] += std::abs(c.normal_force);
-      out.pressure[row] += arm * c.normal_force;
-    }
-  }
+/// Arm times force of every contact over the volume.
+void divide_by_volumes(const ViewFrame& frame, ContactSums& sums) {
   std::map<const Surface*, double> volumes;
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
     const BodyRecord& b = frame.bodies[k];
-    if (out.count[k] == 0) continue;
+    if (sums.count[k] == 0) continue;
     double volume = b.surface == nullptr ? volume_of(b) : 0;
     if (b.surface != nullptr) {
       const auto [known, is_new] = volumes.emplace(b.surface, 0.0);
       if (is_new) known->second = volume_of(b);
       volume = known->second;
     }
-    out.pressure[k] = b.is_wall() || !(volume > 0) ? 0 : static_cast<float>(out.pressure[k] / (3 * volume));
+    if (b.is_wall() || !(volume > 0))
+      sums.stress[k].setZero();
+    else
+      sums.stress[k] /= static_cast<float>(volume);
   }
-  return out;
+}
+
+/// sqrt(3/2 s:s) of the deviator s of the symmetric part.
+float von_mises(const Eigen::Matrix3f& stress) {
+  const Eigen::Matrix3f even = 0.5f * (stress + stress.transpose());
+  const Eigen::Matrix3f s = even - even.trace() / 3 * Eigen::Matrix3f::Identity();
+  return std::sqrt(1.5f) * s.norm();
+}
+
+std::string height_label(const Vec3& up) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(up[axis]) > 1 - 1e-9) return std::string("height ") + (up[axis] < 0 ? "-" : "") + "xyz"[axis];
+  return "height against gravity";
 }
 
 template <class F>
@@ -76,10 +83,45 @@ std::vector<float> each(const ViewFrame& frame, const F& of) {
   return out;
 }
 
+template <class F>
+std::vector<float> each(const std::vector<Eigen::Matrix3f>& stress, const F& of) {
+  std::vector<float> out;
+  out.reserve(stress.size());
+  for (const Eigen::Matrix3f& s : stress) out.push_back(of(s));
+  return out;
+}
+
 }  // namespace
 
+ContactSums contact_sums(const ViewFrame& frame) {
+  const std::size_t n = frame.bodies.size();
+  ContactSums out{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n),
+                  std::vector<Eigen::Matrix3f>(n, Eigen::Matrix3f::Zero())};
+  const RowsByID row_of(frame);
+  const auto reach = [&](std::size_t row) {
+    return row < n && !frame.bodies[row].is_wall() ? frame.bodies[row].radius : 0;
+  };
+  for (const StoredContact& c : frame.contacts) {
+    const std::size_t a = row_of(c.a), b = row_of(c.b);
+    const Eigen::Vector3f branch = c.to - c.from;
+    const double both = reach(a) + reach(b);
+    const auto share = static_cast<float>(both > 0 && std::isfinite(both) ? reach(a) / both : 0.5);
+    for (const std::size_t row : {a, b}) {
+      if (row >= n) continue;
+      out.count[row] += 1;
+      out.force[row] += std::abs(c.normal_force);
+      out.residual[row] += c.residual * c.residual;
+      out.stress[row] += (row == a ? share : 1 - share) * branch * c.force.transpose();
+    }
+  }
+  for (float& r : out.residual) r = std::sqrt(r);
+  divide_by_volumes(frame, out);
+  return out;
+}
+
 std::vector<std::string> view_field_names() {
-  return {"speed", "spin", "force", "pressure", "contacts", "height", "size", "id", "material", "body"};
+  return {"speed",    "spin",   "force", "pressure", "stress",   "contacts",
+          "residual", "height", "size",  "id",       "material", "body"};
 }
 
 std::vector<ViewField> view_fields(const ViewSource& source) {
@@ -88,10 +130,12 @@ std::vector<ViewField> view_fields(const ViewSource& source) {
   if (rotates) out.push_back({"spin", "angular speed", "rad/s", FieldKind::moving});
   if (source.has_contacts()) {
     out.push_back({"force", "contact force", "N", FieldKind::moving});
-    out.push_back({"pressure", "pressure (contact stress)", "Pa", FieldKind::moving});
+    out.push_back({"pressure", "pressure (mean stress)", "Pa", FieldKind::moving});
+    out.push_back({"stress", "von Mises stress", "Pa", FieldKind::moving});
     out.push_back({"contacts", "number of contacts", "", FieldKind::moving});
   }
-  out.push_back({"height", "height z", "m", FieldKind::fixed});
+  if (source.has_residuals()) out.push_back({"residual", "residual", "", FieldKind::moving});
+  out.push_back({"height", height_label(upwards(source.about())), "m", FieldKind::fixed});
   out.push_back({"size", "bounding radius", "m", FieldKind::fixed});
   out.push_back({"id", "body number", "", FieldKind::fixed});
   out.push_back({"material", "material", "", FieldKind::category});
@@ -105,17 +149,27 @@ std::size_t group_of(const RunAbout& about, std::uint32_t id) {
   return about.groups.size();
 }
 
-std::vector<float> field_values(const std::string& field, const ViewFrame& frame, const RunAbout& about) {
-  if (field == "speed") return each(frame, [](const BodyRecord& b) { return b.velocity.norm(); });
-  if (field == "spin") return each(frame, [](const BodyRecord& b) { return b.angular_velocity.norm(); });
-  if (field == "height") return each(frame, [](const BodyRecord& b) { return b.pose.position.z(); });
-  if (field == "size") return each(frame, [](const BodyRecord& b) { return b.radius; });
-  if (field == "id") return each(frame, [](const BodyRecord& b) { return b.id; });
-  if (field == "material") return each(frame, [](const BodyRecord& b) { return b.material; });
-  if (field == "body") return each(frame, [&](const BodyRecord& b) { return group_of(about, b.id); });
-  ContactSums sums = contact_sums(frame);
-  if (field == "force") return std::move(sums.force);
-  return field == "pressure" ? std::move(sums.pressure) : std::move(sums.count);
+FrameFields::FrameFields(const ViewFrame& frame, const RunAbout& about)
+    : frame_(frame), about_(about), up_(upwards(about)) {}
+
+const ContactSums& FrameFields::sums() const {
+  if (!sums_) sums_ = contact_sums(frame_);
+  return *sums_;
+}
+
+std::vector<float> FrameFields::operator()(const std::string& field) const {
+  if (field == "speed") return each(frame_, [](const BodyRecord& b) { return b.velocity.norm(); });
+  if (field == "spin") return each(frame_, [](const BodyRecord& b) { return b.angular_velocity.norm(); });
+  if (field == "height") return each(frame_, [&](const BodyRecord& b) { return up_.dot(b.pose.position); });
+  if (field == "size") return each(frame_, [](const BodyRecord& b) { return b.radius; });
+  if (field == "id") return each(frame_, [](const BodyRecord& b) { return b.id; });
+  if (field == "material") return each(frame_, [](const BodyRecord& b) { return b.material; });
+  if (field == "body") return each(frame_, [&](const BodyRecord& b) { return group_of(about_, b.id); });
+  if (field == "force") return sums().force;
+  if (field == "residual") return sums().residual;
+  if (field == "pressure") return each(sums().stress, [](const Eigen::Matrix3f& s) { return -s.trace() / 3; });
+  if (field == "stress") return each(sums().stress, von_mises);
+  return sums().count;
 }
 
 }  // namespace epafi

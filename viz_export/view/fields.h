@@ -1,6 +1,7 @@
 /// @file fields.h  What bodies can be coloured by: values of one frame, per body, with units.
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,31 @@ struct ViewField {
 /// Of all fields, whether a source has them or not.
 [[nodiscard]] std::vector<std::string> view_field_names();
 
-/// One value per body of the frame. Volumes of bodies with surfaces are those of the surfaces.
-[[nodiscard]] std::vector<float> field_values(const std::string& field, const ViewFrame& frame, const RunAbout& about);
+/// What the contacts of a frame do to each of its bodies.
+struct ContactSums {
+  std::vector<float> count, force, residual;  ///< number, sum of normal forces [N], Euclidean part of the residual
+  /// Stress in the mean over the body, tension positive [Pa]: sum of arm times force over the volume (Love 1927). The
+  /// arm leads along the centre line to the point that divides it by the bounding radii: exact for spheres. 0 in walls.
+  std::vector<Eigen::Matrix3f> stress;
+};
+[[nodiscard]] ContactSums contact_sums(const ViewFrame& frame);
+
+/// The values of a frame, one per body; what its contacts give is summed up once. The frame must stay.
+class FrameFields {
+ public:
+  FrameFields(const ViewFrame& frame, const RunAbout& about);
+  /// Volumes of bodies with surfaces are those of the surfaces.
+  std::vector<float> operator()(const std::string& field) const;
+
+  /// Summed at the first call, which no two threads may make at once.
+  const ContactSums& sums() const;
+
+ private:
+  const ViewFrame& frame_;
+  const RunAbout& about_;
+  Vec3 up_;
+  mutable std::optional<ContactSums> sums_;
+};
 
 /// Index of the group of a body; the number of groups where it has none.
 [[nodiscard]] std::size_t group_of(const RunAbout& about, std::uint32_t id);

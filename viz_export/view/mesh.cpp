@@ -1,6 +1,7 @@
 #include "viz_export/view/mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/hash.h"
@@ -78,6 +79,29 @@ ViewMesh view_mesh(const Surface& s) {
     begin = end;
   }
   return mesh;
+}
+
+std::vector<std::uint32_t> feature_edges(const ViewMesh& mesh) {
+  std::map<std::array<float, 3>, std::uint32_t> known;  // points at one place are one
+  std::vector<std::uint32_t> same;
+  for (std::uint32_t p = 0; p < mesh.points.size(); ++p) {
+    const auto& at = mesh.points[p];
+    same.push_back(known.emplace(std::array<float, 3>{at.x(), at.y(), at.z()}, p).first->second);
+  }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Eigen::Vector3f>> edges;  // normals of faces around
+  for (std::size_t c = 0; c + 2 < mesh.corners.size(); c += 3) {
+    const auto point = [&](std::size_t k) -> const Eigen::Vector3f& { return mesh.points[mesh.corners[c + k]]; };
+    const Eigen::Vector3f normal = (point(1) - point(0)).cross(point(2) - point(0)).normalized();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = same[mesh.corners[c + k]], b = same[mesh.corners[c + (k + 1) % 3]];
+      edges[std::minmax(a, b)].push_back(normal);
+    }
+  }
+  std::vector<std::uint32_t> out;
+  for (const auto& [ends, normals] : edges)
+    if (normals.size() != 2 || normals[0].dot(normals[1]) < static_cast<float>(crease))
+      out.insert(out.end(), {ends.first, ends.second});
+  return out;
 }
 
 MeshStore::Copy MeshStore::of(const Surface* surface) {

@@ -17,6 +17,10 @@ struct ViewMesh {
 
 [[nodiscard]] ViewMesh view_mesh(const Surface& surface);
 
+/// Pairs of points: the edges between faces that are bent by more than a crease, and borders (page/bodies.js has the
+/// same).
+[[nodiscard]] std::vector<std::uint32_t> feature_edges(const ViewMesh& mesh);
+
 /// The meshes that occur. Surfaces are told apart by their address: they must stay.
 class MeshStore {
  public:

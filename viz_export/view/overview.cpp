@@ -58,6 +58,12 @@ class FreeBox {
     return out;
   }
 
+  double mean_radius() const {
+    double sum = 0;
+    for (const double r : radii_) sum += r;
+    return radii_.empty() ? 0.0 : sum / static_cast<double>(radii_.size());
+  }
+
  private:
   std::vector<double> places_[3], radii_;
 };
@@ -85,13 +91,28 @@ void include_walls(const ViewFrame& frame, ViewBox& box) {
   }
 }
 
-/// From the first positive value on, 98 % of the values; whole numbers as they are.
-std::array<double, 2> range_of(const ViewField& field, std::vector<double>& values) {
+/// What a body at rest has by rounding alone stays below this [m/s]: a part of the speed of a fall through the picture.
+/// Without gravity nothing is known.
+double speed_at_rest(const RunAbout& about, const ViewBox& box) {
+  constexpr double share = 1e-6;
+  return box.is_empty() ? 0.0 : share * std::sqrt(about.gravity.norm() * box.diagonal());
+}
+
+/// The least end of the colours of a moving field.
+double floor_of(const std::string& field, double speed, double radius) {
+  if (field == "speed") return speed;
+  if (field == "spin") return radius > 0 ? speed / radius : 0.0;
+  return field == "residual" ? 1e-12 : 0.0;
+}
+
+/// From the first positive value on, 98 % of the values, `floor` at least; whole numbers as they are.
+std::array<double, 2> range_of(const ViewField& field, std::vector<double>& values, double floor) {
   if (values.empty()) return {0, 1};
   const bool from_zero = field.kind == ViewField::Kind::moving;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   double low = from_zero ? 0.0 : *least, high = *most;
   if (from_zero && field.name != "contacts") high = std::max(quantile(values, 0.98), 0.05 * high);
+  if (from_zero) high = std::max(high, floor);
   if (!(high > low)) high = low + (low == 0 ? 1.0 : 0.01 * std::abs(low));
   return {low, high};
 }
@@ -108,20 +129,23 @@ Overview look_over(const ViewSource& source) {
   for (const std::size_t k : shown) {
     const ViewFrame frame = source.frame(k);
     free.add(frame);
+    const FrameFields fields_of(frame, source.about());
     for (const ViewField& field : fields) {
       if (field.kind == ViewField::Kind::category) continue;
-      const std::vector<float> all = field_values(field.name, frame, source.about());
+      const std::vector<float> all = fields_of(field.name);
       for (std::size_t b = 0; b < all.size(); b += stride_of(frame)) {
         const bool counts = std::isfinite(all[b]) && (!frame.bodies[b].is_wall() || field.name == "id");
         if (counts) values[field.name].push_back(all[b]);
       }
     }
-    for (const StoredContact& c : frame.contacts) forces.push_back(std::abs(c.normal_force));
+    for (const StoredContact& c : frame.contacts) {
+      forces.push_back(std::abs(c.normal_force));
+      out.worst_residual = std::max(out.worst_residual, static_cast<double>(c.residual));
+    }
   }
   for (const ViewField& field : fields) {
     auto& all = values[field.name];
     for (const double v : all) out.largest[field.name] = std::max(out.largest[field.name], v);
-    out.range[field.name] = range_of(field, all);
   }
   if (!forces.empty()) {
     const auto place = forces.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(forces.size() - 1));
@@ -131,9 +155,33 @@ Overview look_over(const ViewSource& source) {
   out.box = free.box();
   if (!shown.empty()) include_walls(source.frame(shown.back()), out.box);
   if (out.box.is_empty()) out.box.include(Vec3::Zero(), 1.0);
+  const double still = speed_at_rest(source.about(), out.box), radius = free.mean_radius();
+  for (const ViewField& field : fields)
+    out.range[field.name] = range_of(field, values[field.name], floor_of(field.name, still, radius));
   out.frames_looked_at = shown.size();
   return out;
 }
+
+namespace {
+
+/// Frames of `at` into the middle of the widest gaps of `out`, until there are as many as wanted.
+void fill_gaps(const std::vector<std::size_t>& at, std::size_t wanted, std::vector<std::size_t>& out) {
+  const auto place = [&](std::size_t frame) { return std::lower_bound(at.begin(), at.end(), frame) - at.begin(); };
+  while (out.size() < wanted && out.size() < at.size()) {
+    std::size_t widest = 0;
+    std::ptrdiff_t most = 0;
+    for (std::size_t k = 0; k + 1 < out.size(); ++k) {
+      const std::ptrdiff_t gap = place(out[k + 1]) - place(out[k]);
+      if (gap <= most) continue;
+      most = gap;
+      widest = k;
+    }
+    const auto middle = static_cast<std::size_t>(place(out[widest]) + most / 2);
+    out.insert(out.begin() + static_cast<std::ptrdiff_t>(widest) + 1, at[middle]);
+  }
+}
+
+}  // namespace
 
 std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wanted) {
   const std::size_t n = source.times().size();
@@ -147,14 +195,19 @@ std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wa
   std::vector<double> change{0.0};  // summed up to each frame of `at`
   std::map<std::uint32_t, Vec3> before;
   for (std::size_t k = 0; k < at.size(); ++k) {
-    double moved = 0;
+    double moved = 0, size = 0;
+    std::size_t stayed = 0;
     std::map<std::uint32_t, Vec3> now;
     for (const BodyRecord& b : source.frame(at[k]).bodies) {
       if (!is_finite(b.pose.position)) continue;
       now.emplace(b.id, b.pose.position);
+      if (std::isfinite(b.radius)) size = std::max(size, b.is_wall() ? 0.0 : 2 * b.radius);
       const auto was = before.find(b.id);
-      if (was != before.end()) moved += (b.pose.position - was->second).norm();
+      if (was == before.end()) continue;
+      moved += (b.pose.position - was->second).norm();
+      ++stayed;
     }
+    moved += size * static_cast<double>(now.size() + before.size() - 2 * stayed);  // that came or went: their size
     if (k > 0) change.push_back(change.back() + moved);
     before = std::move(now);
   }
@@ -166,6 +219,7 @@ std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wa
   }
   out.push_back(at.back());
   out.erase(std::unique(out.begin(), out.end()), out.end());
+  if (change.back() > 0) fill_gaps(at, wanted, out);
   return out;
 }
 

@@ -14,14 +14,15 @@ struct Overview {
   std::map<std::string, std::array<double, 2>> range;  ///< of each field that is a number, colours end there
   std::map<std::string, double> largest;               ///< of each moving field over the frames looked at
   float strongest = 0;                                 ///< normal force of a contact [N], of 99 % of them
+  double worst_residual = 0;                           ///< of a contact
   std::size_t frames_looked_at = 0;
 };
 
 /// Looks at 24 frames at most.
 [[nodiscard]] Overview look_over(const ViewSource& source);
 
-/// Start, end, and between them what shares the change of the run (distance that bodies move, from frame to frame) into
-/// equal parts: `wanted` frames at most, ascending, all different.
+/// Start, end, and between them what shares the change of the run (distance that bodies move from frame to frame, their
+/// size where they come or go) into equal parts: `wanted` frames at most, ascending, all different.
 [[nodiscard]] std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wanted);
 
 /// Lower and upper end of the colours: by [view] range where it speaks of this field.

@@ -13,36 +13,42 @@ namespace epafi {
 
 inline constexpr std::size_t chunk_frames = 8;
 
-struct PackPlan {
-  std::size_t stride = 1;   ///< every so many frames, and the last one
-  bool headings = true;     ///< directions of velocities, for arrows
-  float least_force = 0.0;  ///< contacts below it are left out [N]; negative: all are
+/// Frames, column by column.
+struct PackedChunk {
+  std::vector<double> scales;  ///< units of the numbers: origin (3), step, force, residual, then of each moving field
+  std::vector<std::string> columns;  ///< deflated, as they were asked for
 };
+
+/// As the page reads it: for each column a number of bytes (4), the scales, the columns. All, or those of these
+/// numbers; moving fields are all among them.
+[[nodiscard]] std::string bytes_of(const PackedChunk& chunk);
+[[nodiscard]] std::string bytes_of(const PackedChunk& chunk, const std::vector<std::size_t>& columns);
 
 class Packer {
  public:
-  Packer(const ViewSource& source, const Overview& overview, const PackPlan& plan);
+  /// stride: every so many frames, and the last one.
+  Packer(const ViewSource& source, const Overview& overview, std::size_t stride = 1);
 
   std::size_t frames() const { return shown_.size(); }
   std::size_t chunks() const { return (shown_.size() + chunk_frames - 1) / chunk_frames; }
-  /// JSON: everything but bodies, meshes and frames.
-  std::string manifest(const std::vector<std::string>& notes) const;
+  /// JSON: everything but bodies, meshes and frames. columns: what the chunks hold.
+  std::string manifest(const std::vector<std::string>& columns, const std::vector<std::string>& notes) const;
   /// Bodies and meshes, deflated.
   std::string bodies() const;
-  /// For each column a number of bytes (4), then the deflated columns. `sizes`: bytes of each column.
-  std::string chunk(std::size_t k, std::vector<std::size_t>* sizes = nullptr) const;
-  /// Names of the columns of a chunk, in their order.
+  /// columns: of columns(), and "strong": contacts with a tenth of the strongest force.
+  PackedChunk chunk(std::size_t k, const std::vector<std::string>& columns) const;
+  /// All that a chunk can hold.
   const std::vector<std::string>& columns() const { return columns_; }
+  double least_force() const;  ///< of "strong" [N]
 
  private:
   double step() const;
+  bool is_moving(const std::string& column) const;
   const ViewSource& source_;
   const Overview& overview_;
-  PackPlan plan_;
   std::vector<ViewField> fields_;
   std::vector<std::size_t> shown_;
   std::vector<std::string> columns_;
-  bool has_orientation_ = false;
 };
 
 }  // namespace epafi

@@ -53,10 +53,18 @@ void put_view(JsonWriter& json, const ViewSettings& view) {
   if (!view.preset.empty()) json.member("preset", view.preset);
   if (view.from) put_vector(json, "from", *view.from);
   if (view.to) put_vector(json, "to", *view.to);
-  put_vector(json, "up", view.up);
   json.member("angle", view.angle);
   if (!view.field.empty()) json.member("field", view.field);
   json.end_object();
+}
+
+/// Directions of the presets in axes of the world, and what is up.
+void put_cameras(JsonWriter& json, const Vec3& up) {
+  put_vector(json, "up", up);
+  json.key("presets").begin_object();
+  for (const auto& [name, direction] : camera_presets()) put_vector(json, name.c_str(), upright(up) * direction);
+  json.end_object();
+  put_vector(json, "level", upright(up) * Vec3::UnitY());
 }
 
 /// Times and values of each component, every so many.
@@ -99,14 +107,14 @@ void put_mesh(std::string& out, const ViewMesh& mesh) {
 
 }  // namespace
 
-std::string Packer::manifest(const std::vector<std::string>& notes) const {
+std::string Packer::manifest(const std::vector<std::string>& columns, const std::vector<std::string>& notes) const {
   JsonWriter json;
   json.begin_object().member("title", source_.title()).member("running", source_.is_running());
   json.member("chunk_frames", std::uint64_t{chunk_frames}).member("bodies", std::uint64_t{source_.bodies().size()});
   json.key("times").begin_array();
   for (const std::size_t k : shown_) json.value(source_.times()[k]);
   json.end_array().key("columns").begin_array();
-  for (const std::string& name : columns_) json.value(name);
+  for (const std::string& name : columns) json.value(name == "strong" ? "contact" : name);
   json.end_array().key("fields").begin_array();
   for (const ViewField& f : fields_) {
     json.begin_object().member("name", f.name).member("label", f.label).member("unit", f.unit);
@@ -119,6 +127,7 @@ std::string Packer::manifest(const std::vector<std::string>& notes) const {
   put_vector(json, "min", overview_.box.min);
   put_vector(json, "max", overview_.box.max);
   json.end_object().member("strongest", static_cast<double>(overview_.strongest));
+  put_cameras(json, upwards(source_.about()));
   put_about(json, source_.about());
   put_view(json, source_.about().view);
   put_measures(json, source_.measures());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "engine/error.h"
 #include "viz_export/html_text.h"
@@ -29,48 +30,64 @@ std::string page_around(const std::string& title, const std::string& data) {
   return page;
 }
 
-/// A run packed as a page holds it.
+/// A run packed with all that a page can hold, and what of it the page keeps.
 struct Packed {
-  std::string manifest, bodies;
-  std::vector<std::string> chunks;
-  std::vector<std::size_t> sizes;  ///< of each column, summed over the chunks
+  std::string bodies;
+  std::vector<std::string> names;  ///< of the columns in the chunks
+  std::vector<PackedChunk> chunks;
+  std::vector<std::size_t> kept{};  ///< columns
+  std::size_t stride = 1;
 
-  std::size_t page_bytes() const {
-    std::size_t bytes = bodies.size();
-    for (const std::string& chunk : chunks) bytes += chunk.size();
-    return bytes / 3 * 4 + manifest.size();
+  std::size_t bytes() const {
+    std::size_t sum = bodies.size();
+    for (const PackedChunk& chunk : chunks) {
+      sum += (4 * kept.size()) + 8 * chunk.scales.size();
+      for (const std::size_t c : kept) sum += chunk.columns[c].size();
+    }
+    return sum / 3 * 4;
+  }
+  std::vector<std::string> kept_names() const {
+    std::vector<std::string> out;
+    for (const std::size_t c : kept) out.push_back(names[c]);
+    return out;
+  }
+  bool drop(const std::string& name) {
+    return std::erase_if(kept, [&](std::size_t c) { return names[c] == name; }) > 0;
   }
 };
 
-Packed pack(const ViewSource& source, const Overview& overview, const PackPlan& plan,
-            const std::vector<std::string>& notes) {
-  const Packer packer(source, overview, plan);
-  Packed out{packer.manifest(notes), packer.bodies(), {}, std::vector<std::size_t>(packer.columns().size(), 0)};
-  for (std::size_t k = 0; k < packer.chunks(); ++k) {
-    std::vector<std::size_t> sizes;
-    out.chunks.push_back(packer.chunk(k, &sizes));
-    for (std::size_t c = 0; c < sizes.size(); ++c) out.sizes[c] += sizes[c];
-  }
+/// One pass over the run. With all contacts come the strong ones alone, in case that there is room for no more.
+Packed pack(const Packer& packer, std::vector<std::string> names, std::size_t stride) {
+  Packed out{packer.bodies(), std::move(names), {}, {}, stride};
+  for (std::size_t c = 0; c < out.names.size(); ++c) out.kept.push_back(c);
+  if (!out.names.empty() && out.names.back() == "contact" && packer.least_force() > 0) out.names.emplace_back("strong");
+  for (std::size_t k = 0; k < packer.chunks(); ++k) out.chunks.push_back(packer.chunk(k, out.names));
   return out;
 }
 
-/// The next thing to leave out, with its note; frames where nothing else is left.
-std::string leave_out(PackPlan& plan, const Overview& overview, std::size_t bytes, std::size_t most) {
-  if (plan.headings) {
-    plan.headings = false;
-    return "directions of velocities are left out to keep this page small";
+/// Leaves out the next thing that can be, with a note; false where only frames are left.
+bool leave_out(Packed& packed, double least_force, std::string& note) {
+  if (packed.drop("heading")) {
+    note = "directions of velocities are left out to keep this page small";
+    return true;
   }
-  if (plan.least_force == 0.0f && overview.strongest > 0) {
-    plan.least_force = 0.1f * overview.strongest;
-    return fmt::format("contacts below {:.3g} N are left out to keep this page small", plan.least_force);
+  if (packed.drop("contact")) {
+    note = "contacts are left out to keep this page small";
+    if (packed.names.back() != "strong") return true;
+    packed.kept.push_back(packed.names.size() - 1);
+    note = fmt::format("contacts below {:.3g} N are left out to keep this page small", least_force);
+    return true;
   }
-  if (plan.least_force > 0) {
-    plan.least_force = -1;
-    return "contacts are left out to keep this page small";
-  }
-  plan.least_force = -1;
-  plan.stride *= std::max<std::size_t>(2, (bytes + most - 1) / most);
-  return fmt::format("one frame of {} is shown, to keep this page small", plan.stride);
+  if (!packed.drop("strong")) return false;
+  note = "contacts are left out to keep this page small";
+  return true;
+}
+
+/// The last note of its kind stands for those before.
+void replace_note(std::vector<std::string>& notes, const std::string& note) {
+  for (const char* kind : {"one frame", "contacts"})
+    if (!notes.empty() && notes.back().starts_with(kind) && note.starts_with(kind)) notes.pop_back();
+  notes.push_back(note);
 }
 
 }  // namespace
@@ -87,26 +104,28 @@ std::string served_page(const std::string& title) { return page_around(title, ""
 std::string complete_page(const ViewSource& source, std::size_t most_bytes, WrittenPage& about) {
   require_page_library();
   const Overview overview = look_over(source);
-  PackPlan plan;
-  Packed packed = pack(source, overview, plan, {});
-  const std::size_t own = page_around(source.title(), "").size();
+  auto packer = std::make_unique<Packer>(source, overview);
+  Packed packed = pack(*packer, packer->columns(), 1);
+  const std::size_t own = page_around(source.title(), packer->manifest(packer->columns(), {})).size();
   const std::size_t most = most_bytes > 2 * own ? most_bytes - own : own;
-  while (packed.page_bytes() > most && plan.stride < source.times().size()) {
-    const std::string note = leave_out(plan, overview, packed.page_bytes(), most);
-    if (note.starts_with("one frame") && !about.notes.empty() && about.notes.back().starts_with("one frame"))
-      about.notes.pop_back();
-    if (note.starts_with("contacts") && !about.notes.empty() && about.notes.back().starts_with("contacts"))
-      about.notes.pop_back();
-    about.notes.push_back(note);
-    packed = pack(source, overview, plan, about.notes);
+  while (packed.bytes() > most && packed.stride < source.times().size()) {
+    std::string note;
+    if (!leave_out(packed, packer->least_force(), note)) {
+      const std::size_t stride = packed.stride * std::max<std::size_t>(2, (packed.bytes() + most - 1) / most);
+      packer = std::make_unique<Packer>(source, overview, stride);
+      packed = pack(*packer, packed.kept_names(), stride);
+      note = fmt::format("one frame of {} is shown, to keep this page small", stride);
+    }
+    replace_note(about.notes, note);
   }
-  std::string data =
-      "<script type=\"application/json\" id=\"manifest\">" + script_escaped(packed.manifest) + "</script>\n";
+  const std::string manifest = packer->manifest(packed.kept_names(), about.notes);
+  std::string data = "<script type=\"application/json\" id=\"manifest\">" + script_escaped(manifest) + "</script>\n";
   const auto add = [&](const std::string& id, const std::string& bytes) {
     data += "<script type=\"text/plain\" id=\"" + id + "\">" + base64(bytes) + "</script>\n";
   };
   add("bodies", packed.bodies);
-  for (std::size_t k = 0; k < packed.chunks.size(); ++k) add(fmt::format("chunk-{}", k), packed.chunks[k]);
+  for (std::size_t k = 0; k < packed.chunks.size(); ++k)
+    add(fmt::format("chunk-{}", k), bytes_of(packed.chunks[k], packed.kept));
   std::string page = page_around(source.title(), data);
   about.bytes = page.size();
   return page;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/error.h"
 #include "viz_export/side_file.h"
@@ -13,7 +14,10 @@
 namespace epafi {
 namespace {
 
-constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19}, soft{0.36, 0.40, 0.46}, wall_colour{0.70, 0.73, 0.78};
+constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19}, soft{0.36, 0.40, 0.46}, wall_colour{0.70, 0.73, 0.78},
+    spring_colour{0.2, 0.2, 0.2}, wall_edge{0.62, 0.65, 0.70};
+constexpr std::ptrdiff_t most_outlined =
+    400;  // free bodies with edges; among more of them lines would hide the colours
 constexpr float wall_opacity = 0.22f;
 
 ViewField find_field(const ViewSource& source, const std::string& name) {
@@ -28,19 +32,37 @@ ViewField find_field(const ViewSource& source, const std::string& name) {
   throw FileError("this run has no field '" + name + "'; it has " + known);
 }
 
-void add_mesh(const ViewMesh& mesh, const BodyRecord& b, double scale, const Rgb& colour, float opacity,
-              DrawnScene& out) {
+/// Stands out from faces of this colour.
+Rgb edge_of(const Rgb& face) {
+  const bool dark = 0.3 * face[0] + 0.6 * face[1] + 0.1 * face[2] < 0.3;
+  Rgb out{};
+  for (std::size_t part = 0; part < 3; ++part)
+    out[part] = dark ? face[part] + 0.45 * (1 - face[part]) : 0.4 * face[part];
+  return out;
+}
+
+/// How a body's surface is drawn.
+struct MeshLook {
+  double scale;
+  Rgb colour;
+  float opacity;
+  Eigen::Vector3f eye;
+};
+
+void add_mesh(const ViewMesh& mesh, const BodyRecord& b, const MeshLook& look, DrawnScene& out) {
   const Eigen::Matrix3f turn = b.pose.orientation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f place = b.pose.position.cast<float>();
-  const auto size = static_cast<float>(scale);
+  const auto size = static_cast<float>(look.scale);
+  const bool one_sided = std::isinf(b.radius);  // a half-space: from within nothing is seen of it
   for (std::size_t c = 0; c + 2 < mesh.corners.size(); c += 3) {
     DrawnTriangle t;
     for (std::size_t k = 0; k < 3; ++k) {
       t.corner[k] = place + turn * (size * mesh.points[mesh.corners[c + k]]);
       t.normal[k] = turn * mesh.normals[c + k];
     }
-    t.colour = colour;
-    t.opacity = opacity;
+    t.colour = look.colour;
+    t.opacity = look.opacity;
+    if (one_sided && t.normal[0].dot(look.eye - t.corner[0]) < 0) continue;
     out.triangles.push_back(t);
   }
 }
@@ -64,6 +86,29 @@ void add_contacts(const ViewFrame& frame, double strongest, DrawnScene& out) {
   }
 }
 
+/// Springs as dark lines from the attachment to the other body's centre; those without one hang on a short line.
+void add_springs(const ViewFrame& frame, const RunAbout& about, DrawnScene& out) {
+  const double widest = 0.25 * mean_radius(frame);
+  const auto row_of = [&](std::uint32_t id) {
+    return std::lower_bound(frame.bodies.begin(), frame.bodies.end(), id,
+                            [](const BodyRecord& b, std::uint32_t wanted) { return b.id < wanted; });
+  };
+  const auto is_there = [&](auto row, std::uint32_t id) { return row != frame.bodies.end() && row->id == id; };
+  for (const auto& spring : about.springs) {
+    const auto a = row_of(spring.body);
+    if (!is_there(a, spring.body)) continue;
+    const Vec3 from = a->pose.to_world(spring.attachment);
+    Vec3 to = from + 6 * widest * upwards(about);
+    if (spring.to) {
+      const auto b = row_of(*spring.to);
+      if (!is_there(b, *spring.to)) continue;
+      to = b->pose.position;
+    }
+    const double width = std::min(widest, 0.02 * (to - from).norm());
+    out.lines.push_back({from.cast<float>(), to.cast<float>(), static_cast<float>(width), spring_colour});
+  }
+}
+
 }  // namespace
 
 std::string short_number(double v) {
@@ -78,7 +123,7 @@ RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const
       options_(options),
       field_(find_field(source, options.field)),
       range_(colour_range(overview, source.about().view, field_.name)),
-      camera_(choose_camera(options.camera, source.about().view, overview.box,
+      camera_(choose_camera(options.camera, source.about(), overview.box,
                             static_cast<double>(options.width) / options.height)) {}
 
 Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
@@ -88,11 +133,34 @@ Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
   return viridis(std::isfinite(share) ? share : 0.0);
 }
 
+/// Lines a pixel and a half wide, before the faces by a little of the way to the eye.
+void RunPainter::add_edges(std::int32_t mesh, const BodyRecord& body, double scale, const Rgb& colour,
+                           DrawnScene& out) {
+  constexpr std::size_t most_corners = 60'000;
+  constexpr double before = 2e-3;
+  const ViewMesh& shape = meshes_.all()[static_cast<std::size_t>(mesh)];
+  if (shape.corners.size() > most_corners) return;
+  const auto [known, is_new] = edges_.try_emplace(mesh);
+  if (is_new) known->second = feature_edges(shape);
+  const double pixel = 2 * std::tan(0.5 * camera_.angle * std::numbers::pi / 180) / options_.height;
+  const auto place = [&](std::uint32_t point) -> Vec3 {
+    const Vec3 p = body.pose.to_world(scale * shape.points[point].cast<double>());
+    return p + before * (camera_.eye - p);
+  };
+  for (std::size_t k = 0; k + 1 < known->second.size(); k += 2) {
+    const Vec3 from = place(known->second[k]), to = place(known->second[k + 1]);
+    const double width = 0.7 * pixel * (0.5 * (from + to) - camera_.eye).norm();
+    out.lines.push_back({from.cast<float>(), to.cast<float>(), static_cast<float>(width), colour});
+  }
+}
+
 Image RunPainter::paint(std::size_t k) {
   const ViewFrame frame = source_.frame(k);
-  const std::vector<float> values = field_values(field_.name, frame, source_.about());
+  const std::vector<float> values = FrameFields(frame, source_.about())(field_.name);
   const bool some_free =
       std::any_of(frame.bodies.begin(), frame.bodies.end(), [](const BodyRecord& b) { return !b.is_wall(); });
+  const auto outlined = std::count_if(frame.bodies.begin(), frame.bodies.end(),
+                                      [](const BodyRecord& b) { return !b.is_wall() && b.surface != nullptr; });
   DrawnScene scene;
   for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
     const BodyRecord& b = frame.bodies[row];
@@ -102,12 +170,17 @@ Image RunPainter::paint(std::size_t k) {
     const MeshStore::Copy copy = meshes_.of(b.surface);
     if (copy.mesh >= 0) {
       const float opacity = b.is_wall() && some_free ? wall_opacity : options_.contacts ? 0.15f : 1.0f;
-      add_mesh(meshes_.all()[static_cast<std::size_t>(copy.mesh)], b, copy.scale, colour, opacity, scene);
+      const MeshLook look{copy.scale, colour, opacity, camera_.eye.cast<float>()};
+      add_mesh(meshes_.all()[static_cast<std::size_t>(copy.mesh)], b, look, scene);
+      const Rgb edge = b.is_wall() ? wall_edge : edge_of(colour);
+      if (b.is_wall() ? !std::isinf(b.radius) : outlined <= most_outlined && !options_.contacts)
+        add_edges(copy.mesh, b, copy.scale, edge, scene);
     } else if (std::isfinite(b.radius) && b.radius > 0 && !options_.contacts) {
       scene.balls.push_back({b.pose.position.cast<float>(), static_cast<float>(b.radius), colour});
     }
   }
   if (options_.contacts) add_contacts(frame, overview_.strongest, scene);
+  add_springs(frame, source_.about(), scene);
   Image image = draw_scene(scene, camera_, options_.width, options_.height, paper);
   if (options_.labels) label(image, frame.time);
   return image;

@@ -2,11 +2,14 @@
 /// colour bar, time and title. Films are coded by ffmpeg, which runs as a program.
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "viz_export/view/image.h"
 #include "viz_export/view/mesh.h"
 #include "viz_export/view/overview.h"
+#include "viz_export/view/raster.h"
 
 namespace epafi {
 
@@ -27,6 +30,7 @@ class RunPainter {
 
  private:
   Rgb colour_of(const BodyRecord& body, float value) const;
+  void add_edges(std::int32_t mesh, const BodyRecord& body, double scale, const Rgb& colour, DrawnScene& out);
   void label(Image& image, double time) const;
   const ViewSource& source_;
   const Overview& overview_;
@@ -35,6 +39,7 @@ class RunPainter {
   std::array<double, 2> range_;
   Camera camera_;
   MeshStore meshes_;
+  std::map<std::int32_t, std::vector<std::uint32_t>> edges_;  ///< of each mesh
 };
 
 /// One frame as PNG.

@@ -26,13 +26,19 @@ struct RunServer::State {
   fs::path folder;  ///< empty: a still
   std::unique_ptr<ViewSource> source;
   Overview overview;
+  std::size_t looked_at = 0;  ///< frames that there were at the last look over all
   std::pair<std::uintmax_t, fs::file_time_type> mark;
   std::unique_ptr<Packer> packer;
   std::map<std::size_t, std::string> chunks;  ///< encoded, of whole chunks
 
+  /// At every twentieth part that the run has grown by, and at its end: looking over a large run takes seconds.
   void look() {
-    overview = look_over(*source);
-    packer = std::make_unique<Packer>(*source, overview, PackPlan{});
+    const std::size_t frames = source->times().size();
+    if (overview.box.is_empty() || frames < looked_at || frames > looked_at + looked_at / 20 || !source->is_running()) {
+      overview = look_over(*source);
+      looked_at = frames;
+    }
+    packer = std::make_unique<Packer>(*source, overview);
   }
 
   /// Where the files have changed. A file that is being written is read at the next request.
@@ -49,10 +55,22 @@ struct RunServer::State {
     mark = now;
   }
 
+  /// Of a run that goes on the file may have changed since it was opened: then it is opened again.
+  std::string packed(std::size_t k) {
+    try {
+      return bytes_of(packer->chunk(k, packer->columns()));
+    } catch (const FileError&) {
+      if (!source->is_running()) throw;
+    }
+    mark = {};
+    read_again();
+    return bytes_of(packer->chunk(k, packer->columns()));
+  }
+
   std::string chunk(std::size_t k) {
     const auto kept = chunks.find(k);
     if (kept != chunks.end()) return kept->second;
-    std::string bytes = packer->chunk(k);
+    std::string bytes = packed(k);
     const bool whole = (k + 1) * chunk_frames <= packer->frames();
     if (!whole) return bytes;
     if (chunks.size() >= most_kept) chunks.erase(chunks.begin());
@@ -79,7 +97,7 @@ HttpAnswer RunServer::answer(const std::string& path) {
   if (path == "/") return {200, "text/html; charset=utf-8", served_page(s.source->title())};
   if (path == "/manifest") {
     s.read_again();
-    return {200, "application/json", s.packer->manifest({})};
+    return {200, "application/json", s.packer->manifest(s.packer->columns(), {})};
   }
   const char* binary = "application/octet-stream";
   if (path == "/bodies") return {200, binary, s.packer->bodies()};

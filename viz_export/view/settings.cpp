@@ -33,7 +33,8 @@ std::string view_lines(const ViewSettings& v) {
   if (!v.preset.empty()) out += "preset " + v.preset + "\n";
   if (v.from) out += "from " + three_numbers(*v.from) + "\n";
   if (v.to) out += "to " + three_numbers(*v.to) + "\n";
-  out += "up " + three_numbers(v.up) + fmt::format("\nangle {:.17g}\n", v.angle);
+  if (!v.up.isZero(0.0)) out += "up " + three_numbers(v.up) + "\n";
+  out += fmt::format("angle {:.17g}\n", v.angle);
   if (!v.field.empty()) out += "field " + v.field + "\n";
   if (v.range) out += fmt::format("range {:.17g} {:.17g}\n", (*v.range)[0], (*v.range)[1]);
   return out;
@@ -60,6 +61,8 @@ void read_entry(const std::string& key, std::istream& in, RunAbout& out) {
     out.groups.push_back(std::move(group));
   } else if (key == "spring") {
     read_spring(in, out);
+  } else if (key == "gravity") {
+    out.gravity = read_three(in);
   } else if (key == "preset") {
     view.preset = rest_of(in);
   } else if (key == "from") {
@@ -89,6 +92,7 @@ std::string to_text(const RunAbout& about) {
     const std::int64_t to = s.to ? static_cast<std::int64_t>(*s.to) : -1;
     out += fmt::format("spring {} {} {} {}\n", s.body, to, three_numbers(s.attachment), one_line(s.name));
   }
+  out += "gravity " + three_numbers(about.gravity) + "\n";
   return out + view_lines(about.view);
 }
 

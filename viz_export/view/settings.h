@@ -15,9 +15,9 @@ namespace epafi {
 struct ViewSettings {
   std::string preset;            ///< one of camera_presets(); "" where `from` and `to` are given, or nothing is
   std::optional<Vec3> from, to;  ///< eye and the point it looks at [m]
-  Vec3 up = Vec3::UnitZ();
-  double angle = 30.0;                         ///< of the picture's height, in degrees, in (0, 170)
-  std::string field;                           ///< name of a field, "" for the default
+  Vec3 up = Vec3::Zero();        ///< unit; zero: against gravity
+  double angle = 30.0;           ///< of the picture's height, in degrees, in (0, 170)
+  std::string field;             ///< name of a field, "" for the default
   std::optional<std::array<double, 2>> range;  ///< of the colours, in units of the field
 };
 
@@ -36,6 +36,7 @@ struct RunAbout {
   std::vector<std::string> materials;
   std::vector<Group> groups;
   std::vector<Spring> springs;
+  Vec3 gravity = Vec3::Zero();  ///< at the start [m/s^2]
   ViewSettings view;
 };
 

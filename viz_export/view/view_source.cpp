@@ -1,9 +1,11 @@
 #include "viz_export/view/view_source.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <thread>
 #include <utility>
 
 #include "viz_export/pvd_file.h"
@@ -35,6 +37,7 @@ class RunSource final : public ViewSource {
         contacts_(contact_files(folder)),
         running_(!fs::exists(folder / "summary.json")) {
     for (std::size_t k = 0; k < run_.snapshots(); ++k) times_.push_back(run_.time(k));
+    residuals_ = look_for_residuals();
   }
   std::string title() const override { return run_.title(); }
   const RunAbout& about() const override { return about_; }
@@ -42,6 +45,7 @@ class RunSource final : public ViewSource {
   const std::vector<BodyRecord>& bodies() const override { return bodies_; }
   std::vector<StoredMeasure> measures() const override { return run_.measures(); }
   bool has_contacts() const override { return !contacts_.empty(); }
+  bool has_residuals() const override { return residuals_; }
   bool is_running() const override { return running_; }
 
   ViewFrame frame(std::size_t k) const override {
@@ -49,18 +53,29 @@ class RunSource final : public ViewSource {
     ViewFrame out{s.stamp.time, s.stamp.rotates, s.stamp.has_orientation, std::move(s.bodies), {}};
     const auto file = contacts_.find(out.time);
     if (file == contacts_.end() || !fs::exists(file->second)) return out;
-    out.contacts = read_contacts(file->second);
+    out.contacts = read_contacts(file->second).contacts;
     std::sort(out.contacts.begin(), out.contacts.end(),
               [](const StoredContact& p, const StoredContact& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
     return out;
   }
 
  private:
+  /// The last frame with contacts tells it for all.
+  bool look_for_residuals() const {
+    for (auto file = contacts_.rbegin(); file != contacts_.rend(); ++file) {
+      if (!fs::exists(file->second)) continue;
+      const ContactFile last = read_contacts(file->second);
+      if (!last.contacts.empty()) return last.has_residual;
+    }
+    return false;
+  }
+
   StoredRun run_;
   RunAbout about_;
   std::vector<BodyRecord> bodies_;
   std::map<double, fs::path> contacts_;
   bool running_;
+  bool residuals_ = false;
   std::vector<double> times_;
 };
 
@@ -79,6 +94,7 @@ class StillSource final : public ViewSource {
   const std::vector<BodyRecord>& bodies() const override { return bodies_; }
   std::vector<StoredMeasure> measures() const override { return {}; }
   bool has_contacts() const override { return false; }
+  bool has_residuals() const override { return false; }
   bool is_running() const override { return false; }
   ViewFrame frame(std::size_t) const override { return frame_; }
 
@@ -95,7 +111,16 @@ class StillSource final : public ViewSource {
 std::unique_ptr<ViewSource> open_run(const fs::path& folder) {
   if (!fs::exists(folder / "run.h5"))
     throw FileError("no run in '" + folder.string() + "': run.h5 is missing; `epafi run` writes it");
-  return std::make_unique<RunSource>(folder);
+  // A run that goes on may be met in the middle of a write: it is read again, for two seconds at most.
+  constexpr int tries = 40;
+  for (int k = 1;; ++k) {
+    try {
+      return std::make_unique<RunSource>(folder);
+    } catch (const FileError&) {
+      if (k == tries || fs::exists(folder / "summary.json")) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
 }
 
 std::unique_ptr<ViewSource> still_source(std::string title, RunAbout about, ViewFrame frame) {

@@ -31,6 +31,7 @@ class ViewSource {
   virtual const std::vector<BodyRecord>& bodies() const = 0;
   virtual std::vector<StoredMeasure> measures() const = 0;
   virtual bool has_contacts() const = 0;
+  virtual bool has_residuals() const = 0;  ///< of contacts
   virtual bool is_running() const = 0;
 };
 

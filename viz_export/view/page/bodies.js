@@ -1,6 +1,7 @@
 // The bodies as objects of three.js: one object for all spheres, one for each shape that has many copies, one for all others.
 
 const fewCopies = 3;  // shapes with fewer copies are drawn together
+const mostOutlined = 400;  // free bodies with edges; among more of them lines would hide the colours
 
 function floatTexture(width, height) {
   const texture = new THREE.DataTexture(new Float32Array(4 * width * height), width, height, THREE.RGBAFormat, THREE.FloatType);
@@ -57,7 +58,10 @@ class Bodies {
       wallColour: { value: new THREE.Color(0.72, 0.75, 0.8) }, lifted: { value: 0 },
     };
     this.table.needsUpdate = true;
-    for (let k = 0; k < bodies.n; ++k) this.states.image.data[4 * k] = bodies.mesh[k] < 0 ? bodies.radius[k] : bodies.scale[k];
+    for (let k = 0; k < bodies.n; ++k) {
+      this.states.image.data[4 * k] = bodies.mesh[k] < 0 ? bodies.radius[k] : bodies.scale[k];
+      this.states.image.data[4 * k + 2] = bodies.mesh[k] >= 0 && bodies.radius[k] === 0 ? 1 : 0;  // a half-space
+    }
     this.build();
   }
 
@@ -66,6 +70,7 @@ class Bodies {
       vertexShader: shaders[kind + "Vertex"], fragmentShader: shaders[kind + "Fragment"],
       uniforms: { ...this.shared, pass: { value: pass }, outlined: { value: outlined ? 1 : 0 } },
       side: THREE.DoubleSide, transparent: pass === 1, depthWrite: pass === 0,
+      polygonOffset: !outlined, polygonOffsetFactor: 1, polygonOffsetUnits: 1,  // edges lie before their faces
     });
   }
 
@@ -90,14 +95,15 @@ class Bodies {
     }
     const loose = [];
     const walls = [];
+    const free = [];
     for (const [m, all] of copies) {
       if (m < 0) this.add("sphere", this.squares(all), all);
       else if (all.length >= fewCopies) this.add("mesh", this.copiesOf(m, all), all);
       else loose.push(...all);
-      if (m >= 0) walls.push(...all.filter((k) => this.bodies.wall[k]));
+      if (m >= 0) for (const k of all) (this.bodies.wall[k] ? walls : free).push(k);
     }
     if (loose.length > 0) this.add("mesh", this.joined(loose), loose);
-    this.addEdges(walls);
+    this.addEdges(free.length <= mostOutlined ? walls.concat(free) : walls);
   }
 
   // Four corners for each ball, not copies of one square: SwiftShader sets up a drawing for each copy.
@@ -163,20 +169,22 @@ class Bodies {
     return geometry;
   }
 
-  addEdges(walls) {
+  addEdges(outlined) {
     const positions = [];
+    const normals = [];
     const body = [];
-    for (const k of walls) {
+    for (const k of outlined) {
       const mesh = this.bodies.meshes[this.bodies.mesh[k]];
       if (mesh.corners.length > 60000) continue;
       for (const p of featureEdges(mesh)) {
         positions.push(mesh.points[3 * p], mesh.points[3 * p + 1], mesh.points[3 * p + 2]);
+        normals.push(mesh.normals[0], mesh.normals[1], mesh.normals[2]);  // half-spaces alone ask for it
         body.push(k);
       }
     }
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(positions), 3));
-    geometry.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(positions), 3));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(normals), 3));
     geometry.setAttribute("body", new THREE.BufferAttribute(new Float32Array(body), 1));
     this.edges = [0, 1].map((pass) => {
       const object = new THREE.LineSegments(geometry, this.material("mesh", pass, true));

@@ -1,13 +1,15 @@
-// The same places as camera.cpp.
+// The same places as camera.cpp, which gives the directions.
 
-const presets = {
-  iso: [0.45, -1, 0.5], front: [0, -1, 0], back: [0, 1, 0], left: [-1, 0, 0], right: [1, 0, 0], top: [0, 0, 1], bottom: [0, 0, -1],
-};
+// Looking along what is up, the control needs an eye beside the axis: so little that `level` stands upright.
+function besideAxis(towards, up, level) {
+  const along = towards.dot(up);
+  if (Math.abs(along) > 0.999) towards.addScaledVector(new THREE.Vector3(...level), -1e-4 * Math.sign(along)).normalize();
+  return towards;
+}
 
-function fitCamera(camera, controls, box, direction, angle) {
-  const towards = new THREE.Vector3(...direction).normalize();
+function fitCamera(camera, controls, box, direction, level, angle) {
+  const towards = besideAxis(new THREE.Vector3(...direction).normalize(), camera.up, level);
   const target = new THREE.Vector3().addVectors(box.min, box.max).multiplyScalar(0.5);
-  camera.up.set(0, Math.abs(towards.z) < 0.999 ? 0 : 1, Math.abs(towards.z) < 0.999 ? 1 : 0);
   const right = new THREE.Vector3().crossVectors(camera.up, towards).normalize();
   const up = new THREE.Vector3().crossVectors(towards, right);
   const high = 0.86 * Math.tan((0.5 * angle * Math.PI) / 180);
@@ -33,14 +35,16 @@ function settle(camera, controls) {
   controls.update();
 }
 
-function placeCamera(name, camera, controls, box, view) {
+function placeCamera(name, camera, controls, box, manifest) {
+  const { view, presets, level } = manifest;
   if (name === "scene" && view.from) {
-    camera.up.set(...view.up);
     camera.fov = view.angle;
-    camera.position.set(...view.from);
     if (view.to) controls.target.set(...view.to);
     else controls.target.addVectors(box.min, box.max).multiplyScalar(0.5);
+    const way = new THREE.Vector3(...view.from).sub(controls.target);
+    const far = way.length();
+    camera.position.copy(controls.target).addScaledVector(besideAxis(way.normalize(), camera.up, level), far);
     return settle(camera, controls);
   }
-  fitCamera(camera, controls, box, presets[name] || presets[view.preset] || presets.iso, view.angle);
+  fitCamera(camera, controls, box, presets[name] || presets[view.preset] || presets.iso, level, view.angle);
 }

@@ -32,12 +32,14 @@ class Ribbons {
 }
 
 // Width by the square root of the force, so that weak chains are still seen; the widest has `widest` metres each side.
-function contactSizes(contacts, strongest, widest) {
+// residual: the range of its colours, in place of those of the force.
+function contactSizes(contacts, strongest, widest, residual) {
   const sizes = new Float32Array(2 * contacts.n);
   for (let k = 0; k < contacts.n; ++k) {
     const share = Math.min(1, contacts.force[k] / strongest);
     sizes[2 * k] = widest * Math.max(0.06, Math.sqrt(share));
-    sizes[2 * k + 1] = 0.15 + 0.75 * share;
+    const coloured = residual ? Math.min(1, contacts.residual[k] / residual[1]) : share;
+    sizes[2 * k + 1] = 0.15 + 0.75 * coloured;
   }
   return sizes;
 }
@@ -60,10 +62,10 @@ function showArrows(ribbons, frame, bodies, largest, longest, seen) {
   ribbons.show(rows.length, from, to, sizes);
 }
 
-function showSprings(ribbons, frame, springs, rowOf, width) {
+function showSprings(ribbons, frame, manifest, rowOf, width) {
   const from = [];
   const to = [];
-  for (const s of springs) {
+  for (const s of manifest.springs) {
     const a = rowOf(s.body);
     const b = s.to === undefined ? -1 : rowOf(s.to);
     if (a < 0) continue;
@@ -71,7 +73,7 @@ function showSprings(ribbons, frame, springs, rowOf, width) {
     const turned = new THREE.Vector3(...s.attachment);
     if (frame.turn) turned.applyQuaternion(new THREE.Quaternion().fromArray(frame.turn, 4 * a));
     from.push(...p.add(turned).toArray());
-    if (b < 0) to.push(p.x, p.y, p.z - 6 * width);
+    if (b < 0) to.push(...[p.x, p.y, p.z].map((x, axis) => x + 6 * width * manifest.up[axis]));
     else to.push(frame.place[3 * b], frame.place[3 * b + 1], frame.place[3 * b + 2]);
   }
   const n = from.length / 3;

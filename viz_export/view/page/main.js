@@ -60,7 +60,7 @@ class Page extends Viewer {
   listenToPointer() {
     const canvas = el("picture");
     let start = null;
-    canvas.addEventListener("pointerdown", (e) => (start = [e.clientX, e.clientY, e.button]));
+    canvas.addEventListener("pointerdown", (e) => (start = e.isPrimary ? [e.clientX, e.clientY, e.button] : null));
     canvas.addEventListener("pointerup", (e) => {
       const still = start && start[2] === 0 && Math.hypot(e.clientX - start[0], e.clientY - start[1]) < 4;
       start = null;
@@ -79,7 +79,7 @@ class Page extends Viewer {
     } else if (e.key === " ") {
       this.play(!this.playing);
     } else if (e.key >= "1" && e.key <= "7") {
-      el("camera").value = Object.keys(presets)[Number(e.key) - 1];
+      el("camera").value = Object.keys(this.manifest.presets)[Number(e.key) - 1];
       this.place(el("camera").value);
     } else if (e.key === "f") {
       this.place(el("camera").value);

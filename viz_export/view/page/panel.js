@@ -25,12 +25,12 @@ function showLegend(field, map, range, kinds) {
   }));
 }
 
-function showForceLegend(shown, strongest) {
+function showForceLegend(shown, label, range) {
   const box = el("legend-force");
   box.hidden = !shown;
-  box.children[0].textContent = "contact force [N]";
+  box.children[0].textContent = label;
   box.children[1].style.background = gradient("inferno");
-  const ticks = [0, strongest / 2, strongest].map((v) => Object.assign(document.createElement("span"), { textContent: digits(v) }));
+  const ticks = [range[0], (range[0] + range[1]) / 2, range[1]].map((v) => Object.assign(document.createElement("span"), { textContent: digits(v) }));
   box.children[2].replaceChildren(...ticks);
 }
 

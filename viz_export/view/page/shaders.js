@@ -120,6 +120,7 @@ void main() {
   vec4 p = viewMatrix * vec4(turned(q, position * state.x) + place.xyz, 1.0);
   seen = p.xyz;
   outward = mat3(viewMatrix) * turned(q, normal);
+  if (state.z > 0.5 && dot(outward, seen) > 0.0) return;  // a half-space from within
   look = vec2(place.w, state.y);
   gl_Position = projectionMatrix * p;
 }`,
@@ -136,7 +137,10 @@ out vec4 colour;
 void main() {
   if (beyond(seen)) discard;
   if (outlined > 0.5) {
-    colour = vec4(mix(vec3(0.25, 0.28, 0.34), vec3(0.62, 0.66, 0.72), lifted), max(0.45, look.y));
+    vec3 base = baseColour(look.x);
+    bool dark = dot(base, vec3(0.3, 0.6, 0.1)) < 0.3;  // edges stand out from their faces
+    vec3 line = look.x < -1.5 ? mix(vec3(0.25, 0.28, 0.34), vec3(0.62, 0.66, 0.72), lifted) : dark ? mix(base, vec3(1.0), 0.45) : 0.4 * base;
+    colour = vec4(line, max(0.45, look.y));
     return;
   }
   vec3 n = normalize(outward);

@@ -97,6 +97,7 @@ function headingsOf(steps, n) {
   return out;
 }
 
+// scales[5]: of residuals, 0 where there are none.
 function contactsOf(reader, scales) {
   const n = reader.number();
   const a = reader.differences(n, null, 4);
@@ -106,9 +107,11 @@ function contactsOf(reader, scales) {
   const force = new Float32Array(n);
   for (let k = 0; k < n; ++k) force[k] = scales[4] * (root[k] / 65535) ** 2;
   const from = placesOf(ends, n, scales);
+  let residual = null;
+  if (scales[5] > 0) residual = Float32Array.from(reader.differences(n, null, 3), (r) => scales[5] * (r / 65535) ** 2);
   const way = placesOf(ends.subarray(3 * n), n, [0, 0, 0, scales[3]]);
   for (let k = 0; k < 3 * n; ++k) way[k] += from[k];
-  return { n, a, b, force, from, to: way };
+  return { n, a, b, force, residual, from, to: way };
 }
 
 // The frames of a chunk: { n, id, place, turn, fields: {name: values}, heading, contacts }.
@@ -117,7 +120,7 @@ async function framesOfChunk(bytes, columns, frames) {
   const moving = columns.filter((c) => !["id", "position", "rest", "largest", "heading", "contact"].includes(c));
   let at = 4 * columns.length;
   const scales = [];
-  for (let k = 0; k < 5 + moving.length; ++k, at += 8) scales.push(head.getFloat64(at, true));
+  for (let k = 0; k < 6 + moving.length; ++k, at += 8) scales.push(head.getFloat64(at, true));
   const readers = {};
   for (let k = 0; k < columns.length; ++k) {
     const size = head.getUint32(4 * k, true);
@@ -135,7 +138,7 @@ async function framesOfChunk(bytes, columns, frames) {
     moving.forEach((name, k) => {
       const steps = next(name, n, 3);
       const values = new Float32Array(n);
-      for (let row = 0; row < n; ++row) values[row] = steps[row] * scales[5 + k];
+      for (let row = 0; row < n; ++row) values[row] = steps[row] * scales[6 + k];
       frame.fields[name] = values;
     });
     if (readers.heading) frame.heading = headingsOf(next("heading", 2 * n, 2), n);

@@ -34,6 +34,7 @@ class Viewer {
     this.renderer.setPixelRatio(antialias ? Math.min(window.devicePixelRatio || 1, 2) : 1);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
+    this.camera.up.set(...this.manifest.up);  // before the control is made: it turns about what is up then
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.enableKeys = false;
     this.controls.addEventListener("change", () => {
@@ -115,7 +116,7 @@ class Viewer {
     el("title").textContent = m.title;
     fillSelect(el("field"), m.fields.map((f) => [f.name, f.label]), m.view.field || "speed");
     fillSelect(el("map"), Object.keys(polynomials).map((name) => [name, name]), "viridis");
-    const cameras = Object.keys(presets).map((name, k) => [name, `${name} (${k + 1})`]);
+    const cameras = Object.keys(m.presets).map((name, k) => [name, `${name} (${k + 1})`]);
     fillSelect(el("camera"), m.view.from ? [["scene", "of the scene"], ...cameras] : cameras, m.view.from ? "scene" : m.view.preset || "iso");
     el("contacts").disabled = !m.columns.includes("contact");
     el("arrows").disabled = !m.columns.includes("heading");
@@ -165,7 +166,8 @@ class Viewer {
     const bodies = this.source.bodies;
     const id = frame.id[row];
     if (frame.fields[name]) return frame.fields[name][row];
-    if (name === "height") return frame.place[3 * row + 2];
+    const up = this.manifest.up;
+    if (name === "height") return up.reduce((sum, part, axis) => sum + part * frame.place[3 * row + axis], 0);
     if (name === "size") return bodies.radius[id];
     if (name === "material") return bodies.material[id];
     return name === "body" ? this.groupOf[id] : id;
@@ -225,20 +227,21 @@ class Viewer {
     const strongest = this.manifest.strongest || 1;
     const contacts = el("contacts").checked && this.frame.contacts;
     const none = new Float32Array(0);
-    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest, 0.42 * this.size));
+    const residual = contacts && contacts.residual && this.field().name === "residual" ? this.range : null;
+    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest, 0.42 * this.size, residual));
     else this.contacts.show(0, none, none, none);
-    showForceLegend(Boolean(contacts), strongest);
+    showForceLegend(contacts, residual ? "residual of a contact" : "contact force [N]", residual || [0, strongest]);
     const speed = this.manifest.fields.find((f) => f.name === "speed").range[1];
     if (el("arrows").checked && this.frame.heading)
       showArrows(this.arrows, this.frame, this.source.bodies, speed, 8 * this.size, (id) => this.opacity[id] > 0);
     else this.arrows.show(0, none, none, none);
-    if (el("springs").checked) showSprings(this.springs, this.frame, this.manifest.springs, (id) => this.rowOf(id), 0.25 * this.size);
+    if (el("springs").checked) showSprings(this.springs, this.frame, this.manifest, (id) => this.rowOf(id), 0.25 * this.size);
     else this.springs.show(0, none, none, none);
     this.dirty = true;
   }
 
   place(name) {
-    placeCamera(name, this.camera, this.controls, this.box, this.manifest.view);
+    placeCamera(name, this.camera, this.controls, this.box, this.manifest);
     this.dirty = true;
   }
 
@@ -315,17 +318,21 @@ class Viewer {
     return null;
   }
 
+  // Its number among the contacts of the frame, -1 where the bodies are apart.
   contactNow(frame) {
     const c = frame.contacts;
-    for (let k = 0; c && k < c.n; ++k) if (c.a[k] === this.picked.a && c.b[k] === this.picked.b) return c.force[k];
-    return null;
+    for (let k = 0; c && k < c.n; ++k) if (c.a[k] === this.picked.a && c.b[k] === this.picked.b) return k;
+    return -1;
   }
 
   showPickedContact() {
     const { a, b } = this.picked;
-    const force = this.contactNow(this.frame);
-    showPicked("contact", [["between", this.source.name(a)], ["and", this.source.name(b)],
-      ["normal force", force === null ? "apart" : digits(force) + " N"]]);
+    const k = this.contactNow(this.frame);
+    const contacts = this.frame.contacts;
+    const rows = [["between", this.source.name(a)], ["and", this.source.name(b)],
+      ["normal force", k < 0 ? "apart" : digits(contacts.force[k]) + " N"]];
+    if (k >= 0 && contacts.residual) rows.push(["residual", digits(contacts.residual[k])]);
+    showPicked("contact", rows);
     this.showHistory();
   }
 
@@ -344,7 +351,8 @@ class Viewer {
       const frame = await this.source.frame(k);
       const row = picked.id === undefined ? -1 : frame.id[picked.id] === picked.id ? picked.id : frame.id.indexOf(picked.id);
       history.x.push(this.manifest.times[k]);
-      if (picked.id === undefined) history.y.push(this.contactNow(frame));
+      const contact = picked.id === undefined ? this.contactNow(frame) : -1;
+      if (picked.id === undefined) history.y.push(contact < 0 ? null : frame.contacts.force[contact]);
       else history.y.push(row < 0 ? null : this.valueOf(frame, row, field.name));
     }
     if (this.history === history) this.showHistory();

@@ -1,0 +1,208 @@
+// How a run is looked at: what is up, where colours end, what contacts do to bodies, a run that grows.
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/catch.h"
+#include "viz_export/view/overview.h"
+#include "viz_export/view/render_run.h"
+
+using namespace epafi;
+
+namespace {
+
+constexpr double ball_radius = 0.05;
+
+BodyRecord ball_at(std::uint32_t id, const Vec3& place, const Vec3& velocity = Vec3::Zero()) {
+  BodyRecord b;
+  b.id = id;
+  b.mass = 1;
+  b.radius = ball_radius;
+  b.pose.position = place;
+  b.velocity = velocity;
+  return b;
+}
+
+ViewFrame frame_of(std::vector<BodyRecord> bodies) {
+  ViewFrame frame;
+  frame.bodies = std::move(bodies);
+  return frame;
+}
+
+RunAbout about_with(const Vec3& gravity) {
+  RunAbout about;
+  about.gravity = gravity;
+  return about;
+}
+
+/// Frames that a test makes.
+class MadeRun final : public ViewSource {
+ public:
+  MadeRun(std::vector<ViewFrame> frames, RunAbout about) : frames_(std::move(frames)), about_(std::move(about)) {
+    for (std::size_t k = 0; k < frames_.size(); ++k) {
+      frames_[k].time = static_cast<double>(k);
+      times_.push_back(frames_[k].time);
+    }
+  }
+  std::string title() const override { return "made"; }
+  const RunAbout& about() const override { return about_; }
+  const std::vector<double>& times() const override { return times_; }
+  ViewFrame frame(std::size_t k) const override { return frames_.at(k); }
+  const std::vector<BodyRecord>& bodies() const override { return frames_.back().bodies; }
+  std::vector<StoredMeasure> measures() const override { return {}; }
+  bool has_contacts() const override { return !frames_.back().contacts.empty(); }
+  bool has_residuals() const override { return false; }
+  bool is_running() const override { return false; }
+
+ private:
+  std::vector<ViewFrame> frames_;
+  RunAbout about_;
+  std::vector<double> times_;
+};
+
+/// Mean row of the pixels that are more red than green or blue, or more blue than red.
+double mean_row(Image& image, bool red) {
+  double sum = 0, count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint8_t* p = image.at(x, y);
+      if (red ? p[0] < p[2] + 60 : p[2] < p[0] + 60) continue;
+      sum += y;
+      count += 1;
+    }
+  REQUIRE(count > 20);
+  return sum / count;
+}
+
+}  // namespace
+
+TEST_CASE("pictures show against gravity as up, whatever axis it points along", "[viz_export][view]") {
+  const std::vector<Vec3> gravities{{0, 0, -9.81}, {0, 0, 9.81}, {0, -9.81, 0}, {0, 9.81, 0},
+                                    {9.81, 0, 0},  {-1.6, 0, 0}, {3, 0, -9},    {1, 2, -3}};
+  for (const Vec3& gravity : gravities) {
+    const Vec3 up = -gravity.normalized();
+    CHECK((upright(up) * Vec3::UnitZ() - up).norm() < 1e-12);
+    RunAbout about = about_with(gravity);
+    about.groups = {{"low", 0, 1}, {"high", 1, 1}};  // of the kinds' colours the first is blue, the second orange
+    const auto source =
+        still_source("", about, frame_of({ball_at(0, Vec3(1, 2, 3)), ball_at(1, Vec3(1, 2, 3) + 0.3 * up)}));
+    for (const char* camera : {"iso", "front", "back", "left", "right"}) {
+      RenderOptions options;
+      options.camera = camera;
+      options.field = "body";
+      options.width = 160;
+      options.height = 120;
+      options.labels = false;
+      RunPainter painter(*source, look_over(*source), options);
+      Image image = painter.paint(0);
+      INFO(camera << ", gravity " << gravity.transpose());
+      CHECK(mean_row(image, true) + 20 < mean_row(image, false));
+    }
+    const Camera top = choose_camera("top", about, look_over(*source).box, 1.5);
+    CHECK((top.eye - top.target).normalized().dot(up) == Approx(1));
+  }
+  CHECK(upwards(RunAbout{}) == Vec3(0, 0, 1));  // no gravity
+}
+
+TEST_CASE("a camera that looks straight down has an upright picture", "[viz_export][view]") {
+  RunAbout about = about_with({0, 0, -9.81});
+  about.view.from = Vec3(0, 0, 5);
+  about.view.to = Vec3(0, 0, 0);
+  const Camera camera = choose_camera("", about, {}, 1.0);
+  CHECK(std::abs(camera.up.dot((camera.eye - camera.target).normalized())) < 1e-12);
+}
+
+TEST_CASE("height counts against gravity", "[viz_export][view]") {
+  const ViewFrame frame = frame_of({ball_at(0, Vec3(1, 2, 3))});
+  CHECK(FrameFields(frame, about_with({0, 9.81, 0}))("height") == std::vector<float>{-2});
+  const auto source = still_source("", about_with({0, 9.81, 0}), frame);
+  const auto fields = view_fields(*source);
+  const auto height = std::find_if(fields.begin(), fields.end(), [](const ViewField& f) { return f.name == "height"; });
+  REQUIRE(height != fields.end());
+  CHECK(height->label == "height -y");
+}
+
+TEST_CASE("bodies at rest have the colour of rest, not that of rounding", "[viz_export][view]") {
+  // 1e-15 m/s is what sums of forces leave over; a fall through the picture gives sqrt(2 g L) = 2 m/s
+  std::vector<BodyRecord> resting, moving;
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    const Vec3 place(0.1 * (k % 5), 0, 0.1 * (k / 5));
+    resting.push_back(ball_at(k, place, Vec3(1e-15 * (k % 7), 0, 0)));
+    moving.push_back(ball_at(k, place, Vec3(1e-3 * k, 0, 0)));
+  }
+  const auto still = still_source("", about_with({0, 0, -9.81}), frame_of(resting));
+  const double top = look_over(*still).range.at("speed")[1];
+  CHECK(top > 1e-7);
+  CHECK(top < 1e-5);
+  // slow motion keeps its own range, and so does everything without gravity
+  const auto slow = still_source("", about_with({0, 0, -9.81}), frame_of(moving));
+  CHECK(look_over(*slow).range.at("speed")[1] == Approx(0.018));
+  const auto floating = still_source("", {}, frame_of(resting));
+  CHECK(look_over(*floating).range.at("speed")[1] < 1e-14);
+}
+
+TEST_CASE("a ball between two plates has the stress of its load", "[viz_export][view]") {
+  // Two forces F at R above and below: sigma_zz = -2 R F / V, p = -sigma_zz / 3, von Mises = |sigma_zz| (uniaxial).
+  const double F = 3.0, volume = 4.0 / 3.0 * std::numbers::pi * ball_radius * ball_radius * ball_radius;
+  ViewFrame frame =
+      frame_of({ball_at(0, Vec3(0, 0, 0)), ball_at(1, Vec3(0, 0, ball_radius)), ball_at(2, Vec3(0, 0, -ball_radius))});
+  frame.bodies[1].mass = frame.bodies[2].mass = 0;  // walls
+  const Eigen::Vector3f centre(0, 0, 0), up(0, 0, ball_radius), push(0, 0, static_cast<float>(F));
+  frame.contacts = {{0, 1, centre, up, -push, 3, 0, 0}, {0, 2, centre, -up, push, 3, 0, 0}};
+  const RunAbout about;
+  const FrameFields fields(frame, about);
+  const double expected = 2 * ball_radius * F / volume;
+  CHECK(fields("pressure")[0] == Approx(expected / 3));
+  CHECK(fields("stress")[0] == Approx(expected));
+  CHECK(fields("contacts")[0] == 2);
+  CHECK(fields("force")[0] == Approx(2 * F));
+  CHECK(fields("stress")[1] == 0);  // walls have none
+}
+
+TEST_CASE("two balls of unlike size part the line between them at their contact", "[viz_export][view]") {
+  // A ball pulled at two opposite points and one pressed there: each arm is its own radius, whatever the partner's.
+  ViewFrame frame = frame_of({ball_at(0, Vec3(0, 0, 0)), ball_at(1, Vec3(0.2, 0, 0)), ball_at(2, Vec3(-0.2, 0, 0))});
+  frame.bodies[1].radius = frame.bodies[2].radius = 0.15;
+  const Eigen::Vector3f one(0.2f, 0, 0), push(2, 0, 0), centre(0, 0, 0);
+  frame.contacts = {{0, 1, centre, one, -push, 2, 0, 0}, {0, 2, centre, -one, push, 2, 0, 0}};
+  const double volume = 4.0 / 3.0 * std::numbers::pi * ball_radius * ball_radius * ball_radius;
+  const RunAbout about;
+  const FrameFields fields(frame, about);
+  CHECK(fields("stress")[0] == Approx(2 * ball_radius * 2.0 / volume));
+  // and the larger ones have half as many contacts, three times the arm, 27 times the volume
+  CHECK(fields("stress")[1] == Approx(0.15 * 2.0 / (27 * volume)));
+}
+
+TEST_CASE("a run that moves but for a moment has as many pictures as another", "[viz_export][view]") {
+  std::vector<ViewFrame> frames;
+  for (int k = 0; k < 40; ++k) frames.push_back(frame_of({ball_at(0, Vec3(0, 0, k < 4 ? 1 : 0))}));
+  const std::vector<std::size_t> shown = telling_frames(MadeRun(frames, {}), 6);
+  CHECK(shown.size() == 6);
+  CHECK(std::is_sorted(shown.begin(), shown.end()));
+  CHECK(std::adjacent_find(shown.begin(), shown.end()) == shown.end());
+  CHECK(std::find(shown.begin(), shown.end(), 4u) != shown.end());  // where it has moved
+  for (ViewFrame& frame : frames) frame.bodies.front().pose.position.setZero();
+  CHECK(telling_frames(MadeRun(frames, {}), 6).size() == 2);  // nothing happens
+}
+
+TEST_CASE("the picture of a run that grows shows its last state, without what flew away", "[viz_export][view]") {
+  // A heap that a source pours: frame k has 20 k balls, in layers; three of them leave far to the side.
+  std::vector<ViewFrame> frames;
+  for (std::uint32_t k = 0; k <= 40; ++k) {
+    std::vector<BodyRecord> bodies;
+    for (std::uint32_t b = 0; b < 20 * k; ++b) {
+      const bool stray = b % 300 == 7;
+      const Vec3 place(0.1 * (b % 5), 0.1 * (b / 5 % 4), 0.1 * (b / 20));
+      bodies.push_back(ball_at(b, stray ? Vec3(500, 0, -300) : place));
+    }
+    frames.push_back(frame_of(std::move(bodies)));
+  }
+  const MadeRun run(frames, about_with({0, 0, -9.81}));
+  const ViewBox box = look_over(run).box;
+  CHECK(box.min.z() == Approx(-ball_radius));
+  CHECK(box.max.x() == Approx(0.4 + ball_radius));
+  CHECK(box.max.z() > 0.1 * 39 - 0.1);  // the last layer
+  const std::vector<std::size_t> shown = telling_frames(run, 6);
+  CHECK(shown.front() == 1);  // the first one with a body
+  CHECK(shown.back() == 40);
+  CHECK(shown.size() == 6);
+}
