@@ -19,10 +19,11 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   if (fresh && world.size() >= many_bodies && model()) model()->lend(pairs.spheres);
   if (!fresh && !ways_known_) return;  // what the list has gone through is not known then
   if (FusedSpheres* const m = model()) m->expect(list_->bodies().drift(world.time));
-  wear_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, 0.0);
+  const std::size_t block_size = model() ? model()->block_size() : SphereBlocks::largest_block;
+  wear_.assign((world.size() + block_size - 1) / block_size, 0.0);
   if (fresh) return;
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
-  parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
+  parallel_blocks(world.size(), block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
     wear_[b] = list_->bodies().wear(begin, end, at, world.time).most;
   });
 }
@@ -41,8 +42,9 @@ bool WornPairs::keeps_pairs(const World& world) {
   parallel_for(
       doubtful_.size(),
       [&](std::size_t k) {
-        const std::size_t begin = doubtful_[k] * SphereBlocks::block_size;
-        found[k] = list_->bodies().wear(begin, std::min(begin + SphereBlocks::block_size, world.size()), at, world.time);
+        const std::size_t begin = doubtful_[k] * model()->block_size();
+        const std::size_t end = std::min(begin + model()->block_size(), world.size());
+        found[k] = list_->bodies().wear(begin, end, at, world.time);
         wear_[doubtful_[k]] = found[k].most;
       },
       1);

@@ -7,6 +7,7 @@
 #include "engine/state_snapshot.h"
 #include "engine/targets.h"
 #include "scenes/contact_setup.h"
+#include "scenes/sphere_split.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 
@@ -250,6 +251,44 @@ TEST_CASE("the fused loop of spheres gives the same bits on lanes of two, four a
   limit_target(Target::avx512);
   CHECK(seen[0].elastic > 0.0);
   CHECK((seen[1] == seen[0] && seen[2] == seen[0]));
+}
+
+/// The scene with blocks of so many bodies in its fused loop.
+SceneRun with_blocks(const Case& c, std::size_t block_size) {
+  SceneRun run = prepare_scene(library(c.scene), c.overrides);
+  Assembly& a = *run.assembly;
+  auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.sphere_material, block_size);
+  SphereRoles roles{true};
+  for (const auto& b : a.scene.bodies) roles.fixed.push_back(b.fixed);
+  auto others = std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature);
+  Pipeline& stages = a.simulation->pipeline;
+  stages.narrow_phase = std::make_unique<SphereSplit>(*a.shapes, std::move(others), *model, roles);
+  stages.contact_model = std::move(model);
+  return run;
+}
+
+// Not of a cell under pressure: its size follows the sum over all contacts, which is one of sums by block.
+TEST_CASE("the bits do not depend on how many bodies a block of the fused loop has", "[physics][fused]") {
+  set_thread_count(1);
+  const std::vector<std::string> hopper{"params.n=1500", "params.open_at=0.05"};
+  const std::vector<std::string> column{"params.l0=10", "params.w=8", "params.open_at=0.02", "params.a=1.0"};
+  const auto poured = with(bed_on_a_box, {"fill.0.method=pour", "fill.0.rate=60000"});
+  const Case c = GENERATE_COPY(
+      Case{"bed/bed.toml", small_bed, 1100, 500}, Case{"bed/bed.toml", bed_on_a_box, 1100, 500},
+      Case{"bed/bed.toml", with(small_bed, rolling), 2900, 500}, Case{"bed/bed.toml", poured, 2200, 50},
+      Case{"granular/incline_flow.toml", flow, 1500, 50}, Case{"granular/column_collapse.toml", column, 1500, 50},
+      Case{"hopper/hopper.toml", hopper, 1500, 50});
+  INFO(c.scene << ", " << c.overrides.back());
+  std::vector<std::string> hashes;
+  for (const std::size_t block_size : {1024, 384}) {
+    SceneRun run = with_blocks(c, block_size);
+    REQUIRE(run.assembly->plan.fused_spheres);
+    run.simulation().start(), run.advance_to(c.steps);
+    CHECK(run.simulation().world.size() > 1024);
+    CHECK(run.simulation().work.report.touching > c.touching);
+    hashes.push_back(run.hash());
+  }
+  CHECK(hashes[1] == hashes[0]);
 }
 
 TEST_CASE("a sphere that leaves the domain is noticed at once where the fused loop watches", "[physics][fused]") {

@@ -81,16 +81,17 @@ class FusedModel final : public FusedSpheres {
   using Law = SphereLaw<Normal, Tangential, Rolling>;
 
   /// laws: of the spheres against all materials.
-  FusedModel(const SmoothSetup& setup, std::size_t material, std::vector<Law> laws)
+  FusedModel(const SmoothSetup& setup, std::size_t material, std::vector<Law> laws, std::size_t block_size)
       : laws_(std::move(laws)),
         law_(laws_[material]),
         generic_(make_smooth_contact(setup)),
         damped_(Rolling::is_present),
-        blocks_({Tangential::is_present, Rolling::is_present}) {
+        blocks_({Tangential::is_present, Rolling::is_present}, block_size) {
     for (const Law& law : laws_) damped_ = damped_ || Normal::is_damped(law.normal);
   }
 
   const char* name() const override { return "fused spheres"; }
+  std::size_t block_size() const override { return blocks_.block_size(); }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
   void make_way() override {
     hurry_ = {};
@@ -111,10 +112,10 @@ class FusedModel final : public FusedSpheres {
     if (!clock.scheme->has_ranges() || blocks_.bodies() != world.size()) return ways_.clear(), false;
     predicted_ = true;
     if (std::exchange(ahead_, false)) return true;
-    extents_.assign((world.size() + SphereBlocks::block_size - 1) / SphereBlocks::block_size, Extent{});
+    extents_.assign((world.size() + blocks_.block_size() - 1) / blocks_.block_size(), Extent{});
     most_hurry_.assign(extents_.size(), Vec3::Zero());
     const auto loop = best_loop<FirstHalf>();
-    parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t i) {
+    parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t i) {
       loop({pass(world, clock, begin, end, 0, extents_[i]), most_hurry_[i]});
     });
     find_ways(clock.dt);
@@ -132,7 +133,7 @@ class FusedModel final : public FusedSpheres {
     if (!radius_.empty()) blocks_.set_constants(world, radius_), let_go(radius_);
     // reads the force of the last step: before the generic loop writes
     if (!predicted_)
-      parallel_blocks(world.size(), SphereBlocks::block_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+      parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t) {
         predict_bodies(world, lag(clock), blocks_.late_spins(), begin, end);
       });
     has_extent_ = predicted_ && clock.scheme, predicted_ = false;
@@ -198,7 +199,7 @@ class FusedModel final : public FusedSpheres {
 
  private:
   using Task = BlockTask<Normal, Tangential, Rolling>;
-  static_assert(TouchedBodies::block_size == SphereBlocks::block_size, "threads share the same bodies out in both");
+  static_assert(TouchedBodies::block_size == SphereBlocks::largest_block, "threads share the same bodies out in both");
   static constexpr std::size_t most_trays = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
 
   /// Later than the velocities of the world by this are those the dampers see [s].
@@ -274,9 +275,9 @@ class FusedModel final : public FusedSpheres {
     const auto find = [&](std::size_t i, std::size_t tray) {
       blocks_.clear_tray(tray);
       SphereArrays mine = arrays;
-      const std::size_t first = i * SphereBlocks::block_size;
+      const std::size_t first = i * blocks_.block_size();
       mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(tray)) - first * sizeof(SphereSum);
-      mine.nowhere = SpherePlace(static_cast<Slot>(first + SphereBlocks::block_size));
+      mine.nowhere = SpherePlace(static_cast<Slot>(first + blocks_.block_size()));
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(tray)) - first * sizeof(Lanes);
       loop({all[i], law_, wall_laws_, mine});
     };
@@ -285,14 +286,14 @@ class FusedModel final : public FusedSpheres {
     const auto run_on = best_loop<SecondHalf<true>>();
     const auto finish = [&](std::size_t i, std::size_t tray, std::size_t next) {
       blocks_.receive(i, tray);
-      const std::size_t begin = i * SphereBlocks::block_size;
-      const std::size_t end = std::min(world.size(), begin + SphereBlocks::block_size);
+      const std::size_t begin = i * blocks_.block_size();
+      const std::size_t end = std::min(world.size(), begin + blocks_.block_size());
       if (!clock.scheme)
         unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray), touched(), begin, end);
       else if (onward)
         run_on({pass(world, clock, begin, end, tray, extents_[i]),
                 {next_extents_[i] = {}, most_hurry_[i] = Vec3::Zero()},
-                world.states().data() + next * SphereBlocks::block_size});
+                world.states().data() + next * blocks_.block_size()});
       else
         second_half({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[0], most_hurry_[0]}, {}});
     };
@@ -417,7 +418,7 @@ void with_lanes(const SmoothParts& parts, const F& f) {
 
 /// N, T, R as scenes name them.
 template <class N, class T, class R>
-std::unique_ptr<FusedSpheres> fused_model(const SmoothSetup& setup, std::size_t material) {
+std::unique_ptr<FusedSpheres> fused_model(const SmoothSetup& setup, std::size_t material, std::size_t block_size) {
   using Rolling = std::conditional_t<R::is_present, AnyRolling, NoRolling>;
   using Model = FusedModel<Loop<N>, Loop<T>, Rolling>;
   std::vector<typename Model::Law> laws(setup.materials.materials);
@@ -425,7 +426,7 @@ std::unique_ptr<FusedSpheres> fused_model(const SmoothSetup& setup, std::size_t 
     const MaterialPair& pair = setup.materials.pairs[material * laws.size() + other];
     if (pair.occurs) laws[other] = {N::parameters(pair), T::parameters(pair), R::parameters(pair)};
   }
-  return std::make_unique<Model>(setup, material, std::move(laws));
+  return std::make_unique<Model>(setup, material, std::move(laws), block_size);
 }
 
 }  // namespace epafi

@@ -17,7 +17,8 @@ bool needs_rolling_loop(const SmoothSetup& setup) {
   });
 }
 
-std::unique_ptr<FusedSpheres> make_fused_rolling(const SmoothSetup& setup, std::size_t material) {
+std::unique_ptr<FusedSpheres> make_fused_rolling(const SmoothSetup& setup, std::size_t material,
+                                                 std::size_t block_size) {
   const SmoothParts parts = smooth_parts(setup);
   std::unique_ptr<FusedSpheres> model;
   with_lanes(parts, [&](auto n, auto t) {
@@ -25,11 +26,11 @@ std::unique_ptr<FusedSpheres> make_fused_rolling(const SmoothSetup& setup, std::
     using T = typename decltype(t)::type;
     if constexpr (T::is_present) {
       if (parts.rolling == NoRolling::name)
-        model = fused_model<N, T, AnyRolling>(setup, material);
+        model = fused_model<N, T, AnyRolling>(setup, material, block_size);
       else
         with_law(RollingLaws{}, parts.rolling, [&](auto r) {
           using R = typename decltype(r)::type;
-          if constexpr (R::is_present) model = fused_model<N, T, R>(setup, material);
+          if constexpr (R::is_present) model = fused_model<N, T, R>(setup, material, block_size);
         });
     }
   });

@@ -10,11 +10,12 @@ bool has_fused_spheres(const SmoothSetup& setup) {
   return found;
 }
 
-std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material) {
-  if (needs_rolling_loop(setup)) return make_fused_rolling(setup, material);
+std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material,
+                                                 std::size_t block_size) {
+  if (needs_rolling_loop(setup)) return make_fused_rolling(setup, material, block_size);
   std::unique_ptr<FusedSpheres> model;
   with_lanes(smooth_parts(setup), [&](auto n, auto t) {
-    model = fused_model<typename decltype(n)::type, typename decltype(t)::type, NoRolling>(setup, material);
+    model = fused_model<typename decltype(n)::type, typename decltype(t)::type, NoRolling>(setup, material, block_size);
   });
   return model;
 }

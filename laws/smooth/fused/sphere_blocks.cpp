@@ -32,8 +32,8 @@ class Carried {
     });
   }
   /// Finds them among the pairs of the next layout, which has them in the same order.
-  void give(Block& block, const std::vector<SpherePlane>& planes) {
-    from_.clear();
+  void give(Block& block, const std::vector<SpherePlane>& planes, std::size_t block_size) {
+    from_.clear(), block_size_ = block_size;
     for (const SphereBlocks::Run& run : block.runs) {
       const Slot plane = plane_slot(run, planes);
       for (const Run& old : runs_)
@@ -51,10 +51,10 @@ class Carried {
   struct Contact {
     SpherePlaces pair;
     std::uint32_t key;
-    auto order() const {
-      return std::tuple(pair.b.slot() / SphereBlocks::block_size, pair.a.offset, pair.b.offset, key);
-    }
   };
+  auto order(const Contact& c) const {
+    return std::tuple(c.pair.b.slot() / block_size_, c.pair.a.offset, c.pair.b.offset, c.key);
+  }
   static Slot plane_slot(const SphereBlocks::Run& run, const std::vector<SpherePlane>& planes) {
     return run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : no_slot;
   }
@@ -62,13 +62,14 @@ class Carried {
     std::uint32_t at = old.begin;
     for (std::uint32_t k = run.begin; k < run.end && at < old.end; ++k) {
       const Contact now{block.pairs[k], block.images.empty() ? 0u : block.images[k].key};
-      while (at < old.end && contacts_[at].order() < now.order()) ++at;
-      if (at == old.end || contacts_[at].order() != now.order()) continue;
+      while (at < old.end && order(contacts_[at]) > order(now)) ++at;
+      if (at == old.end || order(contacts_[at]) != order(now)) continue;
       from_.push_back(at);
       block.set_touching(k);
     }
   }
 
+  std::size_t block_size_ = 0;
   std::vector<Run> runs_;
   std::vector<Contact> contacts_;
   std::vector<std::uint32_t> from_;  ///< their numbers, as they come now
@@ -110,7 +111,7 @@ void by_pieces(std::size_t count, std::size_t piece, const F& f, const Gone& gon
 void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   EPAFI_REQUIRE(world.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
   EPAFI_REQUIRE(list.pairs.first.size() > world.size(), "pairs are laid out from a list that is there");
-  const std::size_t count = (world.size() + block_size - 1) / block_size;
+  const std::size_t count = (world.size() + block_size_ - 1) / block_size_;
   const SpherePairs& pairs = list.pairs;
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
   bodies_ = world.size();
@@ -124,9 +125,9 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     if (carries) carried.take(blocks_[i], before);
     lay_out(blocks_[i], static_cast<Slot>(i), pairs);
     if (carries)
-      carried.give(blocks_[i], planes_);
+      carried.give(blocks_[i], planes_, block_size_);
     else if (needs_.friction)
-      restore(blocks_[i], static_cast<Slot>(i * block_size),
+      restore(blocks_[i], static_cast<Slot>(i * block_size_),
               std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
   const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
@@ -171,34 +172,37 @@ void SphereBlocks::make_runs(Block& block, std::size_t end, std::span<const Slot
   for (const Slot b : partners) {
     const std::size_t run = run_of(b, end);
     ++place[run];
-    if (run == across && count_for[b / block_size]++ == 0) block.targets.push_back({static_cast<Slot>(b / block_size)});
+    if (run != across) continue;
+    const std::size_t target = b / block_size_;
+    if (count_for[target]++ == 0) block.targets.push_back({static_cast<Slot>(target)});
   }
-  for (std::size_t run = 0; run <= across; ++run) {
+  for (std::size_t r = 0; r <= across; ++r) {
+    const std::size_t run = r < inside ? r : across + inside - r;  // those across before those inside
     const std::uint32_t count = std::exchange(place[run], block.size);
     if (count == 0) continue;
     const std::int32_t plane = run < inside ? static_cast<std::int32_t>(run) : -1;
     block.runs.push_back({block.size, block.size + count, plane, run == across});
     block.size += (count + pairs_per_byte - 1) / pairs_per_byte * pairs_per_byte;
   }
-  std::ranges::sort(block.targets, {}, &Target::block);
+  std::ranges::sort(block.targets, std::ranges::greater{}, &Target::block);
   std::uint32_t next = place[across];
   for (Target& t : block.targets) t.pairs_end = next, next += std::exchange(count_for[t.block], 0u);
 }
 
 /// Pairs go to their runs in the order of their bodies, those across blocks by the block of their B.
 void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
-  const std::size_t begin = index * block_size, end = std::min(bodies_, begin + block_size);
+  const std::size_t begin = index * block_size_, end = std::min(bodies_, begin + block_size_);
   const std::size_t inside = planes_.size(), across = inside + 1;
   const std::uint32_t first = pairs.first[begin], count = pairs.first[end] - first;
   thread_local std::vector<std::uint32_t> place;
   make_runs(block, end, std::span(pairs.partner).subspan(first, count), place);
   renew(block.pairs, block.size + pairs_ahead, 16);
   if (!pairs.image.empty()) renew(block.images, block.size, 16);
-  for (std::size_t s = begin; s < end; ++s)
-    for (std::uint32_t k = pairs.first[s]; k < pairs.first[s + 1]; ++k) {
+  for (std::size_t s = end; s-- > begin;)
+    for (std::uint32_t k = pairs.first[s + 1]; k-- > pairs.first[s];) {
       const Slot b = pairs.partner[k];
       const std::size_t run = run_of(b, end);
-      const std::uint32_t at = run == across ? target_of(block, b / block_size)->pairs_end++ : place[run]++;
+      const std::uint32_t at = run == across ? target_of(block, b / block_size_)->pairs_end++ : place[run]++;
       block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(run < inside ? planes_[run].slot : b)};
       if (!block.images.empty()) block.images[at] = image_of(pairs.image[k]);
     }
@@ -265,7 +269,7 @@ void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>
 
 /// kept: springs of a block whose first slot is `first`.
 void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept) {
-  std::array<std::uint32_t, block_size + 2> begin{};
+  std::array<std::uint32_t, largest_block + 2> begin{};
   for (const Kept& s : kept) ++begin[s.a - first + 2];
   for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
   thread_local std::vector<const Kept*> by_a, found;
@@ -329,7 +333,7 @@ void SphereBlocks::group_kept(std::size_t count) {
   if (grouped_ && kept_begin_.size() == count + 1) return;
   UnwrittenColumn<Kept>& kept = kept_.springs;
   kept_begin_.assign(count + 1, 0);
-  const auto block = [](const Kept& s) { return s.a / block_size; };
+  const auto block = [this](const Kept& s) { return s.a / block_size_; };
   const bool in_order = block_max<char>(std::max(kept.size(), std::size_t{1}) - 1, 0, [&](std::size_t k) {
                           return static_cast<char>(block(kept[k]) > block(kept[k + 1]));
                         }) == 0;
@@ -341,12 +345,12 @@ void SphereBlocks::group_kept(std::size_t count) {
           kept_begin_[i] = static_cast<std::uint32_t>(at - kept.begin());
         },
         1);
-  for (const Kept& s : kept) ++kept_begin_[s.a / block_size + 1];
+  for (const Kept& s : kept) ++kept_begin_[s.a / block_size_ + 1];
   for (std::size_t i = 0; i < count; ++i) kept_begin_[i + 1] += kept_begin_[i];
   std::vector<std::uint32_t> next(kept_begin_.begin(), kept_begin_.end() - 1);
   for (std::size_t i = 0; i < count; ++i)
     while (next[i] < kept_begin_[i + 1]) {
-      const std::size_t home = kept[next[i]].a / block_size;
+      const std::size_t home = kept[next[i]].a / block_size_;
       if (home == i)
         ++next[i];
       else
@@ -392,24 +396,25 @@ void SphereBlocks::visit(StateVisitor& visitor) {
 void SphereBlocks::set_trays(std::size_t trays) {
   if (is_clear_.size() == trays) return;
   let_go(sums_), let_go(moments_);
-  sums_.resize(trays * (block_size + 1)), moments_.resize(needs_.rolling ? trays * block_size : 0);
+  sums_.resize(trays * (block_size_ + 1)), moments_.resize(needs_.rolling ? trays * block_size_ : 0);
   is_clear_.assign(trays, 0);
 }
 
 void SphereBlocks::clear_tray(std::size_t tray) {
   if (std::exchange(is_clear_[tray], std::uint8_t{1}) != 0) return;  // as the pass over the bodies leaves it
-  std::fill_n(sums(tray), block_size, SphereSum{});
-  if (needs_.rolling) std::fill_n(moments(tray), block_size, Lanes{});
+  std::fill_n(sums(tray), block_size_, SphereSum{});
+  if (needs_.rolling) std::fill_n(moments(tray), block_size_, Lanes{});
 }
 
 void SphereBlocks::receive(std::size_t i, std::size_t tray) {
   SphereSum* const mine = sums(tray);
-  for (const Slot source : blocks_[i].sources) {
-    const Block& from = blocks_[source];
+  const auto& sources = blocks_[i].sources;
+  for (auto source = sources.rbegin(); source != sources.rend(); ++source) {
+    const Block& from = blocks_[*source];
     const auto target = target_of(from, i);
     for (std::uint32_t k = target == from.targets.begin() ? 0 : std::prev(target)->records_end; k < target->records_end;
          ++k) {
-      const std::size_t slot = from.record_places[k].slot() % block_size;
+      const std::size_t slot = from.record_places[k].slot() - i * block_size_;
       const SphereRecord& found = from.records[k];
       Lanes first;
       std::memcpy(&first, found.first, sizeof first);

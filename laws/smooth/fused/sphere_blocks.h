@@ -1,8 +1,9 @@
 /// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over
-/// several at a time. Slots are cut into blocks of 1024; a block owns the contacts whose lower slot it holds and adds
+/// several at a time. Slots are cut into blocks; a block owns the contacts whose lower slot it holds and adds
 /// their forces to its own bodies; what it finds for bodies of later blocks it writes down, by block, and those blocks
-/// add it in a second pass. The order of every sum is that of the slots, so the bits depend neither on threads nor on
-/// which pairs that do not touch are listed.
+/// add it in a second pass. A body's sum is that of its planes, then of its partners from the highest slot down, whichever
+/// blocks they lie in: the bits depend neither on threads, nor on the size of the blocks, nor on which pairs that do not
+/// touch are listed.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -69,14 +70,14 @@ struct alignas(32) SphereImage {
 
 class SphereBlocks {
  public:
-  static constexpr std::size_t block_size = 1024;
+  static constexpr std::size_t largest_block = 1024;  ///< bodies of a block, unless a smaller one is asked for
   static constexpr std::uint32_t pairs_per_byte = 8;  ///< of `touched`; runs are filled up to so many
   static constexpr std::uint32_t pairs_ahead = 24;    ///< the loop asks for bodies so far ahead: as many pairs stand
                                                       ///< behind the last one
-  static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit - block_size;
+  static constexpr std::size_t most_bodies = std::size_t{0xffffffffu} / SpherePlace::unit - largest_block;
 
   /// Pairs of one plane, inside a block or across blocks: [begin, end) of the block's, begin a multiple of eight,
-  /// sorted by (block of b, a, b, key).
+  /// sorted by (block of b, a, b, key), the largest first.
   struct Run {
     std::uint32_t begin = 0, end = 0;
     std::int32_t plane = -1;
@@ -92,14 +93,14 @@ class SphereBlocks {
 
   struct Block {
     explicit Block(bool rolls) : springs(rolls) {}
-    std::vector<Run> runs;                ///< planes in order, then inside the block, then across blocks
+    std::vector<Run> runs;                ///< planes in order, then across blocks, then inside the block
     UnwrittenColumn<SpherePlaces> pairs;  ///< every run filled up to whole eights, `pairs_ahead` more behind the last,
                                           ///< with pairs of the state that is nowhere
     UnwrittenColumn<SphereImage> images;  ///< by pair, in a periodic cell; else empty
     std::vector<std::uint8_t> touched;    ///< by eight pairs: those that touched at the last call, one bit each
     SphereSprings springs;                ///< of those, with friction
     std::uint32_t size = 0;               ///< pairs, whole eights
-    std::vector<Target> targets;          ///< ascending, one behind the last
+    std::vector<Target> targets;          ///< descending, one behind the last
     std::vector<Slot> sources;            ///< blocks that have this one among their targets, ascending
     /// Of contacts across blocks that touch, in their order: forces on B, its place, and with rolling moments [N m].
     UnwrittenColumn<SphereRecord> records;
@@ -117,7 +118,10 @@ class SphereBlocks {
     }
   };
 
-  explicit SphereBlocks(SphereNeeds needs) : needs_(needs) {}
+  /// block_size: a multiple of four, at most largest_block.
+  explicit SphereBlocks(SphereNeeds needs, std::size_t block_size = largest_block)
+      : needs_(needs), block_size_(block_size) {}
+  std::size_t block_size() const { return block_size_; }
 
   /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
   void rebuild(const World& world, const SphereList& list);
@@ -156,12 +160,12 @@ class SphereBlocks {
   void set_trays(std::size_t trays);
   /// Of the first slot of the block that has this tray, and one behind the last that nobody reads; all zero before
   /// its first contact.
-  SphereSum* sums(std::size_t tray) { return sums_.data() + tray * (block_size + 1); }
+  SphereSum* sums(std::size_t tray) { return sums_.data() + tray * (block_size_ + 1); }
   void clear_tray(std::size_t tray);
   /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.
   Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
   /// Moments against rolling beside the sums [N m].
-  Lanes* moments(std::size_t tray) { return moments_.empty() ? nullptr : moments_.data() + tray * block_size; }
+  Lanes* moments(std::size_t tray) { return moments_.empty() ? nullptr : moments_.data() + tray * block_size_; }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
   bool laid_out() const { return laid_out_; }
@@ -195,11 +199,12 @@ class SphereBlocks {
   /// Of a block or a const one: among its targets.
   template <class B>
   static auto target_of(B& block, std::size_t to) {
-    return std::ranges::lower_bound(block.targets, to, {}, &Target::block);
+    return std::ranges::find(block.targets, static_cast<Slot>(to), &Target::block);
   }
   void take_out(const std::vector<SpherePlane>& planes);
 
   SphereNeeds needs_;
+  std::size_t block_size_;
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> order_;
   std::vector<SpherePlane> planes_;
