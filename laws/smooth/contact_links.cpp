@@ -20,7 +20,8 @@ std::vector<typename L::Parameters> parameters_of_pairs(const MaterialTable& tab
 
 template <NormalLaw N>
 NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
-  constexpr double little = 1e-4;  // of the overlap: digits enough for a slope, near enough for a power law
+  constexpr double little =
+      1e-4;  // of the overlap, or of force over stiffness: digits enough for a slope, near enough for a power law
   const double overlap = at.overlap;
   NormalState<N> fresh{}, loaded{}, next{};
   at.approach_velocity = 0.0;
@@ -28,16 +29,18 @@ NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
   NormalSlopes out;
   out.of_law = still.stiffness;
   out.force = std::max(0.0, still.force);
+  // an adhesive contact pulls at no overlap at all: a ten thousandth of that would be lost in the digits of its force
+  const double scale = std::max(overlap, std::abs(still.elastic_force) / std::max(still.stiffness, 1e-300));
   if constexpr (RemembersNormal<N>) {
-    at.overlap = overlap * (1.0 - little);
+    at.overlap = overlap - scale * little;
     const NormalResponse less = respond<N>(p, at, loaded, next);
-    out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (overlap * little);
+    out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (scale * little);
     at.overlap = overlap;
   } else {
     out.stiffness = std::max(0.0, still.stiffness);
   }
   // so fast that the force doubles with a dashpot of the critical kind: forces of all laws are linear in it
-  at.approach_velocity = overlap * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
+  at.approach_velocity = scale * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
   const NormalResponse moving = respond<N>(p, at, loaded, next);
   if (at.approach_velocity > 0.0) out.dashpot = std::max(0.0, moving.force - still.force) / at.approach_velocity;
   return out;
