@@ -1,6 +1,7 @@
 /// @file contact_law.h  What a smooth law sees of a contact, and what its normal, tangential and rolling parts offer.
-/// A part is a set of static functions over plain parameters of a material pair; the loop of
-/// laws/smooth/smooth_contact.h takes it as a template parameter, so a part that is absent costs nothing.
+/// A part is a set of static functions over plain parameters of a material pair. Formulas are templates over the number
+/// of contacts that they answer for: `ParametersOf<Real>`, `StateOf<Real>` and `respond` with Real = double or lanes. A
+/// law written for one number alone is asked lane by lane.
 #pragma once
 #include <concepts>
 
@@ -11,7 +12,7 @@
 
 namespace epafi {
 
-/// One contact at one instant, in SI, or four of them (Real = Lanes). overlap > 0 where bodies interpenetrate.
+/// One contact at one instant, in SI, or as many as Real has lanes. overlap > 0 where bodies interpenetrate.
 template <class Real>
 struct KinematicsOf {
   Real overlap{};            ///< delta = -gap [m]
@@ -79,11 +80,16 @@ concept NormalLaw = LawPart<L> &&
   };  ///< state before, state now
 };
 
-/// A normal law that also answers for four contacts at once: its formula is a template over the number.
+/// A normal law that also answers for several contacts at once.
 template <class L>
-concept LaneLaw = NormalLaw<L> && requires(const typename L::Parameters& p, const KinematicsOf<Lanes>& c) {
-  { L::respond(p, c) } -> std::same_as<ResponseOf<Lanes>>;
-};
+concept LaneLaw = NormalLaw<L> &&(
+    requires(const typename L::template ParametersOf<Lanes>& p, const KinematicsOf<Lanes>& c) {
+      { L::respond(p, c) } -> std::same_as<ResponseOf<Lanes>>;
+    } ||
+    requires(const typename L::template ParametersOf<Lanes>& p, const KinematicsOf<Lanes>& c,
+             typename L::template StateOf<Lanes>& s) {
+      { L::respond(p, c, s, s) } -> std::same_as<ResponseOf<Lanes>>;
+    });
 
 template <NormalLaw L>
 NormalResponse respond(const typename L::Parameters& p, const ContactKinematics& c, const NormalState<L>& before,
@@ -97,9 +103,8 @@ NormalResponse respond(const typename L::Parameters& p, const ContactKinematics&
 /// Friction by a spring of stiffness k_t(k_n), rescaled on unloading, that slides at mu N: laws/smooth/spring.h, also
 /// for lanes.
 template <class L>
-concept LaneFriction = requires(const typename L::Parameters& p, Lanes normal_stiffness) {
+concept LaneFriction = requires(const typename L::template ParametersOf<Lanes>& p, Lanes normal_stiffness) {
   { L::stiffness(p, normal_stiffness) } -> std::same_as<Lanes>;
-  { L::friction(p) } -> std::same_as<double>;
 };
 
 /// Some laws of a list share one way of evaluation and differ in how their parameters come about.

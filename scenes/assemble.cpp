@@ -277,7 +277,7 @@ Pipeline make_pipeline(Assembly& a) {
   a.narrow_phase = narrow_phase.get();
   p.narrow_phase = std::move(narrow_phase);
   if (a.plan.fused_spheres) {
-    auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.sphere_material);
+    auto model = make_fused_spheres(smooth_setup(a.scene), a.plan.reach);
     p.narrow_phase =
         std::make_unique<SphereSplit>(*a.shapes, std::move(p.narrow_phase), *model, broad_setup(a).spheres);
     p.contact_model = std::move(model);

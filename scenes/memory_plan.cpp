@@ -26,15 +26,17 @@ std::size_t list_bytes(const StepPlan& plan, std::size_t bodies) {
 }
 
 /// In the loop over spheres.
-void plan_spheres(const Scene& scene, const StepPlan& plan, std::size_t bodies, MemoryPlan& out) {
-  const bool friction = plan.needs.memory, rolls = needs_rolling_loop(smooth_setup(scene));
+void plan_spheres(const Scene& scene, std::size_t bodies, MemoryPlan& out) {
+  const SphereNeeds needs = sphere_needs(smooth_setup(scene));
+  const bool rolls = needs.rolling;
   if (rolls) out.body += sizeof(Lanes);  // late spins
   out.pair = sizeof(SpherePlaces) + (scene.cell ? sizeof(SphereImage) : 0);
   if (bodies < many_bodies) out.pair += sizeof(Slot) + (scene.cell ? sizeof(std::uint32_t) : 0);  // the list stays
   // of a bed's contacts a sixth lie across blocks and leave a record there
   const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (rolls ? sizeof(Lanes) : 0);
-  out.contact =
-      (friction ? sizeof(SphereSpring) : 0) + (rolls ? sizeof(SphereSpring) + sizeof(SphereLoads) : 0) + record / 6;
+  out.contact = (needs.remembers() ? sizeof(SphereSpring) : 0) + (needs.normal ? sizeof(double) : 0) +
+                (needs.bristles ? sizeof(PackedBristles) : 0) +
+                (rolls ? sizeof(SphereSpring) + sizeof(SphereLoads) : 0) + record / 6;
 }
 
 /// Beside the set: what the contact model makes and keeps of a contact.
@@ -66,7 +68,7 @@ MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan, std::size_t bod
   contacts.with_curvature = plan.needs.curvature, contacts.with_area = plan.needs.area,
   contacts.with_moment = plan.needs.contact_moment;
   out.in_set = contacts.bytes_per_contact();
-  if (plan.fused_spheres) return plan_spheres(scene, plan, bodies, out), out;
+  if (plan.fused_spheres) return plan_spheres(scene, bodies, out), out;
   const bool smooth = scene.contact.method.value == Method::smooth;
   // found by blocks, then put in one set
   out.contact = 2 * out.in_set - sizeof(Vec3) + model_bytes(plan, smooth);

@@ -8,7 +8,7 @@
 
 #include "detection/broad/all_broad_phases.h"
 #include "detection/narrow/pair_table.h"
-#include "laws/smooth/fused/fused_spheres.h"
+#include "laws/smooth/passes/choose_passes.h"
 #include "scenes/contact_setup.h"
 
 namespace epafi {
@@ -134,21 +134,23 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   }
 }
 
-/// Free spheres of one material under a law with a fused loop.
+/// Free spheres take a loop of their own.
 void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shapes, StepPlan& plan) {
-  if (scene.contact.method.value != Method::smooth || !has_fused_spheres(smooth_setup(scene))) return;
-  std::set<std::size_t> materials;
+  if (scene.contact.method.value != Method::smooth) return;
   std::size_t spheres = 0;
-  const auto count = [&](std::size_t shape, std::size_t material, std::size_t number) {
-    if (shapes[shape].is_sphere) materials.insert(material), spheres += number;
+  const auto count = [&](std::size_t shape, std::size_t number) {
+    if (shapes[shape].is_sphere) spheres += number;
   };
   for (const auto& b : scene.bodies)
-    if (b.moves()) count(b.shape, b.material, 1);
+    if (b.moves()) count(b.shape, 1);
   for (const auto& f : scene.fills)
-    for (std::size_t s : f.shapes) count(s, f.material, 100);  // how many is known later; a fill is many
-  constexpr std::size_t fewest = 100;                          // below, the layout costs more than the loop gains
-  if (spheres < fewest || materials.size() != 1) return;
-  plan.fused_spheres = plan.columns.states = true, plan.sphere_material = *materials.begin();
+    for (std::size_t s : f.shapes) count(s, 100);  // how many is known later; a fill is many
+  if (spheres == 0) return;
+  constexpr std::size_t fewest = 100;  // below, the layout costs more than the loop gains
+  plan.without_fused_spheres = without_tiles(smooth_setup(scene));
+  if (plan.without_fused_spheres.empty() && spheres < fewest)
+    plan.without_fused_spheres = fmt::format("{} free spheres, fewer than {}", spheres, fewest);
+  plan.fused_spheres = plan.columns.states = plan.without_fused_spheres.empty();
 }
 
 /// Wheels on rails by laws of rolling contact, and springs: named only where a scene has them.
@@ -291,7 +293,12 @@ std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& 
   for (std::size_t i = 0; i < plan.not_paid.size(); ++i) out += (i > 0 ? ", " : "") + plan.not_paid[i];
   out += "\n pairs:";
   for (const auto& p : plan.pair_cells) out += fmt::format(" {}-{} ({})", p.a, p.b, p.method);
-  if (plan.fused_spheres) out += "\n spheres: fused loop, four contacts at a time";
+  if (plan.fused_spheres)
+    out +=
+        "\n spheres: a loop of their own among free spheres and on fixed half-spaces, all materials; other pairs: one "
+        "by one";
+  else if (!plan.without_fused_spheres.empty())
+    out += "\n spheres: one by one with all others, as there are " + plan.without_fused_spheres;
   return out + "\n" + memory_text(plan.memory, shapes);
 }
 

@@ -24,13 +24,13 @@ struct ReachableCell {
 };
 
 struct StepPlan {
-  Columns columns;                  ///< of the world
-  Needs needs;                      ///< of laws or solver
-  double reach = 0.0;               ///< contacts with gap < reach are handed to the contact model [m]
-  double resting_reach = 0.0;       ///< the same where nothing moves that far in a step [m]
-  bool rolling = false;             ///< wheels on rails by laws of rolling contact
-  bool fused_spheres = false;       ///< free spheres take the fused loop
-  std::size_t sphere_material = 0;  ///< of all free spheres, where they take it
+  Columns columns;                    ///< of the world
+  Needs needs;                        ///< of laws or solver
+  double reach = 0.0;                 ///< contacts with gap < reach are handed to the contact model [m]
+  double resting_reach = 0.0;         ///< the same where nothing moves that far in a step [m]
+  bool rolling = false;               ///< wheels on rails by laws of rolling contact
+  bool fused_spheres = false;         ///< free spheres take the fused loop
+  std::string without_fused_spheres;  ///< why they do not; empty: there are no free spheres
   std::vector<ReachableCell> pair_cells;
   std::vector<Cost> costs;
   std::vector<std::string> not_paid;

@@ -62,8 +62,9 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   const auto& planes = shapes_.of<HalfSpace>();
   SphereList list{pairs.spheres, {}, {}, !pairs.pairs.empty()};
   for (const Slot s : pairs.spheres.planes)
-    list.planes.push_back(
-        {s, world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal, world.position[s]});
+    list.planes.push_back({s, world.material[s],
+                           world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal,
+                           world.position[s]});
   if (!known_ || bodies_ != world.size()) read_bodies(world);
   if (alone_) list.hurry = pairs.hurry;
   model_.set_pairs(world, list);

@@ -3,6 +3,7 @@
 /// 3/2 pi w R*; friction slides at mu (N + that force). Damping as in hertz: `restitution` is that of an impact so fast
 /// that adhesion does not count; slow ones return less, and below a speed they stick.
 #pragma once
+#include "laws/lane_choice.h"
 #include "laws/smooth/hertz.h"
 
 namespace epafi {
@@ -16,24 +17,19 @@ inline Missing missing_adhesion(const MaterialPair& pair) {
   return out;
 }
 
-struct AdhesionParameters {
-  double modulus;  ///< E* of the pair [Pa], > 0
-  double damping;  ///< as Hertz
-  double work;     ///< w [J/m^2], >= 0
-};
-
-inline AdhesionParameters adhesion_parameters(const MaterialPair& pair) {
-  const Hertz::Parameters hertz = Hertz::parameters(pair);
-  return {hertz.modulus, hertz.damping, pair.parameters.number("work_of_adhesion")};
-}
-
 /// N = Hertz with its damping - 2 pi w R*, while the bodies overlap. Conservative without damping: the way out is the
 /// way in.
 struct Dmt {
   static constexpr const char* name = "dmt";
   static constexpr Needs needs{.curvature = true};
   static constexpr bool is_hertzian = true;
-  using Parameters = AdhesionParameters;
+  template <class Real>
+  struct ParametersOf {
+    Real modulus;  ///< E* of the pair [Pa], > 0
+    Real damping;  ///< as Hertz
+    Real work;     ///< w [J/m^2], >= 0
+  };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry() {
     return {name,
@@ -43,17 +39,21 @@ struct Dmt {
             "Derjaguin, Muller and Toporov 1975"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }
-  static Parameters parameters(const MaterialPair& pair) { return adhesion_parameters(pair); }
+  static Parameters parameters(const MaterialPair& pair) {
+    const Hertz::Parameters hertz = Hertz::parameters(pair);
+    return {hertz.modulus, hertz.damping, pair.parameters.number("work_of_adhesion")};
+  }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    NormalResponse out = Hertz::respond({p.modulus, p.damping}, c);
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
+    ResponseOf<Real> out = Hertz::respond(Hertz::ParametersOf<Real>{p.modulus, p.damping}, c);
     out.adhesion = 6.283185307179586 * p.work * c.effective_radius;
     out.force -= out.adhesion, out.elastic_force -= out.adhesion;
     out.energy -= out.adhesion * c.overlap;
     return out;
   }
 };
-static_assert(NormalLaw<Dmt>);
+static_assert(LaneLaw<Dmt>);
 
 /// With a the contact radius: delta = a^2/R* - sqrt(2 pi w a/E*), N = 4/3 E* a^3/R* - sqrt(8 pi w E* a^3). The contact
 /// snaps in at delta = 0 and holds on to delta = -3/4 (pi^2 w^2 R*/E*^2)^(1/3), where it breaks; what the bodies do not
@@ -62,10 +62,19 @@ struct Jkr {
   static constexpr const char* name = "jkr";
   static constexpr Needs needs{.memory = true, .curvature = true};
   static constexpr bool is_hertzian = true;
-  using Parameters = AdhesionParameters;
-  struct State {
-    double root = 0.0;  ///< sqrt(a) of a contact that holds [m^(1/2)]; 0: none
+  template <class Real>
+  struct ParametersOf {
+    Real modulus;  ///< E* of the pair [Pa], > 0
+    Real damping;  ///< as Hertz
+    Real work;     ///< w [J/m^2], >= 0
+    Real grip;     ///< B = sqrt(2 pi w/E*) [m^(1/2)]
   };
+  using Parameters = ParametersOf<double>;
+  template <class Real>
+  struct StateOf {
+    Real root{};  ///< sqrt(a) of a contact that holds [m^(1/2)]; 0: none
+  };
+  using State = StateOf<double>;
 
   static Entry entry() {
     return {name,
@@ -75,7 +84,10 @@ struct Jkr {
             "Johnson, Kendall and Roberts 1971"};
   }
   static Missing missing(const MaterialPair& pair) { return missing_adhesion(pair); }
-  static Parameters parameters(const MaterialPair& pair) { return adhesion_parameters(pair); }
+  static Parameters parameters(const MaterialPair& pair) {
+    const Dmt::Parameters p = Dmt::parameters(pair);
+    return {p.modulus, p.damping, p.work, std::sqrt(6.283185307179586 * p.work / p.modulus)};
+  }
   static bool is_damped(const Parameters& p) { return p.damping > 0.0; }
   static bool holds(const State& s) { return s.root > 0.0; }
   /// How far beyond touch a contact holds [m].
@@ -83,60 +95,59 @@ struct Jkr {
     const double third = std::cbrt(9.869604401089358 * p.work * p.work * radius / (p.modulus * p.modulus));
     return 0.75 * third;
   }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c, const State& before, State& now);
-
- private:
-  static double energy(const Parameters& p, double radius, double grip, double root);
-};
-
-/// U along the branch of equilibria from a = 0, with u = sqrt(a), B = sqrt(2 pi w/E*):
-/// E* (8/15 u^10/R*^2 - 4/3 B u^7/R* + B^2 u^4/2)
-inline double Jkr::energy(const Parameters& p, double radius, double grip, double root) {
-  const double u3 = root * root * root, u4 = u3 * root;
-  return p.modulus *
-         (8.0 / 15.0 * u3 * u3 * u4 / (radius * radius) - 4.0 / 3.0 * grip * u4 * u3 / radius + 0.5 * grip * grip * u4);
-}
-
-inline NormalResponse Jkr::respond(const Parameters& p, const ContactKinematics& c, const State& before, State& now) {
-  const double R = c.effective_radius, B = std::sqrt(6.283185307179586 * p.work / p.modulus);
-  const auto snap = [&] { return std::cbrt(B * R); };  // u at delta = 0
-  NormalResponse out;
-  if (!holds(before)) {
-    if (!(c.overlap > 0.0)) return out;
-    out.lost = -energy(p, R, B, snap());  // what the surfaces gain in meeting, as heat
+  /// U along the branch of equilibria from a = 0, with u = sqrt(a): E* (8/15 u^10/R*^2 - 4/3 B u^7/R* + B^2 u^4/2)
+  template <class Real>
+  EPAFI_LANES static Real energy(const ParametersOf<Real>& p, Real curvature, Real u) {
+    const Real u3 = u * u * u, u4 = u3 * u;
+    return p.modulus * (8.0 / 15.0 * u3 * u3 * u4 * (curvature * curvature) - 4.0 / 3.0 * p.grip * u4 * u3 * curvature +
+                        0.5 * p.grip * p.grip * u4);
   }
-  double floor = 0.0;
-  if (c.overlap < 0.0) {
-    const double u_break = 0.6299605249474366 * snap();  // u^3 = B R/4, the least delta of the branch
-    if (c.overlap < u_break * u_break * u_break * u_break / R - B * u_break) {
-      now.root = 0.0;
-      out.lost += energy(p, R, B, u_break);
-      return out;
+
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c,
+                                              const StateOf<Real>& before, StateOf<Real>& now) {
+    const Real R = c.effective_radius, B = p.grip, curvature = 1.0 / R, none{}, one = Real{} + 1.0, old = before.root;
+    // conditions are numbers, 1 or 0 (laws/lane_choice.h)
+    const Real held = if_less(none, old, one, none), touches = if_less(none, c.overlap, one, none);
+    const Real begins = touches * (1.0 - held), beyond = if_less(c.overlap, none, held, none);
+    Real alive = max(held, touches);
+    // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root; from the last root,
+    // which is near, in two or three steps, unless it lies where the branch is flat
+    const Real flat = max(if_less(0.75 * B * R, old * old * old, none, alive), beyond);
+    ResponseOf<Real> out;
+    Real u = old, least{};
+    if (any_less(none, flat)) {
+      const Real snap = cube_root(B * R), u_break = 0.6299605249474366 * snap;  // u at delta = 0; the end of the branch
+      const Real last = u_break * u_break * u_break * u_break * curvature - B * u_break;
+      const Real breaks = if_less(c.overlap, last, beyond, none);
+      // in meeting the surfaces gain energy, as heat; in parting they do not get it back
+      out.lost = if_less(none, breaks, energy(p, curvature, u_break), none) -
+                 if_less(none, begins, energy(p, curvature, snap), none);
+      alive = alive - breaks;
+      least = if_less(none, beyond, u_break * (1.0 + 1e-9), none);
+      u = if_less(none, flat, max(old, snap) + sqrt(sqrt(R * max(c.overlap, none))), old);
     }
-    floor = u_break * (1.0 + 1e-9);
+    u = if_less(none, alive, u, one);
+    Real open = alive;  // each lane by its own condition alone: the same bits for every number of lanes
+    for (int k = 0; k < 60 && any_less(none, open); ++k) {
+      const Real cube = u * u * u * curvature;
+      const Real next = max(u - ((cube - B) * u - c.overlap) / (4.0 * cube - B), least), change = next - u;
+      u = if_less(none, open, next, u);
+      open = if_less(1e-15 * u, max(change, -change), open, none);
+    }
+    now.root = if_less(none, alive, u, none);
+    const Real a = u * u;
+    out.stiffness = if_less(none, alive, 2.0 * p.modulus * a, none);
+    out.elastic_force = if_less(  // sqrt(8 pi w E* a^3) = 2 E* B a^(3/2)
+        none, alive, 4.0 / 3.0 * p.modulus * a * a * a * curvature - 2.0 * p.modulus * B * a * u, none);
+    const Real viscous = p.damping * sqrt(c.effective_mass * out.stiffness) * c.approach_velocity;
+    out.adhesion = if_less(none, alive, 4.71238898038469 * p.work * R, none);
+    out.energy = if_less(none, alive, energy(p, curvature, u), none);
+    // the dashpot may not pull more than the adhesion holds
+    out.force = max(out.elastic_force + viscous, min(out.elastic_force, -out.adhesion));
+    return out;
   }
-  // u^4/R - B u = delta is convex and rising on the branch: Newton from above falls to the root; from the last root,
-  // which is near, in two or three steps, unless it lies where the branch is flat
-  double u = before.root;
-  if (u * u * u <= 0.75 * B * R || c.overlap < 0.0)
-    u = std::max(before.root, snap()) + std::sqrt(std::sqrt(R * std::max(c.overlap, 0.0)));
-  for (int k = 0; k < 60; ++k) {
-    const double cube = u * u * u / R, next = std::max(u - ((cube - B) * u - c.overlap) / (4.0 * cube - B), floor);
-    const bool done = std::abs(next - u) <= 1e-15 * u;
-    u = next;
-    if (done) break;
-  }
-  now.root = u;
-  const double a = u * u, stiffness = 2.0 * p.modulus * a;
-  const double elastic =
-      4.0 / 3.0 * p.modulus * a * a * a / R - 2.0 * p.modulus * B * a * u;  // sqrt(8 pi w E* a^3) = 2 E* B a^(3/2)
-  const double viscous = p.damping * std::sqrt(c.effective_mass * stiffness) * c.approach_velocity;
-  out.adhesion = 4.71238898038469 * p.work * R;
-  out.elastic_force = elastic, out.energy = energy(p, R, B, u), out.stiffness = stiffness;
-  // the dashpot may not pull more than the adhesion holds
-  out.force = std::max(elastic + viscous, std::min(elastic, -out.adhesion));
-  return out;
-}
-static_assert(NormalLaw<Jkr>);
+};
+static_assert(LaneLaw<Jkr>);
 
 }  // namespace epafi

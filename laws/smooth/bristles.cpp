@@ -34,6 +34,13 @@ double load_part(double s, int i, double w) {
 
 }  // namespace
 
+double energy_of(const Bristles& b) {
+  double energy = 0.0;
+  for (int i = 0; b.width > 0.0 && i < Bristles::count && b.share > i; ++i)
+    energy += Spring{b.load[static_cast<std::size_t>(i)], b.width * covered(b.share, i)}.energy();
+  return energy;
+}
+
 FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double limit, const Bristles& before,
                                Bristles& now) {
   now = before;

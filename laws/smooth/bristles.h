@@ -6,6 +6,7 @@
 /// (tests/laws/test_contact_laws.cpp). Each bristle is a spring of laws/smooth/spring.h, so no cycle creates energy.
 #pragma once
 #include <array>
+#include <cstddef>
 
 #include "laws/smooth/spring.h"
 
@@ -21,6 +22,16 @@ struct Bristles {
 
 template <>
 inline constexpr bool is_plain<Bristles> = true;
+
+/// The same in columns that are not written before they are read.
+struct alignas(Bristles) PackedBristles {
+  std::byte bytes[sizeof(Bristles)];
+  Bristles& get() { return *reinterpret_cast<Bristles*>(bytes); }
+  const Bristles& get() const { return *reinterpret_cast<const Bristles*>(bytes); }
+};
+
+/// [J]
+double energy_of(const Bristles& bristles);
 
 /// k_t: of the whole row, 8 G* a. limit: mu N.
 FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double limit, const Bristles& before,

@@ -28,7 +28,7 @@ double reach_of(const typename N::Parameters& p, double radius) {
 /// An overlap below 0 is that of a contact that holds on beyond touch, by a law that can.
 template <NormalLaw N>
 NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
-  constexpr double little = 1e-4;  // of the overlap: digits enough for a slope, near enough for a power law
+  constexpr double little = 1e-4;  // of the scale: digits enough for a slope, near enough for a power law
   const double overlap = at.overlap, size = std::abs(overlap);
   NormalState<N> fresh{}, loaded{}, next{};
   at.approach_velocity = 0.0;
@@ -42,16 +42,19 @@ NormalSlopes slopes_of(const typename N::Parameters& p, ContactKinematics at) {
   NormalSlopes out;
   out.of_law = still.stiffness;
   out.force = std::max(0.0, still.force);
+  // an adhesive contact pulls at no overlap at all: a ten thousandth of that would be lost in the digits of its force
+  const double by_force = std::abs(still.elastic_force) / std::max(still.stiffness, 1e-300);
+  const double scale = overlap < 0.0 ? size : std::max(size, by_force);
   if constexpr (RemembersNormal<N>) {
-    at.overlap = overlap - size * little;
+    at.overlap = overlap - scale * little;
     const NormalResponse less = respond<N>(p, at, loaded, next);
-    out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (size * little);
+    out.stiffness = std::max(0.0, still.elastic_force - less.elastic_force) / (scale * little);
     at.overlap = overlap;
   } else {
     out.stiffness = std::max(0.0, still.stiffness);
   }
   // so fast that the force doubles with a dashpot of the critical kind: forces of all laws are linear in it
-  at.approach_velocity = size * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
+  at.approach_velocity = scale * std::sqrt(std::max(still.stiffness, 1e-300) / at.effective_mass);
   const NormalResponse moving = respond<N>(p, at, loaded, next);
   if (at.approach_velocity > 0.0) out.dashpot = std::max(0.0, moving.force - still.force) / at.approach_velocity;
   return out;

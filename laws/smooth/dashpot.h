@@ -17,15 +17,9 @@ inline double tangential_damping(const MaterialPair& pair) {
 }
 
 /// Spring of fixed ratio to the normal stiffness, with dashpot.
-struct SpringDashpot {
+struct SpringDashpot : CoulombSpring {
   static constexpr const char* name = "spring-dashpot";
-  static constexpr Needs needs = CoulombSpring::needs;
-  static constexpr bool is_present = true;
-  template <class N>
-  static constexpr bool fits = true;
   using Loop = CoulombSpring;
-  using Parameters = CoulombSpring::Parameters;
-  using Memory = Spring;
 
   static Entry entry() {
     Entry e = CoulombSpring::entry();
@@ -34,19 +28,10 @@ struct SpringDashpot {
     e.fields.push_back(tangential_damping_field());
     return e;
   }
-  static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair& pair) {
     Parameters p = CoulombSpring::parameters(pair);
     p.damping = tangential_damping(pair);
     return p;
-  }
-  template <class Real>
-  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) {
-    return p.ratio * normal_stiffness;
-  }
-  static double friction(const Parameters& p) { return p.friction; }
-  static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
-    return CoulombSpring::pull(p, step, before, now);
   }
 };
 static_assert(TangentialLaw<SpringDashpot>);

@@ -33,11 +33,13 @@ struct CoulombSpring {
   static constexpr bool is_present = true;
   template <class N>
   static constexpr bool fits = true;
-  struct Parameters {
-    double friction;       ///< mu [-], >= 0
-    double ratio;          ///< k_t / k_n [-], > 0
-    double damping = 0.0;  ///< of critical [-], >= 0
+  template <class Real>
+  struct ParametersOf {
+    Real friction;   ///< mu [-], >= 0
+    Real ratio;      ///< k_t / k_n [-], > 0
+    Real damping{};  ///< of critical [-], >= 0
   };
+  using Parameters = ParametersOf<double>;
   using Memory = Spring;
 
   static Entry entry() {
@@ -58,10 +60,9 @@ struct CoulombSpring {
     return {pair.friction, number_or_default(pair.parameters, entry(), "tangential_ratio")};
   }
   template <class Real>
-  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) {
+  EPAFI_LANES static Real stiffness(const ParametersOf<Real>& p, Real normal_stiffness) {
     return p.ratio * normal_stiffness;
   }
-  static double friction(const Parameters& p) { return p.friction; }
   static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
     return pull_spring(step, p.ratio * step.normal_stiffness, p.friction * step.normal_force, before, now);
   }
@@ -75,15 +76,12 @@ inline double mindlin_ratio(const MaterialPair& pair) {
 
 /// k_t = 8 G* sqrt(R* delta) (Mindlin 1949, no slip), the simplified law: within mu N the true compliance of partial
 /// slip is larger (10 % at half the limit, case A12). As k_n = 2 E* sqrt(R* delta), k_t = 4 G*/E* k_n.
-struct Mindlin {
+struct Mindlin : CoulombSpring {  // ratio 4 G*/E*
   static constexpr const char* name = "mindlin";
   static constexpr Needs needs{.rotation = true, .slip_velocity = true, .memory = true, .curvature = true};
-  static constexpr bool is_present = true;
   template <class N>
   static constexpr bool fits = N::is_hertzian;
   using Loop = CoulombSpring;
-  using Parameters = CoulombSpring::Parameters;  ///< ratio 4 G*/E*
-  using Memory = Spring;
 
   static Entry entry() {
     return {name,
@@ -94,14 +92,6 @@ struct Mindlin {
   }
   static Missing missing(const MaterialPair& pair) { return missing_elasticity(pair); }
   static Parameters parameters(const MaterialPair& pair) { return {pair.friction, mindlin_ratio(pair)}; }
-  template <class Real>
-  EPAFI_LANES static Real stiffness(const Parameters& p, Real normal_stiffness) {
-    return p.ratio * normal_stiffness;
-  }
-  static FrictionResponse pull(const Parameters& p, const SlipStep& step, const Memory& before, Memory& now) {
-    return CoulombSpring::pull(p, step, before, now);
-  }
-  static double friction(const Parameters& p) { return p.friction; }
 };
 static_assert(TangentialLaw<Mindlin>);
 

@@ -27,10 +27,12 @@ struct Hertz {
   static constexpr const char* name = "hertz";
   static constexpr Needs needs{.curvature = true};
   static constexpr bool is_hertzian = true;
-  struct Parameters {
-    double modulus;  ///< E* of the pair [Pa], > 0
-    double damping;  ///< 2 sqrt(5/6) zeta [-]: the viscous force is damping sqrt(m* k_n) delta_dot
+  template <class Real>
+  struct ParametersOf {
+    Real modulus;  ///< E* of the pair [Pa], > 0
+    Real damping;  ///< 2 sqrt(5/6) zeta [-]: the viscous force is damping sqrt(m* k_n) delta_dot
   };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry() {
     return {name,
@@ -52,8 +54,8 @@ struct Hertz {
   static double stiffness(const Parameters& p, const ContactKinematics& c) {  // dN/d(delta)
     return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
   }
-  template <class Real = double>
-  EPAFI_LANES static ResponseOf<Real> respond(const Parameters& p, const KinematicsOf<Real>& c) {
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // dN/d(delta)
     const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
     const Real viscous = p.damping * sqrt(c.effective_mass * stiffness) * c.approach_velocity;

@@ -13,10 +13,12 @@ struct HuntCrossley {
   static constexpr const char* name = "hunt-crossley";
   static constexpr Needs needs{.curvature = true};
   static constexpr bool is_hertzian = true;
-  struct Parameters {
-    double modulus;  ///< E* of the pair [Pa], > 0
-    double chi;      ///< [s/m], >= 0
+  template <class Real>
+  struct ParametersOf {
+    Real modulus;  ///< E* of the pair [Pa], > 0
+    Real chi;      ///< [s/m], >= 0
   };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry_of(const char* name, const char* summary, const char* source) {
     return {name,
@@ -52,14 +54,15 @@ struct HuntCrossley {
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     return 4.0 / 3.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap) * c.overlap * p.chi * c.approach_velocity;
   }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    const double stiffness = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
-    const double elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    return {std::max(0.0, elastic + elastic * p.chi * c.approach_velocity), elastic, stiffness,
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
+    const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);
+    const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
+    return {max(Real{}, elastic + elastic * p.chi * c.approach_velocity), elastic, stiffness,
             0.4 * elastic * c.overlap};
   }
 };
-static_assert(NormalLaw<HuntCrossley>);
+static_assert(LaneLaw<HuntCrossley>);
 
 /// A member of the family: the same force, its own factor X(e) = chi v0.
 template <class Member>

@@ -12,10 +12,12 @@ struct KuwabaraKono {
   static constexpr Needs needs{.curvature = true};
   static constexpr bool is_hertzian = true;
   static constexpr bool uses_restitution = false;
-  struct Parameters {
-    double modulus;     ///< E* of the pair [Pa], > 0
-    double relaxation;  ///< A [s], >= 0
+  template <class Real>
+  struct ParametersOf {
+    Real modulus;     ///< E* of the pair [Pa], > 0
+    Real relaxation;  ///< A [s], >= 0
   };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry() {
     return {name,
@@ -39,13 +41,14 @@ struct KuwabaraKono {
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap) * p.relaxation * c.approach_velocity;
   }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    const double stiffness = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);  // 3/2 k sqrt(delta)
-    const double elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    return {std::max(0.0, elastic + p.relaxation * stiffness * c.approach_velocity), elastic, stiffness,
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
+    const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // 3/2 k sqrt(delta)
+    const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
+    return {max(Real{}, elastic + p.relaxation * stiffness * c.approach_velocity), elastic, stiffness,
             0.4 * elastic * c.overlap};
   }
 };
-static_assert(NormalLaw<KuwabaraKono>);
+static_assert(LaneLaw<KuwabaraKono>);
 
 }  // namespace epafi

@@ -14,10 +14,12 @@ struct Linear {
   static constexpr const char* name = "linear";
   static constexpr Needs needs{};
   static constexpr bool is_hertzian = false;
-  struct Parameters {
-    double stiffness;      ///< k [N/m], > 0
-    double damping_ratio;  ///< zeta [-], >= 0; 0 is elastic
+  template <class Real>
+  struct ParametersOf {
+    Real stiffness;      ///< k [N/m], > 0
+    Real damping_ratio;  ///< zeta [-], >= 0; 0 is elastic
   };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry() {
     return {name,
@@ -38,11 +40,11 @@ struct Linear {
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     return 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
   }
-  template <class Real = double>
-  EPAFI_LANES static ResponseOf<Real> respond(const Parameters& p, const KinematicsOf<Real>& c) {
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real elastic = p.stiffness * c.overlap;
     const Real viscous = 2.0 * p.damping_ratio * sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
-    return {max(Real{}, elastic + viscous), elastic, Real{} + p.stiffness, 0.5 * elastic * c.overlap};
+    return {max(Real{}, elastic + viscous), elastic, p.stiffness, 0.5 * elastic * c.overlap};
   }
 };
 static_assert(LaneLaw<Linear>);

@@ -18,10 +18,12 @@ struct OverlapVolume {
   /// exp(-2), of critical damping: polyhedra that fall flat, on a corner or turning return different speeds anyway, and
   /// the overdamped spring of e = 0.01 would cost five times the steps.
   static constexpr double least_restitution = 0.1353352832366127;
-  struct Parameters {
-    double modulus;        ///< E*/layer [Pa], > 0
-    double damping_ratio;  ///< zeta [-], >= 0; 0 is elastic
+  template <class Real>
+  struct ParametersOf {
+    Real modulus;        ///< E*/layer [Pa], > 0
+    Real damping_ratio;  ///< zeta [-], >= 0; 0 is elastic
   };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry() {
     return {name,
@@ -37,13 +39,14 @@ struct OverlapVolume {
             damping_ratio_for(std::max(pair.restitution, least_restitution))};
   }
   static bool is_damped(const Parameters& p) { return p.damping_ratio > 0.0; }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    const double stiffness = p.modulus * c.area / c.effective_radius;
-    const double elastic = stiffness * c.overlap;
-    const double viscous = 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * stiffness) * c.approach_velocity;
-    return {std::max(0.0, elastic + viscous), elastic, stiffness, 0.5 * elastic * c.overlap};
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
+    const Real stiffness = p.modulus * c.area / c.effective_radius;
+    const Real elastic = stiffness * c.overlap;
+    const Real viscous = 2.0 * p.damping_ratio * sqrt(c.effective_mass * stiffness) * c.approach_velocity;
+    return {max(Real{}, elastic + viscous), elastic, stiffness, 0.5 * elastic * c.overlap};
   }
 };
-static_assert(NormalLaw<OverlapVolume>);
+static_assert(LaneLaw<OverlapVolume>);
 
 }  // namespace epafi

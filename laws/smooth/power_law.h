@@ -17,12 +17,14 @@ struct PowerLaw {
   static constexpr const char* name = "power-law";
   static constexpr Needs needs{};
   static constexpr bool is_hertzian = false;
-  struct Parameters {
-    double stiffness;      ///< k [N/m^n], > 0
-    double exponent;       ///< n [-], in [1, 3]
-    double damping_ratio;  ///< 2 zeta sqrt((n+1)/2) [-], >= 0
-    double dashpot;        ///< c [N s/m], >= 0
+  template <class Real>
+  struct ParametersOf {
+    Real stiffness;      ///< k [N/m^n], > 0
+    Real exponent;       ///< n [-], in [1, 3]
+    Real damping_ratio;  ///< 2 zeta sqrt((n+1)/2) [-], >= 0
+    Real dashpot;        ///< c [N s/m], >= 0
   };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry() {
     const Range exponents{1, 3, false, false};
@@ -78,20 +80,27 @@ struct PowerLaw {
     if (n == 2.0) return overlap;
     return std::pow(overlap, n - 1.0);
   }
+  template <LaneVector V>
+  EPAFI_LANES static V power_below(const V& overlap, const V& n) {
+    V out{};
+    for (std::size_t l = 0; l < sizeof(V) / sizeof(double); ++l) out[l] = power_below(double{overlap[l]}, double{n[l]});
+    return out;
+  }
   static double elastic_power(const Parameters& p) { return p.exponent; }
   static double viscous_power(const Parameters& p) { return p.dashpot > 0.0 ? 0.0 : 0.5 * (p.exponent - 1.0); }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     const double below = p.stiffness * power_below(c.overlap, p.exponent);
     return (p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below)) * c.approach_velocity;
   }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
-    const double below = p.stiffness * power_below(c.overlap, p.exponent);  // k delta^(n-1)
-    const double elastic = below * c.overlap,
-                 dashpot = p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below);
-    return {std::max(0.0, elastic + dashpot * c.approach_velocity), elastic, p.exponent * below,
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
+    const Real below = p.stiffness * power_below(c.overlap, p.exponent);  // k delta^(n-1)
+    const Real elastic = below * c.overlap;
+    const Real dashpot = p.dashpot + p.damping_ratio * sqrt(c.effective_mass * below);
+    return {max(Real{}, elastic + dashpot * c.approach_velocity), elastic, p.exponent * below,
             elastic * c.overlap / (p.exponent + 1.0)};
   }
 };
-static_assert(NormalLaw<PowerLaw>);
+static_assert(LaneLaw<PowerLaw>);
 
 }  // namespace epafi

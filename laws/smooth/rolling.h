@@ -28,26 +28,28 @@ struct AnyRolling {
   static constexpr Needs needs{.rotation = true, .memory = true, .curvature = true, .contact_moment = true};
   static constexpr bool is_present = true;
   enum class Type { constant, viscous, spring };
-  struct Parameters {
-    Type type = Type::spring;
-    double friction = 0.0;  ///< mu_r [-], >= 0
-    double damping = 0.0;   ///< C: eta, of critical [-]; B: 1/v_0 [s/m]
+  template <class Real>
+  struct ParametersOf {
+    Type type = Type::spring;  ///< one for all pairs of a scene
+    Real friction{};           ///< mu_r [-], >= 0
+    Real damping{};            ///< C: eta, of critical [-]; B: 1/v_0 [s/m]
   };
+  using Parameters = ParametersOf<double>;
 
   static Entry entry() { return {name, "", {}, needs, "Ai, Chen, Rotter and Ooi 2011"}; }
   static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair&) { return {}; }
   template <class Real>
-  EPAFI_LANES static Real stiffness(const Parameters& p, const RollingStepOf<Real>& s) {
+  EPAFI_LANES static Real stiffness(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {
     const Real arm = p.friction * s.radius;
     return p.type == Type::spring ? 2.25 * s.normal_stiffness * arm * arm : Real{};
   }
   template <class Real>
-  EPAFI_LANES static Real limit(const Parameters& p, const RollingStepOf<Real>& s) {
+  EPAFI_LANES static Real limit(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {
     return p.type == Type::viscous ? Real{} + infinity : p.friction * s.radius * s.normal_force;
   }
   template <class Real>
-  EPAFI_LANES static Real damping(const Parameters& p, const RollingStepOf<Real>& s) {
+  EPAFI_LANES static Real damping(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {
     const Real moment = p.friction * s.radius * s.normal_force;
     switch (p.type) {
       // a moment that would turn the spin round within the step only stops it: no chatter at rest

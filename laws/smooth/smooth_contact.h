@@ -294,7 +294,7 @@ class SmoothContact final : public ContactModel {
     velocity -= velocity.dot(n) * n;
     const double mobility = slip_mobility(world, t.a, arm) + slip_mobility(world, t.b, t.arm_b);
     const double dashpot = 2.0 * p.damping * std::sqrt(Tangential::stiffness(p, t.normal.stiffness) / mobility);
-    const double limit = Tangential::friction(p) * std::max(0.0, t.normal.force + t.normal.adhesion);
+    const double limit = p.friction * std::max(0.0, t.normal.force + t.normal.adhesion);
     Vec3 load = within(elastic + dashpot * velocity, limit);
     sums.viscous_power += (load - elastic).dot(velocity);  // >= 0: the nearest point of a ball that holds elastic
     return load;

@@ -17,13 +17,17 @@ struct WaltonBraun {
   static constexpr bool is_hertzian = false;
   /// k_2 = 400 k_1, and a twentieth of the time step.
   static constexpr double least_restitution = 0.05;
-  struct Parameters {
-    double loading;    ///< k_1 [N/m], > 0
-    double unloading;  ///< k_2 [N/m], >= k_1
+  template <class Real>
+  struct ParametersOf {
+    Real loading;    ///< k_1 [N/m], > 0
+    Real unloading;  ///< k_2 [N/m], >= k_1
   };
-  struct State {
-    double largest_overlap = 0.0;  ///< delta_m [m]
+  using Parameters = ParametersOf<double>;
+  template <class Real>
+  struct StateOf {
+    Real largest_overlap{};  ///< delta_m [m]
   };
+  using State = StateOf<double>;
 
   static Entry entry() {
     return {name,
@@ -40,17 +44,20 @@ struct WaltonBraun {
     return {k, k / (e * e)};
   }
   static bool is_damped(const Parameters&) { return false; }
-  static NormalResponse respond(const Parameters& p, const ContactKinematics& c, const State& before, State& now) {
-    now.largest_overlap = std::max(before.largest_overlap, c.overlap);
-    const double part = p.loading / p.unloading;  // e^2
-    const double force = std::max(0.0, p.unloading * (c.overlap - (1.0 - part) * now.largest_overlap));
+  template <class Real>
+  EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c,
+                                              const StateOf<Real>& before, StateOf<Real>& now) {
+    now.largest_overlap = max(before.largest_overlap, c.overlap);
+    const Real part = p.loading / p.unloading;  // e^2
+    const Real force = max(Real{}, p.unloading * (c.overlap - (1.0 - part) * now.largest_overlap));
     // first loading from delta_m to delta_m' stores k_1^2 delta_m'^2 / (2 k_2) and loses the rest of k_1 delta_m'^2 / 2
-    const auto plastic = [&](double overlap) { return 0.5 * p.loading * (1.0 - part) * overlap * overlap; };
-    return {force,       force,
-            p.unloading, 0.5 * force * force / p.unloading,
-            0.0,         plastic(now.largest_overlap) - plastic(before.largest_overlap)};
+    const Real factor = 0.5 * p.loading * (1.0 - part);
+    ResponseOf<Real> out{force, force, p.unloading, 0.5 * force * force / p.unloading};
+    out.lost =
+        factor * now.largest_overlap * now.largest_overlap - factor * before.largest_overlap * before.largest_overlap;
+    return out;
   }
 };
-static_assert(NormalLaw<WaltonBraun>);
+static_assert(LaneLaw<WaltonBraun>);
 
 }  // namespace epafi

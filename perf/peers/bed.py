@@ -12,12 +12,11 @@ subtracted.
 Needs numpy; of Debian: lammps, liggghts, yade.
 """
 import os
-import re
 import shutil
 
 import numpy
-from runs import (export, last_snapshot, options, print_table, processor_time, resumed, settled, take_turns, touching_neighbours,
-                  write_csv, yade_result)
+from runs import (export, last_snapshot, options, peer, print_table, resumed, settled, take_turns, touching_neighbours, write_csv,
+                  yade_result)
 
 SCENE = "scenes/library/bed/bed.toml"
 E, NU, RESTITUTION, FRICTION, DENSITY, STEP = 5e6, 0.3, 0.6, 0.5, 2500.0, 5e-5
@@ -134,17 +133,6 @@ def write(name, text):
         f.write("\n".join(lines))
 
 
-def run_peer(command):
-    """Processor ns per sphere and step, neighbours, height [m]."""
-    start, _ = processor_time(command + ["-var", "steps", "0"], o.out)
-    whole, text = processor_time(command + ["-var", "steps", str(o.steps)], o.out)
-    rows = re.findall(r"^\s*\d+\s+%d\s+(\S+)\s+(\S+)\s*$" % o.n, text, re.M)
-    if not rows:
-        print("%s failed:\n%s" % (command[0], text[-1500:]))
-        return None
-    return 1e9 * (whole - start) / o.steps / o.n, *map(float, rows[-1])
-
-
 def run_epafi():
     first, last = resumed(program, "bed.toml", "epafi", o.warm, o.warm + o.steps, cwd=o.out)
     folder = os.path.join(o.out, "epafi")
@@ -157,10 +145,10 @@ bed, side = settle()
 write_inputs(bed, side)
 codes = [("Epafi", run_epafi)]
 if shutil.which("lmp"):
-    codes += [("LAMMPS gran/hertz/history", lambda: run_peer(["lmp", "-log", "none", "-in", "history.lammps"])),
-              ("LAMMPS granular (Mindlin, Tsuji)", lambda: run_peer(["lmp", "-log", "none", "-in", "granular.lammps"]))]
+    codes += [("LAMMPS gran/hertz/history", lambda: peer(["lmp", "-log", "none", "-in", "history.lammps"], o.steps, o.n, o.out)),
+              ("LAMMPS granular (Mindlin, Tsuji)", lambda: peer(["lmp", "-log", "none", "-in", "granular.lammps"], o.steps, o.n, o.out))]
 if shutil.which("liggghts"):
-    codes.append(("LIGGGHTS", lambda: run_peer(["liggghts", "-log", "none", "-in", "bed.liggghts"])))
+    codes.append(("LIGGGHTS", lambda: peer(["liggghts", "-log", "none", "-in", "bed.liggghts"], o.steps, o.n, o.out)))
 if shutil.which("yade"):
     codes.append(("YADE", run_yade))
 print_table("%d spheres, one thread" % o.n, ["neighbours", "height [m]"], take_turns(codes, o.repeats), o.out)

@@ -78,6 +78,18 @@ def processor_time(command, folder):
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, text
 
 
+def peer(command, steps, n, folder):
+    """Of an input of LAMMPS or LIGGGHTS with a variable `steps` and n spheres: processor ns per sphere and step, that of a run of no steps
+    taken out, and the last two columns of its last row (or None, and what it said)."""
+    start, _ = processor_time(command + ["-var", "steps", "0"], folder)
+    whole, text = processor_time(command + ["-var", "steps", str(steps)], folder)
+    rows = re.findall(r"^\s*\d+\s+%d\s+(\S+)\s+(\S+)\s*$" % n, text, re.M)
+    if not rows:
+        print("%s failed:\n%s" % (command, text[-1500:]))
+        return None
+    return 1e9 * (whole - start) / steps / n, *map(float, rows[-1])
+
+
 def resumed(program, scene, folder, warm, last, *words, cwd=None):
     """Epafi's summaries at steps `warm` and `last` of one run that ends at `warm` and goes on: the times of the second are those of the steps after
     `warm`. (A run less a shorter one came out below zero where steps are quick and others use the machine.) A run that fails has fewer steps."""

@@ -11,7 +11,7 @@ namespace {
 
 /// Contacts 0, 1 ... with loads that say which they are.
 SphereSprings numbered(std::uint32_t count, bool rolls) {
-  SphereSprings springs(rolls);
+  SphereSprings springs({.friction = true, .rolling = rolls});
   springs.choose(std::vector<std::uint32_t>(count, SphereSprings::fresh));
   for (std::uint32_t rank = 0; rank < count; ++rank) {
     CHECK(springs.friction(rank).load[3] == 0.0);

@@ -1,23 +1,421 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
-#include "laws/smooth/fused/fused_model.h"
+#include <cmath>
+#include <utility>
+
+#include "engine/parallel_order.h"
+#include "engine/parallel_wavefront.h"
+#include "engine/targets.h"
+#include "engine/touched_bodies.h"
+#include "laws/smooth/fused/body_pass.h"
+#include "laws/smooth/fused/sphere_contacts.h"
+#include "laws/smooth/fused/sphere_kernel.h"
+#include "laws/smooth/passes/choose_passes.h"
 
 namespace epafi {
 
-bool has_fused_spheres(const SmoothSetup& setup) {
-  bool found = false;
-  with_lanes(smooth_parts(setup), [&](auto, auto) { found = true; });
-  return found;
+namespace {
+
+struct FindCall {
+  SphereBlocks::Block& block;
+  const SphereArrays& arrays;
+};
+
+/// Everything a block needs, so that the loop is compiled once per target.
+template <bool remembers>
+struct BlockTask {
+  explicit BlockTask(const FindCall& call) : block(call.block), arrays(call.arrays) {}
+  SphereBlocks::Block& block;
+  const SphereArrays& arrays;
+
+  template <int n>
+  EPAFI_LANES void run() const {
+    SphereTotals<n> total;
+    SphereSprings::Places places;
+    if (remembers && !(arrays.dt > 0.0)) {
+      thread_local std::vector<std::uint32_t> from;
+      begin_contacts(block, arrays, from);
+      block.springs.choose(from);
+    }
+    if constexpr (remembers) places = block.springs.begin_step();
+    for (const SphereBlocks::Run& run : block.runs) sweep<n>(run, total, places);
+    if (remembers && arrays.dt > 0.0) block.springs.end_step(places);
+    block.deepest = block.deepest_relative = 0.0;
+    for (int l = 0; l < n; ++l) {
+      block.deepest = std::max(block.deepest, double{total.deepest[l]});
+      block.deepest_relative = std::max(block.deepest_relative, double{total.deepest_relative[l]});
+    }
+    block.touching = total.touching, block.viscous = total.viscous.total(), block.lost = total.lost.total();
+    if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
+    block.slipped = 0.5 * total.twice_slipped.total() + total.released;
+    block.virial = {total.virial[0].total(), total.virial[1].total(), total.virial[2].total()};
+  }
+
+ private:
+  template <int n>
+  EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
+    const bool periodic = !block.images.empty();
+    if (run.plane >= 0)  // a plane has no image
+      sweep<n, true, false, false>(run, total, places);
+    else if (periodic && run.across)
+      sweep<n, false, true, true>(run, total, places);
+    else if (periodic)
+      sweep<n, false, false, true>(run, total, places);
+    else if (run.across)
+      sweep<n, false, true, false>(run, total, places);
+    else
+      sweep<n, false, false, false>(run, total, places);
+  }
+  /// Each kind of run is a function of its own.
+  template <int n, bool wall, bool across, bool periodic>
+  EPAFI_LANES void sweep(const SphereBlocks::Run& run, SphereTotals<n>& total, SphereSprings::Places& places) const {
+    run_apart<n>(SphereSweep<n, remembers, wall, across, periodic>{block, run, arrays, total, places});
+  }
+};
+
+template <bool remembers>
+auto find_loop() {
+  return best_loop<BlockTask<remembers>, FindCall>();
 }
 
-std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, std::size_t material,
-                                                 std::size_t block_size) {
-  if (needs_rolling_loop(setup)) return make_fused_rolling(setup, material, block_size);
-  std::unique_ptr<FusedSpheres> model;
-  with_lanes(smooth_parts(setup), [&](auto n, auto t) {
-    model = fused_model<typename decltype(n)::type, typename decltype(t)::type, NoRolling>(setup, material, block_size);
-  });
-  return model;
+/// Free spheres and all others.
+class FusedModel final : public FusedSpheres {
+ public:
+  FusedModel(const SmoothSetup& setup, double reach, std::size_t block_size)
+      : laws_(tile_laws(setup)),
+        reach_(laws_.holds_on ? reach : 0.0),
+        generic_(make_smooth_contact(setup)),
+        blocks_(laws_.needs, block_size) {}
+
+  const char* name() const override { return "fused spheres"; }
+  std::size_t block_size() const override { return blocks_.block_size(); }
+  bool waits_for_pairs() const override { return !blocks_.laid_out(); }
+  void make_way() override {
+    hurry_ = {};
+    if (blocks_.bodies() >= many_bodies) blocks_.make_way();
+  }
+  void lend(SpherePairs& list) override { lent_ = &list; }
+  void expect(const Drift& drift) override { drift_ = drift, since_drift_ = 0.0; }
+  void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
+
+  void set_pairs(const World& world, const SphereList& list) override {
+    hurry_ = list.hurry, tells_forces_ = list.others || hurry_.empty();
+    if (!radius_.empty()) find_materials(world);
+    blocks_.rebuild(world, list);
+    if (SpherePairs* const lent = std::exchange(lent_, nullptr)) let_go(lent->first), let_go(lent->partner);
+  }
+
+  bool move(World& world, const StepClock& clock) override {
+    if (!clock.scheme->has_ranges() || blocks_.bodies() != world.size()) return ways_.clear(), false;
+    predicted_ = true;
+    if (std::exchange(ahead_, false)) return true;
+    extents_.assign((world.size() + blocks_.block_size() - 1) / blocks_.block_size(), Extent{});
+    most_hurry_.assign(extents_.size(), Vec3::Zero());
+    const auto loop = best_loop<FirstHalf>();
+    parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t i) {
+      loop({pass(world, clock, begin, end, 0, extents_[i]), most_hurry_[i]});
+    });
+    find_ways(clock.dt);
+    // 48 bytes a sphere that nobody reads before they are written again
+    if (clock.run_on != nullptr && !tells_forces_ && world.size() >= many_bodies) world.rest_forces();
+    return true;
+  }
+
+  bool is_ahead() const override { return ahead_; }
+  std::span<const double> largest_ways() const override { return ways_; }
+
+  void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
+    if (std::exchange(published_, false) && world.size() >= many_bodies) contacts.give_back();
+    const bool others = contacts.size() > 0 || others_;
+    if (!radius_.empty()) blocks_.set_constants(world, radius_), let_go(radius_);
+    // reads the force of the last step: before the generic loop writes
+    if (!predicted_)
+      parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t) {
+        predict_bodies(world, lag(clock), blocks_.late_spins(), begin, end);
+      });
+    has_extent_ = predicted_ && clock.scheme, predicted_ = false;
+    is_touched_.assign(others ? world.size() : 0, 0);
+    if (others) {
+      StepClock some = clock;
+      some.touched = &is_touched_;
+      generic_->act(world, contacts, some, report);
+    } else {
+      report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.losses = {},
+      report.has_solver = false;
+    }
+    others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
+    const bool onward = has_extent_ && clock.run_on && clock.run_on->agrees(seen());
+    run_blocks(world, clock, onward);
+    count(clock.dt, report);
+    if (world.cell) deform(*world.cell, others, clock.dt, report);
+    extent_ = seen();
+    if (!onward) return;
+    extents_.swap(next_extents_), ahead_ = true;
+    find_ways(clock.dt);
+  }
+
+  const Extent* extent() const override { return has_extent_ ? &extent_ : nullptr; }
+
+  void publish(const World& world, ContactSet& contacts) const override {
+    if (published_ || !blocks_.laid_out()) return;
+    publisher_.add(world, blocks_, loads(world), contacts);
+    if (world.size() >= many_bodies) publisher_.let_go();
+    published_ = true;
+  }
+
+  std::size_t own_parts() const override { return published_ || !blocks_.laid_out() ? 0 : blocks_.blocks().size(); }
+  std::size_t own_count(std::size_t part) const override { return blocks_.blocks()[part].touching; }
+  void append_gaps(const World& world, std::size_t part, ContactSet& gaps) const override {
+    const SphereContacts all(world, blocks_);
+    std::size_t at = gaps.size();
+    const auto make_room = [&](std::size_t size) { gaps.a.resize(size), gaps.b.resize(size), gaps.gap.resize(size); };
+    make_room(at + blocks_.blocks()[part].size);
+    all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
+      gaps.a[at] = all.first(c), gaps.b[at] = all.second(c);
+      gaps.gap[at++] = all.gap(c);
+    });
+    make_room(at);
+  }
+  void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override {
+    const SphereContacts all(world, blocks_);
+    const SphereContacts::LoadOf load = loads(world);
+    all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
+      const NamedContact n = all.named(c, load);
+      contacts.append(n.a, n.b, n.point), contacts.force.push_back(n.on_a.force);
+    });
+  }
+
+  void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
+  void visit(StateVisitor& visitor) override {
+    ahead_ = false;  // it may be another state that comes in
+    generic_->visit(visitor), blocks_.visit(visitor);
+    visitor.value("spheres/others", others_);
+    visitor.value("spheres/viscous_power", viscous_power_);
+    visitor.value("spheres/driven_power", driven_power_);
+  }
+
+ private:
+  static_assert(TouchedBodies::block_size == SphereBlocks::largest_block, "threads share the same bodies out in both");
+  static constexpr std::size_t most_trays = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
+
+  /// Later than the velocities of the world by this are those the dampers see [s].
+  double lag(const StepClock& clock) const { return laws_.damped ? clock.velocity_lag * clock.dt : 0.0; }
+
+  BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t tray,
+                Extent& extent) {
+    return {world,
+            world.states().data(),
+            blocks_.late_spins(),
+            blocks_.sums(tray),
+            blocks_.moments(tray),
+            blocks_.plain(),
+            touched(),
+            knows_ways() ? hurry_.data() : nullptr,
+            tells_forces_,
+            drift_.velocity_at(since_drift_ + 0.5 * clock.dt),
+            *clock.scheme,
+            clock.dt,
+            lag(clock),
+            begin,
+            end,
+            clock.run_on == nullptr || clock.run_on->bounded,
+            extent};
+  }
+
+  bool knows_ways() const { return !hurry_.empty(); }
+  const std::uint8_t* touched() const { return is_touched_.empty() ? nullptr : is_touched_.data(); }
+
+  void find_ways(double dt) {
+    since_drift_ += dt;
+    ways_.resize(knows_ways() ? most_hurry_.size() : 0);
+    for (std::size_t i = 0; i < ways_.size(); ++i) ways_[i] = dt * std::sqrt(most_hurry_[i].sum());
+  }
+
+  /// Whether one material is that of all spheres.
+  void find_materials(const World& world) {
+    const auto first = std::find_if(radius_.begin(), radius_.end(), [](double r) { return r > 0.0; });
+    if (first == radius_.end()) return;
+    own_ = world.material[static_cast<std::size_t>(first - radius_.begin())];
+    const bool several = block_max<char>(radius_.size(), 0, [&](std::size_t s) {
+                           return static_cast<char>(radius_[s] > 0.0 && world.material[s] != own_);
+                         }) != 0;
+    if (several) own_ = laws_.materials;
+  }
+
+  /// Of all bodies in this step.
+  Extent seen() const {
+    Extent all;
+    for (const Extent& part : extents_) all += part;
+    return all;
+  }
+
+  /// What every block reads and writes; its own sums and moments come on top.
+  SphereArrays arrays_of(const World& world, double dt, bool tells_energy) {
+    SphereArrays arrays{blocks_.planes().data(), world.states().data(), 0, dt, laws_.damped, tells_energy};
+    arrays.passes = &passes_, arrays.rows = laws_.rows.data(), arrays.reach = reach_;
+    arrays.material = own_ < laws_.materials ? nullptr : world.material.data();
+    arrays.materials = laws_.materials, arrays.own = own_, arrays.late_spins = blocks_.late_spins();
+    if (world.cell) {
+      const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
+      arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
+      arrays.strain_rate = Lanes{rate.x(), rate.y(), rate.z(), 0.0};
+    }
+    return arrays;
+  }
+
+  /// All blocks through the loop, then what they found for each other, and the second half of the step with it; with
+  /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
+  void run_blocks(World& world, const StepClock& clock, bool onward) {
+    auto& all = blocks_.blocks();
+    passes_ = laws_.passes(), dt_ = clock.dt;
+    const auto loop = laws_.needs.remembers() ? find_loop<true>() : find_loop<false>();
+    const SphereArrays arrays = arrays_of(world, clock.dt, !onward);  // onward: nobody looks at this step
+    const auto threads = static_cast<std::size_t>(thread_count());
+    const std::size_t trays = threads == 1 ? 1 : std::min(most_trays, all.size() / threads + 1);
+    blocks_.set_trays(threads * trays);
+    const auto find = [&](std::size_t i, std::size_t tray) {
+      blocks_.clear_tray(tray);
+      SphereArrays mine = arrays;
+      const std::size_t first = i * blocks_.block_size();
+      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(tray)) - first * sizeof(SphereSum);
+      mine.nowhere = SpherePlace(static_cast<Slot>(first + blocks_.block_size()));
+      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(tray)) - first * sizeof(Lanes);
+      loop(FindCall{all[i], mine});
+    };
+    next_extents_.resize(onward ? all.size() : 1), most_hurry_.resize(next_extents_.size());
+    const auto second_half = best_loop<SecondHalf<false>>();
+    const auto run_on = best_loop<SecondHalf<true>>();
+    const auto finish = [&](std::size_t i, std::size_t tray, std::size_t next) {
+      blocks_.receive(i, tray);
+      const std::size_t begin = i * blocks_.block_size();
+      const std::size_t end = std::min(world.size(), begin + blocks_.block_size());
+      if (!clock.scheme)
+        unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray), touched(), begin, end);
+      else if (onward)
+        run_on({pass(world, clock, begin, end, tray, extents_[i]),
+                {next_extents_[i] = {}, most_hurry_[i] = Vec3::Zero()},
+                world.states().data() + next * blocks_.block_size()});
+      else
+        second_half({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[0], most_hurry_[0]}, {}});
+    };
+    // records go to later blocks only, and no block reads bodies of an earlier one
+    parallel_wavefront(
+        all.size(), trays, blocks_.order(), [&](std::size_t i) -> const auto& { return all[i].sources; }, find, finish);
+  }
+
+  /// Adds what the blocks found to the report of the generic loop.
+  void count(double dt, StepReport& report) {
+    report.contacts += blocks_.pairs();
+    Losses lost;
+    double viscous_power = 0.0;
+    report.deepest = report.deepest_relative = 0.0;
+    for (const auto& block : blocks_.blocks()) {
+      report.deepest = std::max(report.deepest, block.deepest);
+      report.deepest_relative = std::max(report.deepest_relative, block.deepest_relative);
+      report.touching += block.touching, report.elastic += block.elastic;
+      viscous_power += block.viscous;
+      if (dt > 0.0) lost.frictional += block.slipped, (laws_.holds_on ? lost.adhesive : lost.plastic) += block.lost;
+    }
+    lost.viscous = 0.5 * dt * (viscous_power_ + viscous_power);
+    viscous_power_ = viscous_power;
+    report.losses += lost;
+    report.dissipated += lost.viscous + lost.frictional + lost.plastic + lost.adhesive;
+  }
+
+  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run), and the work of
+  /// the strain on it.
+  void deform(PeriodicCell& cell, bool others, double dt, StepReport& report) {
+    Vec3 virial = Vec3::Zero();
+    for (const auto& block : blocks_.blocks()) virial += block.virial;
+    const double power = virial.dot(cell.strain_rate);
+    report.work += 0.5 * dt * (driven_power_ + power);
+    driven_power_ = power;
+    cell.virial = others ? Vec3(cell.virial + virial) : virial;
+  }
+
+  SphereContacts::LoadOf loads(const World& world) const {
+    return [this, &world](const SphereContact& c, const Vec3& normal) { return load_of(world, c, normal); };
+  }
+
+  /// At the last call, by the formulas of the loop.
+  SphereLoad load_of(const World& world, const SphereContact& c, const Vec3& normal) const {
+    SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
+    const SphereSprings& springs = blocks_.blocks()[c.block].springs;
+    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+    if (laws_.needs.rolling)
+      load.force += xyz(springs.loads(c.rank).friction), load.moment = xyz(springs.loads(c.rank).moment);
+    else if (laws_.needs.friction)
+      load.force += xyz(springs.friction(c.rank).load);
+    return load;
+  }
+
+  /// [N]
+  double normal_force(const World& world, const SphereContact& c) const {
+    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+    const bool wall = c.plane >= 0;
+    const SphereBlocks::Block& block = blocks_.blocks()[c.block];
+    const SpherePlaces& places = block.pairs[c.pair];
+    const BodyState &a = world.states()[places.a.slot()], &b = world.states()[(wall ? places.a : places.b).slot()];
+    const double radius_a = a.position[3], radius_b = b.position[3];
+    KinematicsOf<double> at;
+    if (wall) {
+      const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(c.plane)];
+      at.overlap = radius_a - plane.normal.dot(xyz(a.position) - plane.point);
+      at.approach_velocity = -plane.normal.dot(xyz(a.predicted));
+      at.effective_mass = 1.0 / a.velocity[3], at.effective_radius = radius_a;
+    } else {
+      Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
+      if (world.cell)
+        d += world.cell->size.cwiseProduct(xyz(block.images[c.pair].cells)),
+            later += world.cell->strain_rate.cwiseProduct(d);
+      const double distance = d.norm();
+      at.overlap = radius_a + radius_b - distance;
+      if (reach_ == 0.0) at.overlap = std::max(0.0, at.overlap);
+      at.approach_velocity = distance > 0.0 ? -later.dot(d) / distance : -later.z();
+      at.effective_mass = 1.0 / (a.velocity[3] + b.velocity[3]);
+      at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
+    }
+    const Slot other = wall ? blocks_.planes()[static_cast<std::size_t>(c.plane)].slot : places.b.slot();
+    const PairRow& row = laws_.rows[laws_.materials * world.material[places.a.slot()] + world.material[other]];
+    double numbers[PairRow::most], now = 0.0;
+    for (std::size_t k = 0; k < PairRow::most; ++k) numbers[k] = row.normal[k];
+    const double before = laws_.needs.normal ? block.springs.normal(c.rank) : 0.0;
+    return laws_.normal().one(numbers, at, before, now, laws_.locates ? &dt_ : nullptr).force;
+  }
+
+  TileLaws laws_;
+  Passes passes_;  ///< of the last call
+  double reach_, dt_ = 0.0;
+  std::uint32_t own_ = 0;  ///< material of all spheres; as many as there are: several
+  std::unique_ptr<ContactModel> generic_;
+  bool others_ = false;
+  bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
+  UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
+  Drift drift_;                                 ///< beside which ways are counted
+  double since_drift_ = 0.0;                    ///< it began so long ago [s]
+  std::span<const float> hurry_;                ///< as SphereList::hurry
+  SpherePairs* lent_ = nullptr;                 ///< 18 bytes a sphere that nobody reads again
+  bool tells_forces_ = true;                    ///< in every step; else in those that somebody looks at only
+  std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
+  std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
+  bool ahead_ = false;                          ///< the first half of the next step is done
+  std::vector<std::uint8_t> is_touched_;        ///< by slot: with forces of the generic loop; empty: none is
+  std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block
+  Extent extent_;
+  bool has_extent_ = false;
+  double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
+  double driven_power_ = 0.0;       ///< of the cell's strain on the fused contacts at the last call [W]
+  mutable bool published_ = false;  ///< the contacts of this step are in the set already
+  mutable SpherePublisher publisher_;
+  SphereBlocks blocks_;
+};
+
+}  // namespace
+
+std::unique_ptr<FusedSpheres> make_fused_spheres(const SmoothSetup& setup, double reach, std::size_t block_size) {
+  return std::make_unique<FusedModel>(setup, reach, block_size);
 }
+
+SphereNeeds sphere_needs(const SmoothSetup& setup) { return tile_laws(setup).needs; }
 
 }  // namespace epafi

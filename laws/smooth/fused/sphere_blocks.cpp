@@ -118,15 +118,15 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   late_spins_.resize(needs_.rolling ? world.size() : 0);
   pairs_ = pairs.size();
   if (!laid_out_) group_kept(count);
-  blocks_.resize(count, Block(needs_.rolling));
+  blocks_.resize(count, Block(needs_));
   const auto relay = [&](std::size_t i) {
     thread_local Carried carried;
-    const bool carries = laid_out_ && needs_.friction;
+    const bool carries = laid_out_ && needs_.remembers();
     if (carries) carried.take(blocks_[i], before);
     lay_out(blocks_[i], static_cast<Slot>(i), pairs);
     if (carries)
       carried.give(blocks_[i], planes_, block_size_);
-    else if (needs_.friction)
+    else if (needs_.remembers())
       restore(blocks_[i], static_cast<Slot>(i * block_size_),
               std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
@@ -135,7 +135,8 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     Kept* const kept = kept_.springs.data();
     if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
   });
-  let_go(kept_.springs), let_go(kept_.rolling), laid_out_ = true;
+  let_go(kept_.springs), laid_out_ = true;
+  kept_.each_more(needs_, [](auto& column, const char*) { let_go(column); });
   list_sources();
 }
 
@@ -258,15 +259,6 @@ SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std
           {load[0], load[1], load[2], load[3]}};
 }
 
-template <class Put>
-void SphereBlocks::springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put) const {
-  if (!needs_.friction) return;
-  each_touching(block, [&](const Run& run, std::uint32_t k, std::uint32_t rank) {
-    const Lanes load = needs_.rolling ? block.springs.rolling(rank).load : Lanes{};
-    put(kept_of(block, run, k, rank, planes), Load{load[0], load[1], load[2], load[3]});
-  });
-}
-
 /// kept: springs of a block whose first slot is `first`.
 void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept) {
   std::array<std::uint32_t, largest_block + 2> begin{};
@@ -294,8 +286,11 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
   for (std::uint32_t rank = 0; rank < found.size(); ++rank) {
     const double* load = found[rank]->load;
     block.springs.friction(rank).load = Lanes{load[0], load[1], load[2], load[3]};
+    const std::uint32_t more = found[rank]->more;
+    if (needs_.normal) block.springs.normal(rank) = kept_.normal[more];
+    if (needs_.bristles) block.springs.bristles(rank) = kept_.bristles[more];
     if (!needs_.rolling) continue;
-    const Load& moment = kept_.rolling[found[rank]->rolling];
+    const Load& moment = kept_.rolling[more];
     block.springs.rolling(rank).load = Lanes{moment[0], moment[1], moment[2], moment[3]};
   }
 }
@@ -305,21 +300,27 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
   kept_begin_.assign(blocks_.size() + 1, 0);
   const auto count = [&](std::size_t i) { kept_begin_[i + 1] = blocks_[i].springs.count(); };
-  if (needs_.friction) parallel_for(blocks_.size(), count, 1);
+  if (needs_.remembers()) parallel_for(blocks_.size(), count, 1);
   running_sums(kept_begin_);
   const std::size_t touching = kept_begin_.back();
-  kept_.springs.resize(touching), kept_.rolling.resize(needs_.rolling ? touching : 0);
+  kept_.springs.resize(touching);
+  kept_.each_more(needs_, [&](auto& column, const char*) { column.resize(touching); });
   const bool many = touching * sizeof(Kept) > most_twice;
   const auto take = [&](std::size_t i) {
     std::uint32_t at = kept_begin_[i];
-    springs_of(blocks_[i], planes, [&](Kept spring, const Load& rolling) {
-      if (needs_.rolling) spring.rolling = at, kept_.rolling[at] = rolling;
-      kept_.springs[at++] = spring;
-    });
+    const SphereSprings& springs = blocks_[i].springs;
+    if (needs_.remembers())
+      each_touching(blocks_[i], [&](const Run& run, std::uint32_t k, std::uint32_t rank) {
+        kept_.springs[at] = kept_of(blocks_[i], run, k, rank, planes), kept_.springs[at].more = at;
+        if (needs_.normal) kept_.normal[at] = springs.normal(rank);
+        if (needs_.bristles) kept_.bristles[at] = springs.bristles(rank);
+        if (needs_.rolling) std::memcpy(kept_.rolling[at].data(), &springs.rolling(rank).load, sizeof(Load));
+        ++at;
+      });
     if (many)
-      blocks_[i] = Block(needs_.rolling);
+      blocks_[i] = Block(needs_);
     else
-      blocks_[i].runs.clear(), blocks_[i].springs = SphereSprings(needs_.rolling);
+      blocks_[i].runs.clear(), blocks_[i].springs = SphereSprings(needs_);
   };
   laid_out_ = false, grouped_ = true;
   by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t, std::size_t) {
@@ -369,8 +370,9 @@ void SphereBlocks::reorder(const Reordering& change) {
     if (s.a == no_slot || s.b == no_slot || plane || s.a < s.b) continue;
     std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;  // the load is that on the lower slot
     for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
-    if (!needs_.rolling) continue;
-    for (std::size_t k = 0; k < 3; ++k) kept_.rolling[s.rolling][k] *= -1.0;
+    for (std::size_t k = 0; needs_.rolling && k < 3; ++k) kept_.rolling[s.more][k] *= -1.0;
+    if (needs_.bristles)
+      for (Vec3& load : kept_.bristles[s.more].get().load) load = -load;
   }
   std::erase_if(kept_.springs, [](const Kept& s) { return s.a == no_slot || s.b == no_slot; });
 }
@@ -378,19 +380,23 @@ void SphereBlocks::reorder(const Reordering& change) {
 void SphereBlocks::visit(StateVisitor& visitor) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
   take_out(planes_), grouped_ = false;
-  const auto number = [&] {  // in the order of the springs that are left: some have gone since
-    for (std::uint32_t i = 0; i < kept_.springs.size(); ++i) kept_.springs[i].rolling = i;
+  // what else is remembered comes in the order of the springs that are left: some have gone since
+  kept_.each_more(needs_, [&]<class T>(UnwrittenColumn<T>& column, const char*) {
+    UnwrittenColumn<T> left;
+    left.reserve(kept_.springs.size());
+    for (const Kept& s : kept_.springs) left.push_back(column[s.more]);
+    column.swap(left);
+  });
+  const auto number = [&] {
+    for (std::uint32_t i = 0; i < kept_.springs.size(); ++i) kept_.springs[i].more = i;
   };
-  if (needs_.rolling) {
-    UnwrittenColumn<Load> rolling;
-    rolling.reserve(kept_.springs.size());
-    for (const Kept& s : kept_.springs) rolling.push_back(kept_.rolling[s.rolling]);
-    kept_.rolling.swap(rolling), number();
-  }
+  number();
   visitor.column("spheres/springs", kept_.springs);  // as they are: a copy by columns took 82 bytes a sphere
-  if (!needs_.rolling) return;
-  visitor.column("spheres/rolling", kept_.rolling);
-  kept_.rolling.resize(kept_.springs.size()), number();
+  number();
+  kept_.each_more(needs_, [&](auto& column, const char* name) {
+    visitor.column(name, column);
+    column.resize(kept_.springs.size());
+  });
 }
 
 void SphereBlocks::set_trays(std::size_t trays) {

@@ -1,9 +1,9 @@
 /// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over
 /// several at a time. Slots are cut into blocks; a block owns the contacts whose lower slot it holds and adds
 /// their forces to its own bodies; what it finds for bodies of later blocks it writes down, by block, and those blocks
-/// add it in a second pass. A body's sum is that of its planes, then of its partners from the highest slot down, whichever
-/// blocks they lie in: the bits depend neither on threads, nor on the size of the blocks, nor on which pairs that do not
-/// touch are listed.
+/// add it in a second pass. A body's sum is that of its planes, then of its partners from the highest slot down,
+/// whichever blocks they lie in: the bits depend neither on threads, nor on the size of the blocks, nor on which pairs
+/// that do not touch are listed.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -34,6 +34,7 @@ struct SphereRecord {
 /// A fixed plane.
 struct SpherePlane {
   Slot slot = 0;
+  std::uint16_t material = 0;
   Vec3 normal = Vec3::UnitZ();  ///< out of the wall
   Vec3 point = Vec3::Zero();
 };
@@ -92,7 +93,7 @@ class SphereBlocks {
   };
 
   struct Block {
-    explicit Block(bool rolls) : springs(rolls) {}
+    explicit Block(const SphereNeeds& needs) : springs(needs) {}
     std::vector<Run> runs;                ///< planes in order, then across blocks, then inside the block
     UnwrittenColumn<SpherePlaces> pairs;  ///< every run filled up to whole eights, `pairs_ahead` more behind the last,
                                           ///< with pairs of the state that is nowhere
@@ -109,6 +110,7 @@ class SphereBlocks {
     double elastic = 0.0;        ///< stored in the contacts when somebody looked last [J]
     double slipped = 0.0;        ///< lost by slip in the step [J]
     double viscous = 0.0;        ///< power lost in the dampers [W]
+    double lost = 0.0;           ///< to plastic deformation or adhesion in the step [J]
     Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
     double deepest = 0.0, deepest_relative = 0.0;  ///< overlap [m], over the smaller radius
@@ -175,19 +177,25 @@ class SphereBlocks {
   struct Kept {
     Slot a, b;
     std::uint32_t key;
-    std::uint32_t rolling;  ///< its place among the loads of rolling springs
+    std::uint32_t more;  ///< place of what else is remembered of it
     double load[4];
   };
   using Load = std::array<double, 4>;
   struct KeptSprings {
     UnwrittenColumn<Kept> springs;
-    UnwrittenColumn<Load> rolling;  ///< with rolling; one for each spring that ever was there
+    // one for each spring that ever was there, where it is needed
+    UnwrittenColumn<Load> rolling;
+    UnwrittenColumn<double> normal;
+    UnwrittenColumn<PackedBristles> bristles;
+    template <class F>
+    void each_more(const SphereNeeds& needs, const F& f) {
+      if (needs.rolling) f(rolling, "spheres/rolling");
+      if (needs.normal) f(normal, "spheres/normal");
+      if (needs.bristles) f(bristles, "spheres/bristles");
+    }
   };
   static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
                       const std::vector<SpherePlane>& planes);
-  /// planes: those of the block's layout.
-  template <class Put>
-  void springs_of(const Block& block, const std::vector<SpherePlane>& planes, const Put& put) const;
   void group_kept(std::size_t count);
   void lay_out(Block& block, Slot index, const SpherePairs& pairs);
   void restore(Block& block, Slot first, std::span<const Kept> kept);

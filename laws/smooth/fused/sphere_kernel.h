@@ -1,24 +1,16 @@
-/// @file sphere_kernel.h  Hertz-like contact of spheres with a friction spring, n contacts at a time. A first pass
-/// looks at all pairs of a run and hands on those that touch; these alone, closed up, go through motion, law, spring
-/// and sums, 32 together: each of these loops is short, so that the processor works at several groups at once. The
-/// formulas are those of the law parts (respond, stiffness, friction) and of laws/smooth/spring.h; the result equals
-/// the generic loop to rounding (tests/physics/test_fused_spheres.cpp), and is the same bits for every n.
+/// @file sphere_kernel.h  Contact of spheres, n contacts at a time. A first pass looks at all pairs of a run and hands
+/// on those that touch; these alone, closed up, go through motion, the passes of the laws (tile_passes.h) and sums, 32
+/// together: each of these loops is short, so that the processor works at several groups at once. The result equals the
+/// generic loop to rounding (tests/physics/test_fused_spheres.cpp), and is the same bits for every n.
 #pragma once
 #include "laws/smooth/fused/sphere_look.h"
-#include "laws/smooth/fused/sphere_rolling.h"
+#include "laws/smooth/fused/tile_passes.h"
 
 namespace epafi {
 
-template <class Normal, class Tangential, class Rolling>
-struct SphereLaw {
-  typename Normal::Parameters normal{};
-  typename Tangential::Parameters tangential{};
-  typename Rolling::Parameters rolling{};
-};
-
 /// Radius of the contact, and with friction how fast the surfaces move on each other; opening: velocity along the
 /// normal.
-template <int n, bool friction, bool wall>
+template <int n, bool remembers, bool wall>
 EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays& with,
                             const VectorsOf<typename LanesOf<n>::Real>& velocity,
                             const typename LanesOf<n>::Real& opening) {
@@ -40,7 +32,7 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
   } else {
     c.radius = c.smaller = radius_a, c.lever = filled<n>(1.0);
   }
-  if constexpr (friction) {
+  if constexpr (remembers) {
     c.twist = 0.5 * with.dt * normal.dot(spin_a + spin_b);
     const VectorsOf<V> turning = (c.lever * radius_a) * spin_a + (c.lever * radius_b) * spin_b;
     c.slip = velocity - opening * normal - turning.cross(normal);
@@ -48,7 +40,7 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
 }
 
 /// How they move against each other.
-template <int n, bool friction, bool wall, bool periodic>
+template <int n, bool remembers, bool wall, bool periodic>
 EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks::Block& block,
                              const SphereArrays& with) {
   using V = typename LanesOf<n>::Real;
@@ -97,27 +89,11 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
     }
   }
   c.inverse_mass = inverse_mass;
-  find_radii<n, friction, wall>(t, g, with, velocity, opening);
-}
-
-template <int n, class Normal, class Tangential, class Rolling>
-EPAFI_LANES void find_response(SphereTile<n>& t, std::size_t g, const SphereLaw<Normal, Tangential, Rolling>& law,
-                               bool tells_energy) {
-  using V = typename LanesOf<n>::Real;
-  KinematicsOf<V> at;
-  at.overlap = t.column(t.overlap, g), at.approach_velocity = t.group[g].approach;
-  at.effective_mass = 1.0 / t.group[g].inverse_mass, at.effective_radius = t.group[g].radius;
-  const ResponseOf<V> r = Normal::respond(law.normal, at);
-  t.group[g].force = r.force;
-  t.group[g].viscous = (r.force - r.elastic_force) * at.approach_velocity;
-  if constexpr (Tangential::is_present)
-    t.group[g].stiffness = Tangential::stiffness(law.tangential, r.stiffness),
-    t.group[g].limit = Tangential::friction(law.tangential) * r.force;
-  if (tells_energy) t.group[g].elastic = r.energy;
+  find_radii<n, remembers, wall>(t, g, with, velocity, opening);
 }
 
 /// What a contact adds to the sum of A, and with the force turned round to that of B.
-template <int n, bool friction>
+template <int n, bool remembers>
 struct SumRow {
   using Two = LanesOf<2>::Real;
   RowOf<n> first;
@@ -126,15 +102,15 @@ struct SumRow {
   EPAFI_LANES SumRow turned() const { return {turn_three(first), second}; }
   EPAFI_LANES void add_to(SphereSum& sum) const {
     store<n>(sum.first, row<n>(sum.first) + first);
-    if constexpr (friction) second_of(sum) += second;
+    if constexpr (remembers) second_of(sum) += second;
   }
   EPAFI_LANES void write(SphereRecord& to) const {
     std::memcpy(to.first, &first, sizeof to.first), std::memcpy(to.second, &second, sizeof to.second);
   }
 };
 /// All in one register.
-template <bool friction>
-struct SumRow<8, friction> {
+template <bool remembers>
+struct SumRow<8, remembers> {
   LanesOf<8>::Real all;
   EPAFI_LANES SumRow turned() const {
     constexpr long long sign = static_cast<long long>(1ull << 63);
@@ -149,9 +125,9 @@ struct SumRow<8, friction> {
   }
 };
 
-template <int n, bool friction>
+template <int n, bool remembers>
 EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& force,
-                                const VectorsOf<typename LanesOf<n>::Real>& pull, SumRow<n, friction>* rows) {
+                                const VectorsOf<typename LanesOf<n>::Real>& pull, SumRow<n, remembers>* rows) {
   if constexpr (n == 8) {
     LanesOf<8>::Real all[n];
     write_sixes(force, pull, all);
@@ -166,20 +142,20 @@ EPAFI_LANES void write_sum_rows(const VectorsOf<typename LanesOf<n>::Real>& forc
 }
 
 /// Adds to sums; of B to the records of the tile where it lies in another block.
-template <int n, bool friction, bool wall, bool across, bool periodic>
+template <int n, bool remembers, bool wall, bool across, bool periodic>
 EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays& with, SphereRecord* records,
                             SpherePlace* record_places) {
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V> normal = t.normal(g), &load = t.group[g].load;
   VectorsOf<V> f = -(t.group[g].force * normal), moment{};
-  if constexpr (friction) f = f + load, moment = t.group[g].lever * normal.cross(load);
+  if constexpr (remembers) f = f + load, moment = t.group[g].lever * normal.cross(load);
   if constexpr (periodic && !wall) {
     const V arm = t.column(t.distance, g);
     t.group[g].virial_x = arm * normal.x * f.x, t.group[g].virial_y = arm * normal.y * f.y;
     t.group[g].virial_z = arm * normal.z * f.z;
   }
-  SumRow<n, friction> rows[n];
-  write_sum_rows<n, friction>(f, moment, rows);
+  SumRow<n, remembers> rows[n];
+  write_sum_rows<n, remembers>(f, moment, rows);
   const SpherePlaces* bodies = t.bodies + g * n;
   for (int l = 0; l < n; ++l) {  // lane by lane, A and B: the order of a body's sum is not that of groups
     rows[l].add_to(with.sum(bodies[l].a));
@@ -191,17 +167,14 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays&
 }
 
 /// A run on its way through the loops.
-template <int n, class Normal, class Tangential, class Rolling, bool wall, bool across, bool periodic>
+template <int n, bool remembers, bool wall, bool across, bool periodic>
 struct SphereSweep {
-  using Law = SphereLaw<Normal, Tangential, Rolling>;
   using Places = SphereSprings::Places;
-  static constexpr bool friction = Tangential::is_present, rolls = Rolling::is_present;
   static constexpr std::uint32_t eight = SphereBlocks::pairs_per_byte;
   static constexpr std::uint32_t springs_ahead = 96;  ///< three tiles, three quarters of a page
 
   SphereBlocks::Block& block;
   const SphereBlocks::Run& range;
-  const Law& law;
   const SphereArrays& arrays;
   SphereTotals<n>& total;
   Places& places;  ///< of the block's springs
@@ -225,9 +198,9 @@ struct SphereSweep {
     const std::size_t end = range.end;
     for (std::size_t k = range.begin; k < end; k += eight) {
       const std::size_t begin = t.count;
-      const unsigned now = all.eight_from(t, k, with), before = touched[k / eight];
+      const unsigned before = touched[k / eight], now = all.eight_from(t, k, with, before);
       const std::uint32_t read = at.read;
-      if constexpr (friction) {
+      if constexpr (remembers) {
         t.find_springs(begin, before, now, read), at.read += bit_places.count[before];
         ask_for(springs + at.read);
       }
@@ -238,19 +211,19 @@ struct SphereSweep {
       if (with.dt > 0.0) {
         if (const unsigned opened = before & ~now; opened != 0) release(before, opened, read);
         touched[k / eight] = static_cast<std::uint8_t>(now);
-      } else if (!friction) {
+      } else if (!remembers) {
         touched[k / eight] = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
       }
       if (t.count < full) continue;
       const std::size_t found = t.count;
-      if constexpr (friction) keep_unread(t, at, begin, read, with), springs = block.springs.friction();
+      if constexpr (remembers) keep_unread(t, at, begin, read, with), springs = block.springs.friction();
       t.count = full;
       evaluate(t, at, at.read - static_cast<std::uint32_t>(found), with);
       t.count = found - full;
       for (std::size_t l = 0; l < eight; ++l) t.copy(full + l, l);
       if (with.dt > 0.0) t.find_row(at.read);
     }
-    if constexpr (friction) keep_unread(t, at, t.count, at.read, with);
+    if constexpr (remembers) keep_unread(t, at, t.count, at.read, with);
     if (t.count > 0) evaluate(t, at, at.read - static_cast<std::uint32_t>(t.count), with);
     places = at;
   }
@@ -276,38 +249,78 @@ struct SphereSweep {
 
   /// The first contacts of a tile through all loops; `count` of them, at most `most`. row: see SphereTile::gather.
   EPAFI_LANES void evaluate(SphereTile<n>& t, Places& at, std::uint32_t row, const SphereArrays& with) const {
+    const Passes& passes = *with.passes;
     t.groups = (t.count + n - 1) / n;
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.copy(t.count - 1, k);
     if constexpr (across)
-      if (block.records.size() < at.record + t.groups * n) block.grow_records(at.record + SphereTile<n>::most, rolls);
-    for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, friction, wall, periodic>(t, g, block, with);
+      if (block.records.size() < at.record + t.groups * n)
+        block.grow_records(at.record + SphereTile<n>::most, passes.needs.rolling);
+    for (std::size_t g = 0; g < t.groups; ++g) find_motion<n, remembers, wall, periodic>(t, g, block, with);
     note_depths<n>(t, total);
-    const Law kept = law;  // in registers, or spread over lanes
-    const auto respond = [&](std::size_t g) EPAFI_INLINED {
-      find_response<n, Normal, Tangential, Rolling>(t, g, kept, with.tells_energy);
-    };
-    SphereSpring* const springs = block.springs.friction();
-    SphereSpring gathered[SphereTile<n>::most];
-    if constexpr (friction)
-      pull<n>(t, t.gather(springs, row, gathered), with.dt, respond);
-    else
-      for (std::size_t g = 0; g < t.groups; ++g) respond(g);
-    if constexpr (rolls) {
-      SphereRolling<n> r;
-      roll<n, Tangential, Rolling, wall, periodic>(t, r, law.tangential, law.rolling, block.springs, row, at.write,
-                                                   with);
-      for (std::size_t g = 0; g < t.groups; ++g) add_moments<n, wall, across>(t, r, g, block, at, with);
-    }
+    const PassCall call = choose_rows(t, with);
+    answer(t, call, at, row, with);
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
     SphereRecord* const records = across ? block.records.data() + at.record : nullptr;
     SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
-    for (std::size_t g = 0; g < t.groups; ++g) {
-      if constexpr (friction && !rolls) settle_springs<n>(t, g, springs + at.write, with.dt);
-      add_forces<n, friction, wall, across, periodic>(t, g, with, records, record_places);
-    }
-    total_up<n, friction, periodic && !wall>(t, total, with.tells_energy);
+    for (std::size_t g = 0; g < t.groups; ++g)
+      add_forces<n, remembers, wall, across, periodic>(t, g, with, records, record_places);
+    total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, passes.needs.normal);
     at.write += static_cast<std::uint32_t>(t.count);
     if constexpr (across) at.record += static_cast<std::uint32_t>(t.count);
+  }
+
+  /// The pairs of materials of the contacts of a tile.
+  EPAFI_LANES PassCall choose_rows(SphereTile<n>& t, const SphereArrays& with) const {
+    const std::uint32_t other = wall ? with.planes[range.plane].material : with.own;
+    if (with.material == nullptr) return {&t, with.rows + with.materials * with.own + other, true, with.dt};
+    for (std::size_t k = 0; k < t.groups * n; ++k)
+      t.row[k] = with.materials * with.material[t.bodies[k].a.slot()] +
+                 (wall ? other : std::uint32_t{with.material[t.bodies[k].b.slot()]});
+    return {&t, with.rows, false, with.dt};
+  }
+
+  /// The passes of the laws.
+  EPAFI_LANES void answer(SphereTile<n>& t, const PassCall& call, const Places& at, std::uint32_t row,
+                          const SphereArrays& with) const {
+    constexpr std::size_t most = SphereTile<n>::most;
+    const Passes& passes = *with.passes;
+    SphereSprings& springs = block.springs;
+    if constexpr (!remembers) {
+      passes.normal({call, nullptr, nullptr, with.tells_energy, passes.locates});
+    } else {
+      alignas(64) double before[most], now[most];
+      double* const column = springs.normal();
+      if (passes.needs.normal) t.gather_apart(column, row, before);
+      passes.normal({call, before, now, with.tells_energy, passes.locates});
+      if (passes.needs.normal) remember(t, before, now, with.dt > 0.0 ? column + at.write : nullptr);
+      SphereSpring gathered[most];
+      if (passes.tangential == nullptr) {
+        t.rest_springs();
+        if (with.dt > 0.0) std::fill_n(springs.friction() + at.write, t.count, SphereSpring{});
+      } else if (!passes.needs.bristles) {
+        passes.tangential(
+            {call, t.gather(springs.friction(), row, gathered), springs.friction() + at.write, nullptr, nullptr});
+      } else {
+        thread_local std::vector<PackedBristles> kept(most);
+        passes.tangential({call, nullptr, springs.friction() + at.write, t.gather(springs.bristles(), row, kept.data()),
+                           springs.bristles() + (with.dt > 0.0 ? at.write : 0)});
+      }
+      if (passes.rolling != nullptr)
+        passes.rolling({call, t.gather(springs.rolling(), row, gathered), springs.rolling() + at.write, passes.type,
+                        &block, &with, at, wall, across, periodic});
+    }
+  }
+
+  /// What the normal law remembers; to: null where no time passes, then of contacts that begin alone.
+  EPAFI_LANES void remember(const SphereTile<n>& t, const double* before, const double* now, double* to) const {
+    for (std::size_t k = 0; k < t.count; ++k)
+      if (to != nullptr)
+        to[k] = now[k];
+      else if (before[k] == 0.0 && t.spring[k] != SphereSprings::unloaded)
+        block.springs.normal()[t.spring[k]] = now[k];
+    // contacts that had broken before are listed within the reach, and hold no more
+    if (arrays.reach > 0.0)
+      for (std::size_t k = 0; k < t.count; ++k) total.touching -= before[k] == 0.0 && now[k] == 0.0;
   }
 
   /// What contacts among eight that have opened leave behind; read: place of the first one's spring.
@@ -317,8 +330,12 @@ struct SphereSweep {
     };
     for (unsigned bits = opened; bits != 0; bits &= bits - 1u) {
       const std::uint32_t place = read + bit_places.count[before & ((bits & -bits) - 1u)];
-      if constexpr (friction) total.released += stored(block.springs.friction()[place].load);
-      if constexpr (rolls) total.released += stored(block.springs.rolling()[place].load);
+      const SphereNeeds& needs = arrays.passes->needs;
+      if (needs.bristles)
+        total.released += energy_of(block.springs.bristles()[place].get());
+      else if (needs.friction)
+        total.released += stored(block.springs.friction()[place].load);
+      if (needs.rolling) total.released += stored(block.springs.rolling()[place].load);
     }
   }
 };

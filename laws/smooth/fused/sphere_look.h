@@ -4,11 +4,12 @@
 
 namespace epafi {
 
-/// Adds those of the n pairs from `k` on that touch as contacts from number `at` on, and returns one bit for each. The
-/// normals of all n are found here: their root and division wait beside the look at the next ones.
+/// Adds those of the n pairs from `k` on that touch, or are `held` (a bit each) within the reach, as contacts from
+/// number `at` on, and returns one bit for each. The normals of all n are found here: their root and division wait
+/// beside the look at the next ones.
 template <int n, bool wall, bool periodic>
 EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlaces* pairs, const SphereImage* images,
-                             std::size_t k, const SpherePlane* plane, const SphereArrays& with) {
+                             std::size_t k, const SpherePlane* plane, const SphereArrays& with, unsigned held) {
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* pair = pairs + k;
   VectorsOf<V> d;
@@ -19,6 +20,7 @@ EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlace
     const Vec3 &out = plane->normal, &p = plane->point;
     d.x = out.x() * (d.x - p.x()) + out.y() * (d.y - p.y()) + out.z() * (d.z - p.z());
     bits = less_bits<n>(d.x, radii);
+    if (with.reach > 0.0) bits |= held & less_bits<n>(d.x, radii + filled<n>(with.reach));
     overlap = radii - d.x;
   } else {
     read_columns(
@@ -33,6 +35,10 @@ EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlace
     d.z += filled<n>(1e-130);  // no rounding, but the normal is z where centres are one
     const V square = d.dot(d);
     bits = less_bits<n>(square, radii * radii);
+    if (with.reach > 0.0) {
+      const V far = radii + filled<n>(with.reach);
+      bits |= held & less_bits<n>(square, far * far);
+    }
     distance = sqrt(square);
     const V both = distance * (1.0 / (square * radii));  // over both; neither root nor division waits for the other
     d = (radii * both) * d;
@@ -71,11 +77,11 @@ struct SphereLook {
     if constexpr (wall) t.set_normal(-plane->normal);
   }
   /// Those behind the last pair of the run are nowhere, and do not touch.
-  EPAFI_LANES unsigned eight_from(SphereTile<n>& t, std::size_t k, const SphereArrays& with) const {
+  EPAFI_LANES unsigned eight_from(SphereTile<n>& t, std::size_t k, const SphereArrays& with, unsigned held) const {
     unsigned now = 0;
     std::size_t at = t.count;
     const auto add = [&](std::size_t l) EPAFI_INLINED {
-      const std::size_t bits = look<n, wall, periodic>(t, at, pairs, images, k + l, plane, with);
+      const std::size_t bits = look<n, wall, periodic>(t, at, pairs, images, k + l, plane, with, held >> l);
       at += n == 2 ? (bits & 1u) + (bits >> 1) : std::size_t{bit_places.count[bits]};
       now |= static_cast<unsigned>(bits) << l;
     };

@@ -7,6 +7,7 @@
 
 #include "engine/lanes.h"
 #include "engine/large_column.h"
+#include "laws/smooth/bristles.h"
 
 namespace epafi {
 
@@ -23,7 +24,10 @@ struct alignas(32) SphereLoads {
 /// What the parts of a law need.
 struct SphereNeeds {
   bool friction = false;
-  bool rolling = false;  ///< resistance to rolling, or dashpots beside the friction springs
+  bool rolling = false;   ///< resistance to rolling, or dashpots beside the friction springs
+  bool normal = false;    ///< the normal law remembers a number
+  bool bristles = false;  ///< friction is a row of bristles
+  bool remembers() const { return friction || normal; }
 };
 
 class SphereSprings {
@@ -37,8 +41,7 @@ class SphereSprings {
     std::uint32_t read = 0, write = 0, record = 0;
   };
 
-  /// rolls: there are rolling springs and loads.
-  explicit SphereSprings(bool rolls) : rolls_(rolls) {}
+  explicit SphereSprings(const SphereNeeds& needs) : needs_(needs) {}
   std::uint32_t count() const { return last_ - first_; }
   /// Of the contact that touches as number `rank`.
   SphereSpring& friction(std::uint32_t rank) { return friction_[first_ + rank]; }
@@ -46,6 +49,10 @@ class SphereSprings {
   SphereSpring& rolling(std::uint32_t rank) { return rolling_[first_ + rank]; }
   const SphereSpring& rolling(std::uint32_t rank) const { return rolling_[first_ + rank]; }
   const SphereLoads& loads(std::uint32_t rank) const { return loads_[first_ + rank]; }
+  double& normal(std::uint32_t rank) { return normal_[first_ + rank]; }
+  double normal(std::uint32_t rank) const { return normal_[first_ + rank]; }
+  PackedBristles& bristles(std::uint32_t rank) { return bristles_[first_ + rank]; }
+  const PackedBristles& bristles(std::uint32_t rank) const { return bristles_[first_ + rank]; }
 
   /// The contacts are those that were number from[0], from[1] ... until now, or `fresh`: not loaded.
   void choose(std::span<const std::uint32_t> from);
@@ -58,20 +65,26 @@ class SphereSprings {
   SphereSpring* friction() { return friction_.data(); }
   SphereSpring* rolling() { return rolling_.data(); }
   SphereLoads* loads() { return loads_.data(); }
+  double* normal() { return normal_.data(); }
+  PackedBristles* bristles() { return bristles_.data(); }
 
  private:
   template <class F>
   void each_column(const F& f) {
     f(friction_);
-    if (rolls_) f(rolling_), f(loads_);
+    if (needs_.rolling) f(rolling_), f(loads_);
+    if (needs_.normal) f(normal_);
+    if (needs_.bristles) f(bristles_);
   }
   void grow(std::size_t size);
   void move_up(std::uint32_t place, std::uint32_t by);
   void move_to_end();
 
-  bool rolls_;
+  SphereNeeds needs_;
   UnwrittenColumn<SphereSpring> friction_, rolling_;
   UnwrittenColumn<SphereLoads> loads_;
+  UnwrittenColumn<double> normal_;  ///< largest overlap, root of the contact radius ...
+  UnwrittenColumn<PackedBristles> bristles_;
   std::uint32_t first_ = 0, last_ = 0;
 };
 

@@ -14,9 +14,14 @@ struct SphereArrays {
   std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
   double dt;
   bool damped;
-  bool tells_energy;             ///< somebody asks what the contacts store
-  Lanes cell_size, strain_rate;  ///< of a periodic cell [m], [1/s]; fourth 0
-  SpherePlace nowhere{};         ///< of a sum that nobody reads: for lanes behind the last contact
+  bool tells_energy;  ///< somebody asks what the contacts store
+  const struct Passes* passes = nullptr;
+  const struct PairRow* rows = nullptr;     ///< by pair of materials
+  const std::uint16_t* material = nullptr;  ///< by slot; null: all spheres are of `own`
+  std::uint32_t materials = 1, own = 0;
+  double reach = 0.0;                ///< contacts hold so far beyond touch [m]
+  Lanes cell_size{}, strain_rate{};  ///< of a periodic cell [m], [1/s]; fourth 0
+  SpherePlace nowhere{};             ///< of a sum that nobody reads: for lanes behind the last contact
   // with rolling: spins by slot, then as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;
@@ -37,11 +42,12 @@ struct SphereArrays {
 /// What a run found: sums in the order of the contacts that touch.
 template <int n>
 struct SphereTotals {
-  LaneSum<n> elastic, viscous;             ///< of the normal parts [J], [W]
-  LaneSum<n> twice_stored, twice_slipped;  ///< of the springs [J]
-  LaneSum<n> virial[3];                    ///< with a periodic cell [N m]
+  LaneSum<n> elastic, viscous;                              ///< of the normal parts [J], [W]
+  LaneSum<n> twice_stored, twice_slipped;                   ///< of the springs [J]
+  LaneSum<n> virial[3];                                     ///< with a periodic cell [N m]
+  LaneSum<n> lost;                                          ///< to plastic deformation or adhesion [J]
   typename LanesOf<n>::Real deepest{}, deepest_relative{};  ///< overlap [m], over the smaller radius
-  double released = 0.0;                   ///< energy of the springs of contacts that opened [J]
+  double released = 0.0;                                    ///< energy of the springs of contacts that opened [J]
   std::size_t touching = 0;
 };
 
@@ -59,25 +65,27 @@ struct SphereTile {
   alignas(64) double distance[room];              ///< of centres, in a periodic cell [m]
   alignas(64) SpherePlaces bodies[room];
   alignas(64) std::uint32_t pair[room];  ///< in a periodic cell, where a pair has its image
+  std::uint32_t row[room];               ///< pair of materials, where there are several
   std::uint32_t spring[room];            ///< place it is read from; not known where they are in a row
   bool in_row = true;                    ///< the springs lie one behind the other
   struct Group {
     V lever;  ///< distance over sum of radii
     V approach, inverse_mass, radius;
-    V smaller;       ///< radius of the pair [m]
-    V3 slip;         ///< velocity, in the middle of the step [m/s]; of rolling springs [rad/s]
-    V twist;         ///< about the normal in the step [rad]
-    V force;         ///< [N]
-    V stiffness;     ///< of the spring [N/m]
-    V limit;         ///< of its load [N]
-    V compliance;    ///< the old one until it is scaled [m/N]
-    V square;        ///< of its load [N^2]
-    V before;        ///< the same as it comes into the step
-    V energy;        ///< twice its energy then [J]
-    V shrink;        ///< old compliance times stiffness
-    V3 start, load;  ///< as it comes into the step, and now [N]
+    V smaller;                 ///< radius of the pair [m]
+    V3 slip;                   ///< velocity, in the middle of the step [m/s]; of rolling springs [rad/s]
+    V twist;                   ///< about the normal in the step [rad]
+    V force;                   ///< [N]
+    V normal_stiffness, grip;  ///< [N/m]; what friction slides at, over mu [N]
+    V stiffness;               ///< of the spring [N/m]
+    V limit;                   ///< of its load [N]
+    V compliance;              ///< the old one until it is scaled [m/N]
+    V square;                  ///< of its load [N^2]
+    V before;                  ///< the same as it comes into the step
+    V energy;                  ///< twice its energy then [J]
+    V shrink;                  ///< old compliance times stiffness
+    V3 start, load;            ///< as it comes into the step, and now [N]
     // what SphereTotals sums
-    V elastic, viscous, twice_stored, twice_slipped;
+    V elastic, viscous, lost, twice_stored, twice_slipped;
     V virial_x, virial_y, virial_z;
   };
   Group group[size];
@@ -126,15 +134,24 @@ struct SphereTile {
     in_row = true;
     for (std::size_t k = 0; k < count; ++k) in_row = in_row && spring[k] == end - static_cast<std::uint32_t>(count - k);
   }
-  /// The springs of a column one behind the other, row: place of the first where they are. `gathered` holds those that
-  /// are not, and what lanes behind the last contact read.
-  EPAFI_LANES const SphereSpring* gather(const SphereSpring* column, std::uint32_t row, SphereSpring* gathered) const {
+  /// What the contacts remember in a column, one behind the other; row: place of the first where they are. `gathered`
+  /// holds those that are not, and what lanes behind the last contact read.
+  template <class T>
+  EPAFI_LANES const T* gather(const T* column, std::uint32_t row, T* gathered) const {
     if (in_row && groups * n == count) [[likely]]
       return column + row;
+    gather_apart(column, row, gathered);
+    return gathered;
+  }
+  template <class T>
+  [[gnu::noinline]] void gather_apart(const T* column, std::uint32_t row, T* gathered) const {
     for (std::size_t k = 0; k < count; ++k)
       gathered[k] = column[in_row ? row + static_cast<std::uint32_t>(k) : spring[k]];
     std::fill(gathered + count, gathered + groups * n, gathered[count - 1]);
-    return gathered;
+  }
+  /// No friction.
+  EPAFI_LANES void rest_springs() {
+    for (std::size_t g = 0; g < groups; ++g) group[g].load = V3{}, group[g].twice_stored = group[g].twice_slipped = V{};
   }
   /// Lanes of the last group that hold a contact; all those of others do.
   EPAFI_LANES MaskOf<V> used() const {
@@ -198,15 +215,15 @@ EPAFI_LANES void slide(SphereTile<n>& t, std::size_t g) {
   c.square = c.load.dot(c.load);
 }
 
-/// respond(g) finds stiffness and limit. Roots and divisions of one group wait beside the turn of the next one.
-template <int n, class F>
-EPAFI_LANES void pull(SphereTile<n>& t, const SphereSpring* springs, double dt, const F& respond) {
-  for (std::size_t g = 0; g < t.groups; ++g) {
-    respond(g);
-    turn_springs<n>(t, g, springs);
-    if (g > 0) scale_springs<n>(t, g - 1);
-    if (g > 1) stretch_springs<n>(t, g - 2, dt);
-  }
+/// Group after group, then finish_pull. Roots and divisions of one group wait beside the turn of the next one.
+template <int n>
+EPAFI_LANES void pull(SphereTile<n>& t, std::size_t g, const SphereSpring* springs, double dt) {
+  turn_springs<n>(t, g, springs);
+  if (g > 0) scale_springs<n>(t, g - 1);
+  if (g > 1) stretch_springs<n>(t, g - 2, dt);
+}
+template <int n>
+EPAFI_LANES void finish_pull(SphereTile<n>& t, double dt) {
   scale_springs<n>(t, t.groups - 1);
   for (std::size_t g = t.groups - std::min<std::size_t>(t.groups, 2); g < t.groups; ++g) stretch_springs<n>(t, g, dt);
   for (std::size_t g = 0; g < t.groups; ++g)
@@ -248,8 +265,8 @@ EPAFI_LANES void note_depths(const SphereTile<n>& t, SphereTotals<n>& total) {
 
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25
 /// instructions of 560 for four contacts.
-template <int n, bool friction, bool periodic>
-EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_energy) {
+template <int n, bool remembers, bool periodic>
+EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_energy, bool loses) {
   using V = typename LanesOf<n>::Real;
   using Group = typename SphereTile<n>::Group;
   constexpr std::size_t parts = LaneSum<n>::parts;
@@ -264,10 +281,11 @@ EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_e
   };
   if (tells_energy) {
     add(total.elastic, &Group::elastic);
-    if constexpr (friction) add(total.twice_stored, &Group::twice_stored);
+    if constexpr (remembers) add(total.twice_stored, &Group::twice_stored);
   }
   add(total.viscous, &Group::viscous);
-  if constexpr (friction) add(total.twice_slipped, &Group::twice_slipped);
+  if constexpr (remembers) add(total.twice_slipped, &Group::twice_slipped);
+  if (loses) add(total.lost, &Group::lost);
   if constexpr (periodic)
     add(total.virial[0], &Group::virial_x), add(total.virial[1], &Group::virial_y),
         add(total.virial[2], &Group::virial_z);

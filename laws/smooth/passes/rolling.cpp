@@ -1,10 +1,13 @@
-/// @file sphere_rolling.h  What dashpots beside friction springs (laws/smooth/dashpot.h) and resistance to rolling
-/// (laws/smooth/rolling.h) add to the loop over spheres, behind its friction springs. The formulas are those of
-/// SmoothContact::damp and roll.
-#pragma once
-#include "laws/smooth/fused/sphere_tile.h"
+#include "engine/targets.h"
+#include "laws/smooth/friction.h"
+#include "laws/smooth/passes/choose_passes.h"
+
+// Dashpots beside friction springs (laws/smooth/dashpot.h) and resistance to rolling (laws/smooth/rolling.h), behind
+// the friction springs of a tile.
 
 namespace epafi {
+
+namespace {
 
 /// How the contacts of a tile slip and roll, and what they feel.
 template <int n>
@@ -18,6 +21,7 @@ struct SphereRolling {
   V inertia[size];                  ///< about the contact [kg m^2]
   V dashpot[size];                  ///< against rolling [N m s]
   V3 friction[size], moment[size];  ///< on A [N], [N m]
+  V stored[size], slipped[size];    ///< twice those of the friction springs [J]
 };
 
 template <LaneVector V>
@@ -58,19 +62,20 @@ struct SphereSide {
   }
 };
 
-template <int n, bool wall, bool periodic>
-EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const SphereArrays& with) {
+template <int n>
+EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const RollingCall& call) {
+  const SphereArrays& with = *call.arrays;
   using V = typename LanesOf<n>::Real;
   const SpherePlaces* bodies = t.bodies + g * n;
   const VectorsOf<V> normal = t.normal(g);
   SphereSide<n> a, b;
   a.read(
       with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, t.group[g].lever);
-  if constexpr (!wall)
+  if (!call.wall)
     b.read(
         with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, t.group[g].lever);
   VectorsOf<V> velocity = b.velocity - a.velocity;
-  if constexpr (periodic && !wall) {  // the flow of a deforming cell comes on top
+  if (call.periodic && !call.wall) {  // the flow of a deforming cell comes on top
     const V length = t.column(t.distance, g);
     const Lanes& rate = with.strain_rate;
     velocity =
@@ -84,35 +89,13 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::
   r.inertia[g] = 1.0 / (a.rolling_mobility + b.rolling_mobility);
 }
 
-/// The friction spring pulls with t.load; it and its dashpot slide together.
-template <int n, class Tangential>
-EPAFI_LANES void damp(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const typename Tangential::Parameters& p) {
-  using V = typename LanesOf<n>::Real;
-  const V dashpot = 2.0 * p.damping * sqrt(t.group[g].stiffness / r.slip_mobility[g]);
-  r.friction[g] = within(t.group[g].load + dashpot * r.slip[g], t.group[g].limit);
-  t.group[g].viscous += (r.friction[g] - t.group[g].load).dot(r.slip[g]);
-}
-
-/// The rolling spring takes the place of the friction spring in the tile.
-template <int n, class Tangential, class Rolling>
-EPAFI_LANES void prepare_rolling(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g,
-                                 const typename Tangential::Parameters& tangential,
-                                 const typename Rolling::Parameters& p, double dt) {
-  using V = typename LanesOf<n>::Real;
-  RollingStepOf<V> step;
-  step.normal_stiffness = t.group[g].stiffness / Tangential::stiffness(tangential, 1.0),
-  step.normal_force = t.group[g].force;
-  step.radius = t.group[g].radius, step.inertia = r.inertia[g], step.spin = sqrt(r.spin[g].dot(r.spin[g])),
-  step.dt = dt;
-  r.dashpot[g] = Rolling::damping(p, step);
-  t.group[g].stiffness = Rolling::stiffness(p, step), t.group[g].limit = Rolling::limit(p, step);
-  t.group[g].slip = r.turning[g];
-}
-
 /// Adds the moments to the sums as add_forces does the forces; of B to records where it lies in another block.
-template <int n, bool wall, bool across>
+template <int n>
 EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, std::size_t g,
-                             SphereBlocks::Block& block, SphereSprings::Places at, const SphereArrays& with) {
+                             const RollingCall& call) {
+  const SphereArrays& with = *call.arrays;
+  SphereBlocks::Block& block = *call.block;
+  const SphereSprings::Places at = call.at;
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V>&moment = r.moment[g], &friction = r.friction[g];
   RowOf<n> rows[n], pulls[n];
@@ -123,8 +106,8 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
   for (std::size_t l = 0; l < n && g * n + l < t.count; ++l) {
     Lanes& a = with.moment(bodies[l].a);
     store<n>(a, row<n>(a) + rows[l]);
-    if constexpr (across) store<n>(block.record_moments[at.record + g * n + l], -rows[l]);
-    if constexpr (!wall && !across) {
+    if (call.across) store<n>(block.record_moments[at.record + g * n + l], -rows[l]);
+    if (!call.wall && !call.across) {
       Lanes& b = with.moment(bodies[l].b);
       store<n>(b, row<n>(b) - rows[l]);
     }
@@ -133,27 +116,61 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
   }
 }
 
-/// Behind `pull` of the friction springs: dashpots, then the rolling springs through the same loops.
-template <int n, class Tangential, class Rolling, bool wall, bool periodic>
-EPAFI_LANES void roll(SphereTile<n>& t, SphereRolling<n>& r, const typename Tangential::Parameters& tangential,
-                      const typename Rolling::Parameters& p, SphereSprings& springs, std::uint32_t row,
-                      std::uint32_t write, const SphereArrays& with) {
-  SphereSpring gathered[SphereTile<n>::most];
-  for (std::size_t g = 0; g < t.groups; ++g) settle_springs<n>(t, g, springs.friction() + write, with.dt);
-  for (std::size_t g = 0; g < t.groups; ++g) find_rolling<n, wall, periodic>(t, r, g, with);
-  for (std::size_t g = 0; g < t.groups; ++g) damp<n, Tangential>(t, r, g, tangential);
-  pull<n>(t, t.gather(springs.rolling(), row, gathered), with.dt, [&](std::size_t g) EPAFI_INLINED {
-    prepare_rolling<n, Tangential, Rolling>(t, r, g, tangential, p, with.dt);
-  });
-  for (std::size_t g = 0; g < t.groups; ++g) {
+struct RollingPass {
+  const RollingCall& call;
+
+  template <int n>
+  EPAFI_LANES void run() const {
+    using V = typename LanesOf<n>::Real;
+    auto& t = *static_cast<SphereTile<n>*>(call.tile);
+    SphereRolling<n> r;
+    for (std::size_t g = 0; g < t.groups; ++g) find_rolling<n>(t, r, g, call);
+    each_group<n>(t, call, &PairRow::tangential, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
+      damp<n>(t, r, g, parameters_from<CoulombSpring::ParametersOf<V>>(p).damping);
+    });
+    each_group<n>(t, call, &PairRow::rolling, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
+      prepare<n>(t, r, g, {call.type, p[0], p[1]});
+      pull<n>(t, g, call.before, call.dt);
+    });
+    finish_pull<n>(t, call.dt);
+    for (std::size_t g = 0; g < t.groups; ++g) finish<n>(t, r, g);
+    for (std::size_t g = 0; g < t.groups; ++g) add_moments<n>(t, r, g, call);
+  }
+
+ private:
+  /// The friction spring pulls with t.load; it and its dashpot slide together.
+  template <int n, class V>
+  EPAFI_LANES void damp(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const V& damping) const {
     typename SphereTile<n>::Group& c = t.group[g];
-    const auto stored = c.twice_stored, slipped = c.twice_slipped;  // of the friction springs
-    settle_springs<n>(t, g, springs.rolling() + write, with.dt);
-    c.twice_stored += stored, c.twice_slipped += slipped;
+    const V dashpot = 2.0 * damping * sqrt(c.stiffness / r.slip_mobility[g]);
+    r.friction[g] = within(c.load + dashpot * r.slip[g], c.limit);
+    c.viscous += (r.friction[g] - c.load).dot(r.slip[g]);
+    r.stored[g] = c.twice_stored, r.slipped[g] = c.twice_slipped;
+  }
+  /// The rolling spring takes the place of the friction spring in the tile.
+  template <int n, class V = typename LanesOf<n>::Real>
+  EPAFI_LANES void prepare(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g,
+                           const AnyRolling::ParametersOf<V>& p) const {
+    typename SphereTile<n>::Group& c = t.group[g];
+    const RollingStepOf<V> step{
+        c.normal_stiffness, c.grip, c.radius, r.inertia[g], sqrt(r.spin[g].dot(r.spin[g])), call.dt};
+    r.dashpot[g] = AnyRolling::damping(p, step);
+    c.stiffness = AnyRolling::stiffness(p, step), c.limit = AnyRolling::limit(p, step);
+    c.slip = r.turning[g];
+  }
+  template <int n>
+  EPAFI_LANES void finish(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g) const {
+    typename SphereTile<n>::Group& c = t.group[g];
+    settle_springs<n>(t, g, call.now, call.dt);
+    c.twice_stored += r.stored[g], c.twice_slipped += r.slipped[g];
     r.moment[g] = within(c.load + r.dashpot[g] * r.spin[g], c.limit);
     c.viscous += (r.moment[g] - c.load).dot(r.spin[g]);
     c.load = r.friction[g];
   }
-}
+};
+
+}  // namespace
+
+void (*rolling_pass())(const RollingCall&) { return best_loop<RollingPass, RollingCall>(); }
 
 }  // namespace epafi

@@ -1,0 +1,88 @@
+/// @file normal_pass.h  A normal law as a pass. Only the .cpp files of this folder, one for each way of evaluation, see
+/// it.
+#pragma once
+#include "engine/targets.h"
+#include "laws/smooth/choose_law.h"
+#include "laws/smooth/contact_edge.h"
+#include "laws/smooth/passes/choose_passes.h"
+
+namespace epafi {
+
+/// Of one contact; numbers: of its row.
+template <class Law>
+NormalResponse respond_to(const double* numbers, const ContactKinematics& c, double before, double& now,
+                          const double* dt_if_located) {
+  typename Law::Parameters p;
+  static_assert(sizeof p <= sizeof(Lanes));
+  std::memcpy(&p, numbers, sizeof p);
+  NormalState<Law> old, next;
+  if constexpr (RemembersNormal<Law>) std::memcpy(static_cast<void*>(&old), &before, sizeof old);
+  NormalResponse out = respond<Law>(p, c, old, next);
+  if constexpr (RemembersNormal<Law>) std::memcpy(&now, &next, sizeof next);
+  if constexpr (PowerParts<Law>)
+    if (dt_if_located != nullptr) out = weigh_edge<Law>(p, c, *dt_if_located, out);
+  return out;
+}
+
+template <class Law>
+struct NormalPass {
+  const NormalCall& call;
+
+  template <int n>
+  EPAFI_LANES void run() const {
+    using V = typename LanesOf<n>::Real;
+    auto& t = *static_cast<SphereTile<n>*>(call.tile);
+    each_group<n>(t, call, &PairRow::normal, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
+      typename SphereTile<n>::Group& c = t.group[g];
+      KinematicsOf<V> at;
+      at.overlap = t.column(t.overlap, g), at.approach_velocity = c.approach;
+      at.effective_mass = 1.0 / c.inverse_mass, at.effective_radius = c.radius;
+      V old{}, now{};
+      if constexpr (RemembersNormal<Law>) std::memcpy(&old, call.before + g * n, sizeof old);
+      const ResponseOf<V> r = !LaneLaw<Law> || (PowerParts<Law> && call.locates) ? lane_by_lane<n>(p, at, old, now)
+                                                                                 : together<n>(p, at, old, now);
+      if constexpr (RemembersNormal<Law>) std::memcpy(call.now + g * n, &now, sizeof now), c.lost = r.lost;
+      c.force = r.force, c.normal_stiffness = r.stiffness, c.grip = at_least<n>(r.force + r.adhesion, 0.0);
+      c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
+      if (call.tells_energy) c.elastic = r.energy;
+    });
+  }
+
+ private:
+  template <int n, class V>
+  EPAFI_LANES static ResponseOf<V> together(const V (&p)[PairRow::most], const KinematicsOf<V>& at, const V& old,
+                                            V& now) {
+    if constexpr (!LaneLaw<Law>) {
+      return {};
+    } else if constexpr (RemembersNormal<Law>) {
+      typename Law::template StateOf<V> next{};
+      const ResponseOf<V> r = Law::respond(parameters_from<typename Law::template ParametersOf<V>>(p), at,
+                                           typename Law::template StateOf<V>{old}, next);
+      std::memcpy(&now, &next, sizeof now);
+      return r;
+    } else {
+      return Law::respond(parameters_from<typename Law::template ParametersOf<V>>(p), at);
+    }
+  }
+  template <int n, class V>
+  EPAFI_LANES ResponseOf<V> lane_by_lane(const V (&p)[PairRow::most], const KinematicsOf<V>& at, const V& old,
+                                         V& now) const {
+    ResponseOf<V> out;
+    for (std::size_t l = 0; l < n; ++l) {
+      const double numbers[PairRow::most] = {p[0][l], p[1][l], p[2][l], p[3][l]};
+      const ContactKinematics c{at.overlap[l], at.approach_velocity[l], at.effective_mass[l], at.effective_radius[l]};
+      double next = 0.0;
+      const NormalResponse r = respond_to<Law>(numbers, c, old[l], next, call.locates ? &call.dt : nullptr);
+      out.force[l] = r.force, out.elastic_force[l] = r.elastic_force, out.stiffness[l] = r.stiffness;
+      out.energy[l] = r.energy, out.adhesion[l] = r.adhesion, out.lost[l] = r.lost, now[l] = next;
+    }
+    return out;
+  }
+};
+
+template <class Law>
+NormalEvaluation normal_evaluation() {
+  return {best_loop<NormalPass<Law>, NormalCall>(), respond_to<Law>};
+}
+
+}  // namespace epafi
