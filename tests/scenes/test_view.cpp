@@ -360,65 +360,6 @@ TEST_CASE("the page draws the stored picture", "[scenes][view]") {
   CHECK(difference()[2] > 2);
 }
 
-TEST_CASE("the page of a run follows it while it grows", "[scenes][view]") {
-  if (!has_browser()) return;
-  const TemporaryFolder folder;
-  const fs::path run = folder / "run";
-  std::string text = scene_text;
-  text.replace(text.find("duration = 0.2"), 14, "duration = 900");
-  text += R"toml(
-[shape.drop]
-sphere = { radius = 0.03 }
-[[fill]]
-name = "poured"
-shape = "drop"
-material = "glass"
-count = 500
-region = { box = { min = [-0.3, -0.3, 0.6], max = [0.3, 0.3, 0.8] } }
-method = "pour"
-rate = 50
-)toml";
-  std::ofstream(folder / "scene.toml") << text;
-  const auto start = [&](const std::string& arguments, const std::string& name) {
-    const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi " + arguments + " > " +
-                                (folder / name).string() + " 2> /dev/null & echo $! > " +
-                                (folder / (name + ".id")).string();
-    REQUIRE(std::system(command.c_str()) == 0);
-  };
-  const auto end = [&](const std::string& name) {
-    std::system(("kill $(cat " + (folder / (name + ".id")).string() + ")").c_str());
-  };
-  const auto wait_for = [](const auto& condition) {
-    for (int k = 0; k < 600 && !condition(); ++k) ::usleep(50000);
-    REQUIRE(condition());
-  };
-  start("run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run.string(), "running");
-  wait_for([&] { return fs::exists(run / "frames" / "contacts_000003.vtp"); });
-  start("view " + run.string() + " --port 0 --no-browser", "said");
-  std::string address;
-  wait_for([&] {
-    std::ifstream in(folder / "said");
-    in >> address;
-    return !address.empty();
-  });
-  {
-    support::Browser b(600, 400);
-    CHECK(b.open(address));
-    const double frames = b.number("epafi.source.frames"), bodies = b.number("epafi.source.bodies.n");
-    CHECK(frames >= 1);
-    CHECK(b.text("document.getElementById('notes').textContent") == "the run goes on");
-    b.press("End");
-    CHECK(b.wait_for("epafi.source.frames > " + std::to_string(frames + 3)));
-    CHECK(b.wait_for("epafi.source.bodies.n > " + std::to_string(bodies)));
-    CHECK(b.wait_for("epafi.at >= " + std::to_string(frames + 3)));  // it was at the end and stays there
-    end("running");
-    CHECK(b.wait_for("!epafi.manifest.running"));
-    CHECK(b.wait_for("document.getElementById('notes').textContent === ''"));
-    CHECK(b.complaints() == std::vector<std::string>{});
-  }
-  end("said");
-}
-
 TEST_CASE("the local server gives a run to the browser of this machine alone", "[scenes][view]") {
   if (!has_browser()) return;
   const ShownRun shown;
