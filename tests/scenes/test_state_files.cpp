@@ -19,7 +19,7 @@ const std::string state_head = R"(run = { duration = 0.04, time_step = 1e-5, out
 world = { gravity = [0, 0, -9.81] }
 material.stone = { density = 2500.0, youngs_modulus = "1 MPa", poissons_ratio = 0.3 }
 material.wood = { density = 700.0, youngs_modulus = "1 MPa", poissons_ratio = 0.3 }
-contact = { method = "smooth", restitution = 0.1, friction = 0.0, smooth = { law = "linear", stiffness = 500.0 } }
+contact = { method = "smooth", restitution = 0.7, friction = 0.0, smooth = { law = "linear", stiffness = 50.0 } }
 shape.clump = { clump = { spheres = [["-1.5 mm", 0, 0, "2 mm"], ["1.5 mm", "0.3 mm", 0, "2 mm"]] } }
 shape.hull = { polyhedron = { random = { vertices = 16, seed = 3 } }, scale_to_diameter = 0.005 }
 shape.ball = { sphere = { radius = 0.001 } }
