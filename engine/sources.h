@@ -16,7 +16,8 @@ struct WaitingBody {
 };
 
 /// Adds bodies in their order, each at its time or as soon as there is room: at the first of 20 places of a step where
-/// its bounding sphere meets no other free body's and it overlaps no fixed or driven body. Places are drawn from (seed, body, step), so a restart pours alike.
+/// its bounding sphere meets no other free body's and it overlaps no fixed or driven body. Places are drawn from (seed,
+/// body, step), so a restart pours alike.
 class PourBodies final : public Event {
  public:
   struct Setup {
@@ -25,7 +26,7 @@ class PourBodies final : public Event {
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< the box [m]
     std::uint64_t seed = 1;
     std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
-    std::function<void(const World&)> see_held;  ///< before `meets_held`: fixed and driven bodies as they stand now
+    std::function<void(const World&)> see_held;   ///< before `meets_held`: fixed and driven bodies as they stand now
     std::function<bool(const Body&)> meets_held;  ///< the body would overlap one of them
   };
   explicit PourBodies(Setup setup) : setup_(std::move(setup)) {}

@@ -93,7 +93,8 @@ class World {
   Vec3 unwrapped(Slot s) const {
     return cell ? Vec3(position[s] + wraps[s].cast<double>().cwiseProduct(cell->size)) : position[s];
   }
-  /// As files show it: that of a free body inside the cell [m]. Bodies are put back only after they have left it for a while.
+  /// As files show it: that of a free body inside the cell [m]. Bodies are put back only after they have left it for a
+  /// while.
   Vec3 shown_position(Slot s) const { return cell && is_movable(s) ? cell->inside(position[s]) : position[s]; }
   /// From B to the image of B that a contact is with [m]; image: the top byte of its feature.
   Vec3 image_shift(Slot a, Slot b, std::uint64_t feature) const {

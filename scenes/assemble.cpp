@@ -70,7 +70,8 @@ void look_for_outsiders(Assembly& a, const std::string& table, BodyId first, std
     throw SceneError(text + ", where outside = \"error\" ends the run; move them or enlarge the domain", where);
   const std::string told = text + ", where outside = \"delete\" takes them out at once";
   a.warnings.push_back({Problem::Level::warning, where, told});
-  a.simulation->warnings.add({.kind = "outside " + table, .text = told, .value = static_cast<double>(outside), .times = 1});
+  a.simulation->warnings.add(
+      {.kind = "outside " + table, .text = told, .value = static_cast<double>(outside), .times = 1});
 }
 
 void add_bodies(Assembly& a, ShapeBuilder& builder) {
@@ -156,14 +157,15 @@ struct Placing {
 };
 
 FillResult place_bodies(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const std::vector<FillShape>& shapes,
-                 Placing& placing) {
+                        Placing& placing) {
   Obstacles obstacles;
   obstacles.occupied = std::move(placing.occupied);
   obstacles.keep = &fill != &a.scene.fills.back() || meets_images(a.scene, fill);
   placing.held.look(a.simulation->world, fill.region.min, fill.region.max);
   if (!placing.held.sees_nothing())
     obstacles.meets_held = [&](const FillBody& f) {
-      return placing.held.meets(make_body(a, builder.build(fill.shapes[f.shape], f.size), spec_of(fill, f), fill.place));
+      return placing.held.meets(
+          make_body(a, builder.build(fill.shapes[f.shape], f.size), spec_of(fill, f), fill.place));
     };
   FillResult result = generate(fill, shapes, obstacles);
   placing.occupied = std::move(obstacles.occupied);
@@ -186,11 +188,14 @@ void add_stream(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const 
   if (stream.setup.bodies.empty()) return;
   if (const auto& domain = a.simulation->domain;
       domain && !(domain->contains(fill.region.min) && domain->contains(fill.region.max)))
-    a.warnings.push_back({Problem::Level::warning, fill.place,
-                          "[[fill]] '" + fill.name + "': the region that bodies are poured into reaches outside [world] domain"});
+    a.warnings.push_back(
+        {Problem::Level::warning, fill.place,
+         "[[fill]] '" + fill.name + "': the region that bodies are poured into reaches outside [world] domain"});
   stream.setup.radius = [store = a.shapes](std::uint32_t shape) { return store->bounding_radius({shape}); };
   const auto probe = std::make_shared<HeldProbe>(*a.shapes);
-  stream.setup.see_held = [probe, region = fill.region](const World& world) { probe->look(world, region.min, region.max); };
+  stream.setup.see_held = [probe, region = fill.region](const World& world) {
+    probe->look(world, region.min, region.max);
+  };
   stream.setup.meets_held = [probe, store = a.shapes](const Body& body) { return probe->meets(body); };
   auto source = std::make_unique<PourBodies>(std::move(stream.setup));
   a.sources.push_back(source.get());

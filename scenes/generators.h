@@ -45,11 +45,11 @@ struct Obstacles {
   }
 };
 
-/// Bounding spheres of the placed bodies neither overlap each other nor leave the region, nor meet those that are there;
-/// the bodies themselves meet no fixed or driven one.
-/// lattice: cubic cells of 1.02 of the largest diameter, filled from below, each body anywhere inside its cell; a cell where
-/// something stands in the way of three tries stays empty.
-/// pour: what comes, without places. random: sequential insertion, from below in slices; stops after 200 rejected trials in a row per body.
+/// Bounding spheres of the placed bodies neither overlap each other nor leave the region, nor meet those that are
+/// there; the bodies themselves meet no fixed or driven one. lattice: cubic cells of 1.02 of the largest diameter,
+/// filled from below, each body anywhere inside its cell; a cell where something stands in the way of three tries stays
+/// empty. pour: what comes, without places. random: sequential insertion, from below in slices; stops after 200
+/// rejected trials in a row per body.
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes, Obstacles& obstacles);
 FillResult generate(const FillSpec& fill, const std::vector<FillShape>& shapes);
 

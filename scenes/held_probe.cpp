@@ -33,7 +33,8 @@ bool HeldProbe::is_near(const World& world, Slot s, const Aabb& box) const {
   }
   const Aabb own = shapes_.bounding_box(world, s);
   bool near = false;
-  each_cell_image(world.cell, [&](const Vec3& shift, std::uint32_t) { near = near || moved_box(own, shift).overlaps(box); });
+  each_cell_image(world.cell,
+                  [&](const Vec3& shift, std::uint32_t) { near = near || moved_box(own, shift).overlaps(box); });
   return near;
 }
 

@@ -1,5 +1,6 @@
 /// @file occupancy.h  Bounding balls of bodies that are placed already, asked by those that are to be placed.
-/// One grid per factor of two in size; in a periodic cell every ball stands with those of its images that reach into it.
+/// One grid per factor of two in size; in a periodic cell every ball stands with those of its images that reach into
+/// it.
 #pragma once
 #include <map>
 #include <optional>

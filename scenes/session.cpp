@@ -87,8 +87,9 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
   scene_hash_ = scene_hash(scene);
-  const RunFileHeader header{EPAFI_VERSION, scene_hash_, scene.title,
-                             scene.text,    overrides_,  to_text(about_of(*assembly_)), assembly_->origins};
+  const RunFileHeader header{EPAFI_VERSION,     scene_hash_, scene.title,
+                             scene.text,        overrides_,  to_text(about_of(*assembly_)),
+                             assembly_->origins};
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
                            continued_run(folder_ / "run.h5", header, *from, note_), FrameWriter(folder_, from->time),
@@ -132,8 +133,8 @@ void Session::walk(StateVisitor& visitor) {
 
 namespace {
 
-/// Frames of a run whose end is one of them. Steps are counted up to or beyond the duration, so that the step nearest to
-/// that last multiple of the interval may be the one before the end: the frame at the end is it, not a second one.
+/// Frames of a run whose end is one of them. Steps are counted up to or beyond the duration, so that the step nearest
+/// to that last multiple of the interval may be the one before the end: the frame at the end is it, not a second one.
 class FramesToTheEnd final : public Observer {
  public:
   FramesToTheEnd(std::unique_ptr<StateRecorder> frames, std::uint64_t last) : frames_(std::move(frames)), last_(last) {}

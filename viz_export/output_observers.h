@@ -40,8 +40,8 @@ class MeasureRecorder final : public Observer {
  public:
   /// Looks at every `every`-th step, for files at those of them that are multiples of `written`. kind: as in the scene,
   /// for readers of run.h5.
-  MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run,
-                  EverySteps due, const std::string& kind = {}, std::uint64_t written = 1);
+  MeasureRecorder(std::string name, std::unique_ptr<Measure> measure, MeasuresCsv* csv, RunFile* run, EverySteps due,
+                  const std::string& kind = {}, std::uint64_t written = 1);
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   bool wants_energy(std::uint64_t step) const override { return measure_->wants_energy() && is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
@@ -49,7 +49,9 @@ class MeasureRecorder final : public Observer {
   }
   void observe(const StepView& view) override;
   void bodies_come(const World& world, std::size_t first) override { measure_->bodies_come(world, first); }
-  void bodies_leave(const World& world, std::span<const BodyId> bodies) override { measure_->bodies_leave(world, bodies); }
+  void bodies_leave(const World& world, std::span<const BodyId> bodies) override {
+    measure_->bodies_leave(world, bodies);
+  }
   void visit(StateVisitor& visitor) override;
 
   const std::string& name() const { return name_; }

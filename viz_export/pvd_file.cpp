@@ -43,8 +43,7 @@ void PvdFile::keep_until(double time) {
     const auto file = attribute(line, "file");
     const bool whole = parse(attribute(line, "timestep"), e.time) && parse(attribute(line, "part"), e.part) && file;
     if (!whole && in.eof()) break;  // the last line, cut by a crash
-    if (!whole)
-      throw FileError(path_.string() + ": is not a list of frames as Epafi writes it: '" + line + "'");
+    if (!whole) throw FileError(path_.string() + ": is not a list of frames as Epafi writes it: '" + line + "'");
     e.file = *file;
     if (e.time <= time) entries_.push_back(e);
   }
@@ -63,8 +62,9 @@ std::string pvd_line(const PvdFile::Entry& e) {
 void PvdFile::write() {
   std::string text;
   if (end_ == 0) {
-    text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-           "<Collection>\n";
+    text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+        "<Collection>\n";
     listed_ = 0;
   }
   for (; listed_ < entries_.size(); ++listed_) text += pvd_line(entries_[listed_]);

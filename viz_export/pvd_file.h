@@ -6,9 +6,9 @@
 
 namespace epafi {
 
-/// The list of frames that ParaView opens: which file shows at which time. Begun through a side file, then appended to in
-/// place: what is added goes over the closing tags, with new ones behind it, in one write. A crash within that write may
-/// leave the last line cut, which keep_until passes over.
+/// The list of frames that ParaView opens: which file shows at which time. Begun through a side file, then appended to
+/// in place: what is added goes over the closing tags, with new ones behind it, in one write. A crash within that write
+/// may leave the last line cut, which keep_until passes over.
 class PvdFile {
  public:
   explicit PvdFile(std::filesystem::path path) : path_(std::move(path)) {}

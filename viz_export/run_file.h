@@ -5,9 +5,10 @@
 ///                     spheres; rows of bodies that have not come yet are 0
 ///   shapes/NNNNNN/{points, connectivity, offsets}     polygons about the centre of mass, in the axes in which the
 ///                     scene wrote the shape; attributes name (as the scene wrote it) and size (factor of its lengths)
-///   snapshots/NNNNNN  attributes time, step, state_hash; id, position (centre of mass, inside a periodic cell), velocity,
-///                     kinetic_energy and, where the scene rotates, orientation (w x y z, of the axes in which the scene
-///                     wrote the shape) and angular_velocity; rows in the order of body ids
+///   snapshots/NNNNNN  attributes time, step, state_hash; id, position (centre of mass, inside a periodic cell),
+///   velocity,
+///                     kinetic_energy and, where the scene rotates, orientation (w x y z, of the axes in which the
+///                     scene wrote the shape) and angular_velocity; rows in the order of body ids
 ///   measures/NAME     attributes name, kind, components; time, value (one column per component)
 /// The file is open only while something is written: a crash between snapshots leaves it whole, and others may read it
 /// meanwhile. A crash within a write can spoil it: readers then get a FileError; the checkpoint is another file.

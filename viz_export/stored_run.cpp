@@ -40,7 +40,8 @@ struct StoredRun::Impl {
         refuse("'" + group_name + "' names a point that is not there");
     std::int32_t last = 0;
     for (std::int32_t o : s.offsets) {
-      if (o < last || static_cast<std::size_t>(o) > s.connectivity.size()) refuse("'" + group_name + "' has a wrong offset");
+      if (o < last || static_cast<std::size_t>(o) > s.connectivity.size())
+        refuse("'" + group_name + "' has a wrong offset");
       last = o;
     }
     surfaces.push_back(std::move(s));
@@ -80,8 +81,7 @@ struct StoredRun::Impl {
   }
 };
 
-StoredRun::StoredRun(const std::filesystem::path& path)
-    : impl_(std::make_unique<Impl>(path)) {
+StoredRun::StoredRun(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {
   Hdf5File& file = impl_->file;
   run_layout::check(file);
   impl_->snapshots = file.children("snapshots");

@@ -191,11 +191,13 @@ void FatBodies::see_strays(const World& world, const BroadSetup& setup, double s
   most_margin_ = most_stray_margin;
   const auto is_swift = [&](std::size_t i) {
     if (immovable[i]) return false;
-    return margin_of(world, static_cast<Slot>(i), setup, step_time, steps) > most_margin * radius_of(world, *setup.shapes, i);
+    return margin_of(world, static_cast<Slot>(i), setup, step_time, steps) >
+           most_margin * radius_of(world, *setup.shapes, i);
   };
   const auto swift =
       setup.strays ? block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{is_swift(i)}; }) : 0;
-  const bool few = setup.strays && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
+  const bool few =
+      setup.strays && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
   if (!few) most_margin_ = most_margin;
 }
 

@@ -148,7 +148,7 @@ struct FatBodies {
 
  private:
   double median_radius_ = 0.0;
-  double most_margin_;     ///< of the bounding radius, of free bodies
+  double most_margin_;  ///< of the bounding radius, of free bodies
   double least_share_;  ///< least margin over radius
   Drift drift_;
   Vec3 mean_velocity_ = Vec3::Zero();  ///< of the bodies that move, at the last update [m/s]

@@ -89,7 +89,8 @@ std::string time_text(double seconds, std::size_t there, std::size_t free) {
       all, clock_text(all / thread_count()), thread_count());
 }
 
-/// Processor seconds of a step by the first ones, which are made here: not by the very first, which still ask for memory.
+/// Processor seconds of a step by the first ones, which are made here: not by the very first, which still ask for
+/// memory.
 std::optional<Failure> time_steps(Simulation& sim, std::uint64_t last, double& seconds) {
   constexpr std::uint64_t warm = 5, most = 300;
   constexpr double enough = 0.5;  // [s]

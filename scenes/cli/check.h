@@ -6,8 +6,8 @@
 
 namespace epafi {
 
-/// Bodies, geometry, overlaps at t = 0, time step and its limit, steps, memory, estimated processor time. Runs one detection
-/// and a few timed steps on the assembled scene, which is used up; writes nothing.
+/// Bodies, geometry, overlaps at t = 0, time step and its limit, steps, memory, estimated processor time. Runs one
+/// detection and a few timed steps on the assembled scene, which is used up; writes nothing.
 std::string check_text(Assembly& assembly);
 
 }  // namespace epafi

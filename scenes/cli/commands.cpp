@@ -196,9 +196,10 @@ int command_resume(const std::string& directory, const RunOptions& options) {
   if (options.steps) limits.steps = header.step + *options.steps;  // so many more
   if (limits.steps) assembly->steps = std::max(assembly->steps, *limits.steps);
   if (header.step >= assembly->steps) {
-    say(fmt::format("epafi: the run in {} is complete: {} steps, t = {:.6g} s; nothing is changed; `epafi resume {} --steps N` "
-                    "takes N more",
-                    folder.string(), header.step, header.time, directory));
+    say(fmt::format(
+        "epafi: the run in {} is complete: {} steps, t = {:.6g} s; nothing is changed; `epafi resume {} --steps N` "
+        "takes N more",
+        folder.string(), header.step, header.time, directory));
     return exit_done;
   }
   const SignalWatch from_the_first_file_on;

@@ -16,9 +16,9 @@
 namespace epafi {
 namespace {
 
-const std::vector<std::string> known_columns{"x",  "y",  "z",  "vx",     "vy",       "vz",    "qw",   "qx",       "qy",
-                                             "qz", "wx", "wy", "wz",     "radius",   "diameter", "shape", "size", "material",
-                                             "group"};
+const std::vector<std::string> known_columns{"x",        "y",     "z",    "vx",       "vy",   "vz", "qw",
+                                             "qx",       "qy",    "qz",   "wx",       "wy",   "wz", "radius",
+                                             "diameter", "shape", "size", "material", "group"};
 
 enum class Format { csv, dump, yade };
 
@@ -92,7 +92,7 @@ struct Rows {
   std::optional<std::size_t> shape, material;  ///< of rows that name none
   bool fixed = false, as_drawn = false;
   Format format = Format::csv;
-  std::map<std::string, Cell> row;                   ///< its cells that hold something
+  std::map<std::string, Cell> row;                    ///< its cells that hold something
   std::map<std::string, std::size_t> written_shapes;  ///< of column shape, by its text
   double own_size = 1.0;  ///< of the shape of this row
 

@@ -56,11 +56,11 @@ Laws read_smooth(Draft& draft, bool active) {
   };
   const bool chosen = find_entry(registry.normal_laws, written.law) != nullptr;
   const std::vector<Field> all = words + smooth_fields(registry, written);
-  const std::vector<Field> offered = words + of(registry.normal_laws, written.law) +
-                                     (written.tangential.empty() ? united_fields(registry.tangential_laws)
-                                                                 : of(registry.tangential_laws, written.tangential)) +
-                                     (written.rolling.empty() ? united_fields(registry.rolling_laws)
-                                                              : of(registry.rolling_laws, written.rolling));
+  const std::vector<Field> offered =
+      words + of(registry.normal_laws, written.law) +
+      (written.tangential.empty() ? united_fields(registry.tangential_laws)
+                                  : of(registry.tangential_laws, written.tangential)) +
+      (written.rolling.empty() ? united_fields(registry.rolling_laws) : of(registry.rolling_laws, written.rolling));
   const TableValues values = read_table(table, "[contact.smooth]", all, reading, chosen ? offered : all);
   contact.law = values.placed_text("law");
   contact.tangential = values.placed_text("tangential");

@@ -38,7 +38,8 @@ void read_measure(Draft& draft, const Node& item) {
   const std::vector<Field> common(all.begin(), all.begin() + 3);  // name, kind, interval
   const TableValues values =
       read_table(item, label, common + as_optional(united_fields(entries, kind ? kind->text : "")), reading,
-                 common + (kind && find_entry(entries, kind->text) ? find_entry(entries, kind->text)->fields : united_fields(entries)));
+                 common + (kind && find_entry(entries, kind->text) ? find_entry(entries, kind->text)->fields
+                                                                   : united_fields(entries)));
   const Entry* entry = values.has("kind") ? find_entry(entries, values.text("kind")) : nullptr;
   if (!entry) return;
   MeasureSpec measure{values.has("name") ? values.text("name") : entry->name,

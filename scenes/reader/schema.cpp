@@ -160,7 +160,8 @@ std::vector<Field> motion_fields() {
 Field place_field() {
   return with_default(
       word("place",
-           "what position speaks of: the centre of mass, or the origin of the file or of the written corners; orientation is "
+           "what position speaks of: the centre of mass, or the origin of the file or of the written corners; "
+           "orientation is "
            "that of the axes of file or corners in both, a mesh or plane that does not move always stands as drawn",
            {"centre", "as-drawn"}),
       Value(std::string("centre")));
@@ -186,8 +187,7 @@ TableSchema body_table() {
                     "height and roll are found, position and orientation give its place along and beside the "
                     "track, its yaw and the turn of its wheels"),
            Value(false)),
-       with_default(required("position", "x", "m", Kind::vec3, {}, "of what `place` says"), Value(zero)),
-       place_field(),
+       with_default(required("position", "x", "m", Kind::vec3, {}, "of what `place` says"), Value(zero)), place_field(),
        optional("orientation", "q", "", Kind::quaternion, {}, "unit quaternion w x y z"),
        optional("euler_deg", "", "", Kind::vec3, {},
                 "roll, pitch, yaw in degrees: about x, then y, then z of the world"),
@@ -204,12 +204,12 @@ TableSchema bodies_table() {
       "bodies",
       TableSchema::Form::list,
       "bodies from a file: CSV with columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius, diameter or shape "
-      "[,size][,material][,group], as `epafi export --format csv` writes it; a dump of LAMMPS or LIGGGHTS (last frame), a text export of YADE",
+      "[,size][,material][,group], as `epafi export --format csv` writes it; a dump of LAMMPS or LIGGGHTS (last "
+      "frame), a text export of YADE",
       {text("file", ".csv, .dump, .lammpstrj, .liggghts, .txt (YADE) or .polyset"),
        optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
        optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
-       optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"),
-       place_field(),
+       optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"), place_field(),
        with_default(required("jitter", "", "m", Kind::number, not_negative,
                              "each is displaced by chance (run.seed), at most this far along every axis"),
                     Value(0.0)),

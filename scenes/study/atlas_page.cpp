@@ -56,7 +56,9 @@ std::string measured_text(const Chart& chart, const std::string& stem, const std
     out += fmt::format("\n| {} | {} | {:.3g} | {:.1g} | {}", p.method.name, short_settings(p.method), p.time,
                        p.time_spread, p.good() && !std::isnan(p.error) ? fmt::format("{:.3g}", p.error) : "");
     for (std::size_t e = 0; e < further; ++e)
-      out += p.good() && e < p.more_errors.size() && !std::isnan(p.more_errors[e]) ? fmt::format(" | {:.3g}", p.more_errors[e]) : " | ";
+      out += p.good() && e < p.more_errors.size() && !std::isnan(p.more_errors[e])
+                 ? fmt::format(" | {:.3g}", p.more_errors[e])
+                 : " | ";
     out += " | " + note_of(chart, k) + " |";
   }
   return out + "\n\nTime: " + chart.time_label + ".\n```text\n" + chart_verdict(chart) + "```\n";

@@ -31,9 +31,9 @@ std::string chart_csv(const Chart& chart) {
   out += "\n";
   for (const auto& p : chart.points) {
     out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_text(p.method.name),
-                       csv_text(p.method.settings()), p.time, error_number(p, p.error),
-                       p.error_spread, p.status, number(p.residual), number(p.energy_error), number(p.overlap_relative),
-                       p.state_hash, p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
+                       csv_text(p.method.settings()), p.time, error_number(p, p.error), p.error_spread, p.status,
+                       number(p.residual), number(p.energy_error), number(p.overlap_relative), p.state_hash,
+                       p.pareto ? 1 : 0, p.time_spread, p.ns_per_body_step, p.accurate ? 1 : 0);
     for (std::size_t k = 0; k < chart.study.more_errors.size(); ++k)
       out += "," + (k < p.more_errors.size() ? error_number(p, p.more_errors[k]) : "");
     out += "\n";
@@ -56,8 +56,7 @@ std::string chart_json(const Chart& chart) {
         .member("time_spread", p.time_spread);
     if (p.good() && !std::isnan(p.error)) json.member("error", p.error);
     for (std::size_t k = 0; p.good() && k < p.more_errors.size(); ++k)
-      if (!std::isnan(p.more_errors[k]))
-        json.member("error:" + name_of(chart.study.more_errors[k]), p.more_errors[k]);
+      if (!std::isnan(p.more_errors[k])) json.member("error:" + name_of(chart.study.more_errors[k]), p.more_errors[k]);
     json.member("error_spread", p.error_spread).member("status", p.status);
     if (!p.trouble.empty()) json.member("trouble", p.trouble);
     json.member("residual", p.residual)

@@ -127,21 +127,25 @@ TEST_CASE("an inclined plane in a periodic cell counts every lap", "[physics][pe
     const auto triple = [](const Vec3& v) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z()); };
     auto run = start_text(materials + R"(run = { duration = 1.0, time_step = 1e-2, output_interval = 0.1 }
 contact = { method = "smooth", restitution = 0.5, friction = 0.0, smooth = { law = "hertz" } }
-world = { domain = { min = [0, 0, 0], max = )" + triple(size) + R"(, periodic = ["x", "y", "z"] } }
+world = { domain = { min = [0, 0, 0], max = )" +
+                          triple(size) + R"(, periodic = ["x", "y", "z"] } }
 [[body]]
 name = "ball"
 shape = { sphere = { radius = 0.05 } }
 material = "m"
-position = )" + triple(0.3 * size) + "\nvelocity = " + triple(laps.cwiseProduct(size)) + R"(
+position = )" + triple(0.3 * size) +
+                          "\nvelocity = " + triple(laps.cwiseProduct(size)) + R"(
 [[measure]]
 name = "each"
 kind = "mass_flow"
-plane = { point = )" + triple(0.6 * size) + ", normal = " + triple(normal) + R"( }
+plane = { point = )" + triple(0.6 * size) +
+                          ", normal = " + triple(normal) + R"( }
 [[measure]]
 name = "seldom"
 kind = "mass_flow"
 interval = 0.5
-plane = { point = )" + triple(0.6 * size) + ", normal = " + triple(normal) + " }\n");
+plane = { point = )" + triple(0.6 * size) +
+                          ", normal = " + triple(normal) + " }\n");
     run.advance_to(0);
     const double mass = 4.0 / 3 * 3.14159265358979 * 1.25e-4 * 1000;
     double crossings = 0;
@@ -252,9 +256,8 @@ TEST_CASE("a periodic cell refuses what cannot repeat in it", "[physics][periodi
   CHECK_THAT(refusal("strain_rate = [0, 0, 1]", ""), Catch::Contains("only a periodic domain deforms"));
   CHECK_THAT(refusal("periodic = [\"x\"], strain_rate = [0, 0, 1]", ""), Catch::Contains("not periodic along z"));
   CHECK_THAT(refusal("periodic = [\"x\"], pressure = 1.0", ""), Catch::Contains("pressure needs periodic"));
-  CHECK_THAT(
-      refusal(
-          "periodic = [\"x\"]",
-          "[[body]]\nname = \"big\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.3 } }\nposition = [0, 0, 0.9]\n"),
-      Catch::Contains("its own image"));
+  CHECK_THAT(refusal("periodic = [\"x\"]",
+                     "[[body]]\nname = \"big\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.3 } }\nposition = "
+                     "[0, 0, 0.9]\n"),
+             Catch::Contains("its own image"));
 }

@@ -1,4 +1,5 @@
-// Bodies stand where their scene puts them: as written whatever else moves, out of what is there already, in their cell.
+// Bodies stand where their scene puts them: as written whatever else moves, out of what is there already, in their
+// cell.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -75,7 +76,9 @@ Aabb box_of(const Drawn& d, const Vec3& at, const Quat& turn) {
 
 TEST_CASE("a body stands as it is written, held or free, whatever else moves", "[physics][placing]") {
   const char* const held[] = {"fixed = true", "motion = { velocity = [0, 0, 1] }", ""};
-  const char* const others[] = {"", "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [50, 0, 0]\n"};
+  const char* const others[] = {
+      "",
+      "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [50, 0, 0]\n"};
   int seen = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     Random random(62, seed);
@@ -85,12 +88,12 @@ TEST_CASE("a body stands as it is written, held or free, whatever else moves", "
           const Vec3 at = random_vector(random, -5, 5);
           const bool turned = random.uniform(0, 1) < 0.5;
           const Quat q = turned ? random_turn(random) : Quat(1, 0, 0, 0);
-          const std::string body = "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = " + d.shape + "\n" + hold +
-                                   "\nposition = " + triple(at) +
-                                   (turned ? fmt::format("\norientation = [{:.17g}, {:.17g}, {:.17g}, {:.17g}]", q.w(),
-                                                         q.x(), q.y(), q.z())
-                                           : "") +
-                                   "\n";
+          const std::string body =
+              "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = " + d.shape + "\n" + hold +
+              "\nposition = " + triple(at) +
+              (turned ? fmt::format("\norientation = [{:.17g}, {:.17g}, {:.17g}, {:.17g}]", q.w(), q.x(), q.y(), q.z())
+                      : "") +
+              "\n";
           INFO(body);
           auto drawn = start_text(placing_head + body + "place = \"as-drawn\"\n" + other);
           auto centred = start_text(placing_head + body + other);
@@ -112,22 +115,23 @@ namespace {
 
 /// Something that does not move, for bodies to be placed around.
 std::string obstacle(Random& random, int kind) {
-  const char* const shapes[] = {"{ box = { size = [0.5, 0.3, 0.4] } }", "{ cylinder = { radius = 0.2, length = 0.7 } }",
+  const char* const shapes[] = {"{ box = { size = [0.5, 0.3, 0.4] } }",
+                                "{ cylinder = { radius = 0.2, length = 0.7 } }",
                                 "{ clump = { spheres = [[0, 0, 0, 0.2], [0.2, 0.1, 0, 0.2]] } }",
-                                "{ half_space = { normal = [0.1, 0.2, 1] } }", "{ sphere = { radius = 0.3 } }",
+                                "{ half_space = { normal = [0.1, 0.2, 1] } }",
+                                "{ sphere = { radius = 0.3 } }",
                                 "{ polyhedron = { random = { vertices = 12, seed = 5 } } }"};
   const Quat q = random_turn(random);
   const Vec3 at = kind == 3 ? Vec3(0.5, 0.5, 0.1) : random_vector(random, 0.2, 0.8);
   std::string out = "[[body]]\nmaterial = \"m\"\nshape = " + std::string(shapes[kind]) + "\nposition = " + triple(at);
-  if (kind != 3)
-    out += fmt::format("\norientation = [{:.17g}, {:.17g}, {:.17g}, {:.17g}]", q.w(), q.x(), q.y(), q.z());
+  if (kind != 3) out += fmt::format("\norientation = [{:.17g}, {:.17g}, {:.17g}, {:.17g}]", q.w(), q.x(), q.y(), q.z());
   return out + (random.uniform(0, 1) < 0.5 ? "\nfixed = true\n" : "\nmotion = { velocity = [0, 0, 1e-9] }\n");
 }
 
 std::string filling(const std::string& name, const std::string& shape, const std::string& method, int count) {
-  return "[shape.of_" + name + "]\n" + shape + "\n[[fill]]\nname = \"" + name +
-         "\"\nmaterial = \"m\"\nshape = \"of_" + name + "\"\ncount = " + std::to_string(count) +
-         "\n" + method + "\nregion = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n";
+  return "[shape.of_" + name + "]\n" + shape + "\n[[fill]]\nname = \"" + name + "\"\nmaterial = \"m\"\nshape = \"of_" +
+         name + "\"\ncount = " + std::to_string(count) + "\n" + method +
+         "\nregion = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n";
 }
 
 /// Deepest contact of the present state [m].
@@ -153,7 +157,8 @@ TEST_CASE("fills keep out of held bodies, other fills and images", "[physics][pl
       if (!(periodic && kind == 3)) scene += obstacle(random, kind);
     }
     scene += filling("first", grain[seed % 3], seed % 2 ? "method = \"lattice\"" : "method = \"random\"", 40);
-    scene += filling("second", grain[(seed + 1) % 3], seed % 4 < 2 ? "method = \"random\"" : "method = \"lattice\"", 40);
+    scene +=
+        filling("second", grain[(seed + 1) % 3], seed % 4 < 2 ? "method = \"random\"" : "method = \"lattice\"", 40);
     INFO(scene);
     auto run = start_text(scene);
     CHECK(deepest(run) < 1e-9);
@@ -166,7 +171,8 @@ TEST_CASE("what is poured comes in where no wall is", "[physics][placing][fill]"
     Random random(16, static_cast<std::uint64_t>(kind));
     const std::string wall = obstacle(random, kind);
     INFO(wall);
-    auto run = start_text(placing_head + wall + filling("p", "box = { size = [0.05, 0.04, 0.06] }", "method = \"pour\"\nrate = 1e4", 60));
+    auto run = start_text(placing_head + wall +
+                          filling("p", "box = { size = [0.05, 0.04, 0.06] }", "method = \"pour\"\nrate = 1e4", 60));
     run.advance_to(100);  // without gravity they stay where they came
     CHECK(run.simulation().world.size() == 61);
     CHECK(deepest(run) < 1e-9);
@@ -195,14 +201,18 @@ TEST_CASE("amounts beyond the memory are refused before they take any", "[physic
   const std::string big = "region = { box = { min = [0, 0, 0], max = [1e5, 1e5, 1e5] } }\n";
   for (const char* amount : {"count = 1000000000000", "mass = 1e14", "until = \"full\""})
     for (const char* method : {"lattice", "random"}) {
-      const std::string fill = std::string("shape.g.sphere.radius = 0.01\n[[fill]]\nname = \"sand\"\nmaterial = \"m\"\nshape = \"g\"\nmethod = \"") +
-                               method + "\"\n" + amount + "\n" + big;
-      CHECK_THROWS_WITH(start_text(placing_head + fill), Catch::Contains("[[fill]] 'sand'") && Catch::Contains("GB are there"));
+      const std::string fill =
+          std::string(
+              "shape.g.sphere.radius = 0.01\n[[fill]]\nname = \"sand\"\nmaterial = \"m\"\nshape = \"g\"\nmethod = \"") +
+          method + "\"\n" + amount + "\n" + big;
+      CHECK_THROWS_WITH(start_text(placing_head + fill),
+                        Catch::Contains("[[fill]] 'sand'") && Catch::Contains("GB are there"));
     }
 }
 
 TEST_CASE("bodies that stand outside the domain are told before they go", "[physics][placing]") {
-  const std::string body = "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [0, 0, 3]\n";
+  const std::string body =
+      "[[body]]\nname = \"b\"\nshape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\nposition = [0, 0, 3]\n";
   const auto domain = [](const char* outside) {
     return std::string("world.domain = { min = [-1, -1, -1], max = [1, 1, 1], outside = \"") + outside + "\" }\n";
   };

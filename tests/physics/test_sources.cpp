@@ -227,7 +227,8 @@ name = "sink"
 region = { box = { min = [-1, -1, -0.5], max = [1, 1, 0] } }
 )";
   for (const char* interval : {"0", "0.003", "0.05", "0.4"})
-    scene += std::string("[[measure]]\nname = \"every") + interval + "\"\nkind = \"mass_flow\"\ninterval = " + interval +
+    scene += std::string("[[measure]]\nname = \"every") + interval +
+             "\"\nkind = \"mass_flow\"\ninterval = " + interval +
              "\nplane = { point = [0, 0, 0.15], normal = [0, 0, -1] }\n";
   auto run = start_text(scene);
   run.advance_to(0);

@@ -21,17 +21,23 @@ std::string problems_of(const std::string& text, const std::vector<std::string>&
   return all;
 }
 
-std::size_t lines(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
+std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
 
 }  // namespace
 
 TEST_CASE("who names a body whose table is wrong is not told that there is none", "[scenes][reader]") {
-  for (const char* user : {"[[measure]]\nkind = \"position\"\nbody = \"left\"\n", "[[measure]]\nkind = \"position\"\nbody = \"left[3]\"\n",
-                           "[bounds]\ndrift = { body = \"left\", below = 1.0 }\n"})
+  for (const char* user :
+       {"[[measure]]\nkind = \"position\"\nbody = \"left\"\n", "[[measure]]\nkind = \"position\"\nbody = \"left[3]\"\n",
+        "[bounds]\ndrift = { body = \"left\", below = 1.0 }\n"})
     for (const char* table : {"[[body]]\nname = \"left\"\nshape = { sphere = { radius = -1 } }\nmaterial = \"a\"\n",
                               "[[fill]]\nname = \"left\"\nshape = \"g\"\nmaterial = \"b\"\ncount = 1\n"
                               "region = { box = { min = [0, 0, 0], max = [1, 1, 1] } }\n"}) {
-      const std::string text = problems_of(message_head + "contact = { method = \"nonsmooth\", restitution = 0, friction = 0 }\nshape.g = { sphere = { radius = 1 } }\n" + table + user);
+      const std::string text = problems_of(message_head +
+                                           "contact = { method = \"nonsmooth\", restitution = 0, friction = 0 "
+                                           "}\nshape.g = { sphere = { radius = 1 } }\n" +
+                                           table + user);
       CAPTURE(text);
       CHECK(text.find("unknown body") == std::string::npos);
       CHECK(lines(text) >= 1);
@@ -40,15 +46,20 @@ TEST_CASE("who names a body whose table is wrong is not told that there is none"
 
 TEST_CASE("an unknown key is told the keys of the chosen law, solver or measure", "[scenes][reader]") {
   const auto told = [](const std::string& contact) {
-    return problems_of(message_head + "contact = { restitution = 0.5, friction = 0, " + contact + " }\n[[body]]\nshape = { sphere = { radius = 1 } }\nmaterial = \"a\"\n");
+    return problems_of(message_head + "contact = { restitution = 0.5, friction = 0, " + contact +
+                       " }\n[[body]]\nshape = { sphere = { radius = 1 } }\nmaterial = \"a\"\n");
   };
   // `stiffness` is a key of linear, not of hertz
-  CHECK_THAT(told("method = \"smooth\", smooth = { law = \"linear\", stifness = 1 }"), Catch::Contains("did you mean 'stiffness'?"));
-  CHECK_THAT(told("method = \"smooth\", smooth = { law = \"hertz\", stifness = 1 }"), !Catch::Contains("did you mean 'stiffness'?"));
+  CHECK_THAT(told("method = \"smooth\", smooth = { law = \"linear\", stifness = 1 }"),
+             Catch::Contains("did you mean 'stiffness'?"));
+  CHECK_THAT(told("method = \"smooth\", smooth = { law = \"hertz\", stifness = 1 }"),
+             !Catch::Contains("did you mean 'stiffness'?"));
 }
 
 TEST_CASE("a name that looks like a number is a name after --set", "[scenes][reader]") {
-  const std::string scene = message_head + "contact = { method = \"nonsmooth\", restitution = 0, friction = 0 }\n[[body]]\nname = \"b\"\nshape = { sphere = { radius = 1 } }\nmaterial = \"a\"\n";
+  const std::string scene = message_head +
+                            "contact = { method = \"nonsmooth\", restitution = 0, friction = 0 }\n[[body]]\nname = "
+                            "\"b\"\nshape = { sphere = { radius = 1 } }\nmaterial = \"a\"\n";
   for (const char* name : {"60e1", "007", "1e3", "12", "true"}) {
     const ReadResult read = read_scene_text(scene, "s.toml", {std::string("body.0.name=") + name}, full_registry());
     REQUIRE(read.scene);

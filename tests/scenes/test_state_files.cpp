@@ -137,7 +137,8 @@ TEST_CASE("every body that ever came has its row in run.h5, the axes are those o
 
 TEST_CASE("a hull without orientation is exported without one", "[scenes][export]") {
   const TemporaryFolder folder;
-  const std::string text = state_head + "[[body]]\nname = \"b\"\nshape = \"hull\"\nmaterial = \"wood\"\nposition = [0, 0, 1]\n";
+  const std::string text =
+      state_head + "[[body]]\nname = \"b\"\nshape = \"hull\"\nmaterial = \"wood\"\nposition = [0, 0, 1]\n";
   Session run(assembled(text, folder.path()), {}, folder / "out");
   run.run({std::nullopt, 1, std::nullopt}, true);
   export_run(folder / "out", ExportFormat::csv);

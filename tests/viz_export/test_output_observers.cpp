@@ -65,7 +65,8 @@ struct Recording {
 
 }  // namespace
 
-TEST_CASE("what is due every so often is due in the steps nearest to the multiples of its interval", "[viz_export][output]") {
+TEST_CASE("what is due every so often is due in the steps nearest to the multiples of its interval",
+          "[viz_export][output]") {
   Random random(14, 0);
   for (int k = 0; k < 50; ++k) {
     const double every = k < 3 ? std::array{1.0, 0.2, 7.0}[static_cast<std::size_t>(k)] : random.uniform(1.0, 30.0);

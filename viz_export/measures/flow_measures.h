@@ -6,9 +6,9 @@
 
 namespace epafi {
 
-/// mass [kg] that went through the plane in the direction of its normal since the start (backwards counts negative), rate
-/// [kg/s] over the last `window` seconds. Bodies that come in or are taken out between two samples are looked at then, so the
-/// mass does not depend on how often it is written.
+/// mass [kg] that went through the plane in the direction of its normal since the start (backwards counts negative),
+/// rate [kg/s] over the last `window` seconds. Bodies that come in or are taken out between two samples are looked at
+/// then, so the mass does not depend on how often it is written.
 class MassFlow final : public Measure {
  public:
   explicit MassFlow(MeasureSetup setup);
