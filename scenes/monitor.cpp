@@ -142,8 +142,8 @@ std::string balance_text(const WatchedBalance::Finding& open, const Energy& now)
                   open.net > 0 ? "the bodies gained energy that nothing gave them" : "energy was lost track of");
   else
     std::snprintf(text, sizeof text,
-                  "the energy balance was open in between, by %.2g of the energy exchanged: the bodies gained %.3g J that "
-                  "nothing gave them, %.3g J were lost track of",
+                  "the energy balance was open in between, by %.2g of the energy exchanged: the bodies gained %.3g J "
+                  "that nothing gave them, %.3g J were lost track of",
                   open.share, open.gained, open.lost);
   std::string what = text;
   const double contacts = std::max(open.put_in, now.gained);

@@ -44,8 +44,8 @@ void WatchedBalance::note(const StepReport& report) {
   state_.noisy_steps += std::clamp(noise_per_residual * report.solver.residual, 1e-6, 1.0);
 }
 
-/// Of smooth contact: what bodies that are found a rounding of their positions apart have moved with, once in every step,
-/// as a dashpot between them goes on to take it [J].
+/// Of smooth contact: what bodies that are found a rounding of their positions apart have moved with, once in every
+/// step, as a dashpot between them goes on to take it [J].
 double WatchedBalance::rounding_energy(const StepView& view) const {
   const World& world = view.world;
   const double far = block_max<double>(

@@ -1,15 +1,15 @@
-/// @file watched_balance.h  The energy balance of a run as its watch books it: what bodies gained and what was lost track of,
-/// each by itself, so that losses never pay for gains.
-///   unexplained   stored + taken by contacts - work: the scheme and the position correction move it; it should not move
+/// @file watched_balance.h  The energy balance of a run as its watch books it: what bodies gained and what was lost
+/// track of, each by itself, so that losses never pay for gains.
+///   unexplained   stored + taken by contacts - work: only the scheme and the position correction move it
 ///   put in        minus what contacts took: it should only fall
 /// Both are followed from turning point to turning point. A swing smaller than a thousandth of the reference energy (as
-/// the ledger's: largest kinetic and elastic energy, and the spread of the potential one) is that of a contact in motion and comes back; all others are added up, rises and falls apart. A steady change is
-/// one swing, however slow. The sums are held against the energy exchanged since the start: the reference and all that was
-/// dissipated.
+/// the ledger's: largest kinetic and elastic energy, and the spread of the potential one) is that of a contact in motion
+/// and comes back; all others are added up, rises and falls apart. A steady change is one swing, however slow. The sums
+/// are held against the energy exchanged since the start: the reference and all that was dissipated.
 ///
-/// Noise. Solvers of impulses leave velocities of their residual times one step of free fall, M (g dt)^2 / 2 in all bodies;
-/// a thousand times its part by the residual is added to what was exchanged in every step. Under smooth contact only rounding
-/// of the positions is noise: overlaps that differ by it, at the fastest motion that a step resolves.
+/// Noise. Solvers of impulses leave velocities of their residual times one step of free fall, M (g dt)^2 / 2 in all
+/// bodies; a thousand times its part by the residual is added to what was exchanged in every step. Under smooth contact
+/// only rounding of the positions is noise: what bodies a rounding apart have moved with, once a step.
 #pragma once
 #include "engine/observer.h"
 

@@ -180,8 +180,8 @@ bool NonsmoothContact::release_induced(const World& world, const ContactSet& con
     if (problem_.offset[i] < 0.0 || r_[i].x() <= 0.0) return 0;
     const double stopped = r_[i].x() * problem_.mobility[i];
     if (stopped <= threshold) return 0;
-    // closed: gravity or rounding alone would close it in a step. A support whose gap is rounding carries a load that is
-    // many times what the threshold says of one body; let go, a stack at rest falls for a step, and again in the next
+    // closed: gravity or rounding alone would close it in a step. A support whose gap is rounding carries a load that
+    // is many times what the threshold says of one body; let go, a stack at rest falls for a step, and again later
     const bool rests = u_before_[i].x() <= threshold && contacts.gap[i] <= threshold * dt;
     if (rests || contacts.gap[i] <= touching_share * dt * stopped) return 0;
     if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) return 0;

@@ -139,8 +139,8 @@ std::string boxes_head(const RandomBoxes& x, double duration) {
 }
 
 std::string half_space(const std::string& normal, const std::string& position) {
-  return "[[body]]\nshape = { half_space = { normal = [" + normal + "] } }\nmaterial = \"m\"\nfixed = true\nposition = [" +
-         position + "]\n";
+  return "[[body]]\nshape = { half_space = { normal = [" + normal +
+         "] } }\nmaterial = \"m\"\nfixed = true\nposition = [" + position + "]\n";
 }
 }  // namespace
 
@@ -164,8 +164,8 @@ TEST_CASE("stacks at rest stay at rest whatever the restitution, the law of impa
     scene.precision(17);
     scene << boxes_head(x, 100 * x.dt) << half_space("0, 0, 1", "0, 0, 0");
     for (int i = 0; i < count; ++i)
-      scene << "[[body]]\nshape = { box = { size = [" << edge << ", " << edge * random.uniform(0.6, 1.0) << ", " << height
-            << "] } }\nmaterial = \"m\"\nposition = [" << 0.1 * edge * random.uniform(-1, 1) << ", "
+      scene << "[[body]]\nshape = { box = { size = [" << edge << ", " << edge * random.uniform(0.6, 1.0) << ", "
+            << height << "] } }\nmaterial = \"m\"\nposition = [" << 0.1 * edge * random.uniform(-1, 1) << ", "
             << 0.1 * edge * random.uniform(-1, 1) << ", " << (i + 0.5) * height + (i + 1) * gap
             << "]\neuler_deg = [0, 0, " << random.uniform(0, 20) << "]\n";
     SceneRun run = start_text(scene.str());

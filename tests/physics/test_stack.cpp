@@ -120,3 +120,28 @@ TEST_CASE("a state that is saved at every step changes nothing of a run in which
   }
   CHECK(watched.hash() == run.hash());
 }
+
+TEST_CASE("scenes of the library meet the tolerance that they ask for in every step", "[physics][library]") {
+  struct Shortened {
+    std::string scene;
+    std::vector<std::string> sets;
+    std::uint64_t steps;
+  };
+  const Shortened scenes[] = {{"stacking/pyramid.toml", {}, 100},
+                              {"stacking/stack.toml", {}, 100},
+                              {"tutorials/03_stack.toml", {}, 100},
+                              {"tutorials/04_stones.toml", {"params.n=6"}, 220},
+                              {"hopper/pellets.toml", {"params.n=60", "params.open_at=0.09"}, 150}};
+  for (const Shortened& s : scenes) {
+    INFO(s.scene);
+    SceneRun run = prepare_scene(library(s.scene), s.sets);
+    Simulation& sim = run.simulation();
+    sim.start();
+    std::uint64_t open = 0;
+    while (sim.steps() < s.steps) {
+      REQUIRE(!sim.advance(false));
+      open += !sim.work.report.solver.converged;
+    }
+    CHECK(open == 0);
+  }
+}

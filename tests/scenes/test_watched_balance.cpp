@@ -1,5 +1,5 @@
-// The watch over the energy balance: slow gains, gains between losses and fast ones are told; contacts in motion, noise of
-// solvers, rounding and bodies that come and go are not.
+// The watch over the energy balance: slow gains, gains between losses and fast ones are told; contacts in motion, noise
+// of solvers and rounding are not.
 #include <fstream>
 
 #include "scenes/cli/commands.h"
@@ -130,7 +130,8 @@ FlatJson run_quietly(const std::string& scene, std::vector<std::string> sets, st
 }
 }  // namespace
 
-TEST_CASE("an arch, a house of cards and a press before its plate has arrived raise no alarm", "[scenes][warnings][balance]") {
+TEST_CASE("an arch, a house of cards and a press before its plate has arrived raise no alarm",
+          "[scenes][warnings][balance]") {
   const std::string library = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/stability/";
   for (const char* scene : {"arch.toml", "card_house.toml"})
     CHECK_THAT(run_quietly(library + scene, {}, 200).text("warnings.0"), !Catch::Contains("energy"));
