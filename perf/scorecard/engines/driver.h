@@ -4,8 +4,9 @@
 /// (solid below n.x = D) and free bodies `sphere R`, `box HX HY HZ` or `hull NV NF x y z ... a b c ...`, each followed
 /// by mass, three moments of inertia, position, orientation w x y z, velocity, angular velocity. EVERY: seconds between
 /// poses, 0: every step. POSES: a file that gets `t TIME` and 13 numbers per body, or - for none.
-/// One run that is not counted (it writes the poses), then whole runs, ten at most, up to 0.05 s of the process' clock;
-/// building and start-up stay outside. A first run of more than 0.5 s counts itself, without its writing. Prints one line of JSON.
+/// One run that is not counted (it writes the poses), then whole runs until the steps took 0.05 s of the process' clock
+/// or steps and building 0.5 s; building and start-up stay outside the time. A first run of more than 0.5 s counts itself,
+/// without its writing. Prints one line of JSON.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -185,13 +186,15 @@ inline int run(int argc, char** argv, const Make& make) {
   const double once = run_once(*first, scene.bodies.size(), steps, options.dt, every, poses);
   if (poses) std::fclose(poses);
   first.reset();
-  const long runs = once > 0.5 ? 0 : std::clamp(std::lround(0.05 / std::max(once, 1e-6)), 1L, 10L);
-  double sum = runs == 0 ? once : 0.0;
-  for (long r = 0; r < runs; ++r) {
+  const double begin = processor_seconds();
+  double sum = once > 0.5 ? once : 0.0;
+  long runs = once > 0.5 ? 1 : 0;
+  while (runs == 0 || (once <= 0.5 && sum < 0.05 && processor_seconds() - begin < 0.5)) {
     auto engine = make(scene, options);
     sum += run_once(*engine, scene.bodies.size(), steps, options.dt, every, nullptr);
+    ++runs;
   }
-  const double seconds = sum / static_cast<double>(std::max(runs, 1L)) / duration;
+  const double seconds = sum / static_cast<double>(runs) / duration;
   std::printf("{\"cpu_s_per_s\": %.6g, \"steps\": %ld, \"dt\": %.17g}\n", seconds, steps, options.dt);
   return 0;
 }
