@@ -84,7 +84,7 @@ def peer(command, steps, n, folder):
     start, _ = processor_time(command + ["-var", "steps", "0"], folder)
     whole, text = processor_time(command + ["-var", "steps", str(steps)], folder)
     rows = re.findall(r"^\s*\d+\s+%d\s+(\S+)\s+(\S+)\s*$" % n, text, re.M)
-    if not rows:
+    if not rows or "ERROR" in text:
         print("%s failed:\n%s" % (command, text[-1500:]))
         return None
     return 1e9 * (whole - start) / steps / n, *map(float, rows[-1])
