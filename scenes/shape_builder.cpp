@@ -98,7 +98,7 @@ BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
   constexpr std::size_t most_kept = 1000;  // a map of a million radii would take as much as their bodies
   if (!out.is_sphere || built_.size() < most_kept) built_.emplace(key, out);
   if (!out.is_sphere)
-    origins_[out.ref.packed] = {shape_text(spec), key.second, out.frame.orientation, out.frame.centre};
+    origins_[out.ref.packed] = {[&spec] { return shape_text(spec); }, key.second, out.frame.orientation, out.frame.centre};
   return out;
 }
 

@@ -2,6 +2,7 @@
 /// numbers so that a scene can read it back.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -11,7 +12,8 @@ namespace epafi {
 
 /// Of a shape that is no sphere.
 struct ShapeOrigin {
-  std::string shape;                  ///< its name, or the table as written: "{ box = { size = [1, 1, 1] } }"
+  /// Its name, or the table as written: "{ box = { size = [1, 1, 1] } }". Made when asked for: that of a stone is long.
+  std::function<std::string()> shape;
   double size = 1.0;                  ///< factor of all lengths, > 0
   Quat to_author = Quat(1, 0, 0, 0);  ///< principal axes to the author's
   Vec3 centre = Vec3::Zero();         ///< of mass, author's axes [m]

@@ -195,7 +195,7 @@ void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
   file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
   file.set_attribute(group, "shape", std::uint64_t{b.shape});
   if (origin != nullptr)
-    file.set_attribute(group, "name", origin->shape), file.set_attribute(group, "size", origin->size);
+    file.set_attribute(group, "name", origin->shape()), file.set_attribute(group, "size", origin->size);
   surfaces_[b.shape] = number;
 }
 
