@@ -26,11 +26,11 @@ struct ScatterPlot {
   std::vector<PlotPoint> front;                        ///< drawn bold
   std::vector<std::pair<std::string, double>> levels;  ///< horizontal lines with labels
   std::optional<PlotPoint> marked;                     ///< circled
+  bool joined = true;                                  ///< the points of a line by lines
+  bool log_x = true, log_y = true;
   std::string marked_label = "recommended";
   std::vector<PlotPoint> ringed;  ///< a thin ring about each
   std::string ringed_label = "default settings";
-  bool joined = true;                                  ///< the points of a line by lines
-  bool log_x = true, log_y = true;
 };
 
 /// Curves on plain axes.
