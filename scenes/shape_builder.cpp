@@ -98,7 +98,8 @@ BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
   constexpr std::size_t most_kept = 1000;  // a map of a million radii would take as much as their bodies
   if (!out.is_sphere || built_.size() < most_kept) built_.emplace(key, out);
   if (!out.is_sphere)
-    origins_[out.ref.packed] = {[&spec] { return shape_text(spec); }, key.second, out.frame.orientation, out.frame.centre};
+    origins_[out.ref.packed] = {[&spec] { return shape_text(spec); }, key.second, out.frame.orientation,
+                                out.frame.centre};
   return out;
 }
 
@@ -154,8 +155,7 @@ BuiltShape ShapeBuilder::build_solid(const ShapeSpec& spec, double size) {
   warn_of(spec, file.report);
   auto& vertices = file.surface.vertices;
   if (spec.scale_to_diameter)
-    size *= *spec.scale_to_diameter /
-            (2 * largest_distance(vertices, surface_mass_properties(file.surface).centre));
+    size *= *spec.scale_to_diameter / (2 * largest_distance(vertices, surface_mass_properties(file.surface).centre));
   for (Vec3& v : vertices) v *= size;
   const Place place{spec.parameters.text("file"), 0, 0};
   PlacedSolid placed = place_solid(std::move(file.surface), place);
@@ -165,7 +165,8 @@ BuiltShape ShapeBuilder::build_solid(const ShapeSpec& spec, double size) {
 
 void ShapeBuilder::warn_of(const ShapeSpec& spec, const MeshReport& report) {
   if (report.is_inverted() || report.dropped > 0)
-    warnings_.push_back({Problem::Level::warning, spec.place, spec.parameters.text("file") + ": " + report.to_string()});
+    warnings_.push_back(
+        {Problem::Level::warning, spec.place, spec.parameters.text("file") + ": " + report.to_string()});
 }
 
 BuiltShape ShapeBuilder::build_mesh(const ShapeSpec& spec, double size) {

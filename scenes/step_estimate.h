@@ -1,14 +1,15 @@
 /// @file step_estimate.h  What time step the contacts of a scene will bear, before it has any: impacts at an expected
-/// speed, packings under an expected load, flat bodies on four points. All limits are those of engine/stiffest_mode.h with
-/// the law's stiffness and dashpot at the overlap of that speed or load.
+/// speed, packings under an expected load, flat bodies on four points. All limits are those of engine/stiffest_mode.h
+/// with the law's stiffness and dashpot at the overlap of that speed or load.
 ///
-/// Limits hold to 20 % where speed and load are what was expected; they go with its power 1/6 (load) and 1/5 (speed) for
-/// Hertz. What comes otherwise is met by the watch in the run.
+/// Limits hold to 20 % where speed and load are what was expected; they go with its power 1/6 (load) and 1/5 (speed)
+/// for Hertz. What comes otherwise is met by the watch in the run.
 ///
-/// On the safe side, beyond 20 %, are bodies that never get the speed that is expected of them, a fall through the height
-/// of all bodies: a ball or a box set down at rest stays at rest up to 2.1 and 2.4 times its limit, whatever e, as its
-/// contacts are a ninth as deep as after that fall. Published steps (Dosta et al. 2024), balance closed to 1e-2: drum of
-/// 38 000, which starts settled, up to 5e-5 s, three times the limit; penetration up to 2.6e-6 s, twice the limit.
+/// On the safe side, beyond 20 %, are bodies that never get the speed that is expected of them, a fall through the
+/// height of all bodies: a ball or a box set down at rest stays at rest up to 2.1 and 2.4 times its limit, whatever e,
+/// as its contacts are a ninth as deep as after that fall. Published steps (Dosta et al. 2024), balance closed to 1e-2:
+/// drum of 38 000, which starts settled, up to 5e-5 s, three times the limit; penetration up to 2.6e-6 s, twice the
+/// limit.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -28,9 +29,9 @@ struct FlatBody {
 
 /// What two kinds of bodies are to each other.
 struct ExpectedPair {
-  std::uint16_t i = 0, j = 0;    ///< materials
-  double mass = 0.0;             ///< of the lighter body [kg]
-  ContactKinematics at;          ///< m*, R*; the overlap comes with speed or load
+  std::uint16_t i = 0, j = 0;  ///< materials
+  double mass = 0.0;           ///< of the lighter body [kg]
+  ContactKinematics at;        ///< m*, R*; the overlap comes with speed or load
 };
 
 /// Overlap at which the pair presses with a force [m].
@@ -42,8 +43,8 @@ double impact_step(const ContactLinks& links, const ExpectedPair& pair, double o
 /// Of a packing of round bodies with so many contacts each at an overlap [s].
 double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, int coordination);
 
-/// Of a flat body that lies on four points of its stiffest face at an overlap; the lowest of `stacked` bodies where more
-/// than one is free [s].
+/// Of a flat body that lies on four points of its stiffest face at an overlap; the lowest of `stacked` bodies where
+/// more than one is free [s].
 double corner_step(const ContactLinks& links, const ExpectedPair& pair, const FlatBody& body, double overlap,
                    std::size_t stacked);
 

@@ -3,9 +3,9 @@
 ///   unexplained   stored + taken by contacts - work: only the scheme and the position correction move it
 ///   put in        minus what contacts took: it should only fall
 /// Both are followed from turning point to turning point. A swing smaller than a thousandth of the reference energy (as
-/// the ledger's: largest kinetic and elastic energy, and the spread of the potential one) is that of a contact in motion
-/// and comes back; all others are added up, rises and falls apart. A steady change is one swing, however slow. The sums
-/// are held against the energy exchanged since the start: the reference and all that was dissipated.
+/// the ledger's: largest kinetic and elastic energy, and the spread of the potential one) is that of a contact in
+/// motion and comes back; all others are added up, rises and falls apart. A steady change is one swing, however slow.
+/// The sums are held against the energy exchanged since the start: the reference and all that was dissipated.
 ///
 /// Noise. Solvers of impulses leave velocities of their residual times one step of free fall, M (g dt)^2 / 2 in all
 /// bodies; a thousand times its part by the residual is added to what was exchanged in every step. Under smooth contact
@@ -54,7 +54,7 @@ class WatchedBalance {
     double noise = 0;        ///< so far [J]
     double inner = 0;        ///< largest kinetic and elastic energy together [J]
     double lowest = 0, highest = 0, potential = 0;  ///< potential energy, and that of the last look [J]
-    double bodies = 0;       ///< at the last look
+    double bodies = 0;                              ///< at the last look
   };
   double rounding_energy(const StepView& view) const;
   double reference(const StepView& view);

@@ -1,6 +1,7 @@
 /// @file pair_table.h  The generated matrix of batch functions, one cell per ordered pair of shape types.
 /// A cell is, in this order: part by part, a closed form, the same with the bodies exchanged, a mesh pair, polyhedra,
-/// the common normal of round shapes, GJK and EPA, or empty where the pair never touches. tests/golden/pair_table.txt holds the method of every cell.
+/// the common normal of round shapes, GJK and EPA, or empty where the pair never touches. tests/golden/pair_table.txt
+/// holds the method of every cell.
 #pragma once
 #include <array>
 #include <string>

@@ -15,6 +15,7 @@ import os
 import shutil
 
 import numpy
+from bed_input import box_of_planes, lammps_walls, liggghts_walls, script, write_data
 from runs import (export, last_snapshot, options, peer, print_table, resumed, settled, take_turns, touching_neighbours, write_csv,
                   yade_result)
 
@@ -43,51 +44,30 @@ def write_inputs(bed, side):
                 % ((o.warm + o.steps + 0.5) * STEP, STEP))
         f.write("material.bead = { density = %g, youngs_modulus = %g, poissons_ratio = %g }\n" % (DENSITY, E, NU))
         f.write('contact = { method = "smooth", restitution = %g, friction = %g, smooth = { law = "hertz-mindlin" } }\n' % (RESTITUTION, FRICTION))
-        planes = [((0, 0, 0), (0, 0, 1)), ((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((side, 0, 0), (-1, 0, 0)), ((0, side, 0), (0, -1, 0))]
-        for p, n in planes:
-            f.write('[[body]]\nshape = { half_space = { normal = [%g, %g, %g] } }\nmaterial = "bead"\nfixed = true\n' % n)
-            f.write("position = [%.17g, %.17g, %.17g]\n" % p)
+        f.write(box_of_planes(side, "bead"))
         f.write('[[bodies]]\nname = "bed"\nfile = "bodies.csv"\nmaterial = "bead"\n')
         f.write('[[measure]]\nname = "middle"\nkind = "position"\nbody = "bed"\ninterval = %.9g\n' % ((o.warm + o.steps) * STEP))
-    with open(os.path.join(o.out, "bed.data"), "w") as f:
-        f.write("settled bed\n\n%d atoms\n1 atom types\n\n" % len(bed))
-        f.write("%.9g %.9g xlo xhi\n%.9g %.9g ylo yhi\n-0.01 %.9g zlo zhi\n\nAtoms\n\n" % (-0.01, side + 0.01, -0.01, side + 0.01, bed[:, 2].max() + 0.05))
-        for k, (x, y, z, r) in enumerate(bed):
-            f.write("%d 1 %.17g %g %.17g %.17g %.17g\n" % (k + 1, 2 * r, DENSITY, x, y, z))
-    common = """units si
-boundary f f f
-read_data bed.data
-neighbor %g bin
-neigh_modify delay 0 every 1 check yes
-%%s
-fix gravity all gravity 9.81 vector 0 0 -1
-fix motion all nve/sphere
-timestep %g
-compute touching all contact/atom
-compute neighbours all reduce ave c_touching
-compute middle all com
-thermo_style custom step atoms c_neighbours c_middle[3]
-thermo %d
-run %d
-run ${steps}
-""" % (o.skin, STEP, o.warm + o.steps, o.warm)
+    write_data(os.path.join(o.out, "bed.data"), bed, side, DENSITY)
+
+    def write_input(code, name, contact):
+        write(name, script(code, "bed.data", contact, o, STEP))
+
     # LAMMPS, style "granular": the same laws as ours (Mindlin's spring rescaled, Tsuji's damping from the restitution)
     law = "hertz/material %g %g %g tangential mindlin NULL 1.0 %g damping tsuji" % (E, RESTITUTION, NU, FRICTION)
-    walls = "\n".join("fix wall%s all wall/gran %%s %splane 0 %s" % (a, a, "NULL" if a == "z" else "%.17g" % side) for a in "xyz")
-    begin = "atom_style sphere\natom_modify map array sort 1000 0.006\nnewton on\ncomm_modify vel yes\n"
-    write("granular.lammps", begin + common % ("pair_style granular\npair_coeff * * %s\n" % law + walls % (("granular " + law,) * 3)))
+    pair = "pair_style granular\npair_coeff * * %s\n" % law
+    write_input("lammps", "granular.lammps", pair + lammps_walls("granular " + law, side))
     # style "gran/hertz/history": its quickest; constants 4/3 E*, 8 G*, a damping that gives about the same restitution
     shear = E / (2 * (1 + NU))
     law = "%.6g %.6g 3e5 3e5 %g 1" % (4 / 3 * E / (2 * (1 - NU**2)), 8 * shear / (2 * (2 - NU)), FRICTION)
-    write("history.lammps", begin + common % ("pair_style gran/hertz/history %s\npair_coeff * *\n" % law + walls % (("hertz/history " + law,) * 3)))
-    properties = "".join("fix m%d all property/global %s\n" % (k, p) for k, p in enumerate(
-        ("youngsModulus peratomtype %g" % E, "poissonsRatio peratomtype %g" % NU, "coefficientRestitution peratomtypepair 1 %g" % RESTITUTION,
-         "coefficientFriction peratomtypepair 1 %g" % FRICTION)))
-    planes = [("x", 0.0), ("x", side), ("y", 0.0), ("y", side), ("z", 0.0)]
-    walls = "\n".join("fix wall%d all wall/gran model hertz tangential history primitive type 1 %splane %.17g" % (k, a, at)
-                      for k, (a, at) in enumerate(planes))
-    begin = "atom_style granular\natom_modify map array sort 1000 0.006\nnewton off\ncommunicate single vel yes\n"
-    write("bed.liggghts", begin + common % (properties + "pair_style gran model hertz tangential history\npair_coeff * *\n" + walls))
+    pair = "pair_style gran/hertz/history %s\npair_coeff * *\n" % law
+    write_input("lammps", "history.lammps", pair + lammps_walls("hertz/history " + law, side))
+    values = ("youngsModulus peratomtype %g" % E, "poissonsRatio peratomtype %g" % NU,
+              "coefficientRestitution peratomtypepair 1 %g" % RESTITUTION,
+              "coefficientFriction peratomtypepair 1 %g" % FRICTION)
+    properties = "".join("fix m%d all property/global %s\n" % value for value in enumerate(values))
+    model = "hertz tangential history"
+    pair = "pair_style gran model %s\npair_coeff * *\n" % model
+    write_input("liggghts", "bed.liggghts", properties + pair + liggghts_walls(model, side))
 
 
 YADE = """import math, resource

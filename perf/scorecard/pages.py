@@ -90,10 +90,13 @@ def page(name, rows, folder):
 
 def index(table):
     """The first page: where our default stands on every problem."""
+    timed = [r for r in table if r["seconds"]]
+    once = sum(1 for r in timed if not r["spread"])
     lines = ["# Scorecard: contact engines on the same problems", "",
              "One command (`/usr/bin/python3 perf/scorecard/run.py`, [how](../../perf/scorecard/README.md)) runs every engine at its defaults and at a few other",
              "settings on every problem, in turns, and sets what a simulated second costs against the error. WebAssembly engines run in node and",
-             "in single precision; a native build is quicker. A row without spread was measured once.", "",
+             "in single precision; a native build is quicker. %d of %d rows were measured once (they have no spread): their times" % (once, len(timed)),
+             "compare roughly. An engine without a row on a page has not been run on that problem.", "",
              "| problem | engines with an answer | our default: s per s | error | quickest other engine at no larger error | on the front or within twice its cost |",
              "|---" * 6 + "|"]
     for name in (n for n in ORDER if any(r["problem"] == n for r in table)):

@@ -136,9 +136,9 @@ std::string check_text(Assembly& a) {
   out += fmt::format("  steps         {}\n", a.steps);
   double seconds = 0.0;
   std::optional<Failure> failure;
-  with_team([&] { failure = time_steps(sim, a.steps, seconds); });  // as runs have it: threads do not go between two steps
-  if (failure)
-    return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
+  with_team(
+      [&] { failure = time_steps(sim, a.steps, seconds); });  // as runs have it: threads do not go between two steps
+  if (failure) return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
   out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
                      1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.memory.body,
                      a.plan.memory.contact);

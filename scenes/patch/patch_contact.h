@@ -30,17 +30,15 @@ class PatchContactSolver {
   bool stands(const std::string& model, double found) const;
   bool has_wheel() const { return wheel_ && !wheel_->rigid.empty() && !too_shallow(); }
   /// Several regions far from each other overlap under the load, and the model solves each.
-  bool apart(const std::string& model) const {
-    return has_wheel() && wheel_->apart() && normal_model(model).whole_gap;
-  }
+  bool apart(const std::string& model) const { return has_wheel() && wheel_->apart() && normal_model(model).whole_gap; }
   /// Where its patches lie: creepages are those of there.
   const std::vector<ContactRegion>& places(const std::string& model) const;
   /// Creepage at the middle of a patch: as given, or of the rigid wheelset rolling with its speed over its angular
   /// velocity.
   Creepage creepage(const ContactRegion& region) const;
   /// Mean difference over a patch, by force, between the longitudinal slip of the surface itself and that of its plane:
-  /// a rail's head leaves the plane between two hills of pressure by tenths of a millimetre, and the wheel's radius with
-  /// it. 0 where the creepage is given [-].
+  /// a rail's head leaves the plane between two hills of pressure by tenths of a millimetre, and the wheel's radius
+  /// with it. 0 where the creepage is given [-].
   double slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const;
   double depth() const { return wheel_->depth; }      ///< that the load brings the wheel down by, estimated [m]
   double lowered() const { return wheel_->lowered; }  ///< that it is brought down by [m]

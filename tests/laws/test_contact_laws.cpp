@@ -277,7 +277,7 @@ TEST_CASE("the watch over the step counts JKR contacts that hold beyond touch, w
         setup_of({"jkr", 1.0, 0, 0, parameters_of({{"work_of_adhesion", work}})}, {rubber, rubber});
     const double E = 0.5 * rubber.youngs_modulus / (1 - rubber.poissons_ratio * rubber.poissons_ratio);
     const double B = std::sqrt(2 * pi * work / E), least = std::cbrt(B * R / 4.0);  // root of a where it breaks
-    const double u = least * random.uniform(1.05, 2.5);                           // touch is at 1.59
+    const double u = least * random.uniform(1.05, 2.5);                             // touch is at 1.59
     const double overlap = u * u * u * u / R - B * u;
     const double dN = 8.0 * E * std::pow(u, 5) / R - 6.0 * E * B * u * u, ddelta = 4.0 * u * u * u / R - B;  // over u
     World world(Columns{.rotation = true, .anisotropy = false, .force = false});
@@ -298,7 +298,8 @@ TEST_CASE("the watch over the step counts JKR contacts that hold beyond touch, w
     std::vector<StiffLink> links;
     ContactLinks(setup).append(world, contacts, 0, 1, dt, links);
     const double slope = dN / ddelta, seen = links.empty() ? 0.0 : links[0].along / (0.25 * dt * dt);
-    INFO("work " << work << ", overlap " << overlap << " m, u " << u / least << ", slope " << slope << ", seen " << seen);
+    INFO("work " << work << ", overlap " << overlap << " m, u " << u / least << ", slope " << slope << ", seen "
+                 << seen);
     REQUIRE(links.size() == 1);
     CHECK(seen == Approx(std::max(0.0, slope)).epsilon(1e-2).margin(1e-6 * E * u * u));  // of the law's 2 E* a
     // beyond its reach it is gone

@@ -436,9 +436,7 @@ velocity = [0, 0, "= -v"]
 )";
   const double radius = 0.01, mass = 3000.0 * 4.0 / 3.0 * M_PI * std::pow(radius, 3);
   const double modulus = 1e10 / (2.0 * (1.0 - 0.2 * 0.2));
-  const auto energy = [&](double overlap) {
-    return 8.0 / 15.0 * modulus * std::sqrt(radius) * std::pow(overlap, 2.5);
-  };
+  const auto energy = [&](double overlap) { return 8.0 / 15.0 * modulus * std::sqrt(radius) * std::pow(overlap, 2.5); };
   const auto study = [&](const std::string& rest) {
     Study out = read_study(write(folder, "scene = \"fall.toml\"\nvary = [{ name = \"hertz\" }]\n" + rest), {});
     out.program = program;
@@ -447,9 +445,10 @@ velocity = [0, 0, "= -v"]
   const Chart chart = run_chart(study("error = \"overlap\"\nrepeats = 1\n"), folder / "chart", silent);
   REQUIRE(chart.points.size() == 1);
   CHECK(energy(chart.points[0].error * radius) == Approx(0.5 * mass * 0.41 * 0.41).epsilon(5e-3));
-  const LimitMap map = run_limits(study("parameter = { key = \"params.v\", from = 0.01, to = 40, scale = \"log\", search = "
-                                        "\"bisect\", tolerance = 0.01 }\nfails_when = { overlap_relative = 1e-3 }\n"),
-                                  folder / "limits", 1, silent);
+  const LimitMap map =
+      run_limits(study("parameter = { key = \"params.v\", from = 0.01, to = 40, scale = \"log\", search = "
+                       "\"bisect\", tolerance = 0.01 }\nfails_when = { overlap_relative = 1e-3 }\n"),
+                 folder / "limits", 1, silent);
   REQUIRE(map.limits.size() == 1);
   REQUIRE(map.limits[0].last_good);
   const double exact = std::sqrt(2.0 * energy(1e-3 * radius) / mass);

@@ -97,8 +97,8 @@ TEST_CASE("a gain that grows by a tenth a step ends the run within 100 steps", "
 }
 
 TEST_CASE("contacts in motion and what solvers leave at rest are no gain", "[scenes][warnings][balance]") {
-  // the energy errs by 4e-4 within a contact and comes back, 2000 times; a bed that fell with 0.5 J rests for 10^5 steps
-  // with velocities of 30 times the residual
+  // the energy errs by 4e-4 within a contact and comes back, 2000 times; a bed that fell with 0.5 J rests for 10^5
+  // steps with velocities of 30 times the residual
   BookedRun gas(0.5, false), bed(0.5, true);
   for (int k = 1; k <= 100000; ++k) gas.step(0.5 * (1.0 + 4e-4 * std::sin(0.37 * k)));
   CHECK_FALSE(gas.told);

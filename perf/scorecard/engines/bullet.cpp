@@ -70,7 +70,8 @@ class BulletEngine final : public scorecard::Engine {
     auto* hull = new btConvexHullShape();
     for (const auto& v : body.vertices) hull->addPoint(vector(v), false);
     hull->recalcLocalAabb();
-    // Bullet enlarges hulls by their margin, 0.04 m as shipped: 1 mm here, and its overlaps are still those of bare hulls
+    // Bullet enlarges hulls by their margin, 0.04 m as shipped: 1 mm here, and its overlaps are still those of bare
+    // hulls
     hull->setMargin(options.number("margin", 1e-3));
     // without this and m_enableSatConvex hull against hull finds one point a step
     if (options.has("sat")) hull->initializePolyhedralFeatures();

@@ -1,5 +1,5 @@
-/// @file dart.cpp  DART, double precision: LCP of all contacts by Dantzig or sweeps, DART's own collision detector, which
-/// knows boxes and spheres only. Options: solver=dantzig|pgs. Planes are boxes 200 m wide.
+/// @file dart.cpp  DART, double precision: LCP of all contacts by Dantzig or sweeps, DART's own collision detector,
+/// which knows boxes and spheres only. Options: solver=dantzig|pgs. Planes are boxes 200 m wide.
 #include <dart/dart.hpp>
 
 #include "driver.h"
@@ -43,7 +43,7 @@ class DartEngine final : public scorecard::Engine {
 
   void give_shape(dynamics::BodyNode* node, const dynamics::ShapePtr& shape) {
     auto* made = node->createShapeNodeWith<dynamics::CollisionAspect, dynamics::DynamicsAspect>(shape);
-    made->getDynamicsAspect()->setFrictionCoeff(scene_.friction);  // a pair takes the smaller one
+    made->getDynamicsAspect()->setFrictionCoeff(scene_.friction);                   // a pair takes the smaller one
     made->getDynamicsAspect()->setRestitutionCoeff(std::sqrt(scene_.restitution));  // and the product of these
   }
 
@@ -84,7 +84,6 @@ class DartEngine final : public scorecard::Engine {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return scorecard::run(argc, argv, [](const auto& scene, const auto& options) {
-    return std::make_unique<DartEngine>(scene, options);
-  });
+  return scorecard::run(
+      argc, argv, [](const auto& scene, const auto& options) { return std::make_unique<DartEngine>(scene, options); });
 }

@@ -5,8 +5,8 @@
 /// by mass, three moments of inertia, position, orientation w x y z, velocity, angular velocity. EVERY: seconds between
 /// poses, 0: every step. POSES: a file that gets `t TIME` and 13 numbers per body, or - for none.
 /// One run that is not counted (it writes the poses), then whole runs until the steps took 0.05 s of the process' clock
-/// or steps and building 0.5 s; building and start-up stay outside the time. A first run of more than 0.5 s counts itself,
-/// without its writing. Prints one line of JSON.
+/// or steps and building 0.5 s; building and start-up stay outside the time. A first run of more than 0.5 s counts
+/// itself, without its writing. Prints one line of JSON.
 #pragma once
 #include <algorithm>
 #include <array>

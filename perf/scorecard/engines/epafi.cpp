@@ -1,5 +1,5 @@
-/// @file epafi.cpp  Epafi through its library. The scene is SCENE.toml beside SCENE.scene; options are keys of the scene
-/// (contact.nonsmooth.solver=newton); DT 0 leaves the time step to Epafi. No measures, no files: the steps alone.
+/// @file epafi.cpp  Epafi through its library. The scene is SCENE.toml beside SCENE.scene; options are keys of the
+/// scene (contact.nonsmooth.solver=newton); DT 0 leaves the time step to Epafi. No measures, no files: the steps alone.
 #include <epafi/epafi.h>
 
 #include "driver.h"

@@ -18,8 +18,8 @@ std::string attribute(const char* name, const Numbers& numbers) {
   return out.str();
 }
 
-/// Contact parameters. MuJoCo has no restitution: a contact is a spring with half a period of ten steps, damped so that a
-/// free bounce returns e times the speed (negative solref: stiffness and damping themselves).
+/// Contact parameters. MuJoCo has no restitution: a contact is a spring with half a period of ten steps, damped so that
+/// a free bounce returns e times the speed (negative solref: stiffness and damping themselves).
 std::string contact_parameters(const scorecard::Scene& scene, const scorecard::Options& options) {
   std::ostringstream out;
   out.precision(15);
@@ -27,7 +27,8 @@ std::string contact_parameters(const scorecard::Scene& scene, const scorecard::O
     const double half = options.number("period", 10) * options.dt, log = std::log(scene.restitution);
     const double damping = scene.restitution < 1 ? -log / std::sqrt(M_PI * M_PI + log * log) : 0.0;
     const double stiffness = M_PI * M_PI / (half * half) / (1 - damping * damping);
-    out << " solref=\"" << -stiffness << ' ' << -2 * damping * std::sqrt(stiffness) << "\" solimp=\"0.9999 0.9999 0.001\"";
+    out << " solref=\"" << -stiffness << ' ' << -2 * damping * std::sqrt(stiffness)
+        << "\" solimp=\"0.9999 0.9999 0.001\"";
   } else if (options.has("hard")) {
     out << " solref=\"" << 2 * options.dt << " 1\" solimp=\"0.99 0.999 0.001\"";
   }
@@ -65,9 +66,11 @@ std::string description(const scorecard::Scene& scene, const scorecard::Options&
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const auto& b = scene.bodies[k];
-    tree << "<body name=\"b" << k << '"' << attribute("pos", b.position) << attribute("quat", b.turn) << "><freejoint/>";
+    tree << "<body name=\"b" << k << '"' << attribute("pos", b.position) << attribute("quat", b.turn)
+         << "><freejoint/>";
     // inertia as given: meshes are turned to axes of their own, bodies are not
-    tree << "<inertial pos=\"0 0 0\"" << attribute("mass", std::array{b.mass}) << attribute("diaginertia", b.inertia) << "/>";
+    tree << "<inertial pos=\"0 0 0\"" << attribute("mass", std::array{b.mass}) << attribute("diaginertia", b.inertia)
+         << "/>";
     if (b.kind == "sphere") {
       tree << "<geom type=\"sphere\"" << attribute("size", std::array{b.radius});
     } else if (b.kind == "box") {
@@ -106,7 +109,8 @@ class MujocoEngine final : public scorecard::Engine {
       joints_.push_back(model_->body_jntadr[body]);
       mjtNum* velocity = data_->qvel + model_->jnt_dofadr[joints_[k]];
       std::copy(scene.bodies[k].velocity.begin(), scene.bodies[k].velocity.end(), velocity);
-      std::copy(scene.bodies[k].spin.begin(), scene.bodies[k].spin.end(), velocity + 3);  // no body that spins is turned
+      std::copy(scene.bodies[k].spin.begin(), scene.bodies[k].spin.end(),
+                velocity + 3);  // no body that spins is turned
     }
   }
 

@@ -151,7 +151,8 @@ class OdeEngine final : public scorecard::Engine {
       surface.mode = dContactApprox1 | (engine.scene_.restitution > 0 ? dContactBounce : 0);
       surface.mu = engine.scene_.friction;
       surface.bounce = engine.scene_.restitution;
-      dJointAttach(dJointCreateContact(engine.world_, engine.contacts_, &contacts[k]), dGeomGetBody(a), dGeomGetBody(b));
+      dJointAttach(dJointCreateContact(engine.world_, engine.contacts_, &contacts[k]), dGeomGetBody(a),
+                   dGeomGetBody(b));
     }
   }
 };
@@ -159,7 +160,6 @@ class OdeEngine final : public scorecard::Engine {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return scorecard::run(argc, argv, [](const auto& scene, const auto& options) {
-    return std::make_unique<OdeEngine>(scene, options);
-  });
+  return scorecard::run(
+      argc, argv, [](const auto& scene, const auto& options) { return std::make_unique<OdeEngine>(scene, options); });
 }

@@ -12,8 +12,6 @@ TITLE = "Arch of 21 stones: displacement of the keystone after 5 s"
 KIND = "hull"
 UNIT = "m"
 DURATION = 5.0
-WHY = ("Thrust runs through all joints at once: sweeps let it leak by their residual and shapes rounded by "
-       "margins roll on their edges; a factorised problem holds the stones to its tolerance.")
 EVERY = 0.25
 STONES, THICKNESS, RADIUS = 21, 0.15, 10.0
 

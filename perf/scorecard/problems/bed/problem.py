@@ -12,8 +12,6 @@ TITLE = "Bed of 2000 spheres: force on the floor"
 KIND = "bed"
 UNIT = "over the weight"
 DURATION = 0.6
-WHY = ("All codes find the weight; what differs is the price of a step and how long the bed swings after it has "
-       "fallen.")
 EVERY = 0.01
 RADIUS, ROW, DENSITY = 2.5e-3, 13, 2500.0
 OTHERS = "overlaps of rigid contact are no forces; the force on the floor cannot be had from poses"

@@ -15,8 +15,6 @@ TITLE = "Card house of three storeys: displacement of the topmost card after 2 s
 KIND = "hull"
 UNIT = "m"
 DURATION = 2.0
-WHY = ("Bodies of 24 g and 4 mm: lengths that engines take from games in metres (margins, slop, contacts seen 20 "
-       "mm ahead) are as large as the cards.")
 EVERY = 0.05
 LEAN, HEIGHT, FOOT, DEPTH, LEVEL, DENSITY = math.radians(20), 0.1, 0.006, 0.06, 0.004, 700.0
 

@@ -13,7 +13,6 @@ TITLE = "Oblique impact of Chung and Ooi, sliding"
 KIND = "grain"
 UNIT = "over the speed"
 DURATION = 3e-5
-WHY = ("The damping that a smooth law takes from the restitution is a fit; rigid contact returns what it is told.")
 EVERY = 1e-5
 SPEED, RADIUS, RESTITUTION, FRICTION = 3.9, 2.5e-3, 0.98, 0.092
 OTHERS = "a problem of granular codes: bodies of millimetres, steps of 1e-7 s"

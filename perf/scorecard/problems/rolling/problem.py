@@ -10,8 +10,7 @@ TITLE = "Sphere from sliding to rolling"
 KIND = "roll"
 UNIT = "relative"
 DURATION = 1.0
-WHY = ("One contact: what a step costs with one body decides. The rounding of single precision ends the "
-       "WebAssembly engines at 1e-7.")
+WHY = "One contact: what a step costs with one body decides."
 EVERY = 0.0
 SPEED, RADIUS, FRICTION = 2.0, 0.05, 0.2
 

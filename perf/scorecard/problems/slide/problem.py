@@ -16,8 +16,6 @@ TITLE = "Incline one degree above the angle of friction: displacement after 2 s"
 KIND = "rest"
 UNIT = "relative"
 DURATION = 2.0
-WHY = ("The cone decides: pyramids around it hold the box (error 1), pyramids inside it are too weak; an exact "
-       "cone leaves the error of the time step.")
 EVERY = 0.05
 ANGLE = math.atan(stick.FRICTION) + math.radians(1)
 

@@ -12,8 +12,7 @@ TITLE = "Incline one degree below the angle of friction: creep"
 KIND = "rest"
 UNIT = "m/s"
 DURATION = 2.0
-WHY = ("All engines with one box are bound by what a step costs beside the solver; a longer step is cheaper and "
-       "sticks as well.")
+WHY = "A longer step is cheaper and sticks as well."
 EVERY = 0.05
 FRICTION, AZIMUTH = 0.5, math.radians(17)
 
