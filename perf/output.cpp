@@ -80,7 +80,8 @@ int main(int argc, char** argv) {
     row("snapshot", n, snapshot, size, error, hash);
   }
   const StateWalk walk = [&](StateVisitor& v) { scene.world.visit(v); };
-  const std::vector<Vec3> before = scene.world.position;
+  std::vector<Vec3> before;
+  for (const Vec3& x : scene.world.position) before.push_back(x);
   const double save = seconds([&](int) { save_checkpoint(folder / "checkpoint.h5", {}, walk); });
   for (Vec3& x : scene.world.position) x.setConstant(1e9);  // so that what is not restored shows
   const double load = seconds([&](int) { load_checkpoint(folder / "checkpoint.h5", {}, walk); });
