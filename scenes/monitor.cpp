@@ -169,7 +169,7 @@ void RunMonitor::watch_energy(const StepView& view) {
                  .first_time = view.world.time,
                  .value = open.share});
   if (!watches_balance_ || !open.ends) return;
-  balance_ = BoundCheck{"energy_error", std::max(std::abs(open.unexplained), open.share), 0.5, false};
+  balance_ = BoundCheck{"energy_error", open.wide, 0.5, false};
 }
 
 void RunMonitor::look_at_momentum(const StepView& view) {

@@ -46,6 +46,8 @@ class RunMonitor final : public Observer {
     return last || step % interval_ == 0 ? ContactView::pieces : ContactView::none;
   }
   void observe(const StepView& view) override;
+  /// After the last step of a run that is cut off: tells a balance that has opened since the last look.
+  void tell_balance(const StepView& view) { watch_energy(view); }
   void visit(StateVisitor& visitor) override;
 
   std::optional<BoundCheck> violated() const;

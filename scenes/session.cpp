@@ -313,6 +313,20 @@ Ending Session::take_steps(const SessionLimits& limits, Progress& progress) {
   return Ending::completed;
 }
 
+namespace {
+/// Shows the end of a run that is cut off to its monitor.
+class LastLook final : public Observer {
+ public:
+  explicit LastLook(RunMonitor& monitor) : monitor_(monitor) {}
+  bool is_due(std::uint64_t) const override { return true; }
+  ContactView wants_contacts(std::uint64_t, bool) const override { return ContactView::none; }
+  void observe(const StepView& view) override { monitor_.tell_balance(view); }
+
+ private:
+  RunMonitor& monitor_;
+};
+}  // namespace
+
 Ending Session::run(const SessionLimits& limits, bool quiet) {
   SignalWatch signals;
   Simulation& sim = *assembly_->simulation;
@@ -328,6 +342,10 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   sim.ledger.measure(sim.world);
   if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt)
     ending_ = fail(*failure), save_checkpoint_now();
+  else if (is_cut) {
+    LastLook look(*monitor_);
+    sim.show(look);
+  }
   if (output_ == Output::least) {
     StateRecorder last(&files_->run, nullptr, *assembly_->shapes, EverySteps());
     assembly_->simulation->make_room();

@@ -10,7 +10,7 @@ namespace epafi {
 
 namespace {
 constexpr double telling_share = 1e-2;  // of the energy exchanged: told
-constexpr double ending_share = 0.5;    // ends the run where the scene sets no bound of its own
+constexpr double ending_share = 0.5;    // of the energy exchanged: ends the run where the scene sets no bound of its own
 constexpr double band_share = 1e-3;     // swings of single contacts: automatic steps err by less of all energy
 // steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
 constexpr double passing = 40;
@@ -99,9 +99,10 @@ void WatchedBalance::judge(const StepView& view, double known) {
     const double least = std::numeric_limits<double>::min(), all = std::max(known + noise, least);
     exchanged = all + state_.put_in.fallen();
     f.net = net * known / all;
-    f.unexplained = unexplained * known / all;
+    // losses that were booked well count: after a long time those that were not are as large as all that is stored
+    f.wide = std::max(std::abs(unexplained) * known, f.put_in) / exchanged;
     f.share = std::max({std::abs(f.net), f.gained / exchanged, f.lost / exchanged});
-    if (!std::isfinite(net)) f.share = std::abs(net);
+    if (!std::isfinite(net)) f.share = f.wide = std::abs(net);
   };
   measure(state_.noise);
   if (f.share > telling_share && !view.report.has_solver) measure(rounding_energy(view));
@@ -112,8 +113,7 @@ void WatchedBalance::judge(const StepView& view, double known) {
     return since > 0 && (view.last || step - since >= passing);
   };
   f.told = lasts(!(f.share <= telling_share), state_.since_told);
-  const bool wide = !(std::abs(f.unexplained) <= ending_share && f.put_in <= ending_share * exchanged);
-  f.ends = lasts(wide, state_.since_wide) && f.told;
+  f.ends = lasts(!(f.wide <= ending_share), state_.since_wide) && f.told;
 }
 
 void WatchedBalance::visit(StateVisitor& visitor) { visitor.value("monitor/balance", state_); }

@@ -61,6 +61,16 @@ TEST_CASE("a run whose balance opens beyond a half ends as a violated bound", "[
   CHECK(fs::exists(folder / "out" / "checkpoint.h5"));
 }
 
+TEST_CASE("a run that is cut off tells a balance that has opened since the last look", "[scenes][warnings]") {
+  const TemporaryFolder folder;
+  RunOptions cut = into(folder);
+  cut.steps = 7;
+  CHECK(run_of(thrown_ball(folder, 2.5e-3), cut).code == exit_done);
+  const FlatJson summary = read_json(folder / "out" / "summary.json");
+  REQUIRE(std::abs(summary.number("energy.relative_error").value()) > 1e-2);
+  CHECK_THAT(summary.text("warnings.0"), Catch::Contains("energy balance"));
+}
+
 TEST_CASE("a bound of the scene's own takes the place of the watch over the balance", "[scenes][warnings]") {
   const TemporaryFolder folder;
   CHECK(run_of(thrown_ball(folder, 2.5e-3, "[bounds]\nenergy_error = 1e9\n"), into(folder)).code == exit_done);
