@@ -19,8 +19,8 @@ BuiltShape solid(ShapeRef ref, const MassProperties& mass, double radius, bool i
 }
 
 /// The surface of a shape's file, in metres.
-MeshFile read_surface(const ShapeSpec& spec) {
-  MeshFile file = read_mesh_file(spec.parameters.text("file"));
+MeshFile read_surface(const ShapeSpec& spec, MeshFaces faces = MeshFaces::needed) {
+  MeshFile file = read_mesh_file(spec.parameters.text("file"), faces);
   const Unit unit = *parse_unit(spec.parameters.has("unit") ? spec.parameters.text("unit") : "m").unit;
   for (Vec3& v : file.surface.vertices) v = v * unit.numerator / unit.denominator;
   return file;
@@ -30,7 +30,7 @@ MeshFile read_surface(const ShapeSpec& spec) {
 std::vector<Vec3> hull_points(const ShapeSpec& spec) {
   const Parameters& p = spec.parameters;
   if (p.has("vertices")) return p.vectors("vertices");
-  if (p.has("file")) return read_surface(spec).surface.vertices;
+  if (p.has("file")) return read_surface(spec, MeshFaces::optional).surface.vertices;
   // random points on a sphere of diameter 1: uniform by the cylinder's map (Archimedes)
   std::vector<Vec3> points;
   Random random(static_cast<std::uint64_t>(p.integer("random.seed")), 0);

@@ -91,6 +91,22 @@ void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, c
   write_table(path, header, [&] { return std::exchange(rows, {}); });
 }
 
+/// bodies.csv is a state of bodies: what it leaves out is told.
+std::vector<std::string> notes_on_bodies(const StoredRun& run, const StoredSnapshot& last) {
+  const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
+  const auto has_axes = [&](const BodyRecord& b) { return is_free(b) && b.surface != nullptr; };
+  std::vector<std::string> notes;
+  if (std::ranges::none_of(last.bodies, is_free)) return notes;
+  notes.push_back(
+      "bodies.csv holds bodies, not what contacts remember: in a run that starts from it springs of friction and "
+      "rolling begin at zero; `epafi resume` keeps them");
+  if (!run.has_axes_of_the_scene() && std::ranges::any_of(last.bodies, has_axes))
+    notes.push_back(
+        "run.h5 was written by an older version: its orientations are of principal axes, and bodies.csv reads back "
+        "turned where those are not the axes of the shape");
+  return notes;
+}
+
 struct Sample {
   const StoredMeasure* measure;
   std::size_t row;
@@ -124,7 +140,7 @@ void write_measures_csv(const std::filesystem::path& path, const std::vector<Sto
 
 ExportReport export_run(const std::filesystem::path& folder, ExportFormat format) {
   const StoredRun run(folder / "run.h5");
-  ExportReport report{run.snapshots(), 0};
+  ExportReport report{run.snapshots(), 0, {}};
   if (format == ExportFormat::vtk) {
     FrameWriter frames(folder);
     for (std::size_t k = 0; k < run.snapshots(); ++k) {
@@ -134,7 +150,11 @@ ExportReport export_run(const std::filesystem::path& folder, ExportFormat format
     return report;
   }
   write_snapshots_csv(folder / "snapshots.csv", run);
-  if (run.snapshots() > 0) write_bodies_csv(folder / "bodies.csv", run, run.snapshot(run.snapshots() - 1));
+  if (run.snapshots() > 0) {
+    const StoredSnapshot last = run.snapshot(run.snapshots() - 1);
+    write_bodies_csv(folder / "bodies.csv", run, last);
+    report.notes = notes_on_bodies(run, last);
+  }
   const auto measures = run.measures();
   report.measures = measures.size();
   write_measures_csv(folder / "measures.csv", measures);

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace epafi {
 
@@ -15,6 +16,7 @@ enum class ExportFormat {
 /// What was written, for the user.
 struct ExportReport {
   std::size_t snapshots = 0, measures = 0;
+  std::vector<std::string> notes{};  ///< what a run that starts from the tables does not get
 };
 
 /// From folder/run.h5 into folder. Throws FileError.

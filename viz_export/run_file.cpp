@@ -63,7 +63,10 @@ std::int32_t number_of(const std::filesystem::path& path, const std::string& nam
 
 void check_scene(const std::filesystem::path& path, const std::string& scene_hash) {
   const Hdf5File file(path, Hdf5File::Mode::read);
-  run_layout::check(file);
+  if (const std::uint64_t found = run_layout::check(file); found != run_layout::format)
+    throw FileError(path.string() + ": cannot continue it: it has run format " + std::to_string(found) +
+                    ", this program writes " + std::to_string(run_layout::format) +
+                    "; resume it by the version that wrote it, or start the run anew");
   if (file.text_attribute("/", "scene_hash") != scene_hash)
     throw FileError(path.string() + ": cannot continue it: it belongs to another scene");
 }

@@ -23,6 +23,7 @@ struct StoredRun::Impl {
     double size = 1.0;
   };
   std::vector<Name> names;  ///< of surfaces
+  std::uint64_t format = 0;
 
   [[noreturn]] void refuse(const std::string& what) const {
     throw FileError(file.path().string() + ": is damaged: " + what);
@@ -83,7 +84,7 @@ struct StoredRun::Impl {
 
 StoredRun::StoredRun(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {
   Hdf5File& file = impl_->file;
-  run_layout::check(file);
+  impl_->format = run_layout::check(file);
   impl_->snapshots = file.children("snapshots");
   for (const std::string& name : file.children("shapes")) impl_->read_surface("shapes/" + name);
   impl_->read_bodies();
@@ -161,6 +162,7 @@ StoredWords StoredRun::words(const BodyRecord& b) const {
   return out;
 }
 
+bool StoredRun::has_axes_of_the_scene() const { return impl_->format > 1; }
 std::string StoredRun::title() const { return impl_->file.text_attribute("/", "title"); }
 std::string StoredRun::about() const { return impl_->file.has("about") ? impl_->file.read_text("about") : ""; }
 std::string StoredRun::scene_text() const { return impl_->file.read_text("scene"); }
@@ -171,7 +173,8 @@ std::string damage_of(const std::filesystem::path& path) {
     {
       const Hdf5File file(path, Hdf5File::Mode::read);
       const bool ours = file.text_attribute("/", "kind") == run_layout::kind;
-      if (!ours || file.count_attribute("/", "format") != run_layout::format) return "";
+      const std::uint64_t found = file.count_attribute("/", "format");
+      if (!ours || found < run_layout::oldest_format || found > run_layout::format) return "";
     }
     const StoredRun run(path);
     for (std::size_t k = 0; k < run.snapshots(); ++k) (void)run.snapshot(k);

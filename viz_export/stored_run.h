@@ -39,6 +39,8 @@ class StoredRun {
   std::vector<BodyRecord> bodies() const;   ///< all that were ever stored, by id, without motion
   std::vector<StoredMeasure> measures() const;
   StoredWords words(const BodyRecord& body) const;
+  /// Points of shapes and orientations are of the axes that the scene wrote; in older files of principal axes.
+  bool has_axes_of_the_scene() const;
   std::string title() const;
   std::string about() const;  ///< names, springs, view (view/settings.h); "" in older files
   std::string scene_text() const;

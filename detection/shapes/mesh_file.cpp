@@ -133,11 +133,14 @@ std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file)
 
 }  // namespace
 
-MeshFile finished_mesh(TriangleSurface surface, const std::string& file) {
+MeshFile finished_mesh(TriangleSurface surface, const std::string& file, MeshFaces faces) {
   const std::size_t before = surface.triangles.size();
   std::erase_if(surface.triangles, [&](const Triangle& t) { return !has_area(surface, t); });
   const std::size_t dropped = before - surface.triangles.size();
-  if (surface.triangles.empty()) throw SceneError("the mesh has no triangle with an area", {file, 0, 0});
+  if (faces == MeshFaces::optional && surface.vertices.empty())
+    throw SceneError("the file has no corner", {file, 0, 0});
+  if (faces == MeshFaces::needed && surface.triangles.empty())
+    throw SceneError("the mesh has no triangle with an area", {file, 0, 0});
   MeshReport report = inspect(surface);
   report.dropped = dropped;
   return {std::move(surface), report};
@@ -179,7 +182,7 @@ MeshReport inspect(const TriangleSurface& surface) {
   return report;
 }
 
-MeshFile read_obj(std::string_view bytes, const std::string& file) {
+MeshFile read_obj(std::string_view bytes, const std::string& file, MeshFaces faces) {
   // what describes looks, names or groups does not change the surface
   constexpr std::array<std::string_view, 9> without_effect{"vn", "vt", "vp", "o", "g", "s", "usemtl", "mtllib", "l"};
   MeshText text(bytes, file);
@@ -196,14 +199,14 @@ MeshFile read_obj(std::string_view bytes, const std::string& file) {
       text.fail(fmt::format("unknown statement '{}' (v, f and comments are read)", MeshText::shown(first)));
     }
   }
-  return finished_mesh(std::move(surface), file);
+  return finished_mesh(std::move(surface), file, faces);
 }
 
-MeshFile read_stl(std::string_view bytes, const std::string& file) {
+MeshFile read_stl(std::string_view bytes, const std::string& file, MeshFaces faces) {
   if (bytes.size() >= stl_header && bytes.size() - stl_header == stl_record * std::size_t{little_endian(bytes, 80)})
-    return finished_mesh(welded(binary_corners(bytes, file)), file);
+    return finished_mesh(welded(binary_corners(bytes, file)), file, faces);
   if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid")
-    return finished_mesh(welded(ascii_corners(bytes, file)), file);
+    return finished_mesh(welded(ascii_corners(bytes, file)), file, faces);
   if (bytes.size() < stl_header)
     throw SceneError(
         fmt::format("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: {} bytes",
@@ -215,7 +218,7 @@ MeshFile read_stl(std::string_view bytes, const std::string& file) {
                    {file, 0, 0});
 }
 
-MeshFile read_mesh_file(const std::string& path) {
+MeshFile read_mesh_file(const std::string& path, MeshFaces faces) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (!fs::is_regular_file(path, error)) throw FileError(fmt::format("cannot read mesh '{}': no such file", path));
@@ -229,7 +232,8 @@ MeshFile read_mesh_file(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
     throw FileError(fmt::format("cannot read mesh '{}'", path));
-  return ending == ".obj" ? read_obj(bytes, path) : ending == ".stl" ? read_stl(bytes, path) : read_ply(bytes, path);
+  const auto read = ending == ".obj" ? read_obj : ending == ".stl" ? read_stl : read_ply;
+  return read(bytes, path, faces);
 }
 
 }  // namespace epafi

@@ -31,18 +31,25 @@ struct MeshFile {
   MeshReport report;
 };
 
+/// Whether a file must have faces: a surface must, the convex hull of its corners needs none.
+enum class MeshFaces { needed, optional };
+
 /// Reads by the file's ending (.obj, .stl or .ply, any case). Throws FileError where the file cannot be read, SceneError for
 /// its content. Coordinates are metres.
-[[nodiscard]] MeshFile read_mesh_file(const std::string& path);
+[[nodiscard]] MeshFile read_mesh_file(const std::string& path, MeshFaces faces = MeshFaces::needed);
 
 /// The same from text in memory; `file` is the name in messages. Vertices of an STL with equal coordinates become one;
 /// polygons of an OBJ are cut into fans from their first vertex.
-[[nodiscard]] MeshFile read_obj(std::string_view text, const std::string& file);
-[[nodiscard]] MeshFile read_stl(std::string_view bytes, const std::string& file);
-[[nodiscard]] MeshFile read_ply(std::string_view bytes, const std::string& file);
+[[nodiscard]] MeshFile read_obj(std::string_view text, const std::string& file,
+                                MeshFaces faces = MeshFaces::needed);
+[[nodiscard]] MeshFile read_stl(std::string_view bytes, const std::string& file,
+                                MeshFaces faces = MeshFaces::needed);
+[[nodiscard]] MeshFile read_ply(std::string_view bytes, const std::string& file,
+                                MeshFaces faces = MeshFaces::needed);
 
-/// Leaves out triangles without area and reports; SceneError where none is left.
-[[nodiscard]] MeshFile finished_mesh(TriangleSurface surface, const std::string& file);
+/// Leaves out triangles without area and reports; SceneError where none is left though faces are needed, or no corner.
+[[nodiscard]] MeshFile finished_mesh(TriangleSurface surface, const std::string& file,
+                                     MeshFaces faces = MeshFaces::needed);
 
 /// Counts open and clashing edges and the volume.
 [[nodiscard]] MeshReport inspect(const TriangleSurface& surface);

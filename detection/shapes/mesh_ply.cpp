@@ -185,7 +185,7 @@ void read_polygon(Values& values, const Element& element, TriangleSurface& surfa
 
 }  // namespace
 
-MeshFile read_ply(std::string_view bytes, const std::string& file) {
+MeshFile read_ply(std::string_view bytes, const std::string& file, MeshFaces faces) {
   const Header header = read_header(bytes, file);
   Values values(bytes, header, file);
   TriangleSurface surface;
@@ -197,7 +197,7 @@ MeshFile read_ply(std::string_view bytes, const std::string& file) {
       else
         for (const Property& p : element.properties) read_list(values, p);
     }
-  return finished_mesh(std::move(surface), file);
+  return finished_mesh(std::move(surface), file, faces);
 }
 
 }  // namespace epafi

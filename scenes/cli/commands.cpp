@@ -42,10 +42,7 @@ void print_problems(const std::vector<Problem>& problems) {
 
 /// The scene, or a SceneError with all its problems; warnings are printed.
 Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
-  const std::string file = scene_file(path);
-  if (!std::filesystem::exists(file))
-    throw FileError("the scene file '" + path + "' does not exist; `epafi list scenes` names those of the library");
-  ReadResult result = read_scene(file, overrides, full_registry());
+  ReadResult result = read_scene(existing_scene_file(path), overrides, full_registry());
   if (!result.scene) throw SceneError(result.problems);
   print_problems(result.problems);
   return std::move(*result.scene);
@@ -241,6 +238,7 @@ int command_export(const std::string& directory, const std::string& format) {
   const ExportReport report = export_run(directory, format == "csv" ? ExportFormat::csv : ExportFormat::vtk);
   say(fmt::format("{} snapshots and {} measures exported from {}/run.h5", report.snapshots, report.measures,
                   directory));
+  for (const std::string& note : report.notes) say("epafi: note: " + note);
   return exit_done;
 }
 

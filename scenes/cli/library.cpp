@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine/error.h"
 #include "scenes/reader/document.h"
 
 namespace epafi {
@@ -43,6 +44,14 @@ std::string scene_file(const std::string& name) {
   for (const fs::path& file : {folder / name, folder / (name + ".toml")})
     if (fs::is_regular_file(file, none)) return file.string();
   return name;
+}
+
+std::string existing_scene_file(const std::string& name, const std::string& what) {
+  const std::string file = scene_file(name);
+  std::error_code none;
+  if (!fs::exists(file, none))
+    throw FileError("the " + what + " '" + name + "' does not exist; `epafi list scenes` names those of the library");
+  return file;
 }
 
 std::string list_scenes() {

@@ -16,6 +16,9 @@ std::string list_scenes();
 /// The file of that name, or that of the library which `epafi list scenes` shows under it, with or without .toml.
 std::string scene_file(const std::string& name);
 
+/// The same; a FileError where there is neither. what: "scene file", "study".
+std::string existing_scene_file(const std::string& name, const std::string& what = "scene file");
+
 /// The library's scenes that have a [benchmark].
 std::vector<std::string> library_benchmarks();
 

@@ -34,10 +34,6 @@ fs::path folder_of(const StudyOptions& o, const std::string& file, const char* s
   return o.out.empty() ? fs::path("out") / (fs::path(file).stem().string() + suffix) : fs::path(o.out);
 }
 
-void require_file(const std::string& path) {
-  if (!fs::exists(path)) throw FileError("the file '" + path + "' does not exist");
-}
-
 }  // namespace
 
 namespace {
@@ -58,8 +54,8 @@ int command_atlas(const StudyOptions& o, bool charts) {
 int command_chart(const StudyOptions& o) {
   if (o.all) return command_atlas(o, true);
   require_study(o);
-  for (const auto& file : o.files) {
-    require_file(file);
+  for (const auto& name : o.files) {
+    const std::string file = existing_scene_file(name, "study");
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-chart");
     fs::create_directories(folder);
@@ -80,8 +76,8 @@ int command_chart(const StudyOptions& o) {
 int command_limits(const StudyOptions& o) {
   if (o.all) return command_atlas(o, false);
   require_study(o);
-  for (const auto& file : o.files) {
-    require_file(file);
+  for (const auto& name : o.files) {
+    const std::string file = existing_scene_file(name, "study");
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-limits");
     if (o.force) remove_cases(folder);
@@ -96,8 +92,7 @@ int command_limits(const StudyOptions& o) {
 }
 
 int command_sweep(const StudyOptions& o, const SweepOptions& s) {
-  const std::string& scene = o.files.front();
-  require_file(scene);
+  const std::string scene = existing_scene_file(o.files.front());
   const SweepPlan sweep = plan_sweep(scene, o.overrides, folder_of(o, scene, "-sweep"));
   if (s.list) return print(list_sweep(sweep)), exit_done;
   if (s.collect) return print(collect_sweep(sweep)), exit_done;
@@ -125,8 +120,8 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
 int command_bench(const StudyOptions& o, const BenchOptions& b) {
   std::string csv = bench_header();
   print(csv);
-  for (const auto& scene : o.files.empty() ? library_benchmarks() : o.files) {
-    require_file(scene);
+  for (const auto& name : o.files.empty() ? library_benchmarks() : o.files) {
+    const std::string scene = existing_scene_file(name);
     const fs::path folder = fs::temp_directory_path() / fmt::format("epafi-bench-{}", getpid());
     run_bench({scene, o.overrides, b.threads, b.repeats, folder, b.copies}, [&](const std::string& row) {
       print(row), flush_printed();

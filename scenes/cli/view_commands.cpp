@@ -12,6 +12,7 @@
 
 #include "scenes/about.h"
 #include "scenes/cli/commands.h"
+#include "scenes/cli/library.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/stop.h"
@@ -110,9 +111,10 @@ int command_render(const RenderRequest& request) {
 int command_view(const ViewOptions& options) {
   require_page_library();
   const bool is_run = fs::is_directory(options.what);
-  if (!fs::exists(options.what)) throw FileError("there is no run and no scene '" + options.what + "'");
+  const std::string file = is_run ? options.what : scene_file(options.what);
+  if (!fs::exists(file)) throw FileError("there is no run and no scene '" + options.what + "'");
   std::unique_ptr<FirstState> scene;
-  if (!is_run) scene = std::make_unique<FirstState>(options.what, options.overrides);
+  if (!is_run) scene = std::make_unique<FirstState>(file, options.overrides);
   if (!options.out.empty()) return write_file(*(is_run ? open_run(options.what) : scene->source()), options.out);
   const std::unique_ptr<RunServer> run =
       is_run ? std::make_unique<RunServer>(fs::path(options.what)) : std::make_unique<RunServer>(scene->source());

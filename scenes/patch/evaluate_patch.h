@@ -47,8 +47,12 @@ std::string patch_json(const std::vector<PatchResult>& results);
 /// .svg, stresses and displacements inside the body of finite elements to FOLDER/NORMAL_stress.vtr.
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results);
 /// Rigid geometry of the case's wheelset at shifts of 0 to 8 mm as CSV: roll, contact places, rolling radius
-/// difference, equivalent conicity (EN 15302).
-std::string patch_geometry_csv(const PatchCase& patch);
+/// difference, equivalent conicity (EN 15302). Cells are empty where the wheelset does not stand on both rails.
+struct PatchGeometry {
+  std::string csv;
+  int shifts = 0, standing = 0;  ///< rows, and those with contacts on both rails
+};
+PatchGeometry patch_geometry(const PatchCase& patch);
 /// One line per result for people.
 std::string patch_table(const std::vector<PatchResult>& results);
 

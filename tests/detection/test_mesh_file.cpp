@@ -1,5 +1,6 @@
 #include "detection/shapes/mesh_file.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 #include <bit>
 #include <filesystem>
@@ -252,7 +253,7 @@ TEST_CASE("any cut or flipped byte gives a mesh or a message, nothing else", "[d
             static_cast<char>(random.bits() & 255u);
       for (const auto reader : {&read_obj, &read_stl, &read_ply}) {
         try {
-          const auto mesh = reader(bad, "x");
+          const auto mesh = reader(bad, "x", MeshFaces::needed);
           ++read;
           for (const auto& t : mesh.surface.triangles)
             for (const auto v : t) REQUIRE(v < mesh.surface.vertices.size());
@@ -283,4 +284,20 @@ TEST_CASE("files are read by their ending; what is missing or strange is refused
   CHECK_THROWS_AS(read_mesh_file((folder / "none.obj").string()), FileError);
   CHECK_THROWS_AS(read_mesh_file(folder.string()), FileError);
   fs::remove_all(folder);
+}
+
+TEST_CASE("corners without faces are read where a hull is taken of them", "[detection][mesh-file]") {
+  const TriangleSurface box = box_surface({1, 2, 3});
+  std::string corners;
+  for (const Vec3& v : box.vertices) corners += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+  const MeshFile cloud = read_obj(corners, "cloud.obj", MeshFaces::optional);
+  CHECK(cloud.surface.vertices == box.vertices);
+  CHECK(cloud.surface.triangles.empty());
+  CHECK(read_obj(obj_text(box), "box.obj", MeshFaces::optional).surface.triangles.size() == 12);
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+      "0 0 0\n1 2 3\n";
+  CHECK(read_ply(ply, "cloud.ply", MeshFaces::optional).surface.vertices.size() == 2);
+  CHECK_THROWS_WITH(read_ply(ply, "cloud.ply"), Equals("cloud.ply: error: the mesh has no triangle with an area"));
+  CHECK_THROWS_WITH(read_obj("# nothing\n", "a.obj", MeshFaces::optional), Equals("a.obj: error: the file has no corner"));
 }

@@ -3,12 +3,17 @@
 
 #include <fstream>
 #include <new>
+#include <random>
 #include <stdexcept>
 
 #include "engine/error.h"
+#include "scenes/assemble.h"
 #include "scenes/cli/library.h"
 #include "scenes/cli/new_scene.h"
+#include "scenes/cli/study_commands.h"
 #include "scenes/folder_lock.h"
+#include "scenes/full_registry.h"
+#include "scenes/reader/scene_reader.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
@@ -264,7 +269,7 @@ TEST_CASE("results are exported and reported by the program", "[scenes][commands
   o.out = (folder / "out").string(), o.threads = 1, o.quiet = true;
   REQUIRE(run_of(ball_in(folder), o).code == exit_done);
   const Captured csv = captured([&] { return command_export(o.out, "csv"); });
-  CHECK_THAT(csv.err, Catch::Contains("3 snapshots"));
+  CHECK_THAT(csv.err, Catch::Contains("3 snapshots") && Catch::Contains("not what contacts remember"));
   CHECK(fs::exists(folder / "out/snapshots.csv"));
   const Captured page = captured([&] { return command_report(o.out, (folder / "page.html").string()); });
   CHECK(page.code == exit_done);
@@ -289,4 +294,52 @@ TEST_CASE("what a command throws becomes a message and a code", "[scenes][comman
     return 0;
   });
   CHECK(folder.code == exit_file);
+}
+
+TEST_CASE("every command that takes a scene takes the names of the library", "[scenes][commands]") {
+  for (const char* name : {"wheel_rail/hertz", "wheel_rail/hertz.toml", "studies/box_stack", "tutorials/05_sweep"}) {
+    const fs::path file = existing_scene_file(name);
+    CHECK(fs::equivalent(file, fs::path(root) / "scenes/library" / (fs::path(name).replace_extension() += ".toml")));
+  }
+  CHECK(captured([] { return command_patch({"wheel_rail/hertz", {}}, {}); }).code == exit_done);
+  const Captured cases = captured([] {
+    StudyOptions sweep;
+    sweep.files = {"tutorials/05_sweep"};
+    SweepOptions list;
+    list.list = true;
+    return command_sweep(sweep, list);
+  });
+  CHECK_THAT(cases.out, Catch::Contains("params.mu"));
+  for (const auto command : {command_chart, command_limits}) {
+    StudyOptions nowhere;
+    nowhere.files = {"studies/nowhere"};
+    const Captured gone = captured([&] { return guarded([&] { return command(nowhere); }); });
+    CHECK(gone.code == exit_file);
+    CHECK_THAT(gone.err, Catch::Contains("'studies/nowhere' does not exist; `epafi list scenes`"));
+  }
+}
+
+TEST_CASE("a polyhedron is the hull of the corners of a file, with faces or without", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  for (int k = 0; k < 10; ++k) {
+    std::ofstream obj(folder / "corners.obj");
+    obj.precision(17);
+    Vec3 v[4];
+    for (Vec3& x : v) {
+      x = Vec3(place(random), place(random), place(random));
+      obj << "v " << x.x() << " " << x.y() << " " << x.z() << "\n";
+    }
+    obj.close();
+    ReadResult read = read_scene_text(
+        "run = { duration = 0.1, time_step = 0.01 }\nmaterial.a = { density = 1000.0 }\n"
+        "contact = { method = \"nonsmooth\", restitution = 0.0, friction = 0.5 }\n[[body]]\n"
+        "shape = { polyhedron = { file = \"" + (folder / "corners.obj").string() + "\" } }\nmaterial = \"a\"\n",
+        "scene.toml", {}, full_registry());
+    REQUIRE(read.scene);
+    const auto assembly = assemble(std::move(*read.scene));
+    const double volume = std::abs((v[1] - v[0]).cross(v[2] - v[0]).dot(v[3] - v[0])) / 6.0;
+    CHECK(1.0 / assembly->simulation->world.inverse_mass[0] == Approx(1000.0 * volume).epsilon(1e-9));
+  }
 }

@@ -141,3 +141,29 @@ TEST_CASE("a patch without a contact ends with exit code 1 and its reason", "[sc
   CHECK(none.err.find("hertz: not solved: ") != std::string::npos);
   CHECK(run("load = 5e4\n").code == exit_done);
 }
+
+TEST_CASE("geometry has empty cells where the wheelset does not stand, and says so", "[scenes][wheel_rail]") {
+  const TemporaryFolder folder;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> wide(1.0, 1.7), cant(0.0, 0.1);
+  int none = 0, all = 0;
+  for (int k = 0; k < 20; ++k) {
+    const double gauge = k % 3 == 0 ? 1.435 : wide(random);
+    const auto file = folder / "case.toml";
+    std::ofstream(file) << case_text("uic60", cant(random), fmt::format("load = 5e4\ngauge = {}\n", gauge));
+    PatchOptions geometry;
+    geometry.geometry = true;
+    const Captured run = captured([&] { return command_patch({file.string(), {}}, geometry); });
+    INFO("gauge " << gauge << "\n" << run.out << run.err);
+    CHECK(run.out.find("nan") == std::string::npos);
+    const bool stands_never = run.out.find("\n0,,,,,,,,,,,\n") != std::string::npos &&
+                              run.out.find("\n0.008,,,,,,,,,,,\n") != std::string::npos;
+    const bool has_gaps = run.out.find(",,,") != std::string::npos;
+    CHECK(has_gaps == (run.err.find("does not stand on both rails") != std::string::npos));
+    if (stands_never) CHECK(run.code == exit_bound);
+    none += stands_never ? 1 : 0;
+    all += has_gaps ? 0 : 1;
+  }
+  CHECK(none > 0);
+  CHECK(all > 0);
+}

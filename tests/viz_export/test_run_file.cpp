@@ -3,6 +3,7 @@
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
+#include "viz_export/hdf5_file.h"
 #include "viz_export/side_file.h"
 #include "viz_export/stored_run.h"
 
@@ -115,4 +116,29 @@ TEST_CASE("run files that are cut, of another scene or no run files are refused"
     write_whole_file(path, {std::string_view(good).substr(0, size)});
     CHECK_THROWS_WITH(StoredRun(path), Contains("run.h5: cannot open"));
   }
+}
+
+TEST_CASE("files of the format before are read, not continued; those of a later one are refused",
+          "[viz_export][run_file]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "run.h5";
+  SmallScene scene(3);
+  SurfaceCache surfaces(scene.shapes);
+  {
+    RunFile file(path, run_header);
+    run_steps(file, scene, surfaces, 0, 2);
+  }
+  const auto set_format = [&](std::uint64_t format) {
+    Hdf5File file(path, Hdf5File::Mode::append);
+    file.set_attribute("/", "format", format);
+    file.close();
+  };
+  CHECK(StoredRun(path).has_axes_of_the_scene());
+  set_format(1);
+  CHECK(StoredRun(path).snapshots() == 2);
+  CHECK_FALSE(StoredRun(path).has_axes_of_the_scene());
+  CHECK(damage_of(path).empty());
+  CHECK_THROWS_WITH(RunFile(path, run_header, 1, 0.1), Contains("cannot continue it: it has run format 1"));
+  set_format(3);
+  CHECK_THROWS_WITH(StoredRun(path), Contains("has run format 3, this program reads 1 to 2"));
 }
