@@ -215,6 +215,16 @@ PYBIND11_MODULE(epafi, m) {
                              column<std::uint32_t>(
                                  [](Run & r) -> auto& { return r.world().id; }, 1),
                              "Body in each slot; slots change when bodies are sorted or removed.")
+      .def_property_readonly(
+          "slot",
+          [](Run& r) {
+            const World& w = r.world();
+            std::vector<std::int64_t> slots(w.ids_given(), -1);
+            for (std::size_t s = 0; s < w.size(); ++s)
+              slots[static_cast<std::uint32_t>(w.id[s])] = static_cast<std::int64_t>(s);
+            return py::array_t<std::int64_t>(static_cast<py::ssize_t>(slots.size()), slots.data());
+          },
+          "Slot of each body by its id, -1 where it is gone: position[slot] is in the order of the scene. A copy.")
       .def_property_readonly("material", column<std::uint16_t>(
                                              [](Run & r) -> auto& { return r.world().material; }, 1))
       .def_property_readonly("inverse_mass",
@@ -236,7 +246,7 @@ PYBIND11_MODULE(epafi, m) {
       .def_property_readonly("orientation",
                              column<double>(
                                  [](Run & r) -> auto& { return r.world().orientation; }, 4),
-                             "(n, 4) quaternion x y z w, where bodies turn")
+                             "(n, 4) quaternion x y z w as in SciPy, where bodies turn; files have w x y z: orientation[:, [3, 0, 1, 2]]")
       .def_property_readonly("angular_velocity",
                              column<double>(
                                  [](Run & r) -> auto& { return r.world().angular_velocity; }, 3),

@@ -41,6 +41,8 @@ check(not np.array_equal(position, before), "and it has moved along")
 check(not position.flags.writeable, "positions are read-only")
 falling = run.inverse_mass > 0
 check(np.all(run.id[falling] >= 2), "walls were named first")
+slot = run.slot
+check(np.array_equal(run.id[slot[slot >= 0]], np.flatnonzero(slot >= 0)), "position[slot] is in the order of the scene")
 momentum = (run.velocity[falling] / run.inverse_mass[falling, None]).sum(axis=0)
 kinetic = 0.5 * ((run.velocity[falling] ** 2).sum(axis=1) / run.inverse_mass[falling]).sum()
 check(0 < kinetic <= run.energy()["kinetic"], "translation is a part of the kinetic energy")
