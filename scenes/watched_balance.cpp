@@ -10,7 +10,8 @@ namespace epafi {
 
 namespace {
 constexpr double telling_share = 1e-2;  // of the energy exchanged: told
-constexpr double ending_share = 0.5;    // of the energy exchanged: ends the run where the scene sets no bound of its own
+// of the energy exchanged: ends the run where the scene sets no bound of its own
+constexpr double ending_share = 0.5;
 constexpr double band_share = 1e-3;     // swings of single contacts: automatic steps err by less of all energy
 // steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
 constexpr double passing = 40;

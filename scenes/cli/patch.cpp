@@ -16,7 +16,8 @@ int print_geometry(const PatchCase& patch) {
   print(geometry.csv);
   if (geometry.standing < geometry.shifts)
     std::fprintf(stderr,
-                 "epafi: warning: at %d of %d shifts the wheelset does not stand on both rails: their cells are empty\n",
+                 "epafi: warning: at %d of %d shifts the wheelset does not stand on both rails: their cells are "
+                 "empty\n",
                  geometry.shifts - geometry.standing, geometry.shifts);
   return geometry.standing > 0 ? exit_done : exit_bound;
 }

@@ -246,7 +246,8 @@ PYBIND11_MODULE(epafi, m) {
       .def_property_readonly("orientation",
                              column<double>(
                                  [](Run & r) -> auto& { return r.world().orientation; }, 4),
-                             "(n, 4) quaternion x y z w as in SciPy, where bodies turn; files have w x y z: orientation[:, [3, 0, 1, 2]]")
+                             "(n, 4) quaternion x y z w as in SciPy, where bodies turn; files have w x y z: "
+                             "orientation[:, [3, 0, 1, 2]]")
       .def_property_readonly("angular_velocity",
                              column<double>(
                                  [](Run & r) -> auto& { return r.world().angular_velocity; }, 3),

@@ -299,5 +299,6 @@ TEST_CASE("corners without faces are read where a hull is taken of them", "[dete
       "0 0 0\n1 2 3\n";
   CHECK(read_ply(ply, "cloud.ply", MeshFaces::optional).surface.vertices.size() == 2);
   CHECK_THROWS_WITH(read_ply(ply, "cloud.ply"), Equals("cloud.ply: error: the mesh has no triangle with an area"));
-  CHECK_THROWS_WITH(read_obj("# nothing\n", "a.obj", MeshFaces::optional), Equals("a.obj: error: the file has no corner"));
+  CHECK_THROWS_WITH(read_obj("# nothing\n", "a.obj", MeshFaces::optional),
+                    Equals("a.obj: error: the file has no corner"));
 }
