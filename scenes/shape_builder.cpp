@@ -1,5 +1,7 @@
 #include "scenes/shape_builder.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "detection/shapes/hull_from_points.h"
@@ -173,7 +175,11 @@ BuiltShape ShapeBuilder::build_mesh(const ShapeSpec& spec, double size) {
   MeshFile file = read_surface(spec);
   warn_of(spec, file.report);
   for (Vec3& v : file.surface.vertices) v *= size;
-  TriangleMesh mesh = TriangleMesh::from_surface(std::move(file.surface));
+  TriangleMesh mesh = TriangleMesh::from_surface(std::move(file.surface), size * file.report.precision);
+  if (mesh.triangles.empty())
+    throw SceneError(fmt::format("{}: no triangle is higher than {:.2g} m, within which the surface is joined",
+                                 spec.parameters.text("file"), mesh.joined.tolerance),
+                     spec.place);
   if (spec.parameters.text("tree") == "obb") mesh.orient_boxes();
   const double radius = mesh.bounding_radius();
   return {store_.add(std::move(mesh)), 0.0, {}, radius, false, false};

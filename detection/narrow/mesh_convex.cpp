@@ -2,68 +2,28 @@
 #include <cmath>
 
 #include "detection/narrow/epa.h"
+#include "detection/narrow/flat_patch.h"
 #include "detection/narrow/mesh_pairs.h"
-#include "detection/narrow/mesh_ridge.h"
+#include "detection/narrow/mesh_region.h"
+#include "detection/narrow/side_clip.h"
 #include "detection/narrow/triangle_solid.h"
 
 namespace epafi {
 namespace {
 
 constexpr double on_surface = 1e-6;  // of the size, as in the manifold: what counts as lying on an edge or triangle
-constexpr double along_face =
-    1e-5;  // [rad] a direction of EPA nearer than this to the triangle's normal is meant to be it
+constexpr double along_face = 1e-5;       // [rad]
+constexpr double same_edge_cosine = 0.7;  // directions nearer than 45 degrees at one point of the surface are one
 constexpr double narrow_enough = 1e-6;  // of the size: a wider interval than this is reported as degenerate
 
-/// What the surface around the point of a triangle says to a normal n from the mesh to the body.
-enum class Verdict {
-  free,  ///< n is in the normal cone of the surface there
-  flat,  ///< a triangle in the same plane reaches out along n: an inner edge that the body cannot feel, the plane holds
-  bent,  ///< only triangles of other planes reach out along n: the contact is theirs
-  concave  ///< the same, and they rise to the body's side: the planes hold, each its own
-};
-
-/// face: the normal of the triangle towards the body's centre. Where n leads through it, it holds nobody: a body beside
-/// a convex edge, its centre behind the plane of the far side (1 of 400 cylinders: a depth of half its size).
-Verdict judge(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, std::uint32_t own, const Vec3& point,
-              const Vec3& n, const Vec3& face, double tolerance) {
-  Verdict verdict = Verdict::free;
-  const bool holds = n.dot(face) > 0.0;
-  for (const auto t : triangles) {
-    if (t == own || !lies_on(mesh, t, point, tolerance)) continue;
-    bool reaches_out = false, rises = false;
-    for (const Vec3& c : mesh.corners(t)) {
-      const Vec3 w = c - point;  // flat within 1e-6 rad is not reaching out
-      reaches_out = reaches_out || n.dot(w) > 1e-3 * tolerance + 0.1 * along_face * w.norm();
-      rises = rises || (holds && face.dot(w) > tolerance + along_face * w.norm());
-    }
-    if (!reaches_out) continue;
-    if (mesh.normals[t].cross(mesh.normals[own]).squaredNorm() <= along_face * along_face) return Verdict::flat;
-    if (!rises)
-      verdict = Verdict::bent;
-    else if (verdict == Verdict::free)
-      verdict = Verdict::concave;
-  }
-  return verdict;
-}
-
-/// All triangles lie in one flat part and none at its rim: the body sees a plane. (Where the part ended below the body,
-/// one of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so, 14 us triangle by triangle
-/// (perf/mesh.cpp).
+/// All triangles lie in one face and none at its rim: the body sees a plane. (Where the face ended below the body, one
+/// of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so (perf/mesh.cpp).
 bool all_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles) {
   return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
     const auto& kinds = mesh.edge_kinds[t];
-    return mesh.flat_group[t] == mesh.flat_group[triangles.front()] &&
+    return mesh.face[t] == mesh.face[triangles.front()] &&
            std::all_of(kinds.begin(), kinds.end(), [](EdgeKind k) { return k == EdgeKind::flat; });
   });
-}
-
-/// The inside of the triangle, up to `tolerance` beyond its sides, seen along its normal.
-bool projects_into(const std::array<Vec3, 3>& corner, const Vec3& normal, const Vec3& x, double tolerance) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 side = corner[(k + 1) % 3] - corner[k];
-    if (normal.cross(side).dot(x - corner[k]) < -tolerance * side.norm()) return false;
-  }
-  return true;
 }
 
 /// Of the faces around the vertex farthest against n (its own axes) the one that looks most against n.
@@ -75,324 +35,380 @@ std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
   return best;
 }
 
-/// A body of `radius` about `centre` is farther than `limit` from the triangle, as its sphere, the triangle's normal or
-/// the direction across its nearest side tells, by more than rounding: a search would find no contact. 30 stones of
-/// parts in a hopper ask 2600 triangles a step: 1040 are near by the sphere, 100 by all three. tip: the body's point
-/// farthest along a direction.
-template <class Tip>
-bool is_out_of_reach(const TriangleMesh& mesh, std::uint32_t t, const Vec3& centre, double radius, double limit,
-                     const Tip& tip) {
-  const OverTriangle at = over_triangle(mesh, t, centre);
-  const double near = radius + limit, apart = limit + 4e-12 * (near + std::abs(at.height) + std::abs(at.beyond));
-  if (at.least_square() > near * near * (1.0 + 1e-12)) return true;
-  const auto corner = mesh.corners(t);
-  const Vec3 n = at.height < 0.0 ? Vec3(-mesh.normals[t]) : mesh.normals[t];
-  if (n.dot(tip(-n) - corner[0]) > apart) return true;
-  if (!(at.beyond > 0.0)) return false;
-  const auto beyond = [&](std::size_t k) { return -mesh.inward[t][k].dot(centre - corner[k]); };
-  std::size_t side = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (beyond(k) > beyond(side)) side = k;
-  const Vec3& inward = mesh.inward[t][side];
-  return -inward.dot(tip(inward) - corner[side]) > apart;
+/// How a point is named: kind (2 bits), what it is on the body (18 bits), side of the triangle (2 bits).
+std::uint32_t local_name(FeatureKind kind, std::uint32_t on_body, std::uint32_t side) {
+  return static_cast<std::uint32_t>(kind) << 20 | (on_body & 0x3ffffu) << 2 | (side & 3u);
 }
 
-/// One polyhedron against many triangles, in the mesh's axes.
-class PolyhedronOnMesh {
+/// What a polyhedron turns towards a plane: a face.
+class PolyhedronSide {
  public:
-  PolyhedronOnMesh(const PolyhedronView& body, double sweep, const TriangleMesh& mesh,
-                   std::span<const std::uint32_t> triangles, const PairQuery& q)
-      : body_(body),
-        sweep_(sweep),
-        mesh_(mesh),
-        triangles_(triangles),
-        reach_(q.reach),
-        pose_{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation},
-        turn_(pose_.orientation.toRotationMatrix()),
-        tolerance_(on_surface * body.radius) {}
-
-  const Vec3& centre() const { return pose_.position; }
-  const TriangleMesh& mesh() const { return mesh_; }
-
-  /// The corners of the face that looks at the plane of t.
-  void collide_plain(std::uint32_t t, std::vector<MeshPoint>& out) const {
-    const Vec3 n = normal_towards(mesh_, t, centre());
-    const Vec3 on_plane = mesh_.corners(t)[0];
-    const std::uint32_t face = face_against(body_, turn_.transpose() * n);
-    for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k) {
-      const std::uint32_t v = body_.face_vertices[k];
-      const Vec3 x = centre() + turn_ * body_.vertices[v];
-      const double gap = n.dot(x - on_plane) - sweep_;
-      const auto name = static_cast<std::uint32_t>(FeatureKind::vertex_a) << 24 | v << 2;
-      if (gap < reach_) out.push_back({x - (sweep_ + 0.5 * gap) * n, n, gap, mesh_feature(mesh_.flat_group[t], name)});
+  explicit PolyhedronSide(const PolyhedronView& body) : body_(body) {}
+  ConvexRef core() const { return core_of(body_); }
+  /// In the body's axes; n: unit, against which it is turned.
+  void towards(const Vec3& n, std::vector<SidePoint>& out) const {
+    const std::uint32_t face = face_against(body_, n);
+    for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k)
+      out.push_back({body_.vertices[body_.face_vertices[k]], body_.face_vertices[k], 0});
+  }
+  /// The points of an edge or corner of the region, along n: those of the triangles that reach as far.
+  template <class F>
+  void at_edge(const PlacedCore& b, const MeshRegion& region, const WayOut& way, const F& add) const {
+    for (const std::uint32_t t : region.triangles) {
+      const auto corner = b.mesh->corners(t);
+      const auto reaches = [&](const Vec3& c) { return way.normal.dot(c - way.on_mesh) > -b.tolerance; };
+      if (std::none_of(corner.begin(), corner.end(), reaches)) continue;
+      const TriangleSolid solid(corner, b.mesh->normals[t]);
+      const PolyhedronPair pair(body_, solid.view(), b.pose, solid.pose());
+      PolyhedronDistance d;
+      const Vec3 n = -(b.turn.transpose() * way.normal);
+      const Vec3 on_mesh = b.turn.transpose() * (way.on_mesh - b.pose.position);
+      d.axis.kind = SeparatingAxis::Kind::points;
+      d.axis.gap = way.gap;
+      d.axis.normal = n;
+      d.witness_a = on_mesh - way.gap * n;
+      d.witness_b = on_mesh;
+      const Patch patch = contact_patch(pair, d, b.reach, b.sweep, 0.0);
+      for (int k = 0; k < patch.count; ++k) {
+        const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+        const std::uint32_t name = local_name(feature_kind(p.feature), feature_vertex_a(p.feature),
+                                              feature_vertex_b(p.feature));
+        add(b.pose.position + b.turn * p.position, p.gap, t, name);
+      }
     }
   }
 
-  CoreNearMesh core() const { return {core_of(body_), sweep_, pose_, reach_, tolerance_}; }
+ private:
+  const PolyhedronView& body_;
+};
 
-  void collide(std::uint32_t t, std::vector<MeshPoint>& out, std::vector<BarredTriangle>& barred,
-               ContactSink& sink) const {
-    const double limit = reach_ + sweep_;
-    const auto tip = [&](const Vec3& d) -> Vec3 {
-      return centre() + turn_ * body_.vertices[ConvexHull::support_vertex(body_, turn_.transpose() * d)];
-    };
-    if (is_out_of_reach(mesh_, t, centre(), body_.radius, limit, tip)) return;
-    const Vec3 face_normal = normal_towards(mesh_, t, centre());
-    const auto corner = mesh_.corners(t);
-    const TriangleSolid solid(corner, mesh_.normals[t]);
-    const PolyhedronPair pair(body_, solid.view(), pose_, solid.pose());
-    const PolyhedronDistance d = polyhedron_distance(pair, limit);
-    if (d.beyond) return;
-    if (d.uncertainty > narrow_enough * pair.size()) sink.mark_degenerate();
-    const Vec3 n = -(turn_ * d.axis.normal);
-    // The triangle's own normal holds where it separates best, where the direction is that one within 1e-5 rad, and
-    // where the direction belongs to an inner edge or vertex; towards the side of the body's centre.
-    const bool face =
-        d.axis.kind == SeparatingAxis::Kind::face_b || n.cross(face_normal).squaredNorm() <= along_face * along_face;
-    const Vec3 on_mesh = centre() + turn_ * d.witness_b;
-    const Verdict verdict = face ? Verdict::flat : judge(mesh_, triangles_, t, on_mesh, n, face_normal, tolerance_);
-    // In a concave edge the least direction leans on both faces, and each would leave the contact to the other (a hull
-    // sank through the floor beside a wall).
-    if (verdict == Verdict::flat || verdict == Verdict::concave) return collide_face(t, corner, face_normal, out);
-    if (verdict == Verdict::bent) {
-      if (d.axis.gap < sweep_) barred.push_back({t, on_mesh});
-      return;
-    }
-    const Patch patch = contact_patch(pair, d, reach_, sweep_, 0.0);
+/// What a smooth body turns towards a plane: a flat side where it has one.
+class CoreSide {
+ public:
+  explicit CoreSide(const CoreOnPlane& body) : body_(body) {}
+  const ConvexRef& core() const { return body_.core; }
+  void towards(const Vec3& n, std::vector<SidePoint>& out) const {
+    if (!body_.facing) return;
+    const FlatSide side = body_.facing(body_.shape, -n);
+    for (int k = 0; k < side.count; ++k)
+      out.push_back({side.corner[static_cast<std::size_t>(k)], static_cast<std::uint32_t>(k), 0});
+  }
+  template <class F>
+  void at_edge(const PlacedCore& b, const MeshRegion& region, const WayOut& way, const F& add) const {
+    const Mat3 to_body = b.turn.transpose();
+    const Vec3 n = -(to_body * way.normal);
+    const double gap = way.gap - b.sweep;
+    FlatPair pair{{}, {}, b.core.radius, b.sweep, 0.0};
+    if (body_.facing) pair.a = body_.facing(body_.shape, n);
+    std::uint32_t owner = region.triangles.front();
+    for (const std::uint32_t t : region.triangles)
+      for (const Vec3& c : b.mesh->corners(t)) {
+        if (!(way.normal.dot(c - way.on_mesh) > -b.tolerance)) continue;
+        owner = t;
+        const Vec3 x = to_body * (c - b.pose.position);
+        const auto one = [&](const Vec3& o) { return (o - x).squaredNorm() <= b.tolerance * b.tolerance; };
+        const auto end = pair.b.corner.begin() + pair.b.count;
+        if (pair.b.count < 3 && std::none_of(pair.b.corner.begin(), end, one))
+          pair.b.corner[static_cast<std::size_t>(pair.b.count++)] = x;
+      }
+    if (pair.b.count != 2) pair.b.count = 0;  // a corner, or a plane that was not meant
+    const Vec3 middle = to_body * (way.on_mesh - b.pose.position) - 0.5 * gap * n;
+    const Patch patch = flat_patch(pair, {middle, n, gap}, b.reach);
     for (int k = 0; k < patch.count; ++k) {
       const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
-      out.push_back({centre() + turn_ * p.position, n, p.gap, mesh_feature(t, short_name(p.feature))});
+      add(b.pose.position + b.turn * p.position, p.gap, owner,
+          local_name(feature_kind(p.feature), feature_vertex_a(p.feature) << 8 | feature_vertex_b(p.feature), 0));
     }
   }
 
- private:
-  /// Kind (2 bits), index on the body (22 bits), index on the triangle (2 bits).
-  static std::uint32_t short_name(Feature f) {
-    return static_cast<std::uint32_t>(f >> 44 & 3u) << 24 | static_cast<std::uint32_t>(f >> 22 & 0x3fffffu) << 2 |
-           static_cast<std::uint32_t>(f & 3u);
-  }
-  /// Did the body come to x, behind the triangle, through the triangle (or one in its plane) and through no other
-  /// before? Otherwise x belongs to the surface beyond an edge: a corner of a box on a table is behind the table's side
-  /// as well. cut: 1 + side of the triangle whose prism cut the body at x; where the surface bends away or ends there,
-  /// x is its edge.
-  bool went_through(std::uint32_t t, const Vec3& n, const Vec3& x, std::uint32_t cut) const {
-    const bool front = n.dot(mesh_.normals[t]) > 0.0;
-    if (cut > 0) {  // an edge inside a plane says nothing: a box 3 mm beside a convex edge was 27 mm deep there
-      const EdgeKind kind = mesh_.edge_kinds[t][cut - 1];
-      if (kind != EdgeKind::flat && kind != (front ? EdgeKind::concave : EdgeKind::convex)) return true;
-    }
-    const double from = n.dot(centre() - mesh_.corners(t)[0]), to = n.dot(x - mesh_.corners(t)[0]);
-    const double when = from / (from - to);
-    const Vec3 gate = centre() + when * (x - centre());
-    bool through = false;
-    for (const auto other : triangles_) {
-      const auto corner = mesh_.corners(other);
-      const Vec3& m = mesh_.normals[other];
-      if (m.cross(n).squaredNorm() <= along_face * along_face) {
-        through =
-            through || (std::abs(m.dot(gate - corner[0])) <= tolerance_ && projects_into(corner, m, gate, tolerance_));
-        continue;
-      }
-      const double h0 = m.dot(centre() - corner[0]), h1 = m.dot(x - corner[0]);
-      if (!(h0 * h1 < 0.0) || !(h0 / (h0 - h1) < when)) continue;
-      if (projects_into(corner, m, centre() + h0 / (h0 - h1) * (x - centre()), 0.0)) return false;
-    }
-    return through;
-  }
-  /// The face of the body that looks at the triangle, cut to the prism over the triangle (Sutherland and Hodgman 1974).
-  void collide_face(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n,
-                    std::vector<MeshPoint>& out) const {
-    struct Corner {
-      Vec3 x;
-      std::uint32_t name;  ///< vertex of the body, or 1 + side of the triangle in the low bits after a cut
-    };
-    static thread_local std::vector<Corner> polygon, next;  // keep their size
-    const std::uint32_t face = face_against(body_, turn_.transpose() * n);
-    polygon.clear();
-    for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k)
-      polygon.push_back({centre() + turn_ * body_.vertices[body_.face_vertices[k]], body_.face_vertices[k] << 2});
-    for (std::uint32_t side = 0; side < 3; ++side) {
-      const Vec3 along = corner[(side + 1) % 3] - corner[side], inward = mesh_.normals[t].cross(along).normalized();
-      next.clear();
-      for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Corner &from = polygon[i], &to = polygon[(i + 1) % polygon.size()];
-        const double d0 = inward.dot(from.x - corner[side]), d1 = inward.dot(to.x - corner[side]);
-        const bool in0 = d0 >= -tolerance_, in1 = d1 >= -tolerance_;
-        if (in0) next.push_back(from);
-        if (in0 != in1)
-          next.push_back(
-              {from.x + std::clamp(d0 / (d0 - d1), 0.0, 1.0) * (to.x - from.x), (from.name & ~3u) | (1 + side)});
-      }
-      polygon.swap(next);
-    }
-    for (const Corner& c : polygon) {
-      const double height = n.dot(c.x - corner[0]), gap = height - sweep_;
-      if (!(gap < reach_) || (height < -tolerance_ && !went_through(t, n, c.x, c.name & 3u))) continue;
-      const bool vertex = (c.name & 3u) == 0;
-      const auto kind = static_cast<std::uint32_t>(vertex ? FeatureKind::vertex_a : FeatureKind::edges);
-      out.push_back({c.x - (sweep_ + 0.5 * gap) * n, n, gap,
-                     mesh_feature(vertex ? mesh_.flat_group[t] : t, kind << 24 | c.name)});
-    }
-  }
-
-  const PolyhedronView& body_;
-  double sweep_;
-  const TriangleMesh& mesh_;
-  std::span<const std::uint32_t> triangles_;
-  double reach_;
-  Pose pose_;  ///< of the body, in the mesh's axes
-  Mat3 turn_;
-  double tolerance_;
-};
-
-/// Signed distance of a core and a triangle: the normal from the mesh to the body, the nearest or deepest point.
-struct CoreDistance {
-  bool wanted = false;
-  double gap = 0.0;  ///< of the core [m]
-  Vec3 normal, on_mesh;
-};
-
-/// One smooth convex body against many triangles, in the mesh's axes.
-class CoreOnMesh {
- public:
-  CoreOnMesh(const CoreOnPlane& body, double sweep, const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
-             const PairQuery& q)
-      : body_(body),
-        sweep_(sweep),
-        mesh_(mesh),
-        triangles_(triangles),
-        reach_(q.reach),
-        pose_{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation},
-        turn_(pose_.orientation.toRotationMatrix()),
-        tolerance_(on_surface * body.core.radius) {}
-
-  const Vec3& centre() const { return pose_.position; }
-  const TriangleMesh& mesh() const { return mesh_; }
-
-  /// The closed form against the plane of t.
-  void collide_plain(std::uint32_t t, std::vector<MeshPoint>& out) const {
-    on_plane(t, mesh_.corners(t), normal_towards(mesh_, t, centre()), out, infinity, -infinity);
-  }
-
-  CoreNearMesh core() const { return {body_.core, sweep_, pose_, reach_, tolerance_}; }
-
-  void collide(std::uint32_t t, std::vector<MeshPoint>& out, std::vector<BarredTriangle>& barred,
-               ContactSink& sink) const {
-    const auto tip = [&](const Vec3& d) -> Vec3 {
-      return centre() + turn_ * body_.core.support(turn_.transpose() * d);
-    };
-    if (is_out_of_reach(mesh_, t, centre(), body_.core.radius, reach_ + sweep_, tip)) return;
-    const auto corner = mesh_.corners(t);
-    const Vec3 face_normal = normal_towards(mesh_, t, centre());
-    const TriangleSolid solid(corner, mesh_.normals[t]);
-    const CoreDistance d = measure(solid, corner, sink);
-    if (!d.wanted) return;
-    // Away from its sides a triangle knows no direction but its own: what else EPA says there is its own uncertainty.
-    const bool is_face = d.normal.cross(face_normal).norm() <= along_face ||
-                         projects_into(corner, mesh_.normals[t], d.on_mesh, -tolerance_);
-    const Verdict verdict =
-        is_face ? Verdict::flat : judge(mesh_, triangles_, t, d.on_mesh, d.normal, face_normal, tolerance_);
-    if (verdict == Verdict::bent) {
-      if (d.gap < sweep_) barred.push_back({t, d.on_mesh});
-      return;
-    }
-    if (verdict == Verdict::free) {
-      const double gap = d.gap - sweep_;
-      out.push_back({d.on_mesh + 0.5 * gap * d.normal, d.normal, gap, mesh_feature(t, 1u << 24)});
-      return;
-    }
-    const double nearest = d.gap > 0.0 ? d.gap - sweep_ - tolerance_ : -infinity;
-    if (on_plane(t, corner, face_normal, out, tolerance_, nearest) || !is_face) return;
-    // The triangle lies under the middle of a flat side, where the plane's own points do not reach: its point nearest
-    // to the axis is surely under the side.
-    const Vec3 deepest = centre() + turn_ * body_.core.support(turn_.transpose() * -face_normal);
-    const double gap = face_normal.dot(deepest - corner[0]) - sweep_;
-    const Vec3 on_mesh = nearest_on_triangle(centre(), corner).point;
-    if (gap < reach_) out.push_back({on_mesh + 0.5 * gap * face_normal, face_normal, gap, mesh_feature(t, 2u << 24)});
-  }
-
- private:
-  CoreDistance measure(const TriangleSolid& solid, const std::array<Vec3, 3>& corner, ContactSink& sink) const {
-    const MinkowskiDifference difference(body_.core, ConvexRef::to(solid), pose_, solid.pose());
-    const GjkResult g = gjk(difference, {reach_ + sweep_ + 1e-12 * difference.size(), 1e-14, Vec3::Zero()});
-    const auto to_mesh = [&](const Vec3& x) -> Vec3 { return centre() + turn_ * x; };
-    if (g.status == GjkResult::Status::beyond) return {};
-    if (g.status != GjkResult::Status::overlapping) {
-      if (g.upper - g.lower > narrow_enough * difference.size()) sink.mark_degenerate();
-      return {true, g.lower, -(turn_ * g.normal), to_mesh(g.witness_b)};
-    }
-    const Penetration p = epa(difference);
-    if (p.upper - p.lower > narrow_enough * difference.size()) sink.mark_degenerate();
-    const Vec3 normal = -(turn_ * p.normal), on_mesh = to_mesh(p.witness_b);
-    // The depth is certain, the points are not: on facets without area EPA's weights lose all digits, and of
-    // coplanar facets it may take one beside the origin. Then: the triangle's point nearest to the centre.
-    const bool sound = nearest_on_triangle(on_mesh, corner).distance <= tolerance_ &&
-                       (on_mesh - centre()).norm() <= body_.core.radius + tolerance_;
-    return {true, -p.upper, normal, sound ? on_mesh : nearest_on_triangle(centre(), corner).point};
-  }
-  /// The closed form against the triangle's plane, those of its points that lie over the triangle or less than `beside`
-  /// [m] off, and no nearer than `least` [m]: a body beside the triangle reaches behind its plane without touching it.
-  bool on_plane(std::uint32_t t, const std::array<Vec3, 3>& corner, const Vec3& n, std::vector<MeshPoint>& out,
-                double beside, double least) const {
+  /// The closed form against the plane of t, as f(point, gap, name).
+  template <class F>
+  void on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const F& f) const {
     static thread_local ContactSet set;  // keeps its size
     set.clear();
     ContactSink sink(set);
-    body_.collide(body_.shape, HalfSpace{n}, {pose_, {corner[0], Quat(1, 0, 0, 0)}, reach_, false, nullptr}, sink);
-    bool any = false;
+    body_.collide(body_.shape, HalfSpace{n}, {b.pose, {point, Quat(1, 0, 0, 0)}, b.reach, false, nullptr}, sink);
     for (std::size_t k = 0; k < set.size(); ++k) {
-      const Vec3 x = centre() + set.arm[k];
-      if (set.gap[k] < least || !projects_into(corner, mesh_.normals[t], x, beside)) continue;
-      const auto name = static_cast<std::uint32_t>((set.feature[k] >> 44 & 3u) << 22 |
-                                                   (set.feature[k] >> 22 & 0xffu) << 8 | (set.feature[k] & 0xffu));
-      out.push_back({x, n, set.gap[k], mesh_feature(mesh_.flat_group[t], name)});
-      any = true;
+      const Feature name = set.feature[k];
+      f(Vec3(b.pose.position + set.arm[k]), set.gap[k],
+        static_cast<std::uint32_t>((name >> 44 & 3u) << 20 | (name >> 22 & 0xffu) << 8 | (name & 0xffu)));
     }
-    return any;
   }
 
+ private:
   const CoreOnPlane& body_;
-  double sweep_;
-  const TriangleMesh& mesh_;
-  std::span<const std::uint32_t> triangles_;
-  double reach_;
-  Pose pose_;  ///< of the body, in the mesh's axes
-  Mat3 turn_;
-  double tolerance_;
 };
 
-template <class BodyOnMesh>
-void collide_all(const BodyOnMesh& body, std::span<const std::uint32_t> triangles, double size, double radius,
-                 const PairQuery& q, ContactSink& sink) {
-  static thread_local std::vector<MeshPoint> points;  // keep their size
-  static thread_local std::vector<BarredTriangle> barred;
-  static thread_local std::vector<char> spoke;
-  points.clear(), barred.clear(), spoke.clear();
-  if (all_plain(body.mesh(), triangles)) {
-    body.collide_plain(triangles.front(), points);
-  } else {
-    for (const auto t : triangles) {
-      const std::size_t before = points.size();
-      body.collide(t, points, barred, sink);
-      spoke.push_back(points.size() > before);
+/// One convex body against the convex regions of a surface.
+template <class Side>
+class ConvexOnMesh {
+ public:
+  ConvexOnMesh(const Side& side, const PlacedCore& body, std::span<const std::uint32_t> triangles,
+               std::vector<MeshPoint>& out, ContactSink& sink)
+      : side_(side), b_(body), mesh_(*body.mesh), triangles_(triangles), out_(out), sink_(sink) {}
+
+  void collide() {
+    if (all_plain(mesh_, triangles_)) return on_face(triangles_.front(), normal_of(triangles_.front()), {}, true);
+    spoken_.assign(triangles_.size(), 0);
+    solved_.clear();
+    solved_triangles_.clear();
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      const std::uint32_t t = triangles_[i];
+      const bool front = is_in_front(t);
+      if (spoken_[i] & (front ? 1 : 2) || is_out_of_reach(b_, t)) continue;
+      gather_region(b_, triangles_, t, front, region_);
+      for (const std::uint32_t member : region_.triangles)
+        spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
+      solve();
     }
-    if (!barred.empty()) collide_ridges(body.core(), body.mesh(), triangles, spoke, barred, points, sink);
   }
-  reduce(points, size);
-  emit(points, body.centre(), radius, q, sink);
+
+ private:
+  bool is_in_front(std::uint32_t t) const {
+    return !(mesh_.normals[t].dot(b_.pose.position - mesh_.vertices[mesh_.triangles[t][0]]) < 0.0);
+  }
+  Vec3 normal_of(std::uint32_t t) const { return normal_towards(mesh_, t, b_.pose.position); }
+
+  /// The way out of the region; on a face where its plane is as good, within the tolerance.
+  void solve() {
+    WayOut way = find_way_out(b_, region_);
+    if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_.mark_degenerate();
+    if (!(way.gap - b_.sweep < b_.reach) || !is_on_surface(way.on_mesh)) return;
+    const RegionPlane& best = best_plane();
+    // a plane within 1e-5 rad of the way out is meant
+    const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
+    const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
+    const bool at_edge = best.gap < way.gap - slack;
+    const bool leans = at_edge && leans_on_others(way);
+    const std::size_t before = out_.size();
+    if (at_edge && !leans) {
+      if (is_known(way)) return;
+      side_.at_edge(b_, region_, way, [&](const Vec3& x, double gap, std::uint32_t t, std::uint32_t name) {
+        out_.push_back({x, way.normal, gap, mesh_feature(t, name)});
+      });
+      hold_deepest(way, before);
+      return remember(way);
+    }
+    on_face(best.triangle, best.normal, region_.triangles, false);
+    const WayOut out{best.gap, best.normal, way.on_mesh, 0.0};
+    if (!leans) hold_deepest(out, before);
+    if (out_.size() > before) remember(out);
+  }
+
+  /// Where the deepest point of the body hangs over a rim, or lies between the corners of a round end, the region's own
+  /// point next to it holds it.
+  void hold_deepest(const WayOut& way, std::size_t before) {
+    const double gap = way.gap - b_.sweep;
+    const auto holds = [&](const MeshPoint& p) { return p.gap <= gap + b_.tolerance; };
+    if (std::any_of(out_.begin() + static_cast<std::ptrdiff_t>(before), out_.end(), holds)) return;
+    NearestOnTriangle nearest{Vec3::Zero(), infinity, TrianglePart::face};
+    for (const std::uint32_t t : region_.triangles) {
+      const NearestOnTriangle here = nearest_on_triangle(way.on_mesh, mesh_.corners(t));
+      if (here.distance < nearest.distance) nearest = here;
+    }
+    if (is_hidden(nearest.point, way.normal)) return;
+    out_.push_back({nearest.point + 0.5 * gap * way.normal, way.normal, gap,
+                    mesh_feature(region_.first, local_name(FeatureKind::single, region_.front, 0))});
+  }
+
+  /// Another triangle stands between the point and the body: the far side of a plate thinner than the overlap.
+  bool is_hidden(const Vec3& point, const Vec3& n) const {
+    const Vec3 way = n * n.dot(b_.pose.position - point);
+    for (const std::uint32_t t : triangles_) {
+      const Vec3& on_plane = mesh_.vertices[mesh_.triangles[t][0]];
+      const double h0 = mesh_.normals[t].dot(point - on_plane), h1 = mesh_.normals[t].dot(point + way - on_plane);
+      if (!(h0 * h1 < 0.0) || std::abs(h0) <= b_.tolerance) continue;
+      if (over_triangle(mesh_, t, point + h0 / (h0 - h1) * way).beyond <= b_.tolerance) return true;
+    }
+    return false;
+  }
+
+  /// Walls around a notch, seen from behind, bend away from each other, but nothing is between them.
+  bool is_on_surface(const Vec3& x) const {
+    return region_.front || std::any_of(triangles_.begin(), triangles_.end(), [&](std::uint32_t t) {
+      return lies_on(mesh_, t, x, 10.0 * b_.tolerance);
+    });
+  }
+  const RegionPlane& best_plane() {
+    for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
+    return *std::max_element(region_.planes.begin(), region_.planes.end(),
+                             [](const RegionPlane& a, const RegionPlane& b) { return a.gap < b.gap; });
+  }
+  /// A triangle at the point that is not of the region reaches out along the way, and the body would go into it or along
+  /// the surface: a concave or an inner edge.
+  bool leans_on_others(const WayOut& way) const {
+    const auto& own = region_.triangles;
+    for (const std::uint32_t t : triangles_) {
+      if (std::binary_search(own.begin(), own.end(), t) || !lies_on(mesh_, t, way.on_mesh, b_.tolerance)) continue;
+      const Vec3 n = normal_of(t);
+      const auto goes_on = [&](const RegionPlane& p) {
+        return n.dot(p.normal) > 0.5 && std::abs(p.normal.dot(way.on_mesh - p.point)) <= b_.tolerance;
+      };
+      const auto& planes = region_.planes;
+      if (n.dot(way.normal) > -0.01 && std::none_of(planes.begin(), planes.end(), goes_on)) continue;
+      for (const Vec3& c : mesh_.corners(t)) {
+        const Vec3 w = c - way.on_mesh;  // flat within 1e-6 rad is not reaching out
+        if (way.normal.dot(w) > 1e-3 * b_.tolerance + 1e-6 * w.norm()) return true;
+      }
+    }
+    return false;
+  }
+  void remember(const WayOut& way) {
+    const auto begin = static_cast<std::ptrdiff_t>(solved_triangles_.size());
+    solved_triangles_.insert(solved_triangles_.end(), region_.triangles.begin(), region_.triangles.end());
+    solved_.push_back({way, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size())});
+  }
+  /// The point belongs to a region that is known to be as deep.
+  bool is_known(const WayOut& way) const {
+    return std::any_of(solved_.begin(), solved_.end(), [&](const Solved& s) {
+      return s.way.gap <= way.gap + b_.tolerance && s.way.normal.dot(way.normal) > same_edge_cosine &&
+             std::any_of(solved_triangles_.begin() + s.begin, solved_triangles_.begin() + s.end,
+                         [&](std::uint32_t t) { return lies_on(mesh_, t, way.on_mesh, b_.tolerance); });
+    });
+  }
+
+  /// The points on the plane of t, towards n: those over its face.
+  void on_face(std::uint32_t t, const Vec3& n, const std::vector<std::uint32_t>& members, bool plain) {
+    const Vec3 point = mesh_.vertices[mesh_.triangles[t][0]];
+    const std::size_t before = out_.size();
+    if constexpr (std::is_same_v<Side, CoreSide>) {
+      bool all = true;
+      side_.on_plane(b_, n, point, [&](const Vec3& x, double gap, std::uint32_t name) {
+        if (plain || (is_over(members, t, x) && came_through(t, n, x + (0.5 * gap) * n)))
+          out_.push_back({x, n, gap, mesh_feature(mesh_.face[t], name)});
+        else
+          all = false;
+      });
+      if (all) return;
+      const Vec3 tip = b_.tip(-n);
+      side_points(n);
+      if (side_points_.size() < 2) return;
+      out_.resize(before);
+      if (is_over(members, t, tip) && came_through(t, n, tip)) add(t, n, point, {tip, 0x3ffffu, 0}, 0);
+    }
+    if (plain) {
+      side_points(n);
+      for (const SidePoint& p : side_points_) add(t, n, point, p, 0);
+      return;
+    }
+    for (const std::uint32_t member : members) {
+      if (mesh_.face[member] != mesh_.face[t]) continue;
+      side_points(n);
+      const Triangle& corner = mesh_.triangles[member];
+      clip_side([&](std::uint32_t k) -> const Vec3& { return mesh_.vertices[corner[k]]; }, 3, mesh_.normals[member],
+                b_.tolerance, side_points_);
+      for (const SidePoint& p : side_points_) {
+        const Cut cut = p.cut == 0 ? Cut::none : cut_at(member, region_.front, p.x);
+        if (cut == Cut::inside) continue;
+        if (cut == Cut::rim || came_through(member, n, p.x)) add(member, n, point, p, p.cut);
+      }
+    }
+  }
+  /// Where a side of the body was cut: inside the face (no corner of what they share), at its rim, at a concave edge.
+  enum class Cut { none, inside, rim, concave };
+  Cut cut_at(std::uint32_t t, bool front, const Vec3& x) const {
+    Cut cut = Cut::inside;
+    const auto corner = mesh_.corners(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const EdgeKind kind = mesh_.edge_kinds[t][k];
+      if (kind == EdgeKind::flat || std::abs(mesh_.inward[t][k].dot(x - corner[k])) > 2.0 * b_.tolerance) continue;
+      if (kind != (front ? EdgeKind::concave : EdgeKind::convex)) return Cut::rim;
+      cut = Cut::concave;
+    }
+    return cut;
+  }
+  void side_points(const Vec3& n) {
+    side_points_.clear();
+    side_.towards(b_.turn.transpose() * n, side_points_);
+    for (SidePoint& p : side_points_) p.x = b_.pose.position + b_.turn * p.x;
+  }
+  void add(std::uint32_t t, const Vec3& n, const Vec3& point, const SidePoint& p, std::uint32_t cut) {
+    const double gap = n.dot(p.x - point) - b_.sweep;
+    if (!(gap < b_.reach)) return;
+    const std::uint32_t name = local_name(cut == 0 ? FeatureKind::vertex_a : FeatureKind::edges, p.corner, cut);
+    out_.push_back(
+        {p.x - (b_.sweep + 0.5 * gap) * n, n, gap, mesh_feature(cut == 0 ? mesh_.face[t] : t, name)});
+  }
+  bool is_over(const std::vector<std::uint32_t>& members, std::uint32_t face, const Vec3& x) const {
+    return std::any_of(members.begin(), members.end(), [&](std::uint32_t t) {
+      return mesh_.face[t] == mesh_.face[face] && over_triangle(mesh_, t, x).beyond <= b_.tolerance;
+    });
+  }
+  /// Did the body come to x, behind the face of t, through that face and through no other before? Otherwise x belongs
+  /// to the surface beyond an edge: a corner of a box on a table is behind the table's side as well.
+  bool came_through(std::uint32_t face, const Vec3& n, const Vec3& x) const {
+    const Vec3& point = mesh_.vertices[mesh_.triangles[face][0]];
+    const Vec3& centre = b_.pose.position;
+    const double from = n.dot(centre - point), to = n.dot(x - point);
+    if (!(to < -b_.tolerance)) return true;
+    const double when = from / (from - to);
+    const Vec3 gate = centre + when * (x - centre);
+    bool through = false;
+    for (const std::uint32_t t : triangles_) {
+      if (mesh_.face[t] == mesh_.face[face]) {
+        through = through || over_triangle(mesh_, t, gate).beyond <= b_.tolerance;
+        continue;
+      }
+      const Vec3 on_plane = mesh_.vertices[mesh_.triangles[t][0]];
+      const double h0 = mesh_.normals[t].dot(centre - on_plane), h1 = mesh_.normals[t].dot(x - on_plane);
+      if (!(h0 * h1 < 0.0) || !(h0 / (h0 - h1) < when)) continue;
+      if (over_triangle(mesh_, t, centre + h0 / (h0 - h1) * (x - centre)).beyond <= 0.0) return false;
+    }
+    return through;
+  }
+
+  struct Solved {
+    WayOut way;
+    std::ptrdiff_t begin, end;  ///< of its triangles
+  };
+  struct Room {  // keeps its size: no allocation once the largest contact was seen
+    std::vector<unsigned char> spoken;
+    std::vector<Solved> solved;
+    std::vector<std::uint32_t> solved_triangles;
+    std::vector<SidePoint> side_points;
+    MeshRegion region;
+  };
+  static Room& room() {
+    static thread_local Room r;
+    return r;
+  }
+  const Side& side_;
+  const PlacedCore& b_;
+  const TriangleMesh& mesh_;
+  std::span<const std::uint32_t> triangles_;
+  std::vector<MeshPoint>& out_;
+  ContactSink& sink_;
+  std::vector<unsigned char>& spoken_ = room().spoken;  ///< by place: front and back of the triangle are in a region
+  std::vector<Solved>& solved_ = room().solved;
+  std::vector<std::uint32_t>& solved_triangles_ = room().solved_triangles;
+  std::vector<SidePoint>& side_points_ = room().side_points;
+  MeshRegion& region_ = room().region;
+};
+
+template <class Side>
+void collide_all(const Side& side, double sweep, double radius, const TriangleMesh& mesh,
+                 std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
+  static thread_local std::vector<MeshPoint> points;  // keeps its size
+  points.clear();
+  const Pose pose{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation};
+  const ConvexRef core = side.core();
+  const PlacedCore body{core,    sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * core.radius,
+                        &mesh};
+  ConvexOnMesh<Side>(side, body, triangles, points, sink).collide();
+  reduce(points, core.radius);
+  emit(points, pose.position, radius, q, sink);
 }
 
 }  // namespace
 
 void collide_polyhedron_triangles(const PolyhedronView& a, double sweep, double radius, const TriangleMesh& b,
                                   std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
-  if (triangles.empty()) return;
-  collide_all(PolyhedronOnMesh(a, sweep, b, triangles, q), triangles, a.radius, radius, q, sink);
+  if (!triangles.empty()) collide_all(PolyhedronSide(a), sweep, radius, b, triangles, q, sink);
 }
 
 void collide_core_triangles(const CoreOnPlane& a, double sweep, double radius, const TriangleMesh& b,
                             std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
-  if (triangles.empty()) return;
-  collide_all(CoreOnMesh(a, sweep, b, triangles, q), triangles, a.core.radius, radius, q, sink);
+  if (!triangles.empty()) collide_all(CoreSide(a), sweep, radius, b, triangles, q, sink);
 }
 
 }  // namespace epafi

@@ -37,7 +37,7 @@ class SphereOnMesh {
   void collide(const Vec3& centre, const Vec3& inside, std::uint32_t local, const F& f) {
     find_touches(centre, inside);
     for (std::size_t i = 0; i < touches_.size(); ++i)
-      if (!is_covered(i)) f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
+      if (!is_covered(i, inside)) f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
   }
 
  private:
@@ -67,21 +67,28 @@ class SphereOnMesh {
       return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
     });
   }
-  /// Its nearest point lies on a triangle that comes as close or closer, or behind a flat part that the centre went
-  /// through.
-  bool is_covered(std::size_t i) const {
+  /// Its nearest point lies on a triangle that comes as close or closer, or behind one (a plate thinner than the overlap
+  /// is one wall), or behind a face that the centre went through.
+  bool is_covered(std::size_t i, const Vec3& inside) const {
     const Touch& touch = touches_[i];
     for (std::size_t j = 0; j < i; ++j) {
-      if (lies_on(mesh_, touches_[j].triangle, touch.nearest.point, tolerance_)) return true;
-      if (touches_[j].distance < 0.0 && mesh_.flat_group[touches_[j].triangle] == mesh_.flat_group[touch.triangle])
-        return true;
+      const std::uint32_t other = touches_[j].triangle;
+      if (lies_on(mesh_, other, touch.nearest.point, tolerance_)) return true;
+      if (touches_[j].distance < 0.0 && mesh_.face[other] == mesh_.face[touch.triangle]) return true;
+      if (hides(other, inside, touch.nearest.point)) return true;
     }
     return false;
   }
-  /// A face is named by its flat part, an edge or vertex by the lowest triangle that holds the point.
+  /// The triangle stands between a and b, or its rim does.
+  bool hides(std::uint32_t t, const Vec3& a, const Vec3& b) const {
+    const OverTriangle from = over_triangle(mesh_, t, a), to = over_triangle(mesh_, t, b);
+    if (!(from.height * to.height < 0.0) || std::abs(to.height) <= tolerance_) return false;
+    return over_triangle(mesh_, t, a + from.height / (from.height - to.height) * (b - a)).beyond <= tolerance_;
+  }
+  /// A contact on a face is named by it, an edge or vertex by the lowest triangle that holds the point.
   Feature name(std::size_t i, std::uint32_t local) const {
     const Touch* owner = &touches_[i];
-    if (owner->nearest.part == TrianglePart::face) return mesh_feature(mesh_.flat_group[owner->triangle], local << 3);
+    if (owner->nearest.part == TrianglePart::face) return mesh_feature(mesh_.face[owner->triangle], local << 3);
     for (const Touch& other : touches_) {
       if (other.triangle < owner->triangle && other.nearest.part != TrianglePart::face &&
           lies_on(mesh_, other.triangle, touches_[i].nearest.point, tolerance_))

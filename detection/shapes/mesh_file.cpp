@@ -26,6 +26,15 @@ bool has_area(const TriangleSurface& s, const Triangle& t) {
   return (b - a).cross(c - a).squaredNorm() > 0.0;
 }
 
+/// How far single precision may have put a coordinate, where all are such numbers or written with as few digits.
+double precision_of(const TriangleSurface& s, double written) {
+  const auto is_single = [](const Vec3& v) { return v.cast<float>().cast<double>() == v; };
+  if (!(written > 0.0) && !std::all_of(s.vertices.begin(), s.vertices.end(), is_single)) return 0.0;
+  double largest = 0.0;
+  for (const Vec3& v : s.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  return std::max(written, std::ldexp(largest, -24));
+}
+
 /// Index of an OBJ face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; counted from 1, or back from the last where negative.
 std::uint32_t corner(MeshText& text, std::string_view word, std::size_t vertices) {
   const auto number = word.substr(0, word.find('/'));
@@ -103,8 +112,7 @@ bool next_filled_line(MeshText& text) {
   return false;
 }
 
-std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file) {
-  MeshText text(bytes, file);
+std::vector<Vec3> ascii_corners(MeshText& text) {
   const auto line = [&](const char* what) {
     if (!next_filled_line(text)) text.fail(fmt::format("the file ends where '{}' is expected", what));
   };
@@ -133,7 +141,7 @@ std::vector<Vec3> ascii_corners(std::string_view bytes, const std::string& file)
 
 }  // namespace
 
-MeshFile finished_mesh(TriangleSurface surface, const std::string& file, MeshFaces faces) {
+MeshFile finished_mesh(TriangleSurface surface, const std::string& file, MeshFaces faces, double written_precision) {
   const std::size_t before = surface.triangles.size();
   std::erase_if(surface.triangles, [&](const Triangle& t) { return !has_area(surface, t); });
   const std::size_t dropped = before - surface.triangles.size();
@@ -143,6 +151,7 @@ MeshFile finished_mesh(TriangleSurface surface, const std::string& file, MeshFac
     throw SceneError("the mesh has no triangle with an area", {file, 0, 0});
   MeshReport report = inspect(surface);
   report.dropped = dropped;
+  report.precision = precision_of(surface, written_precision);
   return {std::move(surface), report};
 }
 
@@ -199,14 +208,17 @@ MeshFile read_obj(std::string_view bytes, const std::string& file, MeshFaces fac
       text.fail(fmt::format("unknown statement '{}' (v, f and comments are read)", MeshText::shown(first)));
     }
   }
-  return finished_mesh(std::move(surface), file, faces);
+  return finished_mesh(std::move(surface), file, faces, text.written_precision());
 }
 
 MeshFile read_stl(std::string_view bytes, const std::string& file, MeshFaces faces) {
   if (bytes.size() >= stl_header && bytes.size() - stl_header == stl_record * std::size_t{little_endian(bytes, 80)})
     return finished_mesh(welded(binary_corners(bytes, file)), file, faces);
-  if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid")
-    return finished_mesh(welded(ascii_corners(bytes, file)), file, faces);
+  if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid") {
+    MeshText text(bytes, file);
+    const auto corners = ascii_corners(text);
+    return finished_mesh(welded(corners), file, faces, text.written_precision());
+  }
   if (bytes.size() < stl_header)
     throw SceneError(
         fmt::format("neither text that begins with 'solid' nor the 84 bytes of a binary STL header: {} bytes",

@@ -19,6 +19,7 @@ struct MeshReport {
   std::array<Vec3, 2> first_clash{};  ///< ends of the first clashing edge [m]
   std::size_t dropped = 0;            ///< triangles without area, left out when reading
   double volume = 0.0;                ///< signed [m^3]; meaningful where watertight
+  double precision = 0.0;             ///< how far its rounding may have put a coordinate; 0 where nothing tells [m]
 
   bool is_watertight() const { return open_edges == 0 && clashing_edges == 0; }
   bool is_inverted() const { return is_watertight() && volume < 0.0; }
@@ -48,8 +49,9 @@ enum class MeshFaces { needed, optional };
                                 MeshFaces faces = MeshFaces::needed);
 
 /// Leaves out triangles without area and reports; SceneError where none is left though faces are needed, or no corner.
+/// written_precision: of a text (MeshText), or 0 [m].
 [[nodiscard]] MeshFile finished_mesh(TriangleSurface surface, const std::string& file,
-                                     MeshFaces faces = MeshFaces::needed);
+                                     MeshFaces faces = MeshFaces::needed, double written_precision = 0.0);
 
 /// Counts open and clashing edges and the volume.
 [[nodiscard]] MeshReport inspect(const TriangleSurface& surface);

@@ -139,6 +139,7 @@ class Values {
     const std::uint64_t sign = std::uint64_t{1} << (8 * size - 1);
     return is_signed && (raw & sign) ? -static_cast<double>(2 * sign - raw) : static_cast<double>(raw);
   }
+  double written_precision() const { return text_.written_precision(); }
   [[noreturn]] void fail(const std::string& what) const { throw SceneError(what, {file_, 0, 0}); }
 
  private:
@@ -197,7 +198,7 @@ MeshFile read_ply(std::string_view bytes, const std::string& file, MeshFaces fac
       else
         for (const Property& p : element.properties) read_list(values, p);
     }
-  return finished_mesh(std::move(surface), file, faces);
+  return finished_mesh(std::move(surface), file, faces, values.written_precision());
 }
 
 }  // namespace epafi

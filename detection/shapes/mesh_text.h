@@ -1,5 +1,6 @@
 /// @file mesh_text.h  Lines and words of a mesh file in text form, with the place for messages.
 #pragma once
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -43,8 +44,12 @@ class MeshText {
     if (error != std::errc{} || end != digits.data() + digits.size())
       fail(fmt::format("expected a number, found '{}'", shown(w)));
     if (!std::isfinite(value)) fail(fmt::format("'{}' is not a finite number", shown(w)));
+    note_digits(digits);
     return value;
   }
+  /// Half of the last digit that the numbers of this text are written to, where it looks as if they were rounded so:
+  /// five to nine digits, as programs write that keep single-precision numbers. 0: no number has been rounded.
+  double written_precision() const { return most_digits_ >= 5 && most_digits_ <= 9 ? 0.5 * last_digit_ : 0.0; }
   Vec3 point() {
     const double x = number(), y = number(), z = number();
     return {x, y, z};
@@ -70,10 +75,30 @@ class MeshText {
   }
 
  private:
+  /// Of fractions: 0.012345 has six digits, 1.2e-5 two.
+  void note_digits(std::string_view w) {
+    const auto mantissa = w.substr(0, std::min(w.find_first_of("eE"), w.size()));
+    const auto dot = mantissa.find('.');
+    if (dot == mantissa.npos) return;
+    const std::size_t begin = std::min(mantissa.find_first_not_of("-0"), dot);
+    const auto digits = static_cast<int>(mantissa.size() - begin - 1);
+    const auto decimals = static_cast<int>(mantissa.size() - dot - 1);
+    if (digits < 5 || digits < most_digits_) return;  // zeros at the end may have been left out
+    int exponent = 0;
+    if (mantissa.size() + 1 < w.size()) {
+      const auto power = w.substr(mantissa.size() + (w[mantissa.size() + 1] == '+' ? 2 : 1));
+      std::from_chars(power.data(), power.data() + power.size(), exponent);
+    }
+    last_digit_ = std::max(digits > most_digits_ ? 0.0 : last_digit_, std::pow(10.0, exponent - decimals));
+    most_digits_ = digits;
+  }
+
   std::string_view text_, line_;
   std::string file_;
   std::size_t at_ = 0, column_ = 0, word_begin_ = 0;
   int number_ = 0;
+  int most_digits_ = 0;
+  double last_digit_ = 0.0;  ///< of the coarsest number of so many digits
 };
 
 }  // namespace epafi

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 namespace epafi {
 namespace {
 
 constexpr std::uint32_t mesh_leaf = 4;
-constexpr double flat_angle = 1e-9;  // [rad] far below what a contact normal can feel, far above rounding
+constexpr double flat_angle = 1e-9;  // [rad] far above rounding
+constexpr double half_turn = 3.14159265358979323846;
+constexpr double straight = 1e-6;  // [rad] of an outline
 
 Aabb turned_box(const Aabb& box, const Mat3& turn, const Vec3& shift) {
   const Vec3 centre = turn * box.centre() + shift;
@@ -23,24 +26,30 @@ Aabb box_in_body_axes(const Aabb& world, const Pose& pose) {
   return turned_box(world, turn, -(turn * pose.position));
 }
 
-TriangleMesh TriangleMesh::from_surface(TriangleSurface surface) {
+TriangleMesh TriangleMesh::from_surface(TriangleSurface surface, double precision) {
+  JoinedSurface joined = join_surface(std::move(surface), precision);
   TriangleMesh mesh;
-  mesh.vertices = std::move(surface.vertices);
-  mesh.triangles = std::move(surface.triangles);
+  mesh.vertices = std::move(joined.surface.vertices);
+  mesh.triangles = std::move(joined.surface.triangles);
+  mesh.normals = std::move(joined.normals);
+  mesh.face = std::move(joined.face);
+  mesh.joined = joined.report;
   const auto n = static_cast<std::uint32_t>(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) {
-    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    const Vec3 normal = (b - a).cross(c - a).normalized();
-    mesh.normals.push_back(normal);
-    mesh.inward.push_back(
-        {normal.cross(b - a).normalized(), normal.cross(c - b).normalized(), normal.cross(a - c).normalized()});
+  for (std::uint32_t t = 0; t < n; ++t) {
+    const auto corner = mesh.corners(t);
+    const Vec3& normal = mesh.normals[t];
+    std::array<Vec3, 3> inward;
     Aabb box;
-    for (const auto v : t) box.include(mesh.vertices[v]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      inward[k] = normal.cross(corner[(k + 1) % 3] - corner[k]).normalized();
+      box.include(corner[k]);
+      mesh.radius_ = std::max(mesh.radius_, corner[k].norm());
+    }
+    mesh.inward.push_back(inward);
     mesh.boxes_.push_back(box);
-    for (const auto v : t) mesh.radius_ = std::max(mesh.radius_, mesh.vertices[v].norm());
   }
   mesh.find_neighbours();
-  mesh.find_flat_groups();
+  mesh.find_notches();
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
   if (n > 0) mesh.build(order, 0, n);
@@ -58,40 +67,50 @@ void TriangleMesh::find_neighbours() {
     const EdgeUse &p = uses[begin], &q = uses[begin + 1];
     neighbours[p.triangle][p.side] = q.triangle;
     neighbours[q.triangle][q.side] = p.triangle;
-    // the angle between the normals, signed by the direction of the edge as the first triangle runs along it
-    const Vec3 edge =
-        (vertices[triangles[p.triangle][(p.side + 1) % 3]] - vertices[triangles[p.triangle][p.side]]).normalized();
-    const Vec3 &m = normals[p.triangle], &n = normals[q.triangle];
-    const double sine = edge.dot(m.cross(n));
-    const bool folded_back = m.dot(n) < 0.0 && std::abs(sine) <= flat_angle;  // a sharp blade: convex from either side
-    const EdgeKind kind = folded_back          ? EdgeKind::convex
-                          : sine > flat_angle  ? EdgeKind::convex
-                          : sine < -flat_angle ? EdgeKind::concave
-                                               : EdgeKind::flat;
-    edge_kinds[p.triangle][p.side] = edge_kinds[q.triangle][q.side] = kind;
+    edge_kinds[p.triangle][p.side] = edge_kinds[q.triangle][q.side] = kind_of(p, q);
   }
 }
 
-void TriangleMesh::find_flat_groups() {
-  flat_group.assign(triangles.size(), none);
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t first = 0; first < triangles.size(); ++first) {
-    if (flat_group[first] != none) continue;
-    open.assign(1, first);
-    flat_group[first] = first;
-    while (!open.empty()) {
-      const std::uint32_t t = open.back();
-      open.pop_back();
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t next = neighbours[t][k];
-        if (edge_kinds[t][k] != EdgeKind::flat || flat_group[next] != none) continue;
-        // against the first triangle too: a fine curved surface must not become one plane step by step
-        if (normals[first].cross(normals[next]).norm() > flat_angle) continue;
-        flat_group[next] = first;
-        open.push_back(next);
-      }
+void TriangleMesh::find_notches() {
+  struct Wedge {
+    std::uint32_t face, vertex, triangle, side;
+    double angle;
+    bool at_rim;
+  };
+  std::vector<Wedge> wedges;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto corner = corners(t);
+      const Vec3 u = corner[(k + 1) % 3] - corner[k], v = corner[(k + 2) % 3] - corner[k];
+      wedges.push_back({face[t], triangles[t][k], t, k, std::atan2(u.cross(v).norm(), u.dot(v)),
+                        edge_kinds[t][k] != EdgeKind::flat || edge_kinds[t][(k + 2) % 3] != EdgeKind::flat});
     }
+  const auto key = [](const Wedge& w) { return std::tuple(w.face, w.vertex, w.triangle); };
+  std::sort(wedges.begin(), wedges.end(), [&](const Wedge& a, const Wedge& b) { return key(a) < key(b); });
+  notches.assign(triangles.size(), 0);
+  for (std::size_t begin = 0, end = 0; begin < wedges.size(); begin = end) {
+    double angle = 0.0;
+    bool at_rim = false;
+    const auto is_same = [&](const Wedge& w) { return w.face == wedges[begin].face && w.vertex == wedges[begin].vertex; };
+    for (; end < wedges.size() && is_same(wedges[end]); ++end) {
+      angle += wedges[end].angle;
+      at_rim = at_rim || wedges[end].at_rim;
+    }
+    if (!at_rim || !(angle > half_turn + straight)) continue;
+    for (std::size_t k = begin; k < end; ++k)
+      notches[wedges[k].triangle] |= static_cast<std::uint8_t>(1u << wedges[k].side);
   }
+}
+
+EdgeKind TriangleMesh::kind_of(const EdgeUse& p, const EdgeUse& q) const {
+  if (face[p.triangle] == face[q.triangle]) return EdgeKind::flat;
+  // the angle between the normals, signed by the direction of the edge as the first triangle runs along it
+  const auto corner = corners(p.triangle);
+  const Vec3 edge = (corner[(p.side + 1) % 3] - corner[p.side]).normalized();
+  const Vec3 &m = normals[p.triangle], &n = normals[q.triangle];
+  const double sine = edge.dot(m.cross(n));
+  const bool folded_back = m.dot(n) < 0.0 && std::abs(sine) <= flat_angle;  // a sharp blade: convex from either side
+  return folded_back || sine > 0.0 ? EdgeKind::convex : EdgeKind::concave;
 }
 
 std::uint32_t TriangleMesh::build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) {

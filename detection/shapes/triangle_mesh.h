@@ -1,4 +1,5 @@
 /// @file triangle_mesh.h  Surface of triangles for fixed and driven bodies ("mesh" in scenes); both sides are walls.
+/// Triangles are joined and gathered to plane faces (surface_join.h).
 /// Body axes are the author's: the body's position is where the origin of the file comes to lie.
 /// Found by a tree of boxes over the triangles, split at the median of the longest side, kept as one array; on wish by
 /// a tree of oriented boxes instead.
@@ -9,14 +10,14 @@
 #include "detection/mass_properties.h"
 #include "detection/shapes/obb_tree.h"
 #include "detection/shapes/shape_concept.h"
-#include "detection/shapes/triangle_surface.h"
+#include "detection/shapes/surface_join.h"
 
 namespace epafi {
 
 /// How the neighbour behind an edge lies, seen from the front of the triangle (its vertices counter-clockwise).
 enum class EdgeKind : std::uint8_t {
   open,    ///< no neighbour, or several, or one of opposite orientation
-  flat,    ///< within 1e-9 rad of the triangle's plane
+  flat,    ///< of the same face
   convex,  ///< bent away from the front
   concave  ///< bent towards the front
 };
@@ -32,10 +33,12 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< triangle behind side k, or none
   std::vector<std::array<EdgeKind, 3>> edge_kinds;       ///< of side k
 
-  std::vector<std::uint32_t> flat_group;  ///< lowest triangle of the connected flat part a triangle is in
+  std::vector<std::uint32_t> face;  ///< lowest triangle of the plane face a triangle is in
+  std::vector<std::uint8_t> notches;  ///< bit k: at corner k the outline of the face turns inwards
+  JoinReport joined;
 
-  /// The surface need not be closed. Triangles must have an area (the mesh reader leaves others out).
-  static TriangleMesh from_surface(TriangleSurface surface);
+  /// The surface need not be closed. precision: of its coordinates (surface_join.h) [m].
+  static TriangleMesh from_surface(TriangleSurface surface, double precision = 0.0);
   /// Candidates are found by oriented boxes from now on.
   void orient_boxes() { oriented_ = ObbTree(vertices, triangles); }
 
@@ -78,7 +81,8 @@ struct TriangleMesh {
     std::uint32_t count;  ///< triangles of a leaf, 0: inner node
   };
   void find_neighbours();
-  void find_flat_groups();
+  void find_notches();
+  EdgeKind kind_of(const EdgeUse& p, const EdgeUse& q) const;
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 
   std::vector<Node> nodes_;

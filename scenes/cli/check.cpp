@@ -25,6 +25,17 @@ std::string solids_text(const Assembly& a) {
   return out;
 }
 
+/// What was joined of every mesh.
+std::string meshes_text(const Assembly& a) {
+  std::string out;
+  for (const TriangleMesh& m : a.shapes->of<TriangleMesh>()) {
+    const std::string joined = m.joined.to_string();
+    out += fmt::format("  mesh          {} triangles, {} faces{}{}\n", m.triangles.size(), m.joined.faces,
+                       joined.empty() ? "" : "; ", joined);
+  }
+  return out;
+}
+
 bool polyhedra_move(const Scene& scene) {
   const auto is_polyhedral = [&](std::size_t shape) {
     const std::string& type = scene.shapes[shape].type;
@@ -128,7 +139,7 @@ std::string check_text(Assembly& a) {
       "  at t = 0      {} candidate pairs, {} contacts, {} pairs overlap, worst {:.3g} m ({:.2g} of the radius)\n",
       sim.work.pairs.pairs.size() + listed_spheres(sim), std::max(sim.work.contacts.size(), sim.work.report.touching),
       overlap.pairs, overlap.max, overlap.max_relative);
-  out += solids_text(a);
+  out += solids_text(a) + meshes_text(a);
   out += fmt::format("  time step     {:.6g} s: {}\n", a.time_step.value, a.time_step.reason);
   if (std::isfinite(a.time_step.limit))
     out += fmt::format("  its limit     {:.4g} s{}\n", a.time_step.limit,

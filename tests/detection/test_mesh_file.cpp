@@ -15,11 +15,19 @@ using Catch::Matchers::Equals;
 
 namespace {
 
-std::string obj_text(const TriangleSurface& s) {
+std::string number_text(double x, const char* format) {
+  char word[64];
+  std::snprintf(word, sizeof word, format, x);
+  return word;
+}
+std::string obj_text(const TriangleSurface& s, const char* format = "%.17g") {
   std::string text = "# box\nmtllib none.mtl\no box\n";
   char line[160];
-  for (const Vec3& v : s.vertices)
-    std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", v.x(), v.y(), v.z()), text += line;
+  for (const Vec3& v : s.vertices) {
+    text += "v";
+    for (const double x : v) text.append(" ").append(number_text(x, format));
+    text += "\n";
+  }
   for (const auto& t : s.triangles)
     std::snprintf(line, sizeof line, "f %u/1/1 %u//2 %u\n", t[0] + 1, t[1] + 1, t[2] + 1), text += line;
   return text;
@@ -110,6 +118,25 @@ TEST_CASE("numbers with every digit survive the text", "[detection][mesh-file]")
   const TriangleSurface s = moved(prism_surface(20, 0.3, 0.7), random_turn(random), random_point(random));
   CHECK(corners(read_obj(obj_text(s), "p.obj").surface) == corners(s));
   CHECK(corners(read_stl(ascii_stl(s), "p.stl").surface) == corners(s));
+}
+
+TEST_CASE("how far a file has rounded its corners is seen by its digits", "[detection][mesh-file]") {
+  Random random(32, 0);
+  const TriangleSurface s = moved(prism_surface(20, 0.3, 0.7), random_turn(random), 5.0 * random_direction(random));
+  double largest = 0.0;
+  for (const Vec3& v : s.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  const double single = std::ldexp(largest, -24);
+  const auto precision = [&](const char* format) { return read_obj(obj_text(s, format), "p.obj").report.precision; };
+  CHECK(precision("%.17g") == 0.0);
+  CHECK(precision("%.6f") == Approx(5e-7));
+  CHECK(precision("%.5e") == Approx(5e-6));  // of the largest, in [1, 10)
+  CHECK(precision("%.6g") == Approx(5e-6));
+  CHECK(precision("%.9g") == Approx(single));  // single precision with all its digits
+  CHECK(read_stl(binary_stl(s), "p.stl").report.precision == Approx(single));
+  CHECK(read_ply(binary_ply(s, true), "p.ply").report.precision == Approx(single));
+  // what a person writes is meant so
+  const TriangleSurface exact = moved(box_surface({0.1, 0.25, 0.013}), Quat(1, 0, 0, 0), Vec3(0.5, 0, 0));
+  CHECK(read_obj(obj_text(exact, "%.4g"), "p.obj").report.precision == 0.0);
 }
 
 TEST_CASE("OBJ: polygons, negative indices, Windows line ends, signs and exponents", "[detection][mesh-file]") {
