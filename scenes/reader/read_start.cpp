@@ -171,8 +171,10 @@ void read_start(Draft& draft) {
   const Node& keys = from && from->type == Node::Type::table ? *from : table_or_empty(reading, "start");
   const std::size_t errors = reading.errors();
   const TableValues v = read_table(keys, "[start]", reading.schema.at("start").fields, reading);
-  if (from == nullptr && !v.has("run") && draft.start_run.empty())
-    reading.error(table->place, "missing key 'from' in [start] (folder of a run, no unit)");
+  const bool named = v.has("run") || v.has("from");
+  if (!named && draft.start_run.empty() && reading.errors() == errors)
+    reading.error(from ? from->place : table->place,
+                  std::string("missing key '") + (from ? "run" : "from") + "' in [start] (folder of a run, no unit)");
   if (reading.errors() != errors) return;
   StartSpec start;
   start.place = table ? table->place : Place{};
