@@ -58,7 +58,8 @@ double CellControl::pressure_at(double time) const {
 void DeformCell::before_step(World& world, double dt, std::vector<BodyId>&) {
   PeriodicCell& cell = *world.cell;
   if (control_.pressure) {
-    const double target = control_.pressure_at(world.time), fall = target / control_.pressure_at(world.time - dt);
+    const double time = world.clock + elapsed_;
+    const double target = control_.pressure_at(time), fall = target / control_.pressure_at(time - dt);
     const Vec3 excess = cell.stress() / target - Vec3::Ones();
     for (int k = 0; k < 3; ++k)
       if (cell.repeats[static_cast<std::size_t>(k)])

@@ -32,12 +32,14 @@ struct CellControl {
 
 class DeformCell final : public Event {
  public:
-  explicit DeformCell(CellControl control) : control_(control) {}
+  /// elapsed: of its time when the present stage began [s].
+  explicit DeformCell(CellControl control, double elapsed = 0.0) : control_(control), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
   void visit(StateVisitor& visitor) override { visitor.value("cell/share", share_); }
 
  private:
   CellControl control_;
+  double elapsed_;
   Vec3 share_ = Vec3::Ones();
 };
 

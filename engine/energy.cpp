@@ -24,7 +24,7 @@ double kinetic_energy(const World& world) {
 
 double potential_energy(const World& world, Slot s) {
   if (!world.is_movable(s)) return 0.0;
-  return -world.free_acceleration(s).dot(world.unwrapped(s)) / world.inverse_mass[s];
+  return -world.steady_acceleration(s).dot(world.unwrapped(s)) / world.inverse_mass[s];
 }
 
 double potential_energy(const World& world) {

@@ -1,9 +1,9 @@
 /// @file energy.h  The energy ledger: what is stored, what was lost, what came in. It must close in every run.
 /// relative_error = (E(t) - E(0) + dissipated - work) / E_ref, E_ref = max over time of kinetic + elastic, plus the
-/// spread of the potential energy. Potential: gravity and constant external forces. What position correction puts in is
-/// part of the error; it is also shown by itself. Dissipation never falls: where contacts
-/// put in more than they took since it was last at its height, the difference is `gained`, which no term balances, so that
-/// it stays in the error. All sums in a fixed order.
+/// spread of the potential energy. Potential: gravity and external forces, not their parts that follow time. What
+/// position correction puts in is part of the error and shown by itself. Dissipation never falls: where contacts
+/// put in more than they took since it was last at its height, the difference is `gained`, which no term balances, so
+/// that it stays in the error. All sums in a fixed order.
 #pragma once
 #include "engine/report.h"
 #include "engine/state_visitor.h"
@@ -39,6 +39,8 @@ class EnergyLedger {
   /// After every step: adds its losses and work.
   /// fall: |g| dt [m/s], the speed that a step of impulses knows velocities to.
   void add(const StepReport& report, double fall = 0.0);
+  /// Of loads that follow time [J].
+  void add_work(double work) { now_.work += work; }
   /// Bodies were added or removed: the jump of stored energy counts as work.
   void accept_jump(const World& world, double stored_before);
   /// Bodies with these energies [J] came in.

@@ -1,9 +1,11 @@
 /// @file events.h  What changes the world between steps: driven motion, removal. An ordered list run before the step,
 /// never hooks in it.
 #pragma once
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "engine/motion_table.h"
 #include "engine/state_visitor.h"
 #include "engine/world.h"
 
@@ -20,8 +22,8 @@ class Event {
   virtual void visit(StateVisitor&) {}
 };
 
-/// Prescribed motion of a driven body: the sum of a constant velocity, a rotation and an oscillation, within [from,
-/// until].
+/// Prescribed motion of a driven body: the sum of a constant velocity, a rotation, an oscillation and a way by a table,
+/// within [from, until].
 struct Motion {
   Vec3 velocity = Vec3::Zero();          ///< [m/s]
   Vec3 rotation_axis = Vec3::UnitZ();    ///< unit
@@ -30,36 +32,49 @@ struct Motion {
   Vec3 oscillation_direction = Vec3::UnitX();
   double oscillation_amplitude = 0.0;  ///< a in a sin(2 pi f t) [m]
   double oscillation_frequency = 0.0;  ///< f [Hz]
-  double from = 0.0;                   ///< [s]
+  std::shared_ptr<const MotionTable> table{};
+  double from = 0.0;  ///< [s]
   double until = std::numeric_limits<double>::infinity();
 };
 
-/// Sets the velocity so that the drift of the step ends exactly on the prescribed path.
+/// Sets the velocity so that the drift of the step ends exactly on the prescribed path. Several motions act one after
+/// the other: what an earlier one has turned or moved, a later one turns about its axis (spin, then orbit) and moves
+/// on. Times are those of the stage's clock and what had passed of the motion's own time when the stage began.
 class DriveBody final : public Event {
  public:
-  DriveBody(BodyId body, Motion motion, const Vec3& start) : body_(body), motion_(motion), start_(start) {}
+  DriveBody(BodyId body, std::vector<Motion> motions, const Vec3& start, double elapsed = 0.0)
+      : body_(body), motions_(std::move(motions)), start_(start), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
   bool rests_next(const World& world, double dt) const override;
+  void visit(StateVisitor& visitor) override;
+  BodyId body() const { return body_; }
+  /// Where the body is as its motion begins [m].
+  void begin_at(const Vec3& start) { start_ = start; }
 
  private:
   Vec3 position_at(double time) const;
-  double active_time(double time) const;
+  Quat turn_at(double time) const;
+  Vec3 spin(double time, double dt) const;
+  bool follows_table() const;
   BodyId body_;
-  Motion motion_;
+  std::vector<Motion> motions_;
   Vec3 start_;
+  double elapsed_;
 };
 
 /// Takes bodies out at a time [s].
 class RemoveBodies final : public Event {
  public:
-  RemoveBodies(std::vector<BodyId> bodies, double time) : bodies_(std::move(bodies)), time_(time) {}
+  /// elapsed: of this time when the present stage began [s].
+  RemoveBodies(std::vector<BodyId> bodies, double time, double elapsed = 0.0)
+      : bodies_(std::move(bodies)), time_(time), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
   bool rests_next(const World& world, double dt) const override;
 
  private:
   bool is_due(double time, double dt) const { return time + 0.5 * dt >= time_; }
   std::vector<BodyId> bodies_;
-  double time_;
+  double time_, elapsed_;
 };
 
 }  // namespace epafi

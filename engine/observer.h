@@ -57,16 +57,19 @@ class EverySteps {
  public:
   EverySteps() = default;
   /// every: the interval in steps, a fraction too; below 1 every step is due.
-  EverySteps(double every) : every_(std::max(1.0, every)) {}
-  /// interval [s], 0: every step; dt [s]
-  static EverySteps of_time(double interval, double dt) { return EverySteps(interval / dt); }
+  EverySteps(double every, std::uint64_t first = 0) : every_(std::max(1.0, every)), first_(first) {}
+  /// interval [s], 0: every step; dt [s]; first: the step that it is counted from
+  static EverySteps of_time(double interval, double dt, std::uint64_t first = 0) {
+    return EverySteps(interval / dt, first);
+  }
   bool is_due(std::uint64_t step) const {
-    const auto now = static_cast<double>(step);
+    const auto now = static_cast<double>(step) - static_cast<double>(first_);
     return std::round(std::round(now / every_) * every_) == now;
   }
 
  private:
   double every_ = 1.0;
+  std::uint64_t first_ = 0;
 };
 
 }  // namespace epafi

@@ -42,6 +42,7 @@ std::string suspect_of(const World& world, const ContactSet& contacts, Slot slot
 void Simulation::start() {
   sort_bodies();
   count_movable();
+  if (loads) loads->set(world, world.clock);
   if (pipeline.scheme->needs_initial_forces())
     evaluate_forces(world, pipeline, work);
   else
@@ -51,11 +52,34 @@ void Simulation::start() {
   static_cast<void>(look_at_step());  // a single look ends no run
 }
 
+/// Where forces hold they are kept to the bit: a stage that changes nothing is no event.
+void Simulation::enter(const Entry& entry) {
+  count_movable();
+  if (loads) loads->set(world, world.clock);
+  work.report.elastic = entry.elastic;
+  if (!entry.forces_hold) {
+    if (pipeline.scheme->needs_initial_forces()) {
+      evaluate_forces(world, pipeline, work);
+    } else {
+      work.report.elastic = 0.0;
+      pipeline.contact_model->store(world, work.report);
+    }
+  }
+  if (entry.new_ledger) {
+    ledger.start(world, work.report);
+    observe(false);
+  } else {  // this step has been seen
+    ledger.take_elastic(work.report);
+    ledger.accept_jump(world, entry.stored_before);
+  }
+  if (!entry.forces_hold || entry.new_ledger) static_cast<void>(look_at_step());
+}
+
 std::optional<Failure> Simulation::advance(bool last, bool run_on) {
   int parts = parts_of_step ? parts_of_step(world) : 1;
   if (step_watch) parts = std::max(parts, step_watch->parts());
   double deepest = 0.0;
-  const bool sort = steps_ > 0 && steps_ % sort_interval == 0;
+  const bool sort = sorts_now();
   ++steps_;
   for (int part = 0; part < parts; ++part) {
     auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks());
@@ -82,7 +106,7 @@ std::optional<Failure> Simulation::look_at_step() {
 
 /// Between this step and the next one.
 bool Simulation::nobody_looks() const {
-  if (parts_of_step || pipeline.guard || steps_ % sort_interval == 0) return false;
+  if (parts_of_step || pipeline.guard || loads || sorts_now()) return false;
   if (step_watch && (step_watch->parts() > 1 || step_watch->is_due(steps_))) return false;
   return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
 }
@@ -90,7 +114,8 @@ bool Simulation::nobody_looks() const {
 /// The domain as this step sees it: none between two looks for bodies to be taken out, whoever looks meanwhile.
 const std::optional<Domain>& Simulation::watched() const {
   static const std::optional<Domain> none;
-  return domain && domain->outside == Domain::Outside::remove && steps_ % outlet_interval() != 0 ? none : domain;
+  return domain && domain->outside == Domain::Outside::remove && (steps_ + before_) % outlet_interval() != 0 ? none
+                                                                                                             : domain;
 }
 
 std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {
@@ -101,10 +126,12 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) 
   if (sort) sort_bodies();
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
+  if (loads) loads->before_step(world, dt);
   step(world, pipeline, work, dt, rest ? &leave : nullptr);
   work.report.deepest = block_max<double>(work.contacts.size(), work.report.deepest,
                                           [&](std::size_t k) { return -work.contacts.gap[k]; });
   ledger.add(work.report, dt * world.gravity.norm());
+  if (loads) ledger.add_work(loads->after_step(world, dt));
   return watch();
 }
 
@@ -246,6 +273,7 @@ void Simulation::make_room() {
 void Simulation::visit(StateVisitor& visitor) {
   make_room();
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
+  if (visitor.has("simulation/steps_before")) visitor.value("simulation/steps_before", before_);
   if (parts_of_step || step_watch) visitor.value("simulation/parts", parts_made_);
   if (step_watch) step_watch->visit(visitor);
   visitor.column("simulation/leaving", leaving_);

@@ -8,6 +8,7 @@
 #include "engine/domain.h"
 #include "engine/energy.h"
 #include "engine/events.h"
+#include "engine/loads.h"
 #include "engine/observer.h"
 #include "engine/step.h"
 #include "engine/step_watch.h"
@@ -26,6 +27,7 @@ class Simulation {
   Warnings warnings;  ///< whoever meets trouble that does not end the run adds to them
   std::optional<Domain> domain;
   std::vector<std::unique_ptr<Event>> events;
+  std::unique_ptr<Loads> loads;  ///< gravity, forces and torques that follow time; null: none
   std::vector<std::unique_ptr<Observer>> observers;
   double time_step;  ///< dt [s]
   /// Parts of the time step at this moment, >= 1; empty: one.
@@ -45,6 +47,22 @@ class Simulation {
 
   /// Initial forces, the ledger's zero, observers at step 0.
   void start();
+  /// How a simulation goes on from the state of another one that has been carried into it.
+  struct Entry {
+    bool forces_hold = false;  ///< the stored contact forces are those of this scene
+    bool new_ledger = false;   ///< energies count from here on; else the jump of the stored energy is work
+    double stored_before = 0;  ///< by the other one's ledger, of the same moment [J]
+    double elastic = 0;        ///< in its contacts [J]
+  };
+  void enter(const Entry& entry);
+  /// Steps made, and those that another simulation made before: sorts go on in their rhythm.
+  void continue_at(std::uint64_t steps, std::uint64_t before) { steps_ = steps, before_ = before; }
+  std::uint64_t steps_before() const { return before_; }
+  /// To be taken out before the next step.
+  const std::vector<BodyId>& leaving() const { return leaving_; }
+  void take_leaving(std::vector<BodyId> bodies) { leaving_ = std::move(bodies); }
+  /// Bodies that another simulation has taken out.
+  void add_removed(std::uint64_t bodies) { removed_ += bodies; }
   /// One step with everything around it. A failure leaves the run as it is: the caller saves and stops.
   /// run_on: nobody but the observers looks at the bodies before the next call, which has the same time step: the
   /// contact model may do its first half at once (10 of 57 ns of a sphere in a bed).
@@ -68,6 +86,7 @@ class Simulation {
   void welcome(std::size_t before);
   std::optional<Failure> make_step(double dt, bool sort, bool run_on);
   bool nobody_looks() const;
+  bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
   const std::optional<Domain>& watched() const;
   std::optional<Failure> look_at_strays();
   void drop_contacts();
@@ -78,6 +97,7 @@ class Simulation {
   void reorder(const Reordering& change);
 
   std::uint64_t steps_ = 0;
+  std::uint64_t before_ = 0;  ///< steps of a run that this one began from
   std::uint64_t removed_ = 0;
   std::size_t movable_ = 0;       ///< free bodies
   std::uint64_t parts_made_ = 0;  ///< of all time steps

@@ -27,7 +27,8 @@ struct Ball {
 void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
   constexpr int trials = 20;
   const auto& queue = setup_.bodies;
-  if (!waits(world.time)) return;
+  const double time = world.clock + setup_.elapsed;
+  if (!waits(time)) return;
   if (setup_.see_held) setup_.see_held(world);
   std::vector<Ball> balls;  // whatever may be in the way: the box grown by both radii
   for (Slot s = 0; s < world.size(); ++s) {
@@ -37,7 +38,7 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
     if (world.cell || (((x - setup_.low).array() > -r).all() && ((setup_.high - x).array() > -r).all()))
       balls.push_back({x, r});
   }
-  while (waits(world.time)) {
+  while (waits(time)) {
     const WaitingBody& waiting = queue[next_];
     Random random(setup_.seed, (next_ << 24) + tried_);
     bool placed = false;

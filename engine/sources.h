@@ -28,10 +28,11 @@ class PourBodies final : public Event {
     std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
     std::function<void(const World&)> see_held;   ///< before `meets_held`: fixed and driven bodies as they stand now
     std::function<bool(const Body&)> meets_held;  ///< the body would overlap one of them
+    double elapsed = 0.0;                         ///< of its time when the present stage began [s]
   };
   explicit PourBodies(Setup setup) : setup_(std::move(setup)) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
-  bool rests_next(const World& world, double dt) const override { return !waits(world.time + dt); }
+  bool rests_next(const World& world, double dt) const override { return !waits(world.clock + setup_.elapsed + dt); }
   void visit(StateVisitor& visitor) override;
   const Setup& setup() const { return setup_; }
   std::uint64_t poured() const { return next_; }

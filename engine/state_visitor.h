@@ -25,6 +25,8 @@ class StateVisitor {
  public:
   virtual ~StateVisitor() = default;
 
+  /// False where what is loaded has no such column: a file older than it.
+  virtual bool has(std::string_view) const { return true; }
   /// A column of plain values; a loading visitor resizes it. `name` is unique in the walk ("world/position").
   template <class T, class Allocator>
   requires is_plain<T>

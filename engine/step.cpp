@@ -33,7 +33,7 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn
   timer.lap(Stage::contact);
   if (!clock.scheme) held += watched(world, stage, dt, [&] { stage.scheme->second_half(world, dt); });
   work.report.correction += held;
-  world.time += dt;
+  world.time += dt, world.clock += dt, world.fallen += dt * world.gravity;
   timer.lap(Stage::integrate);
 }
 

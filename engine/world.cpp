@@ -30,6 +30,8 @@ void World::each_column(F&& f) {
   f("world/position", position), f("world/velocity", velocity);
   if (columns_.force) f("world/force", force);
   if (columns_.external_force) f("world/external_force", external_force);
+  if (columns_.external_torque) f("world/external_torque", external_torque);
+  if (columns_.loose_force) f("world/loose_force", loose_force);
   if (columns_.periodic) f("world/wraps", wraps);
   if (!columns_.rotation) return;
   if (columns_.orientation) f("world/orientation", orientation);
@@ -83,6 +85,8 @@ void World::add(const Body& body, BodyId new_id) {
   position[s] = body.position, velocity[s] = body.velocity;
   if (columns_.force) force.back().setZero();
   if (columns_.external_force) external_force.back() = body.external_force;
+  if (columns_.external_torque) external_torque.back().setZero();
+  if (columns_.loose_force) loose_force.back().setZero();
   if (columns_.periodic) wraps.back().setZero();
   if (columns_.rotation) {
     if (columns_.orientation) orientation.back() = body.orientation.normalized();
@@ -130,6 +134,13 @@ Reordering World::remove(std::span<const BodyId> bodies) {
 
 void World::visit(StateVisitor& visitor) {
   visitor.value("world/time", time);
+  if (visitor.has("world/clock")) {
+    visitor.value("world/clock", clock);
+    visitor.value("world/fallen", fallen);
+  } else {  // of a run before there were stages
+    clock = time;
+    fallen = time * gravity;
+  }
   visitor.column("world/slot_of", slot_of_);
   if (cell) visitor.value("world/cell", *cell);
   each_column([&](const char* name, auto& column) {

@@ -23,9 +23,11 @@ struct Columns {
   bool anisotropy =
       false;          ///< some free body has unequal principal moments: angular momentum is kept beside the velocity
   bool force = true;  ///< force (and torque, with rotation): smooth contact only
-  bool external_force = false;  ///< constant forces on some bodies
-  bool periodic = false;        ///< cells passed by each body
-  bool held_force = false;      ///< contact forces on fixed and driven bodies are summed too
+  bool external_force = false;   ///< forces from outside on some bodies
+  bool external_torque = false;  ///< and torques: with rotation
+  bool loose_force = false;      ///< with external_force: some of them follow time
+  bool periodic = false;         ///< cells passed by each body
+  bool held_force = false;       ///< contact forces on fixed and driven bodies are summed too
   bool states = false;  ///< what moves of a body and its inertia lie in one BodyState: a contact model reads them so
 };
 
@@ -57,19 +59,24 @@ class World {
   ~World() = default;
 
   double time = 0.0;                   ///< [s]
+  double clock = 0.0;                  ///< since the present stage began [s]
   Vec3 gravity = Vec3::Zero();         ///< [m/s^2]
+  Vec3 loose_gravity = Vec3::Zero();   ///< the part of it that follows time: it has no potential [m/s^2]
+  Vec3 fallen = Vec3::Zero();          ///< integral of gravity over time [m/s]
   std::optional<PeriodicCell> cell{};  ///< where space repeats; with columns().periodic
 
   std::vector<BodyId> id;  ///< of each slot
   std::vector<std::uint32_t> shape;
   std::vector<std::uint16_t> material;
-  StateColumn<double> inverse_mass;    ///< [1/kg], 0 for fixed and driven bodies
-  StateColumn<Vec3> position;          ///< [m]
-  StateColumn<Vec3> velocity;          ///< [m/s]
-  std::vector<Wraps> wraps;            ///< cells passed; with columns().periodic
-  std::vector<Vec3> force;             ///< contact force at the last detection [N]; with columns().force
-  std::vector<Vec3> external_force;    ///< [N]; with columns().external_force
-  std::vector<Quat> orientation;       ///< with columns().rotation and columns().orientation
+  StateColumn<double> inverse_mass;   ///< [1/kg], 0 for fixed and driven bodies
+  StateColumn<Vec3> position;         ///< [m]
+  StateColumn<Vec3> velocity;         ///< [m/s]
+  std::vector<Wraps> wraps;           ///< cells passed; with columns().periodic
+  std::vector<Vec3> force;            ///< contact force at the last detection [N]; with columns().force
+  std::vector<Vec3> external_force;   ///< [N]; with columns().external_force
+  std::vector<Vec3> external_torque;  ///< world axes [N m]; with columns().external_torque
+  std::vector<Vec3> loose_force;  ///< the part of the external force that follows time [N]; with columns().loose_force
+  std::vector<Quat> orientation;  ///< with columns().rotation and columns().orientation
   StateColumn<Vec3> angular_velocity;  ///< world axes [rad/s]; with columns().rotation, as are the next ones
   std::vector<Vec3> inverse_inertia;   ///< principal axes [1/(kg m^2)]; with columns().anisotropy, else the next one
   StateColumn<double> inverse_moment;  ///< of bodies with equal principal moments [1/(kg m^2)]
@@ -114,6 +121,13 @@ class World {
   Vec3 free_acceleration(Slot s) const {
     if (inverse_mass[s] == 0.0) return Vec3::Zero();
     return columns_.external_force ? Vec3(gravity + inverse_mass[s] * external_force[s]) : gravity;
+  }
+  /// The part of it that has a potential: gravity and forces that do not follow time [m/s^2].
+  Vec3 steady_acceleration(Slot s) const {
+    Vec3 all = free_acceleration(s);
+    if (inverse_mass[s] == 0.0) return all;
+    all -= loose_gravity;
+    return columns_.loose_force ? Vec3(all - inverse_mass[s] * loose_force[s]) : all;
   }
   /// Whole acceleration, with the stored contact force.
   Vec3 acceleration(Slot s) const { return free_acceleration(s) + inverse_mass[s] * force[s]; }

@@ -9,28 +9,21 @@
 #include "engine/rolling_regions.h"
 #include "engine/simulation.h"
 #include "engine/sources.h"
+#include "scenes/generators.h"
 #include "scenes/monitor.h"
 #include "scenes/plan.h"
+#include "scenes/run_record.h"
 #include "viz_export/body_origin.h"
 #include "viz_export/measures/measure.h"
 
 namespace epafi {
-
-/// The time step and where it came from.
-struct TimeStep {
-  double value = 0.0;  ///< [s]
-  double limit = 0.0;  ///< stability or accuracy limit [s]; infinite where there is none
-  std::string reason;
-  std::string limit_reason{};  ///< of the limit; empty: that of the step
-  std::function<int(const World&)> parts{};  ///< of "adaptive": into how many parts a step is divided
-};
 
 /// A scene made ready. The scene, the shapes and the simulation live together: observers refer to them.
 struct Assembly {
   Scene scene;
   StepPlan plan;
   TimeStep time_step;
-  std::uint64_t steps = 0;  ///< of the whole duration
+  std::uint64_t steps = 0;  ///< of the whole duration, or of the present stage
   std::shared_ptr<ShapeStore> shapes;
   std::unique_ptr<RollingRegions> rolling;  ///< of wheels on rails, between search and law; null without
   std::unique_ptr<Simulation> simulation;
@@ -39,17 +32,42 @@ struct Assembly {
   BatchNarrowPhase* narrow_phase = nullptr;  ///< of the pipeline
   ShapeOrigins origins;                      ///< of shapes in use, for files that are read back
   std::vector<Problem> warnings;
+  std::vector<double> clocks;    ///< of the stages before the present one, at their ends [s]
+  std::vector<BodyId> body_ids;  ///< of Scene::bodies; empty: the world has them first, in their order
+  KnownFills fill_bodies;        ///< of Scene::fills, where somebody wants them
 
-  /// Of Scene::bodies[k]: the world has them first.
+  /// A driven body, and when what drives it was written.
+  struct Drive {
+    BodyId body;
+    Since since;
+  };
+  std::vector<Drive> drives;
+
+  /// Of Scene::bodies[k] where no stage has brought bodies: the world has them first.
   static BodyId body_id(std::size_t k) { return static_cast<BodyId>(k); }
+  /// Of Scene::bodies[k].
+  BodyId id_of(std::size_t k) const { return body_ids.empty() ? static_cast<BodyId>(k) : body_ids[k]; }
+  /// What had passed of something's own time when the present stage began [s].
+  double elapsed(const Since& since) const;
   BodyIds ids(const NamedBodies& named) const;
   /// A measure of the scene, made once more.
   std::unique_ptr<Measure> measure(const MeasureSpec& spec) const;
 };
 
+/// How a simulation is made that goes on from another one, or whose bodies are asked for afterwards.
+struct AssembleOptions {
+  std::vector<double> clocks{};            ///< Assembly::clocks
+  std::optional<TimeStep> time_step{};     ///< taken as it is
+  std::function<void(Assembly&)> place{};  ///< puts the bodies where they are, before anything is chosen by them
+  bool may_fuse = true;                    ///< free spheres may take their own loop
+  KnownFills fill_bodies{};                ///< by fill, where they are known; others are placed
+  bool keep_fill_bodies = false;
+  bool places_known = true;  ///< false: bodies will stand elsewhere by then, and fills ask nobody for room
+};
+
 /// Builds shapes, plan, world and stages. Throws SceneError for what only shows now (geometry, missing constants, time
 /// step above its limit, overlapping parts of laws). Observers are not part of it: see observe.h.
-std::unique_ptr<Assembly> assemble(Scene scene);
+std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options = {});
 
 /// Body's name for messages: "stack[3]" or "body 17".
 std::string body_name(const Assembly& assembly, BodyId id);

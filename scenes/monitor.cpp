@@ -63,6 +63,7 @@ RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bod
   bound_start_.resize(bounds_.size());
   for (const auto& b : bounds_) {
     const std::string name = b.body.empty() ? b.quantity : b.quantity + "." + b.body;
+    left_since_.push_back(-1.0);
     checks_.push_back({name, 0.0, b.limit, true});
     follows_bodies_ = follows_bodies_ || b.quantity == "drift" || b.quantity == "sag";
   }
@@ -180,7 +181,7 @@ void RunMonitor::look_at_momentum(const StepView& view) {
     return Sum3{w.velocity[s].norm() / w.inverse_mass[s], 1.0 / w.inverse_mass[s], 0.0};
   });
   const double magnitude = sum.a, mass = sum.b;
-  const Vec3 p = linear_momentum(w) - mass * w.time * w.gravity;
+  const Vec3 p = linear_momentum(w) - mass * w.fallen;
   if (momentum_.started == 0) {
     for (int k = 0; k < 3; ++k) momentum_.start[k] = p[k];
     momentum_.started = 1;
@@ -216,6 +217,10 @@ double RunMonitor::value_of(std::size_t i, const StepView& view) {
 
 void RunMonitor::check(const StepView& view, bool all) {
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
+    if (bounds_[i].quantity == "measure") {
+      check_measure(i, view);
+      continue;
+    }
     // energies and momentum are those of the last look
     if (!all && (bounds_[i].quantity == "energy_error" || bounds_[i].quantity == "momentum_error")) continue;
     const double value = value_of(i, view);
@@ -226,8 +231,28 @@ void RunMonitor::check(const StepView& view, bool all) {
 
 std::optional<BoundCheck> RunMonitor::violated() const {
   for (std::size_t i = 0; i < stopping_; ++i)
-    if (!checks_[i].ok) return checks_[i];
+    if (!checks_[i].ok && !bounds_[i].stops) return checks_[i];
   return balance_;
+}
+
+std::optional<BoundCheck> RunMonitor::reached() const {
+  for (std::size_t i = 0; i < stopping_; ++i)
+    if (!checks_[i].ok && bounds_[i].stops) return checks_[i];
+  return std::nullopt;
+}
+
+void RunMonitor::check_measure(std::size_t i, const StepView& view) {
+  const BoundSpec& b = bounds_[i];
+  const double value = measured_ ? measured_(b.broken) : std::numeric_limits<double>::quiet_NaN();
+  const double now = view.world.time;
+  if (std::isnan(value) || now < b.after * (1 - 1e-12)) return;
+  if (checks_[i].ok) checks_[i].value = value;
+  double& since = left_since_[i];
+  if (!b.broken.holds(value))
+    since = -1.0;
+  else if (since < 0.0)
+    since = now;
+  if (since >= 0.0 && now - since >= b.broken.duration - 1e-6 * view.dt) checks_[i].ok = false;
 }
 
 std::vector<BoundCheck> RunMonitor::accuracy() const {
@@ -244,7 +269,10 @@ void RunMonitor::visit(StateVisitor& v) {
   energy_.visit(v);
   if (momentum_.started != 0) momentum_error_ = momentum_.error;
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
-    const std::string name = "monitor/bound" + std::to_string(i);
+    std::string name = "monitor/bound" + std::to_string(i);
+    const std::string full = name + "/" + checks_[i].name;  // in another stage it may be another bound
+    if (v.has(full + "/value")) name = full;
+    if (bounds_[i].quantity == "measure") v.value(name + "/since", left_since_[i]);
     v.value(name + "/value", checks_[i].value), v.value(name + "/ok", checks_[i].ok),
         v.column(name + "/start", bound_start_[i]);
   }

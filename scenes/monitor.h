@@ -1,5 +1,6 @@
 /// @file monitor.h  Watches a run: what summary.json reports and what [bounds] forbids. An observer like any other.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +52,10 @@ class RunMonitor final : public Observer {
   void visit(StateVisitor& visitor) override;
 
   std::optional<BoundCheck> violated() const;
+  /// A bound that ends the run well, with then = "stop".
+  std::optional<BoundCheck> reached() const;
+  /// Of bounds on measures: its last value, NaN where there is none.
+  void read_measures(std::function<double(const Condition&)> value) { measured_ = std::move(value); }
   /// Of [bounds]: worst value of the whole run.
   std::vector<BoundCheck> checks() const {
     std::vector<BoundCheck> out(checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_));
@@ -78,6 +83,7 @@ class RunMonitor final : public Observer {
   void watch_solver(const StepView& view);
   void look_at_momentum(const StepView& view);
   void check(const StepView& view, bool all);
+  void check_measure(std::size_t bound, const StepView& view);
   double value_of(std::size_t bound, const StepView& view);
 
   struct Totals {  // plain, so that it is checkpointed as one value
@@ -105,6 +111,8 @@ class RunMonitor final : public Observer {
   Overlap last_overlap_;
   bool follows_bodies_ = false;  ///< a bound on how bodies move: they are looked at in every step
   std::optional<double> momentum_error_;
+  std::function<double(const Condition&)> measured_{};
+  std::vector<double> left_since_;  ///< by bound: when a measure began to be out of it [s]; < 0: it is not
 };
 
 }  // namespace epafi

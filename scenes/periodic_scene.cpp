@@ -70,7 +70,7 @@ void add_cell(Assembly& a) {
     // an inertial number of 1e-3: quasi-static (GDR MiDi 2004)
     if (control.pressure && control.rate_limit == 0.0)
       control.rate_limit = 1e-3 * std::sqrt(*control.pressure / largest.density) / (2 * largest.radius);
-    events.push_back(std::make_unique<DeformCell>(control));
+    events.push_back(std::make_unique<DeformCell>(control, a.elapsed({})));
   }
   events.push_back(std::make_unique<WrapBodies>(largest.radius));
 }

@@ -30,7 +30,8 @@ struct ShapesInUse {
 
 ShapesInUse shapes_in_use(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   ShapesInUse use;
-  for (const auto& b : scene.bodies) use.add(b.shape, b.size * shapes[b.shape].radius, b.moves());
+  for (const auto& b : scene.bodies)
+    if (!b.absent) use.add(b.shape, b.size * shapes[b.shape].radius, b.moves());
   for (const auto& f : scene.fills)
     for (std::size_t s : f.shapes) use.add(s, shapes[s].radius, true);
   return use;
@@ -70,12 +71,15 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
                           scene.shapes[s].place});
   }
   for (const auto& b : scene.bodies) {
+    if (b.absent) continue;
     const Place& where = b.spin_place ? *b.spin_place : scene.groups[b.group].place;
     const auto name = [&] {
       return "body '" + body_name(scene, static_cast<std::size_t>(&b - scene.bodies.data())) + "'";
     };
     if (b.angular_velocity.squaredNorm() > 0) pay(name() + " spins", where);
-    const bool driven = b.motion && b.motion->rotation_rate != 0;
+    const bool driven =
+        b.motion && std::ranges::any_of(b.motion->parts, [](const Motion& m) { return m.rotation_rate != 0; });
+    if (b.load && b.load->torque) pay(name() + " has a torque", where);
     if (driven) pay(name() + " is driven to rotate", where);
     if (shapes[b.shape].is_sphere) continue;
     const char* turned = turned_by(b, shapes[b.shape]);
@@ -142,7 +146,7 @@ void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shape
     if (shapes[shape].is_sphere) spheres += number;
   };
   for (const auto& b : scene.bodies)
-    if (b.moves()) count(b.shape, 1);
+    if (b.moves() && !b.absent) count(b.shape, 1);
   for (const auto& f : scene.fills)
     for (std::size_t s : f.shapes) count(s, 100);  // how many is known later; a fill is many
   if (spheres == 0) return;
@@ -213,8 +217,14 @@ void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
     bill.pay(where != nullptr, name, why, where != nullptr ? *where : Place{});
     return where != nullptr;
   };
-  plan.columns.external_force =
-      pay(find([](const BodySpec& b) { return b.force.has_value(); }), "external force", "a body has a constant force");
+  plan.columns.external_force = pay(find([](const BodySpec& b) { return b.force || (b.load && b.load->force); }),
+                                    "external force", "a body has a force from outside");
+  const auto timed = [](const BodySpec& b) { return b.load.has_value(); };
+  const Place none{};
+  if (const Place* where = find(timed); where || scene.loose_gravity)
+    bill.pay(true, "work of loads", "gravity, forces or torques that follow time, or a torque", where ? *where : none);
+  plan.columns.loose_force = find([](const BodySpec& b) { return b.load && b.load->force; }) != nullptr;
+  plan.columns.external_torque = find([](const BodySpec& b) { return b.load && b.load->torque; }) != nullptr;
   plan.columns.periodic = pay(scene.cell ? &scene.cell->place : nullptr, "images",
                               "the domain repeats: images of bodies at its faces, cells passed by each body");
   plan.columns.held_force = pay(find([](const BodySpec& b) { return b.servo.has_value(); }), "force on walls",
@@ -244,7 +254,7 @@ void plan_reach(const Scene& scene, const ShapesInUse& use, bool smooth, StepPla
 
 }  // namespace
 
-StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
+StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes, bool may_fuse) {
   StepPlan plan;
   const bool smooth = scene.contact.method.value == Method::smooth;
   const ShapesInUse use = shapes_in_use(scene, shapes);
@@ -258,7 +268,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes) {
   plan_bodies(scene, {plan}, smooth);
   plan_pairs(scene, shapes, use, plan);
   plan_reach(scene, use, smooth, plan);
-  plan_fused_spheres(scene, shapes, plan);
+  if (may_fuse) plan_fused_spheres(scene, shapes, plan);
   plan_railway(scene, use, plan);
   std::size_t bodies = scene.bodies.size();
   for (const FillSpec& f : scene.fills) bodies += f.count.value_or(0);

@@ -42,7 +42,8 @@ struct StepPlan {
 };
 
 /// shapes: of every scene shape, built. Bodies of fills count as free bodies.
-StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes);
+/// may_fuse: false where spheres shall not take their own loop.
+StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes, bool may_fuse = true);
 
 /// The text of `epafi explain`. shapes: those of the scene.
 std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& shapes);

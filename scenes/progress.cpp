@@ -24,6 +24,11 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
+void Progress::enter(const std::string& stage, std::uint64_t first_step, std::uint64_t last_step) {
+  stage_ = stage.empty() ? "" : "stage '" + stage + "' ";
+  begin_ = first_step, steps_ = last_step;
+}
+
 std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) const {
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
   const double done = static_cast<double>(sim.steps()),
@@ -31,9 +36,11 @@ std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) con
   const double eta = (static_cast<double>(steps_) - done) / rate;
   const StepReport& r = sim.work.report;
   std::string text = fmt::format(
-      "{:5.1f} %  t {:.4g} s  ETA {}  {:.3g} steps/s  {} bodies  {} contacts  kinetic {:.3g} J  overlap {:.2g}",
-      100.0 * done / static_cast<double>(steps_), sim.world.time, clock_text(eta), rate, sim.world.size(), r.touching,
-      sim.ledger.last().kinetic, monitor.last_overlap().max_relative);
+      "{}{:5.1f} %  t {:.4g} s  ETA {}  {:.3g} steps/s  {} bodies  {} contacts  kinetic {:.3g} J  overlap {:.2g}",
+      stage_,
+      100.0 * (done - static_cast<double>(begin_)) / static_cast<double>(std::max<std::uint64_t>(1, steps_ - begin_)),
+      sim.world.time, clock_text(eta), rate, sim.world.size(), r.touching, sim.ledger.last().kinetic,
+      monitor.last_overlap().max_relative);
   if (r.has_solver) text += fmt::format("  residual {:.2g} in {} it", r.solver.residual, r.solver.iterations);
   text += fmt::format("  energy error {:.2g}", sim.ledger.relative_error());
   for (const Warning& w : sim.warnings.all()) text += "  warning: " + w.text;
@@ -48,7 +55,8 @@ void Progress::print(const Simulation& sim, const RunMonitor& monitor) {
     return;
   }
   constexpr std::uint64_t width = 20;
-  const std::uint64_t filled = std::min(width, width * sim.steps() / std::max<std::uint64_t>(1, steps_));
+  const std::uint64_t filled =
+      std::min(width, width * (sim.steps() - begin_) / std::max<std::uint64_t>(1, steps_ - begin_));
   std::fprintf(stderr, "\r\033[K[%s%s] %s", std::string(filled, '#').c_str(), std::string(width - filled, '.').c_str(),
                text.c_str());
   std::fflush(stderr);

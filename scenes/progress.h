@@ -12,6 +12,8 @@ class Progress {
  public:
   /// steps: of the whole run; first: those done before (a resumed run).
   Progress(std::uint64_t steps, std::uint64_t first, bool quiet);
+  /// A stage begins: what is told of progress is its own.
+  void enter(const std::string& stage, std::uint64_t first_step, std::uint64_t last_step);
   /// Cheap to call every step: prints at most every 0.5 s (bar) or 10 s (lines).
   void update(const Simulation& sim, const RunMonitor& monitor);
   void finish(const Simulation& sim, const RunMonitor& monitor);
@@ -21,7 +23,8 @@ class Progress {
   std::string line(const Simulation& sim, const RunMonitor& monitor) const;
   void print(const Simulation& sim, const RunMonitor& monitor);
 
-  std::uint64_t steps_, first_;
+  std::uint64_t steps_, first_, begin_ = 0;
+  std::string stage_;
   bool quiet_, terminal_;
   Clock::time_point start_, last_;
   std::size_t warned_ = 0;  ///< kinds of warnings that a printed line has shown

@@ -4,6 +4,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +15,7 @@
 #include "engine/domain.h"
 #include "engine/error.h"
 #include "engine/events.h"
+#include "engine/loads.h"
 #include "engine/registry.h"
 #include "engine/servo.h"
 #include "engine/types.h"
@@ -94,6 +97,36 @@ struct ShapeSpec {
   Place place;
 };
 
+/// When something written in the scene begins to count: with the stage that wrote it.
+struct Since {
+  std::size_t stage = 0;  ///< index in Scene::stages
+  double passed = 0.0;    ///< of its time in a run that the scene starts from [s]
+};
+
+/// motion = { ... } or a list of them, without the servo.
+struct MotionSpec {
+  std::vector<Motion> parts;
+  Since since;
+};
+
+/// motion = { servo = { ... } }
+struct ServoSpec {
+  Servo servo;
+  Since since;
+};
+
+/// remove_at
+struct Removal {
+  double time = 0.0;  ///< [s]
+  Since since;
+};
+
+/// force and torque where they follow time, and every torque.
+struct TimedLoad {
+  TimeVector force, torque;  ///< [N], [N m]; empty: none. Of the force the part that follows time
+  Since since;
+};
+
 /// One body after `repeat` is unrolled, from [[body]] or a row of [[bodies]].
 struct BodySpec {
   std::size_t group = 0;     ///< index in Scene::groups: the table this body came from
@@ -101,17 +134,19 @@ struct BodySpec {
   double size = 1.0;         ///< factor of all lengths of the shape, > 0
   std::size_t material = 0;  ///< index in Scene::materials
   bool fixed = false;
-  bool on_rails = false;                                      ///< a wheelset whose height and roll are found
-  bool continuous = false;                                    ///< held back from passing through others within a step
-  bool as_drawn = false;                                      ///< position is that of the origin of the shape's file
-  Rare<Motion> motion;                                        ///< motion = { ... } of a driven body
-  Rare<Servo> servo;                                          ///< motion = { servo = { ... } } of one that presses
-  Rare<double> remove_at;                                     ///< [s]
+  bool on_rails = false;    ///< a wheelset whose height and roll are found
+  bool continuous = false;  ///< held back from passing through others within a step
+  bool as_drawn = false;    ///< position is that of the origin of the shape's file
+  bool absent = false;      ///< taken out; its number in the group stays
+  Rare<MotionSpec> motion;  ///< of a driven body
+  Rare<ServoSpec> servo;    ///< of one that presses
+  Rare<TimedLoad> load;
+  Rare<Removal> remove_at;
   Vec3 position = Vec3::Zero();                               ///< of the centre of mass, or as_drawn [m]
   Quat orientation = Quat(1, 0, 0, 0);                        ///< of the author's axes, unit
   Vec3 velocity = Vec3::Zero();                               ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();                       ///< world axes [rad/s]
-  Rare<Vec3> force;                                           ///< constant external force [N]
+  Rare<Vec3> force;                                           ///< constant part of the external force [N]
   Rare<Place> spin_place;                                     ///< where an angular velocity was written
   bool moves() const { return !fixed && !motion && !servo; }  ///< free: has mass, is integrated
 };
@@ -122,6 +157,9 @@ struct GroupSpec {
   std::size_t first = 0, count = 0;
   Place place;
   std::vector<std::size_t> repeat{};  ///< bodies along each index; rows of a file have one; empty: one body, no index
+  std::string group{};                ///< a name that it shares with others; may be empty
+  std::size_t stage = 0;              ///< of Scene::stages that brings it
+  std::optional<std::size_t> from{};  ///< carried over: its number among the groups of the run the scene starts from
 };
 
 /// Name of the k-th body of a group: "stack[3]", "grid[0,1,2]" or the plain name; empty where the group has none.
@@ -137,6 +175,20 @@ inline std::string body_name(const GroupSpec& group, std::size_t k) {
 struct Region {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
 };
+
+/// What a stage changes of bodies: body.NAME = { ... }.
+struct BodyChange {
+  std::optional<std::size_t> one{};  ///< of the named bodies of a fill; empty: all
+  std::optional<bool> fixed{};
+  bool remove = false;
+  bool moves = false;  ///< motion and servo are given, or that there is none
+  std::optional<MotionSpec> motion{};
+  std::optional<ServoSpec> servo{};
+  bool loads = false;  ///< force and torque likewise
+  std::optional<Vec3> force{};
+  std::optional<TimedLoad> load{};
+};
+void apply(const BodyChange& change, BodySpec& body);
 
 /// [[fill]]
 struct FillSpec {
@@ -165,6 +217,9 @@ struct FillSpec {
   double mass_rate = 0.0;           ///< pour: [kg/s], or 0
   double from = 0.0;                ///< pour: begin [s]
   Place place;
+  std::string group{};    ///< a name that it shares with others; may be empty
+  std::size_t stage = 0;  ///< of Scene::stages that brings it
+  std::vector<BodyChange> changes{};
 };
 
 /// [[outlet]]: free bodies whose centres come into the box are taken out and counted.
@@ -217,10 +272,21 @@ struct MeasureSpec {
   Place place;
 };
 
+/// What a value of a measure must do, and for how long.
+struct Condition {
+  std::string measure, component;
+  double limit = 0.0;
+  bool above = false;     ///< it holds above the limit, else below
+  double duration = 0.0;  ///< without a break [s]
+  bool holds(double value) const { return above ? value > limit : value < limit; }
+};
+
 /// One entry of [bounds] or [accuracy].
 struct BoundSpec {
-  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, drift, sag
+  std::string quantity;  ///< energy_error, overlap_relative, momentum_error, residual, drift, sag, measure
   double limit = 0.0;    ///< value <= limit
+  bool stops = false;    ///< then = "stop": the run ends early and well
+  Condition broken{};    ///< of `measure`: when the bound is left
   std::string body;      ///< of drift and sag
   NamedBodies bodies;    ///< resolved
   double after = 0.0;    ///< [s]
@@ -241,6 +307,31 @@ struct BenchmarkSpec {
   Place place;
 };
 
+/// [[stage]]; a scene without any has one, of the whole duration.
+struct StageSpec {
+  std::string name;       ///< empty where the scene has no [[stage]]
+  double duration = 0.0;  ///< the longest time where there is a condition [s], > 0
+  std::optional<Condition> until{};
+  Place place{};
+};
+
+/// [start]: a run that has been made, whose bodies this scene has from it.
+struct StartSpec {
+  std::string run;                   ///< folder
+  std::string hash;                  ///< of what is taken from it
+  std::size_t bodies = 0;            ///< so many of Scene::bodies come from it, with the numbers they have there
+  std::vector<std::string> dropped;  ///< what does not come along, to be told
+  bool at_rest = false;              ///< velocities are left behind
+  Vec3 move = Vec3::Zero();          ///< [m]
+  Quat turn = Quat(1, 0, 0, 0);      ///< about the origin, before the move
+  bool turned = false;
+  bool goes_on = false;          ///< in time and in its files: `epafi resume DIR --scene`
+  std::optional<double> time{};  ///< of a snapshot [s]
+  bool keeps_memory() const { return !turned && !time; }
+  std::shared_ptr<struct MadeRun> made{};  ///< until the bodies have their places
+  Place place{};
+};
+
 /// [output]
 struct OutputSettings {
   std::optional<Placed<double>> problems_every;  ///< write the contact problems each so many seconds [s]
@@ -252,7 +343,9 @@ struct Scene {
   std::string file;  ///< as given to the reader
   std::string text;  ///< the whole text that was read, includes and overrides too: hashed, stored
   RunSettings run;
-  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
+  Vec3 gravity = Vec3::Zero();  ///< the part that does not follow time [m/s^2]
+  TimeVector loose_gravity{};   ///< the other one; empty: none
+  Since gravity_since{};
   std::optional<Placed<Domain>> domain;
   std::optional<CellSpec> cell;
   std::vector<MaterialSpec> materials;
@@ -271,6 +364,11 @@ struct Scene {
   std::optional<BenchmarkSpec> benchmark;
   OutputSettings output;
   ViewSettings view;
+  std::vector<StageSpec> stages;  ///< one at least
+  std::size_t stage = 0;          ///< the one that this scene describes
+  std::optional<StartSpec> start{};
+  std::function<Scene(std::size_t)> stage_of{};  ///< the same scene at another stage; throws SceneError
+  bool changes_bodies = false;                   ///< against the stage or run before: bodies, what drives or holds them
 };
 
 /// Name of Scene::bodies[k].

@@ -86,7 +86,7 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
     : assembly_(std::move(assembly)), overrides_(std::move(overrides)), folder_(std::move(folder)), output_(output) {
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
-  scene_hash_ = scene_hash(scene);
+  scene_hash_ = from && scene.stage > 0 ? from->scene_hash : scene_hash(scene);
   const RunFileHeader header{EPAFI_VERSION,     scene_hash_, scene.title,
                              scene.text,        overrides_,  to_text(about_of(*assembly_)),
                              assembly_->origins};
@@ -97,8 +97,11 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   else
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header),
                            FrameWriter(folder_), StateSnapshot(folder_ / ".last_good")});
+  if (from) record_ = RunRecord::from_text(from->record);
+  if (record_.stages.empty()) begin_record();
   add_observers();
   tracks_ = std::make_unique<TrackWatch>(*assembly_);
+  if (from && assembly_->scene.start) assembly_->scene.start->made.reset();
   std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 184 bytes each, more than there
   give_back_heap();                                       // 39 bytes a sphere of a million
   constexpr std::size_t many = 10'000;                    // what only reading asked for: 28 bytes of each of 100 000
@@ -108,14 +111,15 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
                  Output output)
     : Session(std::move(assembly), std::move(overrides), std::move(folder), nullptr, output) {
-  assembly_->simulation->start();
+  begin();
 }
 
 std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
                                          std::filesystem::path folder) {
   const std::filesystem::path file = folder / "checkpoint.h5";
   const CheckpointHeader header = read_checkpoint_header(file);
-  const CheckpointExpectation expected{EPAFI_VERSION, scene_hash(assembly->scene)};
+  const bool later = assembly->scene.stage > 0;  // its positions are those of no scene
+  const CheckpointExpectation expected{EPAFI_VERSION, later ? header.scene_hash : scene_hash(assembly->scene)};
   std::unique_ptr<Session> s(
       new Session(std::move(assembly), std::move(overrides), std::move(folder), &header, Output::all));
   load_checkpoint(file, expected, [&](StateVisitor& v) { s->walk(v); });
@@ -126,9 +130,21 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
 
 Session::~Session() = default;
 
+bool Session::is_final() const { return assembly_->scene.stage + 1 >= assembly_->scene.stages.size(); }
+
+bool Session::is_done() const {
+  return is_final() && (assembly_->simulation->steps() >= last_step() || !record_.stages.back().ended.empty());
+}
+
+void Session::files_renew() {
+  files_->run.forget_shapes();
+  files_->last_good = StateSnapshot(folder_ / ".last_good");
+}
+
 void Session::walk(StateVisitor& visitor) {
   assembly_->simulation->visit(visitor);
   files_->frames.visit(visitor);
+  if (watched_) visitor.value("session/met_since", met_since_);
 }
 
 namespace {
@@ -170,26 +186,43 @@ void Session::add_observers() {
   for (const auto& b : scene.bounds) bound_bodies.push_back(assembly_->ids(b.bodies));
   for (const auto& b : scene.accuracy) bound_bodies.push_back(assembly_->ids(b.bodies));
   const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
-  const RunMonitor::Setup setup{assembly_->steps, std::min<std::uint64_t>(50, frame_every), least_radius(*assembly_)};
+  const std::uint64_t first = record_.stages.back().first_step;
+  const RunMonitor::Setup setup{last_step(), std::min<std::uint64_t>(50, frame_every), least_radius(*assembly_)};
   auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, setup, sim.warnings);
+  monitor->read_measures([this](const Condition& c) { return last_value(c); });
   monitor_ = monitor.get();
   sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
     const std::uint64_t written = rows_apart(spec, assembly_->steps);
     auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), &files_->csv, &files_->run,
-                                                      EverySteps::of_time(spec.interval, dt), spec.kind, written);
+                                                      EverySteps::of_time(spec.interval, dt, first), spec.kind,
+                                                      written);
     recorders_.push_back(recorder.get());
+    if (const auto& until = scene.stages[scene.stage].until; until && until->measure == spec.name) {
+      watched_ = recorder.get();
+      component_ = recorder->component(until->component);
+    }
     sim.observers.push_back(std::move(recorder));
   }
   if (output_ != Output::all) return;
   const double interval = scene.run.output_interval.value;
-  auto frames = std::make_unique<StateRecorder>(&files_->run, &files_->frames, *assembly_->shapes,
-                                                EverySteps::of_time(interval, dt),
-                                                [&sim] { return contact_residuals(under_layers(sim)); });
+  auto frames = std::make_unique<StateRecorder>(
+      &files_->run, &files_->frames, *assembly_->shapes, EverySteps::of_time(interval, dt, first),
+      [&sim] { return contact_residuals(under_layers(sim)); }, scene.stages[scene.stage].name);
+  frames_ = frames.get();
   if (ends_between_steps(scene.run.duration.value, interval, dt))
-    sim.observers.push_back(std::make_unique<FramesToTheEnd>(std::move(frames), assembly_->steps));
+    sim.observers.push_back(std::make_unique<FramesToTheEnd>(std::move(frames), last_step()));
   else
     sim.observers.push_back(std::move(frames));
+}
+
+/// Of a measure; NaN where there is none yet.
+double Session::last_value(const Condition& condition) const {
+  for (const MeasureRecorder* r : recorders_) {
+    const std::size_t k = r->component(condition.component);
+    if (r->name() == condition.measure && k < r->components()) return r->last(k);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 std::string Session::advice() const {
@@ -220,7 +253,7 @@ void Session::save_checkpoint_now() {
   const Scene& scene = assembly_->scene;
   save_checkpoint(folder_ / "checkpoint.h5",
                   {EPAFI_VERSION, scene_hash_, std::filesystem::absolute(scene.file).string(), scene.text, overrides_,
-                   sim.steps(), sim.world.time},
+                   sim.steps(), sim.world.time, has_record() ? record_.to_text() : std::string()},
                   [this](StateVisitor& v) { walk(v); });
 }
 
@@ -254,7 +287,8 @@ bool Session::goes_on(const SessionLimits& limits, std::initializer_list<std::ui
 
 std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
   Simulation& sim = *assembly_->simulation;
-  if (sim.steps() % keep_every == 0) files_->last_good.save([this](StateVisitor& v) { walk(v); });
+  if (sim.steps() % keep_every == 0 || fresh_) files_->last_good.save([this](StateVisitor& v) { walk(v); });
+  fresh_ = false;
   if (const auto failure = sim.advance(sim.steps() + 1 == last_step, run_on)) return fail(*failure);
   if (const auto failure = sim.is_ahead() ? std::nullopt : tracks_->look(sim.steps()))
     return end_off_track(*failure);
@@ -262,6 +296,12 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
     trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value,
                            bound->bound, sim.world.time, sim.steps());
     return Ending::bound_violated;
+  }
+  if (const auto bound = monitor_->reached()) {
+    stop_reason_ =
+        fmt::format("[bounds] {}: {:.6g} has passed {:.6g} at t = {:.6g} s (step {}): the run stops, as asked",
+                    bound->name, bound->value, bound->bound, sim.world.time, sim.steps());
+    return Ending::stopped;
   }
   return std::nullopt;
 }
@@ -295,19 +335,20 @@ Ending Session::fail(const Failure& failure) {
 
 Ending Session::take_steps(const SessionLimits& limits, Progress& progress) {
   Simulation& sim = *assembly_->simulation;
-  const std::uint64_t last_step = assembly_->steps;
   const auto interval = assembly_->scene.run.checkpoint_interval;
   const std::uint64_t checkpoint_every = interval ? steps_of(*interval, sim.time_step) : 0;
   const auto& problems = assembly_->scene.output.problems_every;
   const std::uint64_t problems_every = problems ? steps_of(problems->value, sim.time_step) : 0;
-  while (sim.steps() < last_step) {
+  while (sim.steps() < last_step()) {
     const auto reason = reason_to_stop(limits);
     if (reason && !sim.is_ahead()) return *reason;
-    const bool run_on = !reason && goes_on(limits, {keep_every, problems_every, checkpoint_every});
-    if (const auto stop = step_once(last_step, run_on)) return *stop;
+    const bool last = sim.steps() + 1 == last_step();
+    const bool run_on = !reason && !last && goes_on(limits, {keep_every, problems_every, checkpoint_every});
+    if (const auto stop = step_once(is_final() ? last_step() : 0, run_on)) return *stop;
     progress.update(sim, *monitor_);
     files_->csv.flush_each_second();
     if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
+    if (stage_is_met()) return Ending::completed;
     if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
   }
   return Ending::completed;
@@ -329,15 +370,26 @@ class LastLook final : public Observer {
 
 Ending Session::run(const SessionLimits& limits, bool quiet) {
   SignalWatch signals;
-  Simulation& sim = *assembly_->simulation;
   start_ = std::chrono::steady_clock::now();
+  quiet_ = quiet;
   const double first_cpu = process_seconds();
-  Progress progress(assembly_->steps, first_step_, quiet);
-  with_team([&] { ending_ = take_steps(limits, progress); });
+  Progress progress(last_step(), first_step_, quiet);
+  with_team([&] {
+    do {
+      progress.enter(record_.stages.back().name, record_.stages.back().first_step, last_step());
+      ending_ = record_.stages.back().ended.empty() ? take_steps(limits, progress) : Ending::completed;
+      // a run that is cut off between two stages is saved at the end of the first one
+      if (const auto reason = reason_to_stop(limits); reason && ending_ == Ending::completed && !is_final())
+        ending_ = *reason;
+    } while (ending_ == Ending::completed && next_stage());
+  });
+  Simulation& sim = *assembly_->simulation;
+  if (ending_ == Ending::stopped) end_record("condition");
+  record_.stages.back().until = sim.world.time;
   wall_ = elapsed(), cpu_ = process_seconds() - first_cpu;
   // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes
   // on must not tell that it was cut off.
-  const bool is_cut = sim.steps() < assembly_->steps && ending_ != Ending::failed && ending_ != Ending::bound_violated;
+  const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
   if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt)
@@ -369,11 +421,15 @@ RunSummary Session::summary() const {
   const bool smooth = scene.contact.method.value == Method::smooth;
   RunSummary s;
   s.epafi = EPAFI_VERSION, s.scene = scene.file, s.scene_hash = scene_hash_, s.failure = trouble_;
-  s.status = ending_ == Ending::completed || ending_ == Ending::until ? "completed"
-             : ending_ == Ending::bound_violated                      ? "bound_violated"
-             : ending_ == Ending::failed                              ? "failed"
-                                                                      : "interrupted";
+  const bool well = ending_ == Ending::completed || ending_ == Ending::until || ending_ == Ending::stopped;
+  s.status = well                                ? "completed"
+             : ending_ == Ending::bound_violated ? "bound_violated"
+             : ending_ == Ending::failed         ? "failed"
+                                                 : "interrupted";
   s.warnings = warnings();
+  s.stop_reason = stop_reason_;
+  for (const StageRecord& r : record_.stages)
+    if (has_record()) s.stages.push_back({r.name, r.from, r.until, r.ended});
   s.bodies = sim.world.size(), s.bodies_lost = lost_;
   s.bodies_removed = sim.bodies_removed();
   s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scenes/assemble.h"
+#include "scenes/carry_over.h"
 #include "scenes/progress.h"
 #include "viz_export/checkpoint.h"
 #include "viz_export/output_observers.h"
@@ -25,7 +26,8 @@ struct SessionLimits {
 };
 
 /// Why a session ended.
-enum class Ending { completed, until, bound_violated, failed, time_limit, interrupted, terminated };
+/// stopped: a bound with then = "stop" was reached; the run is done.
+enum class Ending { completed, stopped, until, bound_violated, failed, time_limit, interrupted, terminated };
 
 class Session {
  public:
@@ -34,9 +36,21 @@ class Session {
   /// A new run in an empty folder.
   Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
           Output output = Output::all);
-  /// Continues a run from folder/checkpoint.h5; `assembly` is the same scene assembled anew.
+  /// Continues a run from folder/checkpoint.h5; `assembly` is the same scene assembled anew, at the stage that it is
+  /// in.
   static std::unique_ptr<Session> resume(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides,
                                          std::filesystem::path folder);
+  /// Goes on with another scene from here: a change of this one (`inserted`), or one that starts from this run.
+  void change(Scene next, const RunRecord& record, std::vector<std::string> overrides);
+  /// The last stage lasts until then [s] at least.
+  void extend(double until);
+  /// The last stage has so many steps at least, of all of the run.
+  void extend_to_step(std::uint64_t steps);
+  /// What is left of the present stage [s]; until: at least up to there, where no stage follows.
+  double rest(std::optional<double> until) const;
+  const RunRecord& record() const { return record_; }
+  /// The last stage is over: there is nothing to go on with.
+  bool is_done() const;
   ~Session();
 
   Ending run(const SessionLimits& limits, bool quiet);
@@ -44,6 +58,8 @@ class Session {
   const std::string& trouble() const { return trouble_; }
   /// Of a run whose solver stopped above its tolerance: how often, how far, and which solver would do; else empty.
   std::string advice() const;
+  /// Why a run ended before its time and well; empty where it did not.
+  const std::string& stop_reason() const { return stop_reason_; }
   /// What a resumed run has to say of the files it found; empty when nothing.
   const std::string& note() const { return note_; }
   /// A line for each warning of the run, body names written out.
@@ -62,6 +78,19 @@ class Session {
   void walk(StateVisitor& visitor);
   bool goes_on(const SessionLimits& limits, std::initializer_list<std::uint64_t> intervals) const;
   Ending take_steps(const SessionLimits& limits, Progress& progress);
+  void begin();
+  void begin_record();
+  void end_record(const std::string& how);
+  bool next_stage();
+  void enter(Scene next, const RunRecord& record);
+  bool stage_is_met();
+  bool is_final() const;  ///< no stage follows
+  double last_value(const Condition& condition) const;
+  std::uint64_t last_step() const { return record_.stages.back().first_step + assembly_->steps; }
+  bool has_record() const;
+  void keep_fills();
+  void tell(const std::vector<std::string>& dropped) const;
+  void files_renew();  ///< for bodies and shapes of another assembly
   std::optional<Ending> step_once(std::uint64_t last_step, bool run_on);
   Ending fail(const Failure& failure);
   Ending end_off_track(const Failure& failure);
@@ -79,7 +108,13 @@ class Session {
   std::unique_ptr<TrackWatch> tracks_;
   std::vector<MeasureRecorder*> recorders_;
   Ending ending_ = Ending::completed;
-  std::string trouble_, note_;
+  std::string trouble_, note_, stop_reason_;
+  RunRecord record_;
+  double met_since_ = -1.0;            ///< when the stage's condition began to hold, by its clock [s]; < 0: it does not
+  bool quiet_ = false, fresh_ = true;  ///< fresh: the last good state is not one of this stage
+  MeasureRecorder* watched_ = nullptr;  ///< of the stage's condition
+  std::size_t component_ = 0;           ///< of it
+  StateRecorder* frames_ = nullptr;
   std::uint64_t first_step_ = 0;  ///< done before this session
   double first_body_steps_ = 0;
   std::uint64_t lost_ = 0;

@@ -26,8 +26,8 @@ class LinkSource {
  public:
   explicit LinkSource(const Assembly& a) : contacts_(smooth_setup(a.scene)), springs_(springs_of(a)) {
     for (std::size_t k = 0; k < a.scene.bodies.size(); ++k)
-      if (const auto& servo = a.scene.bodies[k].servo)
-        driven_.push_back({Assembly::body_id(k), servo->direction, servo->mass});
+      if (const auto& pressing = a.scene.bodies[k].servo; pressing && !pressing->servo.has_gains())
+        driven_.push_back({a.id_of(k), pressing->servo.direction, pressing->servo.mass});
   }
 
   void read(const World& world, const ContactPieces& pieces, double dt, std::vector<StiffLink>& links) const {

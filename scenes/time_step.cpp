@@ -115,9 +115,9 @@ Survey survey(const Assembly& a) {
       if (std::isfinite(a.shapes->bounding_radius({w.shape[s]}))) high = std::max(high, w.position[s].dot(down));
   }
   for (const auto& b : a.scene.bodies)
-    if (b.servo) {
-      fastest = std::max(fastest, b.servo->max_speed);
-      pressed = std::max(pressed, b.servo->force);
+    if (b.servo && !b.absent) {
+      fastest = std::max(fastest, b.servo->servo.max_speed);
+      pressed = std::max(pressed, b.servo->servo.force);
     }
   out.load += pressed;
   if (a.scene.cell) out.pressure = a.scene.cell->control.pressure.value_or(0.0);
@@ -142,11 +142,7 @@ TimeStep adaptive_step(const Assembly& a, const Survey& fast) {
   const double top = fast.speed, longest = step.value, shortest = least.value;
   const double least_share = slow.speed / top;
   const double power = longest > shortest ? std::log(shortest / longest) / std::log(least_share) : 0.0;
-  step.parts = [=](const World& w) {
-    const double square = block_max<double>(w.size(), 0.0, [&](std::size_t i) { return w.velocity[i].squaredNorm(); });
-    const double share = std::clamp(2 * std::sqrt(square) / top, least_share, 1e3);  // two bodies that meet head-on
-    return std::max(1, static_cast<int>(std::ceil(longest / shortest * std::pow(share, power) * (1 - 1e-9))));
-  };
+  step.adaptive = AdaptiveStep{top, longest, shortest, power, least_share};
   step.reason = fmt::format("adaptive: {} at {:.4g} m/s, divided down to {:.4g} s at {:.4g} m/s", step.reason,
                             slow.speed, shortest, top);
   return step;
@@ -272,7 +268,7 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
 }
 
 TimeStep nonsmooth_step(const Assembly& a, const Survey& s) {
-  const double by_output = a.scene.run.output_interval.value / 10, g = a.scene.gravity.norm();
+  const double by_output = a.scene.run.output_interval.value / 10, g = a.simulation->world.gravity.norm();
   const double by_size = g > 0 && std::isfinite(s.diameter) ? std::sqrt(0.01 * s.diameter / g) : infinity;
   if (by_output <= by_size) return {by_output, infinity, "output_interval / 10"};
   return {by_size, infinity, fmt::format("sqrt(0.01 d / g) of the smallest body, d = {:.4g} m", s.diameter)};

@@ -34,6 +34,7 @@ std::uint64_t header_hash(const CheckpointHeader& h, std::uint64_t columns) {
   hash.add(h.version), hash.add(h.scene_hash), hash.add(h.scene_path), hash.add(h.scene_text);
   for (const std::string& line : h.overrides) hash.add(line);
   hash.add(h.step), hash.add(&h.time, 1), hash.add(columns);
+  if (!h.record.empty()) hash.add(h.record);
   return hash.value();
 }
 
@@ -60,6 +61,7 @@ class LoadingVisitor : public StateVisitor {
  public:
   explicit LoadingVisitor(const Hdf5File& file) : file_(file) {}
   bool has_loaded(const std::string& name) const { return loaded_.count(name) != 0; }
+  bool has(std::string_view name) const override { return file_.has(columns_group + std::string(name)); }
 
  protected:
   std::size_t bytes_of(std::string_view name, std::size_t element, std::size_t) override {
@@ -127,6 +129,7 @@ CheckpointHeader read_header(const Hdf5File& file) {
   for (const std::string& key : file.children("/overrides")) h.overrides.push_back(file.read_text("/overrides/" + key));
   h.step = file.count_attribute("/", "step");
   h.time = file.number_attribute("/", "time");
+  if (file.has("/record")) h.record = file.read_text("/record");
   if (file.count_attribute("/", "header_hash") != header_hash(h, file.count_attribute("/", "columns")))
     throw FileError(path + ": the checkpoint's header is damaged: its hash does not fit");
   return h;
@@ -151,6 +154,7 @@ void save_checkpoint(const std::filesystem::path& path, const CheckpointHeader& 
   file.set_attribute("/", "scene_hash", header.scene_hash);
   file.set_attribute("/", "scene_path", header.scene_path);
   file.write_text("/scene", header.scene_text);
+  if (!header.record.empty()) file.write_text("/record", header.record);
   file.make_group("/overrides");
   for (std::size_t k = 0; k < header.overrides.size(); ++k) file.write_text(override_name(k), header.overrides[k]);
   file.set_attribute("/", "step", header.step);
@@ -163,6 +167,13 @@ void save_checkpoint(const std::filesystem::path& path, const CheckpointHeader& 
 
 CheckpointHeader read_checkpoint_header(const std::filesystem::path& path) {
   return read_header(Hdf5File(path, Hdf5File::Mode::read));
+}
+
+void load_state(const std::filesystem::path& path, const StateWalk& walk) {
+  const Hdf5File file(path, Hdf5File::Mode::read);
+  (void)read_header(file);
+  LoadingVisitor visitor(file);
+  walk(visitor);
 }
 
 CheckpointHeader load_checkpoint(const std::filesystem::path& path, const CheckpointExpectation& expected,

@@ -22,6 +22,7 @@ struct CheckpointHeader {
   std::vector<std::string> overrides;  ///< the --set values, in order
   std::uint64_t step = 0;              ///< steps done
   double time = 0.0;                   ///< [s]
+  std::string record{};                ///< of its stages, opaque here; empty in files of programs without stages
 };
 
 using StateWalk = std::function<void(StateVisitor&)>;
@@ -42,5 +43,8 @@ struct CheckpointExpectation {
 /// not exactly those of the walk; after an error inside the walk the walked state is unusable.
 CheckpointHeader load_checkpoint(const std::filesystem::path& path, const CheckpointExpectation& expected,
                                  const StateWalk& walk);
+
+/// Fills the columns that the walk shows from a checkpoint that holds more; what is damaged or missing is a FileError.
+void load_state(const std::filesystem::path& path, const StateWalk& walk);
 
 }  // namespace epafi

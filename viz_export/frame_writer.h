@@ -35,6 +35,8 @@ class FrameWriter {
              const std::function<void()>& meanwhile = {});
   /// Of bodies read back from run.h5, which holds no contacts: those files that the run itself wrote stay in the list.
   void write_bodies(double time, const BodyList& bodies);
+  /// The next frames are listed under this name; empty: none.
+  void name_stage(const std::string& name) { list_.group(name); }
   std::size_t frames() const { return next_; }
   /// Where the walls were last written: without it a run that goes on writes them once more.
   void visit(StateVisitor& visitor);

@@ -12,9 +12,11 @@ void StateRecorder::observe(const StepView& view) {
   const BodyList bodies(world, surfaces_);
   const auto snapshot = [&] {
     if (run_ == nullptr) return;
-    run_->add_snapshot({view.step, world.time, state_hash(world), world.rotates(), world.has_orientation()}, bodies);
+    run_->add_snapshot({view.step, world.time, state_hash(world), world.rotates(), world.has_orientation(), stage_},
+                       bodies);
   };
   if (frames_ == nullptr) return snapshot();
+  frames_->name_stage(stage_);
   const std::vector<float> residuals = residuals_ ? residuals_() : std::vector<float>();
   frames_->write(world.time, bodies, ContactList(world, view.pieces(), residuals), snapshot);
 }

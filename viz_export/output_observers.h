@@ -1,5 +1,6 @@
 /// @file output_observers.h  The observers that write files: snapshots, frames, measures.
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,10 +18,15 @@ namespace epafi {
 /// Snapshots into run.h5 and frames for ParaView, as `due` says and at the end. Either may be null.
 class StateRecorder final : public Observer {
  public:
-  /// residuals(): of the contacts of the last step, or none.
+  /// residuals(): of the contacts of the last step, or none. stage: its name, beside each snapshot and frame.
   StateRecorder(RunFile* run, FrameWriter* frames, const ShapeStore& shapes, EverySteps due,
-                std::function<std::vector<float>()> residuals = {})
-      : run_(run), frames_(frames), surfaces_(shapes), due_(due), residuals_(std::move(residuals)) {}
+                std::function<std::vector<float>()> residuals = {}, std::string stage = {})
+      : run_(run),
+        frames_(frames),
+        surfaces_(shapes),
+        due_(due),
+        residuals_(std::move(residuals)),
+        stage_(std::move(stage)) {}
   bool is_due(std::uint64_t step) const override { return due_.is_due(step); }
   ContactView wants_contacts(std::uint64_t step, bool last) const override {
     return frames_ != nullptr && (last || is_due(step)) ? ContactView::pieces : ContactView::none;
@@ -33,6 +39,7 @@ class StateRecorder final : public Observer {
   SurfaceCache surfaces_;
   EverySteps due_;
   std::function<std::vector<float>()> residuals_;
+  std::string stage_;
 };
 
 /// Samples one measure into measures.csv, run.h5 and the summary. Either file may be null.
@@ -55,6 +62,14 @@ class MeasureRecorder final : public Observer {
   void visit(StateVisitor& visitor) override;
 
   const std::string& name() const { return name_; }
+  /// Step of the last sample, and its value of a component.
+  std::uint64_t sampled() const { return sampled_; }
+  double last(std::size_t component) const { return last_[component]; }
+  std::size_t components() const { return components_.size(); }
+  /// Number of a component; as many as there are where there is none of the name.
+  std::size_t component(const std::string& name) const {
+    return static_cast<std::size_t>(std::find(components_.begin(), components_.end(), name) - components_.begin());
+  }
   /// Last, smallest and largest value of each component; components never seen as a number are absent.
   std::map<std::string, RunSummary::Component> summary() const;
 

@@ -32,6 +32,16 @@ bool parse(const std::optional<std::string>& text, T& value) {
   return result.ec == std::errc() && result.ptr == end;
 }
 
+/// As the value of an attribute.
+std::string attribute_text(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    const bool plain = c != '"' && c != '&' && c != '<' && c != '>' && static_cast<unsigned char>(c) >= 0x20;
+    out += plain ? std::string(1, c) : fmt::format("&#{};", static_cast<unsigned>(static_cast<unsigned char>(c)));
+  }
+  return out;
+}
+
 }  // namespace
 
 void PvdFile::keep_until(double time) {
@@ -45,17 +55,21 @@ void PvdFile::keep_until(double time) {
     if (!whole && in.eof()) break;  // the last line, cut by a crash
     if (!whole) throw FileError(path_.string() + ": is not a list of frames as Epafi writes it: '" + line + "'");
     e.file = *file;
+    e.group = attribute(line, "group").value_or("");
     if (e.time <= time) entries_.push_back(e);
   }
 }
 
-void PvdFile::add(double time, int part, const std::string& file) { entries_.push_back({time, part, file}); }
+void PvdFile::add(double time, int part, const std::string& file) {
+  entries_.push_back({time, part, file, attribute_text(group_)});
+}
 
 namespace {
 constexpr const char* pvd_closing = "</Collection>\n</VTKFile>\n";
 
 std::string pvd_line(const PvdFile::Entry& e) {
-  return fmt::format("<DataSet timestep=\"{:.17g}\" part=\"{}\" file=\"{}\"/>\n", e.time, e.part, e.file);
+  return fmt::format("<DataSet timestep=\"{:.17g}\"{} part=\"{}\" file=\"{}\"/>\n", e.time,
+                     e.group.empty() ? "" : " group=\"" + e.group + "\"", e.part, e.file);
 }
 }  // namespace
 

@@ -18,11 +18,13 @@ class PvdFile {
   void add(double time, int part, const std::string& file);
   /// Puts on disk what was added since the last call.
   void write();
+  /// Of the entries to come; empty: none.
+  void group(const std::string& name) { group_ = name; }
 
   struct Entry {
     double time;
     int part;
-    std::string file;
+    std::string file, group{};
   };
   const std::vector<Entry>& entries() const { return entries_; }
 
@@ -31,6 +33,7 @@ class PvdFile {
   std::vector<Entry> entries_;
   std::size_t listed_ = 0;  ///< entries in the file
   std::streamoff end_ = 0;  ///< of their last line in the file; 0: this object has not begun it
+  std::string group_;
 };
 
 }  // namespace epafi

@@ -232,6 +232,7 @@ void RunFile::add_snapshot(const SnapshotStamp& stamp, const BodyList& bodies) {
   file.set_attribute(group, "step", stamp.step);
   file.set_attribute(group, "time", stamp.time);
   file.set_attribute(group, "state_hash", stamp.state_hash);
+  if (!stamp.stage.empty()) file.set_attribute(group, "stage", stamp.stage);
   file.close();
   ++snapshots_;
   last_step_ = static_cast<std::int64_t>(stamp.step);

@@ -38,6 +38,7 @@ struct SnapshotStamp {
   std::string state_hash;
   bool rotates = false;          ///< angular velocity is stored
   bool has_orientation = false;  ///< orientation is stored
+  std::string stage{};           ///< name of the stage; may be empty
 };
 
 class Hdf5File;
@@ -56,6 +57,8 @@ class RunFile {
   std::size_t define_measure(const std::string& name, const std::vector<std::string>& components,
                              const std::string& kind = {});
   void add_measure(std::size_t measure, double time, const std::vector<double>& values);
+  /// References of shapes mean others from here on.
+  void forget_shapes() { surfaces_.clear(); }
   /// Writes buffered measures and waits until the file is on disk: call before a checkpoint.
   void flush();
 

@@ -99,9 +99,12 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
   const std::string group = "snapshots/" + impl_->snapshots.at(k);
   const Hdf5File& file = impl_->file;
   StoredSnapshot out;
-  out.stamp = {file.count_attribute(group, "step"), file.number_attribute(group, "time"),
-               file.text_attribute(group, "state_hash"), file.has(group + "/angular_velocity"),
-               file.has(group + "/orientation")};
+  out.stamp = {file.count_attribute(group, "step"),
+               file.number_attribute(group, "time"),
+               file.text_attribute(group, "state_hash"),
+               file.has(group + "/angular_velocity"),
+               file.has(group + "/orientation"),
+               file.has_attribute(group, "stage") ? file.text_attribute(group, "stage") : std::string()};
   const auto id = file.read<std::uint32_t>(group + "/id");
   const std::size_t n = id.size();
   const auto x = impl_->rows(group + "/position", 3, n), v = impl_->rows(group + "/velocity", 3, n);

@@ -54,6 +54,16 @@ void put_checks(JsonWriter& json, const char* key, const std::map<std::string, R
   json.end_object();
 }
 
+void put_run_stages(JsonWriter& json, const std::vector<RunSummary::StageTimes>& stages) {
+  json.key("stages").begin_array();
+  for (const auto& s : stages) {
+    json.begin_object().member("name", s.name).member("from", s.from).member("until", s.until);
+    if (!s.ended.empty()) json.member("ended", s.ended);
+    json.end_object();
+  }
+  json.end_array();
+}
+
 }  // namespace
 
 std::string summary_json(const RunSummary& s) {
@@ -62,6 +72,8 @@ std::string summary_json(const RunSummary& s) {
   json.member("epafi", s.epafi).member("scene", s.scene).member("scene_hash", s.scene_hash).member("status", s.status);
   if (!s.failure.empty()) json.member("failure", s.failure);
   put_warnings(json, s.warnings);
+  if (!s.stop_reason.empty()) json.member("stopped", s.stop_reason);
+  if (!s.stages.empty()) put_run_stages(json, s.stages);
   json.member("bodies", s.bodies).member("bodies_lost", s.bodies_lost).member("bodies_removed", s.bodies_removed);
   json.member("steps", s.steps).member("time_step", s.time_step).member("simulated_time", s.simulated_time);
   json.member("wall_time", s.wall_time)

@@ -39,6 +39,13 @@ struct RunSummary {
   std::string scene;
   std::string scene_hash;
   std::string status;   ///< completed, bound_violated, failed, interrupted
+  std::string stop_reason;  ///< why it ended before its time and well; else empty and absent
+  struct StageTimes {
+    std::string name;
+    double from = 0, until = 0;  ///< [s]
+    std::string ended;           ///< duration, condition, at_most, changed; empty: it was cut off
+  };
+  std::vector<StageTimes> stages{};  ///< absent where the scene has none
   std::string failure;  ///< why, where the status is not completed; else empty and absent
   std::vector<std::string> warnings;  ///< what went wrong without ending the run; empty where nothing did
   std::uint64_t bodies = 0, bodies_lost = 0;

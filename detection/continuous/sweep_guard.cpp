@@ -144,7 +144,7 @@ double SweepGuard::hold_back(World& world, double duration) {
                         turn_between(before_[k].orientation, now.orientation)};
     const Pose held = path.at(hits_[k].share);
     if (world.is_movable(s))
-      energy -= world.free_acceleration(s).dot(held.position - now.position) / world.inverse_mass[s];
+      energy -= world.steady_acceleration(s).dot(held.position - now.position) / world.inverse_mass[s];
     world.position[s] = held.position;
     if (world.has_orientation()) world.orientation[s] = held.orientation;
     if (world.columns().anisotropy && world.is_movable(s))

@@ -60,6 +60,8 @@ void ContactProblem::load_bodies(const World& world, double dt, const Pushes* pu
     if (!rotates) return;
     free.angular[k] = world.angular_velocity[k];
     if (pushes && world.is_movable(s)) free.angular[k] += world.apply_inverse_inertia(s, pushes->angular[k]);
+    if (world.columns().external_torque && world.is_movable(s))
+      free.angular[k] += dt * world.apply_inverse_inertia(s, world.external_torque[k]);
     const Vec3 j = world.inverse_inertia_of(s);
     if (j.x() == j.y() && j.y() == j.z()) {  // spheres, cubes and fixed bodies: the axes do not matter
       inverse_inertia[k] = j.x() * Mat3::Identity();

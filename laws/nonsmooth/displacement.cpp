@@ -15,7 +15,7 @@ double displace(World& world, const BodyVelocities& by) {
   });
   return -block_sum<double>(world.size(), [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
-    return world.is_movable(s) ? world.free_acceleration(s).dot(by.linear[k]) / world.inverse_mass[s] : 0.0;
+    return world.is_movable(s) ? world.steady_acceleration(s).dot(by.linear[k]) / world.inverse_mass[s] : 0.0;
   });
 }
 

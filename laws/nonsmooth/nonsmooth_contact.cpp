@@ -69,7 +69,7 @@ class NonsmoothContact final : public ContactModel {
   SolverTrouble look_for_trouble(const SolverReport& report);
   void foresee(const ContactSet& contacts, double dt);
   void add_impacts();
-  void write_back(World& world, const Pushes* pushes) const;
+  void write_back(World& world, const StepClock& clock) const;
   const Impulses& calmest(double creep);
   double foreseen_residual(const Impulses& r, const BodyVelocities* v);
 
@@ -318,13 +318,14 @@ void NonsmoothContact::add_impacts() {
   });
 }
 
-void NonsmoothContact::write_back(World& world, const Pushes* pushes) const {
+void NonsmoothContact::write_back(World& world, const StepClock& clock) const {
   parallel_copy(after_.linear, world.velocity);
   parallel_for(world.rotates() ? world.size() : 0, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     if (!world.is_movable(s)) return;
-    if (pushes) world.apply_angular_impulse(s, pushes->angular[k]);
+    if (clock.pushes) world.apply_angular_impulse(s, clock.pushes->angular[k]);
     if (problem_.incidence.count(s) > 0) world.apply_angular_impulse(s, moments_[k]);
+    if (world.columns().external_torque) world.apply_angular_impulse(s, clock.dt * world.external_torque[k]);
   });
 }
 
@@ -397,7 +398,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   with_impacts_ = located || single;
   if (with_impacts_) add_impacts();
   account(world, contacts, clock.dt, report);
-  write_back(world, clock.pushes);
+  write_back(world, clock);
   // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
   if (located) report.dissipated -= displace(world, impacts_.displacement());
   const BodyVelocities* own = solver_->displacement();

@@ -26,6 +26,7 @@ class SpringForces final : public ContactLayer {
   void store(const World& world, StepReport& report) override;
   void visit(StateVisitor& visitor) override {
     ContactLayer::visit(visitor);
+    attached_ = false;  // it may be another state that comes in
     visitor.column("springs/relaxed", relaxed_), visitor.column("springs/start", start_);
     visitor.value("springs/lost_power", power_.lost), visitor.value("springs/driven_power", power_.driven);
   }
@@ -48,7 +49,7 @@ class SpringForces final : public ContactLayer {
   }
   /// Of the positions: the end of a smooth step, the middle of a non-smooth one.
   double moment(const World& world, const StepClock& clock) const {
-    return world.time + (smooth_ ? 1.0 : 0.5) * clock.dt;
+    return world.clock + (smooth_ ? 1.0 : 0.5) * clock.dt;
   }
   FarEnd far_end(const World& world, std::size_t k, const Vec3& near, const StepClock& clock) const;
   Pull pull(const World& world, std::size_t k, const StepClock& clock, Power& power) const;
@@ -62,6 +63,7 @@ class SpringForces final : public ContactLayer {
   std::vector<SpringElement> springs_;
   std::shared_ptr<const Guideway> way_;
   bool smooth_;
+  bool attached_ = false;
   std::vector<Vec3> relaxed_;  ///< far end in the axes of the far body or frame [m]; empty before the first step
   std::vector<double> start_;  ///< distance of the frame along the way at time 0 [m]
   Power power_;
@@ -77,14 +79,15 @@ Pose pose_ahead(const World& world, Slot s, double ahead) {
   return pose;
 }
 
-/// Far ends lie where the near ones are, but for the preload.
+/// Far ends lie where the near ones are, but for the preload; those of springs that have been carried over stay.
 void SpringForces::attach(const World& world, double time) {
+  if (attached_) return;
+  attached_ = true;
+  relaxed_.resize(springs_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  start_.resize(springs_.size());
   for (std::size_t k = 0; k < springs_.size(); ++k) {
     const SpringElement& s = springs_[k];
-    if (!holds(world, k)) {
-      relaxed_.push_back(Vec3::Zero()), start_.push_back(0.0);
-      continue;
-    }
+    if (relaxed_[k].allFinite() || !holds(world, k)) continue;
     const Slot a = world.slot_of(s.body);
     const Vec3 near = world.pose(a).to_world(s.attachment);
     Vec3 stretch = Vec3::Zero();
@@ -92,7 +95,8 @@ void SpringForces::attach(const World& world, double time) {
       if (s.stiffness[i] > 0.0) stretch[i] = s.preload[i] / s.stiffness[i];
     const double distance = s.to ? 0.0 : way_->distance_of(near) - s.speed * time;
     const Pose far = s.to ? world.pose(world.slot_of(*s.to)) : way_->frame(distance + s.speed * time);
-    relaxed_.push_back(far.to_local(near) + stretch), start_.push_back(distance);
+    relaxed_[k] = far.to_local(near) + stretch;
+    start_[k] = distance;
   }
 }
 
@@ -163,26 +167,26 @@ Vec3 SpringForces::rate_now(const World& world, std::size_t k, const Pull& p) co
   return springs_[k].to ? Vec3(at(world.slot_of(*springs_[k].to), p.far_arm) - near) : Vec3(p.far.velocity - near);
 }
 
-/// k d^2/2 of one spring, `ahead` [s] after the present positions; the frame's time is world.time + 2 ahead, as
+/// k d^2/2 of one spring, `ahead` [s] after the present positions; the frame's time is world.clock + 2 ahead, as
 /// positions are those of the middle of the step where ahead is half of it.
 double SpringForces::stored(const World& world, std::size_t k, double ahead) const {
   const SpringElement& s = springs_[k];
   const Vec3 near = pose_ahead(world, world.slot_of(s.body), ahead).to_world(s.attachment);
   const Pose far = s.to ? pose_ahead(world, world.slot_of(*s.to), ahead)
-                        : way_->frame(start_[k] + s.speed * (world.time + 2.0 * ahead));
+                        : way_->frame(start_[k] + s.speed * (world.clock + 2.0 * ahead));
   const Vec3 stretch = far.orientation.conjugate() * (far.to_world(relaxed_[k]) - near);
   return 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
 }
 
 void SpringForces::store(const World& world, StepReport& report) {
   below_->store(world, report);
-  if (relaxed_.empty()) attach(world, world.time);
+  attach(world, world.clock);
   for (std::size_t k = 0; k < springs_.size(); ++k)
     if (holds(world, k)) report.elastic += stored(world, k, 0.0);
 }
 
 void SpringForces::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
-  if (relaxed_.empty()) attach(world, moment(world, clock));
+  attach(world, moment(world, clock));
   if (smooth_)
     act_smooth(world, contacts, clock, report);
   else

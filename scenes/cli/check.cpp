@@ -7,6 +7,7 @@
 
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
+#include "scenes/carry_over.h"
 #include "scenes/peak_memory.h"
 #include "scenes/processor_time.h"
 #include "scenes/progress.h"
@@ -129,7 +130,7 @@ std::string check_text(Assembly& a) {
   const std::size_t later = w.ids_given() - w.size();
   std::string out = fmt::format("{}: fine\n  bodies        {} free, {} fixed or driven{}\n", a.scene.file, free,
                                 w.size() - free, later > 0 ? fmt::format(", {} poured in later", later) : "");
-  sim.start();
+  (void)enter_simulation(a);
   if (!sim.pipeline.scheme->needs_initial_forces()) {
     sim.pipeline.broad_phase->find_pairs(sim.world, sim.work.pairs);
     sim.pipeline.narrow_phase->collide(sim.world, sim.work.pairs, sim.work.contacts);

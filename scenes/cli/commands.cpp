@@ -23,6 +23,8 @@
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
+#include "scenes/stage_check.h"
+#include "scenes/start_run.h"
 #include "scenes/stop.h"
 #include "viz_export/export.h"
 #include "viz_export/report.h"
@@ -51,6 +53,7 @@ Scene read_or_throw(const std::string& path, const std::vector<std::string>& ove
 int exit_code(Ending ending) {
   switch (ending) {
     case Ending::completed:
+    case Ending::stopped:
     case Ending::until:
       return exit_done;
     case Ending::bound_violated:
@@ -84,6 +87,7 @@ int finish(Session& session, const std::filesystem::path& folder, const RunOptio
   write_summary(folder / "summary.json", summary);
   for (const std::string& warning : summary.warnings) say("epafi: warning: " + warning);
   if (!session.trouble().empty()) say("epafi: " + session.trouble());
+  if (!session.stop_reason().empty()) say("epafi: " + session.stop_reason());
   if (const std::string advice = session.advice(); !advice.empty()) say("epafi: warning: " + advice);
   if (summary.bodies_removed > 0 && !options.quiet)
     say(fmt::format("epafi: {} bodies were taken out, by remove_at, outlets or the domain", summary.bodies_removed));
@@ -152,6 +156,8 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   const SessionLimits limits = limits_of(options);
   auto assembly = assemble(read_or_throw(common.scene, common.overrides));
   print_problems(assembly->warnings);
+  check_conditions(*assembly);
+  (void)check_stages(assembly->scene);
   const std::filesystem::path folder = options.out.empty()
                                            ? std::filesystem::path("out") / std::filesystem::path(common.scene).stem()
                                            : std::filesystem::path(options.out);
@@ -176,45 +182,107 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   return finish(session, folder, options, limits);
 }
 
-int command_resume(const std::string& directory, const RunOptions& options) {
+namespace {
+
+/// The scene with a stage put in behind the present one, which has these changes.
+void change_keys(Session& session, const CheckpointHeader& header, const std::vector<std::string>& overrides,
+                 const SessionLimits& limits) {
+  RunRecord record = session.record();
+  const double rest = session.rest(limits.until);
+  if (!(rest > 0.0)) throw SceneError("the run is at its end; say how far it goes on with --until");
+  record.inserted.push_back({record.stage, rest, session.assembly().scene.run.output_interval.value, overrides});
+  ReadResult read = read_scene(header.scene_path, header.overrides, full_registry(),
+                               {record.stage + 1, record.inserted, record.start_run});
+  if (!read.scene) throw SceneError(read.problems);
+  print_problems(read.problems);
+  session.change(std::move(*read.scene), record, header.overrides);
+}
+
+/// Another scene on the state of this run, which is kept under another name: a later resume starts from it too.
+void change_scene(Session& session, const std::string& path, const std::vector<std::string>& overrides,
+                  const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(path)) throw FileError("the scene file '" + path + "' does not exist");
+  std::filesystem::path kept;
+  for (int n = 1; kept.empty() || std::filesystem::exists(kept); ++n)
+    kept = folder / fmt::format("checkpoint-{}.h5", n);
+  std::filesystem::copy_file(folder / "checkpoint.h5", kept);
+  RunRecord record;
+  record.start_run = std::filesystem::absolute(kept).string();
+  try {
+    ReadResult read = read_scene(path, overrides, full_registry(), {0, {}, record.start_run});
+    if (!read.scene) throw SceneError(read.problems);
+    print_problems(read.problems);
+    session.change(std::move(*read.scene), record, overrides);
+  } catch (...) {
+    std::filesystem::remove(kept);
+    throw;
+  }
+}
+
+}  // namespace
+
+/// Nothing is left to do of the run.
+static bool is_over(const CheckpointHeader& header, const RunRecord& record, const Assembly& assembly) {
+  if (assembly.scene.stage + 1 < assembly.scene.stages.size()) return false;
+  if (record.stages.empty()) return header.step >= assembly.steps;
+  const StageRecord& now = record.stages.back();
+  return !now.ended.empty() || header.step >= now.first_step + assembly.steps;
+}
+
+int command_resume(const std::string& directory, const RunOptions& options, const ResumeChanges& changes) {
   set_threads(options.threads);
   const std::filesystem::path folder(directory);
   const FolderLock lock(folder);
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
-  if (!std::filesystem::exists(header.scene_path))
-    throw FileError("the scene '" + header.scene_path +
-                    "' that the run was started from is not there; put it back as it was");
-  Scene scene = read_or_throw(header.scene_path, header.overrides);
-  if (scene_hash(scene) != header.scene_hash)
-    throw SceneError("the scene '" + header.scene_path +
-                     "' has changed since the run was started; restore it, or start anew with `epafi run`");
-  auto assembly = assemble(std::move(scene));
+  const RunRecord record = RunRecord::from_text(header.record);
+  Scene scene = scene_of(header, record);
+  AssembleOptions ready = options_of(record);
+  ready.keep_fill_bodies = !changes.overrides.empty();  // the stage that begins here needs them
+  auto assembly = assemble(std::move(scene), ready);
   SessionLimits limits = limits_of(options);
   if (options.steps) limits.steps = header.step + *options.steps;  // so many more
-  if (limits.steps) assembly->steps = std::max(assembly->steps, *limits.steps);
-  if (header.step >= assembly->steps) {
+  const bool changed = !changes.scene.empty() || !changes.overrides.empty();
+  const bool longer = options.steps || (limits.until && *limits.until > header.time);
+  if (is_over(header, record, *assembly) && !changed && !longer) {
     say(fmt::format(
         "epafi: the run in {} is complete: {} steps, t = {:.6g} s; nothing is changed; `epafi resume {} --steps N` "
-        "takes N more",
+        "takes N more, --until T goes on to that time",
         folder.string(), header.step, header.time, directory));
     return exit_done;
+  }
+  const bool is_final = assembly->scene.stage + 1 >= assembly->scene.stages.size();
+  if (limits.steps && is_final && !changed) {
+    const std::uint64_t first = record.stages.empty() ? 0 : record.stages.back().first_step;
+    assembly->steps = std::max(assembly->steps, *limits.steps - first);
   }
   const SignalWatch from_the_first_file_on;
   auto session = Session::resume(std::move(assembly), header.overrides, folder);
   if (!session->note().empty()) say("epafi: warning: " + session->note());
+  if (!changes.scene.empty())
+    change_scene(*session, changes.scene, changes.overrides, folder);
+  else if (!changes.overrides.empty())
+    change_keys(*session, header, changes.overrides, limits);
+  if (limits.until) session->extend(*limits.until);
+  if (limits.steps) session->extend_to_step(*limits.steps);
   return finish(*session, folder, options, limits);
 }
 
 int command_check(const CommonOptions& common) {
   auto assembly = assemble(read_or_throw(common.scene, common.overrides));
   print_problems(assembly->warnings);
-  print(check_text(*assembly));
+  check_conditions(*assembly);
+  const auto later = check_stages(assembly->scene);
+  std::string text = check_text(*assembly);
+  for (const StageCheck& stage : later) text += stage.text;
+  print(text);
   return exit_done;
 }
 
 int command_explain(const CommonOptions& common) {
   const auto assembly = assemble(read_or_throw(common.scene, common.overrides));
-  print(explain(assembly->scene, assembly->plan, *assembly->shapes));
+  std::string text = explain(assembly->scene, assembly->plan, *assembly->shapes);
+  for (const StageCheck& stage : check_stages(assembly->scene)) text += stage.explained;
+  print(text);
   return exit_done;
 }
 

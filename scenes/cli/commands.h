@@ -51,7 +51,13 @@ struct PatchOptions {
 };
 
 int command_run(const CommonOptions& common, const RunOptions& options);
-int command_resume(const std::string& directory, const RunOptions& options);
+/// What a run goes on with that is not what it began with.
+struct ResumeChanges {
+  std::vector<std::string> overrides;  ///< "KEY.PATH=VALUE", from here on
+  std::string scene;                   ///< another scene; empty: the same
+};
+
+int command_resume(const std::string& directory, const RunOptions& options, const ResumeChanges& changes = {});
 int command_check(const CommonOptions& common);
 int command_explain(const CommonOptions& common);
 int command_list(const std::string& kind);

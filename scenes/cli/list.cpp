@@ -23,7 +23,7 @@ bool is_limited(const Range& range) { return !(range.min == -infinity && range.m
 
 void append_fields(std::string& out, const std::vector<Field>& fields, const std::string& prefix) {
   for (const auto& field : fields) {
-    if (field.kind == Kind::table) {
+    if (field.kind == Kind::table || field.kind == Kind::motions) {
       append_fields(out, field.fields, prefix + field.name + ".");
       continue;
     }

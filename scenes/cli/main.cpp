@@ -91,7 +91,7 @@ struct Program {
   epafi::BenchOptions bench;
   epafi::ViewOptions view;
   epafi::RenderRequest render;
-  std::string directory, kind, page, format = "vtk";
+  std::string directory, next_scene, kind, page, format = "vtk";
   std::function<int()> chosen;
 
   CLI::App* add(const char* name, const char* description, std::function<int()> what) {
@@ -108,9 +108,12 @@ void add_runs(Program& p) {
   run->add_option("-o,--out", p.run.out, "output folder (default out/<scene name>)");
   run->add_flag("--least-output", p.run.least_output, "no frames, no snapshot but the last");
   run->add_flag("--force", p.run.force, "use an output folder that is not empty");
-  auto* resume = p.add("resume", "continue a run from its last good checkpoint",
-                       [&p] { return epafi::command_resume(p.directory, p.run); });
+  auto* resume = p.add("resume", "continue a run from its last good checkpoint", [&p] {
+    return epafi::command_resume(p.directory, p.run, {p.common.overrides, p.next_scene});
+  });
   resume->add_option("dir", p.directory, "output folder of the run")->required();
+  resume->add_option("--set", p.common.overrides, "KEY.PATH=VALUE: changed from here on")->allow_extra_args(false);
+  resume->add_option("--scene", p.next_scene, "another scene on the state of this run");
   add_run_flags(resume, p.run);
   add_scene_flags(p.add("check", "everything wrong with a scene, its time step, memory and time; writes nothing",
                         [&p] { return epafi::command_check(p.common); }),

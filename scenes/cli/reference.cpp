@@ -51,6 +51,14 @@ const char* kind_name(Kind kind) {
       return "table";
     case Kind::shape:
       return "shape";
+    case Kind::rows:
+      return "list of rows";
+    case Kind::load:
+      return "[x, y, z] or table";
+    case Kind::motions:
+      return "table or list of tables";
+    case Kind::bound:
+      return "number or table";
     case Kind::tables:
       return "table";
   }
@@ -76,7 +84,7 @@ void add_fields(std::string& out, const std::vector<Field>& fields, const std::s
     const char* kind = f.kind == Kind::table && !f.choices.empty() ? "word or table" : kind_name(f.kind);
     out += fmt::format("| `{}{}` | {} | {} | {} | {} | {} | {} |\n", prefix, f.name, cell(f.symbol), f.unit, kind,
                        otherwise, cell(admissible(f)), cell(f.help));
-    if (f.kind == Kind::table) add_fields(out, f.fields, prefix + f.name + ".");
+    if (f.kind == Kind::table || f.kind == Kind::motions) add_fields(out, f.fields, prefix + f.name + ".");
   }
 }
 

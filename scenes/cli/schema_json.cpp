@@ -113,6 +113,14 @@ struct Writer {
         return any_of(word(field), list_schema(word(field)));
       case Kind::table:
         return field.choices.empty() ? object(field.fields, "") : any_of(word(field), object(field.fields, ""));
+      case Kind::rows:
+        return list_schema(list_schema(number));
+      case Kind::load:
+        return any_of(list_schema(number, 3), object(time_table_fields(), ""));
+      case Kind::motions:
+        return any_of(object(field.fields, ""), list_schema(object(field.fields, "")));
+      case Kind::bound:
+        return any_of(number, object(number_bound_fields(), ""));
       case Kind::shape:
         return any_of("{\"type\":\"string\"}", "{\"$ref\":\"#/definitions/shape\"}");
       case Kind::tables:
@@ -133,10 +141,14 @@ struct Writer {
       about.add("description", quoted(describe(field)));
       if (field.default_value) about.add("default", json_value(*field.default_value));
       properties.add(field.name, "{" + about.text + "," + type.substr(1));
-      if (!field.optional && !field.default_value) needed.push_back(field.name);
+      const bool of_stages = name == "run" && field.name == "duration";  // absent where there are any
+      if (!field.optional && !field.default_value && !of_stages) needed.push_back(field.name);
     }
     Object out;
-    out.add("type", "\"object\"").add("additionalProperties", "false").add("properties", properties.str());
+    const bool open = name == "stage";  // keys of the whole scene
+    out.add("type", "\"object\"");
+    if (!open) out.add("additionalProperties", "false");
+    out.add("properties", properties.str());
     if (!needed.empty()) out.add("required", array(needed, quoted));
     return out.str();
   }
@@ -187,7 +199,7 @@ std::string json_schema(const Registry& registry) {
       .add("title", "\"Epafi scene\"")
       .add("type", "\"object\"");
   root.add("additionalProperties", "false")
-      .add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"patch\"]}]")
+      .add("anyOf", "[{\"required\":[\"run\"]},{\"required\":[\"stage\"]},{\"required\":[\"patch\"]}]")
       .add("properties", properties.str());
   Object definitions;
   definitions.add("shape", writer.object(schema.at("shape").fields, "shape"));

@@ -49,13 +49,13 @@ void place_on_rails(Assembly& a) {
   const std::vector<Slot> tracks = tracks_of(w);
   for (std::size_t k = 0; k < a.scene.bodies.size(); ++k) {
     const BodySpec& body = a.scene.bodies[k];
-    if (!body.on_rails) continue;
+    if (!body.on_rails || body.absent) continue;
     const Place& place = a.scene.groups[body.group].place;
     if (tracks.size() != 1)
       throw SceneError(fmt::format("body '{}': on_rails needs one body with a rail_profile in the scene, found {}",
                                    body_name(a.scene, k), tracks.size()),
                        place);
-    const Slot s = w.slot_of(Assembly::body_id(k)), track = tracks.front();
+    const Slot s = w.slot_of(a.id_of(k)), track = tracks.front();
     const Track& rails = *a.shapes->of<RailProfile>()[ShapeRef{w.shape[track]}.index()].track;
     const auto pose = WheelsetOnTrack(wheelset_of(a, s), rails).stand(w.pose(s), w.pose(track), sink_of(a, s, track));
     if (!pose)

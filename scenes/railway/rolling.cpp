@@ -44,11 +44,11 @@ std::vector<SpringElement> springs_of(const Assembly& a) {
   std::vector<SpringElement> out;
   for (const SpringSpec& s : a.scene.springs) {
     const World& world = a.simulation->world;
-    const ShapeOrigin* origin = a.origins.of(world.shape[world.slot_of(Assembly::body_id(s.body))]);
+    const ShapeOrigin* origin = a.origins.of(world.shape[world.slot_of(a.id_of(s.body))]);
     const bool turned = origin != nullptr && origin->is_turned();  // the engine's axes are the principal ones
     const Vec3 attachment = turned ? Vec3(origin->to_author.conjugate() * s.attachment) : s.attachment;
-    SpringElement e{s.name, Assembly::body_id(s.body), attachment, {}, s.speed, s.stiffness, s.damping, s.preload};
-    if (s.to) e.to = Assembly::body_id(*s.to);
+    SpringElement e{s.name, a.id_of(s.body), attachment, {}, s.speed, s.stiffness, s.damping, s.preload};
+    if (s.to) e.to = a.id_of(*s.to);
     out.push_back(e);
   }
   return out;

@@ -29,7 +29,7 @@ struct Loader {
   Node load(const std::string& path, const Place& from);
   Node parse(const std::string& text, const std::string& file);
   Node merge_includes(Node own);
-  void apply(const std::string& override_text);
+  void apply(Node& root, const std::string& override_text);
   Node* step_into(Node& node, const std::string& key, const Place& place, bool last);
 };
 
@@ -144,14 +144,14 @@ Node* Loader::step_into(Node& node, const std::string& key, const Place& place, 
   return nullptr;
 }
 
-void Loader::apply(const std::string& override_text) {
+void Loader::apply(Node& root, const std::string& override_text) {
   const Place place{std::string(override_prefix) + override_text, 0, 0};
   const std::size_t equals = override_text.find('=');
   std::string path = override_text.substr(0, equals);
   while (!path.empty() && path.back() == ' ') path.pop_back();
   if (equals == std::string::npos || path.empty()) return error(place, "expected KEY.PATH=VALUE");
   Node value = parse_toml_value(override_text.substr(equals + 1), place);
-  Node* at = &document.root;
+  Node* at = &root;
   for (std::size_t begin = 0; at && begin <= path.size();) {
     const std::size_t end = std::min(path.find('.', begin), path.size());
     if (end == begin) return error(place, "the key path has an empty step");
@@ -165,7 +165,7 @@ void Loader::apply(const std::string& override_text) {
 Document finished(Loader&& loader, Node root, const std::vector<std::string>& overrides) {
   loader.document.root = std::move(root);
   if (!loader.document.failed)
-    for (const auto& text : overrides) loader.apply(text);
+    for (const auto& text : overrides) loader.apply(loader.document.root, text);
   return std::move(loader.document);
 }
 
@@ -210,6 +210,12 @@ std::string to_toml(const Node& node) {
   std::string all;
   for (const auto& m : node.members) all += (all.empty() ? "" : ", ") + quote_toml(m.key) + " = " + to_toml(m.value);
   return "{" + all + "}";
+}
+
+void set_value(Node& root, const std::string& override_text, std::vector<Problem>& problems) {
+  Loader loader;
+  loader.apply(root, override_text);
+  problems.insert(problems.end(), loader.document.problems.begin(), loader.document.problems.end());
 }
 
 Document load_document(const std::string& path, const std::vector<std::string>& overrides) {

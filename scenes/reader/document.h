@@ -22,6 +22,7 @@ struct Node {
   std::vector<Node> items;      ///< of an array
   std::vector<Member> members;  ///< of a table, in the order of the file
   Place place;                  ///< of the value; of a table its header or brace
+  std::size_t stage = 0;        ///< of a table that a [[stage]] has added to a list
   bool quoted_inline = false;   ///< text on one line: a column inside it is place.column + 1 + offset
 
   const Node* find(std::string_view key) const;
@@ -52,6 +53,9 @@ struct Document {
 /// KEY.PATH steps through tables by key and through arrays by index or by the `name` of a table in them.
 Document load_document(const std::string& path, const std::vector<std::string>& overrides);
 Document parse_document(const std::string& text, const std::string& file, const std::vector<std::string>& overrides);
+
+/// Sets KEY.PATH of `root` as --set does, with "KEY.PATH=VALUE".
+void set_value(Node& root, const std::string& override_text, std::vector<Problem>& problems);
 
 /// A file name written at `place`, relative to the folder of the file it stands in (of `main_file` for overrides).
 std::string resolve_path(const std::string& name, const Place& place, const std::string& main_file);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/reader/stages.h"
 #include "scenes/reader/table_reader.h"
 #include "scenes/scene.h"
 
@@ -15,6 +16,12 @@ struct Draft {
   Reading& reading;
   Scene scene;
   std::optional<std::size_t> unit_sphere{};  ///< the shape of all rows of [[bodies]] with a radius
+  const std::vector<Node>* stages = nullptr;
+  std::size_t stage = 0;  ///< the one that is read
+  std::vector<ChangeOfBodies> body_changes{};
+  std::size_t stage_of_gravity = 0;                 ///< the last one that sets it
+  std::string start_run{};                          ///< as ReadOptions has it
+  std::shared_ptr<struct MadeRun>* made = nullptr;  ///< that [start] speaks of, kept for all stages
 };
 
 void read_run(Draft& draft);
@@ -33,6 +40,10 @@ struct BodyFile {
 };
 void read_polyset(Draft& draft, const BodyFile& file);
 void read_fills(Draft& draft);
+void read_stages(Draft& draft);        ///< how long each lasts
+void read_start(Draft& draft);         ///< [start]: what comes from another run
+void read_stage_bodies(Draft& draft);  ///< body.NAME of stages, when all bodies are there
+void check_stage(Draft& draft);        ///< what needs the measures
 void read_outlets(Draft& draft);
 void read_springs(Draft& draft);
 void read_measures(Draft& draft);
@@ -41,6 +52,29 @@ void read_studies(Draft& draft);  ///< [sweep], [benchmark], [output]
 void read_view(Draft& draft);
 /// What needs all bodies: restitution and friction of pairs that can touch, densities of free bodies.
 void check_pairs(Draft& draft);
+
+/// `motion` of a body: a table or a list of them. No parts and no servo: an empty list, the body is not driven.
+struct MotionsRead {
+  std::vector<Motion> parts;
+  std::optional<Servo> servo;
+};
+MotionsRead read_motions(Reading& reading, const Node& node, const std::string& label);
+/// Rows of `table` or `file` of an item, in SI.
+std::optional<MotionTable::Rows> read_time_rows(Reading& reading, const Node& item, const TableValues& v,
+                                                const std::string& unit, const std::string& label);
+/// A value that follows time, or in part.
+struct TimedVector {
+  Vec3 steady = Vec3::Zero();
+  TimeVector loose;
+};
+TimedVector read_time_vector(Reading& reading, const Node& node, const std::string& unit, const std::string& label);
+/// force and torque of a body.
+void read_body_loads(Reading& reading, const Node& item, const TableValues& v, const std::string& label, Since since,
+                     BodySpec& body);
+/// measure, component, above or below, for.
+Condition read_condition(Reading& reading, const TableValues& v, const std::string& prefix, const std::string& label);
+/// Its measure is there.
+void check_condition(Draft& draft, const Condition& condition, const Place& place, const std::string& label);
 
 /// The table of that name (dots step inwards) or null; reports what is not a table.
 const Node* find_table(Reading& reading, const std::string& name);
@@ -63,6 +97,9 @@ std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, cons
 /// Adds a shape table; reports if it is not exactly one form.
 std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std::string& name,
                                      const std::string& label);
+
+/// The last group may be one of the run that the scene starts from: its bodies then take the places of those.
+void settle_imported(Draft& draft);
 
 /// Reports a group name that is taken.
 void check_group_name(Draft& draft, const std::string& name, const Place& place);

@@ -48,48 +48,6 @@ std::vector<std::size_t> read_repeat(Draft& draft, const Node& item, const std::
   return std::vector<std::size_t>(counts.begin(), counts.end());
 }
 
-std::optional<Motion> read_motion(Reading& reading, const TableValues& v, const std::string& label) {
-  if (!v.written("motion") || v.written("motion.servo")) return std::nullopt;
-  Motion motion;
-  if (v.has("motion.velocity")) motion.velocity = v.vec3("motion.velocity");
-  motion.from = v.number_or("motion.from", 0.0);
-  motion.until = v.number_or("motion.until", infinity);
-  if (motion.until <= motion.from)
-    reading.error(v.place_of("motion.until"), label + " motion: until must be later than from");
-  const auto direction = [&](const std::string& key, Vec3& out) {
-    if (!v.has(key)) return;
-    if (const auto unit = unit_vector(reading, v.vec3(key), v.place_of(key), label + " " + key)) out = *unit;
-  };
-  direction("motion.rotation.axis", motion.rotation_axis);
-  motion.rotation_rate = v.number_or("motion.rotation.rate", 0.0);
-  if (v.has("motion.rotation.about")) motion.rotation_about = v.vec3("motion.rotation.about");
-  direction("motion.oscillation.direction", motion.oscillation_direction);
-  motion.oscillation_amplitude = v.number_or("motion.oscillation.amplitude", 0.0);
-  motion.oscillation_frequency = v.number_or("motion.oscillation.frequency", 0.0);
-  return motion;
-}
-
-std::optional<Servo> read_servo(Reading& reading, const TableValues& v, const std::string& label) {
-  if (!v.written("motion.servo")) return std::nullopt;
-  const Place place = v.place_of("motion.servo");
-  for (const char* key : {"motion.velocity", "motion.rotation", "motion.oscillation"})
-    if (v.written(key)) reading.error(v.place_of(key), label + " motion: a servo takes no other motion beside it");
-  const bool force = v.has("motion.servo.force"), stress = v.has("motion.servo.stress");
-  if (force == stress || stress != v.has("motion.servo.area"))
-    reading.error(place, label + " motion servo: write force, or stress with area");
-  if (!v.has("motion.servo.mass") || !v.has("motion.servo.max_speed") || !v.has("motion.servo.direction"))
-    return std::nullopt;
-  Servo servo;
-  servo.force = force ? v.number("motion.servo.force")
-                      : v.number_or("motion.servo.stress", 0.0) * v.number_or("motion.servo.area", 0.0);
-  servo.mass = v.number("motion.servo.mass"), servo.max_speed = v.number("motion.servo.max_speed");
-  servo.from = v.number_or("motion.from", 0.0), servo.until = v.number_or("motion.until", infinity);
-  if (const auto unit = unit_vector(reading, v.vec3("motion.servo.direction"), v.place_of("motion.servo.direction"),
-                                    label + " motion servo direction"))
-    servo.direction = *unit;
-  return servo;
-}
-
 Quat read_orientation(Reading& reading, const TableValues& v, const std::string& label) {
   if (v.has("orientation") && v.has("euler_deg")) {
     reading.error(v.place_of("euler_deg"), label + ": orientation and euler_deg are both given; write one");
@@ -109,8 +67,24 @@ struct BodyTable {
   const Node& item;
   std::string label;
   std::size_t group;
-  Placed<bool> spins{};
+  std::optional<MotionSpec> motion{};
+  std::optional<ServoSpec> servo{};
+  BodySpec loads{};  ///< its force and load
 };
+
+/// What is not among the plain values; of a copy only where its index stands in them.
+void read_moves(Reading& reading, const TableValues& v, BodyTable& table) {
+  const Since since{table.item.stage, 0.0};
+  table.motion = {};
+  table.servo = {};
+  table.loads = {};
+  if (const Node* motion = table.item.find("motion")) {
+    MotionsRead read = read_motions(reading, *motion, table.label);
+    if (!read.parts.empty()) table.motion = MotionSpec{std::move(read.parts), since};
+    if (read.servo) table.servo = ServoSpec{*read.servo, since};
+  }
+  read_body_loads(reading, table.item, v, table.label, since, table.loads);
+}
 
 std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const TableValues& v,
                                   std::optional<std::size_t> shape) {
@@ -128,12 +102,13 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   body.as_drawn = v.has("place") && v.text("place") == "as-drawn";
   body.position = vec3("position"), body.velocity = vec3("velocity");
   body.angular_velocity = vec3("angular_velocity");
-  if (const Vec3 force = vec3("force"); force.squaredNorm() > 0) body.force = force;
   body.orientation = read_orientation(reading, v, table.label);
   if (v.written("angular_velocity")) body.spin_place = v.place_of("angular_velocity");
-  body.motion = read_motion(reading, v, table.label);
-  body.servo = read_servo(reading, v, table.label);
-  body.remove_at = v.optional_number("remove_at");
+  body.motion = table.motion;
+  body.servo = table.servo;
+  body.force = table.loads.force;
+  body.load = table.loads.load;
+  if (const auto time = v.optional_number("remove_at")) body.remove_at = Removal{*time, {table.item.stage, 0.0}};
   return body;
 }
 
@@ -201,8 +176,14 @@ void read_body(Draft& draft, const Node& item) {
   const std::string name = values.has("name") ? values.text("name") : "";
   check_group_name(draft, name, values.place_of("name"));
   auto& scene = draft.scene;
-  scene.groups.push_back({name, scene.bodies.size(), 0, item.place, {counts.begin(), counts.end()}});
-  const BodyTable table{item, label, scene.groups.size() - 1};
+  GroupSpec group{name, scene.bodies.size(), 0, item.place, {counts.begin(), counts.end()}};
+  group.group = values.has("group") ? values.text("group") : "";
+  group.stage = item.stage;
+  scene.groups.push_back(std::move(group));
+  BodyTable table{item, label, scene.groups.size() - 1};
+  read_moves(reading, values, table);
+  const bool moves_vary = std::ranges::any_of(
+      varying.members, [](const Member& m) { return m.key == "motion" || m.key == "force" || m.key == "torque"; });
   scene.bodies.reserve(scene.bodies.size() + size[0] * size[1] * size[2]);
   Index3 at{};
   for (at[0] = 0; at[0] < size[0]; ++at[0])
@@ -213,6 +194,7 @@ void read_body(Draft& draft, const Node& item) {
           set_indices(reading, at, counts.size());
           const TableValues own = read_table(varying, label, varying_fields, reading);
           for (const auto& [key, value] : own.all()) values.set(key, value);
+          if (moves_vary) read_moves(reading, values, table);
           if (shape_node && uses_index(*shape_node)) shape = read_shape_value(draft, *shape_node, label);
         }
         auto body = make_body(draft, table, values, shape);
@@ -222,6 +204,7 @@ void read_body(Draft& draft, const Node& item) {
         ++scene.groups.back().count;
       }
   reading.indices.clear();
+  settle_imported(draft);
 }
 
 }  // namespace
@@ -234,7 +217,7 @@ void check_group_name(Draft& draft, const std::string& name, const Place& place)
   if (name.empty()) return;
   Place other;
   for (const auto& group : draft.scene.groups)
-    if (group.name == name) other = group.place;
+    if (group.name == name && !group.from) other = group.place;
   for (const auto& fill : draft.scene.fills)
     if (fill.name == name) other = fill.place;
   if (!other.file.empty())
@@ -277,12 +260,18 @@ NamedBodies find_bodies(Draft& draft, const std::string& name, const Place& plac
     for (std::size_t k = 0; k < group.count && maybe_one; ++k)
       if (body_name(group, k) == name) found.bodies.push_back({group.first + k, 1});
     if (!group.name.empty()) names.push_back(group.name);
+    if (whole || group.group != name || name.empty()) continue;
+    if (group.count > 0) found.bodies.push_back({group.first, group.count});
   }
+  for (const auto& group : draft.scene.groups)
+    if (!group.group.empty() && std::find(names.begin(), names.end(), group.group) == names.end())
+      names.push_back(group.group);
   for (std::size_t f = 0; f < draft.scene.fills.size(); ++f) {
     const auto& fill = draft.scene.fills[f];
     const auto one = index_in(name, fill.name);
-    if (fill.name == name || one) found.fills.push_back({f, one});
+    if (fill.name == name || one || (fill.group == name && !name.empty())) found.fills.push_back({f, one});
     names.push_back(fill.name);
+    if (!fill.group.empty()) names.push_back(fill.group);
   }
   const bool told = draft.reading.errors() > 0 && is_written(draft.reading, name);
   if (found.bodies.empty() && found.fills.empty() && !told)

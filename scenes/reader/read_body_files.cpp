@@ -357,6 +357,8 @@ void read_file(Draft& draft, const Node& item) {
   if (!std::filesystem::is_regular_file(path, failure))
     return reading.error(place, label + " file: there is no file '" + path + "'");
   draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place, {1}});
+  draft.scene.groups.back().group = values.has("group") ? values.text("group") : "";
+  draft.scene.groups.back().stage = item.stage;
   const std::size_t first = draft.scene.bodies.size();
   if (ending == ".polyset") {
     if (!rows.material) return reading.error(item.place, label + ": a .polyset needs a material");
@@ -367,6 +369,7 @@ void read_file(Draft& draft, const Node& item) {
     read_rows(rows, in, path, place);
   }
   displace(draft.scene, first, values.number("jitter"));
+  if (reading.errors() == errors) settle_imported(draft);
 }
 
 }  // namespace

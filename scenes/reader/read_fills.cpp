@@ -99,9 +99,17 @@ void read_fill(Draft& draft, const Node& item) {
   const TableValues values = read_table(item, label, reading.schema.at("fill").fields, reading);
   FillSpec fill;
   fill.place = item.place;
+  fill.stage = item.stage;
+  fill.group = values.has("group") ? values.text("group") : "";
   fill.name = values.has("name")          ? values.text("name")
               : draft.scene.fills.empty() ? "fill"
                                           : "fill" + std::to_string(draft.scene.fills.size() + 1);
+  const auto of_run = [&](const GroupSpec& g) { return g.from && g.name == fill.name; };
+  const bool named = values.has("name"), imported = std::ranges::any_of(draft.scene.groups, of_run);
+  if (imported && (named || draft.scene.start->goes_on)) return;  // its bodies are those of the run
+  for (std::size_t n = 2; std::ranges::any_of(draft.scene.groups, of_run); ++n) fill.name = "fill" + std::to_string(n);
+  draft.scene.changes_bodies =
+      draft.scene.changes_bodies || (fill.stage == draft.stage && (draft.scene.start || draft.stage > 0));
   check_group_name(draft, fill.name, values.written("name") ? values.place_of("name") : item.place);
   read_shapes_of(draft, values, label, fill);
   read_amount(reading, values, label, fill);

@@ -7,6 +7,10 @@
 namespace epafi {
 namespace {
 
+bool takes(const Entry& entry, const std::string& name) {
+  return std::any_of(entry.fields.begin(), entry.fields.end(), [&](const Field& f) { return f.name == name; });
+}
+
 /// Keeps the fields of the kind; reports what it needs and does not get, warns of what it does not use.
 void keep_fields(Reading& reading, const TableValues& values, const Entry& entry, const std::string& label,
                  Parameters& out) {
@@ -23,6 +27,7 @@ void keep_fields(Reading& reading, const TableValues& values, const Entry& entry
   }
   for (const auto& [key, place] : values.places) {
     if (key == "name" || key == "kind" || key == "interval" || key.find('.') != std::string::npos) continue;
+    if (key == "group" && takes(entry, "body")) continue;
     const bool used =
         std::any_of(entry.fields.begin(), entry.fields.end(), [&, &k = key](const Field& f) { return f.name == k; });
     if (!used) reading.warning(place, label + ": " + key + " is not used by kind '" + entry.name + "'");
@@ -35,8 +40,8 @@ void read_measure(Draft& draft, const Node& item) {
   const Node* kind = item.find("kind");
   const auto& entries = reading.registry.measures;
   const auto all = reading.schema.at("measure").fields;
-  const std::vector<Field> common(all.begin(), all.begin() + 3);  // name, kind, interval
-  const TableValues values =
+  const std::vector<Field> common(all.begin(), all.begin() + 4);  // name, kind, interval, group
+  TableValues values =
       read_table(item, label, common + as_optional(united_fields(entries, kind ? kind->text : "")), reading,
                  common + (kind && find_entry(entries, kind->text) ? find_entry(entries, kind->text)->fields
                                                                    : united_fields(entries)));
@@ -49,6 +54,14 @@ void read_measure(Draft& draft, const Node& item) {
                       {},
                       {},
                       item.place};
+  const bool by_group = values.written("group") && takes(*entry, "body");
+  const std::string name_written = by_group ? "group" : "body";
+  if (by_group && values.written("body"))
+    reading.error(values.place_of("group"), label + ": body and group are both given; write one");
+  if (by_group && values.has("group")) {
+    values.set("body", Value(values.text("group")));
+    values.places["body"] = values.place_of("group");
+  }
   keep_fields(reading, values, *entry, label, measure.parameters);
   auto& p = measure.parameters;
   if (p.has("plane.normal")) {
@@ -59,12 +72,13 @@ void read_measure(Draft& draft, const Node& item) {
   if (p.has("region.box.min") && p.has("region.box.max"))
     check_box(reading, p.vec3("region.box.min"), p.vec3("region.box.max"), values.place_of("region.box"),
               label + " region");
-  if (p.has("body")) measure.bodies.push_back(find_bodies(draft, p.text("body"), values.place_of("body"), label));
+  if (p.has("body")) measure.bodies.push_back(find_bodies(draft, p.text("body"), values.place_of(name_written), label));
   const bool takes_region =
       std::any_of(entry->fields.begin(), entry->fields.end(), [](const Field& f) { return f.name == "region"; });
   const auto& cell = draft.scene.cell;
   const bool endless = cell && cell->cell.repeats == std::array{true, true, true};
-  if (takes_region && !p.has("region.box.min") && !endless)
+  const bool may_do_without = takes(*entry, "plane");  // it counts everywhere
+  if (takes_region && !p.has("region.box.min") && !endless && !may_do_without)
     reading.error(values.place, "missing key 'region' in " + label + ": kind '" + entry->name + "' needs it");
   if (p.has("outlet")) {
     std::vector<std::string> names;
@@ -85,6 +99,36 @@ void read_measure(Draft& draft, const Node& item) {
   draft.scene.measures.push_back(std::move(measure));
 }
 
+/// `body` or `group`, whichever is written: both take names of bodies and of groups.
+std::string name_key(Draft& draft, const TableValues& values, const std::string& prefix, const std::string& label) {
+  const bool body = values.written(prefix + "body"), group = values.written(prefix + "group");
+  if (body == group && values.written(prefix.substr(0, prefix.size() - 1)))
+    draft.reading.error(body ? values.place_of(prefix + "group") : values.place_of(prefix.substr(0, prefix.size() - 1)),
+                        body ? label + ": body and group are both given; write one"
+                             : "missing key 'body' in " + label + " (name of the body or bodies, no unit)");
+  return prefix + (group ? "group" : "body");
+}
+
+/// [[bounds.measure]]
+void read_measure_bounds(Draft& draft, std::vector<BoundSpec>& bounds) {
+  Reading& reading = draft.reading;
+  const std::string label = "[[bounds.measure]]";
+  each_item(reading, "bounds.measure", [&](const Node& item) {
+    const TableValues v = read_table(item, label, reading.schema.at("bounds.measure").fields, reading);
+    BoundSpec bound;
+    bound.quantity = "measure";
+    bound.place = item.place;
+    bound.stops = v.has("then") && v.text("then") == "stop";
+    bound.after = v.number_or("after", 0.0);
+    bound.broken = read_condition(reading, v, "", label);
+    bound.limit = bound.broken.limit;
+    check_condition(draft, bound.broken, v.place_of("measure"), label);
+    bound.broken.above = !bound.broken.above;  // left where it does not stay above, or below
+    bound.body = bound.broken.measure + "." + bound.broken.component;
+    bounds.push_back(std::move(bound));
+  });
+}
+
 std::vector<BoundSpec> read_bound_table(Draft& draft, const std::string& name) {
   Reading& reading = draft.reading;
   std::vector<BoundSpec> bounds;
@@ -95,15 +139,20 @@ std::vector<BoundSpec> read_bound_table(Draft& draft, const std::string& name) {
     BoundSpec bound;
     bound.quantity = field.name;
     bound.place = values.place_of(field.name);
-    if (field.kind == Kind::number) {
+    if (field.kind == Kind::tables) continue;  // of measures
+    if (field.kind == Kind::bound) {
       if (!values.has(field.name)) continue;
       bound.limit = values.number(field.name);
+      if (const Node* own = table_or_empty(reading, name).find(field.name); own->type == Node::Type::table)
+        bound.stops = read_table(*own, label + " " + field.name, number_bound_fields(), reading).text("then") == "stop";
     } else {
-      if (!values.has(field.name + ".body") || !values.has(field.name + ".below")) continue;
+      const std::string key = name_key(draft, values, field.name + ".", label + " " + field.name);
+      if (!values.has(key) || !values.has(field.name + ".below")) continue;
       bound.limit = values.number(field.name + ".below");
-      bound.body = values.text(field.name + ".body");
+      bound.body = values.text(key);
       bound.after = values.number_or(field.name + ".after", 0.0);
-      bound.bodies = find_bodies(draft, bound.body, values.place_of(field.name + ".body"), label + " " + field.name);
+      bound.stops = values.has(field.name + ".then") && values.text(field.name + ".then") == "stop";
+      bound.bodies = find_bodies(draft, bound.body, values.place_of(key), label + " " + field.name);
     }
     const bool has_solver = draft.scene.contact.method.value == Method::nonsmooth;
     if (field.name == "residual" && !has_solver)
@@ -182,6 +231,7 @@ void read_measures(Draft& draft) {
 
 void read_bounds(Draft& draft) {
   draft.scene.bounds = read_bound_table(draft, "bounds");
+  read_measure_bounds(draft, draft.scene.bounds);
   draft.scene.accuracy = read_bound_table(draft, "accuracy");
 }
 

@@ -113,6 +113,13 @@ void read_world(Draft& draft) {
   const TableValues values =
       read_table(table_or_empty(reading, "world"), "[world]", reading.schema.at("world").fields, reading);
   if (values.has("gravity")) draft.scene.gravity = values.vec3("gravity");
+  const Node* gravity = table_or_empty(reading, "world").find("gravity");
+  if (gravity && follows_time(reading, *gravity)) {
+    const TimedVector read = read_time_vector(reading, *gravity, "m/s^2", "[world] gravity");
+    draft.scene.gravity = read.steady;
+    draft.scene.loose_gravity = read.loose;
+    draft.scene.gravity_since.stage = draft.stage_of_gravity;
+  }
   if (!values.has("domain.min") || !values.has("domain.max") || !values.has("domain.outside")) return;
   Placed<Domain> domain{{values.vec3("domain.min"), values.vec3("domain.max"), Domain::Outside::error},
                         values.place_of("domain")};

@@ -44,6 +44,7 @@ void read_spring(Draft& draft, const Node& item) {
   }
   if (s.stiffness.isZero() && s.damping.isZero())
     reading.warning(v.place, label + ": neither stiffness nor damping; it does nothing");
+  draft.scene.changes_bodies = draft.scene.changes_bodies || (draft.stage > 0 && item.stage == draft.stage);
   draft.scene.springs.push_back(std::move(s));
 }
 

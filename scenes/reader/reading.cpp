@@ -68,8 +68,37 @@ NameValue Reading::look_up(std::string_view name) {
 }
 
 std::optional<double> Reading::expression(const Node& node, const std::string& label) {
+  return expression(node, label,
+                    {[this](std::string_view name) { return look_up(name); }, [this] { return known_names(); }});
+}
+
+std::function<double(double)> Reading::time_expression(const Node& node, const std::string& label) {
+  std::map<std::string, double, std::less<>> values;
+  const auto look = [&](std::string_view name) {
+    if (name == "t") return NameValue{NameValue::Status::found, 0.0};
+    const NameValue found = look_up(name);
+    if (found.status == NameValue::Status::found) values.emplace(name, found.value);
+    return found;
+  };
+  const auto names = [this] {
+    auto all = known_names();
+    all.push_back("t");
+    return all;
+  };
+  if (!expression(node, label, {look, names})) return [](double) { return 0.0; };
+  return [text = std::string(expression_of(node)), values = std::move(values)](double t) {
+    const auto value_of = [&](std::string_view name) {
+      if (name == "t") return NameValue{NameValue::Status::found, t};
+      const auto found = values.find(name);
+      return found == values.end() ? NameValue{} : NameValue{NameValue::Status::found, found->second};
+    };
+    const auto result = evaluate(text, {value_of, [] { return std::vector<std::string>{}; }});
+    return result.value.value_or(std::numeric_limits<double>::quiet_NaN());
+  };
+}
+
+std::optional<double> Reading::expression(const Node& node, const std::string& label, const Names& names) {
   const std::string_view text = expression_of(node);
-  const Names names{[this](std::string_view name) { return look_up(name); }, [this] { return known_names(); }};
   const auto result = evaluate(text, names);
   if (result.value || result.problem.empty()) return result.value;
   const std::size_t offset = static_cast<std::size_t>(text.data() - node.text.data()) + result.column - 1;

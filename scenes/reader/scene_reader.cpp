@@ -38,39 +38,113 @@ void sort_by_place(std::vector<Problem>& problems, const std::string& main_file)
   });
 }
 
-ReadResult read_document(Document document, const std::string& file, const Registry& registry) {
-  ReadResult result;
-  Reading reading(registry, document.root, file);
-  reading.problems = std::move(document.problems);
-  const bool whole = reading.problems.empty();
-  if (!document.failed && !report_other_kind(reading, FileKind::scene)) {
-    Draft draft{reading, {}, {}};
-    draft.scene.file = file;
-    draft.scene.text = std::move(document.text);
-    if (const Node* title = reading.root.find("title")) draft.scene.title = title->text;
-    check_top(reading);
-    reading.check_params();
-    for (const auto read :
-         {read_run, read_world, read_materials, read_contact, read_detection, read_shapes, read_bodies, read_body_files,
-          read_fills, read_outlets, read_springs, read_measures, read_bounds, read_studies, read_view, check_pairs}) {
-      read(draft);
-    }
-    if (whole && reading.errors() == 0) result.scene = std::move(draft.scene);
+/// The parts of one stage's scene, in the order in which they need each other.
+void read_parts(Draft& draft) {
+  for (const auto read :
+       {read_run,      read_stages, read_world,      read_materials, read_contact,      read_detection, read_shapes,
+        read_start,    read_bodies, read_body_files, read_fills,     read_stage_bodies, read_outlets,   read_springs,
+        read_measures, read_bounds, check_stage,     read_studies,   read_view,         check_pairs}) {
+    read(draft);
   }
-  result.problems = std::move(reading.problems);
+}
+
+/// Problems of all stages, each told once.
+void append_new(std::vector<Problem>& all, const std::vector<Problem>& more) {
+  for (const Problem& p : more) {
+    const bool known = std::any_of(all.begin(), all.end(), [&](const Problem& q) {
+      return q.text == p.text && q.place.file == p.place.file && q.place.line == p.place.line &&
+             q.place.column == p.place.column;
+    });
+    if (!known) all.push_back(p);
+  }
+}
+
+/// What all stages are read from.
+struct StageSource {
+  Node root;
+  std::vector<Node> stages;  ///< none: the scene has no [[stage]]
+  std::string file, text;
+  const Registry& registry;
+  ReadOptions options;
+  std::shared_ptr<MadeRun> made{};  ///< that the scene starts from
+};
+
+/// One stage; the scene is empty where it has an error.
+std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::vector<Problem>& problems) {
+  std::vector<Problem> own;
+  StageDocument merged;
+  if (!from.stages.empty()) merged = document_of_stage(from.root, from.stages, stage, own);
+  const Node& root = from.stages.empty() ? from.root : merged.root;
+  Reading reading(from.registry, root, from.file);
+  const bool whole = own.empty();
+  reading.problems = std::move(own);
+  Draft draft{reading, {}, {}};
+  draft.stages = &from.stages, draft.stage = stage, draft.body_changes = std::move(merged.bodies);
+  draft.start_run = from.options.start_run, draft.made = &from.made;
+  draft.scene.file = from.file;
+  draft.scene.text = from.text;
+  for (std::size_t k = 0; k <= stage && k < from.stages.size(); ++k)
+    if (const Node* world = from.stages[k].find("world"); world && world->find("gravity")) draft.stage_of_gravity = k;
+  if (const Node* title = root.find("title")) draft.scene.title = title->text;
+  check_top(reading);
+  reading.check_params();
+  read_parts(draft);
+  append_new(problems, reading.problems);
+  return whole && reading.errors() == 0 ? std::optional(std::move(draft.scene)) : std::nullopt;
+}
+
+/// For whoever goes through the stages later.
+std::function<Scene(std::size_t)> reader_of(std::shared_ptr<StageSource> source) {
+  return [source = std::move(source)](std::size_t stage) {
+    std::vector<Problem> problems;
+    auto scene = read_stage_of(*source, stage, problems);
+    if (!scene) throw SceneError(problems);
+    scene->stage_of = reader_of(source);
+    return std::move(*scene);
+  };
+}
+
+ReadResult read_document(Document document, const std::string& file, const Registry& registry,
+                         const ReadOptions& options) {
+  ReadResult result;
+  result.problems = std::move(document.problems);
+  std::vector<Problem> other_kind;
+  {
+    Reading kind(registry, document.root, file);
+    document.failed = document.failed || report_other_kind(kind, FileKind::scene);
+    other_kind = kind.problems;
+  }
+  if (!document.failed) {
+    const auto source = std::make_shared<StageSource>(
+        StageSource{std::move(document.root), {}, file, std::move(document.text), registry, options});
+    source->stages = list_stages(source->root, options.inserted, result.problems);
+    bool sound = result.problems.empty();
+    const std::size_t count = std::max<std::size_t>(1, source->stages.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool wanted = k == options.stage;
+      if (!wanted && options.stage > 0) continue;  // they were read when the run began
+      auto scene = read_stage_of(*source, k, result.problems);
+      sound = sound && scene.has_value();
+      if (wanted) result.scene = std::move(scene);
+    }
+    if (!sound) result.scene.reset();
+    if (result.scene && count > 1) result.scene->stage_of = reader_of(source);
+  }
+  append_new(result.problems, other_kind);
   sort_by_place(result.problems, file);
   return result;
 }
 
 }  // namespace
 
-ReadResult read_scene(const std::string& path, const std::vector<std::string>& overrides, const Registry& registry) {
-  return read_document(load_document(path, overrides), path, registry);
+ReadResult read_scene(const std::string& path, const std::vector<std::string>& overrides, const Registry& registry,
+                      const ReadOptions& options) {
+  return read_document(load_document(path, overrides), path, registry, options);
 }
 
 ReadResult read_scene_text(const std::string& text, const std::string& file, const std::vector<std::string>& overrides,
-                           const Registry& registry) {
-  return read_document(parse_document(text, file, overrides), file, registry);
+                           const Registry& registry, const ReadOptions& options) {
+  return read_document(parse_document(text, file, overrides), file, registry, options);
 }
 
 // --- shared by the parts

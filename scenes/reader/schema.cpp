@@ -4,6 +4,7 @@
 
 #include "engine/error.h"
 #include "scenes/reader/fields.h"
+#include "scenes/reader/schema_acts.h"
 #include "viz_export/view/camera.h"
 #include "viz_export/view/fields.h"
 
@@ -21,30 +22,26 @@ Field choice(const std::string& name, std::string help, std::vector<std::string>
   return with_default(word(name, std::move(help), std::move(names)), Value(chosen));
 }
 
-std::vector<Field> region_box() {
-  return {needed(table("box", "axis-aligned box",
-                       {required("min", "", "m", Kind::vec3, {}, "lower corner"),
-                        required("max", "", "m", Kind::vec3, {}, "upper corner")}))};
-}
-
 TableSchema run_table(const Registry& registry) {
   Field step =
       with_default(optional("time_step", "dt", "s", Kind::number, positive, "time step"), Value(std::string("auto")));
   step.choices = {"auto", "adaptive"};
   Field scheme = word("scheme", "time scheme; follows from the method where not written", names_of(registry.schemes));
   scheme.optional = true;
-  return {"run",
-          TableSchema::Form::single,
-          "time: how long and in which steps",
-          {required("duration", "T", "s", Kind::number, positive, "simulated time"), step, scheme,
-           with_default(required("allow_unstable", "", "", Kind::boolean, {},
-                                 "takes a time step above the limit instead of refusing it, to see where it fails"),
-                        Value(false)),
-           optional("output_interval", "", "s", Kind::number, positive,
-                    "time between snapshots; duration / 100 where not written"),
-           optional("checkpoint_interval", "", "s", Kind::number, positive,
-                    "time between checkpoints; only at the end where not written"),
-           with_default(required("seed", "", "", Kind::integer, seeds, "seed of all random numbers"), Value(1.0))}};
+  return {
+      "run",
+      TableSchema::Form::single,
+      "time: how long and in which steps",
+      {required("duration", "T", "s", Kind::number, positive, "simulated time"),
+       step, scheme,
+       with_default(required("allow_unstable", "", "", Kind::boolean, {},
+                             "takes a time step above the limit instead of refusing it, to see where it fails"),
+                    Value(false)),
+       optional("output_interval", "", "s", Kind::number, positive,
+                "time between snapshots; duration / 100 where not written"),
+       optional("checkpoint_interval", "", "s", Kind::number, positive,
+                "time between checkpoints; only at the end where not written"),
+       with_default(required("seed", "", "", Kind::integer, seeds, "seed of all random numbers"), Value(1.0))}};
 }
 
 TableSchema world_table() {
@@ -67,7 +64,7 @@ TableSchema world_table() {
   return {"world",
           TableSchema::Form::single,
           "what surrounds the bodies",
-          {with_default(required("gravity", "g", "m/s^2", Kind::vec3, {}, "acceleration of gravity"), Value(zero)),
+          {with_default(required("gravity", "g", "m/s^2", Kind::load, {}, "acceleration of gravity"), Value(zero)),
            table("domain", "box that bodies must not leave", std::move(domain))}};
 }
 
@@ -133,12 +130,15 @@ TableSchema shape_table(const Registry& registry) {
 }
 
 std::vector<Field> servo_fields() {
-  return {optional("force", "F", "N", Kind::number, positive, "force to press with, or stress and area"),
-          optional("stress", "", "Pa", Kind::number, positive, "stress to press with"),
-          optional("area", "", "m^2", Kind::number, positive, "area that the stress acts on"),
-          required("direction", "", "", Kind::vec3, {}, "it presses along this, any length"),
-          required("mass", "m", "kg", Kind::number, positive, "inertia of the wall"),
-          required("max_speed", "", "m/s", Kind::number, positive, "speed without resistance")};
+  return {
+      optional("force", "F", "N", Kind::number, positive, "force to press with, or stress and area"),
+      optional("stress", "", "Pa", Kind::number, positive, "stress to press with"),
+      optional("area", "", "m^2", Kind::number, positive, "area that the stress acts on"),
+      required("direction", "", "", Kind::vec3, {}, "it presses along this, any length"),
+      optional("mass", "m", "kg", Kind::number, positive, "inertia of the wall; not with gains"),
+      optional("gains", "", "", Kind::numbers, {},
+               "proportional [m/(N s)] and integral [m/(N s^2)] of a PI loop, which carries the force while it moves"),
+      required("max_speed", "", "m/s", Kind::number, positive, "speed without resistance")};
 }
 
 std::vector<Field> motion_fields() {
@@ -146,15 +146,28 @@ std::vector<Field> motion_fields() {
       required("axis", "", "", Kind::vec3, {}, "axis, any length"),
       required("rate", "omega", "rad/s", Kind::number, {}, "angular velocity about the axis"),
       optional("about", "", "m", Kind::vec3, {}, "a point of the axis; the body's centre where not written")};
+  Field of = word("of", "what the table is of", {"displacement", "velocity", "acceleration"});
+  of.optional = true;
   std::vector<Field> oscillation{required("direction", "", "", Kind::vec3, {}, "direction, any length"),
                                  required("amplitude", "a", "m", Kind::number, {}, "amplitude a of a sin(2 pi f t)"),
                                  required("frequency", "f", "Hz", Kind::number, not_negative, "frequency f")};
-  return {with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "constant velocity"), Value(zero)),
-          with_default(required("from", "", "s", Kind::number, not_negative, "begin"), Value(0.0)),
-          optional("until", "", "s", Kind::number, positive, "end; the end of the run where not written"),
-          table("rotation", "turning about an axis", std::move(rotation)),
-          table("oscillation", "swinging along a line", std::move(oscillation)),
-          table("servo", "pressing with a given force", servo_fields())};
+  return std::vector<Field>{
+             with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "constant velocity"), Value(zero)),
+             with_default(required("from", "", "s", Kind::number, not_negative, "begin"), Value(0.0)),
+             optional("until", "", "s", Kind::number, positive, "end; the end of the run where not written"),
+             table("rotation", "turning about an axis", std::move(rotation)),
+             table("oscillation", "swinging along a line", std::move(oscillation)),
+             table("servo", "pressing with a given force", servo_fields()),
+             of,
+             with_default(word("baseline",
+                               "drift that is taken out, so that the way ends where it began and at rest; "
+                               "quadratic: its mean displacement is 0 too",
+                               {"none", "linear", "quadratic"}),
+                          Value(std::string("none"))),
+             with_default(
+                 required("repeats", "", "", Kind::number, {1, largest_integer}, "how often the table is run through"),
+                 Value(1.0))} +
+         time_table_fields();
 }
 
 Field place_field() {
@@ -166,6 +179,14 @@ Field place_field() {
            {"centre", "as-drawn"}),
       Value(std::string("centre")));
 }
+
+Field motion_field() {
+  Field field = table("motion", "prescribed motion of a driven body, or several at once in a list", motion_fields());
+  field.kind = Kind::motions;
+  return field;
+}
+
+Field group_field() { return optional("group", "", "", Kind::text, {}, "a name that it shares with other bodies"); }
 
 TableSchema body_table() {
   return {
@@ -194,8 +215,9 @@ TableSchema body_table() {
        with_default(required("velocity", "v", "m/s", Kind::vec3, {}, "velocity"), Value(zero)),
        with_default(required("angular_velocity", "omega", "rad/s", Kind::vec3, {}, "angular velocity in world axes"),
                     Value(zero)),
-       with_default(required("force", "F", "N", Kind::vec3, {}, "constant external force"), Value(zero)),
-       table("motion", "prescribed motion of a driven body", motion_fields()),
+       with_default(required("force", "F", "N", Kind::load, {}, "external force"), Value(zero)),
+       with_default(required("torque", "M", "N m", Kind::load, {}, "external torque in world axes"), Value(zero)),
+       motion_field(), group_field(),
        optional("remove_at", "", "s", Kind::number, not_negative, "time at which the body is taken out")}};
 }
 
@@ -206,7 +228,7 @@ TableSchema bodies_table() {
       "bodies from a file: CSV with columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius, diameter or shape "
       "[,size][,material][,group], as `epafi export --format csv` writes it; a dump of LAMMPS or LIGGGHTS (last "
       "frame), a text export of YADE",
-      {text("file", ".csv, .dump, .lammpstrj, .liggghts, .txt (YADE) or .polyset"),
+      {text("file", ".csv, .dump, .lammpstrj, .liggghts, .txt (YADE) or .polyset"), group_field(),
        optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
        optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
        optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"), place_field(),
@@ -235,7 +257,7 @@ TableSchema fill_table() {
       "many bodies placed in a region; exactly one of count, mass, until",
       {optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
        required("shape", "", "", Kind::texts, {1, infinity}, "names under [shape.*]"),
-       optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"),
+       optional("weights", "", "", Kind::numbers, positive, "how often each shape is taken"), group_field(),
        table("size", "factor of the shape's size", size), text("material", "a name under [material.*]"),
        optional("count", "n", "", Kind::integer, whole_positive, "number of bodies"),
        optional("mass", "m", "kg", Kind::number, positive, "mass of all bodies"), full,
@@ -285,21 +307,9 @@ TableSchema measure_table(const Registry& registry) {
               word("kind", "what is measured", names_of(registry.measures)),
               optional("interval", "", "s", Kind::number, not_negative,
                        "time between values; 0 is every step; where not written, every step is looked at and "
-                       "10 000 at most are written")} +
+                       "10 000 at most are written"),
+              optional("group", "", "", Kind::text, {}, "name of a group of bodies, in place of body")} +
               as_optional(united_fields(registry.measures))};
-}
-
-std::vector<Field> bound_fields() {
-  const std::vector<Field> of_body{
-      text("body", "name of the body or bodies"), required("below", "", "m", Kind::number, not_negative, "bound"),
-      with_default(required("after", "", "s", Kind::number, not_negative, "time from which it is measured"),
-                   Value(0.0))};
-  return {optional("energy_error", "", "", Kind::number, not_negative, "relative energy error"),
-          optional("overlap_relative", "", "", Kind::number, not_negative, "overlap over bounding radius"),
-          optional("momentum_error", "", "", Kind::number, not_negative, "relative momentum error"),
-          optional("residual", "", "", Kind::number, not_negative, "residual of the contact problem"),
-          table("drift", "horizontal displacement of bodies", of_body),
-          table("sag", "vertical displacement of bodies", of_body)};
 }
 
 TableSchema view_table() {
@@ -334,6 +344,8 @@ SceneSchema make_schema(const Registry& registry) {
   all.push_back(
       {"params", Form::free, "names for \"= expression\": numbers, with a unit or as expressions of each other", {}});
   all.push_back(run_table(registry));
+  all.push_back(stage_table());
+  all.push_back(start_table());
   all.push_back(world_table());
   all.push_back(material_table_schema());
   add_contact_tables(all, registry);
@@ -346,8 +358,9 @@ SceneSchema make_schema(const Registry& registry) {
   all.push_back(spring_table());
   all.push_back(measure_table(registry));
   all.push_back(
-      {"bounds", Form::single, "watched during the run; a violation ends it with exit code 1", bound_fields()});
-  all.push_back({"accuracy", Form::single, "what this scene needs", bound_fields()});
+      {"bounds", Form::single, "watched during the run; a violation ends it with exit code 1", bound_fields(true)});
+  all.push_back(bounds_measure_table());
+  all.push_back({"accuracy", Form::single, "what this scene needs", bound_fields(false)});
   all.push_back({"sweep", Form::free, "key paths and lists of values for `epafi sweep`", {}});
   all.push_back(
       {"benchmark",
@@ -371,6 +384,14 @@ std::vector<Field> operator+(std::vector<Field> a, const std::vector<Field>& b) 
   for (const auto& field : b)
     if (std::none_of(a.begin(), a.end(), [&](const Field& f) { return f.name == field.name; })) a.push_back(field);
   return a;
+}
+
+std::vector<Field> time_table_fields() {
+  Field rows = optional("table", "", "", Kind::rows, {}, "rows [t, x, y, z]; times rise");
+  return {rows, optional("file", "", "", Kind::text, {}, "CSV file with a header: t,x,y,z or what `columns` names"),
+          optional("columns", "", "", Kind::texts, {1, 4}, "names of the columns of t and of x, y, z"),
+          optional("unit", "", "", Kind::text, {}, "of the values: m, mm, m/s, m/s^2, g (9.80665 m/s^2) ..."),
+          with_default(required("scale", "", "", Kind::number, {}, "factor of all values"), Value(1.0))};
 }
 
 std::vector<Field> as_optional(std::vector<Field> fields) {

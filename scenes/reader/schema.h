@@ -50,6 +50,12 @@ std::vector<Field> operator+(std::vector<Field> a, const std::vector<Field>& b);
 /// The same fields, none of them required.
 std::vector<Field> as_optional(std::vector<Field> fields);
 
+/// Values at times: table or file, columns, unit, scale.
+std::vector<Field> time_table_fields();
+
+/// A bound as a table: below, then.
+std::vector<Field> number_bound_fields();
+
 /// The keys of a shape as a scene writes them. A polyhedron and a mesh are written as files, vertices or chance;
 /// what the engine makes of them is the business of detection/shapes.
 std::vector<Field> authoring_fields(const Entry& shape);

@@ -159,6 +159,23 @@ std::optional<Value> as_value(std::optional<T> value) {
   return Value(std::move(*value));
 }
 
+/// The vector, or zero where some of it follows time: that is for whoever knows what it means.
+std::optional<Value> read_steady(const Node& node, const Key& key) {
+  if (node.type != Node::Type::table &&
+      !(node.type == Node::Type::array && node.items.size() == 3 && follows_time(key.reading, node)))
+    return as_value(read_vec3(node, key));
+  return Value(Vec3(Vec3::Zero()));
+}
+
+/// The number itself; that of a table under `below`.
+std::optional<double> read_bound(const Node& node, const Key& key) {
+  if (node.type != Node::Type::table) return read_number(node, key);
+  const Node* below = node.find("below");
+  if (below) return read_number(*below, key);
+  key.reading.error(node.place, "missing key 'below' in " + key.label + " " + about(key.field));
+  return std::nullopt;
+}
+
 std::optional<Value> read_value(const Node& node, const Key& key) {
   switch (key.field.kind) {
     case Kind::number:
@@ -185,8 +202,14 @@ std::optional<Value> read_value(const Node& node, const Key& key) {
       if (node.type == Node::Type::boolean) return Value(node.boolean);
       wrong_type(node, key, "true or false");
       return std::nullopt;
+    case Kind::load:
+      return read_steady(node, key);
+    case Kind::bound:
+      return as_value(read_bound(node, key));
     case Kind::table:
     case Kind::shape:
+    case Kind::rows:
+    case Kind::motions:
     case Kind::tables:
       break;
   }

@@ -2,6 +2,7 @@
 /// Nothing is thrown: every problem is collected with its place, and reading goes on.
 #pragma once
 #include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,6 +37,8 @@ class Reading {
   /// A number in SI: written plain, with a unit or as "= expression". Reports what is wrong under `label`.
   std::optional<double> number(const Node& node, const std::string& unit, const std::string& label,
                                bool may_be_infinite = false);
+  /// "= expression" of t and of names whose values are those of this moment. Reports what is wrong at t = 0.
+  std::function<double(double)> time_expression(const Node& node, const std::string& label);
   /// Evaluates every parameter once, so that a wrong one is reported even if nothing uses it.
   void check_params();
 
@@ -48,6 +51,7 @@ class Reading {
   NameValue look_up(std::string_view name);
   std::vector<std::string> known_names() const;
   std::optional<double> expression(const Node& node, const std::string& label);
+  std::optional<double> expression(const Node& node, const std::string& label, const Names& names);
 
   std::map<std::string, Param> params_;
   std::size_t errors_ = 0;
@@ -71,6 +75,9 @@ struct TableValues : Parameters {
     return {has(name) ? text(name) : std::string{}, place_of(name)};
   }
 };
+
+/// It is a table, or an expression in it has t and no parameter has that name.
+bool follows_time(const Reading& reading, const Node& node);
 
 /// `label` names the table in messages: "[contact]", "[[body]] 'floor'".
 TableValues read_table(const Node& table, const std::string& label, const std::vector<Field>& fields, Reading& reading);

@@ -147,14 +147,14 @@ TEST_CASE("driven bodies carry their motion", "[scenes][reader]") {
   const Scene s = read();
   const BodySpec& gate = s.bodies[s.groups[3].first];
   REQUIRE(gate.motion);
-  CHECK(gate.motion->velocity == Vec3(1, 0, 0));
-  CHECK(gate.motion->until == 1.2);
-  CHECK((gate.remove_at && *gate.remove_at == 1.5));
+  CHECK(gate.motion->parts[0].velocity == Vec3(1, 0, 0));
+  CHECK(gate.motion->parts[0].until == 1.2);
+  CHECK((gate.remove_at && gate.remove_at->time == 1.5));
   const BodySpec& drum = s.bodies[s.groups[4].first];
-  CHECK(drum.motion->rotation_rate == Approx(90 * 2 * std::numbers::pi / 60).epsilon(1e-15));
-  CHECK(drum.motion->rotation_axis == Vec3(0, 1, 0));
-  CHECK(drum.motion->rotation_about == Vec3(0, 0, 1));
-  CHECK(drum.motion->oscillation_amplitude == 0.005);
+  CHECK(drum.motion->parts[0].rotation_rate == Approx(90 * 2 * std::numbers::pi / 60).epsilon(1e-15));
+  CHECK(drum.motion->parts[0].rotation_axis == Vec3(0, 1, 0));
+  CHECK(drum.motion->parts[0].rotation_about == Vec3(0, 0, 1));
+  CHECK(drum.motion->parts[0].oscillation_amplitude == 0.005);
   // pitch of 90 degrees takes x to -z and z to x
   CHECK((drum.orientation * Vec3::UnitZ() - Vec3::UnitX()).norm() < 1e-15);
 }

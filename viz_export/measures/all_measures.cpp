@@ -3,6 +3,7 @@
 #include "viz_export/measures/body_measures.h"
 #include "viz_export/measures/bulk_measures.h"
 #include "viz_export/measures/contact_measures.h"
+#include "viz_export/measures/count_measure.h"
 #include "viz_export/measures/flow_measures.h"
 #include "viz_export/measures/granular_measures.h"
 #include "viz_export/measures/wheelset_measure.h"
@@ -31,6 +32,12 @@ const Field least{"least", "", "", Kind::integer, 4.0, {1, 100},
                   "contacts below which a body is a rattler: 4 without friction, 2 with it"};
 const Field window{"window", "", "s", Kind::number, 0.1, positive, "the rate is the mean over this time"};
 
+/// The same key where a kind does without it.
+Field if_written(Field field) {
+  field.optional = true;
+  return field;
+}
+
 template <BodyQuantity Q>
 std::unique_ptr<Measure> make_body(MeasureSetup s) { return std::make_unique<BodyMeasure>(std::move(s), Q); }
 
@@ -56,6 +63,12 @@ const std::vector<MeasureEntry>& all_measures() {
        [](MeasureSetup s) { return std::make_unique<ForceMeasure>(std::move(s)); }},
       {{"drift", "largest horizontal displacement (distance) and sag since the start", {body}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<DriftMeasure>(std::move(s)); }},
+      {{"count",
+        "number, mass and volume of bodies in a region or on one side of a plane",
+        {if_written(body), region, if_written(plane)},
+        {},
+        ""},
+       [](MeasureSetup s) { return std::make_unique<CountMeasure>(std::move(s)); }},
       {{"coordination",
         "mean number of touching neighbours, with and without rattlers",
         {least},

@@ -6,6 +6,7 @@
 #pragma once
 #include "engine/simulation.h"
 #include "scenes/assemble.h"
+#include "scenes/carry_over.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
@@ -16,7 +17,7 @@ namespace epafi {
 inline std::unique_ptr<Assembly> start(ReadResult read) {
   if (!read.scene) throw SceneError(read.problems);
   auto assembly = assemble(std::move(*read.scene));
-  assembly->simulation->start();
+  (void)enter_simulation(*assembly);
   return assembly;
 }
 

@@ -1,0 +1,384 @@
+#include "scenes/carry_over.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "scenes/contact_setup.h"
+#include "scenes/start_run.h"
+
+namespace epafi {
+
+namespace {
+
+/// Columns of a walk, by name.
+class ColumnStore {
+ public:
+  struct Column {
+    std::size_t element = 0;
+    std::vector<std::byte> bytes;
+  };
+
+  /// Fills the store with what a walk shows.
+  struct Saver final : StateVisitor {
+    explicit Saver(ColumnStore& to) : to(to) {}
+    ColumnStore& to;
+    std::size_t bytes_of(std::string_view, std::size_t, std::size_t current) override { return current; }
+    void exchange(std::string_view name, std::size_t element, std::byte* data, std::size_t bytes) override {
+      to.columns_[std::string(name)] = {element, {data, data + bytes}};
+    }
+  };
+  /// Gives a walk what is there under the same name and of the same kind; leaves the rest as it is.
+  struct Giver final : StateVisitor {
+    explicit Giver(const ColumnStore& from) : from(from) {}
+    const ColumnStore& from;
+    std::size_t bytes_of(std::string_view name, std::size_t element, std::size_t current) override {
+      const Column* found = from.find(name, element);
+      return found ? found->bytes.size() : current;
+    }
+    void exchange(std::string_view name, std::size_t element, std::byte* data, std::size_t bytes) override {
+      const Column* found = from.find(name, element);
+      if (found && found->bytes.size() == bytes && bytes > 0) std::memcpy(data, found->bytes.data(), bytes);
+    }
+  };
+
+  const Column* find(std::string_view name, std::size_t element) const {
+    const auto found = columns_.find(name);
+    return found != columns_.end() && found->second.element == element ? &found->second : nullptr;
+  }
+  void drop(const std::function<bool(const std::string&)>& unwanted) {
+    std::erase_if(columns_, [&](const auto& c) { return unwanted(c.first); });
+  }
+  bool has(std::string_view name) const { return columns_.find(name) != columns_.end(); }
+  std::size_t rows(std::string_view name) const {
+    const auto found = columns_.find(name);
+    return found == columns_.end() || found->second.element == 0 ? 0
+                                                                 : found->second.bytes.size() / found->second.element;
+  }
+  /// f(values) on a column of T, which may be made longer or shorter.
+  template <class T, class F>
+  void change(const std::string& name, const F& f) {
+    const auto found = columns_.find(name);
+    if (found == columns_.end() || found->second.element != sizeof(T)) return;
+    std::vector<T> values(found->second.bytes.size() / sizeof(T));
+    std::memcpy(static_cast<void*>(values.data()), found->second.bytes.data(), found->second.bytes.size());
+    f(values);
+    found->second.bytes.resize(values.size() * sizeof(T));
+    std::memcpy(found->second.bytes.data(), values.data(), found->second.bytes.size());
+  }
+
+ private:
+  std::map<std::string, Column, std::less<>> columns_;
+};
+
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+bool same(const Material& a, const Material& b) {
+  return same(a.density, b.density) && same(a.youngs_modulus, b.youngs_modulus) &&
+         same(a.poissons_ratio, b.poissons_ratio);
+}
+
+bool same(const Parameters& a, const Parameters& b) { return a.all() == b.all(); }
+
+bool same_materials(const Scene& a, const Scene& b) {
+  const MaterialTable before = material_table(a), now = material_table(b);
+  std::vector<std::size_t> place;
+  for (const MaterialSpec& m : a.materials) {
+    const auto found =
+        std::ranges::find(b.materials, m.material.name, [](const MaterialSpec& s) { return s.material.name; });
+    if (found == b.materials.end() || !same(m.material, found->material)) return false;
+    place.push_back(static_cast<std::size_t>(found - b.materials.begin()));
+  }
+  for (std::size_t i = 0; i < place.size(); ++i)
+    for (std::size_t j = 0; j < place.size(); ++j) {
+      const MaterialPair& p = before.pairs[i * before.materials + j];
+      const MaterialPair& q = now.pairs[place[i] * now.materials + place[j]];
+      if (!same(p.restitution, q.restitution) || !same(p.friction, q.friction) ||
+          !same(p.rolling_friction, q.rolling_friction) || !same(p.parameters, q.parameters))
+        return false;
+    }
+  return true;
+}
+
+/// What a contact remembers means the same.
+bool same_laws(const ContactSettings& a, const ContactSettings& b) {
+  if (a.method.value != b.method.value) return false;
+  if (a.method.value == Method::nonsmooth) return true;  // impulses
+  return a.law.value == b.law.value && a.tangential.value == b.tangential.value && a.rolling.value == b.rolling.value;
+}
+
+bool same_contact(const ContactSettings& a, const ContactSettings& b) {
+  if (!same_laws(a, b)) return false;
+  const bool smooth = a.method.value == Method::smooth;
+  return smooth ? a.locate_edges == b.locate_edges && same(a.wheel_rail, b.wheel_rail)
+                : a.solver.value == b.solver.value && same(a.nonsmooth, b.nonsmooth);
+}
+
+}  // namespace
+
+bool same_mechanics(const Scene& a, const Scene& b) {
+  const RunSettings &r = a.run, &s = b.run;
+  const bool smooth = b.contact.method.value == Method::smooth;
+  const bool gravity_goes_on = !b.loose_gravity || (b.stage > 0 && b.gravity_since.stage < b.stage);
+  return !b.changes_bodies && same_contact(a.contact, b.contact) && same_materials(a, b) && a.gravity == b.gravity &&
+         static_cast<bool>(a.loose_gravity) == static_cast<bool>(b.loose_gravity) && gravity_goes_on &&
+         r.time_step.value == s.time_step.value && r.adaptive == s.adaptive && r.scheme.value == s.scheme.value &&
+         r.allow_unstable == s.allow_unstable && a.springs.size() == b.springs.size() &&
+         (smooth || r.output_interval.value == s.output_interval.value);
+}
+
+namespace {
+
+/// Takes out what is gone there, and puts in what has been poured since.
+void match_bodies(const World& there, Assembly& to) {
+  World& here = to.simulation->world;
+  std::vector<BodyId> gone;
+  for (std::size_t k = 0; k < there.ids_given() && k < here.ids_given(); ++k) {
+    const auto id = static_cast<BodyId>(k);
+    if (here.slot_of(id) != no_slot && there.slot_of(id) == no_slot) gone.push_back(id);
+  }
+  if (!gone.empty()) here.remove(gone);
+  for (const PourBodies* source : to.sources)
+    for (const WaitingBody& waiting : source->setup().bodies) {
+      const auto k = static_cast<std::size_t>(waiting.id);
+      if (k < there.ids_given() && there.slot_of(waiting.id) != no_slot) here.add(waiting.body, waiting.id);
+    }
+}
+
+/// Those of there in their order, then the new ones.
+void match_slots(const World& there, World& here) {
+  std::vector<Slot> order;
+  for (Slot s = 0; s < there.size(); ++s)
+    if (const Slot t = here.slot_of(there.id[s]); t != no_slot) order.push_back(t);
+  std::vector<char> placed(here.size(), 0);
+  for (const Slot s : order) placed[s] = 1;
+  for (Slot s = 0; s < here.size(); ++s)
+    if (!placed[s]) order.push_back(s);
+  here.reorder(order);
+}
+
+void copy_body(const CarryOver& carry, const World& there, Slot from, World& here, Slot to) {
+  const bool cells = there.cell && here.cell;
+  here.position[to] = cells ? there.position[from] : there.unwrapped(from);
+  if (cells) here.wraps[to] = there.wraps[from];
+  const bool moves = !carry.at_rest && here.is_movable(to);  // what drives the others gives them their velocity
+  here.velocity[to] = moves ? there.velocity[from] : Vec3(Vec3::Zero());
+  if (here.has_orientation() && there.has_orientation()) here.orientation[to] = there.orientation[from];
+  if (!here.rotates()) return;
+  const Vec3 spin = moves && there.rotates() ? there.angular_velocity[from] : Vec3(Vec3::Zero());
+  here.set_angular_velocity(to, spin);
+  if (moves && here.columns().anisotropy && there.columns().anisotropy && here.is_movable(to) && there.is_movable(from))
+    here.angular_momentum[to] = there.angular_momentum[from], here.angular_velocity[to] = spin;
+}
+
+void turn_and_move(const CarryOver& carry, World& here, Slot s) {
+  if (carry.turned) {
+    here.position[s] = carry.turn * here.position[s];
+    here.velocity[s] = carry.turn * here.velocity[s];
+    if (here.has_orientation()) here.orientation[s] = (carry.turn * here.orientation[s]).normalized();
+    if (here.rotates()) here.set_angular_velocity(s, carry.turn * here.angular_velocity[s]);
+  }
+  here.position[s] += carry.move;
+}
+
+}  // namespace
+
+void carry_bodies(const CarryOver& carry, Assembly& to) {
+  const World& there = carry.from.simulation->world;
+  World& here = to.simulation->world;
+  if (there.cell.has_value() != here.cell.has_value() ||
+      (here.cell && there.cell->repeats != here.cell->repeats && carry.goes_on))
+    throw SceneError("[world] domain: a run that goes on stays periodic along the same axes",
+                     to.scene.domain ? to.scene.domain->place : Place{});
+  match_bodies(there, to);
+  match_slots(there, here);
+  if (here.cell && here.cell->repeats == there.cell->repeats) here.cell = there.cell;
+  for (Slot s = 0; s < there.size(); ++s) {
+    const Slot t = here.slot_of(there.id[s]);
+    if (t == no_slot) continue;
+    copy_body(carry, there, s, here, t);
+    if (carry.turned || !carry.move.isZero(0.0)) turn_and_move(carry, here, t);
+  }
+  if (!carry.goes_on) return;
+  here.time = there.time;
+  here.fallen = there.fallen;
+}
+
+namespace {
+
+/// Written by the present stage, or by the scene that starts from a run.
+bool is_fresh(const DriveBody& drive, const Assembly& to) {
+  const auto& known = to.drives;
+  const auto found = std::ranges::find(known, drive.body(), &Assembly::Drive::body);
+  return found == known.end() || (found->since.passed == 0.0 && found->since.stage == to.scene.stage);
+}
+
+/// The stage's motions begin where their bodies are.
+void begin_motions(Assembly& to, const CarryOver& carry) {
+  const World& here = to.simulation->world;
+  for (auto& event : to.simulation->events) {
+    auto* drive = dynamic_cast<DriveBody*>(event.get());
+    if (!drive || here.slot_of(drive->body()) == no_slot) continue;
+    const bool fresh = is_fresh(*drive, to);
+    if (fresh) drive->begin_at(here.position[here.slot_of(drive->body())]);
+    if (!fresh && carry.turned)
+      throw SceneError(
+          "[start]: bodies that are driven in the run cannot be turned; write at_rest = true or a motion here",
+          to.scene.start ? to.scene.start->place : Place{});
+  }
+}
+
+/// Springs go on by name and number among those of that name; new ones attach in the first step.
+void carry_springs(const Assembly& from, const Assembly& to, ColumnStore& store) {
+  const auto key = [](const Assembly& a, std::size_t k) {
+    const SpringSpec& s = a.scene.springs[k];
+    std::size_t same = 0;
+    for (std::size_t j = 0; j < k; ++j) same += a.scene.springs[j].name == s.name;
+    return std::tuple(s.name, same, a.id_of(s.body), s.to ? a.id_of(*s.to) : BodyId{~0u});
+  };
+  std::vector<std::size_t> old(to.scene.springs.size(), ~std::size_t{0});
+  for (std::size_t k = 0; k < old.size(); ++k)
+    for (std::size_t j = 0; j < from.scene.springs.size(); ++j)
+      if (key(from, j) == key(to, k)) old[k] = j;
+  const double clock = from.simulation->world.clock;
+  const auto pick = [&](auto& values, auto none) {
+    std::remove_reference_t<decltype(values)> picked;
+    for (const std::size_t j : old) picked.push_back(j < values.size() ? values[j] : none);
+    values.swap(picked);
+  };
+  store.change<Vec3>("springs/relaxed", [&](std::vector<Vec3>& v) {
+    pick(v, Vec3(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
+  });
+  store.change<double>("springs/start", [&](std::vector<double>& v) {
+    for (std::size_t j = 0; j < v.size() && j < from.scene.springs.size(); ++j)
+      v[j] += from.scene.springs[j].speed * clock;
+    pick(v, 0.0);
+  });
+}
+
+/// What the contacts remember, with slots renamed where bodies went out.
+ColumnStore memory_of(const Assembly& to, Assembly& from) {
+  ColumnStore store;
+  ColumnStore::Saver saver(store);
+  Simulation& sim = *from.simulation;
+  sim.pipeline.narrow_phase->visit(saver);
+  const World &there = sim.world, &here = to.simulation->world;
+  Reordering change{std::vector<Slot>(there.size(), no_slot)};
+  bool moved = false;
+  for (Slot s = 0; s < there.size(); ++s) {
+    change.new_slot[s] = here.slot_of(there.id[s]);
+    moved = moved || change.new_slot[s] != s;
+  }
+  if (moved) sim.pipeline.contact_model->reorder(change);
+  sim.pipeline.contact_model->visit(saver);
+  return store;
+}
+
+bool starts_with(const std::string& text, const char* begin) { return text.rfind(begin, 0) == 0; }
+
+/// Drops what does not mean the same in the other scene, and says so.
+void drop_foreign(const Assembly& from, const Assembly& to, ColumnStore& store, std::vector<std::string>& told) {
+  const ContactSettings &a = from.scene.contact, &b = to.scene.contact;
+  const std::size_t springs =
+      std::max(store.rows("smooth/record") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
+  const bool to_other_loop = a.method.value == Method::smooth && from.plan.fused_spheres != to.plan.fused_spheres;
+  if (!same_laws(a, b) || to_other_loop) {
+    store.drop(
+        [](const std::string& name) { return !starts_with(name, "springs/") && !starts_with(name, "rolling/"); });
+    if (springs == 0) return;
+    const char* what = a.method.value == Method::smooth ? "friction springs" : "impulses";
+    const char* why = a.method.value != b.method.value ? "the method changes"
+                      : to_other_loop                  ? "spheres go to another loop"
+                                                       : "the law changes";
+    told.push_back(fmt::format("{} of {} contacts: {}", what, springs, why));
+    return;
+  }
+  if (a.method.value == Method::nonsmooth && a.solver.value != b.solver.value)
+    store.drop([](const std::string& name) { return starts_with(name, "newton/") || starts_with(name, "auto/"); });
+}
+
+}  // namespace
+
+CarryOver carry_of_start(const Scene& scene) {
+  const StartSpec& s = *scene.start;
+  return {*s.made->assembly, s.goes_on, s.at_rest, s.keeps_memory(), s.move, s.turn, s.turned};
+}
+
+std::vector<std::string> enter_simulation(Assembly& a) {
+  if (!a.scene.start || a.scene.stage > 0) return a.simulation->start(), std::vector<std::string>{};
+  const std::shared_ptr<MadeRun> made = a.scene.start->made;
+  auto told = carry_memory(carry_of_start(a.scene), *made->assembly, a, {}, {});
+  told.insert(told.end(), a.scene.start->dropped.begin(), a.scene.start->dropped.end());
+  a.scene.start->made.reset();
+  return told;
+}
+
+std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, Assembly& to,
+                                      const std::function<void(StateVisitor&)>& own_state_there,
+                                      const std::function<void(StateVisitor&)>& own_state_here) {
+  std::vector<std::string> told;
+  Simulation &old = *from.simulation, &sim = *to.simulation;
+  const bool hold = same_mechanics(from.scene, to.scene) && carry.keeps_memory && !carry.at_rest;
+  Simulation::Entry entry;
+  entry.forces_hold = hold;
+  entry.new_ledger = !carry.goes_on;
+  old.ledger.measure(old.world);
+  entry.stored_before = old.ledger.stored(old.world);
+  const bool to_impulses = from.scene.contact.method.value != to.scene.contact.method.value &&
+                           to.scene.contact.method.value == Method::nonsmooth;
+  entry.elastic = to_impulses ? 0.0 : old.work.report.elastic;
+
+  ColumnStore store = memory_of(to, from);
+  drop_foreign(from, to, store, told);
+  if (!carry.keeps_memory) {
+    const std::size_t contacts =
+        std::max(store.rows("smooth/record") + store.rows("spheres/springs"), store.rows("warm_start/impulse"));
+    store.drop([](const std::string&) { return true; });
+    if (contacts > 0)
+      told.push_back(fmt::format("memory of {} contacts: it does not belong to these places", contacts));
+  }
+  carry_springs(from, to, store);
+  ColumnStore::Saver saver(store);
+  for (auto& event : old.events) event->visit(saver);
+  if (own_state_there) own_state_there(saver);
+  begin_motions(to, carry);
+  ColumnStore::Giver giver(store);
+  sim.pipeline.narrow_phase->visit(giver), sim.pipeline.contact_model->visit(giver);
+  for (auto& event : sim.events) {
+    const auto* drive = dynamic_cast<DriveBody*>(event.get());
+    if (!drive || !is_fresh(*drive, to)) event->visit(giver);
+  }
+  if (own_state_here) own_state_here(giver);
+  if (carry.goes_on && hold && old.step_watch && sim.step_watch) {
+    old.step_watch->visit(saver);
+    sim.step_watch->visit(giver);
+  }
+
+  if (hold && sim.world.columns().force && old.world.columns().force) {
+    for (Slot s = 0; s < old.world.size(); ++s) {
+      const Slot t = sim.world.slot_of(old.world.id[s]);
+      if (t == no_slot) continue;
+      sim.world.force[t] = old.world.force[s];
+      if (sim.world.rotates() && old.world.rotates()) sim.world.torque[t] = old.world.torque[s];
+    }
+  }
+  if (carry.goes_on) {
+    sim.ledger = old.ledger;
+    sim.work.report = old.work.report;
+    sim.continue_at(old.steps(), old.steps_before());
+    sim.add_removed(old.bodies_removed());
+    sim.take_leaving(old.leaving());
+    Warnings all = old.warnings;
+    for (const Warning& own : sim.warnings.all()) all.add(own);
+    sim.warnings = all;
+  } else {
+    sim.continue_at(0, old.steps() + old.steps_before());
+  }
+  sim.enter(entry);
+  return told;
+}
+
+}  // namespace epafi

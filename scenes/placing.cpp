@@ -1,0 +1,289 @@
+#include "scenes/placing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/generators.h"
+#include "scenes/held_probe.h"
+#include "scenes/peak_memory.h"
+
+namespace epafi {
+
+namespace {
+
+double density(const Scene& scene, std::size_t material, const Place& place) {
+  const Material& m = scene.materials[material].material;
+  if (!(m.density > 0)) throw SceneError("a free body needs the density of material '" + m.name + "' (kg/m^3)", place);
+  return m.density;
+}
+
+/// The body of a shape that may do what it is asked to.
+Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
+  Body body;
+  body.position = spec.position, body.velocity = spec.velocity, body.angular_velocity = spec.angular_velocity;
+  body.shape = shape.ref.packed, body.material = static_cast<std::uint16_t>(spec.material);
+  body.orientation = spec.orientation * shape.frame.orientation;
+  if (spec.as_drawn) body.position += spec.orientation * shape.frame.centre;
+  if (spec.force) body.external_force = *spec.force;
+  if (!spec.moves()) return body;
+  const double rho = shape.mass > 0 ? 1.0 : density(a.scene, spec.material, place);
+  body.mass = shape.mass > 0 ? shape.mass : rho * shape.volume, body.inertia = rho * shape.frame.moments;
+  return body;
+}
+
+/// position: of the body's centre [m]
+void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
+  auto& events = a.simulation->events;
+  if (spec.motion) {
+    a.drives.push_back({id, spec.motion->since});
+    events.push_back(std::make_unique<DriveBody>(id, spec.motion->parts, position, a.elapsed(spec.motion->since)));
+  }
+  if (spec.servo) events.push_back(std::make_unique<ServoWall>(id, spec.servo->servo, a.elapsed(spec.servo->since)));
+}
+
+BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
+  const Body body = make_body(a, shape, spec, place);
+  const BodyId id = a.simulation->world.add(body);
+  drive(a, id, spec, body.position);
+  return id;
+}
+
+/// Free bodies that stand outside the domain from the start are lost or taken out at once: said before it happens.
+void look_for_outsiders(Assembly& a, const std::string& table, const std::vector<BodyId>& ids, const Place& where) {
+  const World& world = a.simulation->world;
+  std::size_t outside = 0;
+  if (!a.simulation->domain) return;
+  for (const BodyId id : ids) {
+    const Slot s = world.slot_of(id);
+    outside += s != no_slot && world.is_movable(s) && !a.simulation->domain->contains(world.position[s]);
+  }
+  if (outside == 0) return;
+  const std::string text = fmt::format("{}: {} of {} bodies stand outside [world] domain", table, outside, ids.size());
+  if (a.simulation->domain->outside == Domain::Outside::error)
+    throw SceneError(text + ", where outside = \"error\" ends the run; move them or enlarge the domain", where);
+  const std::string told = text + ", where outside = \"delete\" takes them out at once";
+  a.warnings.push_back({Problem::Level::warning, where, told});
+  a.simulation->warnings.add(
+      {.kind = "outside " + table, .text = told, .value = static_cast<double>(outside), .times = 1});
+}
+
+void look_for_outsiders(Assembly& a, const GroupSpec& group) {
+  if (!a.simulation->domain) return;
+  std::vector<BodyId> ids;
+  for (std::size_t k = 0; k < group.count; ++k) ids.push_back(a.id_of(group.first + k));
+  look_for_outsiders(a, "[[body]] '" + group.name + "'", ids, group.place);
+}
+
+/// A number without a body.
+BodyId leave_out(Assembly& a) { return a.simulation->world.reserve(); }
+
+}  // namespace
+
+void add_bodies(Assembly& a, ShapeBuilder& builder, std::size_t stage) {
+  const auto& bodies = a.scene.bodies;
+  a.simulation->world.reserve(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const BodySpec& b = bodies[k];
+    const GroupSpec& group = a.scene.groups[b.group];
+    if (group.stage != stage) continue;
+    BodyId id{};
+    if (b.absent) {
+      id = leave_out(a);
+    } else {
+      const BuiltShape shape = builder.build(b.shape, b.size);
+      if (b.moves() && !shape.is_solid)
+        throw SceneError(
+            fmt::format("body '{}': shape '{}' has no volume of its own; make it fixed or give it a motion",
+                        body_name(a.scene, k), a.scene.shapes[b.shape].type),
+            group.place);
+      id = add_body(a, shape, b, group.place);
+    }
+    if (a.body_ids.empty() && id != static_cast<BodyId>(k)) {
+      a.body_ids.resize(bodies.size());
+      for (std::size_t j = 0; j < k; ++j) a.body_ids[j] = static_cast<BodyId>(j);
+    }
+    if (!a.body_ids.empty()) a.body_ids[k] = id;
+    if (k % many_bodies == many_bodies - 1) a.simulation->world.rest_forces();  // 48 bytes each
+  }
+  if (stage != a.scene.stage || a.scene.start) return;  // those of before stand elsewhere by now
+  for (const GroupSpec& g : a.scene.groups)
+    if (g.stage == stage) look_for_outsiders(a, g);
+}
+
+namespace {
+
+/// What a source pours: each body at its time.
+struct Stream {
+  PourBodies::Setup setup;
+  double time = 0.0;
+};
+
+std::vector<FillShape> shapes_of(const Assembly& a, ShapeBuilder& builder, const FillSpec& fill) {
+  std::vector<FillShape> shapes;
+  for (std::size_t s : fill.shapes) {
+    const BuiltShape b = builder.build(s);
+    if (!b.is_solid) throw SceneError("shape '" + a.scene.shapes[s].type + "' cannot fill a region", fill.place);
+    shapes.push_back(
+        {b.radius, b.mass > 0 ? b.mass : density(a.scene, fill.material, fill.place) * b.volume, b.is_sphere});
+  }
+  return shapes;
+}
+
+/// Refuses amounts of a fill before they take memory that is not there.
+void require_memory(const Assembly& a, const FillSpec& fill, const std::vector<FillShape>& shapes) {
+  const double bodies = static_cast<double>(a.simulation->world.ids_given()) + most_bodies_of(fill, shapes);
+  const double bytes = bodies * static_cast<double>(a.plan.memory.body + sizeof(FillBody));
+  if (const auto there = static_cast<double>(memory_there()); bytes > there)
+    throw SceneError(fmt::format("[[fill]] '{}': {:.3g} bodies take {:.3g} GB at least; {:.3g} GB are there", fill.name,
+                                 bodies, 1e-9 * bytes, 1e-9 * there),
+                     fill.place);
+}
+
+BodySpec spec_of(const FillSpec& fill, const FillBody& f, std::size_t k) {
+  BodySpec spec;
+  spec.shape = fill.shapes[f.shape], spec.size = f.size, spec.material = fill.material;
+  spec.position = f.position, spec.orientation = f.orientation;
+  spec.velocity = fill.velocity + f.velocity;
+  for (const BodyChange& change : fill.changes)
+    if (!change.one || *change.one == k) apply(change, spec);
+  if (spec.load || spec.force)
+    throw SceneError("[[fill]] '" + fill.name + "': force and torque are for bodies of [[body]] and [[bodies]]",
+                     fill.place);
+  return spec;
+}
+
+/// The region reaches as far as the cell along a periodic axis, or further: bodies may meet images of each other.
+bool meets_images(const Scene& scene, const FillSpec& fill) {
+  for (int k = 0; scene.cell && k < 3; ++k)
+    if (scene.cell->cell.repeats[static_cast<std::size_t>(k)] &&
+        fill.region.max[k] - fill.region.min[k] > scene.cell->cell.size[k] * (1 + 1e-12))
+      return true;
+  return false;
+}
+
+/// What is in the world already, for the fills, which ask in the order of the scene.
+struct Placing {
+  Occupancy occupied;
+  HeldProbe held;
+  explicit Placing(const Assembly& a) : occupied(a.simulation->world.cell), held(*a.shapes) {
+    if (a.scene.fills.empty()) return;
+    const World& world = a.simulation->world;
+    for (Slot s = 0; s < world.size(); ++s)
+      if (world.is_movable(s)) occupied.add(world.position[s], a.shapes->bounding_radius({world.shape[s]}));
+  }
+};
+
+FillResult place_bodies(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const std::vector<FillShape>& shapes,
+                        Placing& placing) {
+  Obstacles obstacles;
+  obstacles.occupied = std::move(placing.occupied);
+  obstacles.keep = &fill != &a.scene.fills.back() || meets_images(a.scene, fill);
+  placing.held.look(a.simulation->world, fill.region.min, fill.region.max);
+  if (!placing.held.sees_nothing())
+    obstacles.meets_held = [&](const FillBody& f) {
+      return placing.held.meets(
+          make_body(a, builder.build(fill.shapes[f.shape], f.size), spec_of(fill, f, 0), fill.place));
+    };
+  FillResult result = generate(fill, shapes, obstacles);
+  placing.occupied = std::move(obstacles.occupied);
+  return result;
+}
+
+/// Bodies that come in their time.
+void add_stream(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const std::vector<FillBody>& bodies,
+                std::vector<BodyId>& ids) {
+  Stream stream{{fill.name, {}, fill.region.min, fill.region.max, fill.seed, {}, {}, {}}, fill.from};
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const FillBody& f = bodies[k];
+    const BodySpec spec = spec_of(fill, f, k);
+    const BodyId id = leave_out(a);
+    ids.push_back(id);
+    if (spec.absent) continue;
+    const BuiltShape shape = builder.build(spec.shape, f.size);
+    if (((fill.region.max - fill.region.min).array() < 2 * shape.radius).any())
+      throw SceneError("[[fill]]: a body is larger than the region it is poured into", fill.place);
+    const Body body = make_body(a, shape, spec, fill.place);
+    drive(a, id, spec, spec.position);
+    stream.setup.bodies.push_back({body, id, stream.time, shape.radius});
+    stream.time += fill.rate > 0 ? 1.0 / fill.rate : body.mass / fill.mass_rate;
+  }
+  if (stream.setup.bodies.empty()) return;
+  stream.setup.elapsed = a.elapsed({fill.stage, 0.0});
+  if (const auto& domain = a.simulation->domain;
+      domain && !(domain->contains(fill.region.min) && domain->contains(fill.region.max)))
+    a.warnings.push_back(
+        {Problem::Level::warning, fill.place,
+         "[[fill]] '" + fill.name + "': the region that bodies are poured into reaches outside [world] domain"});
+  stream.setup.radius = [store = a.shapes](std::uint32_t shape) { return store->bounding_radius({shape}); };
+  const auto probe = std::make_shared<HeldProbe>(*a.shapes);
+  stream.setup.see_held = [probe, region = fill.region](const World& world) {
+    probe->look(world, region.min, region.max);
+  };
+  stream.setup.meets_held = [probe, store = a.shapes](const Body& body) { return probe->meets(body); };
+  auto source = std::make_unique<PourBodies>(std::move(stream.setup));
+  a.sources.push_back(source.get());
+  a.simulation->events.push_back(std::move(source));
+}
+
+/// Bodies of a fill, each with the number that it has had since they were placed.
+void put_in(Assembly& a, ShapeBuilder& builder, const FillSpec& fill, const std::vector<FillBody>& bodies) {
+  const auto index = static_cast<std::size_t>(&fill - a.scene.fills.data());
+  auto& ids = a.fill_ids[index];
+  ids.reserve(bodies.size());
+  if (!a.fill_bodies.empty()) a.fill_bodies[index] = bodies;
+  if (fill.method == FillSpec::Method::pour) return add_stream(a, builder, fill, bodies, ids);
+  a.simulation->world.reserve(a.simulation->world.size() + bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const BodySpec spec = spec_of(fill, bodies[k], k);
+    const bool there = !spec.absent;
+    ids.push_back(there ? add_body(a, builder.build(spec.shape, spec.size), spec, fill.place) : leave_out(a));
+  }
+}
+
+}  // namespace
+
+KnownFills known_fills(const Scene& scene, const AssembleOptions& options) {
+  KnownFills known = options.fill_bodies;
+  known.resize(scene.fills.size());
+  bool missing = false;
+  for (std::size_t i = 0; i < known.size(); ++i)
+    missing = missing || (scene.fills[i].stage < scene.stage && known[i].empty());
+  if (!missing) return known;
+  AssembleOptions first;
+  first.keep_fill_bodies = true;
+  const KnownFills begin = assemble(scene.stage_of(0), first)->fill_bodies;
+  for (std::size_t i = 0; i < begin.size(); ++i)
+    if (known[i].empty()) known[i] = begin[i];
+  return known;
+}
+
+void add_known_fills(Assembly& a, ShapeBuilder& builder, std::size_t stage, const KnownFills& known) {
+  for (std::size_t i = 0; i < a.scene.fills.size(); ++i) {
+    const FillSpec& fill = a.scene.fills[i];
+    if (fill.stage != stage) continue;
+    put_in(a, builder, fill, known[i].empty() ? generate(fill, shapes_of(a, builder, fill)).bodies : known[i]);
+  }
+}
+
+void add_fills(Assembly& a, ShapeBuilder& builder, const KnownFills& known, bool places_known) {
+  Placing placing(a);
+  for (std::size_t i = 0; i < a.scene.fills.size(); ++i) {
+    const FillSpec& fill = a.scene.fills[i];
+    if (fill.stage != a.scene.stage) continue;
+    if (!known[i].empty()) {
+      put_in(a, builder, fill, known[i]);
+      continue;
+    }
+    const std::vector<FillShape> shapes = shapes_of(a, builder, fill);
+    require_memory(a, fill, shapes);
+    const FillResult result = places_known ? place_bodies(a, builder, fill, shapes, placing) : generate(fill, shapes);
+    if (!result.shortfall.empty())
+      throw SceneError("[[fill]]: " + result.shortfall + "; enlarge the region or ask for less", fill.place);
+    put_in(a, builder, fill, result.bodies);
+    if (fill.method != FillSpec::Method::pour)
+      look_for_outsiders(a, "[[fill]] '" + fill.name + "'", a.fill_ids[i], fill.place);
+  }
+}
+
+}  // namespace epafi

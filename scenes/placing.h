@@ -1,0 +1,21 @@
+/// @file placing.h  Bodies of a scene's tables and fills put into its world, stage by stage: a body keeps the number
+/// that it got when its stage came, whatever comes later.
+#pragma once
+#include "scenes/assemble.h"
+#include "scenes/shape_builder.h"
+
+namespace epafi {
+
+/// The bodies of the tables that a stage brings.
+void add_bodies(Assembly& assembly, ShapeBuilder& builder, std::size_t stage);
+
+/// What the fills of earlier stages have brought; what has not been kept is asked for once more.
+KnownFills known_fills(const Scene& scene, const AssembleOptions& options);
+
+/// Of an earlier stage. A fill that is not known asks nobody for room: nobody knows where the bodies stood.
+void add_known_fills(Assembly& assembly, ShapeBuilder& builder, std::size_t stage, const KnownFills& known);
+
+/// Of the present stage. places_known: bodies stand where they are asked for room.
+void add_fills(Assembly& assembly, ShapeBuilder& builder, const KnownFills& known, bool places_known);
+
+}  // namespace epafi

@@ -1,0 +1,16 @@
+/// @file schema_acts.h  Tables of a scene that has more than one act: its stages, the run that it starts from, and the
+/// bounds and conditions that end a run or a stage.
+#pragma once
+#include "scenes/reader/schema.h"
+
+namespace epafi {
+
+/// Lower and upper corner.
+std::vector<Field> region_box();
+TableSchema stage_table();
+TableSchema start_table();
+/// ends_run: of [bounds], which may stop a run; else of [accuracy].
+std::vector<Field> bound_fields(bool ends_run);
+TableSchema bounds_measure_table();
+
+}  // namespace epafi

@@ -1,0 +1,161 @@
+/// @file session_stages.cpp  A session goes from stage to stage, and on with other scenes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/parallel.h"
+#include "scenes/railway/on_rails.h"
+#include "scenes/session.h"
+#include "scenes/start_run.h"
+
+namespace epafi {
+
+void Session::begin_record() {
+  const Scene& scene = assembly_->scene;
+  const Simulation& sim = *assembly_->simulation;
+  record_.stage = scene.stage;
+  record_.stages.push_back({scene.stages[scene.stage].name, sim.world.time, sim.world.time, 0.0, sim.steps(), ""});
+}
+
+void Session::end_record(const std::string& how) {
+  const World& world = assembly_->simulation->world;
+  StageRecord& now = record_.stages.back();
+  now.until = world.time, now.clock = world.clock, now.ended = how;
+}
+
+/// There is more to tell than that the scene ran once.
+bool Session::has_record() const {
+  return record_.stages.size() > 1 || !record_.stages.front().name.empty() || record_.time_step ||
+         !record_.start_run.empty();
+}
+
+void Session::tell(const std::vector<std::string>& dropped) const {
+  for (const std::string& what : dropped)
+    std::fprintf(stderr, "epafi: %s: dropped: %s\n", record_.stages.back().name.c_str(), what.c_str());
+}
+
+/// Of a new run: from its scene, or from another run.
+void Session::begin() {
+  if (assembly_->scene.start) record_.time_step = assembly_->time_step;
+  tell(enter_simulation(*assembly_));
+}
+
+bool Session::stage_is_met() {
+  const auto& until = assembly_->scene.stages[assembly_->scene.stage].until;
+  const Simulation& sim = *assembly_->simulation;
+  if (!until || !watched_ || watched_->sampled() != sim.steps()) return false;
+  if (!until->holds(watched_->last(component_))) {
+    met_since_ = -1.0;
+    return false;
+  }
+  if (met_since_ < 0.0) met_since_ = sim.world.clock;
+  if (sim.world.clock - met_since_ < until->duration - 1e-6 * sim.time_step) return false;
+  end_record("condition");
+  return true;
+}
+
+/// False where the present one was the last.
+bool Session::next_stage() {
+  const Scene& scene = assembly_->scene;
+  const StageSpec& stage = scene.stages[scene.stage];
+  if (record_.stages.back().ended.empty()) end_record(stage.until ? "at_most" : "duration");
+  if (stage.until && record_.stages.back().ended == "at_most") {
+    const Simulation& sim = *assembly_->simulation;
+    assembly_->simulation->warnings.add({.kind = "stage " + stage.name,
+                                         .text = at_most_warning(record_.stages.back(), stage),
+                                         .first_step = sim.steps(),
+                                         .first_time = sim.world.time});
+  }
+  if (frames_ && !frames_->is_due(assembly_->simulation->steps())) assembly_->simulation->show(*frames_);
+  if (scene.stage + 1 >= scene.stages.size()) return false;
+  RunRecord next = record_;
+  next.stage = scene.stage + 1;
+  enter(scene.stage_of(scene.stage + 1), next);
+  return true;
+}
+
+/// What a later resume cannot place once more: among bodies as they stand now.
+void Session::keep_fills() {
+  const Scene& scene = assembly_->scene;
+  if (scene.stage == 0) return;
+  record_.fills.resize(scene.fills.size());
+  for (std::size_t i = 0; i < scene.fills.size(); ++i)
+    if (scene.fills[i].stage == scene.stage && scene.fills[i].method != FillSpec::Method::pour)
+      record_.fills[i] = assembly_->fill_bodies[i];
+}
+
+/// The simulation of `next` takes the place of the present one.
+void Session::enter(Scene next, const RunRecord& record) {
+  const std::unique_ptr<Assembly> before = std::move(assembly_);
+  const bool held = same_mechanics(before->scene, next);
+  AssembleOptions options;
+  if (next.stage > 0)
+    for (std::size_t k = record.scenes; k < record.stages.size(); ++k) options.clocks.push_back(record.stages[k].clock);
+  if (next.stage > 0) options.fill_bodies = before->fill_bodies;
+  if (held) options.time_step = before->time_step;
+  const CarryOver carry{*before};
+  options.place = [&](Assembly& to) { carry_bodies(carry, to); };
+  assembly_ = assemble(std::move(next), options);
+  record_ = record;
+  begin_record();
+  record_.stages.back().first_step = before->simulation->steps();
+  record_.time_step = assembly_->time_step;
+  keep_fills();
+  recorders_.clear();
+  monitor_ = nullptr, watched_ = nullptr, frames_ = nullptr;
+  met_since_ = -1.0, fresh_ = true;
+  files_renew();
+  add_observers();
+  tracks_ = std::make_unique<TrackWatch>(*assembly_);
+  const auto there = [&](StateVisitor& v) {
+    for (auto& o : before->simulation->observers) o->visit(v);
+  };
+  const auto here = [&](StateVisitor& v) {
+    for (auto& o : assembly_->simulation->observers) o->visit(v);
+  };
+  tell(carry_memory(carry, *before, *assembly_, there, here));
+  std::vector<BodySpec>().swap(assembly_->scene.bodies);
+  if (assembly_->scene.start) assembly_->scene.start->made.reset();
+  if (!quiet_)
+    std::fprintf(stderr, "epafi: %s\n",
+                 fmt::format("stage '{}' from t = {:.6g} s: time step {:.4g} s: {}", record_.stages.back().name,
+                             record_.stages.back().from, assembly_->time_step.value, assembly_->time_step.reason)
+                     .c_str());
+}
+
+void Session::change(Scene next, const RunRecord& record, std::vector<std::string> overrides) {
+  if (record_.stages.back().ended.empty()) end_record("changed");
+  RunRecord now = record;
+  now.stages = record_.stages;
+  now.stage = next.stage;
+  if (next.start) {
+    now.scenes = now.stages.size();
+    scene_hash_ = scene_hash(next);
+    overrides_ = std::move(overrides);
+  }
+  enter(std::move(next), now);
+}
+
+double Session::rest(std::optional<double> until) const {
+  const Simulation& sim = *assembly_->simulation;
+  const double left = static_cast<double>(last_step() - std::min(last_step(), sim.steps())) * sim.time_step;
+  return until && is_final() ? std::max(left, *until - sim.world.time) : left;
+}
+
+void Session::extend(double until) {
+  const Simulation& sim = *assembly_->simulation;
+  const double more = (until - sim.world.time) / sim.time_step;
+  if (more > 1e-6) extend_to_step(sim.steps() + static_cast<std::uint64_t>(std::ceil(more * (1 - 1e-9))));
+}
+
+void Session::extend_to_step(std::uint64_t steps) {
+  StageRecord& now = record_.stages.back();
+  if (!is_final() || steps <= assembly_->simulation->steps()) return;
+  if (now.ended == "condition")
+    throw SceneError("the run has ended by its condition; change something with --set KEY=VALUE to go on");
+  assembly_->steps = std::max(assembly_->steps, steps - now.first_step);
+  now.ended.clear();
+}
+
+}  // namespace epafi

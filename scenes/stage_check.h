@@ -1,0 +1,25 @@
+/// @file stage_check.h  The stages that a scene will come to, looked at before it begins.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "scenes/assemble.h"
+
+namespace epafi {
+
+struct StageCheck {
+  std::string text;       ///< for `epafi check`
+  std::string explained;  ///< for `epafi explain`
+};
+
+/// Makes every stage behind the present one ready once, with the bodies where the scene begins, and the conditions of
+/// all. Throws SceneError for what would otherwise show hours later; a time step above its limit shows with the stage.
+std::vector<StageCheck> check_stages(const Scene& scene);
+
+/// The conditions of the assembly's own stage and its bounds on measures speak of components that there are.
+void check_conditions(const Assembly& assembly);
+
+/// A component of a measure that a condition asks for; throws SceneError with those that there are.
+void check_component(const Assembly& assembly, const Condition& condition, const Place& place);
+
+}  // namespace epafi

@@ -1,0 +1,30 @@
+/// @file start_run.h  A run that has been made, opened with its last state: what another one starts from.
+#pragma once
+#include <filesystem>
+
+#include "scenes/assemble.h"
+#include "viz_export/checkpoint.h"
+
+namespace epafi {
+
+struct MadeRun {
+  CheckpointHeader header;
+  RunRecord record;
+  std::unique_ptr<Assembly> assembly;  ///< its scene with all bodies, also those of fills
+  std::string hash;                    ///< of its state
+};
+
+/// run: its folder, or a checkpoint. Throws FileError and SceneError: not there, of another version, its scene is
+/// gone or has changed.
+std::shared_ptr<MadeRun> open_made_run(const std::filesystem::path& run);
+
+/// The scene of a checkpoint at its present stage, as when it was written; a SceneError where it has changed.
+Scene scene_of(const CheckpointHeader& header, const RunRecord& record);
+
+/// How that scene is assembled so that the state of the checkpoint fits it.
+AssembleOptions options_of(const RunRecord& record);
+
+/// Puts bodies where those of a snapshot of the run stood at that time [s]. Throws SceneError where there is none.
+void put_back(MadeRun& run, const std::filesystem::path& folder, double time);
+
+}  // namespace epafi
