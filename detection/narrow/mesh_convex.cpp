@@ -148,6 +148,7 @@ class ConvexOnMesh {
       : side_(side), b_(body), mesh_(*body.mesh), triangles_(triangles), out_(out), sink_(sink) {}
 
   void collide() {
+    if (!find_near()) return;
     if (all_plain(mesh_, triangles_)) return on_face(triangles_.front(), normal_of(triangles_.front()), {}, true);
     spoken_.assign(triangles_.size(), 0);
     solved_.clear();
@@ -155,7 +156,7 @@ class ConvexOnMesh {
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       const std::uint32_t t = triangles_[i];
       const bool front = is_in_front(t);
-      if (spoken_[i] & (front ? 1 : 2) || is_out_of_reach(b_, t)) continue;
+      if (spoken_[i] & (front ? 1 : 2)) continue;
       gather_region(b_, triangles_, t, front, region_);
       for (const std::uint32_t member : region_.triangles)
         spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
@@ -164,6 +165,18 @@ class ConvexOnMesh {
   }
 
  private:
+  /// Leaves of the candidates those that the body is near to; of a plane the first one says all. False: none.
+  bool find_near() {
+    const bool plain = all_plain(mesh_, triangles_);
+    near_.clear();
+    for (const std::uint32_t t : triangles_) {
+      if (!is_near(b_, t)) continue;
+      near_.push_back(t);
+      if (plain) break;
+    }
+    triangles_ = near_;
+    return !near_.empty();
+  }
   bool is_in_front(std::uint32_t t) const {
     return !(mesh_.normals[t].dot(b_.pose.position - mesh_.vertices[mesh_.triangles[t][0]]) < 0.0);
   }
@@ -362,6 +375,7 @@ class ConvexOnMesh {
     std::ptrdiff_t begin, end;  ///< of its triangles
   };
   struct Room {  // keeps its size: no allocation once the largest contact was seen
+    std::vector<std::uint32_t> near;
     std::vector<unsigned char> spoken;
     std::vector<Solved> solved;
     std::vector<std::uint32_t> solved_triangles;
@@ -378,6 +392,7 @@ class ConvexOnMesh {
   std::span<const std::uint32_t> triangles_;
   std::vector<MeshPoint>& out_;
   ContactSink& sink_;
+  std::vector<std::uint32_t>& near_ = room().near;
   std::vector<unsigned char>& spoken_ = room().spoken;  ///< by place: front and back of the triangle are in a region
   std::vector<Solved>& solved_ = room().solved;
   std::vector<std::uint32_t>& solved_triangles_ = room().solved_triangles;

@@ -5,6 +5,7 @@
 
 #include "detection/narrow/epa.h"
 #include "detection/narrow/gjk.h"
+#include "detection/narrow/triangle_solid.h"
 
 namespace epafi {
 namespace {
@@ -161,6 +162,15 @@ bool is_out_of_reach(const PlacedCore& body, std::uint32_t t) {
     if (beyond(k) > beyond(side)) side = k;
   const Vec3& inward = mesh.inward[t][side];
   return -inward.dot(body.tip(inward) - corner[side]) > apart;
+}
+
+bool is_near(const PlacedCore& body, std::uint32_t t) {
+  if (is_out_of_reach(body, t)) return false;
+  const TriangleSolid solid(body.mesh->corners(t), body.mesh->normals[t]);
+  const Mat3 to_body = body.turn.transpose();
+  const MinkowskiDifference difference(body.core, ConvexRef::to(solid), to_body,
+                                       to_body * (solid.centre() - body.pose.position));
+  return gjk(difference, {body.reach + body.sweep, 1e-6, Vec3::Zero()}).status != GjkResult::Status::beyond;
 }
 
 }  // namespace epafi

@@ -64,6 +64,10 @@ WayOut find_way_out(const PlacedCore& body, const MeshRegion& region);
 /// 2600 triangles a step: 1040 are near by the sphere, 100 by all three.
 bool is_out_of_reach(const PlacedCore& body, std::uint32_t t);
 
+/// The body is within its reach of the triangle, by the distance of both. Lists of candidates hold all such triangles and,
+/// as old as they are, some others: what is found among these alone does not depend on the age of a list.
+bool is_near(const PlacedCore& body, std::uint32_t t);
+
 inline std::size_t place_of(std::span<const std::uint32_t> triangles, std::uint32_t t) {
   return static_cast<std::size_t>(std::lower_bound(triangles.begin(), triangles.end(), t) - triangles.begin());
 }
