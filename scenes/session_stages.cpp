@@ -31,8 +31,10 @@ bool Session::has_record() const {
 }
 
 void Session::tell(const std::vector<std::string>& dropped) const {
+  const std::string& name = record_.stages.back().name;
   for (const std::string& what : dropped)
-    std::fprintf(stderr, "epafi: %s: dropped: %s\n", record_.stages.back().name.c_str(), what.c_str());
+    std::fprintf(stderr, "epafi: %sdropped: %s\n", name.empty() ? "" : fmt::format("stage '{}': ", name).c_str(),
+                 what.c_str());
 }
 
 /// Of a new run: from its scene, or from another run.
@@ -115,6 +117,7 @@ void Session::enter(Scene next, const RunRecord& record) {
     for (auto& o : assembly_->simulation->observers) o->visit(v);
   };
   tell(carry_memory(carry, *before, *assembly_, there, here));
+  monitor_->begin_stage();
   std::vector<BodySpec>().swap(assembly_->scene.bodies);
   if (assembly_->scene.start) assembly_->scene.start->made.reset();
   if (!quiet_)

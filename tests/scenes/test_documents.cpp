@@ -220,6 +220,7 @@ TEST_CASE("tutorial 5 runs as written: restart, sweep, Slurm", "[scenes][documen
 TEST_CASE("tutorial 6 runs as written: chart and limits", "[scenes][documents]") { check_tutorial("06_chart", 2, 3); }
 TEST_CASE("tutorial 7 runs as written: wheel on rail", "[scenes][documents]") { check_tutorial("07_wheel_rail", 2, 3); }
 TEST_CASE("tutorial 8 runs as written: a law in one file", "[scenes][documents]") { check_tutorial("08_new_law", 1, 1); }
+TEST_CASE("tutorial 9 runs as written: more than one act", "[scenes][documents]") { check_tutorial("09_acts", 3, 4); }
 TEST_CASE("the README's commands run as written", "[scenes][documents]") { CHECK(run_page("README.md").commands >= 2); }
 TEST_CASE("the README's long commands run as written", "[scenes][documents][slow]") {
   CHECK(run_page("README.md", true).commands >= 3);
