@@ -137,7 +137,7 @@ bool Session::is_done() const {
 }
 
 void Session::files_renew() {
-  files_->run.forget_shapes();
+  files_->run.renew_shapes(assembly_->origins);
   files_->last_good = StateSnapshot(folder_ / ".last_good");
 }
 

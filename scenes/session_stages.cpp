@@ -120,10 +120,12 @@ void Session::enter(Scene next, const RunRecord& record) {
   monitor_->begin_stage();
   std::vector<BodySpec>().swap(assembly_->scene.bodies);
   if (assembly_->scene.start) assembly_->scene.start->made.reset();
+  const std::string& name = record_.stages.back().name;
+  const std::string title = name.empty() ? "another scene" : fmt::format("stage '{}'", name);
   if (!quiet_)
     std::fprintf(stderr, "epafi: %s\n",
-                 fmt::format("stage '{}' from t = {:.6g} s: time step {:.4g} s: {}", record_.stages.back().name,
-                             record_.stages.back().from, assembly_->time_step.value, assembly_->time_step.reason)
+                 fmt::format("{} from t = {:.6g} s: time step {:.4g} s: {}", title, record_.stages.back().from,
+                             assembly_->time_step.value, assembly_->time_step.reason)
                      .c_str());
 }
 

@@ -120,6 +120,7 @@ void RunFile::drop_after(std::uint64_t step, double time) {
   }
   for (const std::string& name : file.children("shapes"))
     surfaces_[static_cast<std::uint32_t>(file.count_attribute("shapes/" + name, "shape"))] = number_of(path_, name);
+  shape_groups_ = static_cast<std::int32_t>(file.children("shapes").size());
   const auto rows = file.shape("bodies/shape");
   if (rows.empty()) throw FileError(path_.string() + ": is damaged: 'bodies/shape' is no column");
   const auto mass = file.read<double>("bodies/mass"), radius = file.read<double>("bodies/radius");
@@ -186,7 +187,7 @@ void RunFile::describe_late(Hdf5File& file, const BodyList& bodies) {
 
 void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
   if (b.surface == nullptr || surfaces_.count(b.shape) != 0) return;
-  const auto number = static_cast<std::int32_t>(surfaces_.size());
+  const std::int32_t number = shape_groups_++;
   const std::string group = numbered("shapes", static_cast<std::size_t>(number));
   const ShapeOrigin* origin = origins_.of(b.shape);
   const bool turned = origin != nullptr && origin->is_turned();

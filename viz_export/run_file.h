@@ -57,8 +57,11 @@ class RunFile {
   std::size_t define_measure(const std::string& name, const std::vector<std::string>& components,
                              const std::string& kind = {});
   void add_measure(std::size_t measure, double time, const std::vector<double>& values);
-  /// References of shapes mean others from here on.
-  void forget_shapes() { surfaces_.clear(); }
+  /// References of shapes mean these from here on.
+  void renew_shapes(const ShapeOrigins& shapes) {
+    surfaces_.clear();
+    origins_ = shapes;
+  }
   /// Writes buffered measures and waits until the file is on disk: call before a checkpoint.
   void flush();
 
@@ -79,6 +82,7 @@ class RunFile {
   std::vector<Measure> measures_;
   std::size_t buffered_ = 0;                        ///< values of measures waiting
   std::map<std::uint32_t, std::int32_t> surfaces_;  ///< number in shapes/ by packed reference
+  std::int32_t shape_groups_ = 0;                   ///< in shapes/, also of references that mean others now
   std::size_t snapshots_ = 0;
   std::vector<bool> described_;  ///< by body id with a row in bodies/: the row is that of a body that was there
   std::int64_t last_step_ = -1;

@@ -1,5 +1,6 @@
 // A stage, a changed restart and a scene that starts from a run are one thing: the same bits, whichever way they are
 // said.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"
+#include "viz_export/stored_run.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;
@@ -163,6 +165,30 @@ TEST_CASE("bodies that a stage brings find room where the others stand now", "[s
   CHECK(session.run(limits, true) == Ending::until);
   CHECK(session.summary().bodies == 2 + 3 + 30 + 12);
   CHECK(session.summary().overlap->max < 1e-3);  // they would stand in each other by 6 mm and more
+}
+
+TEST_CASE("the file of a run holds the shapes of all its stages", "[scenes][stages]") {
+  const TemporaryFolder folder;
+  const fs::path scene = folder / "shapes.toml";
+  const std::string more =
+      "[[stage.fill]]\nname = \"more\"\nshape = [\"brick\"]\nmaterial = \"m\"\ncount = 3\n"
+      "region = { box = { min = [-0.1, -0.1, 0.2], max = [0.1, 0.1, 0.4] } }\n[shape.brick]\nbox = { size = [0.01, "
+      "0.02, 0.03] }\n";
+  write_file(scene, scene_of("nonsmooth", run_table + down) + first_stage + second_stage + more);
+  run_through(scene, folder / "out");
+  const StoredRun run(folder / "out" / "run.h5");
+  int blocks = 0, bricks = 0;
+  for (const BodyRecord& b : run.bodies()) {
+    if (b.surface == nullptr || b.mass == 0.0) continue;
+    Vec3 low = b.surface->points.front(), high = low;
+    for (const Vec3& x : b.surface->points) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    Vec3 size = high - low;
+    std::sort(size.data(), size.data() + 3);
+    blocks += (size - Vec3(0.02, 0.02, 0.02)).norm() < 1e-12;
+    bricks += (size - Vec3(0.01, 0.02, 0.03)).norm() < 1e-12;
+  }
+  CHECK(blocks == 3);
+  CHECK(bricks == 3);
 }
 
 TEST_CASE("the bits of stages do not depend on the number of threads", "[scenes][stages]") {
