@@ -5,7 +5,6 @@
 /// problem of the step.
 #pragma once
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "engine/world.h"

@@ -232,6 +232,31 @@ double Assembly::elapsed(const Since& since) const {
   return all;
 }
 
+namespace {
+
+/// Those of earlier stages first: a body keeps its number whatever comes later.
+void place_all(Assembly& a, ShapeBuilder& builder, const AssembleOptions& options) {
+  a.fill_ids.resize(a.scene.fills.size());
+  if (options.keep_fill_bodies || a.scene.stages.size() > 1) a.fill_bodies.resize(a.scene.fills.size());
+  const KnownFills known = known_fills(a.scene, options);
+  for (std::size_t stage = 0; stage < a.scene.stage; ++stage) {
+    add_bodies(a, builder, stage);
+    add_known_fills(a, builder, stage, known);
+  }
+  if (a.scene.stage > 0 && options.place) options.place(a);
+  add_bodies(a, builder, a.scene.stage);
+  if (a.scene.stage == 0) {
+    place_on_rails(a);
+    if (options.place)
+      options.place(a);
+    else if (a.scene.start)
+      carry_bodies(carry_of_start(a.scene), a);
+  }
+  add_fills(a, builder, known, options.places_known);
+}
+
+}  // namespace
+
 std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) {
   auto a = std::make_unique<Assembly>();
   a->scene = std::move(scene);
@@ -249,22 +274,8 @@ std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) 
   sim.work.contacts.with_moment = a->plan.needs.contact_moment;
   if (a->scene.domain) sim.domain = a->scene.domain->value;
   if (a->scene.cell) sim.world.cell = a->scene.cell->cell;
-  a->fill_ids.resize(a->scene.fills.size());
-  if (options.keep_fill_bodies || a->scene.stages.size() > 1) a->fill_bodies.resize(a->scene.fills.size());
-  const KnownFills known = known_fills(a->scene, options);
-  for (std::size_t stage = 0; stage < a->scene.stage; ++stage) {  // a body keeps its number whatever comes later
-    add_bodies(*a, builder, stage);
-    add_known_fills(*a, builder, stage, known);
-  }
-  if (a->scene.stage > 0 && options.place) options.place(*a);
-  add_bodies(*a, builder, a->scene.stage);
   const bool starts = a->scene.start && a->scene.stage == 0 && !options.place;
-  if (a->scene.stage == 0) {
-    place_on_rails(*a);
-    if (options.place) options.place(*a);
-    if (starts) carry_bodies(carry_of_start(a->scene), *a);
-  }
-  add_fills(*a, builder, known, options.places_known);
+  place_all(*a, builder, options);
   a->origins = builder.origins();
   add_loads(*a);
   add_outlets(*a);

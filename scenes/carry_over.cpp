@@ -170,8 +170,9 @@ void copy_body(const CarryOver& carry, const World& there, Slot from, World& her
   if (!here.rotates()) return;
   const Vec3 spin = moves && there.rotates() ? there.angular_velocity[from] : Vec3(Vec3::Zero());
   here.set_angular_velocity(to, spin);
-  if (moves && here.columns().anisotropy && there.columns().anisotropy && here.is_movable(to) && there.is_movable(from))
-    here.angular_momentum[to] = there.angular_momentum[from], here.angular_velocity[to] = spin;
+  if (!moves || !here.columns().anisotropy || !there.columns().anisotropy || !there.is_movable(from)) return;
+  here.angular_momentum[to] = there.angular_momentum[from];
+  here.angular_velocity[to] = spin;
 }
 
 void turn_and_move(const CarryOver& carry, World& here, Slot s) {
@@ -300,6 +301,28 @@ void drop_foreign(const Assembly& from, const Assembly& to, ColumnStore& store, 
     store.drop([](const std::string& name) { return starts_with(name, "newton/") || starts_with(name, "auto/"); });
 }
 
+void carry_forces(const World& there, World& here) {
+  if (!here.columns().force || !there.columns().force) return;
+  for (Slot s = 0; s < there.size(); ++s) {
+    const Slot t = here.slot_of(there.id[s]);
+    if (t == no_slot) continue;
+    here.force[t] = there.force[s];
+    if (here.rotates() && there.rotates()) here.torque[t] = there.torque[s];
+  }
+}
+
+/// Ledger, counts and warnings of the same run.
+void go_on(const Simulation& old, Simulation& sim) {
+  sim.ledger = old.ledger;
+  sim.work.report = old.work.report;
+  sim.continue_at(old.steps(), old.steps_before());
+  sim.add_removed(old.bodies_removed());
+  sim.take_leaving(old.leaving());
+  Warnings all = old.warnings;
+  for (const Warning& own : sim.warnings.all()) all.add(own);
+  sim.warnings = all;
+}
+
 }  // namespace
 
 CarryOver carry_of_start(const Scene& scene) {
@@ -308,7 +331,10 @@ CarryOver carry_of_start(const Scene& scene) {
 }
 
 std::vector<std::string> enter_simulation(Assembly& a) {
-  if (!a.scene.start || a.scene.stage > 0) return a.simulation->start(), std::vector<std::string>{};
+  if (!a.scene.start || a.scene.stage > 0) {
+    a.simulation->start();
+    return {};
+  }
   const std::shared_ptr<MadeRun> made = a.scene.start->made;
   auto told = carry_memory(carry_of_start(a.scene), *made->assembly, a, {}, {});
   told.insert(told.end(), a.scene.start->dropped.begin(), a.scene.start->dropped.end());
@@ -346,7 +372,8 @@ std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, As
   if (own_state_there) own_state_there(saver);
   begin_motions(to, carry);
   ColumnStore::Giver giver(store);
-  sim.pipeline.narrow_phase->visit(giver), sim.pipeline.contact_model->visit(giver);
+  sim.pipeline.narrow_phase->visit(giver);
+  sim.pipeline.contact_model->visit(giver);
   for (auto& event : sim.events) {
     const auto* drive = dynamic_cast<DriveBody*>(event.get());
     if (!drive || !is_fresh(*drive, to)) event->visit(giver);
@@ -357,26 +384,11 @@ std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, As
     sim.step_watch->visit(giver);
   }
 
-  if (hold && sim.world.columns().force && old.world.columns().force) {
-    for (Slot s = 0; s < old.world.size(); ++s) {
-      const Slot t = sim.world.slot_of(old.world.id[s]);
-      if (t == no_slot) continue;
-      sim.world.force[t] = old.world.force[s];
-      if (sim.world.rotates() && old.world.rotates()) sim.world.torque[t] = old.world.torque[s];
-    }
-  }
-  if (carry.goes_on) {
-    sim.ledger = old.ledger;
-    sim.work.report = old.work.report;
-    sim.continue_at(old.steps(), old.steps_before());
-    sim.add_removed(old.bodies_removed());
-    sim.take_leaving(old.leaving());
-    Warnings all = old.warnings;
-    for (const Warning& own : sim.warnings.all()) all.add(own);
-    sim.warnings = all;
-  } else {
+  if (hold) carry_forces(old.world, sim.world);
+  if (carry.goes_on)
+    go_on(old, sim);
+  else
     sim.continue_at(0, old.steps() + old.steps_before());
-  }
   sim.enter(entry);
   return told;
 }

@@ -56,7 +56,7 @@ class RunMonitor final : public Observer {
   std::optional<BoundCheck> reached() const;
   /// Of bounds on measures: its last value, NaN where there is none.
   void read_measures(std::function<double(const Condition&)> value) { measured_ = std::move(value); }
-  /// The ledger begins anew with a stage, where gravity and stiffness may be others: so does what is held against it.
+  /// Where gravity or stiffness change the stored energy jumps, and the ledger accepts it; the watch counts from there.
   void begin_stage() { energy_ = {}; }
   /// Of [bounds]: worst value of the whole run.
   std::vector<BoundCheck> checks() const {

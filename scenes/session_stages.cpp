@@ -21,7 +21,9 @@ void Session::begin_record() {
 void Session::end_record(const std::string& how) {
   const World& world = assembly_->simulation->world;
   StageRecord& now = record_.stages.back();
-  now.until = world.time, now.clock = world.clock, now.ended = how;
+  now.until = world.time;
+  now.clock = world.clock;
+  now.ended = how;
 }
 
 /// There is more to tell than that the scene ran once.
@@ -105,8 +107,11 @@ void Session::enter(Scene next, const RunRecord& record) {
   record_.time_step = assembly_->time_step;
   keep_fills();
   recorders_.clear();
-  monitor_ = nullptr, watched_ = nullptr, frames_ = nullptr;
-  met_since_ = -1.0, fresh_ = true;
+  monitor_ = nullptr;
+  watched_ = nullptr;
+  frames_ = nullptr;
+  met_since_ = -1.0;
+  fresh_ = true;
   files_renew();
   add_observers();
   tracks_ = std::make_unique<TrackWatch>(*assembly_);

@@ -75,7 +75,8 @@ void put_back(MadeRun& run, const std::filesystem::path& folder, double time) {
       if (s == no_slot)
         throw SceneError(fmt::format("body {} of that time was taken out later; start from the last state", b.id));
       there[b.id] = 1;
-      w.position[s] = b.pose.position, w.velocity[s] = b.velocity;
+      w.position[s] = b.pose.position;
+      w.velocity[s] = b.velocity;
       if (w.has_orientation() && snapshot.stamp.has_orientation) w.orientation[s] = b.pose.orientation;
       if (w.rotates()) w.set_angular_velocity(s, b.angular_velocity);
       if (w.cell) w.wraps[s].setZero();

@@ -153,10 +153,9 @@ class ConvexOnMesh {
     spoken_.assign(triangles_.size(), 0);
     solved_.clear();
     solved_triangles_.clear();
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-      const std::uint32_t t = triangles_[i];
+    for (const std::uint32_t t : near_) {
       const bool front = is_in_front(t);
-      if (spoken_[i] & (front ? 1 : 2)) continue;
+      if (spoken_[place_of(triangles_, t)] & (front ? 1 : 2)) continue;
       gather_region(b_, triangles_, t, front, region_);
       for (const std::uint32_t member : region_.triangles)
         spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
@@ -165,7 +164,8 @@ class ConvexOnMesh {
   }
 
  private:
-  /// Leaves of the candidates those that the body is near to; of a plane the first one says all. False: none.
+  /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
+  /// with their neighbours where the surface bends: the way out may lean on a face beyond a blunt edge. False: none is.
   bool find_near() {
     const bool plain = all_plain(mesh_, triangles_);
     near_.clear();
@@ -174,7 +174,15 @@ class ConvexOnMesh {
       near_.push_back(t);
       if (plain) break;
     }
-    triangles_ = near_;
+    around_ = near_;
+    if (!all_plain(mesh_, near_)) {
+      for (const std::uint32_t t : near_)
+        for (std::size_t side = 0; side < 3; ++side)
+          if (mesh_.edge_kinds[t][side] != EdgeKind::open) around_.push_back(mesh_.neighbours[t][side]);
+      std::sort(around_.begin(), around_.end());
+      around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
+    }
+    triangles_ = around_;
     return !near_.empty();
   }
   bool is_in_front(std::uint32_t t) const {
@@ -247,8 +255,8 @@ class ConvexOnMesh {
     return *std::max_element(region_.planes.begin(), region_.planes.end(),
                              [](const RegionPlane& a, const RegionPlane& b) { return a.gap < b.gap; });
   }
-  /// A triangle at the point that is not of the region reaches out along the way, and the body would go into it or along
-  /// the surface: a concave or an inner edge.
+  /// A triangle at the point that is not of the region reaches out along the way, and the body would go into it or
+  /// along the surface: a concave or an inner edge.
   bool leans_on_others(const WayOut& way) const {
     const auto& own = region_.triangles;
     for (const std::uint32_t t : triangles_) {
@@ -375,7 +383,7 @@ class ConvexOnMesh {
     std::ptrdiff_t begin, end;  ///< of its triangles
   };
   struct Room {  // keeps its size: no allocation once the largest contact was seen
-    std::vector<std::uint32_t> near;
+    std::vector<std::uint32_t> near, around;
     std::vector<unsigned char> spoken;
     std::vector<Solved> solved;
     std::vector<std::uint32_t> solved_triangles;
@@ -393,6 +401,7 @@ class ConvexOnMesh {
   std::vector<MeshPoint>& out_;
   ContactSink& sink_;
   std::vector<std::uint32_t>& near_ = room().near;
+  std::vector<std::uint32_t>& around_ = room().around;
   std::vector<unsigned char>& spoken_ = room().spoken;  ///< by place: front and back of the triangle are in a region
   std::vector<Solved>& solved_ = room().solved;
   std::vector<std::uint32_t>& solved_triangles_ = room().solved_triangles;

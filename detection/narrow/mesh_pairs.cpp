@@ -67,8 +67,8 @@ class SphereOnMesh {
       return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
     });
   }
-  /// Its nearest point lies on a triangle that comes as close or closer, or behind one (a plate thinner than the overlap
-  /// is one wall), or behind a face that the centre went through.
+  /// Its nearest point lies on a triangle that comes as close or closer, or behind one (a plate thinner than the
+  /// overlap is one wall), or behind a face that the centre went through.
   bool is_covered(std::size_t i, const Vec3& inside) const {
     const Touch& touch = touches_[i];
     for (std::size_t j = 0; j < i; ++j) {

@@ -131,8 +131,8 @@ void gather_region(const PlacedCore& body, std::span<const std::uint32_t> triang
 }
 
 WayOut find_way_out(const PlacedCore& body, const MeshRegion& region) {
-  const ConvexRef rock{&region, [](const void* p, const Vec3& d) { return static_cast<const MeshRegion*>(p)->support(d); },
-                       region.radius};
+  const auto support = [](const void* p, const Vec3& d) { return static_cast<const MeshRegion*>(p)->support(d); };
+  const ConvexRef rock{&region, support, region.radius};
   const MinkowskiDifference difference(body.core, rock, body.turn.transpose(), Vec3::Zero());
   const double limit = body.reach + body.sweep;
   const GjkResult g = gjk(difference, {limit + 1e-12 * difference.size(), 1e-14, Vec3::Zero()});

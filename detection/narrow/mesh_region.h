@@ -1,6 +1,6 @@
-/// @file mesh_region.h  The convex regions of a surface: a triangle with those around it that bend away from it and from
-/// each other; of a face with notches or holes a part around none. A body overlaps their convex hull by no more than the way
-/// out of it, on faces, edges and corners alike.
+/// @file mesh_region.h  The convex regions of a surface: a triangle with those around it that bend away from it and
+/// from each other; of a face with notches or holes a part around none. A body overlaps their convex hull by no more
+/// than the way out of it, on faces, edges and corners alike.
 #pragma once
 #include "detection/narrow/mesh_contact.h"
 #include "detection/narrow/minkowski.h"
@@ -64,8 +64,8 @@ WayOut find_way_out(const PlacedCore& body, const MeshRegion& region);
 /// 2600 triangles a step: 1040 are near by the sphere, 100 by all three.
 bool is_out_of_reach(const PlacedCore& body, std::uint32_t t);
 
-/// The body is within its reach of the triangle, by the distance of both. Lists of candidates hold all such triangles and,
-/// as old as they are, some others: what is found among these alone does not depend on the age of a list.
+/// The body is within its reach of the triangle, by the distance of both. Lists of candidates hold all such triangles
+/// and, as old as they are, some others: what is found among these alone does not depend on the age of a list.
 bool is_near(const PlacedCore& body, std::uint32_t t);
 
 inline std::size_t place_of(std::span<const std::uint32_t> triangles, std::uint32_t t) {

@@ -183,7 +183,8 @@ std::string JoinReport::to_string() const {
   if (slivers > 0) add(fmt::format("{} triangles lower than that left out", slivers));
   if (cut > 0) add(fmt::format("{} cuts at corners that lie on a side", cut));
   if (flipped > 0) add(fmt::format("{} triangles turned over", flipped));
-  if (moved > 0) add(fmt::format("{} corners moved into the planes of their faces by up to {:.2g} m", moved, move_distance));
+  if (moved > 0)
+    add(fmt::format("{} corners moved into the planes of their faces by up to {:.2g} m", moved, move_distance));
   return text.empty() ? text : fmt::format("joined within {:.2g} m: {}", tolerance, text);
 }
 
@@ -201,7 +202,8 @@ JoinedSurface join_surface(TriangleSurface surface, double precision) {
   report.tolerance = std::max(join_tolerance * size, 4.0 * precision);
   report.flatness = std::max(flat_tolerance * size, 4.0 * precision);
   weld_corners(surface, report);
-  report.flatness = std::max(report.flatness, 2.0 * report.weld_distance);  // corners that are one tell how far all are off
+  // corners that are one tell how far all are off
+  report.flatness = std::max(report.flatness, 2.0 * report.weld_distance);
   drop_slivers(surface, report);
   cut_at_corners(surface, report);
   turn_alike(surface, report);

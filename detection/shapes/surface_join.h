@@ -1,9 +1,9 @@
 /// @file surface_join.h  Makes one surface of the triangles of a file: corners that are one within the tolerance become
 /// one, triangles given twice and slivers go, triangles are cut where a corner of another lies on their side, turned to
-/// agree with their neighbours, and gathered to faces. A face is a plane within the rounding of the file; where that has
-/// left its corners beside the plane, they are moved into the planes of all faces that meet there.
-/// What is exact to rounding stays as it is, bit for bit.
-/// Limits: where more than three faces meet that are nearly parallel, a corner may stay beside them by the tolerance.
+/// agree with their neighbours, and gathered to faces. A face is a plane within the rounding of the file; where that
+/// has left its corners beside the plane, they are moved into the planes of all faces that meet there. What is exact to
+/// rounding stays as it is, bit for bit. Limits: where more than three faces meet that are nearly parallel, a corner
+/// may stay beside them by the tolerance.
 #pragma once
 #include <string>
 
@@ -41,7 +41,8 @@ inline constexpr double join_tolerance = 1e-6;
 /// The same for the corners of a face: a drum of 20 000 sides stays one.
 inline constexpr double flat_tolerance = 1e-9;
 
-/// precision: how far a coordinate of the file may be off by its rounding [m]; four times as much is joined and is flat.
+/// precision: how far a coordinate of the file may be off by its rounding [m]; four times as much is joined and is
+/// flat.
 [[nodiscard]] JoinedSurface join_surface(TriangleSurface surface, double precision);
 
 }  // namespace epafi

@@ -91,7 +91,9 @@ void TriangleMesh::find_notches() {
   for (std::size_t begin = 0, end = 0; begin < wedges.size(); begin = end) {
     double angle = 0.0;
     bool at_rim = false;
-    const auto is_same = [&](const Wedge& w) { return w.face == wedges[begin].face && w.vertex == wedges[begin].vertex; };
+    const auto is_same = [&](const Wedge& w) {
+      return w.face == wedges[begin].face && w.vertex == wedges[begin].vertex;
+    };
     for (; end < wedges.size() && is_same(wedges[end]); ++end) {
       angle += wedges[end].angle;
       at_rim = at_rim || wedges[end].at_rim;

@@ -175,15 +175,13 @@ void read_body(Draft& draft, const Node& item) {
   std::optional<std::size_t> shape = shape_node ? read_shape_value(draft, *shape_node, label) : std::nullopt;
   const std::string name = values.has("name") ? values.text("name") : "";
   check_group_name(draft, name, values.place_of("name"));
-  auto& scene = draft.scene;
-  GroupSpec group{name, scene.bodies.size(), 0, item.place, {counts.begin(), counts.end()}};
-  group.group = values.has("group") ? values.text("group") : "";
-  group.stage = item.stage;
-  scene.groups.push_back(std::move(group));
+  Scene& scene = draft.scene;
+  scene.groups.push_back({name, scene.bodies.size(), 0, item.place, {counts.begin(), counts.end()}});
+  scene.groups.back().group = values.has("group") ? values.text("group") : "";
+  scene.groups.back().stage = item.stage;
   BodyTable table{item, label, scene.groups.size() - 1};
   read_moves(reading, values, table);
-  const bool moves_vary = std::ranges::any_of(
-      varying.members, [](const Member& m) { return m.key == "motion" || m.key == "force" || m.key == "torque"; });
+  const bool moves_vary = varying.find("motion") || varying.find("force") || varying.find("torque");
   scene.bodies.reserve(scene.bodies.size() + size[0] * size[1] * size[2]);
   Index3 at{};
   for (at[0] = 0; at[0] < size[0]; ++at[0])

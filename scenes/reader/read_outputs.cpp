@@ -34,6 +34,29 @@ void keep_fields(Reading& reading, const TableValues& values, const Entry& entry
   }
 }
 
+/// The region that a measure needs, the outlet that it names.
+void check_places(Draft& draft, const TableValues& values, const Entry& entry, const Parameters& p,
+                  const std::string& label) {
+  Reading& reading = draft.reading;
+  if (p.has("region.box.min") && p.has("region.box.max"))
+    check_box(reading, p.vec3("region.box.min"), p.vec3("region.box.max"), values.place_of("region.box"),
+              label + " region");
+  const bool takes_region =
+      std::any_of(entry.fields.begin(), entry.fields.end(), [](const Field& f) { return f.name == "region"; });
+  const auto& cell = draft.scene.cell;
+  const bool endless = cell && cell->cell.repeats == std::array{true, true, true};
+  const bool may_do_without = takes(entry, "plane");  // it counts everywhere
+  if (takes_region && !p.has("region.box.min") && !endless && !may_do_without)
+    reading.error(values.place, "missing key 'region' in " + label + ": kind '" + entry.name + "' needs it");
+  if (p.has("outlet")) {
+    std::vector<std::string> names;
+    for (const auto& o : draft.scene.outlets) names.push_back(o.name);
+    if (std::find(names.begin(), names.end(), p.text("outlet")) == names.end())
+      reading.error(values.place_of("outlet"), "unknown outlet '" + p.text("outlet") + "' in " + label +
+                                                   suggestion(p.text("outlet"), names, "outlets"));
+  }
+}
+
 void read_measure(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("measure", item);
@@ -69,24 +92,8 @@ void read_measure(Draft& draft, const Node& item) {
         unit_vector(reading, p.vec3("plane.normal"), values.place_of("plane.normal"), label + " plane normal");
     if (normal) p.set("plane.normal", *normal);
   }
-  if (p.has("region.box.min") && p.has("region.box.max"))
-    check_box(reading, p.vec3("region.box.min"), p.vec3("region.box.max"), values.place_of("region.box"),
-              label + " region");
   if (p.has("body")) measure.bodies.push_back(find_bodies(draft, p.text("body"), values.place_of(name_written), label));
-  const bool takes_region =
-      std::any_of(entry->fields.begin(), entry->fields.end(), [](const Field& f) { return f.name == "region"; });
-  const auto& cell = draft.scene.cell;
-  const bool endless = cell && cell->cell.repeats == std::array{true, true, true};
-  const bool may_do_without = takes(*entry, "plane");  // it counts everywhere
-  if (takes_region && !p.has("region.box.min") && !endless && !may_do_without)
-    reading.error(values.place, "missing key 'region' in " + label + ": kind '" + entry->name + "' needs it");
-  if (p.has("outlet")) {
-    std::vector<std::string> names;
-    for (const auto& o : draft.scene.outlets) names.push_back(o.name);
-    if (std::find(names.begin(), names.end(), p.text("outlet")) == names.end())
-      reading.error(values.place_of("outlet"), "unknown outlet '" + p.text("outlet") + "' in " + label +
-                                                   suggestion(p.text("outlet"), names, "outlets"));
-  }
+  check_places(draft, values, *entry, p, label);
   if (p.has("between"))
     for (const auto& name : p.texts("between"))
       measure.bodies.push_back(find_bodies(draft, name, values.place_of("between"), label));

@@ -134,10 +134,12 @@ void read_stage_bodies(Draft& draft) {
     for (const auto& [first, count] : found.bodies)
       for (std::size_t k = first; k < first + count; ++k) {
         BodySpec& body = draft.scene.bodies[k];
-        if (body.absent)
+        if (body.absent) {
           reading.error(change.table->place, change.label + ": the body is gone; an earlier stage has taken it out");
-        else
-          apply(one, body), check_change(draft, change, v, body);
+        } else {
+          apply(one, body);
+          check_change(draft, change, v, body);
+        }
         if (reading.errors() != errors) break;
         if (body.moves() && !body.absent) let_move(draft, body.shape);
       }
@@ -151,8 +153,14 @@ void read_stage_bodies(Draft& draft) {
 void apply(const BodyChange& change, BodySpec& body) {
   if (change.fixed) body.fixed = *change.fixed;
   if (change.remove) body.absent = true;
-  if (change.moves) body.motion = change.motion, body.servo = change.servo;
-  if (change.loads) body.force = change.force, body.load = change.load;
+  if (change.moves) {
+    body.motion = change.motion;
+    body.servo = change.servo;
+  }
+  if (change.loads) {
+    body.force = change.force;
+    body.load = change.load;
+  }
 }
 
 }  // namespace epafi

@@ -65,7 +65,11 @@ struct Import {
     if (body.servo) body.servo = ServoSpec{body.servo->servo, age(body.servo->since)};
     if (body.load) body.load = TimedLoad{body.load->force, body.load->torque, age(body.load->since)};
     if (body.remove_at) body.remove_at = Removal{body.remove_at->time, age(body.remove_at->since)};
-    if (start.at_rest && (body.motion || body.servo)) body.motion = {}, body.servo = {}, body.fixed = true;
+    if (start.at_rest && (body.motion || body.servo)) {
+      body.motion = {};
+      body.servo = {};
+      body.fixed = true;
+    }
     if (s != no_slot) {
       body.position = w.position[s];
       body.velocity = start.at_rest ? Vec3(Vec3::Zero()) : w.velocity[s];
@@ -101,7 +105,9 @@ struct Import {
     for (std::size_t k = 0; k < ids.size(); ++k) {
       const FillBody& b = made.assembly->fill_bodies[f][k];
       BodySpec body;
-      body.shape = fill.shapes[b.shape], body.size = b.size, body.material = fill.material;
+      body.shape = fill.shapes[b.shape];
+      body.size = b.size;
+      body.material = fill.material;
       for (const BodyChange& change : fill.changes)
         if (!change.one || *change.one == k) apply(change, body);
       add(std::move(body), ids[k], draft.scene.groups.size() - 1);
@@ -181,7 +187,8 @@ void read_start(Draft& draft) {
   start.goes_on = !draft.start_run.empty();
   const std::string key = v.has("run") ? "run" : "from";
   start.run = start.goes_on ? draft.start_run : find_run(reading, v.text(key), v.place_of(key));
-  start.at_rest = v.boolean("at_rest"), start.move = v.vec3("move");
+  start.at_rest = v.boolean("at_rest");
+  start.move = v.vec3("move");
   start.time = v.optional_number("time");
   const Vec3 angle = v.vec3("euler_deg") * (std::numbers::pi / 180.0);
   start.turned = !angle.isZero(0.0);
@@ -270,8 +277,10 @@ void settle_imported(Draft& draft) {
               now.servo || before.servo || now.load || before.load || now.force.has_value() != before.force.has_value();
     now.group = *like;
     now.absent = before.absent;
-    now.position = before.position, now.orientation = before.orientation;
-    now.velocity = before.velocity, now.angular_velocity = before.angular_velocity;
+    now.position = before.position;
+    now.orientation = before.orientation;
+    now.velocity = before.velocity;
+    now.angular_velocity = before.angular_velocity;
     before = std::move(now);
   }
   scene.changes_bodies = changed || (differs && new_now);

@@ -250,8 +250,10 @@ std::optional<Servo> read_servo_of(Reading& reading, const TableValues& v, const
   }
   if (!v.has("servo.max_speed") || !v.has("servo.direction")) return std::nullopt;
   servo.force = force ? v.number("servo.force") : v.number_or("servo.stress", 0.0) * v.number_or("servo.area", 0.0);
-  servo.mass = v.number_or("servo.mass", 1.0), servo.max_speed = v.number("servo.max_speed");
-  servo.from = v.number_or("from", 0.0), servo.until = v.number_or("until", infinity);
+  servo.mass = v.number_or("servo.mass", 1.0);
+  servo.max_speed = v.number("servo.max_speed");
+  servo.from = v.number_or("from", 0.0);
+  servo.until = v.number_or("until", infinity);
   if (const auto unit = unit_vector(reading, v.vec3("servo.direction"), v.place_of("servo.direction"),
                                     label + " motion servo direction"))
     servo.direction = *unit;
@@ -273,7 +275,8 @@ void read_motion(Reading& reading, const Node& node, const std::string& label, M
   if (v.written("servo") && !moves) return;
   Motion motion;
   if (v.has("velocity")) motion.velocity = v.vec3("velocity");
-  motion.from = v.number_or("from", 0.0), motion.until = v.number_or("until", infinity);
+  motion.from = v.number_or("from", 0.0);
+  motion.until = v.number_or("until", infinity);
   const auto direction = [&](const std::string& key, Vec3& to) {
     if (!v.has(key)) return;
     if (const auto unit = unit_vector(reading, v.vec3(key), v.place_of(key), own + "." + key)) to = *unit;
