@@ -9,6 +9,7 @@
 #include "engine/registry.h"
 #include "engine/types.h"
 #include "laws/material.h"
+#include "laws/smooth/damper.h"
 
 namespace epafi {
 
@@ -20,6 +21,13 @@ struct KinematicsOf {
   Real effective_mass{};     ///< m* [kg]; the mass of the free body against a fixed one
   Real effective_radius{};   ///< R* [m]; NaN where the law did not ask for curvature
   Real area{};               ///< of a cell of overlap volume [m^2], where the law asked for it
+  Real middle_velocity{};    ///< as approach_velocity, in the middle of the step [m/s]
+  DamperStep<Real> step{};   ///< none: approach_velocity is exact
+
+  /// Of a dashpot [N s/m] beside a spring of that stiffness [N/m], positive while approaching [N].
+  EPAFI_LANES Real viscous(const Real& dashpot, const Real& stiffness) const {
+    return damper_force(step, dashpot, stiffness, approach_velocity, middle_velocity);
+  }
 };
 using ContactKinematics = KinematicsOf<double>;
 
@@ -168,6 +176,7 @@ concept RollingLaw = LawPart<L> && requires(const typename L::Parameters& p, con
   { L::stiffness(p, step) } -> std::same_as<double>;  ///< [N m/rad]
   { L::limit(p, step) } -> std::same_as<double>;      ///< [N m]
   { L::damping(p, step) } -> std::same_as<double>;    ///< [N m s]
+  { L::stops_at_once(p) } -> std::same_as<bool>;      ///< its dashpot stops a spin within the step (laws/smooth/damper.h)
 };
 
 inline Field optional_field(const char* name, const char* symbol, const char* unit, Kind kind, const Range& range,

@@ -47,7 +47,7 @@ struct ImpactError {
 };
 ImpactError impact_error(const SmoothSetup& setup) {
   const double radius = 5e-3, m = 2.0 / 3.0 * pi * radius * radius * radius * 2500;
-  const double time = estimate_impact(setup, setup.materials.of(0, 0), {m, 2 * m, 0.5 * radius, 2.0, 1}).contact_time;
+  const double time = estimate_impact(setup, setup.materials.of(0, 0), {m, 0.5 * radius, 2.0}).contact_time;
   const auto shoot = [&](int steps, double& error) {
     Rig rig = two_spheres(setup, radius, 1.0, 0.7 * 2 * time / steps);
     rig.detection->reach = smooth_reach(setup, 0.5 * radius);

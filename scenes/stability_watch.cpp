@@ -129,7 +129,7 @@ Failure StabilityWatch::failure(const StepView& view, const StiffestMode& mode) 
   const double force_side = std::max(l.along, l.across);
   std::string text = fmt::format(
       "the time step of {:.4g} s became unstable in step {}: the {} contacts of '{}', that with {} the stiffest "
-      "(dt^2/4 k + dt c = {:.3g} kg), come to {:.3g} of what a step bears; a stable step is {:.4g} s or less; use "
+      "(by spring and damper {:.3g} kg), come to {:.3g} of what a step bears; a stable step is {:.4g} s or less; use "
       "time_step = \"auto\"",
       view.dt, view.step, mode.links, body_name(names_, body), with, force_side, mode.value,
       view.dt / std::max(1.0, std::sqrt(mode.value)));

@@ -47,13 +47,16 @@ double overlap_under(const ContactLinks& links, const ExpectedPair& pair, double
 
 double impact_step(const ContactLinks& links, const ExpectedPair& pair, double overlap) {
   const double mobility = 1.0 / pair.at.effective_mass;
+  const NormalSlopes n = links.normal(pair.i, pair.j, with_overlap(pair.at, overlap));
   return solve_step([&](double dt) {
     const StiffLink l = links.link(pair.i, pair.j, with_overlap(pair.at, overlap), sideways * mobility, 0.0, dt);
-    return mobility * std::max(l.along, sideways * l.across);
+    const double along = lone_damped_weight(n.stiffness, n.dashpot, mobility, dt);
+    return mobility * std::max(along, sideways * l.across);
   });
 }
 
-/// As stable_step of laws/smooth/critical_step.h: chains and packings of solid spheres, neighbours in antiphase.
+/// Solid spheres with Z contacts of weights w_n and w_t each, neighbours in antiphase: up to two are a chain, 2 Z/m
+/// max(w_n, 7/2 w_t) (case B02: sqrt(m/k)); more are spread over all directions, 2 Z/(3 m) max(w_n + 2 w_t, 5 w_t).
 double packing_step(const ContactLinks& links, const ExpectedPair& pair, double overlap, int coordination) {
   const double few = std::min(coordination, 2), many = coordination > 2 ? coordination / 3.0 : 0.0;
   return solve_step([&](double dt) {

@@ -179,9 +179,18 @@ class ContactEstimate {
         std::min<int>(column ? 2 : 10, static_cast<int>(survey_.free_bodies + survey_.held_bodies) - 1);
     const double pressed = overlap_under(links_, pair, chains * load_of(p.radius));
     const bool one = !q && survey_.free_bodies > 1;
-    take(one ? impact_step(links_, pair, pressed) : packing_step(links_, pair, pressed, neighbours), infinity,
-         "under the load of the bodies above");
-    take(impact_step(links_, pair, impact_overlap), infinity, "at the expected speed");
+    const int points = neighbours * (q ? std::min(p.points, q->points) : p.points);
+    const auto under_load = [&](const ExpectedPair& of, int contacts) {
+      return one ? impact_step(links_, of, pressed) : packing_step(links_, of, pressed, contacts);
+    };
+    ExpectedPair end = pair;  // the end of a long body moves as a quarter of its mass does
+    if (!p.round || (q && !q->round)) {
+      end.mass *= 0.25;
+      end.at.effective_mass *= 0.25;
+    }
+    take(under_load(pair, neighbours), 0.5 * under_load(end, points), "under the load of the bodies above");
+    take(impact_step(links_, pair, impact_overlap), 0.5 * impact_step(links_, end, impact_overlap),
+         "at the expected speed");
   }
 
  private:
@@ -229,24 +238,19 @@ class ContactEstimate {
 TimeStep smooth_step(const Assembly& a, const Survey& s) {
   const SmoothSetup setup = smooth_setup(a.scene);
   StepLimit shortest;
-  shortest.auto_step = shortest.stable_step = infinity;
+  shortest.auto_step = infinity;
   std::string between;
   ContactEstimate estimate(a, s, setup);
-  const auto n = static_cast<int>(s.free_bodies + s.held_bodies) - 1;
   const auto look = [&](std::uint16_t i, const Smallest& p, std::uint16_t j, const Smallest* q) {
     const MaterialPair& pair = setup.materials.of(i, j);
     ExpectedContact c;
     c.effective_mass = q ? p.mass * q->mass / (p.mass + q->mass) : p.mass;
-    c.mass = q ? std::min(p.mass, q->mass) : p.mass;
     c.effective_radius = q ? p.radius * q->radius / (p.radius + q->radius) : p.radius;
     // a corner of a cube moves as a quarter of its mass does
     const bool round = p.round && (!q || q->round);
-    if (!round) c.effective_mass *= 0.25, c.mass *= 0.25;
+    if (!round) c.effective_mass *= 0.25;
     // at rest and without gravity: a thousandth of the sound speed, far above what a quiet scene sees
     c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
-    // cells of overlap volume share one face
-    const int points = a.plan.needs.area ? 1 : q ? std::min(p.points, q->points) : p.points;
-    c.coordination = std::clamp(n, 1, 8) * points;
     const StepLimit limit = critical_step(setup, pair, c);
     if (limit.auto_step < shortest.auto_step) shortest = limit, between = pair.a.name + "-" + pair.b.name;
     estimate.look(i, p, j, q, limit.impact.largest_overlap, pair.restitution);
@@ -258,10 +262,6 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
   }
   TimeStep step{shortest.auto_step, infinity, fmt::format("contact {}: {}", between, shortest.reason)};
   if (estimate.chosen < step.value) step.value = estimate.chosen, step.reason = estimate.reason;
-  if (estimate.limit < step.value) {  // the load decides, not the impact
-    step.value = 0.5 * estimate.limit;
-    step.reason = "half of " + estimate.limit_reason;
-  }
   step.limit = estimate.limit;
   step.limit_reason = estimate.limit_reason;
   return step;

@@ -76,7 +76,7 @@ template <RollingLaw R>
 double rolling_weight(const typename R::Parameters& p, const RollingStep& step) {
   if constexpr (requires { p.type; }) {
     if (p.type == AnyRolling::Type::constant) return 0.0;  // limits itself to what stops the spin
-    return 0.25 * step.dt * step.dt * R::stiffness(p, step) + step.dt * R::damping(p, step);
+    return damped_weight(R::stiffness(p, step), R::damping(p, step), 1.0 / step.inertia, step.dt);
   } else {
     return 0.0;
   }
@@ -122,11 +122,11 @@ StiffLink ContactLinks::link(std::uint16_t i, std::uint16_t j, const ContactKine
   const std::size_t pair = i * materials_ + j;
   const NormalSlopes n = normal_(pair, at);
   StiffLink out;
-  out.along = 0.25 * dt * dt * n.stiffness + dt * n.dashpot;
+  out.along = damped_weight(n.stiffness, n.dashpot, 1.0 / at.effective_mass, dt);
   const double sideways = sideways_(pair, n.of_law);
   const double dashpot =
       slip_mobility > 0.0 ? 2.0 * sideways_damping_[pair] * std::sqrt(sideways / slip_mobility) : 0.0;
-  out.across = 0.25 * dt * dt * sideways + dt * dashpot;
+  out.across = damped_weight(sideways, dashpot, slip_mobility, dt);
   if (rolling_mobility > 0.0)
     out.turn = rolling_(pair, {n.of_law, n.force, at.effective_radius, 1.0 / rolling_mobility, 0.0, dt});
   return out;

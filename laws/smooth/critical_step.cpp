@@ -107,26 +107,17 @@ StepLimit limit_of(const MaterialPair& pair, const ExpectedContact& given) {
   StepLimit out;
   out.impact = integrate_impact<N>(p, c, elastic_contact_time<N>(p, c) / 4000);
   const Slopes slope = slopes_at<N>(p, c, out.impact.largest_overlap);
-  const double stiffness = slope.stiffness;
-  // a law that stiffens is far softer in a packing than here, at the largest overlap of an impact in all contacts of a
-  // body at once: with the dashpot of there as well hoppers that run well would be refused
-  const bool stiffens = slopes_at<N>(p, c, 0.5 * out.impact.largest_overlap).stiffness < 0.99 * stiffness;
   const auto friction = T::parameters(pair);
-  const double sideways = tangential_dashpot(friction, T::stiffness(friction, stiffness), c.effective_mass);
-  out.stable_step = stable_step(stiffness, T::stiffness(friction, stiffness), c.mass, c.coordination,
-                                std::max(stiffens ? 0.0 : slope.dashpot, sideways));
-  const double by_time = auto_step_part * out.impact.contact_time, by_mode = 0.5 * out.stable_step;
+  const double sideways = tangential_dashpot(friction, T::stiffness(friction, slope.stiffness), c.effective_mass);
+  const double by_time = auto_step_part * out.impact.contact_time;
   // an explicit damper of c overshoots beyond m*/c: half of it; e = 0.01 (c = 9.4 sqrt(m* k)) then takes 60 steps per
   // contact
   const double dashpot = std::max(slope.dashpot, sideways);
   const double by_damping = dashpot > 0.0 ? 0.5 * c.effective_mass / dashpot : by_time;
-  out.auto_step = std::min({by_time, by_mode, by_damping});
+  out.auto_step = std::min(by_time, by_damping);
   const std::string who = "contact " + pair.a.name + "-" + pair.b.name;
-  out.reason = by_time <= by_mode
-                   ? number(auto_step_part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who
-                   : "half of the stable step " + number(out.stable_step, "s of ") + who + " with " +
-                         std::to_string(c.coordination) + " contacts per body";
-  if (out.auto_step < std::min(by_time, by_mode)) out.reason = "half of m*/c of the damper of " + who;
+  out.reason = number(auto_step_part, "of the contact time ") + number(out.impact.contact_time, "s of ") + who;
+  if (out.auto_step < by_time) out.reason = "half of m*/c of the damper of " + who;
   if (N::is_hertzian) out.reason += " at " + number(c.speed, "m/s");
   return out;
 }
@@ -140,16 +131,6 @@ double hertz_contact_time(double m, double radius, double modulus, double speed)
 }
 
 double fall_speed(double gravity, double height) { return std::sqrt(2.0 * std::abs(gravity) * std::max(height, 0.0)); }
-
-double stable_step(double normal_stiffness, double tangential_stiffness, double mass, int coordination,
-                   double dashpot) {
-  const double kn = normal_stiffness, kt = tangential_stiffness, contacts = coordination;
-  const double chain = std::max(kn, 3.5 * kt), packing = std::max(kn + 2.0 * kt, 5.0 * kt);
-  const double few = std::min(contacts, 2.0), many = coordination > 2 ? contacts / 3.0 : 0.0;
-  const double square = 2.0 / mass * std::max(few * chain, many * packing);
-  const double damping = 2.0 / mass * std::max(few, 1.5 * many) * dashpot;
-  return 2.0 / (damping + std::sqrt(damping * damping + square));
-}
 
 ImpactEstimate estimate_impact(const SmoothSetup& setup, const MaterialPair& pair, const ExpectedContact& contact) {
   return critical_step(setup, pair, contact).impact;

@@ -49,7 +49,8 @@ struct Hertz {
   static double elastic_power(const Parameters&) { return 1.5; }
   static double viscous_power(const Parameters&) { return 0.25; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
-    return p.damping * std::sqrt(c.effective_mass * stiffness(p, c)) * c.approach_velocity;
+    const double k = stiffness(p, c);
+    return c.viscous(p.damping * std::sqrt(c.effective_mass * k), k);
   }
   static double stiffness(const Parameters& p, const ContactKinematics& c) {  // dN/d(delta)
     return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
@@ -58,7 +59,7 @@ struct Hertz {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // dN/d(delta)
     const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    const Real viscous = p.damping * sqrt(c.effective_mass * stiffness) * c.approach_velocity;
+    const Real viscous = c.viscous(p.damping * sqrt(c.effective_mass * stiffness), stiffness);
     return {max(Real{}, elastic + viscous), elastic, stiffness, 0.4 * elastic * c.overlap};
   }
 };

@@ -52,13 +52,14 @@ struct HuntCrossley {
   static double elastic_power(const Parameters&) { return 1.5; }
   static double viscous_power(const Parameters&) { return 1.5; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
-    return 4.0 / 3.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap) * c.overlap * p.chi * c.approach_velocity;
+    const double k = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
+    return c.viscous(2.0 / 3.0 * k * c.overlap * p.chi, k);
   }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);
     const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    return {max(Real{}, elastic + elastic * p.chi * c.approach_velocity), elastic, stiffness,
+    return {max(Real{}, elastic + c.viscous(elastic * p.chi, stiffness)), elastic, stiffness,
             0.4 * elastic * c.overlap};
   }
 };

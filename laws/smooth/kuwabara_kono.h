@@ -39,13 +39,14 @@ struct KuwabaraKono {
   static double elastic_power(const Parameters&) { return 1.5; }
   static double viscous_power(const Parameters&) { return 0.5; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
-    return 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap) * p.relaxation * c.approach_velocity;
+    const double k = 2.0 * p.modulus * std::sqrt(c.effective_radius * c.overlap);
+    return c.viscous(k * p.relaxation, k);
   }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = 2.0 * p.modulus * sqrt(c.effective_radius * c.overlap);  // 3/2 k sqrt(delta)
     const Real elastic = 2.0 / 3.0 * stiffness * c.overlap;
-    return {max(Real{}, elastic + p.relaxation * stiffness * c.approach_velocity), elastic, stiffness,
+    return {max(Real{}, elastic + c.viscous(p.relaxation * stiffness, stiffness)), elastic, stiffness,
             0.4 * elastic * c.overlap};
   }
 };

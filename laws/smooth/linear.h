@@ -38,12 +38,12 @@ struct Linear {
   static double elastic_power(const Parameters&) { return 1.0; }
   static double viscous_power(const Parameters&) { return 0.0; }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
-    return 2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
+    return c.viscous(2.0 * p.damping_ratio * std::sqrt(c.effective_mass * p.stiffness), p.stiffness);
   }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real elastic = p.stiffness * c.overlap;
-    const Real viscous = 2.0 * p.damping_ratio * sqrt(c.effective_mass * p.stiffness) * c.approach_velocity;
+    const Real viscous = c.viscous(2.0 * p.damping_ratio * sqrt(c.effective_mass * p.stiffness), p.stiffness);
     return {max(Real{}, elastic + viscous), elastic, p.stiffness, 0.5 * elastic * c.overlap};
   }
 };

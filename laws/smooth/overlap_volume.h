@@ -43,7 +43,7 @@ struct OverlapVolume {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real stiffness = p.modulus * c.area / c.effective_radius;
     const Real elastic = stiffness * c.overlap;
-    const Real viscous = 2.0 * p.damping_ratio * sqrt(c.effective_mass * stiffness) * c.approach_velocity;
+    const Real viscous = c.viscous(2.0 * p.damping_ratio * sqrt(c.effective_mass * stiffness), stiffness);
     return {max(Real{}, elastic + viscous), elastic, stiffness, 0.5 * elastic * c.overlap};
   }
 };

@@ -90,14 +90,14 @@ struct PowerLaw {
   static double viscous_power(const Parameters& p) { return p.dashpot > 0.0 ? 0.0 : 0.5 * (p.exponent - 1.0); }
   static double viscous(const Parameters& p, const ContactKinematics& c) {
     const double below = p.stiffness * power_below(c.overlap, p.exponent);
-    return (p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below)) * c.approach_velocity;
+    return c.viscous(p.dashpot + p.damping_ratio * std::sqrt(c.effective_mass * below), p.exponent * below);
   }
   template <class Real>
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     const Real below = p.stiffness * power_below(c.overlap, p.exponent);  // k delta^(n-1)
     const Real elastic = below * c.overlap;
     const Real dashpot = p.dashpot + p.damping_ratio * sqrt(c.effective_mass * below);
-    return {max(Real{}, elastic + dashpot * c.approach_velocity), elastic, p.exponent * below,
+    return {max(Real{}, elastic + c.viscous(dashpot, p.exponent * below)), elastic, p.exponent * below,
             elastic * c.overlap / (p.exponent + 1.0)};
   }
 };

@@ -19,6 +19,7 @@ struct NoRolling {
   static double stiffness(const Parameters&, const RollingStep&) { return 0.0; }
   static double limit(const Parameters&, const RollingStep&) { return 0.0; }
   static double damping(const Parameters&, const RollingStep&) { return 0.0; }
+  static bool stops_at_once(const Parameters&) { return false; }
 };
 static_assert(RollingLaw<NoRolling>);
 
@@ -47,6 +48,11 @@ struct AnyRolling {
   template <class Real>
   EPAFI_LANES static Real limit(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {
     return p.type == Type::viscous ? Real{} + infinity : p.friction * s.radius * s.normal_force;
+  }
+  /// Its dashpot is chosen by what would stop the spin within the step.
+  template <class Real>
+  static bool stops_at_once(const ParametersOf<Real>& p) {
+    return p.type == Type::constant;
   }
   template <class Real>
   EPAFI_LANES static Real damping(const ParametersOf<Real>& p, const RollingStepOf<Real>& s) {

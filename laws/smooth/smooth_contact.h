@@ -140,10 +140,9 @@ class SmoothContact final : public ContactModel {
     EPAFI_REQUIRE(world.rotates() || !(slides || rolls), "friction and rolling need a world with rotation");
     SmoothSums sums;
     if constexpr (slides || rolls)
-      sums = run<true>(world, contacts, clock.dt, lag > 0.0);
+      sums = run<true>(world, contacts, clock.dt, lag);
     else
-      sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag > 0.0)
-                             : run<false>(world, contacts, clock.dt, lag > 0.0);
+      sums = world.rotates() ? run<true>(world, contacts, clock.dt, lag) : run<false>(world, contacts, clock.dt, lag);
     if constexpr (remembers)
       if (clock.dt == 0.0) memory_.keep();
     if (clock.touched)
@@ -185,10 +184,10 @@ class SmoothContact final : public ContactModel {
   };
 
   template <bool rotates>
-  SmoothSums run(const World& world, ContactSet& contacts, double dt, bool predicted) {
+  SmoothSums run(const World& world, ContactSet& contacts, double dt, double lag) {
     blocks_.resize((contacts.size() + sum_block - 1) / sum_block);
     parallel_blocks(contacts.size(), sum_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
-      blocks_[block] = evaluate_block<rotates>(world, contacts, begin, end, dt, predicted);
+      blocks_[block] = evaluate_block<rotates>(world, contacts, begin, end, dt, lag);
     });
     SmoothSums total;
     for (const SmoothSums& s : blocks_) total += s;
@@ -199,14 +198,14 @@ class SmoothContact final : public ContactModel {
   /// Flattened: GCC leaves vector helpers uninlined in a body of this size, which costs twice the time (perf/laws.cpp).
   template <bool rotates>
   [[gnu::flatten]] SmoothSums evaluate_block(const World& world, ContactSet& contacts, std::size_t begin,
-                                             std::size_t end, double dt, bool predicted) {
+                                             std::size_t end, double dt, double lag) {
     SmoothSums sums;
-    for (std::size_t i = begin; i < end; ++i) evaluate<rotates>(world, contacts, i, dt, predicted, sums);
+    for (std::size_t i = begin; i < end; ++i) evaluate<rotates>(world, contacts, i, dt, lag, sums);
     return sums;
   }
 
   template <bool rotates>
-  void evaluate(const World& world, ContactSet& contacts, std::size_t i, double dt, bool predicted, SmoothSums& sums) {
+  void evaluate(const World& world, ContactSet& contacts, std::size_t i, double dt, double lag, SmoothSums& sums) {
     Touch t{i, contacts.a[i], contacts.b[i], Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), {}, {}};
     const double mobility = world.inverse_mass[t.a] + world.inverse_mass[t.b];  // 1/m*
     bool touches = contacts.gap[i] < 0.0;
@@ -223,7 +222,7 @@ class SmoothContact final : public ContactModel {
     t.at.effective_mass = 1.0 / mobility;
     t.at.effective_radius = needs.curvature ? contacts.effective_radius[i] : std::numeric_limits<double>::quiet_NaN();
     if constexpr (needs.area) t.at.area = contacts.area[i];
-    move<rotates>(world, contacts, t, predicted);
+    move<rotates>(world, contacts, t, dt, lag);
 
     const PairParameters& p = pairs_[world.material[t.a] * materials_ + world.material[t.b]];
     if constexpr (hysteretic) {
@@ -238,16 +237,16 @@ class SmoothContact final : public ContactModel {
     sums.viscous_power += (t.normal.force - t.normal.elastic_force) * t.at.approach_velocity;
 
     Vec3 force = -t.normal.force * contacts.normal[i];
-    if constexpr (slides) force += slide(world, contacts, t, p.tangential, dt, predicted, sums);
+    if constexpr (slides) force += slide(world, contacts, t, p.tangential, dt, lag, sums);
     contacts.force[i] = force;
-    if constexpr (rolls) contacts.moment[i] = roll(world, contacts, t, p.rolling, dt, predicted, sums);
+    if constexpr (rolls) contacts.moment[i] = roll(world, contacts, t, p.rolling, dt, lag, sums);
     if (world.inverse_mass[t.a] * world.inverse_mass[t.b] == 0.0) drive<rotates>(world, contacts, t, sums);
     if (world.cell) sums.virial += force.cwiseProduct(t.branch);
   }
 
   /// Relative velocity at the contact: its slip in the middle of the step, its approach at the end.
   template <bool rotates>
-  void move(const World& world, const ContactSet& contacts, Touch& t, bool predicted) const {
+  void move(const World& world, const ContactSet& contacts, Touch& t, double dt, double lag) const {
     const Vec3 &n = contacts.normal[t.i], &arm = contacts.arm[t.i];
     Vec3 velocity = world.velocity[t.b] - world.velocity[t.a];
     t.branch = world.branch(t.a, t.b, contacts.feature[t.i]);
@@ -259,8 +258,10 @@ class SmoothContact final : public ContactModel {
     const double opening = velocity.dot(n);
     if constexpr (slides) t.slip_velocity = velocity - opening * n;
     t.at.approach_velocity = -opening;
-    if (!predicted) return;
+    t.at.middle_velocity = -opening;
+    if (!(lag > 0.0)) return;
     t.at.approach_velocity -= change_at<rotates>(t, arm).dot(n);
+    t.at.step = {dt, lag / t.at.effective_mass};
   }
 
   /// Of the relative velocity at the contact, from the middle of the step to its end [m/s].
@@ -273,7 +274,7 @@ class SmoothContact final : public ContactModel {
 
   /// Friction on A.
   Vec3 slide(const World& world, const ContactSet& contacts, const Touch& t, const typename Tangential::Parameters& p,
-             double dt, bool predicted, SmoothSums& sums) {
+             double dt, double lag, SmoothSums& sums) {
     const Vec3& n = contacts.normal[t.i];
     const SlipStep step{n, twist(world, t, n, dt), dt * t.slip_velocity, t.normal.stiffness,
                         std::max(0.0, t.normal.force + t.normal.adhesion)};
@@ -281,22 +282,24 @@ class SmoothContact final : public ContactModel {
     sums.spring_energy += out.energy;
     sums.spring_work += out.work;
     if constexpr (WithDashpot<Tangential>)
-      if (p.damping > 0.0) return damp(world, contacts, t, p, out.load, predicted, sums);
+      if (p.damping > 0.0) return damp(world, contacts, t, p, out.load, dt, lag, sums);
     return out.load;
   }
 
   /// Friction on A by a spring that pulls with `elastic` and its dashpot: together they slide at mu N.
   Vec3 damp(const World& world, const ContactSet& contacts, const Touch& t, const typename Tangential::Parameters& p,
-            const Vec3& elastic, bool predicted, SmoothSums& sums) const {
+            const Vec3& elastic, double dt, double lag, SmoothSums& sums) const {
     const Vec3 &n = contacts.normal[t.i], &arm = contacts.arm[t.i];
     Vec3 velocity = t.slip_velocity;
-    if (predicted) velocity += change_at<true>(t, arm);
+    if (lag > 0.0) velocity += change_at<true>(t, arm);
     velocity -= velocity.dot(n) * n;
     const double mobility = slip_mobility(world, t.a, arm) + slip_mobility(world, t.b, t.arm_b);
-    const double dashpot = 2.0 * p.damping * std::sqrt(Tangential::stiffness(p, t.normal.stiffness) / mobility);
+    const double stiffness = Tangential::stiffness(p, t.normal.stiffness);
+    const double dashpot = 2.0 * p.damping * std::sqrt(stiffness / mobility);
     const double limit = p.friction * std::max(0.0, t.normal.force + t.normal.adhesion);
-    Vec3 load = within(elastic + dashpot * velocity, limit);
-    sums.viscous_power += (load - elastic).dot(velocity);  // >= 0: the nearest point of a ball that holds elastic
+    const DamperStep<double> step{dt, lag * mobility};
+    const Vec3 load = within(elastic + damper_force(step, dashpot, stiffness, velocity, t.slip_velocity), limit);
+    sums.viscous_power += (load - elastic).dot(velocity);
     return load;
   }
 
@@ -308,25 +311,26 @@ class SmoothContact final : public ContactModel {
 
   /// Moment on A against rolling.
   Vec3 roll(const World& world, const ContactSet& contacts, const Touch& t, const typename Rolling::Parameters& p,
-            double dt, bool predicted, SmoothSums& sums) {
+            double dt, double lag, SmoothSums& sums) {
     const Vec3& n = contacts.normal[t.i];
     const auto in_plane = [&n](const Vec3& x) { return Vec3(x - x.dot(n) * n); };
-    Vec3 spin = in_plane(world.angular_velocity[t.b] - world.angular_velocity[t.a]);
-    const Vec3 angle = dt * spin;
-    if (predicted) spin += in_plane(change_.angular[t.b] - change_.angular[t.a]);
+    const Vec3 middle = in_plane(world.angular_velocity[t.b] - world.angular_velocity[t.a]);
+    Vec3 spin = middle;
+    if (lag > 0.0) spin += in_plane(change_.angular[t.b] - change_.angular[t.a]);
     const double mobility = rolling_mobility(world, t.a, contacts.arm[t.i]) + rolling_mobility(world, t.b, t.arm_b);
     const RollingStep step{t.normal.stiffness,    std::max(0.0, t.normal.force + t.normal.adhesion),
                            t.at.effective_radius, 1.0 / mobility,
                            spin.norm(),           dt};
     const double limit = Rolling::limit(p, step);
-    const SlipStep turn{n, twist(world, t, n, dt), angle, 0.0, 0.0};
+    const SlipStep turn{n, twist(world, t, n, dt), dt * middle, 0.0, 0.0};
     const FrictionResponse elastic =
         pull_spring(turn, Rolling::stiffness(p, step), limit, memory_.before(t.i).rolling, memory_.now(t.i).rolling);
     sums.spring_energy += elastic.energy;
     sums.spring_work += elastic.work;
-    Vec3 moment = within(elastic.load + Rolling::damping(p, step) * spin, limit);
-    sums.viscous_power +=
-        (moment - elastic.load).dot(spin);  // >= 0: moment is the nearest point of a ball that holds elastic
+    const DamperStep<double> damper{dt, Rolling::stops_at_once(p) ? 0.0 : lag * mobility};
+    const double stiffness = Rolling::stiffness(p, step), dashpot = Rolling::damping(p, step);
+    const Vec3 moment = within(elastic.load + damper_force(damper, dashpot, stiffness, spin, middle), limit);
+    sums.viscous_power += (moment - elastic.load).dot(spin);
     return moment;
   }
 

@@ -131,7 +131,7 @@ TEST_CASE("a strong dashpot shortens the time step", "[laws][friction][critical_
   const auto step = [&](double zeta) {
     ContactChoice choice{"hertz", 0.9, 0.3, 0.0, parameters_of({{"tangential_damping", zeta}}), "mindlin-dashpot"};
     const SmoothSetup setup = setup_of(choice, {glass});
-    return critical_step(setup, setup.materials.pairs[0], {0.5e-3, 1e-3, 0.0025, 1.0, 8}).auto_step;
+    return critical_step(setup, setup.materials.pairs[0], {0.5e-3, 0.0025, 1.0}).auto_step;
   };
   CHECK(step(1.0) < 0.6 * step(0.0));
   CHECK(step(0.01) == Approx(step(0.0)).epsilon(0.05));

@@ -40,7 +40,7 @@ double energy_ratio(const LawCase& c, double e, double mu, double degrees, int s
   const SmoothSetup setup = setup_of(choice, {fast_ball, rigid});
   const double angle = degrees * pi / 180, normal = ball_speed * std::cos(angle);
   const double mass = 4.0 / 3.0 * pi * ball_radius * ball_radius * ball_radius * fast_ball.density;
-  const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, mass, ball_radius, normal, 1}).contact_time;
+  const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, ball_radius, normal}).contact_time;
   double worst = 0.0;
   for (int phase = 0; phase < 3; ++phase) {
     const double dt = time / steps;

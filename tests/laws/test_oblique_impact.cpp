@@ -28,7 +28,7 @@ double energy_gain(const Parts& parts, double e, double mu, double degrees, doub
   SmoothSetup setup = setup_of(choice, {grain, rigid});
   setup.locate = locate;
   const double m = 4.0 / 3.0 * pi * R * R * R * 4000;
-  const double dt = estimate_impact(setup, setup.materials.of(0, 1), {m, m, R, vn, 1}).contact_time / steps;
+  const double dt = estimate_impact(setup, setup.materials.of(0, 1), {m, R, vn}).contact_time / steps;
   Rig rig(setup, Columns{.rotation = true});
   rig.wall_material = 1;
   rig.add_sphere(R, 4000, {0, 0, R + 0.37 * vn * dt}, {v * std::sin(angle), 0, -v * std::cos(angle)},

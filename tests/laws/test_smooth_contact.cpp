@@ -282,10 +282,10 @@ TEST_CASE("every listed law can be made and names its source", "[laws][smooth]")
   CHECK(all_rolling_laws().size() == 4);
 }
 
-TEST_CASE("contact time and stable step meet their closed forms (cases A01, A03, B02)", "[laws][critical_step]") {
+TEST_CASE("contact time and stable step meet their closed forms (cases A01, A03)", "[laws][critical_step]") {
   const Material stiff{"glass", 2800, 48e9, 0.20};
   const SmoothSetup hertz = setup_of({"hertz"}, {stiff});
-  const ExpectedContact contact{0.0058643063, 0.0117286126, 0.005, 20.0, 1};
+  const ExpectedContact contact{0.0058643063, 0.005, 20.0};
   const StepLimit limit = critical_step(hertz, hertz.materials.pairs[0], contact);
   CHECK(limit.impact.contact_time == Approx(4.0339456e-5).epsilon(1e-3));  // A01 table; found to one step of 4000
   CHECK(limit.impact.largest_overlap == Approx(2.741127e-4).epsilon(1e-6));
@@ -295,14 +295,9 @@ TEST_CASE("contact time and stable step meet their closed forms (cases A01, A03,
   CHECK(hertz_contact_time(contact.effective_mass, 0.005, 25e9, 20.0) == Approx(4.0339456e-5).epsilon(1e-7));
   // A03 table: time to zero force in units of sqrt(m/k) for damping ratios that give e = 0.55028317
   const SmoothSetup linear = setup_of({"linear", 0.55028317, 0, 0, parameters_of({{"stiffness", 1e6}})}, {stiff});
-  const StepLimit damped = critical_step(linear, linear.materials.pairs[0], {1e-3, 1e-3, 0, 0, 1});
+  const StepLimit damped = critical_step(linear, linear.materials.pairs[0], {1e-3, 0, 0});
   CHECK(damped.impact.contact_time == Approx(2.772392 * std::sqrt(1e-9)).epsilon(1e-3));
   CHECK(damped.impact.restitution == Approx(0.55028317).epsilon(1e-3));
-  // B02: chain of closed contacts, dt < sqrt(m/k)
-  CHECK(stable_step(1e6, 0.0, 1e-3, 2) == Approx(3.1622777e-5).epsilon(1e-7));
-  CHECK(stable_step(1e6, 0.0, 1e-3, 2, 1e3) == Approx(2.4998438e-7).epsilon(1e-7));  // m/(4 c) where the damper decides
-  // a solid sphere also turns: its contact point weighs 1 / (1 + 5/2) of it sideways, dt < sqrt(m / (3.5 k_t))
-  CHECK(stable_step(1e6, 1e6, 1e-3, 2) == Approx(1.6903085e-5).epsilon(1e-7));
   CHECK(fall_speed(-9.81, 1.0) == Approx(4.4294469).epsilon(1e-7));
 }
 
@@ -331,10 +326,30 @@ TEST_CASE("a bilateral contact is bounded below dt = 2/omega and blows up above 
   }
 }
 
+TEST_CASE("restitution at a tenth of the contact time is right on average over phases", "[laws][critical_step]") {
+  const double k = 1e6, radius = 5e-3;
+  // velocities predicted by the last force alone err by 3.9e-3, 1.5e-2 and 2.2e-2
+  for (const auto& [e, error] : {std::pair{0.9, 1.5e-3}, {0.6, 1.5e-3}, {0.4, 8e-3}}) {
+    const SmoothSetup setup = setup_of({"linear", e, 0, 0, parameters_of({{"stiffness", k}})}, {soft_glass, wall});
+    double sum = 0.0;
+    constexpr int phases = 50;
+    for (int i = 0; i < phases; ++i) {
+      Rig rig = sphere_on_plane(setup, radius, 1.0, {0, 0, -1});
+      const double z = damping_ratio_for(e), dt = 0.1 * pi / std::sqrt(k / rig.mass() * (1 - z * z));
+      rig.world.position[0].z() = radius + dt * (i + 0.5) / phases;
+      rig.start();
+      for (int step = 0; step < 30; ++step) rig.step(dt);
+      sum += rig.world.velocity[0].z();
+    }
+    INFO("restitution " << e);
+    CHECK(std::abs(sum / phases - e) < error);
+  }
+}
+
 TEST_CASE("a chain of damped contacts is quiet below its stable step and flickers above", "[laws][critical_step]") {
   const double k = 1e6, radius = 5e-3, overlap = 1e-6;
-  const SmoothSetup setup = setup_of({"linear", 0.2, 0, 0, parameters_of({{"stiffness", k}})}, {soft_glass, wall});
-  for (double part : {0.97, 1.03}) {
+  const SmoothSetup setup = setup_of({"linear", 0.1, 0, 0, parameters_of({{"stiffness", k}})}, {soft_glass, wall});
+  for (double part : {0.97, 1.1}) {
     Rig rig(setup);
     constexpr int n = 40;  // the chain's own bound cos(pi/(2 n + 2)) is 1e-3 below that of an endless one
     for (int i = 0; i < n; ++i)
@@ -343,15 +358,20 @@ TEST_CASE("a chain of damped contacts is quiet below its stable step and flicker
     rig.add_plane({1, 0, 0}, {overlap - radius, 0, 0});
     rig.add_plane({-1, 0, 0}, {(n - 1) * (2 * radius - overlap) + radius - overlap, 0, 0});
     rig.start();
-    const double m = rig.mass(), c = 2 * damping_ratio_for(0.2) * std::sqrt(0.5 * m * k);
-    const double dt = part * stable_step(k, 0.0, m, 2, c);
-    CHECK(dt < 0.5 * stable_step(k, 0.0, m, 2));  // the damper decides
+    const double m = rig.mass(), c = 2 * damping_ratio_for(0.1) * std::sqrt(0.5 * m * k);
+    double low = 0.0, high = std::sqrt(m / k);  // undamped the limit of a chain is sqrt(m/k)
+    for (int step = 0; step < 50; ++step) {
+      const double middle = 0.5 * (low + high);
+      (4.0 / m * damped_weight(k, c, 2.0 / m, middle) < 1.0 ? low : high) = middle;
+    }
+    const double dt = part * low;
+    CHECK(dt < 0.7 * std::sqrt(m / k));  // the damper decides
     for (int step = 0; step < 600; ++step) rig.step(dt);
     double fastest = 0.0;
     for (Slot s = 0; s < n; ++s) fastest = std::max(fastest, std::abs(rig.world.velocity[s].x()));
     if (part < 1)
       CHECK(fastest < 1e-9);
     else
-      CHECK(fastest > 1e-5);  // bounded where contacts open
+      CHECK(fastest > 1e-6);  // no less than at the start
   }
 }

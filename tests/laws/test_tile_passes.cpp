@@ -41,6 +41,7 @@ void check_tile(const TileLaws& laws, bool one_row) {
   const auto between = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
   };
+  constexpr double dt = 1e-5, lag = 0.5 * dt;
   alignas(64) double before[SphereTile<n>::most], now[SphereTile<n>::most] = {};
   std::vector<ContactKinematics> contacts(t.most);
   for (std::size_t k = 0; k < t.most; ++k) {
@@ -49,13 +50,13 @@ void check_tile(const TileLaws& laws, bool one_row) {
     t.overlap[k] = laws.holds_on && held ? between(-2e-5, 5e-4) : between(1e-7, 5e-4);
     t.row[k] = static_cast<std::uint32_t>(k % 4);
     c.approach[k % n] = between(-3, 3), c.inverse_mass[k % n] = between(1e2, 1e4);
-    c.radius[k % n] = between(1e-3, 5e-3);
+    c.radius[k % n] = between(1e-3, 5e-3), c.middle[k % n] = between(-3, 3);
     before[k] = !held ? 0.0 : laws.holds_on ? between(0.02, 0.04) : between(1e-4, 6e-4);
     contacts[k] = {t.overlap[k], c.approach[k % n], 1.0 / c.inverse_mass[k % n], c.radius[k % n]};
+    contacts[k].middle_velocity = c.middle[k % n], contacts[k].step = {dt, lag * c.inverse_mass[k % n]};
   }
-  constexpr double dt = 1e-5;
   const PairRow* rows = laws.rows.data();
-  laws.normal().tile({{tile.get(), rows, one_row, dt}, before, now, true, laws.locates});
+  laws.normal().tile({{tile.get(), rows, one_row, dt}, before, now, lag, true, laws.locates});
   for (std::size_t k = 0; k < t.most; ++k) {
     const auto& c = t.group[k / n];
     double numbers[PairRow::most], next = 0.0;

@@ -250,8 +250,9 @@ class FusedModel final : public FusedSpheres {
   }
 
   /// What every block reads and writes; its own sums and moments come on top.
-  SphereArrays arrays_of(const World& world, double dt, bool tells_energy) {
-    SphereArrays arrays{blocks_.planes().data(), world.states().data(), 0, dt, laws_.damped, tells_energy};
+  SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
+    SphereArrays arrays{
+        blocks_.planes().data(), world.states().data(), 0, clock.dt, lag(clock), laws_.damped, tells_energy};
     arrays.passes = &passes_, arrays.rows = laws_.rows.data(), arrays.reach = reach_;
     arrays.material = own_ < laws_.materials ? nullptr : world.material.data();
     arrays.materials = laws_.materials, arrays.own = own_, arrays.late_spins = blocks_.late_spins();
@@ -267,9 +268,9 @@ class FusedModel final : public FusedSpheres {
   /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
   void run_blocks(World& world, const StepClock& clock, bool onward) {
     auto& all = blocks_.blocks();
-    passes_ = laws_.passes(), dt_ = clock.dt;
+    passes_ = laws_.passes(), dt_ = clock.dt, lag_ = lag(clock);
     const auto loop = laws_.needs.remembers() ? find_loop<true>() : find_loop<false>();
-    const SphereArrays arrays = arrays_of(world, clock.dt, !onward);  // onward: nobody looks at this step
+    const SphereArrays arrays = arrays_of(world, clock, !onward);  // onward: nobody looks at this step
     const auto threads = static_cast<std::size_t>(thread_count());
     const std::size_t trays = threads == 1 ? 1 : std::min(most_trays, all.size() / threads + 1);
     blocks_.set_trays(threads * trays);
@@ -349,32 +350,44 @@ class FusedModel final : public FusedSpheres {
     return load;
   }
 
+  /// In the middle of the last step: what its second half added is taken off again [m/s].
+  Vec3 middle_velocity(const World& world, Slot slot) const {
+    return lag_ == 0.0 ? Vec3(world.velocity[slot]) : Vec3(world.velocity[slot] - lag_ * world.acceleration(slot));
+  }
+
   /// [N]
   double normal_force(const World& world, const SphereContact& c) const {
     const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
     const bool wall = c.plane >= 0;
     const SphereBlocks::Block& block = blocks_.blocks()[c.block];
     const SpherePlaces& places = block.pairs[c.pair];
-    const BodyState &a = world.states()[places.a.slot()], &b = world.states()[(wall ? places.a : places.b).slot()];
+    const Slot slot_a = places.a.slot(), slot_b = wall ? slot_a : places.b.slot();
+    const BodyState &a = world.states()[slot_a], &b = world.states()[slot_b];
     const double radius_a = a.position[3], radius_b = b.position[3];
     KinematicsOf<double> at;
     if (wall) {
       const SpherePlane& plane = blocks_.planes()[static_cast<std::size_t>(c.plane)];
       at.overlap = radius_a - plane.normal.dot(xyz(a.position) - plane.point);
       at.approach_velocity = -plane.normal.dot(xyz(a.predicted));
+      at.middle_velocity = -plane.normal.dot(middle_velocity(world, slot_a));
       at.effective_mass = 1.0 / a.velocity[3], at.effective_radius = radius_a;
     } else {
       Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
-      if (world.cell)
-        d += world.cell->size.cwiseProduct(xyz(block.images[c.pair].cells)),
-            later += world.cell->strain_rate.cwiseProduct(d);
+      Vec3 middle = middle_velocity(world, slot_b) - middle_velocity(world, slot_a);
+      if (world.cell) {
+        d += world.cell->size.cwiseProduct(xyz(block.images[c.pair].cells));
+        later += world.cell->strain_rate.cwiseProduct(d);
+        middle += world.cell->strain_rate.cwiseProduct(d);
+      }
       const double distance = d.norm();
+      const Vec3 normal = distance > 0.0 ? Vec3(d / distance) : Vec3::UnitZ();
       at.overlap = radius_a + radius_b - distance;
       if (reach_ == 0.0) at.overlap = std::max(0.0, at.overlap);
-      at.approach_velocity = distance > 0.0 ? -later.dot(d) / distance : -later.z();
+      at.approach_velocity = -later.dot(normal), at.middle_velocity = -middle.dot(normal);
       at.effective_mass = 1.0 / (a.velocity[3] + b.velocity[3]);
       at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
     }
+    at.step = {dt_, lag_ / at.effective_mass};
     const Slot other = wall ? blocks_.planes()[static_cast<std::size_t>(c.plane)].slot : places.b.slot();
     const PairRow& row = laws_.rows[laws_.materials * world.material[places.a.slot()] + world.material[other]];
     double numbers[PairRow::most], now = 0.0;
@@ -385,7 +398,7 @@ class FusedModel final : public FusedSpheres {
 
   TileLaws laws_;
   Passes passes_;  ///< of the last call
-  double reach_, dt_ = 0.0;
+  double reach_, dt_ = 0.0, lag_ = 0.0;
   std::uint32_t own_ = 0;  ///< material of all spheres; as many as there are: several
   std::unique_ptr<ContactModel> generic_;
   bool others_ = false;

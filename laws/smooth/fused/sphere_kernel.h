@@ -88,7 +88,7 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
       c.approach = -opening;
     }
   }
-  c.inverse_mass = inverse_mass;
+  c.middle = -opening, c.inverse_mass = inverse_mass;
   find_radii<n, remembers, wall>(t, g, with, velocity, opening);
 }
 
@@ -286,12 +286,12 @@ struct SphereSweep {
     const Passes& passes = *with.passes;
     SphereSprings& springs = block.springs;
     if constexpr (!remembers) {
-      passes.normal({call, nullptr, nullptr, with.tells_energy, passes.locates});
+      passes.normal({call, nullptr, nullptr, with.lag, with.tells_energy, passes.locates});
     } else {
       alignas(64) double before[most], now[most];
       double* const column = springs.normal();
       if (passes.needs.normal) t.gather_apart(column, row, before);
-      passes.normal({call, before, now, with.tells_energy, passes.locates});
+      passes.normal({call, before, now, with.lag, with.tells_energy, passes.locates});
       if (passes.needs.normal) remember(t, before, now, with.dt > 0.0 ? column + at.write : nullptr);
       SphereSpring gathered[most];
       if (passes.tangential == nullptr) {

@@ -37,6 +37,7 @@ struct NormalPass {
       KinematicsOf<V> at;
       at.overlap = t.column(t.overlap, g), at.approach_velocity = c.approach;
       at.effective_mass = 1.0 / c.inverse_mass, at.effective_radius = c.radius;
+      at.middle_velocity = c.middle, at.step = {call.dt, call.lag * c.inverse_mass};
       V old{}, now{};
       if constexpr (RemembersNormal<Law>) std::memcpy(&old, call.before + g * n, sizeof old);
       const ResponseOf<V> r = !LaneLaw<Law> || (PowerParts<Law> && call.locates) ? lane_by_lane<n>(p, at, old, now)
@@ -70,7 +71,8 @@ struct NormalPass {
     ResponseOf<V> out;
     for (std::size_t l = 0; l < n; ++l) {
       const double numbers[PairRow::most] = {p[0][l], p[1][l], p[2][l], p[3][l]};
-      const ContactKinematics c{at.overlap[l], at.approach_velocity[l], at.effective_mass[l], at.effective_radius[l]};
+      ContactKinematics c{at.overlap[l], at.approach_velocity[l], at.effective_mass[l], at.effective_radius[l]};
+      c.middle_velocity = at.middle_velocity[l], c.step = {at.step.dt, at.step.half_mobility[l]};
       double next = 0.0;
       const NormalResponse r = respond_to<Law>(numbers, c, old[l], next, call.locates ? &call.dt : nullptr);
       out.force[l] = r.force, out.elastic_force[l] = r.elastic_force, out.stiffness[l] = r.stiffness;

@@ -142,8 +142,9 @@ struct RollingPass {
   template <int n, class V>
   EPAFI_LANES void damp(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g, const V& damping) const {
     typename SphereTile<n>::Group& c = t.group[g];
-    const V dashpot = 2.0 * damping * sqrt(c.stiffness / r.slip_mobility[g]);
-    r.friction[g] = within(c.load + dashpot * r.slip[g], c.limit);
+    const V mobility = r.slip_mobility[g], dashpot = 2.0 * damping * sqrt(c.stiffness / mobility);
+    const DamperStep<V> step{call.dt, call.arrays->lag * mobility};
+    r.friction[g] = within(c.load + damper_force(step, dashpot, c.stiffness, r.slip[g], c.slip), c.limit);
     c.viscous += (r.friction[g] - c.load).dot(r.slip[g]);
     r.stored[g] = c.twice_stored, r.slipped[g] = c.twice_slipped;
   }
@@ -163,7 +164,9 @@ struct RollingPass {
     typename SphereTile<n>::Group& c = t.group[g];
     settle_springs<n>(t, g, call.now, call.dt);
     c.twice_stored += r.stored[g], c.twice_slipped += r.slipped[g];
-    r.moment[g] = within(c.load + r.dashpot[g] * r.spin[g], c.limit);
+    const double lag = call.type == AnyRolling::Type::constant ? 0.0 : call.arrays->lag;
+    const DamperStep<typename LanesOf<n>::Real> step{call.dt, lag / r.inertia[g]};
+    r.moment[g] = within(c.load + damper_force(step, r.dashpot[g], c.stiffness, r.spin[g], c.slip), c.limit);
     c.viscous += (r.moment[g] - c.load).dot(r.spin[g]);
     c.load = r.friction[g];
   }
