@@ -28,9 +28,12 @@ DECLARATION = re.compile(r"^(const|constexpr|static|auto|double|float|int|bool|c
 
 
 def tracked_files():
-    """All files of the last commit and the index that are there."""
-    listed = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True, check=True).stdout
-    return [ROOT / name for name in listed.splitlines() if (ROOT / name).is_file()]
+    """All files of the last commit and the index that are there; without git, all outside of build folders."""
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True)
+    if listed.returncode == 0:
+        return [ROOT / name for name in listed.stdout.splitlines() if (ROOT / name).is_file()]
+    return [path for path in sorted(ROOT.rglob("*")) if path.is_file()
+            and not re.match(r"(build|out|\.git)", path.relative_to(ROOT).parts[0])]
 
 
 def without_literals(line):
