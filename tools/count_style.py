@@ -10,6 +10,7 @@ indentation (a body that begins with a brace at the end of an unindented line an
 class members and lambdas are not counted by themselves.
 """
 import argparse
+import functools
 import pathlib
 import re
 import subprocess
@@ -34,6 +35,10 @@ def tracked_files():
         return [ROOT / name for name in listed.stdout.splitlines() if (ROOT / name).is_file()]
     return [path for path in sorted(ROOT.rglob("*")) if path.is_file()
             and not re.match(r"(build|out|\.git)", path.relative_to(ROOT).parts[0])]
+
+
+def pages():
+    return [path for path in tracked_files() if path.suffix == ".md"]
 
 
 def without_literals(line):
@@ -116,10 +121,11 @@ def long_cells(text):
                 yield number, words
 
 
-def anchors(text):
-    """Names of the headings as GitHub makes them."""
+@functools.cache
+def anchors(page):
+    """Names of the headings of a page as GitHub makes them."""
     names = set()
-    for _, line in prose_lines(text):
+    for _, line in prose_lines(page.read_text()):
         if line.startswith("#"):
             title = re.sub(r"[`*]", "", line.lstrip("#").strip().lower())
             names.add(re.sub(r"[^\w\- ]", "", title).replace(" ", "-"))
@@ -134,7 +140,7 @@ def broken_links(page):
                 continue
             name, _, anchor = target.partition("#")
             to = (page.parent / name).resolve() if name else page
-            if not to.exists() or (anchor and to.suffix == ".md" and anchor not in anchors(to.read_text())):
+            if not to.exists() or (anchor and to.suffix == ".md" and anchor not in anchors(to)):
                 yield number, target
 
 
@@ -172,8 +178,7 @@ def print_summary(places):
     for kind, title in titles.items():
         print(f"{len(places[kind]):6d}  {title}")
     print(f"{len(long_subjects()):6d}  commit subjects over {MOST_CHARACTERS_OF_A_SUBJECT} characters")
-    pages = [path for path in tracked_files() if path.suffix == ".md"]
-    counts = sorted(((len(path.read_text().split()), path.relative_to(ROOT).as_posix()) for path in pages), reverse=True)
+    counts = sorted(((len(page.read_text().split()), page.relative_to(ROOT).as_posix()) for page in pages()), reverse=True)
     print(f"{sum(count for count, _ in counts):6d}  words in {len(counts)} pages:")
     for count, name in counts:
         print(f"{count:12d}  {name}")
@@ -187,12 +192,16 @@ def main():
     if options.list == "subjects":
         print("\n".join(long_subjects()))
         return 0
+    if options.links:
+        broken = [(page, line, target) for page in pages() for line, target in broken_links(page)]
+        for page, line, target in broken:
+            print(f"{page.relative_to(ROOT)}:{line}: {target} is not there")
+        return 1 if broken else 0
     places = find_all()
-    if options.list or options.links:
-        for name, line, what in places[options.list or "links"]:
-            print(f"{name}:{line}: {what}")
-        return 1 if options.links and places["links"] else 0
-    print_summary(places)
+    if not options.list:
+        print_summary(places)
+    for name, line, what in places[options.list] if options.list else []:
+        print(f"{name}:{line}: {what}")
     return 0
 
 
