@@ -5,9 +5,9 @@
 
 Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
 characters, words per page, table cells over 25 words, links without a target. --list KIND names the places of one kind;
---links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are found by
-indentation (a body that begins with a brace at the end of an unindented line and ends with a brace in column 1), so that
-class members and lambdas are not counted by themselves.
+--links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are found
+by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members and
+lambdas are not counted by themselves.
 """
 import argparse
 import functools
@@ -23,9 +23,12 @@ MOST_LINES_OF_A_FUNCTION = 50
 MOST_CHARACTERS_OF_A_LINE = 120
 MOST_CHARACTERS_OF_A_SUBJECT = 72
 MOST_WORDS_OF_A_CELL = 25
-# A statement that joins two expressions by a comma at the outermost level, where no declaration, call or loop head does.
-DECLARATION = re.compile(r"^(const|constexpr|static|auto|double|float|int|bool|char|unsigned|using|template|return\s*\{|case|"
+# Statements whose outermost commas join declarations, not expressions.
+DECLARATION = re.compile(r"^(const|constexpr|static|auto|double|float|int|bool|char|unsigned|using|template|"
+                         r"return\s*\{|case|"
                          r"[A-Z]\w*(<.*>)?\s*[&*]?\s+\w+|std::\w+(<.*>)?\s*[&*]?\s+\w+|(std::)?(u?int\d+_t|size_t)\s)")
+
+CONTROL = re.compile(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(|^else\s+")
 
 
 def tracked_files():
@@ -64,7 +67,7 @@ def comma_chains(lines):
     found = []
     for number, raw in enumerate(lines, 1):
         line = without_literals(raw).strip()
-        while control := re.match(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(", line) or re.match(r"^else\s+", line):
+        while control := CONTROL.match(line):
             start = control.end()
             if line[start - 1] != "(":
                 line = line[start:]
@@ -172,9 +175,12 @@ def long_subjects():
 
 def print_summary(places):
     """All counts, then words per page."""
-    titles = {"functions": f"functions over {MOST_LINES_OF_A_FUNCTION} lines", "files": f"files over {MOST_LINES_OF_A_FILE} lines",
-              "chains": "comma chains", "lines": f"lines over {MOST_CHARACTERS_OF_A_LINE} characters",
-              "cells": f"table cells over {MOST_WORDS_OF_A_CELL} words", "links": "links without a target"}
+    titles = {"functions": f"functions over {MOST_LINES_OF_A_FUNCTION} lines",
+              "files": f"files over {MOST_LINES_OF_A_FILE} lines",
+              "chains": "comma chains",
+              "lines": f"lines over {MOST_CHARACTERS_OF_A_LINE} characters",
+              "cells": f"table cells over {MOST_WORDS_OF_A_CELL} words",
+              "links": "links without a target"}
     for kind, title in titles.items():
         print(f"{len(places[kind]):6d}  {title}")
     print(f"{len(long_subjects()):6d}  commit subjects over {MOST_CHARACTERS_OF_A_SUBJECT} characters")
