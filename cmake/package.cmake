@@ -21,7 +21,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DA
 install(TARGETS epafi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/library/ DESTINATION ${data_dir}/scenes COMPONENT program)
 install(FILES ${PROJECT_SOURCE_DIR}/scenes/scene.schema.json DESTINATION ${data_dir} COMPONENT program)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi RENAME copyright COMPONENT program)
+# sources MIT, binaries GPL-3 through CGAL
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi COMPONENT program)
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi-dev COMPONENT development)
 install(FILES ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CITATION.cff DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi
   COMPONENT program)
 # the program writes its own manual and completion

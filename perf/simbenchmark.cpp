@@ -1,7 +1,7 @@
 /// @file simbenchmark.cpp  SimBenchmark's rolling, 666 and bouncing cases (A17, A41) by several solvers: the error of
 /// each case beside CPU time. Usage: perf_simbenchmark [seconds of simulated time, default 10; rolling takes 4 at
 /// most]. rolling: mean squared velocity error of box and balls; 666: mean over steps of the summed squared overlap;
-/// elastic: mean squared energy error. One thread. The published rows of other engines are in docs/solvers.md.
+/// elastic: mean squared energy error. One thread. Published rows of other engines: docs/performance/solvers.md.
 #include <fmt/format.h>
 
 #include <cstdlib>

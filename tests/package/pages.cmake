@@ -1,0 +1,11 @@
+# Links of all pages, and the scenes that docs/coming_from.md shows.
+find_program(EPAFI_SYSTEM_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+if(EPAFI_SYSTEM_PYTHON)
+  set(pages ${EPAFI_SYSTEM_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/package/pages.py)
+  add_test(NAME "links of all pages lead somewhere" COMMAND ${pages} links)
+  set_tests_properties("links of all pages lead somewhere" PROPERTIES LABELS "fast;documents")
+  if(TARGET epafi)
+    add_test(NAME "scenes for users of other programs are accepted" COMMAND ${pages} scenes $<TARGET_FILE:epafi>)
+    set_tests_properties("scenes for users of other programs are accepted" PROPERTIES LABELS "fast;documents")
+  endif()
+endif()

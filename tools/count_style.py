@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""Counts what CONTRIBUTING's style page asks for, over all files that git knows.
+
+  tools/count_style.py [--list KIND] [--links]
+
+Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
+characters, words per page, table cells over 25 words, links without a target. --list KIND names the places of one kind;
+--links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are found
+by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members and
+lambdas are not counted by themselves.
+"""
+import argparse
+import functools
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SOURCES = {".h", ".cpp"}
+MOST_LINES_OF_A_FILE = 500
+MOST_LINES_OF_A_FUNCTION = 50
+MOST_CHARACTERS_OF_A_LINE = 120
+MOST_CHARACTERS_OF_A_SUBJECT = 72
+MOST_WORDS_OF_A_CELL = 25
+# Statements whose outermost commas join declarations, not expressions.
+DECLARATION = re.compile(r"^(const|constexpr|static|auto|double|float|int|bool|char|unsigned|using|template|"
+                         r"return\s*\{|case|"
+                         r"[A-Z]\w*(<.*>)?\s*[&*]?\s+\w+|std::\w+(<.*>)?\s*[&*]?\s+\w+|(std::)?(u?int\d+_t|size_t)\s)")
+
+CONTROL = re.compile(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(|^else\s+")
+
+
+def tracked_files():
+    """All files of the last commit and the index that are there; without git, all outside of build folders."""
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True)
+    if listed.returncode == 0:
+        return [ROOT / name for name in listed.stdout.splitlines() if (ROOT / name).is_file()]
+    return [path for path in sorted(ROOT.rglob("*")) if path.is_file()
+            and not re.match(r"(build|out|\.git)", path.relative_to(ROOT).parts[0])]
+
+
+def pages():
+    return [path for path in tracked_files() if path.suffix == ".md"]
+
+
+def without_literals(line):
+    """The line with empty strings, no characters and no comment."""
+    line = re.sub(r'"(\\.|[^"\\])*"', '""', line)
+    line = re.sub(r"'(\\.|[^'\\])'", "' '", line)
+    return line.split("//")[0]
+
+
+def outer_commas(statement):
+    """Commas outside of all brackets."""
+    depth = 0
+    count = 0
+    for character in statement:
+        depth += character in "([{"
+        depth -= character in ")]}"
+        count += character == "," and depth == 0
+    return count
+
+
+def comma_chains(lines):
+    """Numbers of lines that hold an expression statement `a, b;`."""
+    found = []
+    for number, raw in enumerate(lines, 1):
+        line = without_literals(raw).strip()
+        while control := CONTROL.match(line):
+            start = control.end()
+            if line[start - 1] != "(":
+                line = line[start:]
+                continue
+            depth = 1
+            while start < len(line) and depth:
+                depth += line[start] == "("
+                depth -= line[start] == ")"
+                start += 1
+            line = line[start:].strip()
+        if not line.endswith(";") or DECLARATION.match(line):
+            continue
+        if any(outer_commas(part) and re.search(r"[=(]|\+\+|--", part) for part in line[:-1].split(";")):
+            found.append(number)
+    return found
+
+
+def long_functions(lines):
+    """(first line, number of lines) of functions at the outermost level whose body is too long."""
+    found = []
+    start = None
+    for number, line in enumerate(lines, 1):
+        opens = line.rstrip().endswith("{") and line[:1] not in (" ", "}", "\t")
+        if opens and "(" in line and not re.match(r"(namespace|struct|class|enum|union|extern)\b", line):
+            start = number
+        elif re.match(r"    .*\)\s*(const\s*)?(noexcept\s*)?\{$", line) and start is None and number > 1:
+            if not lines[number - 2].startswith(" ") and "(" in lines[number - 2]:
+                start = number - 1
+        elif line.startswith("}") and start is not None:
+            if number - start - 1 > MOST_LINES_OF_A_FUNCTION:
+                found.append((start, number - start - 1))
+            start = None
+    return found
+
+
+def prose_lines(text):
+    """(number, line) outside fenced blocks."""
+    fenced = False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("```"):
+            fenced = not fenced
+        elif not fenced:
+            yield number, line
+
+
+def long_cells(text):
+    """(line, words) of table cells with too many words; commands between backticks count as one word."""
+    for number, line in prose_lines(text):
+        if not line.startswith("|"):
+            continue
+        for cell in line.strip().strip("|").split(" | "):
+            words = len(re.sub(r"`[^`]*`", "code", cell).split())
+            if words > MOST_WORDS_OF_A_CELL:
+                yield number, words
+
+
+@functools.cache
+def anchors(page):
+    """Names of the headings of a page as GitHub makes them."""
+    names = set()
+    for _, line in prose_lines(page.read_text()):
+        if line.startswith("#"):
+            title = re.sub(r"[`*]", "", line.lstrip("#").strip().lower())
+            names.add(re.sub(r"[^\w\- ]", "", title).replace(" ", "-"))
+    return names
+
+
+def broken_links(page):
+    """(line, target) of links in a page that lead nowhere in the tree."""
+    for number, line in prose_lines(page.read_text()):
+        for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`]*`", "", line)):
+            if re.match(r"[a-z]+:", target):
+                continue
+            name, _, anchor = target.partition("#")
+            to = (page.parent / name).resolve() if name else page
+            if not to.exists() or (anchor and to.suffix == ".md" and anchor not in anchors(to)):
+                yield number, target
+
+
+def find_all():
+    """Places of every kind: {kind: [(path, line, what)]}."""
+    places = {kind: [] for kind in ("functions", "files", "chains", "lines", "cells", "links")}
+    for path in tracked_files():
+        name = path.relative_to(ROOT).as_posix()
+        if path.suffix == ".md":
+            text = path.read_text()
+            places["cells"] += [(name, line, f"{words} words") for line, words in long_cells(text)]
+            places["links"] += [(name, line, target) for line, target in broken_links(path)]
+        if path.suffix in SOURCES:
+            lines = path.read_text(errors="replace").splitlines()
+            if len(lines) > MOST_LINES_OF_A_FILE:
+                places["files"].append((name, 1, f"{len(lines)} lines"))
+            places["functions"] += [(name, line, f"{length} lines") for line, length in long_functions(lines)]
+            places["chains"] += [(name, line, lines[line - 1].strip()) for line in comma_chains(lines)]
+            places["lines"] += [(name, number, f"{len(line)} characters") for number, line in enumerate(lines, 1)
+                                if len(line) > MOST_CHARACTERS_OF_A_LINE]
+    return places
+
+
+def long_subjects():
+    """Subjects of all commits that are too long."""
+    log = subprocess.run(["git", "-C", ROOT, "log", "--format=%h %s"], capture_output=True, text=True).stdout
+    return [line for line in log.splitlines() if len(line.partition(" ")[2]) > MOST_CHARACTERS_OF_A_SUBJECT]
+
+
+def print_summary(places):
+    """All counts, then words per page."""
+    titles = {"functions": f"functions over {MOST_LINES_OF_A_FUNCTION} lines",
+              "files": f"files over {MOST_LINES_OF_A_FILE} lines",
+              "chains": "comma chains",
+              "lines": f"lines over {MOST_CHARACTERS_OF_A_LINE} characters",
+              "cells": f"table cells over {MOST_WORDS_OF_A_CELL} words",
+              "links": "links without a target"}
+    for kind, title in titles.items():
+        print(f"{len(places[kind]):6d}  {title}")
+    print(f"{len(long_subjects()):6d}  commit subjects over {MOST_CHARACTERS_OF_A_SUBJECT} characters")
+    counts = sorted(((len(page.read_text().split()), page.relative_to(ROOT).as_posix()) for page in pages()), reverse=True)
+    print(f"{sum(count for count, _ in counts):6d}  words in {len(counts)} pages:")
+    for count, name in counts:
+        print(f"{count:12d}  {name}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--list", choices=["functions", "files", "chains", "lines", "cells", "links", "subjects"])
+    parser.add_argument("--links", action="store_true")
+    options = parser.parse_args()
+    if options.list == "subjects":
+        print("\n".join(long_subjects()))
+        return 0
+    if options.links:
+        broken = [(page, line, target) for page in pages() for line, target in broken_links(page)]
+        for page, line, target in broken:
+            print(f"{page.relative_to(ROOT)}:{line}: {target} is not there")
+        return 1 if broken else 0
+    places = find_all()
+    if not options.list:
+        print_summary(places)
+    for name, line, what in places[options.list] if options.list else []:
+        print(f"{name}:{line}: {what}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
