@@ -85,7 +85,7 @@ TEST_CASE("distances a hair's breadth from the sum of the radii are told apart a
     }
 }
 
-TEST_CASE("over many steps no close pair is missing, all methods agree, and lists are kept", "[detection][broad]") {
+TEST_CASE("over many steps no close pair is missing, all methods agree, and lists are kept", "[detection][broad][long]") {
   for (const std::string kind : {"mono", "lognormal", "bimodal", "clustered"})
     for (double margin : {0.0, 0.2}) {
       INFO(kind << " margin " << margin);
@@ -234,7 +234,7 @@ TEST_CASE("removal and sorting rename slots: the list follows, A keeps the lower
   }
 }
 
-TEST_CASE("the list is the same for every thread count", "[detection][broad][threads]") {
+TEST_CASE("the list is the same for every thread count", "[detection][broad][threads][long]") {
   const support::KeepThreads keep;
   for (const auto& entry : all_broad_phases()) {
     std::vector<PairColumn> results;

@@ -101,7 +101,7 @@ TEST_CASE("order, duplicates and points inside do not change a hull", "[detectio
   CHECK(again.faces == hull.faces);
 }
 
-TEST_CASE("a lattice of points gives a box of 8 vertices, turned and anywhere", "[detection][hull]") {
+TEST_CASE("a lattice of points gives a box of 8 vertices, turned and anywhere", "[detection][hull][long]") {
   Random random(24, 0);
   for (int run = 0; run < 50; ++run) {
     const Quat turn = run == 0 ? Quat(1, 0, 0, 0) : random_turn(random);

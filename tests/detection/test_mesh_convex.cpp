@@ -289,7 +289,7 @@ void check_held(int count, int off) {
 }  // namespace
 
 TEST_CASE("a convex surface of triangles holds every body as the solid would, at faces, edges and corners",
-          "[detection][mesh][ridge]") {
+          "[detection][mesh][ridge][long]") {
   check_held<Sphere>(400, 0);
   check_held<Capsule>(400, 0);
   check_held<Cylinder>(400, 0);

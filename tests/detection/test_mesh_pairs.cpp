@@ -63,7 +63,7 @@ TEST_CASE("a sphere on a triangulated floor sees exactly the plane, whatever the
 }
 
 TEST_CASE("a sphere sliding over a flat mesh of any fineness feels no kick and keeps its contact on one surface",
-          "[detection][mesh-pairs]") {
+          "[detection][mesh-pairs][long]") {
   Random random(52, 0);
   const Sphere sphere{0.05};
   for (const auto joints : {Joints::shared, Joints::loose, Joints::staggered})

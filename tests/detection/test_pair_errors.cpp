@@ -31,7 +31,7 @@ std::map<std::pair<std::string, std::string>, Stated> stated_errors() {
 
 }  // namespace
 
-TEST_CASE("every shape pair is as accurate as its table says", "[detection][pair-errors]") {
+TEST_CASE("every shape pair is as accurate as its table says", "[detection][pair-errors][long]") {
   const auto stated = stated_errors();
   const auto measured = support::measure_cells(AllShapes{}, 60, false);
   CHECK(stated.size() == measured.size());  // a new shape needs its rows: perf_pairs writes them

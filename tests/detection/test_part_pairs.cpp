@@ -102,7 +102,7 @@ std::size_t wander(const A& a, const B& b, double reach, bool area, std::uint64_
 
 }  // namespace
 
-TEST_CASE("parts that are asked give what all parts would, whatever they remember", "[detection][parts]") {
+TEST_CASE("parts that are asked give what all parts would, whatever they remember", "[detection][parts][long]") {
   const SolidParts a = stone("stone_a.obj"), b = stone("stone_b.stl");
   const double size = a.bounding_radius();
   const Box floor(size * Vec3(3, 2, 0.5));

@@ -89,7 +89,7 @@ std::string run_hash(const Short& s, const std::string& method, int threads) {
 
 }  // namespace
 
-TEST_CASE("every library scene has one hash for 1, 2 and 4 threads, the golden one", "[determinism]") {
+TEST_CASE("every library scene has one hash for 1, 2 and 4 threads, the golden one", "[determinism][long]") {
   const auto golden = golden_hashes();
   const support::KeepThreads keep;
   for (const auto& scene : all_scenes()) {
@@ -112,7 +112,7 @@ TEST_CASE("every library scene has the golden hash for 3, 7, 8 and 16 threads", 
   }
 }
 
-TEST_CASE("every library scene continues from its state in the middle with the same bits", "[determinism][restart]") {
+TEST_CASE("every library scene continues from its state in the middle with the same bits", "[determinism][restart][long]") {
   for (const auto& scene : all_scenes()) {
     const Short s = shortened(scene);
     INFO(scene);
@@ -130,7 +130,7 @@ TEST_CASE("every library scene continues from its state in the middle with the s
   }
 }
 
-TEST_CASE("every library scene keeps its ledger closed", "[determinism][energy]") {
+TEST_CASE("every library scene keeps its ledger closed", "[determinism][energy][long]") {
   for (const auto& scene : all_scenes()) {
     const Short s = shortened(scene);
     SceneRun run = run_scene(s.scene, s.overrides, s.steps);

@@ -136,7 +136,7 @@ TEST_CASE("bristles keep their load where the contact grows or shrinks a hundred
 }
 
 TEST_CASE("no random closed cycle takes energy out of a contact, whatever the law (case A13)",
-          "[laws][friction][A13]") {
+          "[laws][friction][A13][long]") {
   const Parameters k = parameters_of({{"stiffness", 1e7}}), w = parameters_of({{"work_of_adhesion", 0.5}});
   CHECK(worst_cycle<Linear, CoulombSpring>(steel_pair(0.3, k), 1000, 200, 1e-6) >= -1e-9);
   CHECK(worst_cycle<Hertz, Mindlin>(steel_pair(0.3), 1000, 200, 1e-6) >= -1e-9);

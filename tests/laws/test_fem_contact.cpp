@@ -68,7 +68,7 @@ TEST_CASE("multipliers carry the load, penalties penetrate by force over stiffne
 }
 
 TEST_CASE("a ball on a block of hexahedra comes within 2 % of Hertz and nearer on finer meshes",
-          "[laws][wheel_rail][fem]") {
+          "[laws][wheel_rail][fem][long]") {
   const HertzContact h = hertz_of_force(A, A, modulus, N);
   double last = 1.0;
   for (const int n : {4, 6, 8}) {

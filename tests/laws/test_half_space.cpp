@@ -115,7 +115,7 @@ TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and app
   }
 }
 
-TEST_CASE("regions apart press on each other with the share of their distance", "[laws][wheel_rail]") {
+TEST_CASE("regions apart press on each other with the share of their distance", "[laws][wheel_rail][long]") {
   // two balls side by side on one plane, 10 mm apart, the second 4 um behind the first
   const PatchGrid g{48, 112, 0.2e-3, 0.2e-3};
   const auto ball = [&](std::size_t k, double y, double behind) {

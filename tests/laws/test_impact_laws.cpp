@@ -42,7 +42,7 @@ double energy(const std::vector<double>& v) {
 }  // namespace
 
 TEST_CASE("A23: a heavy ball, a light one and a wall collide 3, 31, 314 times: the digits of pi",
-          "[laws][impact][A23]") {
+          "[laws][impact][A23][long]") {
   // mass 1 at rest at x = 1, mass 100^n comes with 1 m/s; elastic and frictionless (Galperin 2003)
   const double radius = 1e-3, density = 1.0 / (4.0 / 3.0 * M_PI * radius * radius * radius);
   struct Case {

@@ -151,7 +151,7 @@ TEST_CASE("A22: a bouncing ball comes to rest at the end of the geometric series
   }
 }
 
-TEST_CASE("an elastic ball keeps its energy over a thousand bounces", "[laws][nonsmooth]") {
+TEST_CASE("an elastic ball keeps its energy over a thousand bounces", "[laws][nonsmooth][long]") {
   RigidExperiment x({.restitution = 1.0, .reach = 2e-2});
   x.plane(Vec3::Zero(), Vec3::UnitZ());
   x.sphere(0.05, 2500.0, Vec3(0, 0, 0.55));
@@ -334,7 +334,7 @@ TEST_CASE("B05: the resultant of hyperstatic supports is the weight, the velocit
   }
 }
 
-TEST_CASE("steps are the same bits for every thread count", "[laws][nonsmooth]") {
+TEST_CASE("steps are the same bits for every thread count", "[laws][nonsmooth][long]") {
   const support::KeepThreads keep;
   const auto hash = [](int threads) {
     set_thread_count(threads);

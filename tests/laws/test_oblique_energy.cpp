@@ -57,7 +57,7 @@ double energy_ratio(const LawCase& c, double e, double mu, double degrees, int s
 
 }  // namespace
 
-TEST_CASE("oblique impacts gain no energy beyond the error of the scheme (case B02)", "[laws][impact][oblique]") {
+TEST_CASE("oblique impacts gain no energy beyond the error of the scheme (case B02)", "[laws][impact][oblique][long]") {
   // Verlet at 100 steps per contact: 7.2e-6 of e, twice that of the energy, times the 1.5 that the case allows
   for (const LawCase& c : cases())
     for (double mu : {0.0, 0.1, 0.5, 2.0})

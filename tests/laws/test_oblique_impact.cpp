@@ -59,7 +59,7 @@ const Parts all_parts[] = {{"linear", "coulomb-spring"},
 }  // namespace
 
 TEST_CASE("no law gives energy in an oblique impact, 0 to 89 degrees, mu 0 to 2, spinning or not",
-          "[laws][impact][energy]") {
+          "[laws][impact][energy][long]") {
   double worst = -1.0;
   for (const Parts& parts : all_parts)
     for (double e : {1.0, 0.6})

@@ -64,7 +64,7 @@ constexpr double asked[] = {0.05, 0.2, 0.4, 0.6, 0.8, 1.0};
 }  // namespace
 
 TEST_CASE("every damped law returns the restitution asked for: speed, mass, modulus over 10^3, any phase",
-          "[laws][restitution]") {
+          "[laws][restitution][long]") {
   struct Variation {
     double speed, density, modulus;
   };

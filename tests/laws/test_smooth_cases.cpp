@@ -76,7 +76,7 @@ TEST_CASE("Newton's cradle by Hertz spreads the impact as the exact dynamics doe
   check(cradle(3, 1), three);
 }
 
-TEST_CASE("a solitary wave runs through a Hertz chain at its speed without fading (case A25)", "[laws][A25]") {
+TEST_CASE("a solitary wave runs through a Hertz chain at its speed without fading (case A25)", "[laws][A25][long]") {
   const Wave one = solitary_wave(1.0, 120);
   CHECK(one.force == Approx(0.639561).epsilon(1e-3));
   CHECK(one.speed / std::pow(one.force, 1.0 / 6) == Approx(0.90558).epsilon(1e-3));
@@ -87,7 +87,7 @@ TEST_CASE("a solitary wave runs through a Hertz chain at its speed without fadin
   CHECK(std::log(fast.speed / slow.speed) / std::log(fast.force / slow.force) == Approx(1.0 / 6).margin(5e-4));
 }
 
-TEST_CASE("a Hertz ball comes to rest when Zeno says (case A22)", "[laws][A22]") {
+TEST_CASE("a Hertz ball comes to rest when Zeno says (case A22)", "[laws][A22][long]") {
   const double limits[][2] = {{0.5, 1.3545709}, {0.8, 4.0637128}, {0.9, 8.578949}};
   for (const auto& [e, expected] : limits) {
     const double R = 0.01, dt = 4e-6;  // 50 steps in the first contact, more in the later ones

@@ -159,7 +159,7 @@ TEST_CASE("springs and powers survive a restart", "[laws][smooth][determinism]")
   }
 }
 
-TEST_CASE("springs follow their bodies when slots are sorted or removed", "[laws][smooth]") {
+TEST_CASE("springs follow their bodies when slots are sorted or removed", "[laws][smooth][long]") {
   Rig plain = heap(full_law(), 40), sorted = heap(full_law(), 40);  // and 5 planes
   plain.start(), sorted.start();
   run_hash(plain, 20000, 2e-5), run_hash(sorted, 20000, 2e-5);
@@ -184,7 +184,7 @@ TEST_CASE("springs follow their bodies when slots are sorted or removed", "[laws
 }
 
 TEST_CASE("the energy ledger of a heap with damping, slip and rolling closes to second order",
-          "[laws][smooth][energy]") {
+          "[laws][smooth][energy][long]") {
   double error[2];
   for (int fine = 0; fine < 2; ++fine) {
     const double dt = fine ? 5e-6 : 1e-5;  // 36 and 18 steps per contact

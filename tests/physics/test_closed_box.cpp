@@ -69,7 +69,7 @@ region = { box = { min = [-)" +
 
 }  // namespace
 
-TEST_CASE("a shaken closed box of triangles loses none of its hulls", "[physics][closed-box]") {
+TEST_CASE("a shaken closed box of triangles loses none of its hulls", "[physics][closed-box][long]") {
   check_box(60, {2.0, 1e-3, 2.0, 0.3});
 }
 

@@ -31,7 +31,7 @@ TEST_CASE("a head-on impact far from the origin has its force within 1e-6 (A01, 
   CHECK(std::abs(there.last("rebound", "x") / here.last("rebound", "x") - 1.0) < 1e-6);
 }
 
-TEST_CASE("an arch far from the origin stands and falls as at the origin (A31, B10)", "[physics][B10]") {
+TEST_CASE("an arch far from the origin stands and falls as at the origin (A31, B10)", "[physics][B10][long]") {
   for (const double share : {1.02, 0.98}) {
     // What falls is followed until its stones strike the floor, at 2.5 s: where they roll to after that hangs on
     // rounding.

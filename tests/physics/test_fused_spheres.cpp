@@ -88,7 +88,7 @@ SceneRun generic_run(const std::string& scene, const std::vector<std::string>& o
 }  // namespace
 
 TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contacts of the generic loop",
-          "[physics][fused]") {
+          "[physics][fused][long]") {
   set_thread_count(1);
   const Case c = GENERATE(
       Case{"bed/bed.toml", small_bed, 1600, 3000}, Case{"bed/bed.toml", bed_on_a_box, 1600, 3000},
@@ -163,7 +163,7 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
   CHECK(k == f.size());
 }
 
-TEST_CASE("thousands of contacts that begin in one step are those of the generic loop", "[physics][fused]") {
+TEST_CASE("thousands of contacts that begin in one step are those of the generic loop", "[physics][fused][long]") {
   set_thread_count(1);
   const bool rolls = GENERATE(false, true);
   const std::vector<std::string> overrides = rolls ? with(small_bed, rolling) : small_bed;
@@ -192,7 +192,7 @@ TEST_CASE("thousands of contacts that begin in one step are those of the generic
 }
 
 TEST_CASE("the fused loop of spheres gives the same bits for every thread count and after a Morton sort",
-          "[physics][fused]") {
+          "[physics][fused][long]") {
   const auto overrides =
       GENERATE(with(small_bed, {}), with(small_bed, rolling));  // values: Catch2 keeps a reference to a name
   std::vector<std::string> hashes;
@@ -204,7 +204,7 @@ TEST_CASE("the fused loop of spheres gives the same bits for every thread count 
   for (const auto& h : hashes) CHECK(h == hashes.front());
 }
 
-TEST_CASE("the fused loop of spheres gives the same bits on lanes of two, four and eight numbers", "[physics][fused]") {
+TEST_CASE("the fused loop of spheres gives the same bits on lanes of two, four and eight numbers", "[physics][fused][long]") {
   set_thread_count(1);
   const Case c = GENERATE(
       Case{"bed/bed.toml", small_bed, 1100, 0}, Case{"bed/bed.toml", bed_on_a_box, 1100, 0},
@@ -251,7 +251,7 @@ SceneRun with_blocks(const Case& c, std::size_t block_size) {
 }
 
 // Not of a cell under pressure: its size follows the sum over all contacts, which is one of sums by block.
-TEST_CASE("the bits do not depend on how many bodies a block of the fused loop has", "[physics][fused]") {
+TEST_CASE("the bits do not depend on how many bodies a block of the fused loop has", "[physics][fused][long]") {
   set_thread_count(1);
   const std::vector<std::string> hopper{"params.n=1500", "params.open_at=0.05"};
   const std::vector<std::string> column{"params.l0=10", "params.w=8", "params.open_at=0.02", "params.a=1.0"};
@@ -275,7 +275,7 @@ TEST_CASE("the bits do not depend on how many bodies a block of the fused loop h
 }
 
 TEST_CASE("spheres of two materials on planes of a third take the fused loop, with the law of each pair",
-          "[physics][fused]") {
+          "[physics][fused][long]") {
   set_thread_count(1);
   const std::string law = GENERATE(std::string("hertz"), std::string("jkr"), std::string("linear"));
   std::string text =
@@ -342,7 +342,7 @@ TEST_CASE("a sphere that leaves the domain is noticed at once where the fused lo
   CHECK(world.position[world.slot_of(*failure->body)].z() < below);
 }
 
-TEST_CASE("steps that begin the next one at once give the same bits as steps that end first", "[physics][fused]") {
+TEST_CASE("steps that begin the next one at once give the same bits as steps that end first", "[physics][fused][long]") {
   set_thread_count(GENERATE(1, 2));
   const Case c =
       GENERATE(Case{"bed/bed.toml", small_bed, 1300, 0}, Case{"bed/bed.toml", bed_on_a_box, 1300, 0},
@@ -373,7 +373,7 @@ TEST_CASE("steps that begin the next one at once give the same bits as steps tha
   set_thread_count(1);
 }
 
-TEST_CASE("lists of spheres that last give the bits of lists made anew in every step", "[physics][fused]") {
+TEST_CASE("lists of spheres that last give the bits of lists made anew in every step", "[physics][fused][long]") {
   set_thread_count(1);
   const Case c = GENERATE(Case{"bed/bed.toml", small_bed, 1300, 0}, Case{"bed/bed.toml", leaking, 1700, 0});
   INFO(c.overrides.back());
@@ -397,7 +397,7 @@ TEST_CASE("lists of spheres that last give the bits of lists made anew in every 
 }
 
 TEST_CASE("a state put back amid a fall, with the list of a later one, goes on with the same bits",
-          "[physics][fused]") {
+          "[physics][fused][long]") {
   set_thread_count(1);
   SceneRun run = prepare_scene(library("bed/bed.toml"), small_bed);
   Simulation& sim = run.simulation();

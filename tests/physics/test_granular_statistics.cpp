@@ -217,7 +217,7 @@ double front(const SceneRun& run, double d, int w) {
 }  // namespace
 
 TEST_CASE("a compressed cell of frictionless spheres jams isostatically (case A35, small)",
-          "[physics][granular][A35]") {
+          "[physics][granular][A35][long]") {
   const Packing p =
       compress("granular/jammed_spheres.toml", {"params.n=100", "params.start=0.12", "params.softness=1e-3",
                                                 "params.ramp=5", "run.duration=8.0", "world.domain.rate_limit=1.0"});
@@ -376,7 +376,7 @@ TEST_CASE("a flow rests below 19 degrees and runs away at 30 (case A40)", "[phys
 }
 
 TEST_CASE("a thin flow is faster the steeper the incline, and stops on a flat one (case A40, short)",
-          "[physics][granular][A40]") {
+          "[physics][granular][A40][long]") {
   const std::vector<std::string> thin{"params.layers=6", "params.lx=5", "params.ly=4", "params.surface=1.0",
                                       "run.time_step=4e-4"};
   std::vector<double> speed;

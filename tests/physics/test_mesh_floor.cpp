@@ -69,7 +69,7 @@ Course run(const std::string& scene) {
 
 }  // namespace
 
-TEST_CASE("a sphere slides and rolls over meshes of any resolution as on the plane, to 1e-9", "[physics][mesh]") {
+TEST_CASE("a sphere slides and rolls over meshes of any resolution as on the plane, to 1e-9", "[physics][mesh][long]") {
   for (const bool smooth : {true, false}) {
     const Course plane = run(write_scene("plane", "half_space = { normal = [0, 0, 1] }", smooth));
     const Vec3 v = plane.velocity.back(), w = plane.angular_velocity.back();

@@ -173,7 +173,7 @@ TEST_CASE("a cubic lattice in a straining cell has the stress of its springs and
   CHECK(kinetic_energy(w) < 1e-15 * e.elastic);      // a lattice moves with the cell
 }
 
-TEST_CASE("a cell strains towards its pressure", "[physics][periodic]") {
+TEST_CASE("a cell strains towards its pressure", "[physics][periodic][long]") {
   auto run = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 0.9));
   run.advance_to(0);
   const PeriodicCell& cell = *run.simulation().world.cell;

@@ -19,7 +19,7 @@ double energy_error(const std::vector<std::string>& overrides, std::uint64_t ste
 
 }  // namespace
 
-TEST_CASE("elastic polyhedra keep their energy under the overlap-volume law", "[physics][polyhedra][energy]") {
+TEST_CASE("elastic polyhedra keep their energy under the overlap-volume law", "[physics][polyhedra][energy][long]") {
   // second order in the step: 8e-7 to 4e-6 at the automatic step; springs at the points of a manifold (hertz) have no
   // potential where points come and go and err by 0.12 to 0.19 after 1 s at any step
   CHECK(energy_error({"run.time_step=3.5e-5"}, 15000) < 1e-5);

@@ -142,7 +142,7 @@ void check_pile(const std::string& method, const std::pair<std::string, std::str
 }  // namespace
 
 TEST_CASE("cubes from STL and hulls, cylinders, large hulls and clumps come to rest on a plane and on triangles",
-          "[physics][rest]") {
+          "[physics][rest][long]") {
   for (const std::string& method : {nonsmooth, smooth})
     for (const auto& [name, shape] : shapes())
       for (const std::string& floor :
@@ -155,7 +155,7 @@ TEST_CASE("cubes from STL and hulls, cylinders, large hulls and clumps come to r
       }
 }
 
-TEST_CASE("they come to rest on each other", "[physics][rest]") {
+TEST_CASE("they come to rest on each other", "[physics][rest][long]") {
   for (const auto& [lower_name, lower] : shapes())
     for (const auto& top : shapes()) {
       if (lower_name == "hull of 64 points") continue;  // nothing stands on its corners
@@ -166,7 +166,7 @@ TEST_CASE("they come to rest on each other", "[physics][rest]") {
 
 /// A lean of the load once let the deepest point of the rim come and go, and 1e-10 of the drop's energy stayed. What
 /// rolls is set on a wider cylinder: from one of its own width it rolls over the edge.
-TEST_CASE("they come to rest on a cylinder by smooth contact", "[physics][rest]") {
+TEST_CASE("they come to rest on a cylinder by smooth contact", "[physics][rest][long]") {
   const std::pair<std::string, std::string> wide{"wide cylinder", "{ cylinder = { radius = 0.08, length = 0.1 } }"};
   for (const auto& top : shapes()) {
     const bool rolls = top.first == "clump of four" || top.first == "hull of 64 points";

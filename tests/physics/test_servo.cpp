@@ -58,7 +58,7 @@ body = "lid"
   CHECK(std::abs(run.energy_error()) < 1e-2);
 }
 
-TEST_CASE("a servo wall presses a bed of many spheres with its stress", "[physics][servo]") {
+TEST_CASE("a servo wall presses a bed of many spheres with its stress", "[physics][servo][long]") {
   // 128 spheres on a fixed plane: those contacts go through the fused loop, the lid's do not
   auto run = start_text(servo_head + R"(
 run = { duration = 0.25, time_step = 1e-5, output_interval = 0.1 }

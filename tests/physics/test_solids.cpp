@@ -82,7 +82,7 @@ TEST_CASE("an angle bracket has the mass properties of its three cubes and two c
   CHECK((moments - expected).norm() < 1e-13);
 }
 
-TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass properties", "[physics][solids]") {
+TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass properties", "[physics][solids][long]") {
   for (const auto& file : stone_files) {
     INFO(file);
     const MeshFile mesh = read_mesh_file(stones + file);

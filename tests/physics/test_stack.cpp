@@ -37,7 +37,7 @@ TEST_CASE("a stack of 30 at rest starts from its solution: hardly an iteration i
 
 // `auto` begins where newton had the last word: 38 iterations a step before, sweeps that never ended.
 TEST_CASE("a pyramid at rest needs no iterations, and a restart amid them gives the same bits",
-          "[physics][stack][restart]") {
+          "[physics][stack][restart][long]") {
   for (const std::string solver : {"newton", "auto"}) {
     INFO(solver);
     const std::vector<std::string> set{"params.n=20",
@@ -121,7 +121,7 @@ TEST_CASE("a state that is saved at every step changes nothing of a run in which
   CHECK(watched.hash() == run.hash());
 }
 
-TEST_CASE("scenes of the library meet the tolerance that they ask for in every step", "[physics][library]") {
+TEST_CASE("scenes of the library meet the tolerance that they ask for in every step", "[physics][library][long]") {
   struct Shortened {
     std::string scene;
     std::vector<std::string> sets;

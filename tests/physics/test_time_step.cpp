@@ -58,7 +58,7 @@ interval = 1e-3
 
 }  // namespace
 
-TEST_CASE("a step chosen by itself follows the load of a servo wall", "[physics][time_step]") {
+TEST_CASE("a step chosen by itself follows the load of a servo wall", "[physics][time_step][long]") {
   Random random(3, 0);
   for (int k = 0; k < 6; ++k) {
     const double force = std::pow(10.0, random.uniform(-1, 1)), e = random.uniform(0, 0.8);

@@ -126,7 +126,7 @@ TEST_CASE("mesh, box and half-space walls turn a sphere back alike, on faces, ed
   }
 }
 
-TEST_CASE("a sphere rolls and slides across the edges of triangles without a kick", "[physics][walls]") {
+TEST_CASE("a sphere rolls and slides across the edges of triangles without a kick", "[physics][walls][long]") {
   const TemporaryFolder folder;
   const std::string path = folder.path().string();
   write_mesh_box(path + "/box.obj");
@@ -145,7 +145,7 @@ TEST_CASE("a sphere rolls and slides across the edges of triangles without a kic
 }
 
 TEST_CASE("whatever the triangles of a floor, a sphere rolls and slides over them as over the plane",
-          "[physics][walls]") {
+          "[physics][walls][long]") {
   const TemporaryFolder folder;
   const std::string path = folder.path().string(), height = resting_height();
   for (const std::string spin : {"[0, 100, 0]", "[0, 0, 0]"})

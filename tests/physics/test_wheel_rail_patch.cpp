@@ -59,7 +59,7 @@ PatchResult evaluate(const Row& r, const std::string& normal, const std::string&
 
 }  // namespace
 
-TEST_CASE("boundary elements on wheel and rail agree with the Manchester benchmark", "[physics][wheel_rail]") {
+TEST_CASE("boundary elements on wheel and rail agree with the Manchester benchmark", "[physics][wheel_rail][long]") {
   const auto all = rows();
   REQUIRE(all.size() == 19);
   for (const Row& r : all) {

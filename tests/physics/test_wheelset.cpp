@@ -98,7 +98,7 @@ void check_klingel(std::initializer_list<KlingelRow> rows) {
 
 }  // namespace
 
-TEST_CASE("a free wheelset rolls on Klingel's wave", "[physics][wheelset]") {
+TEST_CASE("a free wheelset rolls on Klingel's wave", "[physics][wheelset][long]") {
   check_klingel({{"cone", "hertz", 1e-3, 2.5}, {"s1002", "semi-hertz", 3e-3, 1.5}});
 }
 
@@ -333,7 +333,7 @@ TEST_CASE("a wheelset of two cylinders that slides rolls on by the same balance"
   CHECK(-sim.world.angular_velocity[s].y() * r0 == Approx(v).epsilon(1e-3));
 }
 
-TEST_CASE("rigid contact takes the same way as the laws of rolling contact", "[physics][wheelset]") {
+TEST_CASE("rigid contact takes the same way as the laws of rolling contact", "[physics][wheelset][long]") {
   const std::vector<std::string> sets{"run.duration=0.8", "bounds.energy_error=1"};
   const SceneRun soft = run_scene("wheel_rail/wheelset.toml", sets);
   auto rigid_sets = sets;
@@ -344,7 +344,7 @@ TEST_CASE("rigid contact takes the same way as the laws of rolling contact", "[p
   CHECK(rigid.last("run", "right_z") == Approx(soft.last("run", "right_z")).epsilon(0.03));
 }
 
-TEST_CASE("any pair of models runs in the step", "[physics][wheelset]") {
+TEST_CASE("any pair of models runs in the step", "[physics][wheelset][long]") {
   // on a cone all normal models see the same parabola, all tangential ones the same small creepage: forces agree
   const auto run_with = [](const char* normal, const char* tangential, double duration) {
     WheelsetCase c;
@@ -368,7 +368,7 @@ TEST_CASE("any pair of models runs in the step", "[physics][wheelset]") {
         Approx(run_with("hertz", "polach", 0.01).second).epsilon(0.03));
 }
 
-TEST_CASE("the ledger of a wheelset closes and shows the price of creep", "[physics][wheelset]") {
+TEST_CASE("the ledger of a wheelset closes and shows the price of creep", "[physics][wheelset][long]") {
   SceneRun run = run_scene("wheel_rail/wheelset.toml", {"run.duration=1"});
   REQUIRE(run.failure.empty());
   Simulation& sim = run.simulation();

@@ -90,7 +90,7 @@ std::string wheel_and_rail(const std::string& wheel, const std::string& rail) {
 
 }  // namespace
 
-TEST_CASE("tread and gauge corner 29 mm apart share the load as CONTACT has it", "[scenes][wheel_rail]") {
+TEST_CASE("tread and gauge corner 29 mm apart share the load as CONTACT has it", "[scenes][wheel_rail][long]") {
   // CONTACT 25.2, 0.25 mm cells: at 754.2 mm 48230 N, 913 MPa, approach 44.2 um; at 725.4 mm 11810 N, 1402 MPa; creep
   // forces -4384 and -2412 N
   const std::string shapes = built_in("uic60", 0.05),

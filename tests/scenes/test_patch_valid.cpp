@@ -65,7 +65,7 @@ class Trough final : public GapSource {
 
 }  // namespace
 
-TEST_CASE("laws of virtual penetration are within what they state, or say that they are not", "[scenes][wheel_rail]") {
+TEST_CASE("laws of virtual penetration are within what they state, or say that they are not", "[scenes][wheel_rail][long]") {
   const std::string models = "normal = [\"half-space\", \"kik-piotrowski\", \"stripes\", \"analyn\"]\nroll = 0\n";
   // the left wheel's tread 6 mm to the field side: kik-piotrowski has 342 MPa where 480 is right
   std::vector<std::string> cases{case_text("60e1", 0.0, models + "load = 8009.3\nlateral_shift = -5.95e-3\n")};
@@ -142,7 +142,7 @@ TEST_CASE("a patch without a contact ends with exit code 1 and its reason", "[sc
   CHECK(run("load = 5e4\n").code == exit_done);
 }
 
-TEST_CASE("geometry has empty cells where the wheelset does not stand, and says so", "[scenes][wheel_rail]") {
+TEST_CASE("geometry has empty cells where the wheelset does not stand, and says so", "[scenes][wheel_rail][long]") {
   const TemporaryFolder folder;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> wide(1.0, 1.7), cant(0.0, 0.1);

@@ -94,7 +94,7 @@ std::vector<std::string> probed(const fs::path& film, const fs::path& said) {
 
 }  // namespace
 
-TEST_CASE("a film has every picture, the size asked for and 25 pictures a second", "[scenes][view]") {
+TEST_CASE("a film has every picture, the size asked for and 25 pictures a second", "[scenes][view][long]") {
   if (std::system("command -v ffmpeg > /dev/null && command -v ffprobe > /dev/null") != 0) {
     WARN("skipped: no ffmpeg here");
     return;

@@ -39,7 +39,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("a report has all its parts and asks for nothing from outside", "[scenes][report]") {
+TEST_CASE("a report has all its parts and asks for nothing from outside", "[scenes][report][long]") {
   const ReportedRun run;
   for (const char* part : {"Pictures", "In three dimensions", "Energy balance", "Measures", "Overlap and checks",
                            "Where the time went", "Settings"})
@@ -79,7 +79,7 @@ TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary"
   CHECK(last == Approx(expected).epsilon(1e-5));  // six digits are printed
 }
 
-TEST_CASE("a folder of cases and tables shows how each case ended and folds long tables", "[scenes][report]") {
+TEST_CASE("a folder of cases and tables shows how each case ended and folds long tables", "[scenes][report][long]") {
   const ReportedRun run;
   const fs::path folder = fs::temp_directory_path() / ("epafi-cases-" + std::to_string(::getpid()));
   fs::remove_all(folder);

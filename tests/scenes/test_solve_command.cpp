@@ -44,7 +44,7 @@ Eigen::VectorXd contact_velocities(const GlobalForm& form, const Eigen::VectorXd
 }  // namespace
 
 TEST_CASE("solve prints a row per problem and method, and writes impulses that obey Signorini and Coulomb",
-          "[scenes][solve]") {
+          "[scenes][solve][long]") {
   const TemporaryFolder folder;
   SolveOptions o = solving({"stack_h010_mu05.hdf5", "arch_21_mu06.hdf5"}, {"newton", "nsgs"});
   o.tolerance = 1e-8, o.solution = (folder / "reactions.h5").string();
@@ -110,7 +110,7 @@ TEST_CASE("solve names problems without solution, whatever the method says, and 
   }
 }
 
-TEST_CASE("solve with all methods tries each, on both forms of files", "[scenes][solve]") {
+TEST_CASE("solve with all methods tries each, on both forms of files", "[scenes][solve][long]") {
   SolveOptions o = solving({"stack_h005_mu05.hdf5", "OneObject-i100000-316.hdf5.dat"}, {"all"});
   o.tolerance = 1e-4, o.time_limit = "0.3s";
   const auto rows = rows_of(captured([&] { return command_solve(o); }).out);

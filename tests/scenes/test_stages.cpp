@@ -118,7 +118,7 @@ std::string changed_on_restart(const fs::path& scene, const fs::path& out) {
 
 }  // namespace
 
-TEST_CASE("stages and changed restarts give the same bits, and a scene starts from a run", "[scenes][stages]") {
+TEST_CASE("stages and changed restarts give the same bits, and a scene starts from a run", "[scenes][stages][long]") {
   for (const std::string method : {"smooth", "nonsmooth"}) {
     INFO(method);
     const TemporaryFolder folder;

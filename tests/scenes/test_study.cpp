@@ -205,7 +205,7 @@ TEST_CASE("every study has a page with its picture, its table and what they say"
   }
 }
 
-TEST_CASE("the longest stable step is 2/omega within 2 %", "[scenes][study]") {
+TEST_CASE("the longest stable step is 2/omega within 2 %", "[scenes][study][long]") {
   const TemporaryFolder folder;
   Study study = read_study(library + "studies/time_step_stiffness.toml", {"parameters.0.values=[1e4]"});
   study.program = program;
@@ -297,7 +297,7 @@ creepage = { longitudinal = -0.002 }
       Catch::Contains("pairs of models"));
 }
 
-TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][study]") {
+TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][study][long]") {
   const std::string header = "method,settings,time,error,error_spread,status,time_spread\n";
   const std::string stored =
       header + "\"a\",\"x=1\",1.0,1e-3,0,completed,0.1\n\"b\",\"x=\"\"q\"\"\",1.0,1e-3,1e-4,completed,0.1\n";
@@ -331,7 +331,7 @@ TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][s
 }
 
 TEST_CASE("the limit of Gauss-Seidel on a column lies within a fifth of 0.93 n^2 sweeps per decade",
-          "[scenes][study]") {
+          "[scenes][study][long]") {
   const TemporaryFolder folder;
   Study study = read_study(library + "studies/stack_height_iterations.toml", {"parameters.0.values=[5, 20]"});
   study.program = program;

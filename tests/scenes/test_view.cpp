@@ -147,7 +147,7 @@ void choose(support::Browser& b, const std::string& id, const std::string& value
 
 }  // namespace
 
-TEST_CASE("the mailed page draws what our rasteriser draws, and every control answers", "[scenes][view]") {
+TEST_CASE("the mailed page draws what our rasteriser draws, and every control answers", "[scenes][view][long]") {
   if (!has_browser()) return;
   const ShownRun shown;
   REQUIRE(run_program("view " + shown.run.string() + " --out " + shown.page.string()) == 0);
@@ -283,7 +283,7 @@ TEST_CASE("mouse and fingers turn about what is up; light and dark follow the sy
   }
 }
 
-TEST_CASE("the page draws the stored picture", "[scenes][view]") {
+TEST_CASE("the page draws the stored picture", "[scenes][view][long]") {
   if (!has_browser()) return;
   // Balls of three materials and sizes, a box and a pale wall; made by hand, so that no law of contact is in it. After
   // a wanted change of how things look: EPAFI_NEW_PICTURES=1 build/tests/test_scenes "the page draws the stored
@@ -360,7 +360,7 @@ TEST_CASE("the page draws the stored picture", "[scenes][view]") {
   CHECK(difference()[2] > 2);
 }
 
-TEST_CASE("the local server gives a run to the browser of this machine alone", "[scenes][view]") {
+TEST_CASE("the local server gives a run to the browser of this machine alone", "[scenes][view][long]") {
   if (!has_browser()) return;
   const ShownRun shown;
   const std::string command =
@@ -384,7 +384,7 @@ TEST_CASE("the local server gives a run to the browser of this machine alone", "
   std::system(("kill $(cat " + number.string() + ")").c_str());
 }
 
-TEST_CASE("two hundred thousand spheres are drawn", "[scenes][view]") {
+TEST_CASE("two hundred thousand spheres are drawn", "[scenes][view][long]") {
   if (!has_browser()) return;
   ViewFrame frame;
   for (std::uint32_t k = 0; k < 200'000; ++k) {

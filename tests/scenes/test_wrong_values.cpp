@@ -40,7 +40,7 @@ std::string scene_with(const TableSchema& table, const std::string& key, const s
 
 }  // namespace
 
-TEST_CASE("every key of every table takes or refuses every kind of value", "[scenes][reader]") {
+TEST_CASE("every key of every table takes or refuses every kind of value", "[scenes][reader][long]") {
   const std::vector<std::string> values{"3",   "-1.5",     "true",        "'x'",    "'= 1/0'",      "nan",       "[]",        "{}",
                                         "[1]", "[1, 2, 3]", "[[1, 2, 3]]", "['a']", "{ x = 1 }", "[{ x = 1 }]", "['a', 'b']"};
   std::size_t taken = 0, refused = 0;
