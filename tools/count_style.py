@@ -24,7 +24,7 @@ MOST_CHARACTERS_OF_A_LINE = 120
 MOST_CHARACTERS_OF_A_SUBJECT = 72
 MOST_WORDS_OF_A_CELL = 25
 # Statements whose outermost commas join declarations, not expressions.
-DECLARATION = re.compile(r"^(const|constexpr|static|auto|double|float|int|bool|char|unsigned|using|template|"
+DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|auto|double|float|int|bool|char|unsigned|using|template|"
                          r"return\s*\{|case|"
                          r"[A-Z]\w*(<.*>)?\s*[&*]?\s+\w+|std::\w+(<.*>)?\s*[&*]?\s+\w+|(std::)?(u?int\d+_t|size_t)\s)")
 
@@ -62,25 +62,38 @@ def outer_commas(statement):
     return count
 
 
+def without_control(line):
+    """The statement behind `if (...)`, `else`, `for (...)`, `while (...)` of a line."""
+    while control := CONTROL.match(line):
+        end = control.end()
+        depth = 1 if line[end - 1] == "(" else 0
+        while end < len(line) and depth:
+            depth += line[end] == "("
+            depth -= line[end] == ")"
+            end += 1
+        line = line[end:].strip()
+    return line
+
+
 def comma_chains(lines):
-    """Numbers of lines that hold an expression statement `a, b;`."""
+    """Numbers of lines on which an expression statement `a, b;` ends; statements over several lines are joined."""
     found = []
+    statement = ""
     for number, raw in enumerate(lines, 1):
         line = without_literals(raw).strip()
-        while control := CONTROL.match(line):
-            start = control.end()
-            if line[start - 1] != "(":
-                line = line[start:]
-                continue
-            depth = 1
-            while start < len(line) and depth:
-                depth += line[start] == "("
-                depth -= line[start] == ")"
-                start += 1
-            line = line[start:].strip()
-        if not line.endswith(";") or DECLARATION.match(line):
+        if line.startswith("#"):
             continue
-        if any(outer_commas(part) and re.search(r"[=(]|\+\+|--", part) for part in line[:-1].split(";")):
+        statement = f"{statement} {line}".strip()
+        if not line or line[-1] in "{}:":
+            statement = ""
+            continue
+        if line[-1] != ";" or statement.count("(") > statement.count(")"):
+            continue
+        part = without_control(statement)[:-1]
+        statement = ""
+        if DECLARATION.match(part) or not outer_commas(part) or part.count("}") > part.count("{"):
+            continue
+        if re.search(r"[=(]|\+\+|--", part):
             found.append(number)
     return found
 
