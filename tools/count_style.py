@@ -5,8 +5,8 @@
 
 Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
 characters, words per page, table cells over 25 words, links without a target. --list KIND names the places of one kind;
---links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are found
-by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members and
+--links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are
+found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members and
 lambdas are not counted by themselves.
 """
 import argparse
@@ -24,8 +24,8 @@ MOST_CHARACTERS_OF_A_LINE = 120
 MOST_CHARACTERS_OF_A_SUBJECT = 72
 MOST_WORDS_OF_A_CELL = 25
 # Statements whose outermost commas join declarations, not expressions.
-DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|auto|double|float|int|bool|char|unsigned|using|template|"
-                         r"return\s*\{|case|"
+DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|auto|double|float|int|bool|char|unsigned|"
+                         r"using|template|return\s*\{|case|"
                          r"[A-Z]\w*(<.*>)?\s*[&*]?\s+\w+|std::\w+(<.*>)?\s*[&*]?\s+\w+|(std::)?(u?int\d+_t|size_t)\s)")
 
 CONTROL = re.compile(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(|^else\s+")
@@ -197,7 +197,8 @@ def print_summary(places):
     for kind, title in titles.items():
         print(f"{len(places[kind]):6d}  {title}")
     print(f"{len(long_subjects()):6d}  commit subjects over {MOST_CHARACTERS_OF_A_SUBJECT} characters")
-    counts = sorted(((len(page.read_text().split()), page.relative_to(ROOT).as_posix()) for page in pages()), reverse=True)
+    counts = [(len(page.read_text().split()), page.relative_to(ROOT).as_posix()) for page in pages()]
+    counts.sort(reverse=True)
     print(f"{sum(count for count, _ in counts):6d}  words in {len(counts)} pages:")
     for count, name in counts:
         print(f"{count:12d}  {name}")
