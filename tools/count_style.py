@@ -5,9 +5,9 @@
 
 Prints: functions over 50 lines, files over 500 lines, comma chains, lines over 120 characters, commit subjects over 72
 characters, words per page, table cells over 25 words, links without a target. --list KIND names the places of one kind;
---links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are found
-by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members and
-lambdas are not counted by themselves.
+--links alone checks links and ends with 1 where a page, picture or heading is missing. Reads text only; functions are
+found by indentation (a body from a brace at the end of an unindented line to a brace in column 1), so that class members
+and lambdas are not counted by themselves.
 """
 import argparse
 import functools
@@ -24,8 +24,8 @@ MOST_CHARACTERS_OF_A_LINE = 120
 MOST_CHARACTERS_OF_A_SUBJECT = 72
 MOST_WORDS_OF_A_CELL = 25
 # Statements whose outermost commas join declarations, not expressions.
-DECLARATION = re.compile(r"^(const|constexpr|static|auto|double|float|int|bool|char|unsigned|using|template|"
-                         r"return\s*\{|case|"
+DECLARATION = re.compile(r"^(const|constexpr|inline|mutable|static|auto|double|float|int|bool|char|unsigned|"
+                         r"using|template|return\s*\{|case|"
                          r"[A-Z]\w*(<.*>)?\s*[&*]?\s+\w+|std::\w+(<.*>)?\s*[&*]?\s+\w+|(std::)?(u?int\d+_t|size_t)\s)")
 
 CONTROL = re.compile(r"^(else\s+)?(if|for|while)\s*(constexpr\s*)?\(|^else\s+")
@@ -62,25 +62,38 @@ def outer_commas(statement):
     return count
 
 
+def without_control(line):
+    """The statement behind `if (...)`, `else`, `for (...)`, `while (...)` of a line."""
+    while control := CONTROL.match(line):
+        end = control.end()
+        depth = 1 if line[end - 1] == "(" else 0
+        while end < len(line) and depth:
+            depth += line[end] == "("
+            depth -= line[end] == ")"
+            end += 1
+        line = line[end:].strip()
+    return line
+
+
 def comma_chains(lines):
-    """Numbers of lines that hold an expression statement `a, b;`."""
+    """Numbers of lines on which an expression statement `a, b;` ends; statements over several lines are joined."""
     found = []
+    statement = ""
     for number, raw in enumerate(lines, 1):
         line = without_literals(raw).strip()
-        while control := CONTROL.match(line):
-            start = control.end()
-            if line[start - 1] != "(":
-                line = line[start:]
-                continue
-            depth = 1
-            while start < len(line) and depth:
-                depth += line[start] == "("
-                depth -= line[start] == ")"
-                start += 1
-            line = line[start:].strip()
-        if not line.endswith(";") or DECLARATION.match(line):
+        if line.startswith("#"):
             continue
-        if any(outer_commas(part) and re.search(r"[=(]|\+\+|--", part) for part in line[:-1].split(";")):
+        statement = f"{statement} {line}".strip()
+        if not line or line[-1] in "{}:":
+            statement = ""
+            continue
+        if line[-1] != ";" or statement.count("(") > statement.count(")"):
+            continue
+        part = without_control(statement)[:-1]
+        statement = ""
+        if DECLARATION.match(part) or not outer_commas(part) or part.count("}") > part.count("{"):
+            continue
+        if re.search(r"[=(]|\+\+|--", part):
             found.append(number)
     return found
 
@@ -184,7 +197,8 @@ def print_summary(places):
     for kind, title in titles.items():
         print(f"{len(places[kind]):6d}  {title}")
     print(f"{len(long_subjects()):6d}  commit subjects over {MOST_CHARACTERS_OF_A_SUBJECT} characters")
-    counts = sorted(((len(page.read_text().split()), page.relative_to(ROOT).as_posix()) for page in pages()), reverse=True)
+    counts = [(len(page.read_text().split()), page.relative_to(ROOT).as_posix()) for page in pages()]
+    counts.sort(reverse=True)
     print(f"{sum(count for count, _ in counts):6d}  words in {len(counts)} pages:")
     for count, name in counts:
         print(f"{count:12d}  {name}")
