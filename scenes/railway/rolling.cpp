@@ -80,10 +80,32 @@ void add_springs(Assembly& a) {
                                        std::move(p.contact_model));
 }
 
+namespace {
+
+/// Half of what a wheelset carries: its own loads, and the springs that press on it [N].
+double wheel_load(const World& w, Slot s, const std::vector<SpringElement>& springs) {
+  Vec3 force = w.free_acceleration(s) / w.inverse_mass[s];
+  for (const SpringElement& e : springs) {
+    if (e.body == w.id[s]) force += e.preload;
+    if (e.to == w.id[s]) force -= e.preload;
+  }
+  return std::max(1.0, 0.5 * force.norm());
+}
+
+/// Largest velocity that a unit of creep force at both wheels gives their contacts: along the track by mass and turning
+/// of the axle, across it by mass and roll, in turns by yaw.
+double creep_mobility(double inverse_mass, const Vec3& inverse_inertia, double radius, double half) {
+  const double turn = radius * radius * std::max(inverse_inertia.x(), inverse_inertia.y());
+  return std::max(inverse_mass + turn, half * half * inverse_inertia.z());
+}
+
+}  // namespace
+
 TimeStep railway_step(const Assembly& a) {
   TimeStep out{infinity, infinity, ""};
   const World& w = a.simulation->world;
-  const SpringRates springs = spring_rates(springs_of(a), w, *way_of(a));
+  const std::vector<SpringElement> elements = springs_of(a);
+  const SpringRates springs = spring_rates(elements, w, *way_of(a));
   double square = springs.square, damping = springs.damping;
   std::string what = "springs";
   if (a.plan.rolling) {
@@ -93,14 +115,14 @@ TimeStep railway_step(const Assembly& a) {
       if (ref.type() != ShapeStore::type_of<WheelProfile>() || !w.is_movable(s)) continue;
       const Wheelset& set = *a.shapes->of<WheelProfile>()[ref.index()].wheelset;
       const double half = 0.5 * set.geometry.flange_back + set.geometry.tape_circle, r = set.geometry.radius;
-      const double load = std::max(1.0, 0.5 * w.free_acceleration(s).norm() / w.inverse_mass[s]);
+      const double load = wheel_load(w, s, elements);
       for (Slot t = 0; t < w.size(); ++t) {
         if (ShapeRef{w.shape[t]}.type() != ShapeStore::type_of<RailProfile>()) continue;
         const MaterialPair& pair = setup.materials.of(w.material[s], w.material[t]);
         const RollingLimits l = rolling_limits(setup, pair, load, r, w.velocity[s].norm());
         const Vec3 i = w.inverse_inertia_of(s);
         const double up = 2.0 * l.stiffness * std::max(w.inverse_mass[s], half * half * i.x());
-        const double creep = 2.0 * l.damping * std::max({w.inverse_mass[s], r * r * i.y(), half * half * i.z()});
+        const double creep = 2.0 * l.damping * creep_mobility(w.inverse_mass[s], i, r, half);
         if (up > square || creep > damping) what = "wheel on rail";
         square = std::max(square, up + springs.square), damping = std::max(damping, creep + springs.damping);
       }

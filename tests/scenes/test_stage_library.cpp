@@ -1,0 +1,227 @@
+// Library scenes in stages, shortened: the figure that each of them states at its head.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "scenes/session.h"
+#include "tests/support/catch.h"
+#include "tests/support/scene_run.h"
+#include "tests/viz_export/temporary_folder.h"
+#include "viz_export/stored_run.h"
+
+using namespace epafi;
+using namespace epafi::experiments;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Sample {
+  double time = 0.0, value = 0.0;
+};
+
+/// A scene of the library, run in all its stages, and what its file holds.
+struct StagedRun {
+  TemporaryFolder folder;
+  Ending ending = Ending::completed;
+  RunSummary summary;
+  std::unique_ptr<StoredRun> stored;
+
+  StagedRun(const std::string& scene, const std::vector<std::string>& overrides) {
+    ReadResult read = read_scene(library("stages/" + scene), overrides, full_registry());
+    for (const Problem& p : read.problems) UNSCOPED_INFO(p.to_string());
+    REQUIRE(read.scene);
+    {
+      Session session(assemble(std::move(*read.scene)), overrides, folder / "out");
+      ending = session.run({}, true);
+      summary = session.summary();
+    }
+    stored = std::make_unique<StoredRun>(folder / "out" / "run.h5");
+  }
+
+  std::vector<Sample> series(const std::string& measure, const std::string& component) const {
+    std::vector<Sample> out;
+    for (const StoredMeasure& m : stored->measures()) {
+      if (m.name != measure) continue;
+      const auto at = std::ranges::find(m.components, component) - m.components.begin();
+      for (std::size_t k = 0; k < m.times.size(); ++k)
+        out.push_back({m.times[k], m.values[k * m.components.size() + static_cast<std::size_t>(at)]});
+    }
+    REQUIRE(!out.empty());
+    return out;
+  }
+  std::vector<BodyRecord> bodies(std::size_t frame) const { return stored->snapshot(frame).bodies; }
+  std::size_t last_frame() const { return stored->snapshots() - 1; }
+};
+
+/// By straight lines.
+double value_at(const std::vector<Sample>& series, double time) {
+  std::size_t k = 1;
+  while (k + 1 < series.size() && series[k].time < time) ++k;
+  const Sample &a = series[k - 1], &b = series[k];
+  return a.value + (b.value - a.value) * (time - a.time) / (b.time - a.time);
+}
+
+double integral(const std::vector<Sample>& series, double from, double until) {
+  double sum = 0.0;
+  for (std::size_t k = 1; k < series.size(); ++k)
+    if (series[k - 1].time >= from && series[k].time <= until)
+      sum += 0.5 * (series[k].value + series[k - 1].value) * (series[k].time - series[k - 1].time);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a drum's power is the moment of its grains' weight, and none where they turn with it", "[scenes][stages]") {
+  // softer grains and fewer: steps five times longer
+  StagedRun run("drum.toml", {"params.n=60", "material.grain.youngs_modulus=1e5", "run.time_step=2e-4",
+                              "params.time=0.6"});
+  REQUIRE(run.ending == Ending::completed);
+  const auto x = run.series("centre", "x"), work = run.series("energy", "work");
+  double mass = 0.0, momentum = 0.0, inertia = 0.0;
+  for (const BodyRecord& b : run.bodies(run.last_frame())) {
+    const Vec3 &p = b.pose.position, &v = b.velocity;
+    mass += b.mass;
+    momentum += b.mass * (p.z() * v.x() - p.x() * v.z());
+    inertia += b.mass * (p.x() * p.x() + p.z() * p.z());
+  }
+  // dL/dt = M - m g x: over the second half of the slow stage what the drum gives is w m g times the integral of x; the
+  // grains' own momentum, at most m w R^2, and the balls' spin are small beside it
+  const auto slow = run.summary.stages.at(1);
+  const double begin = 0.5 * (slow.from + slow.until), end = slow.until, rate = 2.0;
+  const double given = value_at(work, end) - value_at(work, begin);
+  const double lifted = std::abs(integral(x, begin, end)) * rate * mass * 9.81;
+  CHECK(given == Approx(lifted).epsilon(0.1));
+  CHECK(given > 0.1 * mass * 9.81 * 0.05 * rate * (end - begin));  // the slope is there: x is a tenth of R at least
+  // w^2 R/g = 4: gravity never takes a grain off the wall
+  CHECK(std::abs(momentum / inertia) == Approx(28.0).epsilon(0.03));
+}
+
+namespace {
+
+/// Rows of the record in m/s^2, and its step [s].
+std::vector<Vec3> record_rows() {
+  std::ifstream in(library("stages/record.csv"));
+  std::vector<Vec3> rows;
+  for (std::string line; std::getline(in, line);) {
+    double t = 0, x = 0, y = 0, z = 0;
+    if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &t, &x, &y, &z) == 4) rows.push_back(1e-3 * Vec3(x, y, z));
+  }
+  return rows;
+}
+
+/// Place after each row of an acceleration that is straight between its rows.
+std::vector<long double> twice_integrated(const std::vector<long double>& a, long double h) {
+  std::vector<long double> x(a.size(), 0.0L);
+  long double v = 0.0L;
+  for (std::size_t k = 0; k + 1 < a.size(); ++k) {
+    x[k + 1] = x[k] + h * v + h * h * (a[k] / 3.0L + a[k + 1] / 6.0L);
+    v += 0.5L * h * (a[k] + a[k + 1]);
+  }
+  x.push_back(v);  // the last speed stands behind
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("the table under the wall follows the integral of its record to 1e-9 m", "[scenes][stages]") {
+  // The baseline takes a parabola off the rows so that end, speed and mean of the way vanish: Cramer's rule on the ways
+  // of 1, s and s^2. The mean is that of the trapezoidal rule here and exact there: the rows lie 20 ms apart and the
+  // difference is a share of the parabola, so the exact one is used: h/2 (x_k + x_k+1) - h^3/24 (a_k + a_k+1).
+  const long double h = 0.02L;
+  const auto rows = record_rows();
+  REQUIRE(rows.size() == 2001);
+  const std::size_t n = rows.size();
+  const auto conditions = [&](const std::vector<long double>& a) {
+    const auto x = twice_integrated(a, h);
+    long double mean = 0.0L;
+    for (std::size_t k = 0; k + 1 < n; ++k)
+      mean += 0.5L * h * (x[k] + x[k + 1]) - h * h * h / 24.0L * (a[k] + a[k + 1]);
+    return std::array<long double, 3>{x[n - 1], x[n], mean};
+  };
+  std::array<std::vector<long double>, 3> power;
+  for (int p = 0; p < 3; ++p)
+    for (std::size_t k = 0; k < n; ++k)
+      power[static_cast<std::size_t>(p)].push_back(std::pow(static_cast<long double>(k) / (n - 1.0L), p));
+  std::array<std::array<long double, 3>, 3> m;
+  for (std::size_t p = 0; p < 3; ++p) m[p] = conditions(power[p]);
+  const auto determinant = [](const std::array<std::array<long double, 3>, 3>& c) {
+    return c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[2][1]) - c[1][0] * (c[0][1] * c[2][2] - c[0][2] * c[2][1]) +
+           c[2][0] * (c[0][1] * c[1][2] - c[0][2] * c[1][1]);
+  };
+  ReadResult read = read_scene_text(
+      "[run]\nduration = 41\ntime_step = 0.01\noutput_interval = 0.4\n[material.m]\ndensity = 2000.0\n[contact]\nmethod "
+      "= \"nonsmooth\"\nrestitution = 0.0\nfriction = 0.0\n[[body]]\nname = \"table\"\nmaterial = \"m\"\nshape = { box = { "
+      "size = [1, 1, 1] } }\nmotion = { file = \"record.csv\", of = \"acceleration\", unit = \"mm/s^2\", baseline = "
+      "\"quadratic\" }\n",
+      library("stages/scene.toml"), {}, full_registry());
+  for (const Problem& p : read.problems) UNSCOPED_INFO(p.to_string());
+  SceneRun run = prepare(std::move(read));
+  run.simulation().start();
+  std::array<std::vector<long double>, 3> way;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<long double> a;
+    for (const Vec3& row : rows) a.push_back(row[c]);
+    const auto raw = conditions(a);
+    for (std::size_t p = 0; p < 3; ++p) {
+      auto replaced = m;
+      replaced[p] = raw;
+      const long double share = determinant(replaced) / determinant(m);
+      for (std::size_t k = 0; k < n; ++k) a[k] -= share * power[p][k];
+    }
+    way[static_cast<std::size_t>(c)] = twice_integrated(a, h);
+  }
+  double worst = 0.0, largest = 0.0;
+  for (std::size_t k = 1; k < n; ++k) {
+    run.advance_to(2 * k);
+    for (int c = 0; c < 3; ++c) {
+      const auto exact = static_cast<double>(way[static_cast<std::size_t>(c)][k]);
+      worst = std::max(worst, std::abs(run.simulation().world.position[0][c] - exact));
+      largest = std::max(largest, std::abs(exact));
+    }
+  }
+  CHECK(worst < 1e-9);
+  CHECK(largest > 0.01);
+  CHECK(run.simulation().world.position[0].norm() < 1e-9);  // it ends where it began
+}
+
+TEST_CASE("a wall stays on its table below the acceleration that rocks it, and falls far above", "[scenes][stages]") {
+  // to the third second of strong motion
+  StagedRun stands("wall.toml", {"params.record=6", "run.time_step=1e-2", "run.output_interval=1"});
+  REQUIRE(stands.ending == Ending::completed);
+  const auto first = stands.bodies(0), last = stands.bodies(stands.last_frame());
+  REQUIRE(last.size() == 37);
+  const Vec3 table = last[0].pose.position - first[0].pose.position;
+  CHECK(table.norm() > 1e-3);
+  for (std::size_t k = 1; k < last.size(); ++k)
+    CHECK((last[k].pose.position - first[k].pose.position - table).norm() < 1e-4);
+}
+
+TEST_CASE("a driven wheelset gains the speed of rolling without slip", "[scenes][stages]") {
+  StagedRun run("wheelset.toml", {"params.drive=0.5"});
+  REQUIRE(run.ending == Ending::completed);
+  CHECK(run.summary.warnings.empty());
+  const auto distance = run.series("run", "distance");
+  const auto driven = run.summary.stages.at(1);
+  const double r = 0.46, gain = 1200 / (r * (1500 + 120 / (r * r)));
+  // it begins at rest: the same law for way and speed
+  CHECK(value_at(distance, driven.until) - value_at(distance, driven.from) ==
+        Approx(0.5 * gain * 0.25).epsilon(0.01));
+}
+
+TEST_CASE("a plate with two gains keeps its force on a floor that moves", "[scenes][stages]") {
+  const std::vector<std::string> sooner{"params.press=0.35"};
+  StagedRun run("press.toml", sooner);
+  REQUIRE(run.ending == Ending::completed);
+  const auto load = run.series("load", "z");
+  const double from = run.summary.stages.at(1).from;
+  double least = infinity, most = 0.0;
+  for (const Sample& s : load) {
+    if (s.time < from) continue;
+    least = std::min(least, s.value);
+    most = std::max(most, s.value);
+  }
+  CHECK(least > 5.0 * 0.97);
+  CHECK(most < 5.0 * 1.03);
+}
