@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/exact_sum.h"
 #include "engine/random.h"
 
 namespace epafi {
@@ -67,13 +68,16 @@ void PourBodies::visit(StateVisitor& visitor) {
 
 void Outlet::before_step(World& world, double, std::vector<BodyId>& leaving) {
   const std::vector<BodyId> gone = leaving;  // those that another has taken are not counted here
+  ExactSum mass;
   for (Slot s = 0; s < world.size(); ++s) {
     const Vec3& x = world.position[s];
     if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any() || !world.is_movable(s)) continue;
     if (std::ranges::find(gone, world.id[s]) != gone.end()) continue;
     leaving.push_back(world.id[s]);
-    tally_.count += 1.0, tally_.mass += 1.0 / world.inverse_mass[s];
+    tally_.count += 1.0;
+    mass.add(1.0 / world.inverse_mass[s]);
   }
+  tally_.mass += mass.value();
 }
 
 void Outlet::visit(StateVisitor& visitor) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/order_free_sum.h"
 #include "engine/random.h"
 
 namespace epafi {
@@ -120,9 +121,7 @@ class LinkedBodies {
 };
 
 double dot(const std::vector<Twist>& x, const std::vector<Twist>& y) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) sum += x[i].dot(y[i]);
-  return sum;
+  return order_free_sum(x.size(), [&](std::size_t i) { return x[i].dot(y[i]); });
 }
 
 void scale(std::vector<Twist>& x, double by) {
