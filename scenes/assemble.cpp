@@ -7,7 +7,6 @@
 #include <map>
 
 #include "detection/broad/all_broad_phases.h"
-#include "detection/broad/periodic_pairs.h"
 #include "detection/continuous/sweep_guard.h"
 #include "detection/narrow/narrow_phase.h"
 #include "engine/schemes/all_schemes.h"
@@ -84,18 +83,11 @@ void set_broad_phase(Assembly& a) {
     name = choice.name, a.plan.broad_phase_reason = choice.reason;
   }
   a.plan.broad_phase = name;
-  std::unique_ptr<BroadPhase> broad_phase;
-  if (world.cell) {
-    BroadSetup inner = setup;
-    inner.spheres.wanted = inner.strays = false;
-    broad_phase = std::make_unique<PeriodicPairs>(setup, make_broad_phase(name, inner, world));
-  } else {
-    broad_phase = make_broad_phase(name, setup, world);
-    auto* list = dynamic_cast<ListBroadPhase*>(broad_phase.get());
-    if (list && a.plan.fused_spheres) {
-      static_cast<void>(broad_phase.release());  // `list` has it
-      broad_phase = std::make_unique<WornPairs>(std::unique_ptr<ListBroadPhase>(list), a.simulation->pipeline);
-    }
+  std::unique_ptr<BroadPhase> broad_phase = make_broad_phase(name, setup, world);
+  auto* list = dynamic_cast<ListBroadPhase*>(broad_phase.get());
+  if (list && a.plan.fused_spheres) {
+    static_cast<void>(broad_phase.release());  // `list` has it
+    broad_phase = std::make_unique<WornPairs>(std::unique_ptr<ListBroadPhase>(list), a.simulation->pipeline);
   }
   a.simulation->pipeline.broad_phase = std::move(broad_phase);
 }

@@ -23,20 +23,39 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   wear_.assign((world.size() + block_size - 1) / block_size, 0.0);
   if (fresh) return;
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
+  const ListFrame now = list_->bodies().frame(world);
   parallel_blocks(world.size(), block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
-    wear_[b] = list_->bodies().wear(begin, end, at, world.time).most;
+    wear_[b] = list_->bodies().wear(begin, end, at, now).most - now.strain_wear;
   });
+}
+
+/// What is known of the ways so far holds for this step too: bodies went nowhere else. A cell that has grown has drawn
+/// the ways out with it.
+bool WornPairs::goes_on(const World& world) {
+  if (!world.cell) return true;
+  if (wraps_ != world.wraps) return wraps_ = world.wraps, false;
+  const Vec3 before = std::exchange(cell_size_, world.cell->size);
+  if (before == world.cell->size) return true;
+  if (before.isZero()) return false;
+  const double growth = std::max(1.0, world.cell->size.cwiseQuotient(before).maxCoeff());
+  for (double& wear : wear_) wear *= growth;
+  return true;
 }
 
 bool WornPairs::keeps_pairs(const World& world) {
   list_->see_time(world.time);
   const std::span<const double> ways = model() ? model()->largest_ways() : std::span<const double>{};
-  ways_known_ = !ways.empty() && list_->bodies().size() == world.size();
-  if (!ways_known_ || wear_.size() != ways.size()) return wear_.clear(), false;
+  ways_known_ = !ways.empty() && list_->bodies().bodies() == world.size();
+  const bool known = goes_on(world);
+  if (!known || !ways_known_ || wear_.size() != ways.size()) return wear_.clear(), false;
   constexpr double nearly = 1.0 - 1e-6;  // sums are rounded
   worn_ = {}, doubtful_.clear();
+  const FatBodies& bodies = list_->bodies();
+  const ListFrame now = bodies.frame(world);
+  // what the cell flows past: ways of bodies that are held, and of a frame that drifts
+  const bool all = now.flows() && (bodies.holds_bounded() || !now.common.isZero(0.0));
   for (std::size_t b = 0; b < ways.size(); ++b)
-    if ((wear_[b] += ways[b]) >= nearly) doubtful_.push_back(b);
+    if ((wear_[b] += ways[b]) + now.strain_wear >= nearly || all) doubtful_.push_back(b);
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
   std::vector<Wear>& found = block_results<Wear>(doubtful_.size(), Wear{});
   parallel_for(
@@ -44,11 +63,13 @@ bool WornPairs::keeps_pairs(const World& world) {
       [&](std::size_t k) {
         const std::size_t begin = doubtful_[k] * model()->block_size();
         const std::size_t end = std::min(begin + model()->block_size(), world.size());
-        found[k] = list_->bodies().wear(begin, end, at, world.time);
-        wear_[doubtful_[k]] = found[k].most;
+        found[k] = bodies.wear(begin, end, at, now);
+        wear_[doubtful_[k]] = found[k].most - now.strain_wear;
       },
       1);
-  bool keeps = true;
+  const double planes = bodies.plane_wear(world, now);
+  worn_.out = planes > 1.0;
+  bool keeps = planes < nearly;
   for (const Wear& w : found) worn_ += w.worn, keeps = keeps && w.most < nearly;
   return keeps;
 }
@@ -80,7 +101,9 @@ void SphereSplit::read_bodies(const World& world) {
     radius[i] = free ? spheres[ShapeRef{world.shape[s]}.index()].radius : 0.0;
   });
   alone_ = block_max<char>(world.size(), 0, [&](std::size_t i) {
-             return static_cast<char>(!(radius[i] > 0.0) && !roles_.is_fixed(world, static_cast<Slot>(i)));
+             const bool sphere = radius[i] > 0.0;
+             const bool plane = ShapeRef{world.shape[i]}.type() == ShapeStore::type_of<HalfSpace>();
+             return static_cast<char>(!sphere && !plane && !roles_.is_fixed(world, static_cast<Slot>(i)));
            }) == 0;
   model_.set_bodies(std::move(radius));
 }

@@ -10,7 +10,7 @@
 
 namespace epafi {
 
-/// The list of a scene with many spheres: while the ways that the model knows of add up to less than the margins in a
+/// The list of a scene with many spheres, and half-spaces that may move: while the ways that the model knows of add up to less than the margins in a
 /// block nobody looks at its bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all
 /// bytes of a step).
 class WornPairs final : public BroadPhase {
@@ -28,6 +28,7 @@ class WornPairs final : public BroadPhase {
   void visit(StateVisitor& visitor) override { wear_.clear(), list_->visit(visitor); }
 
  private:
+  bool goes_on(const World& world);
   /// Null where it is another one.
   FusedSpheres* model() const { return dynamic_cast<FusedSpheres*>(pipeline_.contact_model.get()); }
 
@@ -35,6 +36,8 @@ class WornPairs final : public BroadPhase {
   const Pipeline& pipeline_;
   std::vector<double> wear_;  ///< by block of the model: at least the largest wear of its bodies; empty: not known
   bool ways_known_ = false;   ///< in this step
+  Vec3 cell_size_ = Vec3::Zero();     ///< as wear_ knows it, in a periodic cell [m]
+  std::vector<Wraps> wraps_;          ///< the same: whoever was put back into the cell has gone elsewhere
   Worn worn_;                 ///< what was seen when the list ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
 };
@@ -58,7 +61,7 @@ class SphereSplit final : public NarrowPhase {
   FusedSpheres& model_;
   SphereRoles roles_;
   bool known_ = false;      ///< the bodies are in the slots in which the model has seen them
-  bool alone_ = false;      ///< nothing moves but free spheres
+  bool alone_ = false;      ///< nothing moves but free spheres and half-spaces
   std::size_t bodies_ = 0;  ///< as many as there were then
   std::uint64_t generation_ = 0;
 };

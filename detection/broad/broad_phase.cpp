@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "detection/broad/periodic_pairs.h"
 #include "engine/parallel_order.h"
 
 namespace epafi {
@@ -13,7 +14,7 @@ void ListBroadPhase::see_time(double now) {
 
 bool ListBroadPhase::keeps_pairs(const World& world) {
   see_time(world.time);
-  if (world.size() != bodies_.size()) valid_ = known_ = false;
+  if (world.size() != bodies_.bodies()) valid_ = known_ = false;
   if (!valid_) return false;
   const Worn worn = bodies_.worn(world);
   worn_by_slow_ = worn.by_slow;
@@ -34,8 +35,15 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_
   collect(bodies_, collector_);
   if (many) rest();
   if (lean) give_back_heap(), bodies_.rest_balls(), give_back_heap();
-  collector_.finish(pairs.pairs);
-  if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
+  if (world.cell) {
+    collector_.finish(found_);
+    name_images(world, bodies_.images, found_, pairs.pairs);
+    if (many) let_go(found_);
+    if (setup_.spheres.wanted) take_spheres(world, setup_.spheres, pairs);
+  } else {
+    collector_.finish(pairs.pairs);
+    if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
+  }
   pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(), pairs.hurry = bodies_.hurry;
   ++pairs.generation;
   valid_ = true;

@@ -25,7 +25,7 @@ class ListBroadPhase : public BroadPhase {
   /// The next call builds anew: the list names slots.
   void reorder(const Reordering&) override {
     valid_ = known_ = false;
-    if (bodies_.size() >= many_bodies) bodies_.rest();
+    if (bodies_.bodies() >= many_bodies) bodies_.rest();
   }
   void visit(StateVisitor&) override { known_ = false; }  ///< it may be another state that comes in
   const FatBodies& bodies() const { return bodies_; }
@@ -35,12 +35,14 @@ class ListBroadPhase : public BroadPhase {
   virtual void collect(const FatBodies& bodies, PairCollector& collector) = 0;
   /// Lets go of what is needed while candidates are collected only: 60 of 600 bytes a sphere.
   virtual void rest() {}
-  bool slots_changed() const { return !valid_; }  ///< within collect: what was kept by slot is void
+  /// Within collect: what was kept by slot is void. Slots of images name others in every list.
+  bool slots_changed() const { return !valid_ || !bodies_.images.empty(); }
 
  private:
   BroadSetup setup_;
   FatBodies bodies_;
   PairCollector collector_;
+  PairColumn found_;  ///< with images, in a periodic cell
   bool valid_ = false;
   bool worn_by_slow_ = false;    ///< as the last look at all bodies says
   bool known_ = false;           ///< the bodies are in the slots in which bodies_ has seen them

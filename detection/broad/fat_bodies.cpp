@@ -31,13 +31,6 @@ constexpr double least_common = 0.25;                    // of the mean motion: 
 constexpr double headroom = 1.25;                        // bodies speed up between rebuilds
 constexpr double least_steps = 4.0, most_steps = 512.0;  // of one list
 
-/// Distance by which a point of the body moves per second beside the drift, at most [m/s].
-double surface_speed(const World& world, Slot s, double turning_radius, const Vec3& drift) {
-  const double v = std::sqrt((world.velocity[s] - drift).squaredNorm());
-  const double w2 = world.rotates() ? world.angular_velocity[s].squaredNorm() : 0.0;
-  return w2 > 0.0 && turning_radius > 0.0 ? v + std::sqrt(w2) * turning_radius : v;
-}
-
 Vec3 mean_velocity(const World& world, const std::vector<char>& immovable) {
   const auto moves = [&](std::size_t i) { return !immovable[i] && world.velocity[i].allFinite(); };
   const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
@@ -47,6 +40,26 @@ Vec3 mean_velocity(const World& world, const std::vector<char>& immovable) {
   const auto count = block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{moves(i)}; });
   return Vec3(sum.a, sum.b, sum.c) / std::max(1.0, static_cast<double>(count));
 }
+
+constexpr double most_spread = 4.0;  // of the root mean square along an axis: whoever is further off is a stray
+
+/// Largest f(corner) of the box; -infinity where there is none.
+template <class F>
+double most_of_corners(const Aabb& box, const F& f) {
+  double most = -infinity;
+  if (!(box.min.array() <= box.max.array()).all()) return most;
+  for (unsigned k = 0; k < 8; ++k) {
+    const auto at = [&](int axis) { return (k >> axis & 1u) != 0 ? box.max[axis] : box.min[axis]; };
+    most = std::max(most, f(Vec3(at(0), at(1), at(2))));
+  }
+  return most;
+}
+
+/// Velocity of what a deforming cell carries along at x [m/s].
+Vec3 flow_at(const World& world, const Vec3& x) {
+  return world.cell ? Vec3(world.cell->strain_rate.cwiseProduct(x - world.cell->low)) : Vec3(Vec3::Zero());
+}
+
 }  // namespace
 
 double median_radius(const World& world, const ShapeStore& shapes) {
@@ -84,7 +97,7 @@ double FatBodies::corner_depth(Slot i, const ApartPlane& p) const {
 FatBodies::FatBodies() : most_margin_(most_margin), least_share_(least_margin) {}
 
 void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
-  if (!boxes.empty() || !(step_time > 0.0) || world.size() != size()) return;  // pairs of other shapes cost more
+  if (!boxes.empty() || !(step_time > 0.0) || world.size() != bodies()) return;  // pairs of other shapes cost more
   const double life = (world.time - taken_at_) / step_time, best = best_share_times_life / least_share_;
   if (worn_by_slow && life < best)
     least_share_ = std::min(1.4 * least_share_, most_learned);
@@ -94,14 +107,19 @@ void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
 
 void FatBodies::update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies) {
   const double since = world.time - std::exchange(taken_at_, world.time);
+  images.clear();
   if (!same_bodies) read_shapes(world, setup), median_radius_ = median_radius(world, *setup.shapes);
+  if (world.cell) cell_size_ = world.cell->size;
+  if (loose_planes_) look_around(world, *setup.shapes);
   const double steps = choose_drift(world, setup, step_time, since);
   fatten(world, setup, step_time, steps);
   set_apart(world, *setup.shapes, same_bodies);
   set_planes(world, setup, step_time, steps);
+  if (world.cell) add_images(world);
 }
 
 void FatBodies::rest() {
+  let_go(images);
   let_go(boxes), let_go(ball), let_go(half), let_go(radius), let_go(hurry), let_go(id), let_go(type);
   let_go(immovable), let_go(role), let_go(orientation), let_go(ordinary), let_go(apart), let_go(plane);
   let_go(sphere_planes), let_go(slow_), places_ = {};
@@ -123,7 +141,8 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   places_ = {};
   ball.clear(), ball.reserve(n), ball.resize(n);  // no more than that: a large page is taken as a whole
   hurry.resize(n), slow_.resize(n);
-  id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted ? n : 0);
+  // with images pairs of spheres are told from the others once they are named
+  id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted && !world.cell ? n : 0);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     id[i] = static_cast<std::uint32_t>(world.id[s]);
@@ -136,6 +155,14 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
            }) == 0;
   half.resize(round_ ? 0 : n), radius.resize(round_ ? 0 : n);
   parallel_for(radius.size(), [&](std::size_t i) { radius[i] = setup.shapes->bounding_radius({world.shape[i]}); });
+  const auto any = [&](const auto& is) {
+    return block_max<char>(n, 0, [&](std::size_t i) { return static_cast<char>(is(i)); }) != 0;
+  };
+  loose_planes_ = any([&](std::size_t i) { return is_loose_plane(i); });
+  holds_bounded_ = any([&](std::size_t i) { return immovable[i] && !is_half_space(i); });
+  most_radius_ = block_max<double>(radius.size(), 0.0, [&](std::size_t i) {
+    return is_sphere(i) || is_half_space(i) ? 0.0 : radius[i];
+  });
 }
 
 /// Of the bodies that move, in radii a step, beside the drift.
@@ -143,7 +170,7 @@ double FatBodies::mean_motion(const World& world, const BroadSetup& setup, doubl
   const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
     const double r = radius_of(world, *setup.shapes, i);
     if (immovable[i] || !(r > 0.0)) return Sum3{};
-    const double speed = surface_speed(world, static_cast<Slot>(i), turning_radius(i), drift_.velocity);
+    const double speed = speed_of(world, static_cast<Slot>(i), *setup.shapes, drift_.velocity);
     return Sum3{step_time * speed / r, 1.0, 0.0};
   });
   return sum.b > 0.0 ? sum.a / sum.b : 0.0;
@@ -178,9 +205,9 @@ double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup,
   if (setup.margin > 0.0) return setup.margin;
   const double radius = radius_of(world, *setup.shapes, s);
   const Vec3 frame = drift_.velocity_at(immovable[s] ? 0.5 * steps * step_time : 0.0);  // the others fall with it
-  const double step = step_time * surface_speed(world, s, turning_radius(s), frame), small = 4.0 * median_radius_;
+  const double step = step_time * speed_of(world, s, *setup.shapes, frame), small = 4.0 * median_radius_;
   const double wanted = 2.0 * headroom * steps * step;
-  if (!std::isfinite(wanted)) return 0.0;  // a turning half-space: its list lasts one step
+  if (!std::isfinite(wanted)) return 0.0;
   if (immovable[s]) return std::min(wanted, most_margin * small);
   return std::clamp(wanted, least_share_ * std::min(radius, small), most_margin_ * radius);
 }
@@ -194,10 +221,11 @@ void FatBodies::see_strays(const World& world, const BroadSetup& setup, double s
     return margin_of(world, static_cast<Slot>(i), setup, step_time, steps) >
            most_margin * radius_of(world, *setup.shapes, i);
   };
+  const bool may = setup.strays && !world.cell;  // the images of all bodies would stand in so large a region
   const auto swift =
-      setup.strays ? block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{is_swift(i)}; }) : 0;
+      may ? block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{is_swift(i)}; }) : 0;
   const bool few =
-      setup.strays && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
+      may && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
   if (!few) most_margin_ = most_margin;
 }
 
@@ -215,7 +243,7 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_
     const double r = radius_of(world, *setup.shapes, i);
     const double margin = margin_of(world, s, setup, step_time, steps);
     hurry[i] = 2.0 < margin * double{most_hurry} ? static_cast<float>((1.0 + 0x1p-23) * 2.0 / margin) : most_hurry;
-    slow_[i] = margin <= 1.001 * least_share_ * r;
+    slow_[i] = std::isfinite(r) && margin <= 1.001 * least_share_ * r;
     if (world.has_orientation()) orientation[i] = world.orientation[s];
     const Vec3& x = world.position[s];
     const double fat = fattening(world, s, setup, margin);
@@ -228,12 +256,19 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_
     boxes[i] = setup.shapes->bounding_box(world, s).fattened(fat);
     half[i] = std::max((boxes[i].max - x).maxCoeff(), (x - boxes[i].min).maxCoeff());
   });
+  if (!world.cell) return;
+  strain_hurry_ = block_max<double>(world.size(), 0.0, [&](std::size_t i) {
+    const double size = std::max(ball[i].r, half_of(i));
+    return std::isfinite(radius_of(world, *setup.shapes, i)) && size > 0.0 ? size * double{hurry[i]} : 0.0;
+  });
 }
 
 void FatBodies::set_apart(const World& world, const ShapeStore& shapes, bool same_bodies) {
   // a body that is nowhere has no neighbours: whoever watches the state reports it
   const auto is_somewhere = [&](std::size_t s) { return position(s).allFinite() && half_of(s) >= 0.0; };
   const bool all = block_max<char>(size(), 0, [&](std::size_t s) { return static_cast<char>(!is_somewhere(s)); }) == 0;
+  for (std::vector<Slot>* const list : {&ordinary, &apart})  // images stood behind the bodies
+    list->erase(std::ranges::lower_bound(*list, static_cast<Slot>(size())), list->end());
   if (same_bodies && all && complete_) return;
   complete_ = all;
   const auto radius_at = [&](std::size_t s) { return radius_of(world, shapes, s); };
@@ -256,6 +291,7 @@ void FatBodies::set_planes(const World& world, const BroadSetup& setup, double s
     if (type[s] != ShapeStore::type_of<HalfSpace>()) continue;
     p.normal = world.pose(s).orientation * setup.shapes->of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
     p.point = position(s), p.reach = fattening(world, s, setup, margin_of(world, s, setup, step_time, steps));
+    p.loose = is_loose_plane(s);
     if (role.empty() || role[s] != SphereRole::plane) continue;
     p.place = SpherePairs::plane | static_cast<Slot>(sphere_planes.size());
     sphere_planes.push_back(s);
@@ -264,26 +300,119 @@ void FatBodies::set_planes(const World& world, const BroadSetup& setup, double s
 
 /// Its surface has moved by more than half its margin. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|,
 /// as |q - q0| = 2 sin(t/4).
-inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates, const Vec3& common) const {
-  const double moved = way(i, world.position[i] - common), allowed = half_margin(i);
+inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates, const ListFrame& now) const {
+  if (is_loose_plane(i)) return false;  // plane_wear says it
+  const double moved = now.growth() * way(i, now.back(world.position[i]));
+  const double allowed = half_margin(i) * (1.0 - now.strain_wear);
   if (moved > allowed || !rotates || !(turning_radius(i) > 0.0)) return moved > allowed;
   const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).norm();
-  return turn > 0.0 && moved + 2.0 * turning_radius(i) * turn > allowed;  // a half-space: infinite
+  return turn > 0.0 && moved + 2.0 * turning_radius(i) * turn > allowed;  // a half-space that never moves: infinite
+}
+
+ListFrame FatBodies::frame(const World& world) const {
+  ListFrame now;
+  now.common = drift_.way(world.time - taken_at_);
+  if (!world.cell) return now;
+  now.take_cell(*world.cell, cell_size_);
+  if (now.flows()) now.strain_wear = now.strain * strain_hurry_;
+  return now;
 }
 
 Worn FatBodies::worn(const World& world) const {
-  if (world.size() != size()) return {true, false};
+  if (world.size() != bodies()) return {true, false};
   const auto any = [&](const auto& f) {
-    return block_max<char>(size(), 0, [&](std::size_t i) { return static_cast<char>(f(i)); }) != 0;
+    return block_max<char>(bodies(), 0, [&](std::size_t i) { return static_cast<char>(f(i)); }) != 0;
   };
   const bool rotates = world.has_orientation();
-  const Vec3 common = drift_.way(world.time - taken_at_);
-  if (!any([&](std::size_t i) { return is_beyond(world, i, rotates, common); })) return {};
-  return {true, any([&](std::size_t i) { return slow_[i] != 0 && is_beyond(world, i, rotates, common); })};
+  const ListFrame now = frame(world);
+  const bool bodies_beyond = any([&](std::size_t i) { return is_beyond(world, i, rotates, now); });
+  if (!bodies_beyond) return {plane_wear(world, now) > 1.0, false};
+  return {true, any([&](std::size_t i) { return slow_[i] != 0 && is_beyond(world, i, rotates, now); })};
 }
 
 double FatBodies::largest_margin() const {
   return block_max<double>(hurry.size(), 0.0, [&](std::size_t i) { return 2.0 * half_margin(i); });
+}
+
+// --- half-spaces that move: the distance of a point from a plane changes by an affine function of the point, so its
+// extremes over a box are at the corners. A plane that turns sweeps far away at any speed, but lists only know bodies
+// that are somewhere.
+
+/// Finds the box of the free bodies: all of them but those that are far off, which every such half-space lists.
+void FatBodies::look_around(const World& world, const ShapeStore& shapes) {
+  const auto counts = [&](std::size_t i) {
+    return !immovable[i] && world.position[i].allFinite() && std::isfinite(shapes.bounding_radius({world.shape[i]}));
+  };
+  const auto sum = [&](const auto& of) {
+    const Sum3 all = block_sum<Sum3>(world.size(), [&](std::size_t i) {
+      const Vec3 x = counts(i) ? Vec3(of(i)) : Vec3(Vec3::Zero());
+      return Sum3{x.x(), x.y(), x.z()};
+    });
+    return Vec3(all.a, all.b, all.c);
+  };
+  const auto count = static_cast<double>(
+      block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{counts(i)}; }));
+  around = {};
+  if (!(count > 0.0)) return;
+  const Vec3 mean = sum([&](std::size_t i) { return Vec3(world.position[i]); }) / count;
+  const Vec3 square = sum([&](std::size_t i) { return Vec3((world.position[i] - mean).cwiseAbs2()); }) / count;
+  const Vec3 spread = most_spread * square.cwiseSqrt();
+  struct Box {
+    Aabb all;
+    Box& operator+=(const Box& o) {
+      all.include(o.all);
+      return *this;
+    }
+  };
+  around = block_sum<Box>(world.size(), [&](std::size_t i) {
+             Box one;
+             if (counts(i) && ((world.position[i] - mean).array().abs() <= spread.array()).all())
+               one.all.include(world.position[i]);
+             return one;
+           }).all;
+}
+
+/// At which it may come nearer to a body that moves with the drift, or flees from it [m/s].
+double FatBodies::plane_speed(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const {
+  if (!is_loose_plane(s)) return world.velocity[s].norm() + drift.norm();
+  const Vec3 n = world.pose(s).orientation * shapes.of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
+  const Vec3 turning = world.rotates() ? Vec3(Vec3(world.angular_velocity[s]).cross(n)) : Vec3(Vec3::Zero());
+  const Vec3 point = world.position[s], velocity = drift - world.velocity[s];
+  const double most = most_of_corners(around, [&](const Vec3& x) {
+    return std::abs(turning.dot(x - point) + n.dot(velocity + flow_at(world, x)));
+  });
+  return std::max(most, 0.0) + most_radius_ * turning.norm();
+}
+
+/// Distance by which a point of the body moves per second beside the drift and the flow of the cell, at most [m/s].
+double FatBodies::speed_of(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const {
+  if (is_half_space(s)) return plane_speed(world, s, shapes, drift);
+  const double turned = turning_radius(s);
+  Vec3 beside = world.velocity[s] - drift;
+  if (immovable[s] && world.cell) beside -= flow_at(world, world.position[s]);
+  const double v = std::sqrt(beside.squaredNorm());
+  const double w2 = world.rotates() ? world.angular_velocity[s].squaredNorm() : 0.0;
+  const double moves = w2 > 0.0 && turned > 0.0 ? v + std::sqrt(w2) * turned : v;
+  return world.cell ? moves + world.cell->strain_rate.cwiseAbs().maxCoeff() * radius_of(world, shapes, s) : moves;
+}
+
+double FatBodies::plane_wear(const World& world, const ListFrame& now) const {
+  double most = 0.0;
+  for (std::size_t k = 0; k < plane.size(); ++k) {
+    const ApartPlane& p = plane[k];
+    if (!p.is_plane() || !p.loose) continue;
+    const Slot s = apart[k];
+    const bool turns = world.has_orientation();
+    const Quat turn = turns ? Quat(world.orientation[s] * orientation[s].conjugate()) : Quat(1, 0, 0, 0);
+    const Vec3 n = turns && world.orientation[s].coeffs() != orientation[s].coeffs() ? Vec3(turn * p.normal) : p.normal;
+    const Vec3 point = world.position[s];
+    const double nearer = most_of_corners(around, [&](const Vec3& x) {
+      return (p.normal - n).dot(x - p.point) + n.dot(Vec3(point - p.point - now.way_from(x)));
+    });
+    const double beyond = nearer + most_radius_ * (n - p.normal).norm();
+    most = std::max(most, beyond * double{hurry[s]});
+  }
+  return most;
 }
 
 }  // namespace epafi

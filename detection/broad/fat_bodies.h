@@ -3,6 +3,8 @@
 /// their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all lists are the same.
 /// Ways of bodies are those in a frame that moves as most of them do (engine/drift.h): a pair comes closer by as much as its
 /// bodies' ways in any one frame, and 20 000 spheres that fall into a hopper ask for half as many lists (17.5 to 10.9 ns a step).
+/// A half-space wears by how much nearer it has come to the places of the bodies, wherever its own point has gone.
+/// In a periodic cell images stand behind the bodies (detection/broad/periodic_pairs.h), with the margins of their bodies.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -12,6 +14,8 @@
 
 #include "detection/aabb.h"
 #include "detection/broad/coarse_places.h"
+#include "detection/broad/list_frame.h"
+#include "detection/broad/periodic_pairs.h"
 #include "detection/broad/sphere_roles.h"
 #include "detection/shape_store.h"
 #include "engine/drift.h"
@@ -33,7 +37,7 @@ struct BroadSetup {
   double margin = 0.0;  ///< one margin for all bodies [m]; <= 0: each body its own, from its size and motion
   PairFilter filter{};
   SphereRoles spheres{};  ///< which pairs are listed apart from the others
-  bool strays = true;     ///< the few fastest bodies may have margins of many radii; not where images have margins too
+  bool strays = true;     ///< the few fastest bodies may have margins of many radii; not in a periodic cell
 };
 
 /// Fat bounding ball; 32 bytes, so that a candidate costs half a cache line.
@@ -51,6 +55,7 @@ struct ApartPlane {
   Vec3 point = Vec3::Zero();
   double reach = 0.0;          ///< its own fattening [m]
   Slot place = no_slot;        ///< of that role: as SpherePairs lists it
+  bool loose = false;          ///< it may move: bodies outside FatBodies::around are always near it
   bool is_plane() const { return normal.squaredNorm() > 0.0; }
 };
 
@@ -80,10 +85,11 @@ double largest_ordinary(std::size_t count, double median, const std::function<do
 struct FatBodies {
   FatBodies();
   std::vector<Aabb> boxes;             ///< fat, world axes [m]; empty where all are spheres and half-spaces: their balls say it
-  UnwrittenColumn<Ball> ball;          ///< fat, about the centre of mass [m]
+  UnwrittenColumn<Ball> ball;          ///< fat, about the centre of mass [m]; behind the bodies those of images
   std::vector<double> half;            ///< as half_of; with boxes
   std::vector<double> radius;          ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
-  std::vector<float> hurry;            ///< 1/half the margin or little more [1/m]; of a margin of 0 most_hurry
+  std::vector<float> hurry;            ///< 1/half the margin or little more [1/m]; of a margin of 0 most_hurry; no images
+  std::vector<CellImage> images;       ///< of bodies, in a periodic cell
   std::vector<std::uint32_t> id;
   std::vector<std::uint8_t> type;
   std::vector<char> immovable;
@@ -93,10 +99,13 @@ struct FatBodies {
   std::vector<Slot> apart;             ///< unbounded ones and a few giants, ascending: tested one by one against all
   std::vector<ApartPlane> plane;       ///< of apart[k]
   std::vector<Slot> sphere_planes;     ///< half-spaces of that role, ascending
+  Aabb around;                         ///< centres of all free bodies but strays, where half-spaces may move [m]
   bool only_spheres = false;           ///< every pair is one of PairList::spheres
   bool ordered_spheres = false;        ///< all ordinary bodies are such spheres, and none apart is
 
-  std::size_t size() const { return hurry.size(); }
+  std::size_t bodies() const { return hurry.size(); }
+  /// With images.
+  std::size_t size() const { return hurry.size() + images.size(); }
   /// Fat, world axes [m].
   Aabb box(std::size_t i) const {
     return boxes.empty() ? Aabb{position(i) - Vec3::Constant(ball[i].r), position(i) + Vec3::Constant(ball[i].r)} : boxes[i];
@@ -112,6 +121,7 @@ struct FatBodies {
   bool near(Slot i, Slot j) const { return ball[i].overlaps(ball[j]) && (boxes.empty() || boxes[i].overlaps(boxes[j])); }
   /// The fat body reaches the fattened half-space.
   bool near_plane(Slot i, const ApartPlane& p) const {
+    if (p.loose && !is_around(position(i))) return true;
     const double depth = p.normal.dot(position(i) - p.point) - ball[i].r;
     return (boxes.empty() ? depth : std::max(depth, corner_depth(i, p))) <= p.reach;
   }
@@ -121,20 +131,30 @@ struct FatBodies {
   }
 
   /// Takes everything from the world; step_time is dt [s] where it is known, else 0 (margins from sizes alone).
-  /// same_bodies: in the same slots as at the last call.
+  /// same_bodies: in the same slots as at the last call. With images, where the world has a cell.
   void update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies);
   /// The list is worn: how long it lasted says how large the margins of slow bodies ought to be. Before update.
   void learn(const World& world, double step_time, bool worn_by_slow);
   /// Whether some body has moved by more than half its margin, and a slow one too.
   Worn worn(const World& world) const;
-  /// Of spheres, or bodies that stay: at(s) says where slot s of [begin, end) is at time `now`.
+  /// Of spheres, or bodies that stay: at(s) says where slot s of [begin, end) is now. Half-spaces that may move are
+  /// left out.
   template <class At>
-  Wear wear(std::size_t begin, std::size_t end, const At& at, double now) const {
+  Wear wear(std::size_t begin, std::size_t end, const At& at, const ListFrame& now) const {
     Wear most;
-    const Vec3 common = drift_.way(now - taken_at_);
-    for (std::size_t s = begin; s < end; ++s) most.see(way(s, at(s) - common) * double{hurry[s]}, slow_[s] != 0);
+    const double growth = now.growth();
+    for (std::size_t s = begin; s < end; ++s)
+      if (!is_loose_plane(s))
+        most.see(growth * way(s, now.back(at(s))) * double{hurry[s]} + now.strain_wear, slow_[s] != 0);
     return most;
   }
+  /// How much nearer the half-spaces that may move have come to where the bodies are, over half their margins: the
+  /// largest.
+  double plane_wear(const World& world, const ListFrame& now) const;
+  /// Since the last update.
+  ListFrame frame(const World& world) const;
+  /// Some bounded body is fixed or driven: a cell that deforms flows past it.
+  bool holds_bounded() const { return holds_bounded_; }
   double largest_margin() const;
   /// From `now` on: the frame in which margins hold.
   Drift drift(double now) const { return {drift_.velocity_at(now - taken_at_), drift_.acceleration}; }
@@ -158,6 +178,18 @@ struct FatBodies {
   bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
   std::vector<char> slow_;  ///< has the least margin of its size
   CoarsePlaces places_;     ///< instead of balls
+  bool loose_planes_ = false;       ///< some half-space may move
+  bool holds_bounded_ = false;
+  double most_radius_ = 0.0;        ///< of bodies that are no spheres [m]
+  double strain_hurry_ = 0.0;       ///< largest fat radius over half its margin, in a periodic cell
+  Vec3 cell_size_ = Vec3::Ones();   ///< at the last update [m]
+  bool is_half_space(std::size_t i) const { return !type.empty() && type[i] == ShapeStore::type_of<HalfSpace>(); }
+  bool is_loose_plane(std::size_t i) const {
+    return is_half_space(i) && (role.empty() || role[i] != SphereRole::plane);
+  }
+  bool is_around(const Vec3& x) const {
+    return (x.array() >= around.min.array()).all() && (x.array() <= around.max.array()).all();
+  }
   bool is_sphere(std::size_t i) const { return type[i] == ShapeStore::type_of<Sphere>(); }
   double radius_of(const World& world, const ShapeStore& shapes, std::size_t i) const {
     return round_ ? shapes.bounding_radius({world.shape[i]}) : radius[i];
@@ -168,7 +200,7 @@ struct FatBodies {
     return places_.empty() ? (x - position(i)).norm() : places_.way(i, x);
   }
   double half_margin(std::size_t i) const { return 1.0 / double{hurry[i]}; }
-  bool is_beyond(const World& world, std::size_t i, bool rotates, const Vec3& common) const;
+  bool is_beyond(const World& world, std::size_t i, bool rotates, const ListFrame& now) const;
   double corner_depth(Slot i, const ApartPlane& p) const;
   double margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const;
   double mean_motion(const World& world, const BroadSetup& setup, double step_time) const;
@@ -178,6 +210,10 @@ struct FatBodies {
   void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);
   void set_apart(const World& world, const ShapeStore& shapes, bool same_bodies);
   void set_planes(const World& world, const BroadSetup& setup, double step_time, double steps);
+  void look_around(const World& world, const ShapeStore& shapes);
+  void add_images(const World& world);
+  double speed_of(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const;
+  double plane_speed(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const;
 };
 
 }  // namespace epafi

@@ -1,47 +1,23 @@
-/// @file periodic_pairs.h  Pairs of a periodic cell, by any broad phase: it is shown the bodies and the images of those
-/// that reach over a face. Images are held bodies to it, so that no two of them pair. Only periodic scenes pay.
+/// @file periodic_pairs.h  Images of bodies in a periodic cell, behind the bodies of a list, and the pairs they stand for.
+/// A pair (i, image j + s) is also (j, image i - s): of free bodies images along one half of all directions are enough.
+/// Images are held bodies to the list, so that no two of them pair; of bodies that are held themselves all directions
+/// are needed. Only bodies whose fat box comes over a face into the region of the others have images.
 #pragma once
-#include <memory>
+#include <vector>
 
-#include "detection/broad/broad_phase.h"
+#include "engine/contacts.h"
+#include "engine/periodic_cell.h"
 
 namespace epafi {
 
-class PeriodicPairs final : public BroadPhase {
- public:
-  /// inner: lists all pairs, those of spheres among them.
-  PeriodicPairs(BroadSetup setup, std::unique_ptr<BroadPhase> inner);
-  const char* name() const override { return inner_->name(); }
-  /// Pair::image holds image_code of B's place in the low byte, of its place along unwrapped paths (the key of the
-  /// contact) in the next. Sorted by bodies and key.
-  void find_pairs(const World& world, PairList& pairs) override;
-  void reorder(const Reordering& change) override { valid_ = false, inner_->reorder(change); }
-
- private:
-  struct Image {
-    Slot of;
-    Wraps step;  ///< -1, 0, 1 along each axis
-  };
-  void choose_images(const World& world);
-  /// Of slot i of shown_.
-  Slot of(const World& world, std::size_t i) const {
-    return i < world.size() ? static_cast<Slot>(i) : images_[i - world.size()].of;
-  }
-  static Vec3 place_of(const World& world, const Image& image) {
-    return world.position[image.of] + world.cell->shift(image_code(image.step));
-  }
-  void follow(const World& world);
-  void show(const World& world);
-  void translate(const World& world, PairColumn& pairs) const;
-  double fat_radius(const World& world, Slot s) const;
-
-  BroadSetup setup_;
-  std::unique_ptr<BroadPhase> inner_;
-  ListBroadPhase* list_;  ///< inner_
-  World shown_;
-  std::vector<Image> images_;
-  PairList found_;
-  bool valid_ = false;
+struct CellImage {
+  Slot of;
+  std::int8_t x, y, z;  ///< -1, 0, 1: cells from the body
+  Wraps step() const { return {x, y, z}; }
 };
+
+/// Puts the bodies' own slots and the image codes (as Pair::image) into pairs in which slots from `bodies` on are
+/// images. Sorted by bodies and key.
+void name_images(const World& world, const std::vector<CellImage>& images, const PairColumn& found, PairColumn& pairs);
 
 }  // namespace epafi

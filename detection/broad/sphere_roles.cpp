@@ -21,7 +21,9 @@ void take_spheres(const World& world, const SphereRoles& roles, PairList& pairs)
   const std::size_t n = world.size();
   SpherePairs& out = pairs.spheres;
   const auto slot = [](std::size_t s) { return static_cast<Slot>(s); };
-  const auto is = [&](std::size_t s, SphereRole role) { return roles.of(world, slot(s)) == role; };
+  std::vector<SphereRole> role_of(n);
+  parallel_for(n, [&](std::size_t s) { role_of[s] = roles.of(world, slot(s)); });
+  const auto is = [&](std::size_t s, SphereRole role) { return role_of[s] == role; };
   parallel_select(
       n, [&](std::size_t s) { return is(s, SphereRole::plane); }, slot, out.planes);
   const auto takes = [&](const Pair& p) {

@@ -440,7 +440,7 @@ TEST_CASE("without balls the ways of bodies are little more than they are, never
       at[s] = exact.position(s) + random_point(random, 1.0) * (s % 3 == 0 ? 1e-6 : 0.6) / double{exact.hurry[s]};
     for (std::size_t s = 0; s < at.size(); ++s) {
       const auto now = [&](std::size_t i) -> const Vec3& { return at[i]; };
-      const double way = exact.wear(s, s + 1, now, 0.0).most, known = coarse.wear(s, s + 1, now, 0.0).most;
+      const double way = exact.wear(s, s + 1, now, {}).most, known = coarse.wear(s, s + 1, now, {}).most;
       CHECK(known >= way * (1.0 - 1e-12));
       CHECK(known <= way + 2.3e-7 * edge * double{exact.hurry[s]});  // 2^-23 + sqrt(3) 2^-24 of what a group extends
     }

@@ -2,7 +2,6 @@
 /// reference of the other.
 #pragma once
 #include "detection/broad/all_broad_phases.h"
-#include "detection/broad/periodic_pairs.h"
 #include "detection/narrow/narrow_phase.h"
 #include "scenes/contact_setup.h"
 #include "tests/support/scene_run.h"
@@ -16,9 +15,7 @@ inline SceneRun unfused(SceneRun run) {
   a.simulation->pipeline.contact_model = make_contact_model(a.scene);
   const World& world = a.simulation->world;
   BroadSetup all{a.shapes.get(), a.plan.reach};  // no pair is listed apart
-  auto list = make_broad_phase("spatial-hash", all, world);
-  if (world.cell) list = std::make_unique<PeriodicPairs>(all, std::move(list));
-  a.simulation->pipeline.broad_phase = std::move(list);
+  a.simulation->pipeline.broad_phase = make_broad_phase("spatial-hash", all, world);
   return run;
 }
 

@@ -102,7 +102,7 @@ class FusedModel final : public FusedSpheres {
     hurry_ = list.hurry, tells_forces_ = list.others || hurry_.empty();
     if (!radius_.empty()) find_materials(world);
     blocks_.rebuild(world, list);
-    if (SpherePairs* const lent = std::exchange(lent_, nullptr)) let_go(lent->first), let_go(lent->partner);
+    if (SpherePairs* const lent = std::exchange(lent_, nullptr)) let_go(lent->first), let_go(lent->partner), let_go(lent->image);
   }
 
   bool move(World& world, const StepClock& clock) override {

@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""What a step costs where walls turn, cells strain and bodies come: rows as multiples of the settled bed in the same run.
+   python3 perf/scenes.py build/bin/epafi [row ...]
+Each scene is settled, then resumed for some steps and for three times as many: the difference of the processor times on
+one thread is that of the steps alone, and the two beds before and after a row say how busy the machine was. Beside
+each row the open part of its energy balance, and whether 1, 2 and 3 threads end in the same state."""
+import json
+import math
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HEAD = """[run]
+duration = 10.0
+time_step = 5e-5
+output_interval = 100.0
+[material.bead]
+density = 2500.0
+youngs_modulus = 5e6
+poissons_ratio = 0.3
+[contact]
+method = "smooth"
+restitution = {restitution}
+friction = {friction}
+smooth = {{ law = "hertz-mindlin" }}
+[shape.ball]
+sphere = {{ radius = 0.0025 }}
+"""
+
+
+def head(restitution=0.6, friction=0.5):
+    return HEAD.format(restitution=restitution, friction=friction)
+
+
+def fill(count, low, high, more=""):
+    return f"""[[fill]]
+name = "g"
+shape = "ball"
+material = "bead"
+count = {count}
+size = {{ distribution = "uniform", min = 0.9, max = 1.1 }}
+region = {{ box = {{ min = {low}, max = {high} }} }}
+{more}
+"""
+
+
+def plane(name, normal, point, state="fixed = true"):
+    return f"""[[body]]
+name = "{name}"
+shape = {{ half_space = {{ normal = {normal} }} }}
+position = {point}
+material = "bead"
+{state}
+"""
+
+
+def box(edge):
+    walls = [("x", [1, 0, 0], 0), ("X", [-1, 0, 0], edge), ("y", [0, 1, 0], 0), ("Y", [0, -1, 0], edge), ("z", [0, 0, 1], 0)]
+    return "".join(plane(name, n, [edge if k == d and c > 0 else 0 for k in range(3)] if c else [0, 0, 0])
+                   for name, n, c in walls for d in [[abs(v) for v in n].index(1)])
+
+
+GRAVITY = "[world]\ngravity = [0, 0, -9.81]\n"
+
+
+def bed(count=10000):
+    return head() + GRAVITY + box(0.13) + fill(count, [0.001, 0.001, 0.001], [0.129, 0.129, 0.12])
+
+
+def pour():
+    more = 'method = "pour"\nrate = 20000\nvelocity = [0, 0, -2]'
+    return head() + GRAVITY + box(0.13) + fill(20000, [0.004, 0.004, 0.5], [0.126, 0.126, 0.6], more)
+
+
+def drum(planes=48, rate=2.0):
+    text = head() + "[world]\ngravity = [-9.81, 0, 0]\n"
+    turn = f"motion = {{ rotation = {{ axis = [0, 0, 1], rate = {rate}, about = [0, 0, 0] }} }}"
+    for k in range(planes):
+        c, s = math.cos(2 * math.pi * (k + 0.5) / planes), math.sin(2 * math.pi * (k + 0.5) / planes)
+        text += plane(f"p{k}", [-c, -s, 0], [0.12 * c, 0.12 * s, 0], turn)
+    text += plane("front", [0, 0, 1], [0, 0, 0]) + plane("back", [0, 0, -1], [0, 0, 0.14])
+    return text + fill(12000, [-0.08, -0.08, 0.003], [0.08, 0.08, 0.137])
+
+
+def cell(edge, count, more, velocity="", **law):
+    domain = f'[world]\ndomain = {{ min = [0, 0, 0], max = [{edge}, {edge}, {edge}], periodic = ["x", "y", "z"]{more} }}\n'
+    return head(**law) + domain + fill(count, [0, 0, 0], [edge, edge, edge], velocity)
+
+
+ROWS = {  # scene, settled until [s], steps
+    "bed": (bed, 0.3, 300),
+    "drum of 48 turning planes": (drum, 0.1, 200),
+    "straining cell": (lambda: cell(0.1736465692892682, 20000, ", strain_rate = [-0.8, -0.8, -0.8]", 'method = "random"'), 0.3, 100),
+    "periodic gas": (lambda: cell(0.546952419723944, 50000, "", "velocity_deviation = 1.0", restitution=0.95, friction=0.1), 0.01, 60),
+    "pour, 20 000 a second": (pour, 0.3, 200),
+}
+
+
+class Scene:
+    def __init__(self, program, folder, name):
+        scene, until, self.steps = ROWS[name]
+        self.program, self.state, self.copy = program, os.path.join(folder, name), os.path.join(folder, "copy")
+        file = os.path.join(folder, "scene.toml")
+        with open(file, "w") as out:
+            out.write(scene())
+        self.call("run", file, "--until", str(until), "-o", self.state, "--least-output")
+
+    def call(self, *arguments, threads=1):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        subprocess.run([self.program, *arguments, "-t", str(threads), "-q"], check=True, stdout=subprocess.DEVNULL)
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+    def resume(self, steps, threads=1):
+        shutil.rmtree(self.copy, ignore_errors=True)
+        shutil.copytree(self.state, self.copy)
+        seconds = self.call("resume", self.copy, "--steps", str(steps), threads=threads)
+        with open(os.path.join(self.copy, "summary.json")) as file:
+            return seconds, json.load(file)
+
+    def nanoseconds(self):
+        """A body and step; and the summary of the longer run."""
+        short = min(self.resume(self.steps)[0] for _ in range(2))
+        seconds, summary = min((self.resume(3 * self.steps) for _ in range(2)), key=lambda r: r[0])
+        return 1e9 * (seconds - short) / (2 * self.steps * summary["bodies"]), summary
+
+
+def main():
+    program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
+    with tempfile.TemporaryDirectory() as folder:
+        reference = Scene(program, folder, "bed")
+        last = reference.nanoseconds()[0]
+        print(f"{'scene':28} {'bodies':>7} {'ns':>7} {'beds':>6} {'open energy':>12}  threads")
+        for name in ROWS:
+            if name == "bed" or (wanted and not any(w in name for w in wanted)):
+                continue
+            scene = Scene(program, folder, name)
+            cost, summary = scene.nanoseconds()
+            now = reference.nanoseconds()[0]
+            hashes = {scene.resume(scene.steps, threads)[1]["state_hash"] for threads in (1, 2, 3)}
+            print(f"{name:28} {summary['bodies']:7} {cost:7.1f} {2 * cost / (last + now):6.2f} "
+                  f"{summary['energy']['relative_error']:12.2e}  {'same bits' if len(hashes) == 1 else 'DIFFER'}")
+            last = now
+
+
+if __name__ == "__main__":
+    main()
