@@ -1,5 +1,7 @@
 // The default solver: it holds what sweeps cannot, and leaves large piles to them.
+#include "laws/nonsmooth/solvers/auto.h"
 #include "tests/support/catch.h"
+#include "tests/support/contact_worlds.h"
 #include "tests/support/rigid_experiment.h"
 
 using namespace epafi;
@@ -55,4 +57,27 @@ TEST_CASE("a large pile gets the sweeps of pgs and nothing else: the same bits",
   swept.run(8), chosen.run(8);
   CHECK(swept.worst_residual > 1e-6);
   for (Slot s = 0; s < swept.world.size(); ++s) REQUIRE(swept.world.position[s] == chosen.world.position[s]);
+}
+
+TEST_CASE("direct steps end with the credit they were given", "[laws][nonsmooth][adaptive]") {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    INFO("seed " << seed);
+    // 27 spheres that touch their neighbours: no chain, and a factorisation is not too dear
+    ContactProblem problem = lattice_problem(3, 0.4);
+    Random random(seed, 0);
+    for (double& w : problem.offset) w = random.uniform(-0.1, 0.1);
+    Impulses r(problem.size(), Vec3::Zero());
+    // a tolerance below rounding: no method ever ends by itself
+    Auto whole(300, 1e-30), limited(300, 1e-30);
+    whole.solve(problem, r);
+    for (const double share : {0.5, 0.25}) {
+      const double credit = share * whole.work();
+      limited.limit_work(credit);
+      r.assign(problem.size(), Vec3::Zero());
+      limited.solve(problem, r);
+      CHECK_FALSE(limited.left_some());
+      CHECK(limited.work() > 0.5 * credit);
+      CHECK(limited.work() <= credit);
+    }
+  }
 }

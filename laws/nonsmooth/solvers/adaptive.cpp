@@ -22,7 +22,7 @@ Adaptive::Adaptive(const Parameters& parameters)
       most_sweeps_(parameters.number_or("iterations", 50)) {}
 
 SolverReport Adaptive::solve_directly(const ContactProblem& problem, Impulses& r) {
-  direct_.limit_price(std::max(credit_, 0.0));
+  direct_.limit_work(std::max(credit_, 0.0));
   direct_.interrupted = interrupted;
   const SolverReport report = direct_.solve(problem, r);
   credit_ -= direct_.work();
@@ -69,7 +69,7 @@ SolverReport Adaptive::choose(const ContactProblem& problem, Impulses& r) {
 
 SolverReport Adaptive::solve(const ConeProblem& problem, Impulses& r) {
   direct_.interrupted = interrupted;
-  direct_.limit_price(infinity);
+  direct_.limit_work(infinity);
   return direct_.solve(problem, r);
 }
 

@@ -19,6 +19,8 @@ constexpr int steps_try = 8;  // of a try, after sweeps for twice as many; the n
 
 // with a credit (adaptive.h): stacks and arches cost 5 to 10, walls and piles of 40 boxes 20 to 30, of 200 hulls 100
 constexpr double chain_price = 12.0, largest_price = 60.0;
+constexpr double chain_steps = 120.0;   // factorisations that a chain has in any case
+constexpr double proximal_price = 4.0;  // factorisations: LU costs two, and the sweeps behind it as much again
 
 /// Multiplications of one sweep.
 double sweep_work(const ConeProblem& problem) {
@@ -44,9 +46,26 @@ double Auto::factorisation(Part& part, const ConeProblem& problem) const {
   return (part.newton.work(problem) + 350.0 * static_cast<double>(problem.size())) / sweep_work(problem);
 }
 
-bool Auto::is_too_dear(const ConeProblem& problem, double price) const {
-  if (credit_ == infinity || price <= chain_price) return false;
-  return price > largest_price || newton_steps * price * sweep_work(problem) > credit_;
+bool Auto::is_chain(const Part& part) const { return credit_ == infinity || part.price <= chain_price; }
+
+/// How many steps of that price the part may still take; `most` or less.
+int Auto::affordable(const Part& part, double each, int most) {
+  const double steps = (part.budget - part.work) / each;
+  return steps >= most ? most : std::max(0, static_cast<int>(steps));
+}
+
+/// Every island that is no chain gets a share of the credit by its cost: what one leaves no other may take, so that the
+/// order in which threads come to them is nothing.
+void Auto::share_credit(std::size_t count) {
+  double asked = 0.0;
+  for (std::size_t k = 0; k < count; ++k)
+    if (!is_chain(*parts_[k])) asked += parts_[k]->price * parts_[k]->sweep_cost;
+  for (std::size_t k = 0; k < count; ++k) {
+    Part& part = *parts_[k];
+    const double step = part.price * part.sweep_cost;
+    part.budget = credit_ == infinity ? infinity : is_chain(part) ? chain_steps * step : credit_ * step / asked;
+    part.left = !is_chain(part) && (part.price > largest_price || newton_steps * step > part.budget);
+  }
 }
 
 bool Auto::left_some() const {
@@ -64,7 +83,8 @@ double Auto::work() const {
 SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
   const bool was_right = kept_[island] != Kept::nothing;
   if (!was_right && spent_[island] < 2.0 * steps_try * part.price) return {false, 0, infinity};
-  const int most = std::min(was_right ? steps_again : steps_try, iterations_);
+  const int least = std::min(was_right ? steps_again : steps_try, iterations_);
+  const int most = affordable(part, part.price * part.sweep_cost, least);
   part.newton.interrupted = interrupted;
   part.newton.limit(most, most, infinity);
   part.change = r;
@@ -78,19 +98,19 @@ SolverReport Auto::go_on(Part& part, const ConeProblem& problem, Impulses& r, st
 
 void Auto::appraise(Part& part, const ConeProblem& problem) const {
   part.price = factorisation(part, problem);
+  part.sweep_cost = sweep_work(problem);
   part.work = 0.0;
-  part.left = is_too_dear(problem, part.price);
 }
 
 /// Stages 0 and 1, of a part that is appraised.
 SolverReport Auto::begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island) {
   if (part.left) return {false, 0, infinity};
-  const double price = part.price, sweep_cost = sweep_work(problem);
   const SolverReport again = go_on(part, problem, r, island);
-  part.work += again.iterations * price * sweep_cost;
+  part.work += again.iterations * part.price * part.sweep_cost;
   if (again.converged || again.iterations >= iterations_) return again;
-  SolverReport report = sweep(part, problem, r, iterations_ - again.iterations, price);
-  part.work += report.iterations * sweep_cost;
+  const int most = affordable(part, part.sweep_cost, iterations_ - again.iterations);
+  SolverReport report = sweep(part, problem, r, most, part.price);
+  part.work += report.iterations * part.sweep_cost;
   if (report.converged) spent_[island] = std::min(spent_[island] + report.iterations, 1 << 30);
   report.iterations += again.iterations;
   return report;
@@ -123,8 +143,9 @@ SolverReport Auto::sweep(Part& part, const ConeProblem& problem, Impulses& r, in
 SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, const SolverReport& swept,
                           std::size_t island) {
   part.newton.interrupted = part.proximal.interrupted = interrupted;
-  part.newton.limit(std::min(newton_limit, iterations_ - swept.iterations), patience, swept.residual);
-  const double factorisation_cost = factorisation(part, problem) * sweep_work(problem);
+  const double factorisation_cost = part.price * part.sweep_cost;
+  const int most = affordable(part, factorisation_cost, std::min(newton_limit, iterations_ - swept.iterations));
+  part.newton.limit(most, patience, swept.residual);
   const SolverReport newton = part.newton.solve(problem, r);
   part.work += newton.iterations * factorisation_cost;
   kept_[island] = left_by(part.newton, newton, spent_[island]);
@@ -132,9 +153,11 @@ SolverReport Auto::refine(Part& part, const ConeProblem& problem, Impulses& r, c
   const int count = swept.iterations + newton.iterations;
   const SolverReport report{newton.converged, count, std::min(newton.residual, swept.residual)};
   if (report.converged || count >= iterations_ || stop()) return report;
-  part.proximal.limit(iterations_ - count);
+  const int last = affordable(part, proximal_price * factorisation_cost, iterations_ - count);
+  if (last == 0) return report;
+  part.proximal.limit(last);
   const SolverReport proximal = part.proximal.solve(problem, r);
-  part.work += 2.0 * proximal.iterations * factorisation_cost;  // LU
+  part.work += proximal_price * proximal.iterations * factorisation_cost;
   return {proximal.converged, count + proximal.iterations, proximal.residual};
 }
 
@@ -163,6 +186,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   if (count == 1) {
     parts_[0]->swept = r;
     appraise(*parts_[0], problem);
+    share_credit(1);
     const SolverReport swept = begin(*parts_[0], problem, parts_[0]->swept, 0);
     if (!unfinished(*parts_[0], swept) || stop()) {
       r.swap(parts_[0]->swept);
@@ -173,6 +197,7 @@ SolverReport Auto::solve(const ConeProblem& problem, Impulses& r) {
   reports_.assign(count, {});
   parallel_for(
       count, [&](std::size_t k) { extract_part(k, problem, r); }, 1);
+  share_credit(count);
   for (std::size_t k = 0; k < count; ++k)
     if (is_hopeless(*parts_[k])) return {false, 0, infinity};
   parallel_for(

@@ -28,9 +28,10 @@ class Auto final : public ConeSolver {
   void forget() override;
   void visit(StateVisitor& visitor) override;
 
-  /// From now on islands whose factorisation costs much are left as they start: by price always, above that of chains where
-  /// Newton steps would take more than `credit` multiplications. Infinite: none is.
-  void limit_price(double credit) { credit_ = credit; }
+  /// From now on a solve takes at most about `credit` multiplications, but for chains (islands of low price), which have
+  /// some steps in any case. Islands whose factorisation costs much are left as they start: by price always, above that of
+  /// chains where Newton steps would take more than the credit. Infinite: no limits.
+  void limit_work(double credit) { credit_ = credit; }
   /// Multiplications of the last solve, about.
   double work() const;
   /// Some island of the last solve was left.
@@ -47,9 +48,11 @@ class Auto final : public ConeSolver {
     Proximal proximal;
     std::vector<Vec6> v;
     std::vector<Vec3> u;
-    double price = 0.0;  ///< of a factorisation, in sweeps
-    double work = 0.0;   ///< multiplications of this solve
-    bool left = false;  ///< not looked at: too dear
+    double price = 0.0;       ///< of a factorisation, in sweeps
+    double sweep_cost = 0.0;  ///< multiplications of a sweep
+    double work = 0.0;        ///< multiplications of this solve
+    double budget = 0.0;      ///< multiplications that this solve may take
+    bool left = false;        ///< not looked at: too dear
   };
   /// Of newton's, where it had the last word: that it is to begin the next step, and its factor, which calms.
   enum class Kept : std::uint8_t { nothing, method, factor };
@@ -58,6 +61,8 @@ class Auto final : public ConeSolver {
   static Kept left_by(const Newton& newton, const SolverReport& report, std::int32_t spent);
   double factorisation(Part& part, const ConeProblem& problem) const;
   void appraise(Part& part, const ConeProblem& problem) const;
+  void share_credit(std::size_t count);
+  static int affordable(const Part& part, double each, int most);
   SolverReport begin(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island);
   SolverReport go_on(Part& part, const ConeProblem& problem, Impulses& r, std::size_t island);
   SolverReport sweep(Part& part, const ConeProblem& problem, Impulses& r, int limit, double price);
@@ -68,7 +73,7 @@ class Auto final : public ConeSolver {
   bool unfinished(const Part& part, const SolverReport& swept) const {
     return !part.left && !swept.converged && swept.iterations < iterations_;
   }
-  bool is_too_dear(const ConeProblem& problem, double price) const;
+  bool is_chain(const Part& part) const;
   void drop_factors();
   std::vector<Mat3> derivative() const;
   void resume(const ConeProblem& problem, const std::vector<Mat3>& derivative);
