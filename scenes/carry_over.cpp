@@ -280,9 +280,9 @@ bool same_polyhedron(const Assembly& from, Slot there, const Assembly& to, Slot 
   });
 }
 
-/// Resting patches belong to pairs of slots and of shapes (BatchNarrowPhase::Known, column narrow_phase/pair). Slots and
-/// shapes have other numbers in the other scene; patches of bodies that are gone or have another shape are dropped. The
-/// order of slots is that of before (match_slots), so pairs stay sorted.
+/// Resting patches belong to pairs of slots and of shapes (BatchNarrowPhase::Known, column narrow_phase/pair). Slots
+/// and shapes have other numbers in the other scene; patches of bodies that are gone or have another shape are dropped.
+/// The order of slots is that of before (match_slots), so pairs stay sorted.
 void rename_resting(const Assembly& from, const Assembly& to, const Reordering& change, ColumnStore& store) {
   struct Known {
     Pair pair;
