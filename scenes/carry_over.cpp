@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 
+#include "detection/narrow/resting_patch.h"
 #include "scenes/contact_setup.h"
 #include "scenes/start_run.h"
 
@@ -260,7 +261,56 @@ void carry_springs(const Assembly& from, const Assembly& to, ColumnStore& store)
   });
 }
 
-/// What the contacts remember, with slots renamed where bodies went out.
+template <class Shape>
+bool equal(const Shape&, const Shape&) {
+  return false;  // no resting patch belongs to it
+}
+bool equal(const Box& a, const Box& b) { return a.half == b.half; }
+bool equal(const ConvexHull& a, const ConvexHull& b) {
+  return a.vertices == b.vertices && a.face_begin == b.face_begin && a.face_vertices == b.face_vertices &&
+         a.sweep == b.sweep;
+}
+
+/// Of two bodies in their scenes, whatever number the shape has there.
+bool same_polyhedron(const Assembly& from, Slot there, const Assembly& to, Slot here) {
+  const ShapeRef old{from.simulation->world.shape[there]}, now{to.simulation->world.shape[here]};
+  if (old.type() != now.type()) return false;
+  return from.shapes->with(old, [&]<class S>(const S& a) {
+    return equal(a, to.shapes->of<S>()[now.index()]);
+  });
+}
+
+/// Resting patches belong to pairs of slots and of shapes (BatchNarrowPhase::Known, column narrow_phase/pair). Slots
+/// and shapes have other numbers in the other scene; patches of bodies that are gone or have another shape are dropped.
+/// The order of slots is that of before (match_slots), so pairs stay sorted.
+void rename_resting(const Assembly& from, const Assembly& to, const Reordering& change, ColumnStore& store) {
+  struct Known {
+    Pair pair;
+    std::uint32_t shape_a, shape_b;
+  };
+  std::vector<char> keep;
+  store.change<Known>("narrow_phase/pair", [&](std::vector<Known>& pairs) {
+    std::vector<Known> kept;
+    for (Known known : pairs) {
+      const Slot a = change.new_slot[known.pair.a], b = change.new_slot[known.pair.b];
+      keep.push_back(a != no_slot && b != no_slot && same_polyhedron(from, known.pair.a, to, a) &&
+                     same_polyhedron(from, known.pair.b, to, b));
+      if (keep.back() == 0) continue;
+      known.pair.a = a;
+      known.pair.b = b;
+      known.shape_a = to.simulation->world.shape[a];
+      known.shape_b = to.simulation->world.shape[b];
+      kept.push_back(known);
+    }
+    pairs.swap(kept);
+  });
+  store.change<RestingPatch>("narrow_phase/resting", [&](std::vector<RestingPatch>& patches) {
+    std::size_t k = 0;
+    std::erase_if(patches, [&](const RestingPatch&) { return keep.at(k++) == 0; });
+  });
+}
+
+/// What the contacts remember, with slots and shapes renamed.
 ColumnStore memory_of(const Assembly& to, Assembly& from) {
   ColumnStore store;
   ColumnStore::Saver saver(store);
@@ -273,6 +323,7 @@ ColumnStore memory_of(const Assembly& to, Assembly& from) {
     change.new_slot[s] = here.slot_of(there.id[s]);
     moved = moved || change.new_slot[s] != s;
   }
+  rename_resting(from, to, change, store);
   if (moved) sim.pipeline.contact_model->reorder(change);
   sim.pipeline.contact_model->visit(saver);
   return store;

@@ -10,6 +10,7 @@
 #include "detection/narrow/pair_table.h"
 #include "laws/smooth/passes/choose_passes.h"
 #include "scenes/contact_setup.h"
+#include "scenes/start_run.h"
 
 namespace epafi {
 
@@ -152,7 +153,10 @@ void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shape
   if (spheres == 0) return;
   constexpr std::size_t fewest = 100;  // below, the layout costs more than the loop gains
   plan.without_fused_spheres = without_tiles(smooth_setup(scene));
-  if (plan.without_fused_spheres.empty() && spheres < fewest)
+  // what a run has begun goes on in a scene that starts from it, with the springs of its contacts
+  const auto made = scene.start ? scene.start->made : nullptr;
+  const bool begun = made && made->assembly->plan.fused_spheres;
+  if (plan.without_fused_spheres.empty() && spheres < fewest && !begun)
     plan.without_fused_spheres = fmt::format("{} free spheres, fewer than {}", spheres, fewest);
   plan.fused_spheres = plan.columns.states = plan.without_fused_spheres.empty();
 }

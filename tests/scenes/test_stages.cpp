@@ -143,6 +143,7 @@ TEST_CASE("stages and changed restarts give the same bits, and a scene starts fr
     CHECK(chained.run(at_once, true) == Ending::until);
     CHECK(chained.summary().state_hash == end);  // it begins where that run has ended
     CHECK(chained.run({}, true) == Ending::completed);
+    CHECK(chained.summary().state_hash == hash);
   }
 }
 
@@ -222,12 +223,16 @@ TEST_CASE("a bound that stops ends a run early and well", "[scenes][stages]") {
   const TemporaryFolder folder;
   write_file(
       folder / "falls.toml",
-      scene_of("smooth", one_run + down, "[bounds]\nsag = { body = \"grains\", below = 0.001, then = \"stop\" }\n"));
+      scene_of("smooth", one_run + down,
+               "[bounds]\nsag = { body = \"grains\", below = 0.001, then = \"stop\" }\n"
+               "[[measure]]\nname = \"fallen\"\nkind = \"drift\"\nbody = \"grains\"\ninterval = 0.01\n"));
   Session session(assemble(read_or_fail(folder / "falls.toml")), {}, folder / "falls");
   CHECK(session.run({}, true) == Ending::stopped);
   CHECK(session.summary().status == "completed");
   CHECK(session.summary().simulated_time == Approx(std::sqrt(2 * 0.001 / 9.81)).epsilon(0.01));  // free fall by 1 mm
   CHECK(session.stop_reason().find("sag.grains") != std::string::npos);
+  // the state that the bound has seen is the last sample, between two of the interval
+  CHECK(session.summary().measures.at("fallen").at("sag").max >= 0.001);
 }
 
 TEST_CASE("a cut between two stages where bodies are sorted changes no bit", "[scenes][stages]") {

@@ -360,28 +360,71 @@ TEST_CASE("the page draws the stored picture", "[scenes][view][long]") {
   CHECK(difference()[2] > 2);
 }
 
+namespace {
+
+/// A program of ours in the background: what it says goes to a file, it ends with the test.
+struct Background {
+  fs::path said, number;
+  Background(const fs::path& folder, const std::string& name, const std::string& arguments)
+      : said(folder / (name + ".said")), number(folder / (name + ".number")) {
+    const std::string command = std::string(EPAFI_BINARY_DIR) + "/bin/epafi " + arguments + " > " + said.string() +
+                                " 2> /dev/null & echo $! > " + number.string();
+    REQUIRE(std::system(command.c_str()) == 0);
+  }
+  ~Background() { stop(); }
+  void stop() const { std::system(("kill $(cat " + number.string() + ") 2> /dev/null").c_str()); }
+  /// The first word that it says, within ten seconds.
+  std::string word() const {
+    std::string out;
+    for (int k = 0; k < 200 && out.empty(); ++k) {
+      ::usleep(50000);
+      std::ifstream in(said);
+      in >> out;
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
 TEST_CASE("the local server gives a run to the browser of this machine alone", "[scenes][view][long]") {
   if (!has_browser()) return;
   const ShownRun shown;
-  const std::string command =
-      std::string(EPAFI_BINARY_DIR) + "/bin/epafi view " + shown.run.string() + " --port 0 --no-browser";
-  const fs::path said = shown.folder / "said", number = shown.folder / "number";
-  REQUIRE(std::system((command + " > " + said.string() + " 2> /dev/null & echo $! > " + number.string()).c_str()) == 0);
-  std::string address;
-  for (int k = 0; k < 200 && address.empty(); ++k) {
-    ::usleep(50000);
-    std::ifstream in(said);
-    in >> address;
-  }
-  {
-    support::Browser b(800, 600);
-    CHECK(b.open(address));
-    CHECK(b.number("epafi.source.frames") == 11);
-    CHECK(drawn_fields(numbers(b.text(grid_of_picture))) > 30);
-    CHECK(b.text("fetch('/etc/passwd').then(a => String(a.status))") == "404");
-    CHECK(b.complaints().size() == 1);  // of that answer
-  }
-  std::system(("kill $(cat " + number.string() + ")").c_str());
+  const Background server(shown.folder.path(), "view", "view " + shown.run.string() + " --port 0 --no-browser");
+  support::Browser b(800, 600);
+  CHECK(b.open(server.word()));
+  CHECK(b.number("epafi.source.frames") == 11);
+  CHECK(drawn_fields(numbers(b.text(grid_of_picture))) > 30);
+  CHECK(b.text("fetch('/etc/passwd').then(a => String(a.status))") == "404");
+  CHECK(b.complaints().size() == 1);  // of that answer
+}
+
+TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][view]") {
+  if (!has_browser()) return;
+  const TemporaryFolder folder;
+  std::ofstream(folder / "scene.toml") << scene_text;
+  const std::string run = (folder / "run").string();
+  const Background program(folder.path(), "run",
+                           "run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run +
+                               " --set run.duration=1e5 --set run.output_interval=0.2");
+  for (int k = 0; k < 200 && !fs::exists(folder / "run" / "run.h5"); ++k) ::usleep(50000);
+  const Background server(folder.path(), "view", "view " + run + " --port 0 --no-browser");
+  support::Browser b(800, 600);
+  REQUIRE(b.open(server.word()));
+  CHECK(b.text("String(epafi.manifest.running)") == "true");
+  const double first = b.number("epafi.source.frames");
+  REQUIRE(b.wait_for("epafi.source.frames > " + std::to_string(first) + " + 2"));
+  CHECK(b.wait_for("Number(document.getElementById('time').max) === epafi.source.frames - 1"));
+  CHECK(b.number("epafi.at") == 0);  // who looks at an early frame goes on looking at it
+  b.press("End");
+  REQUIRE(b.wait_for("epafi.at > 2"));
+  const double last = b.number("epafi.at");
+  CHECK(b.wait_for("epafi.at > " + std::to_string(last)));  // at the end it follows
+  CHECK(drawn_fields(numbers(b.text(grid_of_picture))) > 30);
+  program.stop();
+  CHECK(b.wait_for("!epafi.manifest.running"));
+  CHECK(b.wait_for("epafi.at === epafi.source.frames - 1"));
+  CHECK(b.complaints() == std::vector<std::string>{});
 }
 
 TEST_CASE("two hundred thousand spheres are drawn", "[scenes][view][long]") {
