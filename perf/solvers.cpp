@@ -1,6 +1,7 @@
 /// @file solvers.cpp  Contact updates per second of every non-smooth solver, with the residual it reaches, on one core.
-/// Usage: perf_solvers [sweeps [solver]]; perf_solvers mass: newton's time to 1e-8 in sweeps, for unequal masses. CPU time of the thread (the machine may be busy); median of five solves from r = 0.
-/// A contact update is one contact's three rows solved once; packing and the residual are in the time.
+/// Usage: perf_solvers [sweeps [solver]]; perf_solvers mass: newton's time to 1e-8 in sweeps, for unequal masses. CPU
+/// time of the thread (the machine may be busy); median of five solves from r = 0. A contact update is one contact's
+/// three rows solved once; packing and the residual are in the time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -45,9 +46,10 @@ void row(const char* name, const ContactProblem& problem, const SolverEntry& ent
   std::vector<Vec3> u;
   const Residual residual = measure_residual(problem, r, problem.mean_effective_mass(), v, u);
   const double updates = static_cast<double>(problem.size()) * report.iterations;
-  fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>9.2f} {:>9.2f} {:>9.2f} {:>10.2e} {:>10.2e}\n", name, entry.entry.name,
-             problem.size(), coloring.groups().size(), coloring.colors(), 1e3 * seconds[2], 1e-6 * updates / seconds[2],
-             1e-6 * updates / seconds[0], residual.value, residual.penetration_rate);
+  fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>7} {:>9.2f} {:>9.2f} {:>9.2f} {:>10.2e} {:>10.2e}\n", name,
+             entry.entry.name, problem.size(), coloring.groups().size(), coloring.colors(), coloring.rounds(),
+             1e3 * seconds[2], 1e-6 * updates / seconds[2], 1e-6 * updates / seconds[0], residual.value,
+             residual.penetration_rate);
 }
 
 /// The least of 20 calls [s].
@@ -76,15 +78,17 @@ void mass_row(const std::string& name, const ContactProblem& problem) {
   strict.set("iterations", 500.0), strict.set("tolerance", 1e-8);
   const auto solver = newton_entry().make(strict);
   SolverReport report;
-  const double solution = least_seconds([&] { r.assign(problem.size(), Vec3::Zero()), report = solver->solve(blocks, r); });
+  const double solution =
+      least_seconds([&] { r.assign(problem.size(), Vec3::Zero()), report = solver->solve(blocks, r); });
   BodyVelocities v;
   std::vector<Vec3> u;
-  fmt::print("{:>24} {:>9} {:>15} {:>17.1f} {:>10.2e}\n", name, problem.size(), report.iterations, 200.0 * solution / sweeps,
-             measure_residual(problem, r, problem.mean_effective_mass(), v, u).value);
+  fmt::print("{:>24} {:>9} {:>15} {:>17.1f} {:>10.2e}\n", name, problem.size(), report.iterations,
+             200.0 * solution / sweeps, measure_residual(problem, r, problem.mean_effective_mass(), v, u).value);
 }
 
 void mass_ratios() {
-  fmt::print("{:>24} {:>9} {:>15} {:>17} {:>10}\n", "problem", "contacts", "factorisations", "sweep_equivalents", "residual");
+  fmt::print("{:>24} {:>9} {:>15} {:>17} {:>10}\n", "problem", "contacts", "factorisations", "sweep_equivalents",
+             "residual");
   mass_row("20 boxes, 1:1000 in turns", test::stack_of(20, 0.5, 1.0 / 240, [](int i) { return i % 2 ? 1e6 : 1e3; }));
   for (double ratio = 1.0; ratio <= 1e6; ratio *= 10.0)
     mass_row(fmt::format("2 boxes, 1:{:g}", ratio), test::stack_problem(2, 0.5, 1.0 / 240, ratio));
@@ -97,8 +101,8 @@ int main(int argc, char** argv) {
   const std::string only = argc > 2 ? argv[2] : "";
   set_thread_count(1);
   if (argc > 1 && std::string(argv[1]) == "mass") return mass_ratios(), 0;
-  fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "problem", "solver", "contacts",
-             "pairs", "colours", "ms", "M/s", "best M/s", "residual", "pen. rate");
+  fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "problem", "solver", "contacts",
+             "pairs", "colours", "rounds", "ms", "M/s", "best M/s", "residual", "pen. rate");
   const std::pair<const char*, ContactProblem> problems[] = {
       {"10 boxes", test::stack_problem(10, 0.5)},
       {"1000 bodies, 1 point", test::lattice_problem(10, 0.5)},

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/order_free_sum.h"
 #include "laws/nonsmooth/cone.h"
 
 namespace epafi {
@@ -31,15 +31,14 @@ void ConeProblem::relative_velocities(const Impulses& r, std::vector<Vec6>& v, s
 
 double ConeProblem::q_norm() const {
   if (reference > 0.0) return reference;
-  double sum = 0.0;
-  for (const Vec3& x : q) sum += x.squaredNorm();
+  const double sum = order_free_sum(q.size(), [&](std::size_t i) { return q[i].squaredNorm(); });
   return sum > 0.0 ? std::sqrt(sum) : 1.0;
 }
 
 double ConeProblem::residual(const Impulses& r, const std::vector<Vec3>& u) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < size(); ++i)
-    if (moves(i)) sum += natural_map(r[i], u[i], friction[i], scale).squaredNorm();
+  const double sum = order_free_sum(size(), [&](std::size_t i) {
+    return moves(i) ? natural_map(r[i], u[i], friction[i], scale).squaredNorm() : 0.0;
+  });
   return std::sqrt(sum) / (scale * q_norm());
 }
 

@@ -1,6 +1,9 @@
 #include "laws/nonsmooth/contact_problem.h"
 
+#include <algorithm>
+
 #include "engine/error.h"
+#include "engine/order_free_sum.h"
 #include "engine/parallel_order.h"
 
 namespace epafi {
@@ -51,7 +54,7 @@ Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
 void ContactProblem::load_bodies(const World& world, double dt, const Pushes* pushes) {
   rotates = world.rotates();
   const std::size_t n = world.size();
-  parallel_copy(world.inverse_mass, inverse_mass);
+  parallel_copy(world.inverse_mass, inverse_mass), parallel_copy(world.id, id);
   renew(free.linear, n), renew(free.angular, rotates ? n : 0), renew(inverse_inertia, rotates ? n : 0);
   parallel_for(n, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
@@ -137,7 +140,7 @@ void ContactProblem::relative_velocities(const BodyVelocities& v, std::vector<Ve
 }
 
 const Coloring& ContactProblem::coloring() const {
-  if (!is_colored_) coloring_.update(a, b, inverse_mass);
+  if (!is_colored_) coloring_.update(a, b, {inverse_mass, id});
   is_colored_ = true;
   return coloring_;
 }
@@ -149,10 +152,10 @@ const LaneGroups& ContactProblem::lane_groups() const {
 }
 
 double ContactProblem::mean_effective_mass() const {
-  const auto sums = block_sum<Sum3>(size(), [&](std::size_t i) {
-    return mobility[i] > 0.0 ? Sum3{mobility[i], 1.0, 0.0} : Sum3{};
-  });
-  return sums.b > 0.0 ? sums.b / sums.a : 1.0;
+  const auto counted = [&](std::size_t i) { return std::size_t{mobility[i] > 0.0}; };
+  const auto count = static_cast<double>(block_sum<std::size_t>(size(), counted));
+  const double sum = order_free_sum(size(), [&](std::size_t i) { return std::max(mobility[i], 0.0); });
+  return count > 0.0 ? count / sum : 1.0;
 }
 
 }  // namespace epafi

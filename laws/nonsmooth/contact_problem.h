@@ -29,6 +29,7 @@ struct ContactProblem {
 
   // bodies, by slot; fixed and driven ones have inverse mass and inertia 0
   std::vector<double> inverse_mass;   ///< [1/kg]
+  std::vector<BodyId> id;             ///< sweeps are coloured by them
   std::vector<Mat3> inverse_inertia;  ///< world axes [1/(kg m^2)]; empty without rotation
   BodyVelocities free;                ///< v_free: with gravity and external forces, without contacts
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstring>
 
+#include "engine/order_free_sum.h"
 #include "engine/parallel_order.h"
 #include "engine/parallel_stages.h"
 #include "engine/targets.h"
@@ -73,7 +74,7 @@ EPAFI_LANES void velocities(const typename LaneSweep<Rotates, Rule>::Row& row, c
   for (int i = 0; i < Rule::rows; ++i) u[i] = row.offset[i] + row.axis[i].dot(slip);
 }
 
-/// The squared natural map of some groups (cone.h), each into a place of its own.
+/// The squared natural map of some groups (cone.h), by pairs: which pairs are together in a group must not matter.
 template <bool Rotates, class Rule>
 struct NaturalMapTask {
   using Sweep = LaneSweep<Rotates, Rule>;
@@ -90,7 +91,8 @@ struct NaturalMapTask {
       a.gather(bodies, group->a), b.gather(bodies, group->b);
       Lanes sum{};
       for (std::uint32_t k = group->begin; k < group->end; ++k) sum += of_row(rows[k], a, b);
-      *to++ = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      std::memcpy(to, &sum, sizeof sum);
+      to += lane_count;
     }
   }
 
@@ -116,14 +118,16 @@ struct ColorTask {
   const LaneGroup *begin, *end, *last;  ///< of the stage, most likely also done by this thread
   typename Sweep::Row* rows;
   typename Sweep::Body* bodies;
-  double* change;
+  double* change;  ///< by pairs
   Rule rule;
 
   EPAFI_LANES void run() const {
     double* out = change;
     for (const auto* group = begin; group != end; ++group) {
       if (last - group > ahead) ask_for(group[ahead]);
-      *out++ = update(*group);
+      const Lanes sum = update(*group);
+      std::memcpy(out, &sum, sizeof sum);
+      out += lane_count;
     }
   }
 
@@ -137,13 +141,13 @@ struct ColorTask {
           __builtin_prefetch(reinterpret_cast<const char*>(&bodies[s]) + line);
   }
 
-  EPAFI_LANES double update(const LaneGroup& group) const {
+  EPAFI_LANES Lanes update(const LaneGroup& group) const {
     FourBodies<Rotates, Rule> a, b;
     a.gather(bodies, group.a), b.gather(bodies, group.b);
     Lanes sum{};
     for (std::uint32_t k = group.begin; k < group.end; ++k) update(rows[k], a, b, sum);
     a.scatter(bodies, group.a), b.scatter(bodies, group.b);
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return sum;
   }
 
   EPAFI_LANES void update(typename Sweep::Row& row, FourBodies<Rotates, Rule>& a, FourBodies<Rotates, Rule>& b,
@@ -189,7 +193,7 @@ void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, std::span<con
                                     std::span<const Vec3> lag, const Impulses& r, const BodyVelocities& v) {
   load_bodies(problem, v);
   groups_ = &problem.lane_groups();
-  renew(rows_, groups_->rows()), renew(change_, groups_->size());
+  renew(rows_, groups_->rows()), renew(change_, lane_count * groups_->size());
   groups_->each(pays(), [&](const LaneGroup& group) {
     for (std::uint32_t k = group.begin; k < group.end; ++k) {
       if (const auto least = *std::min_element(group.count.begin(), group.count.end()); k - group.begin >= least)
@@ -232,28 +236,31 @@ bool LaneSweep<Rotates, Rule>::pays() const {
 }
 
 template <bool Rotates, LaneRule Rule>
-double LaneSweep<Rotates, Rule>::run(const Rule& rule) {
+double LaneSweep<Rotates, Rule>::run(const Rule& rule, bool measured) {
   const auto loop = best_loop<ColorTask<Rotates, Rule>>();
   const auto some = [&](std::size_t s, std::size_t begin, std::size_t end) {
     const LaneGroup* const groups = groups_->data();
     loop({groups + begin, groups + end, groups + groups_->begin(s + 1), rows_.data(), bodies_.data(),
-          change_.data() + begin, rule});
+          change_.data() + lane_count * begin, rule});
   };
   const std::size_t stages = groups_->stages();
-  sums_.resize((change_.size() + sum_block - 1) / sum_block);
+  const std::span<const double> changes(change_.data(), change_.size());
+  sums_.assign(measured ? (changes.size() + sum_block - 1) / sum_block : 0, {});
   const auto sum = [&](std::size_t k) {
-    const auto from = change_.begin() + static_cast<std::ptrdiff_t>(k * sum_block);
-    sums_[k] = std::accumulate(from, k + 1 < sums_.size() ? from + sum_block : change_.end(), 0.0);
+    sums_[k].add(changes.subspan(k * sum_block, std::min(sum_block, changes.size() - k * sum_block)));
   };
-  // the last stage: block_sum in a loop of its own took 7 of 180 us (5000 stones, two threads)
+  // the last stage: a loop of its own took 7 of 180 us (5000 stones, two threads)
   parallel_stages(
-      stages + 1, pays(), [&](std::size_t s) { return s < stages ? groups_->size(s) : sums_.size(); },
+      stages + std::size_t{measured}, pays(),
+      [&](std::size_t s) { return s < stages ? groups_->size(s) : sums_.size(); },
       [&](std::size_t s) { return s < stages ? groups_->piece(s) : 1; },
       [&](std::size_t s, std::size_t b, std::size_t e) {
         if (s < stages) return some(s, groups_->begin(s) + b, groups_->begin(s) + e);
         for (std::size_t k = b; k < e; ++k) sum(k);
       });
-  return std::accumulate(sums_.begin(), sums_.end(), 0.0);
+  OrderFreeSum total;
+  for (const OrderFreeSum& part : sums_) total += part;
+  return measured ? value_of(total, changes.size(), [&](std::size_t i) { return changes[i]; }) : 0.0;
 }
 
 template <bool Rotates, LaneRule Rule>
@@ -269,11 +276,12 @@ template <bool Rotates, LaneRule Rule>
 double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::rows == 3) {
   if constexpr (Rule::rows == 3) {  // Clang 14: see angular()
     const auto loop = best_loop<NaturalMapTask<Rotates, Rule>>();
-    renew(squares_, groups_->size());
+    renew(squares_, lane_count * groups_->size());
     parallel_blocks(groups_->size(), LaneGroups::grain, [&](std::size_t b, std::size_t e, std::size_t) {
-      loop({groups_->data() + b, groups_->data() + e, rows_.data(), bodies_.data(), squares_.data() + b, rho});
+      loop({groups_->data() + b, groups_->data() + e, rows_.data(), bodies_.data(), squares_.data() + lane_count * b,
+            rho});
     });
-    return std::sqrt(block_sum<double>(squares_.size(), [&](std::size_t g) { return squares_[g]; }));
+    return std::sqrt(order_free_sum({squares_.data(), squares_.size()}));
   }
   return 0.0;
 }

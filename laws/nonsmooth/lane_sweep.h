@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "engine/lanes.h"
+#include "engine/order_free_sum.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
@@ -30,8 +31,8 @@ class LaneSweep {
   /// With another w than that of the problem.
   void load(const ContactProblem& problem, std::span<const double> offset, std::span<const Vec3> lag, const Impulses& r,
             const BodyVelocities& v);
-  /// One update of every contact; returns the sum of |change of r|^2.
-  double run(const Rule& rule);
+  /// One update of every contact; returns the sum of |change of r|^2, 0 where it is not measured.
+  double run(const Rule& rule, bool measured = true);
   void store(Impulses& r) const;
   /// Adds to the velocities of the bodies.
   void add(const BodyVelocities& v);
@@ -71,8 +72,8 @@ class LaneSweep {
   const LaneGroups* groups_ = nullptr;  ///< of the problem
   UnwrittenColumn<Body> bodies_;        ///< the last one is that of empty lanes
   UnwrittenStream<Row> rows_;
-  UnwrittenStream<double> change_;  ///< of a group in the last sweep, squared
-  std::vector<double> sums_;        ///< of those, by blocks
+  UnwrittenStream<double> change_;  ///< of each pair in the last sweep, squared; 0 of empty lanes
+  std::vector<OrderFreeSum> sums_;  ///< of those, by blocks
   mutable UnwrittenStream<double> squares_;
 };
 

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "engine/error.h"
+#include "engine/order_free_sum.h"
 #include "engine/parallel_order.h"
 #include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/displacement.h"
@@ -245,11 +246,11 @@ const Impulses& NonsmoothContact::calmest(double creep) {
   if (start_residual_ > tolerance_ || (!solved_ && !(calm && start_residual_ > calm_from * tolerance_))) return r_;
   double share = 1.0;
   if (solved_) {
-    const auto sums = block_sum<Sum3>(problem_.size(), [&](std::size_t i) {
+    const auto [along, square] = order_free_sums<2>(problem_.size(), [&](std::size_t i) {
       const Vec3 way = u_start_[i] - u_after_[i];
-      return Sum3{way.dot(u_start_[i] - u_before_[i]), way.squaredNorm(), 0.0};
+      return std::array{way.dot(u_start_[i] - u_before_[i]), way.squaredNorm()};
     });
-    share = sums.b > 0.0 ? std::clamp(sums.a / sums.b, 0.0, 1.0) : 1.0;
+    share = square.sum > 0.0 ? std::clamp(along.sum / square.sum, 0.0, 1.0) : 1.0;
   }
   parallel_for(problem_.size(), [&](std::size_t i) {
     const bool open = r_[i].isZero(0.0);

@@ -5,7 +5,7 @@
 #pragma once
 #include <type_traits>
 
-#include "engine/parallel.h"
+#include "engine/order_free_sum.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {
@@ -50,9 +50,7 @@ class Sweep {
         parallel_for(n, one);
       }
     }
-    double sum = 0.0;
-    for (const double change : change_) sum += change;
-    return sum;
+    return order_free_sum(change_);
   }
 
   void store(Impulses& r) const {
@@ -109,7 +107,8 @@ class Sweep {
 
   static void load_row(const ContactProblem& problem, std::size_t i, const Impulses& r, Row& row) {
     row.frame = problem.frame[i], row.friction = problem.friction[i];
-    row.offset = problem.lag.empty() ? Vec3(problem.offset[i], 0, 0) : Vec3(problem.lag[i] + Vec3(problem.offset[i], 0, 0));
+    row.offset =
+        problem.lag.empty() ? Vec3(problem.offset[i], 0, 0) : Vec3(problem.lag[i] + Vec3(problem.offset[i], 0, 0));
     row.r = r[i], row.data = Rule::pack(problem.diagonal[i]);
     if constexpr (Rotates) row.arm_a = problem.arm_a[i], row.arm_b = problem.arm_b[i];
   }

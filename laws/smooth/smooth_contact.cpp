@@ -1,5 +1,7 @@
 #include "laws/smooth/smooth_contact.h"
 
+#include "engine/order_free_sum.h"
+
 namespace epafi {
 
 void VelocityChange::of(const World& world, Slot body, double time) {
@@ -20,6 +22,15 @@ void VelocityChange::predict(const World& world, const ContactSet& contacts, Tou
   touched.build(contacts, world, [&](Slot s) {
     if (time > 0.0) of(world, s, time);
   });
+}
+
+Vec3 contact_virial(const World& world, const ContactSet& contacts) {
+  const auto sums = order_free_sums<3>(contacts.size(), [&](std::size_t i) -> std::array<double, 3> {
+    const Vec3 branch = world.branch(contacts.a[i], contacts.b[i], contacts.feature[i]);
+    const Vec3 term = contacts.force[i].cwiseProduct(branch);
+    return {term.x(), term.y(), term.z()};
+  });
+  return {sums[0].sum, sums[1].sum, sums[2].sum};
 }
 
 }  // namespace epafi

@@ -25,12 +25,10 @@ struct SmoothSums {
   double viscous_power = 0.0;  ///< lost in dampers now [W]
   double driven_power = 0.0;   ///< of driven bodies on the others now [W]
   double lost = 0.0;           ///< to plastic deformation and adhesion during the step [J]
-  Vec3 virial = Vec3::Zero();  ///< of a periodic cell: force on A times branch, by axis [N m]
 
   SmoothSums& operator+=(const SmoothSums& o) {
     touching += o.touching, elastic += o.elastic, spring_energy += o.spring_energy, spring_work += o.spring_work;
     viscous_power += o.viscous_power, driven_power += o.driven_power, lost += o.lost;
-    virial += o.virial;
     return *this;
   }
 };
@@ -97,6 +95,9 @@ class RecordMemory {
   Record fresh_{};
 };
 
+/// Force on A times branch, by axis [N m]: the virial of a periodic cell, whose bits depend on the contacts alone.
+Vec3 contact_virial(const World& world, const ContactSet& contacts);
+
 template <NormalLaw Normal, TangentialLaw Tangential, RollingLaw Rolling>
 class SmoothContact final : public ContactModel {
   static constexpr bool slides = Tangential::is_present, rolls = Rolling::is_present,
@@ -149,7 +150,10 @@ class SmoothContact final : public ContactModel {
       gather_forces(contacts, touched_, world, *clock.touched);
     else
       gather_forces(contacts, incidence_, world);
-    if (world.cell) world.cell->virial = sums.virial;
+    if (world.cell) {
+      world.cell->virial = contact_virial(world, contacts);
+      sums.driven_power += world.cell->virial.dot(world.cell->strain_rate);
+    }
     record(sums, contacts, clock.dt, report);
   }
 
@@ -191,7 +195,6 @@ class SmoothContact final : public ContactModel {
     });
     SmoothSums total;
     for (const SmoothSums& s : blocks_) total += s;
-    if (world.cell) total.driven_power += total.virial.dot(world.cell->strain_rate);
     return total;
   }
 
@@ -241,7 +244,6 @@ class SmoothContact final : public ContactModel {
     contacts.force[i] = force;
     if constexpr (rolls) contacts.moment[i] = roll(world, contacts, t, p.rolling, dt, lag, sums);
     if (world.inverse_mass[t.a] * world.inverse_mass[t.b] == 0.0) drive<rotates>(world, contacts, t, sums);
-    if (world.cell) sums.virial += force.cwiseProduct(t.branch);
   }
 
   /// Relative velocity at the contact: its slip in the middle of the step, its approach at the end.

@@ -1,5 +1,6 @@
 #include "laws/nonsmooth/solvers/apgd.h"
 
+#include "engine/order_free_sum.h"
 #include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/newton.h"
@@ -11,22 +12,21 @@ void ProjectedGradient::descend(const ConeProblem& problem) {
     for (std::size_t i = 0; i < y_.size(); ++i)
       r_next_[i] = project_cone(y_[i] - (weight_[i] / lipschitz_) * g_[i], problem.friction[i]);
     problem.relative_velocities(r_next_, v_, u_next_);
-    double curvature = 0.0, length = 0.0;
-    for (std::size_t i = 0; i < y_.size(); ++i) {
-      if (weight_[i] <= 0.0) continue;
+    const auto [curvature, length] = order_free_sums<2>(y_.size(), [&](std::size_t i) -> std::array<double, 2> {
+      if (weight_[i] <= 0.0) return {};
       const Vec3 d = r_next_[i] - y_[i];
-      curvature += d.dot(u_next_[i] - u_y_[i]), length += d.squaredNorm() / weight_[i];
-    }
-    if (curvature <= lipschitz_ * length) return;
+      return {d.dot(u_next_[i] - u_y_[i]), d.squaredNorm() / weight_[i]};
+    });
+    if (curvature.sum <= lipschitz_ * length.sum) return;
     lipschitz_ *= 2.0;
   }
 }
 
 /// r = P_K(r - rho u): solves the convex problem, which the residual of exact friction cannot tell.
 bool ProjectedGradient::is_stationary(const ConeProblem& problem, const Impulses& r) const {
-  double square = 0.0;
-  for (std::size_t i = 0; i < r.size(); ++i)
-    square += (r[i] - project_cone(r[i] - problem.scale * u_[i], problem.friction[i])).squaredNorm();
+  const double square = order_free_sum(r.size(), [&](std::size_t i) {
+    return (r[i] - project_cone(r[i] - problem.scale * u_[i], problem.friction[i])).squaredNorm();
+  });
   return std::sqrt(square) <= tolerance_ * problem.scale * problem.q_norm();
 }
 
@@ -45,8 +45,7 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
       if (!relaxed_) g_[i].x() += problem.friction[i] * tangential_norm(u_[i]);
     }
     descend(problem);
-    double uphill = 0.0;
-    for (std::size_t i = 0; i < n; ++i) uphill += g_[i].dot(r_next_[i] - r[i]);
+    const double uphill = order_free_sum(n, [&](std::size_t i) { return g_[i].dot(r_next_[i] - r[i]); });
     const double next = 0.5 * (std::sqrt(momentum * momentum * (4.0 + momentum * momentum)) - momentum * momentum);
     const bool restart = !accelerated_ || uphill > 0.0;
     const double beta = restart ? 0.0 : momentum * (1.0 - momentum) / (momentum * momentum + next);

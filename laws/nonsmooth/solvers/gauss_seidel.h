@@ -6,6 +6,7 @@
 #pragma once
 #include <cmath>
 
+#include "engine/order_free_sum.h"
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/residual.h"
@@ -90,13 +91,13 @@ class GaussSeidel final : public ContactSolver {
   static constexpr double rounding = 1e-15;  // of ||r||: a change of a few ulp of most impulses is noise
 
   static double norm(const Impulses& r) {
-    return std::sqrt(block_sum<double>(r.size(), [&](std::size_t i) { return r[i].squaredNorm(); }));
+    return std::sqrt(order_free_sum(r.size(), [&](std::size_t i) { return r[i].squaredNorm(); }));
   }
 
   /// rho ||q||, or rho where q = 0.
   double cheap_scale(const ContactProblem& problem, double rho) const {
-    const double q2 = block_sum<double>(problem.size(),
-                                        [&](std::size_t i) { return problem.free_relative_velocity(i).squaredNorm(); });
+    const double q2 =
+        order_free_sum(problem.size(), [&](std::size_t i) { return problem.free_relative_velocity(i).squaredNorm(); });
     return rho * (q2 > 0.0 ? std::sqrt(q2) : 1.0);
   }
 

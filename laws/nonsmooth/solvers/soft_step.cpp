@@ -65,7 +65,7 @@ void SoftStep::take_parts(S& sweep, const ContactProblem& problem, Impulses& r) 
   SoftRule rule{SoftRule::Task::begin_step, h, w / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2), fastest_};
   const auto run = [&](SoftRule::Task task) {
     rule.task = task;
-    sweep.run(rule);
+    sweep.run(rule, false);
   };
   sweep.load(problem, gap_, {}, first_, still_);
   run(SoftRule::Task::begin_step);

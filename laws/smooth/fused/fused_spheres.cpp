@@ -48,7 +48,7 @@ struct BlockTask {
     block.touching = total.touching, block.viscous = total.viscous.total(), block.lost = total.lost.total();
     if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
     block.slipped = 0.5 * total.twice_slipped.total() + total.released;
-    block.virial = {total.virial[0].total(), total.virial[1].total(), total.virial[2].total()};
+    if (!block.images.empty()) block.virial = total.virial.sums();
   }
 
  private:
@@ -326,8 +326,12 @@ class FusedModel final : public FusedSpheres {
   /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run), and the work of
   /// the strain on it.
   void deform(PeriodicCell& cell, bool others, double dt, StepReport& report) {
-    Vec3 virial = Vec3::Zero();
-    for (const auto& block : blocks_.blocks()) virial += block.virial;
+    Vec3 virial;
+    for (std::size_t k = 0; k < 3; ++k) {
+      OrderFreeSum sum;
+      for (const auto& block : blocks_.blocks()) sum += block.virial[k];
+      virial[static_cast<int>(k)] = sum.value();
+    }
     const double power = virial.dot(cell.strain_rate);
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;

@@ -13,6 +13,7 @@
 #include "engine/contacts.h"
 #include "engine/lanes.h"
 #include "engine/large_column.h"
+#include "engine/order_free_sum.h"
 #include "engine/parallel.h"
 #include "engine/state_visitor.h"
 #include "laws/smooth/fused/sphere_springs.h"
@@ -111,7 +112,7 @@ class SphereBlocks {
     double slipped = 0.0;        ///< lost by slip in the step [J]
     double viscous = 0.0;        ///< power lost in the dampers [W]
     double lost = 0.0;           ///< to plastic deformation or adhesion in the step [J]
-    Vec3 virial = Vec3::Zero();  ///< force on A times branch, by axis [N m]; in a periodic cell only
+    std::array<OrderFreeSum, 3> virial;  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
     double deepest = 0.0, deepest_relative = 0.0;  ///< overlap [m], over the smaller radius
     void grow_records(std::size_t size, bool rolls);

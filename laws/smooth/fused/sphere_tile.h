@@ -4,6 +4,7 @@
 #include "laws/contact_law.h"
 #include "laws/smooth/fused/sphere_blocks.h"
 #include "laws/smooth/fused/sphere_lanes.h"
+#include "laws/smooth/fused/virial_terms.h"
 
 namespace epafi {
 
@@ -44,7 +45,7 @@ template <int n>
 struct SphereTotals {
   LaneSum<n> elastic, viscous;                              ///< of the normal parts [J], [W]
   LaneSum<n> twice_stored, twice_slipped;                   ///< of the springs [J]
-  LaneSum<n> virial[3];                                     ///< with a periodic cell [N m]
+  VirialTerms virial;                                       ///< with a periodic cell [N m]
   LaneSum<n> lost;                                          ///< to plastic deformation or adhesion [J]
   typename LanesOf<n>::Real deepest{}, deepest_relative{};  ///< overlap [m], over the smaller radius
   double released = 0.0;                                    ///< energy of the springs of contacts that opened [J]
@@ -286,9 +287,16 @@ EPAFI_LANES void total_up(SphereTile<n>& t, SphereTotals<n>& total, bool tells_e
   add(total.viscous, &Group::viscous);
   if constexpr (remembers) add(total.twice_slipped, &Group::twice_slipped);
   if (loses) add(total.lost, &Group::lost);
-  if constexpr (periodic)
-    add(total.virial[0], &Group::virial_x), add(total.virial[1], &Group::virial_y),
-        add(total.virial[2], &Group::virial_z);
+  if constexpr (periodic) {
+    const auto put = [&](std::size_t axis, V Group::*x) EPAFI_INLINED {
+      double* const to = total.virial.next(axis);
+      for (std::size_t g = 0; g < t.groups; ++g) std::memcpy(to + g * n, &(t.group[g].*x), sizeof(V));
+    };
+    put(0, &Group::virial_x);
+    put(1, &Group::virial_y);
+    put(2, &Group::virial_z);
+    total.virial.advance(t.count);
+  }
   total.touching += t.count;
 }
 
