@@ -1,5 +1,6 @@
 // The age of a list decides nothing: scenes whose walls turn, whose cell strains, where bodies are poured in and taken
-// out have the same bits with lists that last as with a new one in every step, by another method, and for any number of threads.
+// out have the same bits with lists that last as with a new one in every step, by another method and for any number of
+// threads.
 #include "engine/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
