@@ -102,8 +102,9 @@ ROWS = {  # scene, settled until [s], steps
 class Scene:
     def __init__(self, program, folder, name):
         scene, until, self.steps = ROWS[name]
-        self.program, self.state, self.copy = program, os.path.join(folder, name), os.path.join(folder, "copy")
-        file = os.path.join(folder, "scene.toml")
+        self.program, self.copy = program, os.path.join(folder, "copy")
+        self.state = os.path.join(folder, name.replace(" ", "_"))
+        file = self.state + ".toml"  # a run reads it again when it goes on
         with open(file, "w") as out:
             out.write(scene())
         self.call("run", file, "--until", str(until), "-o", self.state, "--least-output")

@@ -8,6 +8,7 @@
 namespace epafi {
 
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
+  const bool grown = list_->take_in(world, pairs);
   const std::uint64_t before = pairs.generation;
   if (!worn_.out && !list_->keeps_pairs(world)) worn_ = {true, list_->worn_by_slow()};
   if (worn_.out) {
@@ -17,7 +18,7 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   worn_ = {}, wear_.clear();
   const bool fresh = pairs.generation != before;
   if (fresh && world.size() >= many_bodies && model()) model()->lend(pairs.spheres);
-  if (!fresh && !ways_known_) return;  // what the list has gone through is not known then
+  if (!fresh && !ways_known_ && !grown) return;  // what the list has gone through is not known then
   if (FusedSpheres* const m = model()) m->expect(list_->bodies().drift(world.time));
   const std::size_t block_size = model() ? model()->block_size() : SphereBlocks::largest_block;
   wear_.assign((world.size() + block_size - 1) / block_size, 0.0);

@@ -7,6 +7,10 @@
 
 namespace epafi {
 
+namespace {
+constexpr std::size_t most_taken_in = 64;  // bodies at a time: for each all others are looked at
+}
+
 void ListBroadPhase::see_time(double now) {
   if (now > last_time_) step_time_ = now - last_time_;
   last_time_ = now;
@@ -21,7 +25,18 @@ bool ListBroadPhase::keeps_pairs(const World& world) {
   return !worn.out;
 }
 
+bool ListBroadPhase::take_in(const World& world, PairList& pairs) {
+  const std::size_t old = bodies_.bodies();
+  if (!valid_ || world.size() <= old || world.size() > old + most_taken_in) return false;
+  if (!bodies_.take_in(world, setup_, step_time_)) return false;
+  collector_.add_behind(old, pairs);
+  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(), pairs.hurry = bodies_.hurry;
+  ++pairs.generation;
+  return true;
+}
+
 void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
+  take_in(world, pairs);
   if (!keeps_pairs(world)) renew_pairs(world, pairs, worn_by_slow_);
 }
 

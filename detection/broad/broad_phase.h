@@ -18,6 +18,9 @@ class ListBroadPhase : public BroadPhase {
   bool keeps_pairs(const World& world) final;
   /// Of a list that was not kept.
   bool worn_by_slow() const { return worn_by_slow_; }
+  /// Adds the pairs of bodies that came since, in slots behind the others, to a list that holds for all others: a look
+  /// at every body for each of them. False, and nothing has changed, where it takes a new list.
+  bool take_in(const World& world, PairList& pairs);
   /// Builds the list anew whatever bodies() says of it.
   void renew_pairs(const World& world, PairList& pairs, bool worn_by_slow);
   /// The time has come to `now`: of steps in which neither of both is called.

@@ -111,11 +111,41 @@ void FatBodies::update(const World& world, const BroadSetup& setup, double step_
   if (!same_bodies) read_shapes(world, setup), median_radius_ = median_radius(world, *setup.shapes);
   if (world.cell) cell_size_ = world.cell->size;
   if (loose_planes_) look_around(world, *setup.shapes);
-  const double steps = choose_drift(world, setup, step_time, since);
+  const double steps = steps_ = choose_drift(world, setup, step_time, since);
   fatten(world, setup, step_time, steps);
   set_apart(world, *setup.shapes, same_bodies);
   set_planes(world, setup, step_time, steps);
   if (world.cell) add_images(world);
+}
+
+bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step_time) {
+  const std::size_t old = bodies(), n = world.size();
+  const auto fits = [&](std::size_t i) {  // free spheres among many of their size: sources pour little else
+    const double r = setup.shapes->bounding_radius({world.shape[i]});
+    return ShapeRef{world.shape[i]}.type() == ShapeStore::type_of<Sphere>() && world.is_movable(static_cast<Slot>(i)) &&
+           r <= giant_ratio * median_radius_ && world.position[i].allFinite();
+  };
+  if (n <= old || world.cell || type.size() != old || ball.size() != old || !complete_) return false;
+  for (std::size_t i = old; i < n; ++i)
+    if (!fits(i)) return false;
+  const Vec3 common = drift_.way(world.time - taken_at_);
+  const auto grow = [n](auto& column) {
+    if (!column.empty()) column.resize(n);
+  };
+  grow(boxes), grow(half), grow(radius), grow(role), grow(orientation);
+  ball.resize(n), hurry.resize(n), slow_.resize(n), id.resize(n), type.resize(n), immovable.resize(n);
+  for (std::size_t i = old; i < n; ++i) {
+    const auto s = static_cast<Slot>(i);
+    id[i] = static_cast<std::uint32_t>(world.id[s]), immovable[i] = 0;
+    type[i] = static_cast<std::uint8_t>(ShapeStore::type_of<Sphere>());
+    if (!role.empty()) role[i] = SphereRole::sphere;
+    const double r = setup.shapes->bounding_radius({world.shape[i]});
+    if (!radius.empty()) radius[i] = r;
+    fatten_one(world, setup, s, margin_of(world, s, setup, step_time, steps_), world.position[s] - common);
+    ordinary.push_back(s);
+    if (loose_planes_) around.include(position(i));
+  }
+  return true;
 }
 
 void FatBodies::rest() {
@@ -235,26 +265,31 @@ double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup,
   return 0.5 * (setup.reach + margin) + 0x1p-50 * world.position[s].cwiseAbs().maxCoeff();
 }
 
+/// x: where the body is in the frame of the list [m].
+void FatBodies::fatten_one(const World& world, const BroadSetup& setup, Slot s, double margin, const Vec3& x) {
+  const double r = radius_of(world, *setup.shapes, s);
+  hurry[s] = 2.0 < margin * double{most_hurry} ? static_cast<float>((1.0 + 0x1p-23) * 2.0 / margin) : most_hurry;
+  slow_[s] = std::isfinite(r) && margin <= 1.001 * least_share_ * r;
+  if (world.has_orientation()) orientation[s] = world.orientation[s];
+  const double fat = fattening(world, s, setup, margin);
+  ball[s] = {x.x(), x.y(), x.z(), r + fat};
+  if (round_) return;
+  if (!std::isfinite(r)) {
+    half[s] = fat, boxes[s] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
+    return;
+  }
+  const Vec3 shift = x - world.position[s];
+  boxes[s] = setup.shapes->bounding_box(world, s).fattened(fat);
+  boxes[s].min += shift, boxes[s].max += shift;
+  half[s] = std::max((boxes[s].max - x).maxCoeff(), (x - boxes[s].min).maxCoeff());
+}
+
 void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_time, double steps) {
   boxes.resize(round_ ? 0 : world.size()), orientation.resize(world.has_orientation() ? world.size() : 0);
   see_strays(world, setup, step_time, steps);
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
-    const double r = radius_of(world, *setup.shapes, i);
-    const double margin = margin_of(world, s, setup, step_time, steps);
-    hurry[i] = 2.0 < margin * double{most_hurry} ? static_cast<float>((1.0 + 0x1p-23) * 2.0 / margin) : most_hurry;
-    slow_[i] = std::isfinite(r) && margin <= 1.001 * least_share_ * r;
-    if (world.has_orientation()) orientation[i] = world.orientation[s];
-    const Vec3& x = world.position[s];
-    const double fat = fattening(world, s, setup, margin);
-    ball[i] = {x.x(), x.y(), x.z(), r + fat};
-    if (round_) return;
-    if (!std::isfinite(r)) {
-      half[i] = fat, boxes[i] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
-      return;
-    }
-    boxes[i] = setup.shapes->bounding_box(world, s).fattened(fat);
-    half[i] = std::max((boxes[i].max - x).maxCoeff(), (x - boxes[i].min).maxCoeff());
+    fatten_one(world, setup, s, margin_of(world, s, setup, step_time, steps), world.position[s]);
   });
   if (!world.cell) return;
   strain_hurry_ = block_max<double>(world.size(), 0.0, [&](std::size_t i) {

@@ -133,6 +133,9 @@ struct FatBodies {
   /// Takes everything from the world; step_time is dt [s] where it is known, else 0 (margins from sizes alone).
   /// same_bodies: in the same slots as at the last call. With images, where the world has a cell.
   void update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies);
+  /// Bodies that came since, in slots behind the others, take their places in the frame of the last update. False, and
+  /// nothing has changed, where the columns cannot take them: the next update can.
+  bool take_in(const World& world, const BroadSetup& setup, double step_time);
   /// The list is worn: how long it lasted says how large the margins of slow bodies ought to be. Before update.
   void learn(const World& world, double step_time, bool worn_by_slow);
   /// Whether some body has moved by more than half its margin, and a slow one too.
@@ -174,6 +177,7 @@ struct FatBodies {
   Vec3 mean_velocity_ = Vec3::Zero();  ///< of the bodies that move, at the last update [m/s]
   bool knows_mean_ = false;
   double taken_at_ = 0.0;  ///< time of the last update [s]
+  double steps_ = 0.0;     ///< how long the list of fast bodies was to last then
   bool round_ = false;     ///< all are spheres and half-spaces
   bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
   std::vector<char> slow_;  ///< has the least margin of its size
@@ -207,6 +211,7 @@ struct FatBodies {
   double choose_drift(const World& world, const BroadSetup& setup, double step_time, double since);
   void see_strays(const World& world, const BroadSetup& setup, double step_time, double steps);
   static double fattening(const World& world, Slot s, const BroadSetup& setup, double margin);
+  void fatten_one(const World& world, const BroadSetup& setup, Slot s, double margin, const Vec3& x);
   void fatten(const World& world, const BroadSetup& setup, double step_time, double steps);
   void set_apart(const World& world, const ShapeStore& shapes, bool same_bodies);
   void set_planes(const World& world, const BroadSetup& setup, double step_time, double steps);

@@ -230,4 +230,61 @@ void PairCollector::finish(PairColumn& pairs) {
   });
 }
 
+// --- bodies that come while a list lasts
+
+namespace {
+/// Puts entries (row, partner), sorted, among those of their rows, which are sorted too; rows up to `rows` begin or
+/// end where they have none.
+void insert(const std::vector<std::pair<Slot, Slot>>& entries, std::size_t rows, SpherePairs& list) {
+  std::vector<std::uint32_t>& first = list.first;
+  const std::uint32_t end = first.back();
+  first.resize(rows + 1, end);
+  list.partner.resize(end + entries.size());
+  std::size_t more = entries.size(), row = rows;
+  std::uint32_t behind = end;  // of the row, before
+  while (more > 0) {
+    --row;
+    const std::uint32_t begin = first[row];
+    first[row + 1] += static_cast<std::uint32_t>(more);
+    std::uint32_t from = behind, to = first[row + 1];
+    while (more > 0 && entries[more - 1].first == row) {
+      const Slot partner = entries[more - 1].second;
+      while (from > begin && list.partner[from - 1] > partner) list.partner[--to] = list.partner[--from];
+      list.partner[--to] = partner, --more;
+    }
+    while (from > begin && more > 0) list.partner[--to] = list.partner[--from];
+    behind = begin;
+  }
+}
+}  // namespace
+
+void PairCollector::add_behind(std::size_t old, PairList& pairs) const {
+  std::vector<std::pair<Slot, Slot>> spheres;
+  const auto before = static_cast<std::ptrdiff_t>(pairs.pairs.size());
+  const auto meet = [&](Slot i, Slot j, Slot plane) {
+    const bool sphere = bodies_.is_sphere_apart(i);
+    if (sphere && plane != no_slot)
+      spheres.emplace_back(i, plane);
+    else if (sphere && bodies_.is_sphere_apart(j))
+      spheres.emplace_back(std::min(i, j), std::max(i, j));
+    else
+      pairs.pairs.push_back(bodies_.id[i] < bodies_.id[j] ? Pair{i, j} : Pair{j, i});
+  };
+  for (auto i = static_cast<Slot>(old); i < bodies_.size(); ++i) {
+    for (Slot j : bodies_.ordinary)
+      if (j < i && bodies_.near(i, j) && bodies_.may_touch(i, j, filter_)) meet(i, j, no_slot);
+    for (std::size_t k = 0; k < bodies_.apart.size(); ++k) {
+      const Slot w = bodies_.apart[k];
+      const ApartPlane& plane = bodies_.plane[k];
+      if (!bodies_.may_touch(i, w, filter_)) continue;
+      if (plane.is_plane() ? bodies_.near_plane(i, plane) : bodies_.near(i, w)) meet(i, w, plane.place);
+    }
+  }
+  std::sort(pairs.pairs.begin() + before, pairs.pairs.end());
+  std::inplace_merge(pairs.pairs.begin(), pairs.pairs.begin() + before, pairs.pairs.end());
+  if (pairs.spheres.first.empty()) return;
+  std::ranges::sort(spheres);
+  insert(spheres, bodies_.size(), pairs.spheres);
+}
+
 }  // namespace epafi

@@ -24,6 +24,8 @@ class PairCollector {
   /// Writes the sorted list, and that of the spheres where the setup wants it.
   void finish(PairColumn& pairs);
   void finish(SpherePairs& pairs);
+  /// Adds to finished lists the pairs of the bodies from slot `old` on with all others.
+  void add_behind(std::size_t old, PairList& pairs) const;
   /// Lets go of what it has gathered.
   void rest() { let_go(blocks_), let_go(run_), let_go(rest_begin_), let_go(begin_), let_go(rest_), let_go(first_); }
 

@@ -102,11 +102,15 @@ class FusedModel final : public FusedSpheres {
     hurry_ = list.hurry, tells_forces_ = list.others || hurry_.empty();
     if (!radius_.empty()) find_materials(world);
     blocks_.rebuild(world, list);
-    if (SpherePairs* const lent = std::exchange(lent_, nullptr)) let_go(lent->first), let_go(lent->partner), let_go(lent->image);
+    SpherePairs* const lent = std::exchange(lent_, nullptr);
+    if (lent == nullptr) return;
+    let_go(lent->first), let_go(lent->partner), let_go(lent->image);
   }
 
   bool move(World& world, const StepClock& clock) override {
-    if (!clock.scheme->has_ranges() || blocks_.bodies() != world.size()) return ways_.clear(), false;
+    if (!clock.scheme->has_ranges()) return ways_.clear(), false;
+    if (blocks_.laid_out() && world.size() > blocks_.bodies()) blocks_.welcome(world), hurry_ = {};
+    if (blocks_.bodies() != world.size()) return ways_.clear(), false;
     predicted_ = true;
     if (std::exchange(ahead_, false)) return true;
     extents_.assign((world.size() + blocks_.block_size() - 1) / blocks_.block_size(), Extent{});

@@ -114,13 +114,18 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
   const std::size_t count = (world.size() + block_size_ - 1) / block_size_;
   const SpherePairs& pairs = list.pairs;
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
+  const bool same_planes = std::ranges::equal(before, planes_, {}, &SpherePlane::slot, &SpherePlane::slot);
+  const bool grown = laid_out_ && world.size() > laid_bodies_;
   bodies_ = world.size();
   late_spins_.resize(needs_.rolling ? world.size() : 0);
   pairs_ = pairs.size();
   if (!laid_out_) group_kept(count);
   blocks_.resize(count, Block(needs_));
+  const std::size_t laid = laid_out_ && same_planes && !rows_.first.empty() ? laid_bodies_ : 0;
   const auto relay = [&](std::size_t i) {
     thread_local Carried carried;
+    const std::size_t end = std::min(bodies_, (i + 1) * block_size_);
+    if (end <= laid && keeps_rows(i, end, pairs)) return fill_pairs(blocks_[i]);
     const bool carries = laid_out_ && needs_.remembers();
     if (carries) carried.take(blocks_[i], before);
     lay_out(blocks_[i], static_cast<Slot>(i), pairs);
@@ -136,8 +141,35 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
   });
   let_go(kept_.springs), laid_out_ = true;
+  see_rows(pairs, grown);
   kept_.each_more(needs_, [](auto& column, const char*) { let_go(column); });
   list_sources();
+}
+
+/// The bodies of a block have the partners that they had at the last layout.
+bool SphereBlocks::keeps_rows(std::size_t index, std::size_t end, const SpherePairs& pairs) const {
+  const std::size_t begin = index * block_size_;
+  const std::uint32_t now = pairs.first[begin], then = rows_.first[begin];
+  for (std::size_t s = begin; s <= end; ++s)
+    if (pairs.first[s] - now != rows_.first[s] - then) return false;
+  return std::equal(pairs.partner.begin() + now, pairs.partner.begin() + pairs.first[end],
+                    rows_.partner.begin() + then);
+}
+
+/// Where bodies come, many blocks will stay as they are at the next layout. Not of many bodies: it is 30 bytes of each.
+void SphereBlocks::see_rows(const SpherePairs& pairs, bool grown) {
+  const bool wanted = (grown || !rows_.first.empty()) && bodies_ < many_bodies && pairs.image.empty();
+  laid_bodies_ = bodies_;
+  if (!wanted) return let_go(rows_.first), let_go(rows_.partner);
+  rows_.first.assign(pairs.first.begin(), pairs.first.begin() + static_cast<std::ptrdiff_t>(bodies_ + 1));
+  rows_.partner.assign(pairs.partner.begin(), pairs.partner.begin() + rows_.first.back());
+}
+
+void SphereBlocks::welcome(const World& world) {
+  bodies_ = world.size();
+  plain_.resize((bodies_ + 3) / 4);
+  std::fill(plain_.begin() + static_cast<std::ptrdiff_t>(laid_bodies_ / 4), plain_.end(), std::uint8_t{0});
+  late_spins_.resize(needs_.rolling ? bodies_ : 0);
 }
 
 void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
@@ -213,15 +245,23 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
 
 /// Runs are filled up to whole eights, and the block by as many pairs as the loop looks ahead.
 void SphereBlocks::fill_up(Block& block) const {
+  fill_pairs(block);
+  for (std::size_t r = 0; r < block.runs.size() && !block.images.empty(); ++r) {
+    const std::uint32_t last = block.runs[r].end,
+                        next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
+    std::fill(block.images.begin() + last, block.images.begin() + next, block.images[last - 1]);
+  }
+  block.touched.assign(block.size / pairs_per_byte, 0);
+}
+
+/// The state that is nowhere stands behind the last body.
+void SphereBlocks::fill_pairs(Block& block) const {
   const SpherePlace nowhere(static_cast<Slot>(bodies_));
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
     const std::uint32_t last = block.runs[r].end,
                         next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
     std::fill(block.pairs.begin() + last, block.pairs.begin() + next, SpherePlaces{nowhere, nowhere});
-    if (!block.images.empty())
-      std::fill(block.images.begin() + last, block.images.begin() + next, block.images[last - 1]);
   }
-  block.touched.assign(block.size / pairs_per_byte, 0);
   std::fill(block.pairs.begin() + block.size, block.pairs.end(), SpherePlaces{nowhere, nowhere});
 }
 

@@ -138,7 +138,9 @@ class SphereBlocks {
   void receive(std::size_t i, std::size_t tray);
   /// What of the bodies' states is ours and stays, and which bodies are plain; radius: by slot, of free spheres [m].
   void set_constants(World& world, std::span<const double> radius);
-  /// Bodies of the last layout.
+  /// Bodies that came since the last layout, behind the others: as those without contacts until the next one.
+  void welcome(const World& world);
+  /// Bodies of the last layout, or welcome since.
   std::size_t bodies() const { return bodies_; }
 
   /// f(run, pair, rank) for all pairs of a block that touched at the last call, in the order of the layout; rank: its
@@ -198,12 +200,15 @@ class SphereBlocks {
   static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
                       const std::vector<SpherePlane>& planes);
   void group_kept(std::size_t count);
+  bool keeps_rows(std::size_t index, std::size_t end, const SpherePairs& pairs) const;
+  void see_rows(const SpherePairs& pairs, bool grown);
   void lay_out(Block& block, Slot index, const SpherePairs& pairs);
   void restore(Block& block, Slot first, std::span<const Kept> kept);
   std::size_t run_of(Slot b, std::size_t end) const;
   void make_runs(Block& block, std::size_t end, std::span<const Slot> partners,
                  std::vector<std::uint32_t>& place) const;
   void fill_up(Block& block) const;
+  void fill_pairs(Block& block) const;
   void list_sources();
   /// Of a block or a const one: among its targets.
   template <class B>
@@ -226,6 +231,8 @@ class SphereBlocks {
   std::vector<std::uint32_t> kept_begin_;    ///< by block, once they are grouped
   bool laid_out_ = false, grouped_ = false;  ///< kept_ is in the order of the blocks
   std::size_t pairs_ = 0, bodies_ = 0;
+  std::size_t laid_bodies_ = 0;  ///< of the last layout
+  SpherePairs rows_;             ///< the list it was made from, where bodies have come; else empty
 };
 
 }  // namespace epafi
