@@ -19,8 +19,8 @@ constexpr double moved_share = 0.25;         // of the smallest body
 constexpr double turned_angle = 0.1;         // [rad]
 constexpr double steps_a_swing = 40.0;
 constexpr double strain_share = 0.01;
-constexpr double least_bouncing = 0.5;       // restitution: below it a rebound reaches a quarter of the height
-constexpr double bounce_share = 0.01;        // of the time of a fall: rebounds err by two to four times that
+constexpr double least_bouncing = 0.5;  // restitution: below it a rebound reaches a quarter of the height
+constexpr double bounce_share = 0.01;   // of the time of a fall: rebounds err by two to four times that
 
 /// The shortest of several steps, and why.
 struct ShortestStep {
@@ -38,15 +38,15 @@ struct ShortestStep {
 
 /// What free bodies do.
 struct FreeBodies {
-  double diameter = infinity;         ///< of the smallest [m]
-  double lightest = infinity;         ///< mass [kg]
-  double swift = infinity;            ///< least d / a [s^2]
-  double swift_diameter = 0.0;        ///< of that body [m]
-  double spin = 0.0;                  ///< largest, but of spheres [rad/s]
-  double speed = 0.0;                 ///< largest that is written [m/s]
-  Vec3 highest = Vec3::Zero();        ///< its lowest point, about
-  double top = infinity;              ///< depth of that point along gravity [m]
-  double deepest = -infinity;         ///< depth of the lowest centre [m]
+  double diameter = infinity;   ///< of the smallest [m]
+  double lightest = infinity;   ///< mass [kg]
+  double swift = infinity;      ///< least d / a [s^2]
+  double swift_diameter = 0.0;  ///< of that body [m]
+  double spin = 0.0;            ///< largest, but of spheres [rad/s]
+  double speed = 0.0;           ///< largest that is written [m/s]
+  Vec3 highest = Vec3::Zero();  ///< its lowest point, about
+  double top = infinity;        ///< depth of that point along gravity [m]
+  double deepest = -infinity;   ///< depth of the lowest centre [m]
 
   void add_size(double size, double mass, double acceleration) {
     diameter = std::min(diameter, size);
@@ -144,7 +144,8 @@ void look_at_driven(const Assembly& a, double& speed, ShortestStep& step) {
     }
   }
   if (follows_table)
-    step.take(a.scene.run.output_interval.value / 10.0, [] { return "output_interval / 10: something follows a table"; });
+    step.take(a.scene.run.output_interval.value / 10.0,
+              [] { return "output_interval / 10: something follows a table"; });
 }
 
 void look_at_springs(const Assembly& a, ShortestStep& step) {
@@ -183,7 +184,8 @@ double longest_fall(const Assembly& a, const FreeBodies& free) {
 /// Impacts are found in the middle of a step, not when they happen: rebounds err by what a body falls in it.
 void look_at_bounces(const Assembly& a, const FreeBodies& free, double height, ShortestStep& step) {
   double restitution = a.scene.contact.restitution.written() ? a.scene.contact.restitution.value : 0.0;
-  for (const PairSpec& pair : a.scene.contact.pairs) restitution = std::max(restitution, pair.restitution.value_or(0.0));
+  for (const PairSpec& pair : a.scene.contact.pairs)
+    restitution = std::max(restitution, pair.restitution.value_or(0.0));
   const double g = a.simulation->world.gravity.norm();
   if (restitution < least_bouncing || locates_impacts(a.scene) || !(height > 0.0) || !(g > 0.0)) return;
   step.take(bounce_share * std::sqrt(2.0 * std::max(height, free.diameter) / g), [&] {
@@ -204,9 +206,10 @@ void look_at_free_motion(const Assembly& a, const FreeBodies& free, ShortestStep
   look_at_bounces(a, free, height, step);
   if (speed > 0.0)
     step.take(moved_share * free.diameter / speed, [&] {
-      return fmt::format("d / (4 v): nothing moves further than that in it, d = {:.4g} m of the smallest body, v = {:.4g} "
-                         "m/s {}",
-                         free.diameter, speed, fall < speed ? "as written" : "of the fall from the highest body");
+      return fmt::format(
+          "d / (4 v): nothing moves further than that in it, d = {:.4g} m of the smallest body, v = {:.4g} "
+          "m/s {}",
+          free.diameter, speed, fall < speed ? "as written" : "of the fall from the highest body");
     });
   if (free.spin > 0.0)
     step.take(turned_angle / free.spin, [&] { return fmt::format("bodies turn by {:g} rad in it", turned_angle); });

@@ -1,4 +1,5 @@
-// The step of non-smooth scenes that write none: it follows size, gravity, motion and output, and what it foresees holds.
+// The step of non-smooth scenes that write none: it follows size, gravity, motion and output; falling bodies are
+// foreseen.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,7 +20,8 @@ std::string cube(double size, double height, double gravity = g, const std::stri
   return fmt::format(
       "run = {{ duration = 5.0 }}\nworld = {{ gravity = [0, 0, {:.17g}] }}\nmaterial.stone = {{ density = 1000.0 }}\n"
       "contact = {{ method = \"nonsmooth\", restitution = 0.0, friction = 0.5 }}\n"
-      "[[body]]\nname = \"floor\"\nshape = {{ half_space = {{ normal = [0, 0, 1] }} }}\nmaterial = \"stone\"\nfixed = true\n"
+      "[[body]]\nname = \"floor\"\nshape = {{ half_space = {{ normal = [0, 0, 1] }} }}\n"
+      "material = \"stone\"\nfixed = true\n"
       "[[body]]\nname = \"cube\"\nshape = {{ box = {{ size = [{:.17g}, {:.17g}, {:.17g}] }} }}\nmaterial = \"stone\"\n"
       "position = [0, 0, {:.17g}]\n{}\n",
       -gravity, size, size, size, 0.5 * size + height, more);
@@ -44,7 +46,7 @@ TEST_CASE("a non-smooth scene of metres at rest takes 1/60 s, or what divides it
 }
 
 TEST_CASE("the default step goes by the square root of size over gravity", "[scenes][time_step]") {
-  // all lengths times L, gravity times k: times go by sqrt(L / k); the steps divide 5 s, which moves them by a step in 5 s
+  // all lengths times L, gravity times k: times go by sqrt(L / k); steps divide 5 s, which moves them by a step in 5 s
   const double reference = step_of(cube(0.1, 0.3));
   for (const auto& [length, gravity] : {std::pair(0.1, 1.0), {1e-3, 1.0}, {1e-4, 1.0}, {1.0, 10.0}, {1e-2, 100.0}}) {
     const double scale = std::sqrt(length / gravity), step = step_of(cube(0.1 * length, 0.3 * length, g * gravity));
@@ -69,7 +71,7 @@ TEST_CASE("what moves, turns and swings shortens the default step, and the reaso
 
 TEST_CASE("a falling body is foreseen: at the default step it overlaps the floor by next to nothing",
           "[scenes][time_step]") {
-  // a contact within reach lets the body come to the floor and no further: what is left is gravity over half a step, g dt^2 / 2
+  // a contact within reach lets the body come to the floor and no further: gravity over half a step is left, g dt^2 / 2
   for (const double height : {0.05, 0.3, 1.0, 4.0}) {
     INFO("height " << height);
     const auto assembly = load_text(cube(0.1, height));
