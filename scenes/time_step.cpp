@@ -14,6 +14,7 @@
 #include "scenes/contact_setup.h"
 #include "scenes/railway/rolling.h"
 #include "scenes/step_estimate.h"
+#include "scenes/time_step_nonsmooth.h"
 
 namespace epafi {
 
@@ -267,13 +268,6 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
   return step;
 }
 
-TimeStep nonsmooth_step(const Assembly& a, const Survey& s) {
-  const double by_output = a.scene.run.output_interval.value / 10, g = a.simulation->world.gravity.norm();
-  const double by_size = g > 0 && std::isfinite(s.diameter) ? std::sqrt(0.01 * s.diameter / g) : infinity;
-  if (by_output <= by_size) return {by_output, infinity, "output_interval / 10"};
-  return {by_size, infinity, fmt::format("sqrt(0.01 d / g) of the smallest body, d = {:.4g} m", s.diameter)};
-}
-
 }  // namespace
 
 TimeStep choose_time_step(const Assembly& a) {
@@ -281,7 +275,7 @@ TimeStep choose_time_step(const Assembly& a) {
   const auto& written = a.scene.run.time_step;
   const bool smooth = a.scene.contact.method.value == Method::smooth;
   TimeStep step{a.scene.run.output_interval.value / 10, infinity, "no body can touch another: output_interval / 10"};
-  if (s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) step = smooth ? smooth_step(a, s) : nonsmooth_step(a, s);
+  if (s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) step = smooth ? smooth_step(a, s) : nonsmooth_step(a);
   if (const TimeStep railway = railway_step(a); railway.value < infinity) {
     const bool only = smooth && (s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2);
     if (only || railway.value < step.value) step.value = railway.value, step.reason = railway.reason;
@@ -301,6 +295,15 @@ TimeStep choose_time_step(const Assembly& a) {
         written.place);
   return {*written.value, step.limit,
           "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason), step.limit_reason};
+}
+
+std::string chosen_text(const Assembly& a) {
+  std::string out = fmt::format(" time step: {:.4g} s: {}\n", a.time_step.value, a.time_step.reason);
+  const ContactSettings& c = a.scene.contact;
+  if (c.method.value != Method::nonsmooth) return out;
+  const std::string impact = c.nonsmooth.has("impact") ? c.nonsmooth.text("impact") : "energetic";
+  return out + fmt::format(" solver: {}{}, tolerance {:g}; impacts: {}\n", c.solver.value,
+                           c.solver.written() ? "" : " (default)", c.nonsmooth.number_or("tolerance", 1e-6), impact);
 }
 
 }  // namespace epafi

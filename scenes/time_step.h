@@ -4,8 +4,11 @@
 
 namespace epafi {
 
-/// smooth: auto = 0.1 of the shortest contact time estimate; non-smooth: the smaller of output_interval / 10 and
-/// sqrt(0.01 d / g), d the smallest free body's diameter. Throws SceneError where a written step exceeds the limit.
+/// smooth: auto = 0.1 of the shortest contact time estimate; non-smooth: time_step_nonsmooth.h. Throws SceneError where
+/// a written step exceeds the limit.
 TimeStep choose_time_step(const Assembly& assembly);
+
+/// For `epafi explain`: the time step and why, and of non-smooth contact the solver and the law of impact.
+std::string chosen_text(const Assembly& assembly);
 
 }  // namespace epafi

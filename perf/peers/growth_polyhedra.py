@@ -41,7 +41,8 @@ def settled(program, out):
     run, polyset, source = os.path.join(out, "settled"), os.path.join(out, "settled.polyset"), os.path.join(PILE, "poly_1000.polyset")
     if not os.path.exists(polyset):
         scene = os.path.join(PILE, "polyhedra.toml")
-        subprocess.run([program, "run", scene, "-t", "1", "-q", "--force", "--least-output", "-o", run], check=True)
+        step = "run.time_step=%.17g" % (1 / 240)
+        subprocess.run([program, "run", scene, "--set", step, "-t", "1", "-q", "--force", "--least-output", "-o", run], check=True)
         subprocess.run([sys.executable, os.path.join(HERE, "..", "settled_polyset.py"), run, source, polyset], check=True)
     bodies = []
     with open(polyset) as lines:

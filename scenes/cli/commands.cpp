@@ -26,6 +26,7 @@
 #include "scenes/stage_check.h"
 #include "scenes/start_run.h"
 #include "scenes/stop.h"
+#include "scenes/time_step.h"
 #include "viz_export/export.h"
 #include "viz_export/report.h"
 #include "viz_export/side_file.h"
@@ -171,7 +172,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
                        "' is not empty; name another with -o or allow it with --force");
     remove_results(folder);
   }
-  if (options.verbose) say(explain(assembly->scene, assembly->plan, *assembly->shapes));
+  if (options.verbose) say(explain(assembly->scene, assembly->plan, *assembly->shapes) + chosen_text(*assembly));
   if (!options.quiet)
     say(fmt::format("time step {:.4g} s: {}; {} steps", assembly->time_step.value, assembly->time_step.reason,
                     assembly->steps));
@@ -280,7 +281,7 @@ int command_check(const CommonOptions& common) {
 
 int command_explain(const CommonOptions& common) {
   const auto assembly = assemble(read_or_throw(common.scene, common.overrides));
-  std::string text = explain(assembly->scene, assembly->plan, *assembly->shapes);
+  std::string text = explain(assembly->scene, assembly->plan, *assembly->shapes) + chosen_text(*assembly);
   for (const StageCheck& stage : check_stages(assembly->scene)) text += stage.explained;
   print(text);
   return exit_done;

@@ -1,4 +1,4 @@
-// The box stack of the library by its default solver at dt = 1/240 s.
+// The box stack of the library by its default solver and step.
 #include "engine/state_snapshot.h"
 #include "scenes/monitor.h"
 #include "tests/support/catch.h"
