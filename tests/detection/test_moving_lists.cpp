@@ -81,14 +81,14 @@ TEST_CASE("turning, shaking and pushing half-spaces keep their lists and miss no
       Random random(seed, 3);
       const double edge = 4.0, dt = 1e-3;
       for (int i = 0; i < 150; ++i)
-        scene.add_sphere(random_point(random, edge), random.uniform(0.15, 0.3), 0.5 * random_point(random, 1.0));
+        scene.add_sphere(test::random_point(random, edge), random.uniform(0.15, 0.3), 0.5 * test::random_point(random, 1.0));
       if (seed % 2 == 0) scene.add_sphere(Vec3(3e3, 0, 0), 0.2);  // a stray: no plane may watch all that is between
       std::vector<Slot> planes;
       for (int p = 0; p < 6; ++p) {
-        const Vec3 n = random_point(random, 1.0).normalized();
+        const Vec3 n = test::random_point(random, 1.0).normalized();
         planes.push_back(scene.world.slot_of(scene.add_plane(random.uniform(-6.0, -2.0) * n, n)));
       }
-      const Vec3 axis = random_point(random, 1.0).normalized();
+      const Vec3 axis = test::random_point(random, 1.0).normalized();
       const double rate = random.uniform(0.5, 3.0);
       const auto broad = make_broad_phase(name, scene.setup, scene.world);
       PairList list;
@@ -125,13 +125,13 @@ TEST_CASE("lists of cells that strain hold beside the flow, held and fast bodies
     const bool walled = seed % 4 == 3;  // z does not repeat: planes and held spheres stand in the flow
     const double dt = 1e-3;
     PeriodicCell cell;
-    cell.size = Vec3(3.0, 3.5, 4.0), cell.low = random_point(random, 2.0), cell.repeats = {true, true, !walled};
+    cell.size = Vec3(3.0, 3.5, 4.0), cell.low = test::random_point(random, 2.0), cell.repeats = {true, true, !walled};
     scene.world.cell = cell;
     const auto place = [&] {
-      return Vec3(cell.low + cell.size.cwiseProduct(random_point(random, 0.5) + Vec3::Constant(0.5)));
+      return Vec3(cell.low + cell.size.cwiseProduct(test::random_point(random, 0.5) + Vec3::Constant(0.5)));
     };
     for (int i = 0; i < 120; ++i)
-      scene.add_sphere(place(), random.uniform(0.1, 0.25), (i % 10 == 0 ? 8.0 : 0.4) * random_point(random, 1.0));
+      scene.add_sphere(place(), random.uniform(0.1, 0.25), (i % 10 == 0 ? 8.0 : 0.4) * test::random_point(random, 1.0));
     for (int i = 0; i < (seed % 2 == 1 ? 6 : 0); ++i) scene.add_sphere(place(), 0.3, Vec3::Zero(), false);
     if (walled) scene.add_plane(cell.low, Vec3::UnitZ());
     CellControl control;
@@ -197,7 +197,7 @@ TEST_CASE("bodies that come are taken into a list that goes on, and miss nobody"
     for (int i = 0; i < 200; ++i) reserved.push_back(scene.world.reserve());
     scene.setup.spheres.fixed.assign(200, false), scene.setup.spheres.fixed.push_back(true);
     scene.add_plane({0, 0, -3}, Vec3::UnitZ());
-    for (int i = 0; i < 60; ++i) scene.add_sphere(random_point(random, 2.5), random.uniform(0.2, 0.3));
+    for (int i = 0; i < 60; ++i) scene.add_sphere(test::random_point(random, 2.5), random.uniform(0.2, 0.3));
     scene.setup.spheres.wanted = apart;
     const auto broad = make_broad_phase("spatial-hash", scene.setup, scene.world);
     PairList list;
@@ -208,8 +208,8 @@ TEST_CASE("bodies that come are taken into a list that goes on, and miss nobody"
       if (comes) {
         Body b;
         const double r = random.uniform(0.2, 0.3);
-        b.position = random_point(random, 2.5), b.mass = r * r * r, b.inertia = Vec3::Constant(r * r * r * r * r);
-        b.velocity = Vec3(0, 0, -1) + 0.2 * random_point(random, 1.0);  // they fall together: the list has a drift
+        b.position = test::random_point(random, 2.5), b.mass = r * r * r, b.inertia = Vec3::Constant(r * r * r * r * r);
+        b.velocity = Vec3(0, 0, -1) + 0.2 * test::random_point(random, 1.0);  // they fall together: the list has a drift
         b.shape = scene.shapes.add(Sphere{r}).packed;
         scene.world.add(b, reserved.back());
         reserved.pop_back(), ++births;
