@@ -48,7 +48,6 @@ Short shortened(const std::string& scene) {
   if (scene == "stability/sphere_pile.toml") return {scene, {"params.mu=0.2"}, 200};
   if (scene == "stages/drum.toml")
     return {scene, {"params.n=60", "material.grain.youngs_modulus=1e5", "run.time_step=1e-4"}, 1000};
-  if (scene == "stages/press.toml") return {scene, {}, 6000};
   if (scene == "stages/tilted_arch.toml") return {scene, {"params.ratio=0.08"}, 300};
   if (scene == "stability/arch.toml") return {scene, {"params.ratio=0.08"}, 300};
   if (scene == "stability/tower.toml") return {scene, {"params.floors=2"}, 150};

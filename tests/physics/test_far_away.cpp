@@ -36,7 +36,8 @@ TEST_CASE("an arch far from the origin stands and falls as at the origin (A31, B
     // What falls is followed until its stones strike the floor, at 2.5 s: where they roll to after that hangs on
     // rounding.
     const std::string duration = share > 1.0 ? "run.duration=10" : "run.duration=2.5";
-    const std::vector<std::string> set{"params.ratio=" + std::to_string(0.10708 * share), duration};
+    std::vector<std::string> set{"params.ratio=" + std::to_string(0.10708 * share), duration};
+    if (share < 1.0) set.emplace_back("contact.nonsmooth.tolerance=1e-11");  // when it falls hangs on what is left
     const SceneRun here = run_at(0.0, "stability/arch.toml", set), there = run_at(far_away, "stability/arch.toml", set);
     INFO("thickness " << share << " of the least: " << here.largest("drift", "distance") << " and "
                       << there.largest("drift", "distance") << " m");

@@ -399,14 +399,14 @@ TEST_CASE("the local server gives a run to the browser of this machine alone", "
   CHECK(b.complaints().size() == 1);  // of that answer
 }
 
-TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][view]") {
+TEST_CASE("the page follows a run that goes on, and sees its end", "[scenes][view][long]") {
   if (!has_browser()) return;
   const TemporaryFolder folder;
   std::ofstream(folder / "scene.toml") << scene_text;
   const std::string run = (folder / "run").string();
   const Background program(folder.path(), "run",
                            "run " + (folder / "scene.toml").string() + " -q -t 1 -o " + run +
-                               " --set run.duration=1e5 --set run.output_interval=0.2");
+                               " --set run.duration=1e5 --set run.output_interval=0.02 --set run.time_step=2e-6");
   for (int k = 0; k < 200 && !fs::exists(folder / "run" / "run.h5"); ++k) ::usleep(50000);
   const Background server(folder.path(), "view", "view " + run + " --port 0 --no-browser");
   support::Browser b(800, 600);
