@@ -292,9 +292,11 @@ void SphereBlocks::make_way() {
 SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
                                          const std::vector<SpherePlane>& planes) {
   const Lanes& load = block.springs.friction(rank).load;
+  const std::uint32_t image = block.images.empty() ? 0u : block.images[k].key;
+  const bool wall = run.plane >= 0;
   return {block.pairs[k].a.slot(),
-          run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot(),
-          block.images.empty() ? 0u : block.images[k].key,
+          wall ? planes[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot(),
+          wall ? image | Kept::of_plane : image,
           0,
           {load[0], load[1], load[2], load[3]}};
 }
@@ -315,8 +317,8 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
       const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
       const std::uint32_t key = block.images.empty() ? 0u : block.images[k].key;
       const auto end = by_a.begin() + begin[a + 1];
-      const auto at =
-          std::find_if(by_a.begin() + begin[a], end, [b, key](const Kept* s) { return s->b == b && s->key == key; });
+      const auto at = std::find_if(by_a.begin() + begin[a], end,
+                                   [b, key](const Kept* s) { return s->b == b && (s->key & ~Kept::of_plane) == key; });
       if (at == end) continue;
       found.push_back(*at);
       block.set_touching(k);
@@ -402,12 +404,11 @@ void SphereBlocks::group_kept(std::size_t count) {
 void SphereBlocks::reorder(const Reordering& change) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});
   take_out(planes_), grouped_ = false;
-  std::vector<bool> is_plane(change.new_slot.size(), false);
-  for (SpherePlane& p : planes_) is_plane[p.slot] = true, p.slot = change.new_slot[p.slot];
+  for (SpherePlane& p : planes_) p.slot = change.new_slot[p.slot];
   for (Kept& s : kept_.springs) {
-    const bool plane = is_plane[s.b];
     s.a = change.new_slot[s.a], s.b = change.new_slot[s.b];
-    if (s.a == no_slot || s.b == no_slot || plane || s.a < s.b) continue;
+    // planes are not known yet where a state has just come in
+    if (s.a == no_slot || s.b == no_slot || (s.key & Kept::of_plane) != 0 || s.a < s.b) continue;
     std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;  // the load is that on the lower slot
     for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
     for (std::size_t k = 0; needs_.rolling && k < 3; ++k) kept_.rolling[s.more][k] *= -1.0;

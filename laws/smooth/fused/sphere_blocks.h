@@ -176,10 +176,11 @@ class SphereBlocks {
   bool laid_out() const { return laid_out_; }
 
  private:
-  /// A spring by the slots of its bodies, a < b, and the image code of its key; of a plane b is its slot.
+  /// A spring by the slots of its bodies, a < b; of a plane b is its slot, whichever is lower.
   struct Kept {
+    static constexpr std::uint32_t of_plane = 1u << 31;
     Slot a, b;
-    std::uint32_t key;
+    std::uint32_t key;   ///< image code of the contact's key, 24 bits, and of_plane
     std::uint32_t more;  ///< place of what else is remembered of it
     double load[4];
   };
