@@ -7,9 +7,7 @@
 ///
 /// On the safe side, beyond 20 %, are bodies that never get the speed that is expected of them, a fall through the
 /// height of all bodies: a ball or a box set down at rest stays at rest up to 2.1 and 2.4 times its limit, whatever e,
-/// as its contacts are a ninth as deep as after that fall. Published steps (Dosta et al. 2024), balance closed to 1e-2:
-/// drum of 38 000, which starts settled, up to 5e-5 s, three times the limit; penetration up to 2.6e-6 s, twice the
-/// limit.
+/// as its contacts are a ninth as deep as after that fall.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -41,7 +41,7 @@ class ContactLinks {
   std::function<double(std::size_t pair, double radius)> reach_;         ///< beyond touch [m]
   std::function<double(std::size_t pair, double stiffness)> sideways_;  ///< k_t of k_n [N/m]
   std::vector<double> sideways_damping_;                                ///< by pair, of critical
-  /// dt^2/4 k + dt c of rolling [kg m^2]
+  /// damped_weight of rolling [kg m^2]
   std::function<double(std::size_t pair, const RollingStep& step)> rolling_;
 };
 
