@@ -1,13 +1,12 @@
 /// @file stiffest_mode.h  How stiff the bodies of a scene are on all their contacts and springs together, and with it
 /// whether a time step is stable.
 /// Velocity Verlet with dampers that see velocities predicted by the last acceleration has the root -1 where
-/// det(M - dt^2/4 K - dt C) = 0: set x, v, a alternating, v = dt a/2 of the last step, x = -dt v/2. A step is stable while
-/// the largest eigenvalue of M^-1 (dt^2/4 K + dt C) stays below 1; of one body, omega^2 dt^2/4 + c dt/m < 1. Dampers that
-/// see more than that bring less than dt c (laws/smooth/damper.h). K and C count all contacts of a body with their arms
-/// and its inertia. Geometric stiffness (force over size) is left out: below a percent of that of a contact while
-/// overlaps are.
-/// The eigenvalue: Lanczos from a start that depends on body numbers alone, in one order: the same bits for every number
-/// of threads. It comes from below, within a percent where it has converged.
+/// det(M - dt^2/4 K - dt C) = 0: set x, v, a alternating, v = dt a/2 of the last step, x = -dt v/2. A step is stable
+/// while the largest eigenvalue of M^-1 (dt^2/4 K + dt C) stays below 1; of one body, omega^2 dt^2/4 + c dt/m < 1.
+/// Dampers that see more than that bring less than dt c (laws/smooth/damper.h). K and C count all contacts of a body
+/// with their arms and its inertia. Geometric stiffness (force over size) is left out: below a percent of that of a
+/// contact while overlaps are. The eigenvalue: Lanczos from a start that depends on body numbers alone, in one order:
+/// the same bits for every number of threads. It comes from below, within a percent where it has converged.
 #pragma once
 #include <vector>
 

@@ -176,7 +176,7 @@ concept RollingLaw = LawPart<L> && requires(const typename L::Parameters& p, con
   { L::stiffness(p, step) } -> std::same_as<double>;  ///< [N m/rad]
   { L::limit(p, step) } -> std::same_as<double>;      ///< [N m]
   { L::damping(p, step) } -> std::same_as<double>;    ///< [N m s]
-  { L::stops_at_once(p) } -> std::same_as<bool>;      ///< its dashpot stops a spin within the step (laws/smooth/damper.h)
+  { L::stops_at_once(p) } -> std::same_as<bool>;  ///< its dashpot stops a spin within the step (laws/smooth/damper.h)
 };
 
 inline Field optional_field(const char* name, const char* symbol, const char* unit, Kind kind, const Range& range,

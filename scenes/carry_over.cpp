@@ -275,9 +275,7 @@ bool equal(const ConvexHull& a, const ConvexHull& b) {
 bool same_polyhedron(const Assembly& from, Slot there, const Assembly& to, Slot here) {
   const ShapeRef old{from.simulation->world.shape[there]}, now{to.simulation->world.shape[here]};
   if (old.type() != now.type()) return false;
-  return from.shapes->with(old, [&]<class S>(const S& a) {
-    return equal(a, to.shapes->of<S>()[now.index()]);
-  });
+  return from.shapes->with(old, [&]<class S>(const S& a) { return equal(a, to.shapes->of<S>()[now.index()]); });
 }
 
 /// Resting patches belong to pairs of slots and of shapes (BatchNarrowPhase::Known, column narrow_phase/pair). Slots

@@ -10,9 +10,9 @@
 
 namespace epafi {
 
-/// The list of a scene with many spheres, and half-spaces that may move: while the ways that the model knows of add up to less than the margins in a
-/// block nobody looks at its bodies (of 100 000 spheres a look, and the positions written for it, are a fifth of all
-/// bytes of a step).
+/// The list of a scene with many spheres, and half-spaces that may move: while the ways that the model knows of add up
+/// to less than the margins in a block nobody looks at its bodies (of 100 000 spheres a look, and the positions written
+/// for it, are a fifth of all bytes of a step).
 class WornPairs final : public BroadPhase {
  public:
   /// The model is that of the pipeline, whichever it has; the pipeline must outlive this.
@@ -36,8 +36,8 @@ class WornPairs final : public BroadPhase {
   const Pipeline& pipeline_;
   std::vector<double> wear_;  ///< by block of the model: at least the largest wear of its bodies; empty: not known
   bool ways_known_ = false;   ///< in this step
-  Vec3 cell_size_ = Vec3::Zero();     ///< as wear_ knows it, in a periodic cell [m]
-  std::vector<Wraps> wraps_;          ///< the same: whoever was put back into the cell has gone elsewhere
+  Vec3 cell_size_ = Vec3::Zero();  ///< as wear_ knows it, in a periodic cell [m]
+  std::vector<Wraps> wraps_;       ///< the same: whoever was put back into the cell has gone elsewhere
   Worn worn_;                 ///< what was seen when the list ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
 };

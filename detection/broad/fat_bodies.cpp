@@ -190,9 +190,8 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   };
   loose_planes_ = any([&](std::size_t i) { return is_loose_plane(i); });
   holds_bounded_ = any([&](std::size_t i) { return immovable[i] && !is_half_space(i); });
-  most_radius_ = block_max<double>(radius.size(), 0.0, [&](std::size_t i) {
-    return is_sphere(i) || is_half_space(i) ? 0.0 : radius[i];
-  });
+  most_radius_ = block_max<double>(radius.size(), 0.0,
+                                   [&](std::size_t i) { return is_sphere(i) || is_half_space(i) ? 0.0 : radius[i]; });
 }
 
 /// Of the bodies that move, in radii a step, beside the drift.
@@ -254,8 +253,7 @@ void FatBodies::see_strays(const World& world, const BroadSetup& setup, double s
   const bool may = setup.strays && !world.cell;  // the images of all bodies would stand in so large a region
   const auto swift =
       may ? block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{is_swift(i)}; }) : 0;
-  const bool few =
-      may && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
+  const bool few = may && static_cast<double>(swift) <= std::max(1.0, most_strays * static_cast<double>(world.size()));
   if (!few) most_margin_ = most_margin;
 }
 
@@ -385,8 +383,8 @@ void FatBodies::look_around(const World& world, const ShapeStore& shapes) {
     });
     return Vec3(all.a, all.b, all.c);
   };
-  const auto count = static_cast<double>(
-      block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{counts(i)}; }));
+  const auto count =
+      static_cast<double>(block_sum<std::size_t>(world.size(), [&](std::size_t i) { return std::size_t{counts(i)}; }));
   around = {};
   if (!(count > 0.0)) return;
   const Vec3 mean = sum([&](std::size_t i) { return Vec3(world.position[i]); }) / count;
@@ -413,9 +411,8 @@ double FatBodies::plane_speed(const World& world, Slot s, const ShapeStore& shap
   const Vec3 n = world.pose(s).orientation * shapes.of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
   const Vec3 turning = world.rotates() ? Vec3(Vec3(world.angular_velocity[s]).cross(n)) : Vec3(Vec3::Zero());
   const Vec3 point = world.position[s], velocity = drift - world.velocity[s];
-  const double most = most_of_corners(around, [&](const Vec3& x) {
-    return std::abs(turning.dot(x - point) + n.dot(velocity + flow_at(world, x)));
-  });
+  const double most = most_of_corners(
+      around, [&](const Vec3& x) { return std::abs(turning.dot(x - point) + n.dot(velocity + flow_at(world, x))); });
   return std::max(most, 0.0) + most_radius_ * turning.norm();
 }
 

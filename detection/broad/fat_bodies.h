@@ -1,10 +1,11 @@
-/// @file fat_bodies.h  What a broad phase sees of the bodies: boxes and balls fattened so that the pair list lasts for many steps.
-/// Fat means the exact bound plus (reach + margin)/2 on every side, the margin being the body's own. Two bodies are near when
-/// their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all lists are the same.
-/// Ways of bodies are those in a frame that moves as most of them do (engine/drift.h): a pair comes closer by as much as its
-/// bodies' ways in any one frame, and 20 000 spheres that fall into a hopper ask for half as many lists (17.5 to 10.9 ns a step).
-/// A half-space wears by how much nearer it has come to the places of the bodies, wherever its own point has gone.
-/// In a periodic cell images stand behind the bodies (detection/broad/periodic_pairs.h), with the margins of their bodies.
+/// @file fat_bodies.h  What a broad phase sees of the bodies: boxes and balls fattened so that the pair list lasts for
+/// many steps. Fat means the exact bound plus (reach + margin)/2 on every side, the margin being the body's own. Two
+/// bodies are near when their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all
+/// lists are the same. Ways of bodies are those in a frame that moves as most of them do (engine/drift.h): a pair comes
+/// closer by as much as its bodies' ways in any one frame, and 20 000 spheres that fall into a hopper ask for half as
+/// many lists (17.5 to 10.9 ns a step). A half-space wears by how much nearer it has come to the places of the bodies,
+/// wherever its own point has gone. In a periodic cell images stand behind the bodies
+/// (detection/broad/periodic_pairs.h), with the margins of their bodies.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -88,8 +89,8 @@ struct FatBodies {
   UnwrittenColumn<Ball> ball;          ///< fat, about the centre of mass [m]; behind the bodies those of images
   std::vector<double> half;            ///< as half_of; with boxes
   std::vector<double> radius;          ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
-  std::vector<float> hurry;            ///< 1/half the margin or little more [1/m]; of a margin of 0 most_hurry; no images
-  std::vector<CellImage> images;       ///< of bodies, in a periodic cell
+  std::vector<float> hurry;       ///< 1/half the margin or little more [1/m]; of a margin of 0 most_hurry; no images
+  std::vector<CellImage> images;  ///< of bodies, in a periodic cell
   std::vector<std::uint32_t> id;
   std::vector<std::uint8_t> type;
   std::vector<char> immovable;
@@ -182,11 +183,11 @@ struct FatBodies {
   bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
   std::vector<char> slow_;  ///< has the least margin of its size
   CoarsePlaces places_;     ///< instead of balls
-  bool loose_planes_ = false;       ///< some half-space may move
+  bool loose_planes_ = false;  ///< some half-space may move
   bool holds_bounded_ = false;
-  double most_radius_ = 0.0;        ///< of bodies that are no spheres [m]
-  double strain_hurry_ = 0.0;       ///< largest fat radius over half its margin, in a periodic cell
-  Vec3 cell_size_ = Vec3::Ones();   ///< at the last update [m]
+  double most_radius_ = 0.0;       ///< of bodies that are no spheres [m]
+  double strain_hurry_ = 0.0;      ///< largest fat radius over half its margin, in a periodic cell
+  Vec3 cell_size_ = Vec3::Ones();  ///< at the last update [m]
   bool is_half_space(std::size_t i) const { return !type.empty() && type[i] == ShapeStore::type_of<HalfSpace>(); }
   bool is_loose_plane(std::size_t i) const {
     return is_half_space(i) && (role.empty() || role[i] != SphereRole::plane);

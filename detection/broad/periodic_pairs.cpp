@@ -46,9 +46,8 @@ void FatBodies::add_images(const World& world) {
   const auto has_images = [&](std::size_t i) {
     return !is_half_space(i) && position(i).allFinite() && half_of(i) >= 0.0;
   };
-  const Aabb region = block_sum<FatRegion>(n, [&](std::size_t i) {
-                        return has_images(i) ? FatRegion{box(i)} : FatRegion{};
-                      }).box;
+  const Aabb region =
+      block_sum<FatRegion>(n, [&](std::size_t i) { return has_images(i) ? FatRegion{box(i)} : FatRegion{}; }).box;
   constexpr std::size_t block = 1024;
   auto& parts = block_results<std::vector<CellImage>>((n + block - 1) / block, {});
   parallel_blocks(n, block, [&](std::size_t begin, std::size_t end, std::size_t b) {
@@ -108,12 +107,8 @@ void name_images(const World& world, const std::vector<CellImage>& images, const
   parallel_group(
       found.size(), n, first, each, [&](std::size_t count) { renew(pairs, count); },
       [&](std::uint32_t place, const Pair& p) { pairs[place] = p; });
-  const auto before = [](const Pair& p, const Pair& q) {
-    return p.b != q.b ? p.b < q.b : p.image >> 8 < q.image >> 8;
-  };
-  parallel_for(n, [&](std::size_t s) {
-    std::sort(pairs.begin() + first[s], pairs.begin() + first[s + 1], before);
-  });
+  const auto before = [](const Pair& p, const Pair& q) { return p.b != q.b ? p.b < q.b : p.image >> 8 < q.image >> 8; };
+  parallel_for(n, [&](std::size_t s) { std::sort(pairs.begin() + first[s], pairs.begin() + first[s + 1], before); });
 }
 
 }  // namespace epafi

@@ -1,7 +1,7 @@
-/// @file periodic_pairs.h  Images of bodies in a periodic cell, behind the bodies of a list, and the pairs they stand for.
-/// A pair (i, image j + s) is also (j, image i - s): of free bodies images along one half of all directions are enough.
-/// Images are held bodies to the list, so that no two of them pair; of bodies that are held themselves all directions
-/// are needed. Only bodies whose fat box comes over a face into the region of the others have images.
+/// @file periodic_pairs.h  Images of bodies in a periodic cell, behind the bodies of a list, and the pairs they stand
+/// for. A pair (i, image j + s) is also (j, image i - s): of free bodies images along one half of all directions are
+/// enough. Images are held bodies to the list, so that no two of them pair; of bodies that are held themselves all
+/// directions are needed. Only bodies whose fat box comes over a face into the region of the others have images.
 #pragma once
 #include <vector>
 

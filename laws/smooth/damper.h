@@ -23,8 +23,8 @@ struct DamperStep {
   Real half_mobility{};  ///< dt/(2 m*) [s/kg], of rolling dt/(2 I); 0: the dashpot sees v_late
 };
 
-/// D [N], positive along the velocities, numbers or vectors: v_late predicted by the last force, v_middle in the middle of
-/// the step [m/s].
+/// D [N], positive along the velocities, numbers or vectors: v_late predicted by the last force, v_middle in the middle
+/// of the step [m/s].
 template <class Real, class Velocity>
 EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dashpot, const Real& stiffness,
                                   const Velocity& v_late, const Velocity& v_middle) {
@@ -33,8 +33,8 @@ EPAFI_LANES Velocity damper_force(const DamperStep<Real>& step, const Real& dash
   return of_late * v_late + of_middle * v_middle;
 }
 
-/// dt^2/4 k and what the dashpot adds to it where the contact's force alternates from step to step [kg]: a body is stable
-/// while the sum of its contacts stays below its mass. mobility: 1/m* [1/kg].
+/// dt^2/4 k and what the dashpot adds to it where the contact's force alternates from step to step [kg]: a body is
+/// stable while the sum of its contacts stays below its mass. mobility: 1/m* [1/kg].
 inline double damped_weight(double stiffness, double dashpot, double mobility, double dt) {
   const double spring = 0.25 * dt * dt * stiffness, damper = dt * dashpot;
   return spring + damper * std::max(0.0, 1.0 - spring * mobility) / (1.0 + 0.5 * damper_share * damper * mobility);

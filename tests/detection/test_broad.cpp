@@ -85,7 +85,8 @@ TEST_CASE("distances a hair's breadth from the sum of the radii are told apart a
     }
 }
 
-TEST_CASE("over many steps no close pair is missing, all methods agree, and lists are kept", "[detection][broad][long]") {
+TEST_CASE("over many steps no close pair is missing, all methods agree, and lists are kept",
+          "[detection][broad][long]") {
   for (const std::string kind : {"mono", "lognormal", "bimodal", "clustered"})
     for (double margin : {0.0, 0.2}) {
       INFO(kind << " margin " << margin);

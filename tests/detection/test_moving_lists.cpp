@@ -81,7 +81,8 @@ TEST_CASE("turning, shaking and pushing half-spaces keep their lists and miss no
       Random random(seed, 3);
       const double edge = 4.0, dt = 1e-3;
       for (int i = 0; i < 150; ++i)
-        scene.add_sphere(test::random_point(random, edge), random.uniform(0.15, 0.3), 0.5 * test::random_point(random, 1.0));
+        scene.add_sphere(test::random_point(random, edge), random.uniform(0.15, 0.3),
+                         0.5 * test::random_point(random, 1.0));
       if (seed % 2 == 0) scene.add_sphere(Vec3(3e3, 0, 0), 0.2);  // a stray: no plane may watch all that is between
       std::vector<Slot> planes;
       for (int p = 0; p < 6; ++p) {
@@ -209,7 +210,8 @@ TEST_CASE("bodies that come are taken into a list that goes on, and miss nobody"
         Body b;
         const double r = random.uniform(0.2, 0.3);
         b.position = test::random_point(random, 2.5), b.mass = r * r * r, b.inertia = Vec3::Constant(r * r * r * r * r);
-        b.velocity = Vec3(0, 0, -1) + 0.2 * test::random_point(random, 1.0);  // they fall together: the list has a drift
+        b.velocity =
+            Vec3(0, 0, -1) + 0.2 * test::random_point(random, 1.0);  // they fall together: the list has a drift
         b.shape = scene.shapes.add(Sphere{r}).packed;
         scene.world.add(b, reserved.back());
         reserved.pop_back(), ++births;

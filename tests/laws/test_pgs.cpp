@@ -38,7 +38,8 @@ ContactProblem solvable(ContactProblem p) {
 
 }  // namespace
 
-TEST_CASE("every solver says truly whether it reached its tolerance, and the exact ones reach it", "[laws][pgs][long]") {
+TEST_CASE("every solver says truly whether it reached its tolerance, and the exact ones reach it",
+          "[laws][pgs][long]") {
   // newton, augmented-lagrangian and admm keep the slip of the last outer step, lagrange the last set: on random
   // sliding contacts they may circle; penalty is soft; staggered solvers circle where friction wedges; avbd stops at
   // its bound

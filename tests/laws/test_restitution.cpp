@@ -129,8 +129,7 @@ TEST_CASE("the Hunt-Crossley family returns the restitution of its published fac
       const ImpactCase c{p.law, 2.0, 4000, 1e9, parameters_of({{"reference_speed", 2.0}})};
       const SmoothSetup setup = setup_for(c, e, false);
       const double mass = 4.0 / 3.0 * pi * radius * radius * radius * c.density;
-      const double time =
-          estimate_impact(setup, setup.materials.of(0, 1), {mass, radius, c.speed}).contact_time;
+      const double time = estimate_impact(setup, setup.materials.of(0, 1), {mass, radius, c.speed}).contact_time;
       Rig rig = sphere_on_plane(setup, radius, 1e-9, {0, 0, -c.speed});
       INFO(p.law << " " << e);
       CHECK(run_impact(rig, time / 200).restitution == Approx(e == 0.5 ? p.at_half : p.at_ninety).margin(1e-4));

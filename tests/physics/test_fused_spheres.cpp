@@ -204,7 +204,8 @@ TEST_CASE("the fused loop of spheres gives the same bits for every thread count 
   for (const auto& h : hashes) CHECK(h == hashes.front());
 }
 
-TEST_CASE("the fused loop of spheres gives the same bits on lanes of two, four and eight numbers", "[physics][fused][long]") {
+TEST_CASE("the fused loop of spheres gives the same bits on lanes of two, four and eight numbers",
+          "[physics][fused][long]") {
   set_thread_count(1);
   const Case c = GENERATE(
       Case{"bed/bed.toml", small_bed, 1100, 0}, Case{"bed/bed.toml", bed_on_a_box, 1100, 0},
@@ -343,7 +344,8 @@ TEST_CASE("a sphere that leaves the domain is noticed at once where the fused lo
   CHECK(world.position[world.slot_of(*failure->body)].z() < below);
 }
 
-TEST_CASE("steps that begin the next one at once give the same bits as steps that end first", "[physics][fused][long]") {
+TEST_CASE("steps that begin the next one at once give the same bits as steps that end first",
+          "[physics][fused][long]") {
   set_thread_count(GENERATE(1, 2));
   const Case c =
       GENERATE(Case{"bed/bed.toml", small_bed, 1300, 0}, Case{"bed/bed.toml", bed_on_a_box, 1300, 0},

@@ -26,8 +26,8 @@ size = { distribution = "uniform", min = 0.9, max = 1.1 }
 )";
 
 std::string wall(const std::string& name, const std::string& normal, const std::string& rest) {
-  return "[[body]]\nname = \"" + name +
-         "\"\nmaterial = \"m\"\nshape = { half_space = { normal = " + normal + " } }\n" + rest + "\n";
+  return "[[body]]\nname = \"" + name + "\"\nmaterial = \"m\"\nshape = { half_space = { normal = " + normal + " } }\n" +
+         rest + "\n";
 }
 
 /// Twelve planes that turn about an axis across gravity, closed by two that stand.
@@ -36,17 +36,18 @@ std::string drum() {
   for (int k = 0; k < 12; ++k) {
     const double c = std::cos(0.5235987755982988 * k), s = std::sin(0.5235987755982988 * k);
     const auto at = [&](double r) { return "[" + std::to_string(r * c) + ", " + std::to_string(r * s) + ", 0]"; };
-    text += wall("p" + std::to_string(k), at(-1.0), "position = " + at(0.03) +
-                 "\nmotion = { rotation = { axis = [0, 0, 1], rate = 20.0, about = [0, 0, 0] } }");
+    text += wall(
+        "p" + std::to_string(k), at(-1.0),
+        "position = " + at(0.03) + "\nmotion = { rotation = { axis = [0, 0, 1], rate = 20.0, about = [0, 0, 0] } }");
   }
-  text += wall("front", "[0, 0, 1]", "fixed = true") +
-          wall("back", "[0, 0, -1]", "position = [0, 0, 0.03]\nfixed = true");
-  return text + fill +
-         "count = 190\nregion = { box = { min = [-0.02, -0.02, 0.001], max = [0.02, 0.02, 0.029] } }\n";
+  text +=
+      wall("front", "[0, 0, 1]", "fixed = true") + wall("back", "[0, 0, -1]", "position = [0, 0, 0.03]\nfixed = true");
+  return text + fill + "count = 190\nregion = { box = { min = [-0.02, -0.02, 0.001], max = [0.02, 0.02, 0.029] } }\n";
 }
 
 std::string cell() {
-  return head + "world.domain = { min = [0, 0, 0], max = [0.034, 0.034, 0.034], periodic = [\"x\", \"y\", \"z\"], "
+  return head +
+         "world.domain = { min = [0, 0, 0], max = [0.034, 0.034, 0.034], periodic = [\"x\", \"y\", \"z\"], "
          "strain_rate = [-4.0, -4.0, 2.0] }\n" +
          fill + "count = 200\nvelocity_deviation = 0.5\n" +
          "region = { box = { min = [0, 0, 0], max = [0.034, 0.034, 0.034] } }\n";
@@ -56,8 +57,8 @@ std::string cell() {
 std::string stream() {
   return head + "world.gravity = [0, 0, -9.81]\n" + wall("x", "[1, 0, 0]", "fixed = true") +
          wall("y", "[0, 1, 0]", "fixed = true") +
-         wall("slope", "[-0.3, -0.3, 0.9]", "position = [0.01, 0.01, 0]\nfixed = true") +
-         fill + "count = 600\nmethod = \"pour\"\nrate = 8000\nvelocity = [0, 0, -1]\n" +
+         wall("slope", "[-0.3, -0.3, 0.9]", "position = [0.01, 0.01, 0]\nfixed = true") + fill +
+         "count = 600\nmethod = \"pour\"\nrate = 8000\nvelocity = [0, 0, -1]\n" +
          "region = { box = { min = [0.003, 0.003, 0.03], max = [0.04, 0.04, 0.05] } }\n" +
          "[[outlet]]\nname = \"hole\"\nregion = { box = { min = [-1, -1, -1], max = [0.006, 1, 0.004] } }\n";
 }

@@ -46,7 +46,8 @@ ContactSet read_in_pieces(const Simulation& sim) {
 }
 }  // namespace
 
-TEST_CASE("contacts of the fused loop are published in canonical order, the same for every thread count", "[physics][fused][long]") {
+TEST_CASE("contacts of the fused loop are published in canonical order, the same for every thread count",
+          "[physics][fused][long]") {
   const support::KeepThreads keep;
   set_thread_count(1);
   const bool rolls = GENERATE(false, true);

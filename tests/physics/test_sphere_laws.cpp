@@ -147,7 +147,8 @@ void check_law(const std::string& text, Target narrow) {
 
 }  // namespace
 
-TEST_CASE("every law of contact in the loop over spheres answers as one contact at a time", "[physics][fused][laws][long]") {
+TEST_CASE("every law of contact in the loop over spheres answers as one contact at a time",
+          "[physics][fused][laws][long]") {
   set_thread_count(1);
   const std::vector<LawCase> cases = law_cases();
   CHECK(cases.size() > 100);

@@ -104,7 +104,8 @@ TEST_CASE("a card house of three levels stands with friction 0.7 and falls with 
   CHECK(moved("stability/card_house.toml", {"params.mu=0.15"}, 2.0) > 0.1);
 }
 
-TEST_CASE("the harmonic overhang stands at 0.99 and falls at 1.01 of its blocks' offsets (A30)", "[physics][A30][long]") {
+TEST_CASE("the harmonic overhang stands at 0.99 and falls at 1.01 of its blocks' offsets (A30)",
+          "[physics][A30][long]") {
   for (const int n : {4, 5, 10}) {
     INFO(n << " blocks");
     CHECK(overhang_moved(n, 0.99) < 1e-3);
@@ -117,7 +118,8 @@ TEST_CASE("twenty overhanging blocks are decided as well (A30)", "[physics][A30]
   CHECK(overhang_moved(20, 1.01) > 1.0);
 }
 
-TEST_CASE("an arch of 16 voussoirs stands 2 % above its least thickness and falls 2 % below (A31)", "[physics][A31][long]") {
+TEST_CASE("an arch of 16 voussoirs stands 2 % above its least thickness and falls 2 % below (A31)",
+          "[physics][A31][long]") {
   const std::string scene = "stability/arch.toml";
   CHECK(moved(scene, {set("params.ratio", 0.10708 * 1.02)}, 10.0) < 1e-6);
   CHECK(moved(scene, {set("params.ratio", 0.10708 * 0.98)}, 30.0) > 1.0);

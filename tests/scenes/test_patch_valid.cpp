@@ -65,7 +65,8 @@ class Trough final : public GapSource {
 
 }  // namespace
 
-TEST_CASE("laws of virtual penetration are within what they state, or say that they are not", "[scenes][wheel_rail][long]") {
+TEST_CASE("laws of virtual penetration are within what they state, or say that they are not",
+          "[scenes][wheel_rail][long]") {
   const std::string models = "normal = [\"half-space\", \"kik-piotrowski\", \"stripes\", \"analyn\"]\nroll = 0\n";
   // the left wheel's tread 6 mm to the field side: kik-piotrowski has 342 MPa where 480 is right
   std::vector<std::string> cases{case_text("60e1", 0.0, models + "load = 8009.3\nlateral_shift = -5.95e-3\n")};

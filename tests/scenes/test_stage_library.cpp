@@ -210,6 +210,5 @@ TEST_CASE("a driven wheelset gains the speed of rolling without slip", "[scenes]
   const auto driven = run.summary.stages.at(1);
   const double r = 0.46, gain = 1200 / (r * (1500 + 120 / (r * r)));
   // it begins at rest: the same law for way and speed
-  CHECK(value_at(distance, driven.until) - value_at(distance, driven.from) ==
-        Approx(0.5 * gain * 0.04).epsilon(0.01));
+  CHECK(value_at(distance, driven.until) - value_at(distance, driven.from) == Approx(0.5 * gain * 0.04).epsilon(0.01));
 }

@@ -221,11 +221,10 @@ TEST_CASE("a stage that changes nothing is no event, to the bit", "[scenes][stag
 
 TEST_CASE("a bound that stops ends a run early and well", "[scenes][stages]") {
   const TemporaryFolder folder;
-  write_file(
-      folder / "falls.toml",
-      scene_of("smooth", one_run + down,
-               "[bounds]\nsag = { body = \"grains\", below = 0.001, then = \"stop\" }\n"
-               "[[measure]]\nname = \"fallen\"\nkind = \"drift\"\nbody = \"grains\"\ninterval = 0.01\n"));
+  write_file(folder / "falls.toml",
+             scene_of("smooth", one_run + down,
+                      "[bounds]\nsag = { body = \"grains\", below = 0.001, then = \"stop\" }\n"
+                      "[[measure]]\nname = \"fallen\"\nkind = \"drift\"\nbody = \"grains\"\ninterval = 0.01\n"));
   Session session(assemble(read_or_fail(folder / "falls.toml")), {}, folder / "falls");
   CHECK(session.run({}, true) == Ending::stopped);
   CHECK(session.summary().status == "completed");

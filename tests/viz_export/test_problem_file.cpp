@@ -110,7 +110,8 @@ TEST_CASE("a block matrix in text whose rows do not begin in order is refused", 
   std::filesystem::remove(path);
 }
 
-TEST_CASE("a problem file with any address beyond its end is read or refused, never followed", "[viz_export][problems][long]") {
+TEST_CASE("a problem file with any address beyond its end is read or refused, never followed",
+          "[viz_export][problems][long]") {
   std::ifstream in(folder / "LMGC_GlobalFrictionContactProblem00046.hdf5", std::ios::binary);
   const std::string whole((std::istreambuf_iterator<char>(in)), {});
   const auto path = std::filesystem::temp_directory_path() / "epafi_address_outside.hdf5";

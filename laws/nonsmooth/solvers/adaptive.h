@@ -1,13 +1,13 @@
 /// @file adaptive.h  The default: the sweeps of pgs, and Newton steps by island where these cost little beside them.
-/// Costs are counted in multiplications, no clock is read: the same problem takes the same path on every machine and thread
-/// count. The price of an island is that of one factorisation in its sweeps. Stacks, arches and robots are chains: price
-/// 5 to 10, always factored where sweeps end above the tolerance. Walls and small piles: factored while credit lasts. Large
-/// piles (200 hulls: price 100, 2000 spheres: 10^4): sweeps only, as pgs.
+/// Costs are counted in multiplications, no clock is read: the same problem takes the same path on every machine and
+/// thread count. The price of an island is that of one factorisation in its sweeps. Stacks, arches and robots are
+/// chains: price 5 to 10, always factored where sweeps end above the tolerance. Walls and small piles: factored while
+/// credit lasts. Large piles (200 hulls: price 100, 2000 spheres: 10^4): sweeps only, as pgs.
 ///   credit  of a step 1.5 times the work of `sweeps`, at the start that of 20 steps and 2e7 multiplications (10 ms)
-/// An attempt ends when it has spent the credit, a chain's after 120 factorisations or their worth (auto.h), so that a run
-/// costs at most 1.5 times what pgs does, but for the start and for chains. Where Newton steps were right in
-/// the last step they come first (auto.h); at rest a step has its solution at the start and costs nothing. Attempts that fail
-/// are made again after 1, 3, 7 ... 63 steps, those that cost too much after 63.
+/// An attempt ends when it has spent the credit, a chain's after 120 factorisations or their worth (auto.h), so that a
+/// run costs at most 1.5 times what pgs does, but for the start and for chains. Where Newton steps were right in the
+/// last step they come first (auto.h); at rest a step has its solution at the start and costs nothing. Attempts that
+/// fail are made again after 1, 3, 7 ... 63 steps, those that cost too much after 63.
 #pragma once
 #include "laws/nonsmooth/solvers/auto.h"
 #include "laws/nonsmooth/solvers/gauss_seidel.h"

@@ -28,9 +28,9 @@ class Auto final : public ConeSolver {
   void forget() override;
   void visit(StateVisitor& visitor) override;
 
-  /// From now on a solve takes at most about `credit` multiplications, but for chains (islands of low price), which have
-  /// some steps in any case. Islands whose factorisation costs much are left as they start: by price always, above that of
-  /// chains where Newton steps would take more than the credit. Infinite: no limits.
+  /// From now on a solve takes at most about `credit` multiplications, but for chains (islands of low price), which
+  /// have some steps in any case. Islands whose factorisation costs much are left as they start: by price always, above
+  /// that of chains where Newton steps would take more than the credit. Infinite: no limits.
   void limit_work(double credit) { credit_ = credit; }
   /// Multiplications of the last solve, about.
   double work() const;

@@ -13,7 +13,7 @@ struct SphereArrays {
   const SpherePlane* planes;
   const BodyState* states;
   std::uintptr_t sums;  ///< address of slot 0, were it there: those of the block are
-  double dt, lag;  ///< of the step; from its middle to the time of the predicted velocities [s]
+  double dt, lag;       ///< of the step; from its middle to the time of the predicted velocities [s]
   bool damped;
   bool tells_energy;  ///< somebody asks what the contacts store
   const struct Passes* passes = nullptr;
@@ -71,7 +71,8 @@ struct SphereTile {
   bool in_row = true;                    ///< the springs lie one behind the other
   struct Group {
     V lever;  ///< distance over sum of radii
-    V approach, middle, inverse_mass, radius;  ///< approach: velocity at the detection, and in the middle of the step [m/s]
+    V approach, middle;  ///< velocity at the detection and in the middle of the step [m/s]
+    V inverse_mass, radius;
     V smaller;                 ///< radius of the pair [m]
     V3 slip;                   ///< velocity, in the middle of the step [m/s]; of rolling springs [rad/s]
     V twist;                   ///< about the normal in the step [rad]
