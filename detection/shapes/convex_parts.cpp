@@ -39,7 +39,8 @@ std::vector<Plane> face_planes(const JoinedSurface& joined) {
   std::vector<Vec3> area(s.triangles.size(), Vec3::Zero()), moment(s.triangles.size(), Vec3::Zero());
   std::vector<double> size(s.triangles.size(), 0.0);
   for (std::size_t t = 0; t < s.triangles.size(); ++t) {
-    const Vec3 &a = s.vertices[s.triangles[t][0]], &b = s.vertices[s.triangles[t][1]], &c = s.vertices[s.triangles[t][2]];
+    const auto& [i, j, k] = s.triangles[t];
+    const Vec3 &a = s.vertices[i], &b = s.vertices[j], &c = s.vertices[k];
     const Vec3 twice = (b - a).cross(c - a);
     area[joined.face[t]] += twice;
     moment[joined.face[t]] += twice.norm() * (a + b + c) / 3.0;

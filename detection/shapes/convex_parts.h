@@ -16,9 +16,9 @@ struct ConvexPart {
   Vec3 centre = Vec3::Zero();  ///< of mass [m]
 };
 
-/// `joined`: closed, outward counter-clockwise, without crossing itself; precision: of its coordinates [m]. Throws SceneError at `place` where the parts do
-/// not add up to the volume inside it, which is what a surface that crosses itself comes to, or where they are more than
-/// can be carried.
+/// `joined`: closed, outward counter-clockwise, without crossing itself; precision: of its coordinates [m]. Throws
+/// SceneError at `place` where the parts do not add up to the volume inside it, which is what a surface that crosses
+/// itself comes to, or where they are more than can be carried.
 [[nodiscard]] std::vector<ConvexPart> convex_parts(const JoinedSurface& joined, double precision,
                                                    const Place& place = {});
 

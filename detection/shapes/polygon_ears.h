@@ -25,7 +25,8 @@ inline bool is_ear(const std::vector<Vec3>& points, std::span<const std::uint32_
     return up.dot((points[b] - points[a]).cross(points[c] - points[a]));
   };
   const double area = twice(t[0], t[1], t[2]);
-  const double rounding = 1e-12 * up.norm() * ((points[t[1]] - points[t[0]]).norm() * (points[t[2]] - points[t[1]]).norm());
+  const double before = (points[t[1]] - points[t[0]]).norm(), after = (points[t[2]] - points[t[1]]).norm();
+  const double rounding = 1e-12 * up.norm() * before * after;
   if (!(area > rounding)) return false;
   for (const std::uint32_t v : loop) {
     const Vec3& x = points[v];

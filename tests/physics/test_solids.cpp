@@ -168,14 +168,14 @@ TEST_CASE("a bracket, a tray and a hollow box are cut to as few parts in single 
                                    {"tray", 5, [](int i, int j, int k) { return k < 2 || i % 5 == 0 || j % 5 == 0; }},
                                    {"hollow box", 6, [](int i, int j, int k) { return i % 5 == 0 || j % 5 == 0 || k % 5 == 0; }}}};
   Random random(29, 0);
-  for (int run = 0; run < 12; ++run) {
+  for (int run = 0; run < 6; ++run) {
     const Kind& kind = kinds[static_cast<std::size_t>(run) % 3];
     INFO(kind.name << ", run " << run);
     TriangleSurface s = cells_surface(6, kind.is_solid);
     const double exact = surface_mass_properties(s).mass;
     const Vec3 axis(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
     const Quat turn(Eigen::AngleAxisd(random.uniform(0, 3), axis.normalized()));
-    const double away = run < 6 ? 1.0 : 100.0;
+    const double away = run < 3 ? 1.0 : 100.0;
     const Vec3 shift = away * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
     double largest = 0.0;
     for (Vec3& v : s.vertices) {
@@ -194,7 +194,7 @@ TEST_CASE("a bracket, a tray and a hollow box are cut to as few parts in single 
     }
     CHECK(sum == Approx(exact).epsilon(10 * precision));
     int differ = 0;
-    for (int k = 0; k < 1000; ++k) {
+    for (int k = 0; k < 200; ++k) {
       const Vec3 x(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5));
       differ += is_inside(placed.solid.surface, x) != is_inside(placed.solid, x);
     }
