@@ -17,7 +17,7 @@ set(below_scenes engine detection laws viz_export scenes)
 set(doors
   "omp\\.h|engine/parallel\\.h"
   "hdf5\\.h|viz_export/hdf5_file\\.cpp,viz_export/hdf5_driver\\.cpp"
-  "CGAL/|detection/shapes/hull_from_points\\.cpp,detection/shapes/convex_parts\\.cpp,tests/detection/test_exact_oracle\\.cpp"
+  "CGAL/|detection/shapes/hull_from_points\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/usage\\.h"
   "zlib\\.h|viz_export/deflate\\.cpp"

@@ -4,9 +4,8 @@
 
 #include <cmath>
 
-#include "detection/shapes/hull_from_points.h"
 #include "detection/shapes/mesh_file.h"
-#include "detection/shapes/solid_parts.h"
+#include "detection/shapes/rounded_shapes.h"
 #include "engine/random.h"
 #include "engine/units.h"
 #include "scenes/railway/profiles.h"
@@ -25,14 +24,18 @@ MeshFile read_surface(const ShapeSpec& spec, MeshFaces faces = MeshFaces::needed
   MeshFile file = read_mesh_file(spec.parameters.text("file"), faces);
   const Unit unit = *parse_unit(spec.parameters.has("unit") ? spec.parameters.text("unit") : "m").unit;
   for (Vec3& v : file.surface.vertices) v = v * unit.numerator / unit.denominator;
+  file.report.precision *= unit.numerator / unit.denominator;
   return file;
 }
 
-/// Points of a polyhedron as the author gave them.
-std::vector<Vec3> hull_points(const ShapeSpec& spec) {
+/// The hull of the points as the author gave them.
+HullSurface author_hull(const ShapeSpec& spec) {
   const Parameters& p = spec.parameters;
-  if (p.has("vertices")) return p.vectors("vertices");
-  if (p.has("file")) return read_surface(spec, MeshFaces::optional).surface.vertices;
+  if (p.has("vertices")) return hull_from_points(p.vectors("vertices"), spec.place);
+  if (p.has("file")) {
+    const MeshFile file = read_surface(spec, MeshFaces::optional);
+    return hull_from_points(file.surface.vertices, spec.place, file.report.precision);
+  }
   // random points on a sphere of diameter 1: uniform by the cylinder's map (Archimedes)
   std::vector<Vec3> points;
   Random random(static_cast<std::uint64_t>(p.integer("random.seed")), 0);
@@ -40,7 +43,7 @@ std::vector<Vec3> hull_points(const ShapeSpec& spec) {
     const double z = random.uniform(-1, 1), angle = random.uniform(0, 2 * M_PI), r = std::sqrt(1 - z * z);
     points.push_back(0.5 * Vec3(r * std::cos(angle), r * std::sin(angle), z));
   }
-  return points;
+  return hull_from_points(points, spec.place);
 }
 
 double largest_distance(const std::vector<Vec3>& points, const Vec3& from) {
@@ -136,14 +139,15 @@ BuiltShape ShapeBuilder::build_wheels(const ShapeSpec& spec) {
 }
 
 BuiltShape ShapeBuilder::build_hull(const ShapeSpec& spec, double size) {
-  HullSurface surface = hull_from_points(hull_points(spec), spec.place);
+  HullSurface surface = author_hull(spec);
   const MassProperties author = surface_mass_properties(surface.vertices, triangles_of(surface));
   double factor = size;
   if (spec.scale_to_diameter)
     factor *= *spec.scale_to_diameter / (2 * largest_distance(surface.vertices, author.centre));
   PrincipalFrame frame = principal_frame(author);
   for (Vec3& v : surface.vertices) v = factor * frame.to_principal(v);
-  auto built = ConvexHull::from_faces(std::move(surface.vertices), surface.faces);
+  surface.tolerance *= factor;
+  auto built = built_hull(std::move(surface));
   if (!built.problem.empty()) throw SceneError("the hull of '" + spec.name + "' " + built.problem, spec.place);
   built.hull.sweep = size * spec.rounding;
   const double f3 = factor * factor * factor, radius = built.hull.bounding_radius();
@@ -160,7 +164,7 @@ BuiltShape ShapeBuilder::build_solid(const ShapeSpec& spec, double size) {
     size *= *spec.scale_to_diameter / (2 * largest_distance(vertices, surface_mass_properties(file.surface).centre));
   for (Vec3& v : vertices) v *= size;
   const Place place{spec.parameters.text("file"), 0, 0};
-  PlacedSolid placed = place_solid(std::move(file.surface), place);
+  PlacedSolid placed = place_solid(std::move(file.surface), place, size * file.report.precision);
   const double volume = placed.solid.volume, radius = placed.solid.radius;
   return {store_.add(std::move(placed.solid)), volume, placed.frame, radius, false, true};
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "detection/shapes/rounded_shapes.h"
 #include "engine/prefetch.h"
 
 namespace epafi {
@@ -117,7 +118,7 @@ void compact(std::vector<Vec3>& vertices, Faces& faces) {
   }
 }
 
-std::string find_planes(ConvexHull& hull, const Faces& faces) {
+std::string find_planes(ConvexHull& hull, const Faces& faces, double tolerance) {
   hull.inner_radius = infinity;
   for (const auto& face : faces) {
     const Vec3 n = area_vector(hull.vertices, face).normalized();
@@ -127,7 +128,7 @@ std::string find_planes(ConvexHull& hull, const Faces& faces) {
     for (std::size_t v = 0; v < hull.vertices.size(); ++v) {
       if (n.dot(hull.vertices[v]) > all) all = n.dot(hull.vertices[v]), worst = v;
     }
-    if (all > own + convex_tolerance * hull.radius) {
+    if (all > own + convex_tolerance * hull.radius + tolerance) {
       return fmt::format("not convex: vertex {} lies {:.3g} outside a face", worst, all - own);
     }
     hull.face_normals.push_back(n);
@@ -271,9 +272,13 @@ std::optional<BoxFrame> find_box(const ConvexHull& hull) {
 
 ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
                                          const std::vector<std::vector<std::uint32_t>>& polygons) {
-  Built built;
+  return built_hull({std::move(points), polygons});
+}
+
+ConvexHull::Built built_hull(HullSurface surface) {
+  auto& [points, faces, tolerance] = surface;
+  ConvexHull::Built built;
   ConvexHull& hull = built.hull;
-  Faces faces = polygons;
   const auto failed = [&](std::string problem) { return !(built.problem = std::move(problem)).empty(); };
   if (failed(check_input(points, faces))) return built;
   DirectedEdges edges;
@@ -287,7 +292,7 @@ ConvexHull::Built ConvexHull::from_faces(std::vector<Vec3> points,
 
   hull.vertices = std::move(points);
   for (const Vec3& v : hull.vertices) hull.radius = std::max(hull.radius, v.norm());
-  if (failed(find_planes(hull, faces))) return built;
+  if (failed(find_planes(hull, faces, tolerance))) return built;
   find_topology(hull, faces, edges);
   const std::size_t euler = hull.vertices.size() + faces.size() - hull.edges.size();  // V - E + F = 2
   if (euler != 2) {

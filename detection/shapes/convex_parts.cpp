@@ -1,89 +1,253 @@
 #include "detection/shapes/convex_parts.h"
 
-#include <CGAL/Gmpq.h>
-#include <CGAL/Nef_polyhedron_3.h>
-#include <CGAL/Polyhedron_3.h>
-#include <CGAL/Polyhedron_incremental_builder_3.h>
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/convex_decomposition_3.h>
-
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "detection/aabb.h"
 #include "detection/mass_properties.h"
+#include "detection/narrow/clipped_solid.h"
 
 namespace epafi {
 namespace {
 
-using Exact = CGAL::Simple_cartesian<CGAL::Gmpq>;  // compiles in 13 s where the lazy exact kernel takes 18, runs as fast here
-using ExactSurface = CGAL::Polyhedron_3<Exact>;
-using Nef = CGAL::Nef_polyhedron_3<Exact>;
+constexpr double same_volume = 1e-9;       // relative: two parts whose hull has their volume are one convex part
+constexpr double rounding = 1e-12;         // of the size: what cuts are exact to
+constexpr std::size_t most_cells = 4096;   // before joining: far beyond the parts that a body can carry
+constexpr std::size_t most_choices = 64;   // cuts that are compared, of the largest faces
 
-constexpr double same_volume = 1e-9;  // relative: two parts whose hull has their volume are one convex part
-
-struct Builder : CGAL::Modifier_base<ExactSurface::HalfedgeDS> {
-  explicit Builder(const TriangleSurface& s) : surface(s) {}
-  void operator()(ExactSurface::HalfedgeDS& out) override {
-    CGAL::Polyhedron_incremental_builder_3<ExactSurface::HalfedgeDS> builder(out);
-    builder.begin_surface(surface.vertices.size(), surface.triangles.size());
-    for (const Vec3& v : surface.vertices) builder.add_vertex(Exact::Point_3(v.x(), v.y(), v.z()));
-    for (const Triangle& t : surface.triangles) {
-      if (!builder.test_facet(t.begin(), t.end())) {
-        ok = false;
-        break;
-      }
-      builder.add_facet(t.begin(), t.end());
-    }
-    builder.end_surface();
-  }
-  const TriangleSurface& surface;
-  bool ok = true;
+/// What of a triangle lies in a cell: convex, in the plane of its face.
+struct Fragment {
+  std::vector<Vec3> corners;
+  std::uint32_t face;
 };
 
-/// Corners of every convex piece; nothing where the surface is no boundary of a solid.
-std::vector<std::vector<Vec3>> pieces(const TriangleSurface& surface) {
-  ExactSurface polyhedron;
-  Builder builder(surface);
-  polyhedron.delegate(builder);
-  if (!builder.ok || !polyhedron.is_closed()) return {};
-  Nef nef(polyhedron);
-  CGAL::convex_decomposition_3(nef);
-  std::vector<std::vector<Vec3>> out;
-  for (auto volume = ++nef.volumes_begin(); volume != nef.volumes_end(); ++volume) {  // the first is the outside
-    if (!volume->mark()) continue;
-    ExactSurface piece;
-    nef.convert_inner_shell_to_polyhedron(volume->shells_begin(), piece);
-    auto& corners = out.emplace_back();
-    for (auto p = piece.points_begin(); p != piece.points_end(); ++p)
-      corners.emplace_back(CGAL::to_double(p->x()), CGAL::to_double(p->y()), CGAL::to_double(p->z()));
-  }
-  return out;
+enum class Side { on, below, above, both };
+
+double area_of(const Fragment& f) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 2; k < f.corners.size(); ++k)
+    sum += (f.corners[k - 1] - f.corners[0]).cross(f.corners[k] - f.corners[0]);
+  return 0.5 * sum.norm();
 }
 
+/// The planes of the faces, by the number of their lowest triangle.
+std::vector<Plane> face_planes(const JoinedSurface& joined) {
+  const TriangleSurface& s = joined.surface;
+  std::vector<Vec3> area(s.triangles.size(), Vec3::Zero()), moment(s.triangles.size(), Vec3::Zero());
+  std::vector<double> size(s.triangles.size(), 0.0);
+  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+    const auto& [i, j, k] = s.triangles[t];
+    const Vec3 &a = s.vertices[i], &b = s.vertices[j], &c = s.vertices[k];
+    const Vec3 twice = (b - a).cross(c - a);
+    area[joined.face[t]] += twice;
+    moment[joined.face[t]] += twice.norm() * (a + b + c) / 3.0;
+    size[joined.face[t]] += twice.norm();
+  }
+  std::vector<Plane> planes(s.triangles.size());
+  for (std::size_t f = 0; f < planes.size(); ++f) {
+    if (!(size[f] > 0.0)) continue;
+    const Vec3 n = area[f].normalized();
+    planes[f] = {n, n.dot(moment[f] / size[f])};
+  }
+  return planes;
+}
+
+/// Whether a point is inside a closed surface: by the solid angle of its triangles (van Oosterom and Strackee 1983).
+bool is_inside(const TriangleSurface& s, const Vec3& x) {
+  double angle = 0.0;
+  for (const Triangle& t : s.triangles) {
+    const Vec3 a = s.vertices[t[0]] - x, b = s.vertices[t[1]] - x, c = s.vertices[t[2]] - x;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return angle > 2.0 * std::numbers::pi;
+}
+
+/// Cuts the space around a surface to cells that are either all inside, or inside behind all faces in them.
+class CellCutter {
+ public:
+  CellCutter(const JoinedSurface& joined, double tolerance)
+      : surface_(joined.surface), planes_(face_planes(joined)), tolerance_(tolerance) {
+    Aabb box;
+    std::vector<Fragment> all;
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      Fragment f{{}, joined.face[t]};
+      for (const std::uint32_t v : surface_.triangles[t]) f.corners.push_back(surface_.vertices[v]);
+      for (const Vec3& v : f.corners) box.include(v);
+      all.push_back(std::move(f));
+    }
+    const Vec3 c = box.centre();
+    const double r = 2.0 * box.extent().norm();  // a tetrahedron around the ball around the box
+    ClippedSolid whole;
+    whole.assign_tetrahedron(
+        {c + r * Vec3(1, 1, 1), c + r * Vec3(1, -1, -1), c + r * Vec3(-1, 1, -1), c + r * Vec3(-1, -1, 1)});
+    cut(whole, std::move(all));
+  }
+
+  std::vector<std::vector<Vec3>> cells;  ///< corners of each
+  bool is_complete = true;               ///< false: there were too many
+
+ private:
+  /// A face in a cell, with the area that it has there.
+  struct FaceHere {
+    std::uint32_t face;
+    double area;
+  };
+
+  Side side_of(const Fragment& f, const Plane& plane) const {
+    bool above = false, below = false;
+    for (const Vec3& x : f.corners) {
+      const double h = plane.above(x);
+      above = above || h > tolerance_;
+      below = below || h < -tolerance_;
+    }
+    return above ? below ? Side::both : Side::above : below ? Side::below : Side::on;
+  }
+
+  static std::vector<FaceHere> faces_in(const std::vector<Fragment>& fragments) {
+    std::vector<FaceHere> faces;
+    for (const Fragment& f : fragments) faces.push_back({f.face, area_of(f)});
+    std::sort(faces.begin(), faces.end(), [](const FaceHere& a, const FaceHere& b) { return a.face < b.face; });
+    std::size_t kept = 0;
+    for (const FaceHere& f : faces)
+      if (kept > 0 && faces[kept - 1].face == f.face)
+        faces[kept - 1].area += f.area;
+      else
+        faces[kept++] = f;
+    faces.resize(kept);
+    return faces;
+  }
+
+  /// The face whose plane has others in front and splits the fewest; nothing where all lie behind each other.
+  std::optional<std::uint32_t> chosen_cut(const std::vector<Fragment>& fragments, std::vector<FaceHere> faces) const {
+    const double nearly = 1e-6 * faces.front().area;  // equal faces in the order of the file, whatever rounding does
+    std::stable_sort(faces.begin(), faces.end(), [&](const FaceHere& a, const FaceHere& b) {
+      return std::floor(a.area / nearly) > std::floor(b.area / nearly);
+    });
+    std::optional<std::uint32_t> best;
+    std::size_t fewest = SIZE_MAX, tried = 0;
+    std::vector<std::uint32_t> split;
+    for (const FaceHere& here : faces) {
+      if (tried == most_choices) break;
+      const Plane& plane = planes_[here.face];
+      bool cuts = false;
+      split.clear();
+      for (const Fragment& f : fragments) {
+        if (f.face == here.face) continue;
+        const Side side = side_of(f, plane);
+        cuts = cuts || side == Side::above || side == Side::both;
+        if (side == Side::both) split.push_back(f.face);
+      }
+      if (!cuts) continue;
+      ++tried;
+      std::sort(split.begin(), split.end());
+      const auto count = static_cast<std::size_t>(std::unique(split.begin(), split.end()) - split.begin());
+      if (count >= fewest) continue;
+      fewest = count;
+      best = here.face;
+    }
+    return best;
+  }
+
+  /// Parts of the fragments on one side of a plane; what lies on it bounds both cells and is asked no more.
+  std::vector<Fragment> behind(const std::vector<Fragment>& fragments, const Plane& plane) const {
+    std::vector<Fragment> out;
+    for (const Fragment& f : fragments) {
+      const Side side = side_of(f, plane);
+      if (side == Side::below) out.push_back(f);
+      if (side != Side::both) continue;
+      Fragment& part = out.emplace_back(Fragment{{}, f.face});
+      for (std::size_t k = 0; k < f.corners.size(); ++k) {
+        const Vec3 &x = f.corners[k], &y = f.corners[(k + 1) % f.corners.size()];
+        const double hx = plane.above(x), hy = plane.above(y);
+        if (hx <= tolerance_) part.corners.push_back(x);
+        const bool crosses = (hx > tolerance_ && hy < -tolerance_) || (hx < -tolerance_ && hy > tolerance_);
+        if (crosses) part.corners.push_back(x + hx / (hx - hy) * (y - x));
+      }
+    }
+    return out;
+  }
+
+  void keep(const ClippedSolid& cell) {
+    auto& corners = cells.emplace_back();
+    for (std::size_t k = 0; k < cell.points(); ++k) corners.push_back(cell.point(k));
+    is_complete = is_complete && cells.size() <= most_cells;
+  }
+
+  void cut(ClippedSolid& cell, std::vector<Fragment> fragments) {
+    if (!is_complete) return;
+    if (fragments.empty()) {
+      const Volume volume = cell.volume();
+      if (volume.volume > 0.0 && is_inside(surface_, volume.centroid())) keep(cell);
+      return;
+    }
+    const auto faces = faces_in(fragments);
+    const auto face = chosen_cut(fragments, faces);
+    if (!face) {
+      for (const FaceHere& f : faces)
+        if (!cell.clip(planes_[f.face])) return;
+      return keep(cell);
+    }
+    const Plane plane = planes_[*face], back{-plane.normal, -plane.offset};
+    ClippedSolid front = cell;
+    std::vector<Fragment> beyond = behind(fragments, back);
+    fragments = behind(fragments, plane);
+    if (cell.clip(plane)) cut(cell, std::move(fragments));
+    if (front.clip(back)) cut(front, std::move(beyond));
+  }
+
+  const TriangleSurface& surface_;
+  std::vector<Plane> planes_;
+  double tolerance_;
+};
+
 /// Nothing where the points enclose no volume worth a body (`least` [m^3]).
-std::optional<ConvexPart> hull_of(std::span<const Vec3> points, double least) {
+std::optional<ConvexPart> hull_of(std::span<const Vec3> points, double precision, double least) {
   try {
-    ConvexPart part{hull_from_points(points)};
+    ConvexPart part{hull_from_points(points, {}, precision)};
     const MassProperties whole = surface_mass_properties(part.surface.vertices, triangles_of(part.surface));
     part.volume = whole.mass, part.centre = whole.centre;
     if (part.volume > least) return part;
   } catch (const SceneError&) {
-  }  // flat: rounding to double closed it
+  }  // flat: thinner than rounding
   return std::nullopt;
 }
 
-/// Joins pairs whose hull has no more volume than they have, until there are none.
-void join(std::vector<ConvexPart>& parts) {
+/// Whether the whole of b lies behind each face of a, or beyond it: a union that is convex needs that, and one beyond.
+bool may_join(const ConvexPart& a, const ConvexPart& b, double tolerance) {
+  bool beyond = false;
+  for (const auto& face : a.surface.faces) {
+    const Vec3& p = a.surface.vertices[face[0]];
+    Vec3 area = Vec3::Zero();
+    for (std::size_t k = 2; k < face.size(); ++k)
+      area += (a.surface.vertices[face[k - 1]] - p).cross(a.surface.vertices[face[k]] - p);
+    const double slack = 4.0 * tolerance * area.norm();
+    double low = infinity, high = -infinity;
+    for (const Vec3& x : b.surface.vertices) {
+      low = std::min(low, area.dot(x - p));
+      high = std::max(high, area.dot(x - p));
+    }
+    if (high > slack && low < -slack) return false;
+    beyond = beyond || high > slack;
+  }
+  return beyond;
+}
+
+/// Joins pairs whose hull has no more volume than they have, until there are none. tolerance: of corners to planes [m].
+void join(std::vector<ConvexPart>& parts, double tolerance) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (std::size_t j = 0; j < parts.size(); ++j) {
-      if (i == j) continue;
+      if (i == j || !may_join(parts[i], parts[j], tolerance) || !may_join(parts[j], parts[i], tolerance)) continue;
       auto points = parts[i].surface.vertices;
       points.insert(points.end(), parts[j].surface.vertices.begin(), parts[j].surface.vertices.end());
-      auto both = hull_of(points, 0.0);
+      auto both = hull_of(points, 0.25 * tolerance, 0.0);
       const double sum = parts[i].volume + parts[j].volume;
-      if (!both || both->volume > sum * (1 + same_volume)) continue;
+      Aabb box;
+      for (const Vec3& v : points) box.include(v);
+      if (!both || both->volume > sum * (1 + same_volume) + tolerance * box.extent().squaredNorm()) continue;
       parts[i] = std::move(*both);
       parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(j));
       if (j < i) --i;
@@ -93,24 +257,31 @@ void join(std::vector<ConvexPart>& parts) {
 
 }  // namespace
 
-std::vector<ConvexPart> convex_parts(const TriangleSurface& surface, const Place& place) {
-  const double volume = surface_mass_properties(surface).mass;
-  std::vector<std::vector<Vec3>> corners;
-  try {
-    corners = pieces(surface);
-  } catch (const std::exception&) {  // a precondition of CGAL: reported below with the cause a user can mend
-  }
+std::vector<ConvexPart> convex_parts(const JoinedSurface& joined, double precision, const Place& place) {
+  const double volume = surface_mass_properties(joined.surface).mass;
+  Aabb box;
+  for (const Vec3& v : joined.surface.vertices) box.include(v);
+  const double size = box.extent().norm(), tolerance = std::max(4.0 * precision, rounding * size);
+  const CellCutter cutter(joined, tolerance);
+  if (!cutter.is_complete)
+    throw SceneError(fmt::format("the surface takes more than {} cuts to convex parts; simplify it, or write "
+                                 "polyhedron = {{ file = ... }} for its convex hull",
+                                 most_cells),
+                     place);
   std::vector<ConvexPart> parts;
   double sum = 0;
-  for (const auto& c : corners)
-    if (auto part = hull_of(c, 1e-12 * volume)) sum += part->volume, parts.push_back(std::move(*part));
-  if (!(std::abs(sum - volume) <= same_volume * volume))
+  for (const auto& c : cutter.cells)
+    if (auto part = hull_of(c, 0.25 * tolerance, 1e-12 * volume)) {
+      sum += part->volume;
+      parts.push_back(std::move(*part));
+    }
+  if (!(std::abs(sum - volume) <= same_volume * volume + tolerance * size * size))
     throw SceneError(
         fmt::format("the surface cannot be cut into convex parts: they hold {:.6g} of {:.6g} m^3. It crosses or touches "
                     "itself; mend it in a mesh editor, or write polyhedron = {{ file = ... }} for its convex hull",
                     sum, volume),
         place);
-  join(parts);
+  join(parts, tolerance);
   return parts;
 }
 

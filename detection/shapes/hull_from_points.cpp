@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string>
 #include <tuple>
 
-#include "detection/narrow/point_triangle.h"
+#include "detection/shapes/face_finder.h"
+#include "detection/shapes/surface_weld.h"
 
 namespace epafi {
 namespace {
@@ -82,36 +85,60 @@ HullSurface exact_hull(const std::vector<Vec3>& points) {
   return hull;
 }
 
-/// Distance of p, not inside, from the hull [m]. By triangles, not by planes: slivers have no usable plane.
-double distance(const HullSurface& hull, const Vec3& p) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& f : hull.faces)
-    least = std::min(least,
-                     nearest_on_triangle(p, {hull.vertices[f[0]], hull.vertices[f[1]], hull.vertices[f[2]]}).distance);
-  return least;
+TriangleSurface surface_of(const HullSurface& hull) { return {hull.vertices, triangles_of(hull)}; }
+
+/// Vertices where at least three faces meet, of those within the tolerance of each other one. The others lie on a face
+/// or an edge: rounding has lifted them, and they make slivers without a usable normal.
+std::vector<Vec3> true_corners(const HullSurface& hull, double tolerance) {
+  TriangleSurface surface = surface_of(hull);
+  JoinReport report;
+  report.tolerance = tolerance;
+  weld_corners(surface, report);
+  if (report.welded > 0) return surface.vertices;
+  const FaceFinder faces(surface, tolerance);
+  std::vector<std::set<std::uint32_t>> at(surface.vertices.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (const std::uint32_t v : surface.triangles[t]) at[v].insert(faces.face[t]);
+  std::vector<Vec3> corners;
+  for (std::size_t v = 0; v < at.size(); ++v)
+    if (at[v].size() > 2) corners.push_back(surface.vertices[v]);
+  return corners;
 }
 
-/// Vertices of triangles that are flat to within `tolerance`, and of pairs of triangles that are coplanar to within it.
-std::vector<bool> suspects(const HullSurface& hull, double tolerance) {
-  std::vector<bool> suspect(hull.vertices.size(), false);
-  std::vector<std::array<std::uint32_t, 3>> edges;  // from, to, opposite
-  for (const auto& f : hull.faces)
-    for (std::size_t k = 0; k < 3; ++k) edges.push_back({f[k], f[(k + 1) % 3], f[(k + 2) % 3]});
-  std::sort(edges.begin(), edges.end());
-  for (const auto& [from, to, opposite] : edges) {
-    const auto twin = std::lower_bound(edges.begin(), edges.end(), std::array{to, from, 0u});
-    const Vec3 &a = hull.vertices[from], &b = hull.vertices[to], &c = hull.vertices[opposite];
-    const Vec3 area = (b - a).cross(c - a);
-    const bool thin = area.norm() <= tolerance * (b - a).norm();
-    const bool coplanar = std::abs(area.dot(hull.vertices[(*twin)[2]] - a)) <= tolerance * area.norm();
-    if (thin || coplanar) suspect[from] = suspect[to] = suspect[opposite] = suspect[(*twin)[2]] = true;
+/// The outline of each face; nothing where one is no simple polygon.
+std::vector<std::vector<std::uint32_t>> outlines(const TriangleSurface& surface, const FaceFinder& faces) {
+  std::vector<std::map<std::uint32_t, std::uint32_t>> next(faces.planes.size());
+  const auto uses = sorted_edge_uses(surface.triangles);
+  for (std::size_t k = 0; k + 1 < uses.size(); k += 2) {  // a closed surface: two uses of each edge
+    if (faces.face[uses[k].triangle] == faces.face[uses[k + 1].triangle]) continue;
+    for (const EdgeUse& u : {uses[k], uses[k + 1]}) {
+      const std::uint32_t from = u.forward ? u.low : u.high, to = u.forward ? u.high : u.low;
+      if (!next[faces.face[u.triangle]].emplace(from, to).second) return {};
+    }
   }
-  return suspect;
+  std::vector<std::vector<std::uint32_t>> out;
+  for (const auto& after : next) {
+    if (after.empty()) return {};
+    auto& loop = out.emplace_back(1, after.begin()->first);
+    for (std::uint32_t v = after.at(loop.front()); v != loop.front(); v = after.at(v)) loop.push_back(v);
+    if (loop.size() != after.size()) return {};
+  }
+  return out;
+}
+
+/// Facets within the tolerance of one plane become one face; vertices are moved into the planes that meet there.
+void join_facets(HullSurface& hull, double tolerance) {
+  TriangleSurface surface = surface_of(hull);
+  const FaceFinder faces(surface, tolerance);
+  auto polygons = outlines(surface, faces);
+  if (polygons.size() < 4) return;
+  move_into_planes(surface, faces, 0.0);
+  hull = {std::move(surface.vertices), std::move(polygons), tolerance};
 }
 
 }  // namespace
 
-HullSurface hull_from_points(std::span<const Vec3> points, const Place& place) {
+HullSurface hull_from_points(std::span<const Vec3> points, const Place& place, double precision) {
   const auto distinct = sorted_distinct(points, place);
   if (distinct.size() < 4)
     throw SceneError("a polyhedron needs at least 4 distinct vertices, found " + std::to_string(distinct.size()),
@@ -122,20 +149,15 @@ HullSurface hull_from_points(std::span<const Vec3> points, const Place& place) {
                          (width > flat * length ? "plane" : "line") + ": they enclose no volume",
                      place);
   HullSurface hull = exact_hull(distinct);
-  // A point of a face that rounding has lifted by 1e-16 is a true vertex to exact predicates, and makes slivers without
-  // a usable normal. It goes where the hull without it comes within 1e-12 of it.
-  const double tolerance = redundant * length;
-  const auto suspect = suspects(hull, tolerance);
-  const auto candidates = hull.vertices;
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (!suspect[k] || hull.vertices.size() <= 4) continue;
-    auto others = hull.vertices;
-    std::erase(others, candidates[k]);
-    const auto rest = extents(others);
-    if (!(rest[2] > flat * rest[0])) continue;
-    HullSurface smaller = exact_hull(others);
-    if (distance(smaller, candidates[k]) <= tolerance) hull = std::move(smaller);
+  const double tolerance = std::max(redundant * length, 4.0 * precision);
+  for (;;) {
+    const auto corners = true_corners(hull, tolerance);
+    if (corners.size() == hull.vertices.size() || corners.size() < 4) break;
+    const auto rest = extents(corners);
+    if (!(rest[2] > flat * rest[0])) break;
+    hull = exact_hull(corners);
   }
+  if (precision > 0.0) join_facets(hull, tolerance);
   return hull;
 }
 

@@ -10,10 +10,12 @@
 
 namespace epafi {
 
-/// Vertices of a hull and its triangles, counter-clockwise seen from outside; coplanar triangles stay apart.
+/// Vertices of a hull and its faces, counter-clockwise seen from outside. Of exact points: triangles, coplanar ones stay
+/// apart. Of rounded points: the faces that lie within the tolerance of one plane, as polygons.
 struct HullSurface {
   std::vector<Vec3> vertices;  ///< in the order of the points they come from [m]
   std::vector<std::vector<std::uint32_t>> faces;
+  double tolerance = 0.0;  ///< of vertices to the planes of their faces; 0: to rounding [m]
 };
 
 /// The faces as fans of triangles.
@@ -24,9 +26,12 @@ struct HullSurface {
   return triangles;
 }
 
+/// precision: how far rounding may have put a coordinate (of a file: MeshReport) [m]; 0: the points are exact. Four times
+/// as much is flat: facets within it of one plane are one face, corners are moved into the planes that meet there.
 /// Throws SceneError at `place` where a point is not finite, there are fewer than 4 distinct points, or all of them lie
 /// within 1e-9 of their extent of one plane. The result does not depend on the order of the points, but for the
 /// numbering of vertices and faces.
-[[nodiscard]] HullSurface hull_from_points(std::span<const Vec3> points, const Place& place = {});
+[[nodiscard]] HullSurface hull_from_points(std::span<const Vec3> points, const Place& place = {},
+                                           double precision = 0.0);
 
 }  // namespace epafi

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "detection/shapes/mesh_text.h"
+#include "detection/shapes/polygon_ears.h"
 
 namespace epafi {
 namespace {
@@ -51,8 +52,7 @@ void read_face(MeshText& text, TriangleSurface& surface) {
   std::vector<std::uint32_t> polygon;
   for (auto w = text.word(); !w.empty(); w = text.word()) polygon.push_back(corner(text, w, surface.vertices.size()));
   if (polygon.size() < 3) text.fail(fmt::format("a face needs at least 3 vertices, found {}", polygon.size()));
-  for (std::size_t k = 2; k < polygon.size(); ++k)
-    surface.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+  append_polygon(surface.vertices, std::move(polygon), surface.triangles);
 }
 
 /// Vertices with equal coordinates become one, numbered in the order of their first appearance.
@@ -106,6 +106,14 @@ std::vector<Vec3> binary_corners(std::string_view bytes, const std::string& file
   return corners;
 }
 
+/// As many bytes as the header announces, and no more behind than a record: some programs end with two zeros or a mark.
+bool is_binary_stl(std::string_view bytes) {
+  if (bytes.size() < stl_header) return false;
+  const std::size_t announced = stl_header + stl_record * std::size_t{little_endian(bytes, 80)};
+  const std::size_t behind = announced == stl_header ? 1 : stl_record;
+  return bytes.size() >= announced && bytes.size() < announced + behind;
+}
+
 bool next_filled_line(MeshText& text) {
   while (text.next_line())
     if (text.line().find_first_not_of(" \t\r\v\f") != std::string_view::npos) return true;
@@ -121,12 +129,14 @@ std::vector<Vec3> ascii_corners(MeshText& text) {
   text.expect("solid");
   while (next_filled_line(text)) {
     const auto first = text.word();
-    if (first == "endsolid") {
+    const bool two_words = MeshText::same_word(first, "end") && MeshText::same_word(text.word(), "solid");
+    if (two_words || MeshText::same_word(first, "endsolid")) {
       if (!next_filled_line(text)) return corners;
       text.expect("solid");  // several solids in one file are one surface
       continue;
     }
-    if (first != "facet") text.fail(fmt::format("expected 'facet' or 'endsolid', found {}", MeshText::named(first)));
+    if (!MeshText::same_word(first, "facet"))
+      text.fail(fmt::format("expected 'facet' or 'endsolid', found {}", MeshText::named(first)));
     line("outer loop"), text.expect("outer"), text.expect("loop"), text.expect_end();
     for (int k = 0; k < 3; ++k) {
       line("vertex"), text.expect("vertex");
@@ -193,12 +203,13 @@ MeshReport inspect(const TriangleSurface& surface) {
 
 MeshFile read_obj(std::string_view bytes, const std::string& file, MeshFaces faces) {
   // what describes looks, names or groups does not change the surface
-  constexpr std::array<std::string_view, 9> without_effect{"vn", "vt", "vp", "o", "g", "s", "usemtl", "mtllib", "l"};
-  MeshText text(bytes, file);
+  constexpr std::array<std::string_view, 10> without_effect{"vn", "vt",     "vp",     "o", "g",
+                                                            "s",  "usemtl", "mtllib", "l", "p"};
+  MeshText text(bytes, file, true);
   TriangleSurface surface;
   while (text.next_line()) {
     const auto first = text.word();
-    if (first.empty() || first.front() == '#') continue;
+    if (first.empty()) continue;
     if (first == "v") {
       if (surface.vertices.size() == largest_file_index) text.fail("too many vertices");
       surface.vertices.push_back(text.point());  // a fourth number (weight) or a colour may follow
@@ -212,9 +223,9 @@ MeshFile read_obj(std::string_view bytes, const std::string& file, MeshFaces fac
 }
 
 MeshFile read_stl(std::string_view bytes, const std::string& file, MeshFaces faces) {
-  if (bytes.size() >= stl_header && bytes.size() - stl_header == stl_record * std::size_t{little_endian(bytes, 80)})
-    return finished_mesh(welded(binary_corners(bytes, file)), file, faces);
-  if (const auto begin = bytes.find_first_not_of(" \t\r\n"); begin != bytes.npos && bytes.substr(begin, 5) == "solid") {
+  if (is_binary_stl(bytes)) return finished_mesh(welded(binary_corners(bytes, file)), file, faces);
+  const auto begin = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  if (begin != bytes.npos && MeshText::same_word(bytes.substr(begin, 5), "solid")) {
     MeshText text(bytes, file);
     const auto corners = ascii_corners(text);
     return finished_mesh(welded(corners), file, faces, text.written_precision());

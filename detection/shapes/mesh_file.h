@@ -40,7 +40,7 @@ enum class MeshFaces { needed, optional };
 [[nodiscard]] MeshFile read_mesh_file(const std::string& path, MeshFaces faces = MeshFaces::needed);
 
 /// The same from text in memory; `file` is the name in messages. Vertices of an STL with equal coordinates become one;
-/// polygons of an OBJ are cut into fans from their first vertex.
+/// polygons are cut into triangles, those with inner corners by ears (polygon_ears.h).
 [[nodiscard]] MeshFile read_obj(std::string_view text, const std::string& file,
                                 MeshFaces faces = MeshFaces::needed);
 [[nodiscard]] MeshFile read_stl(std::string_view bytes, const std::string& file,

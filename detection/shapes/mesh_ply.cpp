@@ -6,6 +6,7 @@
 
 #include "detection/shapes/mesh_file.h"
 #include "detection/shapes/mesh_text.h"
+#include "detection/shapes/polygon_ears.h"
 
 namespace epafi {
 namespace {
@@ -87,7 +88,7 @@ Header read_header(std::string_view bytes, const std::string& file) {
     const auto first = text.word();
     if (first == "end_header") {
       if (!has_format) text.fail("the header names no format");
-      header.end = static_cast<std::size_t>(text.line().data() - bytes.data()) + text.line().size() + 1;
+      header.end = text.offset();
       check_counts(text, header, bytes.size());
       return header;
     }
@@ -179,8 +180,9 @@ void read_polygon(Values& values, const Element& element, TriangleSurface& surfa
     for (const double v : list)
       if (!(v >= 0) || v >= static_cast<double>(surface.vertices.size()) || v != std::floor(v))
         values.fail(fmt::format("vertex index {} is out of range: {} vertices", v, surface.vertices.size()));
-    const auto index = [&](std::size_t k) { return static_cast<std::uint32_t>(list[k]); };
-    for (std::size_t k = 2; k < list.size(); ++k) surface.triangles.push_back({index(0), index(k - 1), index(k)});
+    std::vector<std::uint32_t> polygon;
+    for (const double v : list) polygon.push_back(static_cast<std::uint32_t>(v));
+    append_polygon(surface.vertices, std::move(polygon), surface.triangles);
   }
 }
 

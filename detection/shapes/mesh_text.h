@@ -16,24 +16,31 @@ namespace epafi {
 /// Walks over a text line by line, and over a line word by word. Views into the text: it must outlive the reader.
 class MeshText {
  public:
-  MeshText(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
+  /// A byte order mark at the beginning and zeros at the end are no text. comments: '#' begins one, and a line that ends
+  /// with a backslash goes on in the next (OBJ).
+  MeshText(std::string_view text, std::string file, bool comments = false)
+      : text_(text.substr(0, text.find_last_not_of('\0') + 1)), file_(std::move(file)), comments_(comments) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    if (text_.starts_with(mark)) at_ = mark.size();
+  }
 
   bool next_line() {
     if (at_ >= text_.size()) return false;
-    const auto end = std::min(text_.find('\n', at_), text_.size());
+    const auto end = std::min(text_.find_first_of("\n\r", at_), text_.size());
     line_ = text_.substr(at_, end - at_);
-    at_ = end + 1, column_ = 0, ++number_;
+    if (comments_) line_ = line_.substr(0, line_.find('#'));
+    const bool two = end + 1 < text_.size() && text_[end] == '\r' && text_[end + 1] == '\n';
+    at_ = end + (two ? 2 : 1), column_ = 0, ++number_;
     return true;
   }
   /// The next word of the line, "" at its end.
   std::string_view word() {
-    constexpr std::string_view blank = " \t\r\v\f";
-    const auto begin = std::min(line_.find_first_not_of(blank, column_), line_.size());
-    const auto end = std::min(line_.find_first_of(blank, begin), line_.size());
-    word_begin_ = begin, column_ = end;
-    return line_.substr(begin, end - begin);
+    std::string_view found = word_here();
+    while (comments_ && found == "\\" && next_line()) found = word_here();
+    return found;
   }
   std::string_view line() const { return line_; }
+  std::size_t offset() const { return at_; }  ///< of the next line [bytes]
   double number() {
     const auto w = word();
     if (w.empty()) fail("a number is missing");
@@ -55,10 +62,15 @@ class MeshText {
     return {x, y, z};
   }
   void expect(std::string_view what) {
-    if (const auto w = word(); w != what) fail(fmt::format("expected '{}', found {}", what, named(w)));
+    if (const auto w = word(); !same_word(w, what)) fail(fmt::format("expected '{}', found {}", what, named(w)));
   }
   void expect_end() {
     if (const auto w = word(); !w.empty()) fail(fmt::format("expected the end of the line, found '{}'", shown(w)));
+  }
+  /// Whether two words differ in capitals alone.
+  static bool same_word(std::string_view a, std::string_view b) {
+    const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+    return std::ranges::equal(a, b, [&](char x, char y) { return small(x) == small(y); });
   }
   [[noreturn]] void fail(const std::string& text) const {
     throw SceneError(text, {file_, number_, static_cast<int>(word_begin_) + 1});
@@ -75,6 +87,14 @@ class MeshText {
   }
 
  private:
+  std::string_view word_here() {
+    constexpr std::string_view blank = " \t\r\v\f";
+    const auto begin = std::min(line_.find_first_not_of(blank, column_), line_.size());
+    const auto end = std::min(line_.find_first_of(blank, begin), line_.size());
+    word_begin_ = begin;
+    column_ = end;
+    return line_.substr(begin, end - begin);
+  }
   /// Of fractions: 0.012345 has six digits, 1.2e-5 two.
   void note_digits(std::string_view w) {
     const auto mantissa = w.substr(0, std::min(w.find_first_of("eE"), w.size()));
@@ -95,6 +115,7 @@ class MeshText {
 
   std::string_view text_, line_;
   std::string file_;
+  bool comments_ = false;
   std::size_t at_ = 0, column_ = 0, word_begin_ = 0;
   int number_ = 0;
   int most_digits_ = 0;

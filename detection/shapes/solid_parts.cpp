@@ -6,6 +6,7 @@
 
 #include "detection/shapes/convex_parts.h"
 #include "detection/shapes/mesh_file.h"
+#include "detection/shapes/rounded_shapes.h"
 
 namespace epafi {
 
@@ -19,6 +20,12 @@ Aabb SolidParts::bounding_box(const Pose& pose) const {
 }
 
 PlacedSolid place_solid(TriangleSurface surface, const Place& place) {
+  return place_solid(std::move(surface), place, 0.0);
+}
+
+PlacedSolid place_solid(TriangleSurface given, const Place& place, double precision) {
+  JoinedSurface joined = join_surface(std::move(given), precision);
+  TriangleSurface& surface = joined.surface;
   const MeshReport report = inspect(surface);
   if (!report.is_watertight())
     throw SceneError(report.to_string() + "; a body that moves freely needs a closed surface", place);
@@ -27,7 +34,7 @@ PlacedSolid place_solid(TriangleSurface surface, const Place& place) {
   const MassProperties whole = surface_mass_properties(surface);
   PlacedSolid out{{}, principal_frame(whole)};
   // cut in the author's axes: turning rounds, and what was one plane would be several
-  auto parts = convex_parts(surface, place);
+  auto parts = convex_parts(joined, precision, place);
   for (Vec3& v : surface.vertices) v = out.frame.to_principal(v);
   SolidParts& solid = out.solid;
   solid.volume = whole.mass;
@@ -37,7 +44,7 @@ PlacedSolid place_solid(TriangleSurface surface, const Place& place) {
   for (ConvexPart& part : parts) {
     const Vec3 centre = out.frame.to_principal(part.centre);
     for (Vec3& v : part.surface.vertices) v = out.frame.to_principal(v) - centre;
-    auto built = ConvexHull::from_faces(std::move(part.surface.vertices), part.surface.faces);
+    auto built = built_hull(std::move(part.surface));
     if (!built.problem.empty()) throw SceneError("a convex part of the surface " + built.problem, place);
     solid.parts.push_back({std::move(built.hull), centre});
   }

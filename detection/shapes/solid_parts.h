@@ -45,7 +45,7 @@ struct SolidParts {
             "closed surface as a free body: convex parts, exact mass properties",
             {{"file", "", "", Kind::text, {}, {}, "OBJ, STL or PLY file of a closed surface"}},
             {},
-            "Chazelle 1984"};
+            "Thibault and Naylor 1987"};
   }
 
   using Part = SolidPart;

@@ -7,6 +7,7 @@
 #include "detection/shapes/convex_hull.h"
 #include "detection/shapes/mesh_file.h"
 #include "detection/shapes/placed_hull.h"
+#include "detection/shapes/rounded_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 
@@ -118,6 +119,78 @@ TEST_CASE("a lattice of points gives a box of 8 vertices, turned and anywhere", 
     const auto b = built(hull);
     CHECK(b.problem == "");
     CHECK(b.hull.face_normals.size() == 6);
+  }
+}
+
+namespace {
+
+Vec3 in_single_precision(const Vec3& x) { return x.cast<float>().cast<double>(); }
+
+/// As MeshReport::precision: half of the last bit of the largest coordinate.
+double single_precision_of(const std::vector<Vec3>& points) {
+  double largest = 0.0;
+  for (const Vec3& x : points) largest = std::max(largest, x.cwiseAbs().maxCoeff());
+  return std::ldexp(largest, -24);
+}
+
+/// The farthest that a point lies outside of the built hull of the others [m].
+double farthest_outside(const ConvexHull& hull, const PrincipalFrame& frame, const std::vector<Vec3>& points) {
+  double farthest = -infinity;
+  for (const Vec3& x : points)
+    for (std::size_t f = 0; f < hull.face_normals.size(); ++f)
+      farthest = std::max(farthest, hull.face_normals[f].dot(frame.to_principal(x)) - hull.face_offsets[f]);
+  return farthest;
+}
+
+}  // namespace
+
+TEST_CASE("a cut block in single precision has six faces, turned and up to 100 m away", "[detection][hull]") {
+  Random random(27, 0);
+  for (int run = 0; run < 200; ++run) {
+    const Quat turn = random_turn(random);
+    const Vec3 shift = random_point(random, -1, 1) * (run % 4 == 0 ? 0.0 : std::pow(10.0, random.uniform(-1, 2)));
+    const Vec3 size = random_point(random, 0.3, 2);
+    const int cuts = 1 + run % 5;
+    std::vector<Vec3> points;
+    for (int i = 0; i <= cuts; ++i)
+      for (int j = 0; j <= cuts; ++j)
+        for (int k = 0; k <= cuts; ++k)
+          points.push_back(in_single_precision(turn * (Vec3(i, j, k) / cuts).cwiseProduct(size) + shift));
+    const double precision = single_precision_of(points);
+    HullSurface hull = hull_from_points(points, {}, precision);
+    CHECK(hull.vertices.size() == 8);
+    CHECK(hull.faces.size() == 6);
+    const MassProperties whole = surface_mass_properties(hull.vertices, triangles_of(hull));
+    // corners are off by the rounding of three coordinates, sides by as much over their length
+    CHECK(whole.mass == Approx(size.prod()).epsilon(20 * precision / size.minCoeff()));
+    const PrincipalFrame frame = principal_frame(whole);
+    for (Vec3& v : hull.vertices) v = frame.to_principal(v);
+    const auto b = built_hull(hull);
+    REQUIRE(b.problem == "");
+    CHECK(b.hull.face_normals.size() == 6);
+    CHECK(farthest_outside(b.hull, frame, points) < 8 * precision);
+  }
+}
+
+TEST_CASE("a round body of quadrilaterals keeps its corners and has one face each", "[detection][hull]") {
+  constexpr int rows = 16, sides = 64;  // 962 corners, of which exact predicates see every quadrilateral bent
+  Random random(28, 0);
+  for (const bool single : {false, true}) {
+    const Quat turn = random_turn(random);
+    std::vector<Vec3> points{turn * Vec3(0, 0, 1), turn * Vec3(0, 0, -1)};
+    for (int i = 1; i < rows; ++i)
+      for (int k = 0; k < sides; ++k) {
+        const double down = pi * i / rows, around = 2 * pi * k / sides, r = std::sin(down);
+        points.push_back(turn * Vec3(r * std::cos(around), r * std::sin(around), std::cos(down)));
+      }
+    if (single) std::ranges::transform(points, points.begin(), in_single_precision);
+    HullSurface hull = hull_from_points(points, {}, single ? single_precision_of(points) : 0.0);
+    CHECK(hull.vertices.size() == points.size());
+    const PrincipalFrame frame = principal_frame(surface_mass_properties(hull.vertices, triangles_of(hull)));
+    for (Vec3& v : hull.vertices) v = frame.to_principal(v);
+    const auto b = built_hull(hull);
+    REQUIRE(b.problem == "");
+    CHECK(b.hull.face_normals.size() == rows * sides);
   }
 }
 

@@ -186,6 +186,65 @@ TEST_CASE("broken PLY files are refused with the reason", "[detection][mesh-file
   for (const auto& [text, message] : broken) CHECK_THROWS_WITH(read_ply(text, "a.ply"), Equals(message));
 }
 
+TEST_CASE("spellings of STL and OBJ that other programs write are read", "[detection][mesh-file]") {
+  const TriangleSurface box = box_surface({1, 2, 3});
+  const auto changed = [](std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
+    return text;
+  };
+  std::string capitals = ascii_stl(box);
+  std::ranges::transform(capitals, capitals.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string zeros(2, '\0'), mark = "\xef\xbb\xbf";
+  for (const std::string& text :
+       {capitals, mark + ascii_stl(box), ascii_stl(box) + zeros, binary_stl(box) + zeros, changed(ascii_stl(box), "\n", "\r"),
+        changed(ascii_stl(box), "\n", "\r\n"), changed(ascii_stl(box), "endsolid", "end solid")}) {
+    const MeshFile mesh = read_stl(text, "box.stl");
+    CHECK(mesh.surface.vertices.size() == 8);
+    CHECK(mesh.surface.triangles.size() == 12);
+    CHECK(mesh.report.is_watertight());
+  }
+  for (const std::string& text :
+       {mark + obj_text(box), changed(obj_text(box), "f ", "f \\\n"), changed(obj_text(box), "\n", " # more\n"),
+        obj_text(box) + "p 1\n", changed(obj_text(box), "\n", "\r\n")}) {
+    const MeshFile mesh = read_obj(text, "box.obj");
+    CHECK(mesh.surface.vertices == box.vertices);
+    CHECK(mesh.surface.triangles == box.triangles);
+  }
+  std::string endless;  // lines that go on and on
+  for (int k = 0; k < 200000; ++k) endless += "\\\n";
+  CHECK_THROWS_AS(read_obj("f " + endless, "a.obj"), SceneError);
+}
+
+TEST_CASE("a face with inner corners is cut to triangles that cover it once", "[detection][mesh-file]") {
+  using Outline = std::vector<std::array<double, 2>>;
+  const Outline bracket{{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}}, arrow{{0, 0}, {2, 1}, {0, 2}, {0.5, 1}},
+      comb{{0, 0}, {1, 0}, {2, 0}, {5, 0}, {5, 2}, {4, 2}, {4, 1}, {3, 1}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  Random random(33, 0);
+  for (const Outline& outline : {bracket, arrow, comb})
+    for (std::size_t start = 0; start < outline.size(); ++start) {
+      const Quat turn = random_turn(random);
+      std::string text, face = "f";
+      double area = 0.0;
+      for (std::size_t k = 0; k < outline.size(); ++k) {
+        const auto &p = outline[(start + k) % outline.size()], &q = outline[(start + k + 1) % outline.size()];
+        area += 0.5 * (p[0] * q[1] - p[1] * q[0]);
+        const Vec3 x = turn * Vec3(p[0], p[1], 0);
+        text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", x.x(), x.y(), x.z());
+        face += fmt::format(" {}", k + 1);
+      }
+      const TriangleSurface s = read_obj(text + face + "\n", "face.obj").surface;
+      CHECK(s.triangles.size() == outline.size() - 2);
+      double covered = 0.0;
+      for (const Triangle& t : s.triangles) {
+        const Vec3 twice = (s.vertices[t[1]] - s.vertices[t[0]]).cross(s.vertices[t[2]] - s.vertices[t[0]]);
+        CHECK(twice.dot(turn * Vec3::UnitZ()) > 0.0);  // none lies the other way round
+        covered += 0.5 * twice.norm();
+      }
+      CHECK(covered == Approx(area).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("open, clashing and inverted surfaces are named", "[detection][mesh-file]") {
   TriangleSurface s = box_surface({1, 1, 1});
   s.triangles.pop_back();  // {3, 7, 5}

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "detection/shapes/mesh_file.h"
-#include "detection/shapes/solid_parts.h"
+#include "detection/shapes/rounded_shapes.h"
 #include "engine/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
@@ -116,6 +116,89 @@ TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass prop
     const double share = inside / double(points), box = (high - low).prod();
     // four deviations of a binomial share
     CHECK(std::abs(share * box / solid.volume - 1) < 4 * std::sqrt((1 - share) / (share * points)));
+  }
+}
+
+namespace {
+
+/// The surface of the unit cells of a lattice for which is_solid(i, j, k) holds, squares as pairs of triangles.
+template <class F>
+TriangleSurface cells_surface(int n, const F& is_solid) {
+  TriangleSurface s;
+  const auto corner = [n](const std::array<int, 3>& c) {
+    return static_cast<std::uint32_t>((c[0] * (n + 1) + c[1]) * (n + 1) + c[2]);
+  };
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j)
+      for (int k = 0; k <= n; ++k) s.vertices.emplace_back(i, j, k);
+  const auto solid = [&](const std::array<int, 3>& c) {
+    for (const int x : c)
+      if (x < 0 || x >= n) return false;
+    return bool(is_solid(c[0], c[1], c[2]));
+  };
+  for (int cell = 0; cell < n * n * n; ++cell)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const int side : {0, 1}) {
+        const std::array<int, 3> c{cell / (n * n), cell / n % n, cell % n};
+        auto beside = c, a = c;
+        beside[axis] += 2 * side - 1;
+        if (!solid(c) || solid(beside)) continue;
+        a[axis] += side;
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        auto b = a, d = a;
+        b[u] += 1, d[v] += 1;
+        auto e = b;
+        e[v] += 1;
+        if (side == 0) std::swap(b, d);
+        s.triangles.push_back({corner(a), corner(b), corner(e)});
+        s.triangles.push_back({corner(a), corner(e), corner(d)});
+      }
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("a bracket, a tray and a hollow box are cut to as few parts in single precision, turned", "[physics][solids]") {
+  struct Kind {
+    const char* name;
+    std::size_t parts;
+    bool (*is_solid)(int, int, int);
+  };
+  const std::array<Kind, 3> kinds{{{"bracket", 2, [](int i, int j, int) { return i < 2 || j < 2; }},
+                                   {"tray", 5, [](int i, int j, int k) { return k < 2 || i % 5 == 0 || j % 5 == 0; }},
+                                   {"hollow box", 6, [](int i, int j, int k) { return i % 5 == 0 || j % 5 == 0 || k % 5 == 0; }}}};
+  Random random(29, 0);
+  for (int run = 0; run < 6; ++run) {
+    const Kind& kind = kinds[static_cast<std::size_t>(run) % 3];
+    INFO(kind.name << ", run " << run);
+    TriangleSurface s = cells_surface(6, kind.is_solid);
+    const double exact = surface_mass_properties(s).mass;
+    const Vec3 axis(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    const Quat turn(Eigen::AngleAxisd(random.uniform(0, 3), axis.normalized()));
+    const double away = run < 3 ? 1.0 : 100.0;
+    const Vec3 shift = away * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    double largest = 0.0;
+    for (Vec3& v : s.vertices) {
+      v = (turn * v + shift).cast<float>().cast<double>();
+      largest = std::max(largest, v.cwiseAbs().maxCoeff());
+    }
+    const double precision = std::ldexp(largest, -24);
+    const PlacedSolid placed = place_solid(s, {}, precision);
+    CHECK(placed.solid.parts.size() == kind.parts);
+    CHECK(placed.solid.volume == Approx(exact).epsilon(10 * precision));
+    double sum = 0;
+    for (const auto& part : placed.solid.parts) {
+      CHECK(part.hull.vertices.size() == 8);
+      CHECK(part.hull.face_normals.size() == 6);
+      sum += part.hull.volume;
+    }
+    CHECK(sum == Approx(exact).epsilon(10 * precision));
+    int differ = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 x(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5));
+      differ += is_inside(placed.solid.surface, x) != is_inside(placed.solid, x);
+    }
+    CHECK(differ == 0);
   }
 }
 
