@@ -109,6 +109,7 @@ Pipeline make_pipeline(Assembly& a) {
   p.scheme = scheme->make();
   auto narrow_phase =
       std::make_unique<BatchNarrowPhase>(*a.shapes, a.plan.reach, a.plan.needs.curvature, a.plan.needs.area);
+  if (!a.plan.needs.area) narrow_phase->join_walls();  // volumes of overlap add up over a seam
   a.narrow_phase = narrow_phase.get();
   p.narrow_phase = std::move(narrow_phase);
   if (a.plan.fused_spheres) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "detection/narrow/seams.h"
 #include "engine/parallel.h"
 
 namespace epafi {
@@ -16,6 +17,13 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 }  // namespace
+
+BatchNarrowPhase::BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature, bool area)
+    : shapes_(shapes), reach_(reach), curvature_(curvature), area_(area) {}
+
+BatchNarrowPhase::~BatchNarrowPhase() = default;
+
+void BatchNarrowPhase::join_walls() { seams_ = std::make_unique<Seams>(shapes_); }
 
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {
@@ -137,6 +145,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
   const bool fresh = !known_ || generation_ != list.generation || pairs_ != n;
   if (fresh) {
     keep_memory();
+    if (seams_) seams_->find(world);
     blocks_.resize((n + block_size - 1) / block_size);
     generation_ = list.generation, pairs_ = n, known_ = true;
   }
@@ -145,6 +154,7 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
     collide_block(world, blocks_[b]);
   });
   join(contacts);
+  if (seams_) seams_->hide(world, contacts);
 }
 
 void BatchNarrowPhase::visit(StateVisitor& visitor) {

@@ -7,18 +7,23 @@
 
 namespace epafi {
 
+class Seams;
+
 class BatchNarrowPhase : public NarrowPhase {
  public:
   /// reach: contacts with gap < reach are reported [m], >= 0. curvature: effective_radius is filled. `shapes` must
   /// outlive this.
   /// area: pairs of polyhedra give the cells of their overlap volume.
-  BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature, bool area = false)
-      : shapes_(shapes), reach_(reach), curvature_(curvature), area_(area) {}
+  BatchNarrowPhase(const ShapeStore& shapes, double reach, bool curvature, bool area = false);
+  ~BatchNarrowPhase() override;
 
   /// The reach of a pair shrinks to twice what its bodies move in `seconds`, not below `least`: at rest a pile of 1000
   /// polyhedra has 4000 points within 0.005 of its smallest radius and 5400 within 0.02, of which 2900 carry load.
   /// Pairs of polyhedra that hardly move keep their points without a query (resting_patch.h).
   void follow_motion(double seconds, double least) { seconds_ = seconds, least_reach_ = least; }
+
+  /// Walls that touch act as one surface (seams.h).
+  void join_walls();
 
   const char* name() const override { return "batches"; }
   void collide(const World& world, const PairList& pairs, ContactSet& contacts) override;
@@ -77,6 +82,7 @@ class BatchNarrowPhase : public NarrowPhase {
   std::size_t pairs_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
+  std::unique_ptr<Seams> seams_;  ///< null: each wall stands for itself
   std::vector<Memory> old_;  ///< of the last list's blocks, in order, none empty
 };
 

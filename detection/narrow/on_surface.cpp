@@ -1,0 +1,153 @@
+#include "detection/narrow/on_surface.h"
+
+#include "detection/narrow/gjk.h"
+#include "detection/narrow/part_pairs.h"
+#include "detection/narrow/point_triangle.h"
+
+namespace epafi {
+
+namespace {
+
+template <class S>
+concept FlatConvex = PolyhedralShape<S> || HasFlatSides<S>;
+
+ConvexRef ref_of_a_point() {
+  return {nullptr, [](const void*, const Vec3&) { return Vec3(Vec3::Zero()); }, 0.0};
+}
+
+/// A plane piece of a wall by the three questions: one that has none of them is no wall with flat faces.
+template <class S>
+struct Piece {
+  static constexpr bool flat = false;
+  static double distance(const S&, const Vec3&, double) { return infinity; }
+  static bool beyond(const S&, const Vec3&, const Vec3&, double) { return false; }
+};
+
+template <PolyhedralShape S>
+struct Piece<S> {
+  static constexpr bool flat = true;
+  static double distance(const S& s, const Vec3& point, double near) {
+    const PolyhedronView view = s.view();
+    double out = -infinity;
+    for (std::size_t k = 0; k < view.face_normals.size(); ++k) {
+      out = std::max(out, view.face_normals[k].dot(point) - view.face_offsets[k] - s.rounding());
+      if (out > near) return infinity;
+    }
+    return out;
+  }
+  static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
+    return normal.dot(s.support(normal) - point) + s.rounding() > near;
+  }
+};
+
+template <FlatConvex S>
+requires(!PolyhedralShape<S>) struct Piece<S> {
+  static constexpr bool flat = true;
+  static double distance(const S& s, const Vec3& point, double near) {
+    const MinkowskiDifference difference(ConvexRef::to(s), ref_of_a_point(), Mat3::Identity(), point);
+    const GjkResult found = gjk(difference, {near + s.rounding(), 1e-12, point});
+    if (found.status == GjkResult::Status::overlapping) return 0.0;
+    return found.status == GjkResult::Status::beyond ? infinity : found.upper - s.rounding();
+  }
+  static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
+    return normal.dot(s.support(normal) - point) + s.rounding() > near;
+  }
+};
+
+template <>
+struct Piece<HalfSpace> {
+  static constexpr bool flat = true;
+  static double distance(const HalfSpace& s, const Vec3& point, double) { return s.normal.dot(point); }
+  static bool beyond(const HalfSpace& s, const Vec3&, const Vec3& normal, double) {
+    return s.normal.dot(normal) < 1.0 - 1e-12;
+  }
+};
+
+template <>
+struct Piece<TriangleMesh> {
+  static constexpr bool flat = true;
+  static double distance(const TriangleMesh& s, const Vec3& point, double near) {
+    double least = infinity;
+    each_near(s, point, near, [&](const std::array<Vec3, 3>&, double distance) { least = std::min(least, distance); });
+    return least;
+  }
+  static bool beyond(const TriangleMesh& s, const Vec3& point, const Vec3& normal, double near) {
+    bool any = false;
+    each_near(s, point, near, [&](const std::array<Vec3, 3>& corners, double) {
+      for (const Vec3& corner : corners) any = any || normal.dot(corner - point) > near;
+    });
+    return any;
+  }
+
+ private:
+  template <class F>
+  static void each_near(const TriangleMesh& s, const Vec3& point, double near, const F& f) {
+    static thread_local std::vector<std::uint32_t> triangles;
+    triangles.clear();
+    s.query(Aabb{point, point}.fattened(near), triangles);
+    for (const std::uint32_t t : triangles) {
+      const double distance = nearest_on_triangle(point, s.corners(t)).distance;
+      if (distance <= near) f(s.corners(t), distance);
+    }
+  }
+};
+
+template <class S>
+concept FlatParts = Compound<S> && FlatConvex<typename S::Part>;
+
+template <FlatParts S>
+struct Piece<S> {
+  using Of = Piece<typename S::Part>;
+  static constexpr bool flat = true;
+  static double distance(const S& s, const Vec3& point, double near) {
+    double least = infinity;
+    for (std::size_t k = 0; k < s.part_count(); ++k) least = std::min(least, distance(s, k, point, near));
+    return least;
+  }
+  static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
+    for (std::size_t k = 0; k < s.part_count(); ++k)
+      if (distance(s, k, point, near) <= near && beyond(s, k, point, normal, near)) return true;
+    return false;
+  }
+  static double distance(const S& s, std::size_t k, const Vec3& point, double near) {
+    const Vec3 at = point - s.part_pose(k, Pose{}).position;  // parts are not turned against the body
+    const double radius = s.part(k).bounding_radius() + near;
+    return at.squaredNorm() <= radius * radius ? Of::distance(s.part(k), at, near) : infinity;
+  }
+  static bool beyond(const S& s, std::size_t k, const Vec3& point, const Vec3& normal, double near) {
+    return Of::beyond(s.part(k), point - s.part_pose(k, Pose{}).position, normal, near);
+  }
+};
+
+}  // namespace
+
+bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape) {
+  return shapes.with(shape, []<class S>(const S&) { return Piece<S>::flat; });
+}
+
+std::size_t part_count(const ShapeStore& shapes, ShapeRef shape) {
+  return shapes.with(shape, []<class S>(const S& s) -> std::size_t {
+    if constexpr (FlatParts<S>) return s.part_count();
+    return 0;
+  });
+}
+
+double distance_to(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, double near) {
+  const Vec3 local = piece.pose.to_local(point);
+  return shapes.with(piece.shape, [&]<class S>(const S& s) {
+    if constexpr (FlatParts<S>)
+      if (piece.part != WallPiece::whole) return Piece<S>::distance(s, piece.part, local, near);
+    return Piece<S>::distance(s, local, near);
+  });
+}
+
+bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near) {
+  const Vec3 local = piece.pose.to_local(point), direction = piece.pose.orientation.conjugate() * normal;
+  return shapes.with(piece.shape, [&]<class S>(const S& s) {
+    if constexpr (FlatParts<S>)
+      if (piece.part != WallPiece::whole) return Piece<S>::beyond(s, piece.part, local, direction, near);
+    return Piece<S>::beyond(s, local, direction, near);
+  });
+}
+
+}  // namespace epafi

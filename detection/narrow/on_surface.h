@@ -1,0 +1,34 @@
+/// @file on_surface.h  Whether a point is on a wall, and whether the wall goes on beyond a plane there.
+#pragma once
+#include "detection/shape_store.h"
+
+namespace epafi {
+
+/// Walls with flat faces: polyhedra, solids of them, cylinders, half-spaces and meshes. Round ones (spheres, clumps,
+/// capsules, ellipsoids, superquadrics, rails, wheels) never are part of a seam.
+bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape);
+
+/// Solids of convex parts: how many, at most; 0 for other shapes.
+std::size_t part_count(const ShapeStore& shapes, ShapeRef shape);
+
+/// A body, or one part of a solid.
+struct WallPiece {
+  static constexpr std::size_t whole = std::size_t(-1);
+  ShapeRef shape;
+  Pose pose;
+  std::size_t part = whole;
+};
+
+/// From the surface to `point` (world axes), 0 or less inside [m]; infinite where it is more than `near` [m]. Of a mesh
+/// only the surface counts; at the edges of a polyhedron the distance is measured across its planes.
+double distance_to(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, double near);
+
+inline bool is_on(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, double near) {
+  return distance_to(shapes, piece, point, near) <= near;
+}
+
+/// Whether some of the body that is joined to `point` lies further along `normal` (unit) than `point` by more than
+/// `near` [m]: of convex bodies anything, of solids the parts on which the point is, of meshes the triangles.
+bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
+
+}  // namespace epafi

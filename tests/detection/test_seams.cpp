@@ -1,0 +1,231 @@
+// Walls that touch are one surface: what a body meets at a seam is what it meets on a single wall.
+#include "detection/narrow/seams.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "detection/narrow/narrow_phase.h"
+#include "engine/random.h"
+#include "tests/support/catch.h"
+#include "tests/support/polyhedra.h"
+
+using namespace epafi;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+Box block(const Vec3& size) { return Box(0.5 * size); }
+
+/// Walls turned and shifted as a whole, and one body that may move.
+struct Setting {
+  ShapeStore shapes;
+  World world{Columns{.rotation = true, .periodic = true}};
+  Pose frame;
+
+  explicit Setting(Random& random) {
+    frame.orientation = testing::random_turn(random);
+    frame.position = Vec3(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5));
+  }
+  template <class S>
+  void add(const S& shape, const Pose& local, double mass = 0.0) {
+    Body body;
+    body.position = frame.to_world(local.position), body.orientation = frame.orientation * local.orientation;
+    body.mass = mass, body.inertia = mass * Vec3::Ones();
+    body.shape = shapes.add(shape).packed;
+    world.add(body);
+  }
+  template <class S>
+  void add_body(const S& shape, const Pose& local) { add(shape, local, 1.0); }
+
+  ContactSet contacts(double reach = 0.0) {
+    PairList list;
+    const auto body = static_cast<Slot>(world.size() - 1);
+    for (Slot wall = 0; wall < body; ++wall) list.pairs.push_back({wall, body});
+    list.generation = 1;
+    BatchNarrowPhase narrow(shapes, reach, false);
+    narrow.join_walls();
+    ContactSet out;
+    narrow.collide(world, list, out);
+    return out;
+  }
+  Vec3 up() const { return frame.orientation * Vec3::UnitZ(); }
+};
+
+double deepest(const ContactSet& contacts) {
+  return contacts.gap.empty() ? 0.0 : -*std::min_element(contacts.gap.begin(), contacts.gap.end());
+}
+
+/// A floor of equal tiles with its top at z = 0 from x = -1 to 1, or of one.
+void add_floor(Setting& s, int tiles, double height) {
+  const double length = 2.0 / tiles;
+  for (int k = 0; k < tiles; ++k)
+    s.add(block(Vec3(length, 2.0, height)), {Vec3(-1.0 + (k + 0.5) * length, 0.0, -0.5 * height), Quat(1, 0, 0, 0)});
+}
+
+/// Low enough to be pressed in by `depth`.
+template <class S>
+Pose pressed(const S& shape, const Quat& turn, double x, double y, double depth) {
+  const double low = turn.toRotationMatrix().row(2).dot(shape.support(turn.conjugate() * -Vec3::UnitZ())) - shape.rounding();
+  return {Vec3(x, y, -low - depth), turn};
+}
+
+template <class S>
+void check_on_tiles(Random& random, const S& shape, const Quat& turn) {
+  const double depth = random.uniform(1e-6, 2e-3), x = random.uniform(-0.5, 0.5), y = random.uniform(-0.5, 0.5);
+  const Pose pose = pressed(shape, turn, x, y, depth);
+  Setting tiled(random);
+  add_floor(tiled, 2 + static_cast<int>(random.uniform(0, 5)), random.uniform(0.05, 0.5));
+  tiled.add_body(shape, pose);
+  const ContactSet found = tiled.contacts();
+  REQUIRE(found.size() > 0);
+  // an edge of the body that is nearly level may have a second, shallow point away from the seam that it crosses
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const bool shallow = found.gap[i] > -0.1 * depth;
+    REQUIRE(found.normal[i].dot(tiled.up()) > (shallow ? std::cos(0.01) : 1.0 - 1e-9));
+  }
+  CHECK_THAT(deepest(found), WithinAbs(depth, 1e-9));
+}
+
+}  // namespace
+
+TEST_CASE("level tiles are one floor for bodies of any shape", "[detection][seams]") {
+  Random random(7, 0);
+  const Quat level(1, 0, 0, 0);
+  for (int k = 0; k < 200; ++k) {
+    const Quat turned = testing::random_turn(random);
+    const Quat about_z(Eigen::AngleAxisd(random.uniform(0, 6.28), Vec3::UnitZ()));
+    INFO("case " << k);
+    check_on_tiles(random, Sphere{random.uniform(0.1, 0.3)}, turned);
+    check_on_tiles(random, block(Vec3(0.3, 0.2, 0.2)), about_z);
+    check_on_tiles(random, block(Vec3(0.3, 0.2, 0.2)), turned);
+    check_on_tiles(random, support::random_hull(random, 14, Vec3::Constant(0.2)), turned);
+    check_on_tiles(random, Capsule(0.1, 0.3), turned);
+    check_on_tiles(random, Ellipsoid(Vec3(0.2, 0.15, 0.1)), turned);
+    check_on_tiles(random, Cylinder(0.15, 0.3), level);
+  }
+}
+
+TEST_CASE("a sphere meets tiles once, exactly over the seam too", "[detection][seams]") {
+  Random random(8, 0);
+  for (int k = 0; k < 100; ++k) {
+    Setting s(random);
+    s.frame = {};
+    add_floor(s, 4, 0.2);
+    const double depth = random.uniform(1e-6, 1e-3), away = k % 2 == 0 ? 0.0 : random.uniform(-0.1, 0.1);
+    s.add_body(Sphere{0.1}, {Vec3(0.5 + away, 0.3, 0.1 - depth), Quat(1, 0, 0, 0)});
+    CHECK(s.contacts().size() == 1);
+  }
+}
+
+TEST_CASE("a step is felt, a lower tile is not", "[detection][seams]") {
+  Random random(9, 0);
+  for (int k = 0; k < 100; ++k) {
+    Setting s(random);
+    const double step = random.uniform(1e-3, 0.05), into = random.uniform(1e-6, 0.2 * step);
+    const double higher = k % 2 == 0 ? step : -step;
+    s.add(block(Vec3(1, 2, 0.5)), {Vec3(-0.5, 0, -0.25), Quat(1, 0, 0, 0)});
+    s.add(block(Vec3(1, 2, 0.5)), {Vec3(0.5, 0, -0.25 + higher), Quat(1, 0, 0, 0)});
+    s.add_body(block(Vec3(0.2, 0.2, 0.2)), {Vec3(-0.1 + into, 0, 0.1 - 1e-6), Quat(1, 0, 0, 0)});
+    const ContactSet found = s.contacts();
+    const Vec3 ahead = s.frame.orientation * Vec3::UnitX();
+    const auto stops = [&](const Vec3& n) { return n.dot(ahead) < -0.9; };
+    CHECK(std::any_of(found.normal.begin(), found.normal.end(), stops) == (higher > 0.0));
+    CHECK(std::any_of(found.normal.begin(), found.normal.end(), [&](const Vec3& n) { return n.dot(s.up()) > 0.9; }));
+  }
+}
+
+TEST_CASE("in a corner of floor and wall both stand", "[detection][seams]") {
+  Random random(10, 0);
+  for (int k = 0; k < 200; ++k) {
+    Setting s(random);
+    s.add(block(Vec3(3, 2, 0.5)), {Vec3(0.5, 0, -0.25), Quat(1, 0, 0, 0)});
+    s.add(block(Vec3(0.5, 2, 2)), {Vec3(1.25, 0, 0.5), Quat(1, 0, 0, 0)});
+    const Box body(Vec3(0.2, 0.2, 0.2));
+    const Quat turn = k % 2 == 0 ? Quat(1, 0, 0, 0) : testing::random_turn(random);
+    const Mat3 axes = turn.toRotationMatrix();
+    const Vec3 reach = 0.1 * axes.cwiseAbs().rowwise().sum();
+    const double down = random.uniform(1e-6, 1e-2), ahead = random.uniform(1e-6, 1e-2);
+    s.add_body(body, {Vec3(1.0 - reach.x() + ahead, random.uniform(-0.5, 0.5), reach.z() - down), turn});
+    const ContactSet found = s.contacts();
+    const auto meets = [&](const Vec3& n) {
+      return std::any_of(found.normal.begin(), found.normal.end(), [&](const Vec3& m) { return m.dot(n) > 1.0 - 1e-6; });
+    };
+    CHECK(meets(s.up()));
+    CHECK(meets(s.frame.orientation * -Vec3::UnitX()));
+  }
+}
+
+TEST_CASE("a ridge of two roofs holds a sphere by one contact", "[detection][seams]") {
+  Random random(11, 0);
+  for (int k = 0; k < 100; ++k) {
+    Setting s(random);
+    const double slope = random.uniform(0.1, 1.2), radius = random.uniform(0.1, 0.3);
+    for (const double side : {-1.0, 1.0}) {
+      std::vector<Vec3> corners;
+      for (const double y : {-1.0, 1.0}) {
+        corners.insert(corners.end(), {Vec3(0, y, 0), Vec3(side * std::cos(slope), y, -std::sin(slope)),
+                                       Vec3(0, y, -2), Vec3(side * std::cos(slope), y, -2)});
+      }
+      const Vec3 centre = 0.125 * std::accumulate(corners.begin(), corners.end(), Vec3(Vec3::Zero()));
+      for (Vec3& c : corners) c -= centre;
+      const HullSurface surface = hull_from_points(corners);
+      s.add(ConvexHull::from_faces(surface.vertices, surface.faces).hull, {centre, Quat(1, 0, 0, 0)});
+    }
+    const double lean = random.uniform(-0.9, 0.9) * slope, depth = random.uniform(1e-6, 1e-3);
+    s.add_body(Sphere{radius},
+               {(radius - depth) * Vec3(std::sin(lean), 0, std::cos(lean)) + Vec3(0, 0.2, 0), Quat(1, 0, 0, 0)});
+    const ContactSet found = s.contacts();
+    REQUIRE(found.size() == 1);
+    CHECK_THAT(found.gap[0], WithinAbs(-depth, 1e-9));
+  }
+}
+
+TEST_CASE("a floor as wide as a periodic cell, or wider, is met once", "[detection][seams]") {
+  Random random(12, 0);
+  for (int k = 0; k < 100; ++k) {
+    Setting s(random);
+    s.frame = {};
+    const double wide = k % 3 == 0 ? 1.0 : random.uniform(1.0, 1.3), depth = random.uniform(1e-6, 1e-3);
+    PeriodicCell cell;
+    cell.size = Vec3(1, 1, 1), cell.repeats = {true, true, false};
+    s.world.cell = cell;
+    s.add(block(Vec3(wide, wide, 0.1)), {Vec3(0.5, 0.5, -0.05), Quat(1, 0, 0, 0)});
+    const auto place = [&] { return k % 2 == 0 ? 0.0 : random.uniform(-0.2, 0.2); };
+    s.add_body(Sphere{0.1}, {Vec3(place(), place(), 0.1 - depth), Quat(1, 0, 0, 0)});
+    PairList list;
+    for (const int x : {0, -1, 1})
+      for (const int y : {0, -1, 1}) list.pairs.push_back({0, 1, image_code(x, y, 0) | image_code(x, y, 0) << 8});
+    list.generation = 1;
+    BatchNarrowPhase narrow(s.shapes, 0.0, false);
+    narrow.join_walls();
+    ContactSet found;
+    narrow.collide(s.world, list, found);
+    REQUIRE(found.size() == 1);
+    CHECK_THAT(found.gap[0], WithinAbs(-depth, 1e-12));
+  }
+}
+
+TEST_CASE("the parts of a solid are one surface, for what slides on it and for itself", "[detection][seams]") {
+  Random random(13, 0);
+  for (int k = 0; k < 100; ++k) {
+    Setting s(random);
+    const double depth = random.uniform(1e-6, 1e-4), x = k % 2 == 0 ? random.uniform(-0.3, 0.3) : random.uniform(-1e-3, 1e-3);
+    SolidParts solid;  // a slab of two halves
+    for (const double side : {-1.0, 1.0}) {
+      const Box half = block(Vec3(1, 1, 0.2));
+      solid.parts.push_back({half.hull, Vec3(0.5 * side, 0, 0)});
+    }
+    solid.radius = solid.equal_radius = 1.2;
+    if (k % 4 < 2) {
+      s.add(solid, {Vec3(0, 0, -0.1), Quat(1, 0, 0, 0)});
+      s.add_body(block(Vec3(0.2, 0.2, 0.2)), {Vec3(x, 0, 0.1 - depth), Quat(1, 0, 0, 0)});
+    } else {
+      s.add(block(Vec3(1, 1, 0.2)), {Vec3(-0.5, 0, -0.1), Quat(1, 0, 0, 0)});  // the slab overhangs the edge of a table
+      s.add_body(solid, {Vec3(x, 0, 0.1 - depth), Quat(1, 0, 0, 0)});
+    }
+    const ContactSet found = s.contacts();
+    REQUIRE(found.size() >= 2);
+    for (const Vec3& n : found.normal) REQUIRE(n.dot(s.up()) > 1.0 - 1e-9);
+    CHECK_THAT(deepest(found), WithinAbs(depth, 1e-9));
+  }
+}
