@@ -55,32 +55,6 @@ void read_face(MeshText& text, TriangleSurface& surface) {
   append_polygon(surface.vertices, std::move(polygon), surface.triangles);
 }
 
-/// Vertices with equal coordinates become one, numbered in the order of their first appearance.
-TriangleSurface welded(const std::vector<Vec3>& corners) {
-  std::vector<std::uint32_t> order(corners.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t k) { return std::tuple(corners[k].x(), corners[k].y(), corners[k].z()); };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
-  });
-  std::vector<std::uint32_t> first(corners.size());
-  for (std::size_t k = 0; k < order.size(); ++k)
-    first[order[k]] = k > 0 && key(order[k]) == key(order[k - 1]) ? first[order[k - 1]] : order[k];
-  TriangleSurface surface;
-  std::vector<std::uint32_t> name(corners.size());
-  for (std::uint32_t k = 0; k < corners.size(); ++k) {
-    if (first[k] == k) {
-      name[k] = static_cast<std::uint32_t>(surface.vertices.size());
-      surface.vertices.push_back(corners[k]);
-    } else {
-      name[k] = name[first[k]];
-    }
-  }
-  for (std::size_t k = 0; k + 2 < corners.size(); k += 3)
-    surface.triangles.push_back({name[k], name[k + 1], name[k + 2]});
-  return surface;
-}
-
 std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t k = 0; k < 4; ++k) value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
@@ -222,13 +196,38 @@ MeshFile read_obj(std::string_view bytes, const std::string& file, MeshFaces fac
   return finished_mesh(std::move(surface), file, faces, text.written_precision());
 }
 
+TriangleSurface welded_surface(const std::vector<Vec3>& corners) {
+  std::vector<std::uint32_t> order(corners.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t k) { return std::tuple(corners[k].x(), corners[k].y(), corners[k].z()); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
+  std::vector<std::uint32_t> first(corners.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    first[order[k]] = k > 0 && key(order[k]) == key(order[k - 1]) ? first[order[k - 1]] : order[k];
+  TriangleSurface surface;
+  std::vector<std::uint32_t> name(corners.size());
+  for (std::uint32_t k = 0; k < corners.size(); ++k) {
+    if (first[k] == k) {
+      name[k] = static_cast<std::uint32_t>(surface.vertices.size());
+      surface.vertices.push_back(corners[k]);
+    } else {
+      name[k] = name[first[k]];
+    }
+  }
+  for (std::size_t k = 0; k + 2 < corners.size(); k += 3)
+    surface.triangles.push_back({name[k], name[k + 1], name[k + 2]});
+  return surface;
+}
+
 MeshFile read_stl(std::string_view bytes, const std::string& file, MeshFaces faces) {
-  if (is_binary_stl(bytes)) return finished_mesh(welded(binary_corners(bytes, file)), file, faces);
+  if (is_binary_stl(bytes)) return finished_mesh(welded_surface(binary_corners(bytes, file)), file, faces);
   const auto begin = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   if (begin != bytes.npos && MeshText::same_word(bytes.substr(begin, 5), "solid")) {
     MeshText text(bytes, file);
     const auto corners = ascii_corners(text);
-    return finished_mesh(welded(corners), file, faces, text.written_precision());
+    return finished_mesh(welded_surface(corners), file, faces, text.written_precision());
   }
   if (bytes.size() < stl_header)
     throw SceneError(
@@ -249,13 +248,15 @@ MeshFile read_mesh_file(const std::string& path, MeshFaces faces) {
   if (error || size > largest_file) throw FileError(fmt::format("cannot read mesh '{}': larger than 2 GiB", path));
   std::string ending = fs::path(path).extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (ending != ".obj" && ending != ".stl" && ending != ".ply")
-    throw SceneError(fmt::format("mesh files end in .obj, .stl or .ply, found '{}'", ending), {path, 0, 0});
+  const bool is_table = ending == ".txt" || ending == ".csv" || ending == ".dat";
+  if (ending != ".obj" && ending != ".stl" && ending != ".ply" && !is_table)
+    throw SceneError(fmt::format("mesh files end in .obj, .stl, .ply or, as tables of triangles, .txt, .csv, .dat; found "
+                                 "'{}'", ending), {path, 0, 0});
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(path, std::ios::binary);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
     throw FileError(fmt::format("cannot read mesh '{}'", path));
-  const auto read = ending == ".obj" ? read_obj : ending == ".stl" ? read_stl : read_ply;
+  const auto read = is_table ? read_triangle_table : ending == ".obj" ? read_obj : ending == ".stl" ? read_stl : read_ply;
   return read(bytes, path, faces);
 }
 

@@ -1,4 +1,4 @@
-/// @file mesh_file.h  Triangle surfaces from Wavefront OBJ, STL and PLY (ASCII and binary).
+/// @file mesh_file.h  Triangle surfaces from Wavefront OBJ, STL and PLY (ASCII and binary), and tables of triangles.
 /// Strict: what cannot be understood is a SceneError with file:line and what was found; nothing is repaired silently.
 #pragma once
 #include <string>
@@ -47,6 +47,12 @@ enum class MeshFaces { needed, optional };
                                 MeshFaces faces = MeshFaces::needed);
 [[nodiscard]] MeshFile read_ply(std::string_view bytes, const std::string& file,
                                 MeshFaces faces = MeshFaces::needed);
+/// Rows of nine numbers: a triangle's corners; names of columns may give a unit (mesh_table.cpp).
+[[nodiscard]] MeshFile read_triangle_table(std::string_view text, const std::string& file,
+                                           MeshFaces faces = MeshFaces::needed);
+
+/// Three corners a triangle: those with equal coordinates become one, numbered in the order of their first appearance.
+[[nodiscard]] TriangleSurface welded_surface(const std::vector<Vec3>& corners);
 
 /// Leaves out triangles without area and reports; SceneError where none is left though faces are needed, or no corner.
 /// written_precision: of a text (MeshText), or 0 [m].

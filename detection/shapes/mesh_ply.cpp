@@ -127,7 +127,9 @@ class Values {
       if (!text_.next_line()) cut();
     while (text_.line().find_first_not_of(" \t\r") == std::string_view::npos);
   }
-  double next(std::size_t size, bool real, bool is_signed) {
+  /// wanted: else it may be no number ("nan" of a quality).
+  double next(std::size_t size, bool real, bool is_signed, bool wanted = true) {
+    if (order_ == Order::text && !wanted && !text_.word().empty()) return 0.0;
     if (order_ == Order::text) return text_.number();
     if (size == 0 || at_ + size > bytes_.size()) cut();
     std::uint64_t raw = 0;
@@ -152,21 +154,21 @@ class Values {
   std::string file_;
 };
 
-std::vector<double> read_list(Values& values, const Property& p) {
+std::vector<double> read_list(Values& values, const Property& p, bool wanted) {
   const double count = p.count_bytes ? values.next(p.count_bytes, false, false) : 1.0;
   if (!(count >= 0) || count > 1e6 || count != std::floor(count)) values.fail("the length of a list is out of range");
   std::vector<double> list;
   for (auto left = static_cast<long>(count); left > 0; --left)
-    list.push_back(values.next(p.bytes, p.real, p.is_signed));
+    list.push_back(values.next(p.bytes, p.real, p.is_signed, wanted));
   return list;
 }
 
 void read_vertex(Values& values, const Element& element, TriangleSurface& surface) {
   Vec3 x = Vec3::Zero();
   for (const Property& p : element.properties) {
-    const auto list = read_list(values, p);
-    for (int k = 0; k < 3; ++k)
-      if (p.name == std::string(1, "xyz"[k]) && !list.empty()) x[k] = list[0];
+    const std::size_t axis = p.name.size() == 1 ? std::string("xyz").find(p.name) : std::string::npos;
+    const auto list = read_list(values, p, axis != std::string::npos);
+    if (axis != std::string::npos && !list.empty()) x[static_cast<int>(axis)] = list[0];
   }
   if (!x.allFinite()) values.fail(fmt::format("vertex {} is not finite", surface.vertices.size()));
   surface.vertices.push_back(x);
@@ -174,8 +176,9 @@ void read_vertex(Values& values, const Element& element, TriangleSurface& surfac
 
 void read_polygon(Values& values, const Element& element, TriangleSurface& surface) {
   for (const Property& p : element.properties) {
-    const auto list = read_list(values, p);
-    if (p.name != "vertex_indices" && p.name != "vertex_index") continue;
+    const bool wanted = p.name == "vertex_indices" || p.name == "vertex_index";
+    const auto list = read_list(values, p, wanted);
+    if (!wanted) continue;
     if (list.size() < 3) values.fail(fmt::format("a face needs at least 3 vertices, found {}", list.size()));
     for (const double v : list)
       if (!(v >= 0) || v >= static_cast<double>(surface.vertices.size()) || v != std::floor(v))
@@ -198,7 +201,7 @@ MeshFile read_ply(std::string_view bytes, const std::string& file, MeshFaces fac
       if (element.name == "vertex") read_vertex(values, element, surface);
       else if (element.name == "face") read_polygon(values, element, surface);
       else
-        for (const Property& p : element.properties) read_list(values, p);
+        for (const Property& p : element.properties) read_list(values, p, false);
     }
   return finished_mesh(std::move(surface), file, faces, values.written_precision());
 }

@@ -78,9 +78,63 @@ TEST_CASE("what is missing in a foreign file is said", "[scenes][reader][foreign
   CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z\n1 0 0 0\n")).find("missing column 'radius' or 'shape'") != std::string::npos);
   CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z radius\n1 0 0 zero 1\n")).find("a.dump:2: column z: expected a number, found 'zero'") != std::string::npos);
   CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z radius\n1 0 0 0\n")).find("a.dump:2: expected 5 columns, found 4") != std::string::npos);
-  CHECK(message(read_bodies("a.xyz", "1 2 3\n")).find("expected .csv, .dump") != std::string::npos);
+  CHECK(message(read_bodies("a.vtk", "1 2 3\n")).find("expected a table (.csv, .txt,") != std::string::npos);
   // without sizes of its own the file takes the shape that is written
   const auto read = read_bodies("a.dump", "ITEM: ATOMS id x y z\n1 0 0 0\n", "shape = { box = { size = [1, 1, 1] } }\n");
   REQUIRE(read.scene);
   CHECK(read.scene->shapes[read.scene->bodies[0].shape].type == "box");
+}
+
+TEST_CASE("tables of other programs: names with units, any separator, order and sign", "[scenes][reader][foreign]") {
+  const std::vector<std::pair<std::string, std::string>> forms{
+      {"a.csv", "x,y,z,radius\n+1.0e-01,-0.2,+0.3,+1e-2\n"},
+      {"a.csv", "\xef\xbb\xbfx,y,z,radius\r\n0.1,-0.2,0.3,0.01\r\n"},
+      {"a.csv", "Radius[m],PosX[m],PosY[m],PosZ[m]\n0.01,0.1,-0.2,0.3\n"},
+      {"a.csv", "Mass[kg],Radius[mm],PosX[cm],PosY[mm],PosZ[m]\n7,10,10,-200,0.3\n"},
+      {"a.csv", "x;y;z;r\n0.1;-0.2;0.3;0.01\n"},
+      {"a.tsv", "x\ty\tz\tr\n0.1\t-0.2\t0.3\t0.01\n"},
+      {"a.txt", "Radius[m] PosX[m] PosY[m] PosZ[m]\n 0.01 0.1 -0.2 0.3\n"},
+      {"a.txt", "# x y z r\n0.1 -0.2 0.3 0.01\n"},
+      {"a.txt", "#format x_y_z_r\n0.1 -0.2 0.3 0.01\n"},
+      {"a.txt", std::string("# made by hand\nX Y Z Diameter\n0.1 -0.2 0.3 0.02\n\0\0\0", 53)}};
+  for (const auto& [name, text] : forms) {
+    const auto read = read_bodies(name, text);
+    INFO(text << message(read));
+    REQUIRE(read.scene);
+    REQUIRE(read.scene->bodies.size() == 1);
+    CHECK((read.scene->bodies[0].position - Vec3(0.1, -0.2, 0.3)).norm() < 1e-15);
+    CHECK(std::abs(radius_of(*read.scene, 0) - 0.01) < 1e-15);
+  }
+}
+
+TEST_CASE("columns without names are x y z, or what the scene says", "[scenes][reader][foreign]") {
+  const auto three = read_bodies("a.txt", "0.1 -0.2 0.3\n1 2 3\n", "shape = { sphere = { radius = 0.01 } }\n");
+  INFO(message(three));
+  REQUIRE(three.scene);
+  REQUIRE(three.scene->bodies.size() == 2);
+  CHECK(three.scene->bodies[1].position == Vec3(1, 2, 3));
+  const auto named = read_bodies("a.txt", "5 10 -0.2 0.1 0.3\n", "columns = [\"-\", \"radius[mm]\", \"y\", \"x\", \"z\"]\n");
+  INFO(message(named));
+  REQUIRE(named.scene);
+  CHECK(named.scene->bodies[0].position == Vec3(0.1, -0.2, 0.3));
+  CHECK(radius_of(*named.scene, 0) == 0.01);
+  CHECK(message(read_bodies("a.txt", "1 2 3 4\n")).find("4 columns without names") != std::string::npos);
+}
+
+TEST_CASE("a dump is held against the rows and units it names", "[scenes][reader][foreign]") {
+  const auto dump = [](const std::string& units, int announced) {
+    return (units.empty() ? "" : "ITEM: UNITS\n" + units + "\n") + "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n" +
+           std::to_string(announced) + "\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z vx vy vz radius\n"
+           "1 30 20 10 4 0 0 1\n";
+  };
+  for (const auto& [units, length, speed] : {std::tuple("", 1.0, 1.0), {"cgs", 1e-2, 1e-2}, {"micro", 1e-6, 1.0}}) {
+    const auto read = read_bodies("a.dump", dump(units, 1));
+    INFO(message(read));
+    REQUIRE(read.scene);
+    CHECK((read.scene->bodies[0].position - length * Vec3(30, 20, 10)).norm() < 1e-14 * length * 30);
+    CHECK(std::abs(read.scene->bodies[0].velocity.x() - 4.0 * speed) < 1e-14 * 4.0 * speed);
+    CHECK(std::abs(radius_of(*read.scene, 0) - length) < 1e-15 * length);
+  }
+  CHECK(message(read_bodies("a.dump", dump("metal", 1))).find("units 'metal'") != std::string::npos);
+  CHECK(message(read_bodies("a.dump", dump("", 3))).find("announces 3 bodies and has 1 rows") != std::string::npos);
 }

@@ -1,0 +1,73 @@
+/// @file row_file.h  Tables of bodies as programs write them: CSV with commas, semicolons or tabs, columns between
+/// blanks, text exports of YADE, dumps of LAMMPS and LIGGGHTS (their last frame). What each column is follows from its
+/// name in the file, "Radius[m]" too, or from names that the scene gives.
+#pragma once
+#include <fstream>
+#include <optional>
+
+#include "scenes/reader/table_reader.h"
+
+namespace epafi {
+
+class RowFile {
+ public:
+  struct Cell {
+    std::string text;
+    Place place;
+  };
+  struct Column {
+    std::string name;     ///< ours, "" where it says nothing of a body
+    std::string written;  ///< in the file
+    Place place;
+    double factor = 1.0;  ///< to SI
+  };
+  /// Names of columns that a body may have.
+  static const std::vector<std::string>& known();
+
+  /// path: of the file, place: where the scene names it; columns: names that the scene gives, "-" passes one over.
+  RowFile(Reading& reading, std::string path, Place place, std::vector<std::string> columns);
+
+  /// Finds the columns. False after an error.
+  bool open();
+  const std::vector<Column>& columns() const { return columns_; }
+  bool has_column(const std::string& name) const;
+  /// The cells of the next row, one a column. False at the end, or after an error, which is told.
+  bool next(std::vector<Cell>& cells);
+  /// How many rows there may be from here on.
+  std::size_t rows_ahead();
+
+ private:
+  struct Frame;
+
+  bool next_line();
+  bool open_dump();
+  bool open_text();
+  bool read_units(const std::string& name);
+  bool check_count();
+  std::vector<Cell> split(std::size_t begin = 0) const;
+  void name_columns(const std::vector<Cell>& header, bool strict);
+  Column column_of(const Cell& cell, bool strict) const;
+  bool named_by_scene(std::size_t count);
+  bool error(const Place& at, const std::string& text) const;
+
+  Reading& reading_;
+  std::string path_;
+  Place place_;
+  std::vector<std::string> wanted_;
+  std::ifstream in_;
+  std::string line_;
+  int number_ = 0;          ///< of line_
+  char separator_ = ' ';    ///< blank: any run of blanks
+  bool kept_line_ = false;  ///< line_ is the first row
+  bool is_dump_ = false;
+  std::optional<std::size_t> announced_;  ///< rows of a dump's last frame
+  int announced_line_ = 0;
+  std::size_t rows_ = 0;
+  double length_ = 1.0, time_ = 1.0;  ///< units of a dump [m], [s]
+  std::vector<Column> columns_;
+};
+
+/// A finite number, a plus before it allowed.
+std::optional<double> read_number(const std::string& text);
+
+}  // namespace epafi
