@@ -9,25 +9,20 @@ namespace epafi {
 namespace {
 
 constexpr std::uint32_t no_wall = 0xffffffffu;
-constexpr double exact = 1e-5;  ///< of the tolerance: rounding
 
 ShapeRef shape_of(const World& world, Slot s) { return ShapeRef{world.shape[s]}; }
 
+bool same_bodies(const ContactSet& contacts, std::size_t i, std::size_t k) {
+  return contacts.a[i] == contacts.a[k] && contacts.b[i] == contacts.b[k];
+}
+
 /// Of the same bodies, image and part.
 bool same_pair(const ContactSet& contacts, std::size_t i, std::size_t k) {
-  return contacts.a[i] == contacts.a[k] && contacts.b[i] == contacts.b[k] &&
-         contacts.feature[i] >> 48 == contacts.feature[k] >> 48;
+  return same_bodies(contacts, i, k) && contacts.feature[i] >> 48 == contacts.feature[k] >> 48;
 }
 
 /// The points of a face have one normal to rounding; those of two faces of a body differ by more.
 bool same_direction(const Vec3& n, const Vec3& m) { return n.dot(m) > 1.0 - 1e-9; }
-
-bool is_compound(std::uint32_t type) {
-  return type == ShapeStore::type_of<SolidParts>() || type == ShapeStore::type_of<Clump>();
-}
-
-/// As ContactSink writes it; second: B's part behind a part of A.
-std::size_t part_of(Feature feature, bool second) { return feature >> (second ? 40 : 48) & 0xff; }
 
 void take_out(ContactSet& contacts, const std::vector<std::uint8_t>& gone) {
   const auto shorten = [&](auto& column) {
@@ -148,34 +143,44 @@ void Seams::consider(const World& world, const ContactSet& contacts, std::size_t
   const bool has_neighbours = wall_of_slot_[wall] != no_wall && !walls_[wall_of_slot_[wall]].neighbours.empty();
   if (!has_neighbours && !(solids_ && part_count(shapes_, shape_of(world, wall)) > 1)) return;
   const Candidate c = candidate(world, contacts, i, wall_is_b);
-  if (std::isfinite(c.off) && has_other_near(c)) candidates_.push_back(c);
+  if (c.on_wall && has_other_near(c)) candidates_.push_back(c);
 }
 
 /// Contact points lie on one of the surfaces or half way between them: the outermost place that is on the wall counts.
 Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const {
   const Slot wall = wall_is_b ? contacts.b[i] : contacts.a[i], body = wall_is_b ? contacts.a[i] : contacts.b[i];
-  const ShapeRef shape = shape_of(world, wall), other = shape_of(world, body);
+  const ShapeRef shape = shape_of(world, wall);
   Candidate c{i, wall_is_b, wall, body, world.id[wall], {shape, world.pose(wall)}};
-  if (part_count(shapes_, shape) > 1) c.piece.part = part_of(contacts.feature[i], wall_is_b && is_compound(other.type()));
-  c.near = tolerance * shapes_.bounding_radius(other);
+  c.near = tolerance * shapes_.bounding_radius(shape_of(world, body));
   if (!std::isfinite(c.near)) c.near = tolerance * shapes_.bounding_radius(shape);
   c.normal = wall_is_b ? Vec3(-contacts.normal[i]) : contacts.normal[i];
   const Vec3 at = world.position[wall] + (wall_is_b ? contacts.arm_b(i, world) : contacts.arm[i]);
   const double out = std::max(0.0, -contacts.gap[i]), in = std::min(0.0, -contacts.gap[i]);
   for (const double way : {out, 0.5 * out, 0.5 * in, in}) {
     const Vec3 point = at + way * c.normal;
-    const double off = std::max(0.0, distance_to(shapes_, c.piece, point, c.near));
-    if (off < c.off) c.off = off, c.point = point;
-    if (off < exact * c.near) break;
+    const WallPiece piece = piece_at(c, point);
+    const bool on_a_part = piece.part != WallPiece::whole || part_count(shapes_, piece.shape) < 2;
+    if (!on_a_part || !is_on(shapes_, piece, point, c.near)) continue;
+    c.point = point, c.piece.part = piece.part, c.on_wall = true;
+    break;
   }
   return c;
 }
 
-/// Of two walls that give the same contact the lower id has it, of two parts the lower number, of two images of a wall
-/// the one further back.
+/// Of a solid the first part with this normal at the point; the whole where there is none.
+WallPiece Seams::piece_at(const Candidate& c, const Vec3& point) const {
+  WallPiece piece{c.piece.shape, c.piece.pose};
+  const std::size_t parts = part_count(shapes_, piece.shape);
+  if (parts < 2) return piece;
+  for (piece.part = 0; piece.part < parts; ++piece.part)
+    if (is_on(shapes_, piece, point, c.near) && !goes_beyond(shapes_, piece, point, c.normal, c.near)) return piece;
+  return {c.piece.shape, c.piece.pose};
+}
+
+/// Of two walls that give the same contact the lower id has it, of two images of a wall the one further back.
 bool Seams::comes_first(const Candidate& c, const Other& other) {
   if (other.id != c.id) return c.id < other.id;
-  if (other.piece.part != WallPiece::whole) return c.piece.part < other.piece.part;
+  if (other.piece.part != WallPiece::whole) return true;  // is_given_before
   const Vec3 zero = Vec3::Zero();
   return std::lexicographical_compare(zero.data(), zero.data() + 3, other.shift.data(), other.shift.data() + 3);
 }
@@ -188,6 +193,7 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, const
 
 bool Seams::has_other_near(const Candidate& c) const {
   if (c.piece.part != WallPiece::whole) return true;
+  if (wall_of_slot_[c.wall] == no_wall) return false;
   const Aabb at = Aabb{c.point, c.point}.fattened(c.near);
   const auto& neighbours = walls_[wall_of_slot_[c.wall]].neighbours;
   return std::any_of(neighbours.begin(), neighbours.end(), [&](const Neighbour& n) { return n.box.overlaps(at); });
@@ -198,6 +204,7 @@ bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Cand
     return is_on(shapes_, other.piece, c.point, c.near) && holds_instead(world, contacts, c, other);
   };
   const std::size_t parts = c.piece.part == WallPiece::whole ? 0 : part_count(shapes_, c.piece.shape);
+  if (parts > 0 && is_given_before(contacts, c)) return true;
   for (std::size_t part = 0; part < parts; ++part)
     if (part != c.piece.part && hides({c.wall, c.id, {c.piece.shape, c.piece.pose, part}, Vec3::Zero()})) return true;
   if (wall_of_slot_[c.wall] == no_wall) return false;
@@ -207,6 +214,16 @@ bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Cand
     other.piece.pose.position += n.shift;
     return hides(other);
   });
+}
+
+/// Two parts give the same point with the same normal.
+bool Seams::is_given_before(const ContactSet& contacts, const Candidate& c) const {
+  for (std::size_t k = c.contact; k-- > 0 && same_bodies(contacts, k, c.contact);)
+    if (contacts.feature[k] >> 56 == contacts.feature[c.contact] >> 56 && hidden_[k] == 0 &&
+        same_direction(contacts.normal[k], contacts.normal[c.contact]) &&
+        (contacts.arm[k] - contacts.arm[c.contact]).norm() <= c.near)
+      return true;
+  return false;
 }
 
 /// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question gives

@@ -18,9 +18,9 @@ namespace epafi {
 
 class Seams {
  public:
-  /// Level or touching: within this share of the size of the body that feels the seam. A part drawn in single precision
-  /// is off by a tenth of it at ten sizes from its origin.
-  static constexpr double tolerance = 1e-6;
+  /// Level or touching: within this share of the size of the body that feels the seam. Contact points of round bodies
+  /// are known to 1e-6 of it (a depth certified to 1e-12).
+  static constexpr double tolerance = 1e-5;
 
   /// `shapes` must outlive this.
   explicit Seams(const ShapeStore& shapes) : shapes_(shapes) {}
@@ -52,7 +52,7 @@ class Seams {
     Vec3 point = Vec3::Zero();   ///< on the wall where it is itself, not at an image
     Vec3 normal = Vec3::Zero();  ///< out of it
     double near = 0.0;           ///< [m]: closer is touching
-    double off = infinity;       ///< of the point from the wall, >= 0 [m]
+    bool on_wall = false;        ///< the point is; else nothing is known
   };
 
   /// A neighbour, or another part of the same solid.
@@ -68,6 +68,8 @@ class Seams {
   void follow(const World& world);
   void consider(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b);
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
+  WallPiece piece_at(const Candidate& c, const Vec3& point) const;
+  bool is_given_before(const ContactSet& contacts, const Candidate& c) const;
   bool has_other_near(const Candidate& c) const;
   bool is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) const;
   bool holds_instead(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const;

@@ -219,6 +219,9 @@ TEST_CASE("the parts of a solid are one surface, for what slides on it and for i
     if (k % 4 < 2) {
       s.add(solid, {Vec3(0, 0, -0.1), Quat(1, 0, 0, 0)});
       s.add_body(block(Vec3(0.2, 0.2, 0.2)), {Vec3(x, 0, 0.1 - depth), Quat(1, 0, 0, 0)});
+    } else if (k % 8 < 4) {
+      s.add(solid, {Vec3(0, 0, -0.1), Quat(1, 0, 0, 0)});
+      s.add_body(solid, {Vec3(x, 0, 0.1 - depth), Quat(1, 0, 0, 0)});
     } else {
       s.add(block(Vec3(1, 1, 0.2)), {Vec3(-0.5, 0, -0.1), Quat(1, 0, 0, 0)});  // the slab overhangs the edge of a table
       s.add_body(solid, {Vec3(x, 0, 0.1 - depth), Quat(1, 0, 0, 0)});
