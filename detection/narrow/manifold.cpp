@@ -44,15 +44,17 @@ void clip(Buffers& buf, double tolerance) {
   const auto n = static_cast<std::uint32_t>(buf.a.size());
   for (std::uint32_t k = 0; k < n && !buf.clipped.empty(); ++k) {
     const Corner &p = buf.a[k], &q = buf.a[k + 1 < n ? k + 1 : 0];
-    const double ex = q.x - p.x, ey = q.y - p.y, outside = -tolerance * std::sqrt(ex * ex + ey * ey);
-    if (!(outside < 0.0)) continue;
-    buf.side.clear();
-    bool cuts = false;
-    for (const Corner& c : buf.clipped) {  // distance times the edge's length, > 0 inside
-      buf.side.push_back(ex * (c.y - p.y) - ey * (c.x - p.x));
-      cuts = cuts || !(buf.side.back() >= outside);
+    const double ex = q.x - p.x, ey = q.y - p.y;
+    buf.side.resize(buf.clipped.size());
+    double least = 0.0;
+    for (std::size_t i = 0; i < buf.clipped.size(); ++i) {  // distance times the edge's length, > 0 inside
+      const Corner& c = buf.clipped[i];
+      buf.side[i] = ex * (c.y - p.y) - ey * (c.x - p.x);
+      least = buf.side[i] >= least ? least : buf.side[i];
     }
-    if (!cuts) continue;
+    if (least >= 0.0) continue;  // no root for most edges
+    const double outside = -tolerance * std::sqrt(ex * ex + ey * ey);
+    if (!(outside < 0.0) || least >= outside) continue;
     buf.next.clear();
     for (std::size_t i = 0; i < buf.clipped.size(); ++i) {
       const std::size_t j = i + 1 < buf.clipped.size() ? i + 1 : 0;
