@@ -12,21 +12,8 @@ namespace {
 
 constexpr double certain = 1e-6;  // of the size: a wider interval than this is reported as degenerate
 
-/// A separating direction of an earlier step that still separates answers without a search. It must clear the reach by
-/// more than rounding, so that the search would have found no contact either: the cache cannot change a result.
-template <class Separation>
-bool still_apart(const PairQuery& q, double limit, double size, const Separation& separation) {
-  if (!q.cache || !(q.cache->axis.squaredNorm() > 0.0)) return false;
-  return separation(Vec3(q.a.orientation.conjugate() * q.cache->axis)) > limit + 4e-12 * size;
-}
-
 void remember(const PairQuery& q, const Vec3& normal_in_a) {
   if (q.cache) q.cache->axis = q.a.orientation * normal_in_a;
-}
-
-/// Centres farther apart than the bounding spheres reach.
-bool spheres_apart(const PairQuery& q, double reach) {
-  return (q.b.position - q.a.position).squaredNorm() > reach * reach;
 }
 
 /// The nearest (deepest) points of a pair of cores, in A's axes.
@@ -73,7 +60,6 @@ bool find_nearest(const CorePair& cores, const MinkowskiDifference& difference, 
                   const PairQuery& q, ContactSink& sink, CoreContact& out) {
   const double limit = q.reach + r.sweep_a + r.sweep_b;
   const double size = difference.size() + std::max(r.sweep_a, r.sweep_b);
-  if (still_apart(q, limit, size, [&](const Vec3& n) { return -n.dot(difference.support(n).y); })) return false;
   const CommonNormal c = quick_answer(cores, difference, limit);
   if (c.status != CommonNormal::Status::uncertain) {
     remember(q, c.normal);
@@ -96,10 +82,6 @@ bool find_nearest(const CorePair& cores, const MinkowskiDifference& difference, 
   return out.gap < q.reach;
 }
 
-bool bounds_apart(const CorePair& cores, const RoundedPair& r, const PairQuery& q) {
-  return spheres_apart(q, cores.a.radius + cores.b.radius + q.reach + r.sweep_a + r.sweep_b);
-}
-
 double smaller(const CorePair& cores, const RoundedPair& r) {
   return std::min(cores.a.radius + r.sweep_a, cores.b.radius + r.sweep_b);
 }
@@ -107,7 +89,6 @@ double smaller(const CorePair& cores, const RoundedPair& r) {
 }  // namespace
 
 void collide_cores(const CorePair& cores, const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
-  if (bounds_apart(cores, r, q)) return;
   const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
   if (!find_nearest(cores, difference, r, q, sink, c)) return;
@@ -116,7 +97,6 @@ void collide_cores(const CorePair& cores, const RoundedPair& r, const PairQuery&
 
 void collide_round(const CorePair& cores, const RoundRef& a, const RoundRef& b, const RoundedPair& r,
                    const PairQuery& q, ContactSink& sink) {
-  if (bounds_apart(cores, r, q)) return;
   const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
   if (!find_nearest(cores, difference, r, q, sink, c)) return;
@@ -126,7 +106,6 @@ void collide_round(const CorePair& cores, const RoundRef& a, const RoundRef& b, 
 
 void collide_flat_core(const CorePair& cores, const FlatCore& sides, const RoundedPair& r, const PairQuery& q,
                        ContactSink& sink) {
-  if (bounds_apart(cores, r, q)) return;
   const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
   if (!find_nearest(cores, difference, r, q, sink, c)) return;
@@ -149,7 +128,6 @@ void collide_flat_core(const CorePair& cores, const FlatCore& sides, const Round
 
 void collide_flat_pair(const CorePair& cores, const FlatSides& sides, const RoundedPair& r, const PairQuery& q,
                        ContactSink& sink) {
-  if (bounds_apart(cores, r, q)) return;
   const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
   if (!find_nearest(cores, difference, r, q, sink, c)) return;
@@ -182,13 +160,13 @@ void add_patch(const PairQuery& q, const Patch& patch, const Vec3& normal, doubl
 
 }  // namespace
 
+void leave_rest(const PairQuery& q) {
+  if (q.resting && *q.resting) (*q.resting)->count = 0;
+}
+
 void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q,
                        ContactSink& sink) {
   const double limit = q.area ? 0.0 : q.reach + r.sweep_a + r.sweep_b;  // an area is that of an overlap
-  if (spheres_apart(q, a.radius + b.radius + limit)) {
-    if (q.resting && *q.resting) (*q.resting)->count = 0;
-    return;
-  }
   const PolyhedronPair pair(a, b, q.a, q.b);
   const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
   if (q.resting && *q.resting) {
@@ -205,7 +183,6 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
       return;
     form = {};
   }
-  if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
   // what is asked once and found apart keeps an axis and no more
   const bool had_axis = q.cache && q.cache->axis.squaredNorm() > 0.0;
   PairMemory* const memory = had_axis ? &q.cache->made() : q.cache ? q.cache->polyhedra.get() : nullptr;

@@ -117,21 +117,44 @@ RoundedPair rounded_pair(const A& a, const B& b) {
   return {a.rounding(), b.rounding(), contact_radius(a), contact_radius(b)};
 }
 
+/// Two bodies that their bounding spheres or the axis of their last query keep apart, answered before anything else of
+/// them is asked for: of the pairs of a bed of boxes these are two in three. The axis must clear the reach by more than
+/// rounding, so that a search would have found no contact either: what a pair remembers cannot change a result.
+template <ConvexShape A, ConvexShape B>
+bool still_apart(const A& a, const B& b, const PairQuery& q) {
+  const Vec3 between = q.b.position - q.a.position;
+  const double sweeps = a.rounding() + b.rounding(), size = a.bounding_radius() + b.bounding_radius();
+  const double limit = q.area ? 0.0 : q.reach + sweeps;  // an area is that of an overlap
+  const double far = size - sweeps + limit;
+  if (between.squaredNorm() > far * far) return true;
+  if (!q.cache || !(q.cache->axis.squaredNorm() > 0.0)) return false;
+  const Vec3& n = q.cache->axis;
+  const Vec3 in_a = q.a.orientation.conjugate() * n;
+  const Vec3 in_b = q.b.orientation.conjugate() * Vec3(-n);
+  const double gap = n.dot(between) - in_a.dot(a.support(in_a)) - in_b.dot(b.support(in_b));
+  return gap > limit + 4e-12 * size;
+}
+
+/// A pair that is apart keeps no resting patch.
+void leave_rest(const PairQuery& q);
+
 /// The default for two convex shapes. A closed form (collide_closed) replaces it.
 template <ConvexShape A, ConvexShape B>
 void collide(const A& a, const B& b, const PairQuery& q, ContactSink& sink) {
+  if (still_apart(a, b, q)) return leave_rest(q);
+  const RoundedPair rounded = rounded_pair(a, b);
   if constexpr (PolyhedralShape<A> && PolyhedralShape<B>) {
-    collide_polyhedra(a.view(), b.view(), rounded_pair(a, b), q, sink);
+    collide_polyhedra(a.view(), b.view(), rounded, q, sink);
   } else if constexpr (PolyhedralShape<A> && HasFlatSides<B>) {
-    collide_flat_core(CorePair::of(a, b), {a.view(), &b, facing_of<B>, true}, rounded_pair(a, b), q, sink);
+    collide_flat_core(CorePair::of(a, b), {a.view(), &b, facing_of<B>, true}, rounded, q, sink);
   } else if constexpr (HasFlatSides<A> && PolyhedralShape<B>) {
-    collide_flat_core(CorePair::of(a, b), {b.view(), &a, facing_of<A>, false}, rounded_pair(a, b), q, sink);
+    collide_flat_core(CorePair::of(a, b), {b.view(), &a, facing_of<A>, false}, rounded, q, sink);
   } else if constexpr (HasFlatSides<A> && HasFlatSides<B>) {
-    collide_flat_pair(CorePair::of(a, b), {facing_of<A>, facing_of<B>}, rounded_pair(a, b), q, sink);
+    collide_flat_pair(CorePair::of(a, b), {facing_of<A>, facing_of<B>}, rounded, q, sink);
   } else if constexpr (RoundShape<A> && RoundShape<B>) {
-    collide_round(CorePair::of(a, b), RoundRef::to(a), RoundRef::to(b), rounded_pair(a, b), q, sink);
+    collide_round(CorePair::of(a, b), RoundRef::to(a), RoundRef::to(b), rounded, q, sink);
   } else {
-    collide_cores(CorePair::of(a, b), rounded_pair(a, b), q, sink);
+    collide_cores(CorePair::of(a, b), rounded, q, sink);
   }
 }
 

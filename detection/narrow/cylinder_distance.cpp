@@ -1,5 +1,7 @@
 #include "detection/narrow/cylinder_distance.h"
 
+#include <cmath>
+
 namespace epafi {
 namespace {
 
@@ -150,11 +152,39 @@ Meeting CylinderPair::sides() const {
   return m;
 }
 
-/// Newton's method for the n across A's axis along which the rim of B at k h from its centre is nearest to that axis.
-/// Across A's axis the rim is an ellipse of semi-axes r and r |u.v|.
+/// The direction from the ellipse of semi-axes a >= b about the origin to (x, y), x and y >= 0, outside: (x/(t + a^2),
+/// y/(t + b^2)), t the root of (a x/(t + a^2))^2 + (b y/(t + b^2))^2 = 1. That falls and is convex, so Newton's method
+/// climbs to the root from where one term alone is 1, however flat the ellipse. False inside.
+bool leaves_ellipse(double a, double b, double& x, double& y) {
+  const double a2 = a * a, b2 = b * b;
+  double t = std::max(a * x - a2, b * y - b2);
+  if (!(t + b2 > 0.0)) return false;
+  for (int turn = 0; turn < most_turns; ++turn) {
+    const double p = a * x / (t + a2), q = b * y / (t + b2), over = p * p + q * q - 1.0;
+    const double step = over / (2.0 * (p * p / (t + a2) + q * q / (t + b2)));
+    if (!(step > 1e-12 * (t + b2))) break;
+    t += step;
+  }
+  x /= t + a2;
+  y /= t + b2;
+  return t > 0.0;
+}
+
+/// The n across A's axis along which the rim of B at k h from its centre is nearest to that axis, and its distance.
+/// Across A's axis the rim is an ellipse of semi-axes r and r |u.v|, the shorter one along v. start: its centre there.
 bool CylinderPair::turn_to_rim(const Vec3& start, double k, Vec3& n) const {
-  n = start;
   const double m = a_.axis.dot(b_.axis);
+  const Vec3 along = b_.axis - m * a_.axis, beside = a_.axis.cross(b_.axis);
+  const double sine2 = beside.squaredNorm();
+  n = start;
+  if (sine2 > 1e-4 && b_.r > 0.0) {  // below, a circle to 5e-5 of its radius
+    const double sine = std::sqrt(sine2), x = start.dot(beside) / sine, y = start.dot(along) / sine;
+    double nx = std::abs(x), ny = std::abs(y);
+    if (!leaves_ellipse(b_.r, b_.r * std::abs(m), nx, ny)) return false;
+    n = (std::copysign(nx, x) * beside + std::copysign(ny, y) * along) / sine;
+  }
+  n -= n.dot(a_.axis) * a_.axis;  // to the last digit
+  n /= std::sqrt(n.squaredNorm());
   const Vec3 centre = between_ + k * b_.h * b_.axis;
   for (int turn = 0; turn < most_turns; ++turn) {
     const Vec3 t = a_.axis.cross(n);
@@ -183,7 +213,7 @@ Meeting CylinderPair::side_and_rim() const {
     const Vec3 centre = between_ + k * b_.h * b_.axis, start = centre - centre.dot(a_.axis) * a_.axis;
     const bool beside = !parallel && std::abs(centre.dot(a_.axis)) - rise > a_.h;  // all of the rim
     const double length = std::sqrt(start.squaredNorm());
-    if (beside || !(length > 0.0) || !turn_to_rim(start / length, k, n)) continue;
+    if (beside || !(length > 0.0) || !turn_to_rim(start, k, n)) continue;
     const double y = n.dot(b_.axis);
     const bool lies = b_.h > 0.0 && std::abs(y) * b_.h <= even_;
     if (!lies && y * k > 0.0) continue;  // the other rim is nearer
