@@ -6,13 +6,14 @@
 namespace epafi {
 namespace {
 
-/// Spheres of radius ra about p and rb about q (world axes, relative to A's centre); `fallback` parts concentric ones.
-void add_spheres(const Vec3& p, double ra, const Vec3& q, double rb, const Vec3& fallback, Feature feature,
+/// Spheres of radius ra about p and rb about q (world axes, relative to A's centre); fallback() parts concentric ones.
+template <class Fallback>
+void add_spheres(const Vec3& p, double ra, const Vec3& q, double rb, const Fallback& fallback, Feature feature,
                  const PairQuery& query, ContactSink& sink) {
   const Vec3 d = q - p;
   const double distance = d.norm(), gap = distance - ra - rb;
   if (!(gap < query.reach)) return;
-  const Vec3 n = distance > 0.0 ? Vec3(d / distance) : fallback;
+  const Vec3 n = distance > 0.0 ? Vec3(d / distance) : Vec3(fallback());
   sink.add({gap, n, p + (ra + 0.5 * gap) * n, effective_radius(ra, rb), feature});
 }
 
@@ -26,16 +27,20 @@ Vec3 orthogonal_to(const Vec3& u) {
 void collide_closed(const Sphere& a, const Capsule& b, const PairQuery& q, ContactSink& sink) {
   const Vec3 axis = q.b.orientation * Vec3::UnitZ(), centre = q.b.position - q.a.position;
   const double along = std::clamp(-centre.dot(axis), -b.half_length(), b.half_length());
-  add_spheres(Vec3::Zero(), a.radius, centre + along * axis, b.radius, orthogonal_to(axis), 0, q, sink);
+  add_spheres(Vec3::Zero(), a.radius, centre + along * axis, b.radius, [&] { return orthogonal_to(axis); }, 0, q,
+              sink);
 }
 
 void collide_closed(const Capsule& a, const Capsule& b, const PairQuery& q, ContactSink& sink) {
-  const Vec3 u = q.a.orientation * Vec3::UnitZ(), v = q.b.orientation * Vec3::UnitZ(), c = q.b.position - q.a.position;
-  const double la = a.half_length(), lb = b.half_length(), cosine = u.dot(v), cu = c.dot(u), cv = c.dot(v);
-  const double sine2 = u.cross(v).squaredNorm();
+  const Vec3 c = q.b.position - q.a.position;
+  const double la = a.half_length(), lb = b.half_length(), far = la + lb + a.radius + b.radius + q.reach;
+  if (c.squaredNorm() > 1.000001 * far * far) return;  // by more than rounding
+  const Vec3 u = q.a.orientation * Vec3::UnitZ(), v = q.b.orientation * Vec3::UnitZ(), normal = u.cross(v);
+  const double cosine = u.dot(v), cu = c.dot(u), cv = c.dot(v), sine2 = normal.squaredNorm();
+  const auto across = [&]() -> Vec3 {  // crossing axes part along their common normal, collinear ones anyhow across
+    return sine2 > 0.0 ? normal.normalized() : orthogonal_to(u);
+  };
   const auto add = [&](double s, double t, Feature feature) {
-    Vec3 across = u.cross(v);  // crossing axes part along their common normal, collinear ones anyhow across
-    across = across.squaredNorm() > 0.0 ? across.normalized().eval() : orthogonal_to(u);
     add_spheres(s * u, a.radius, c + t * v, b.radius, across, feature, q, sink);
   };
   const auto on_a = [&](double t) {

@@ -12,21 +12,8 @@ namespace {
 
 constexpr double certain = 1e-6;  // of the size: a wider interval than this is reported as degenerate
 
-/// A separating direction of an earlier step that still separates answers without a search. It must clear the reach by
-/// more than rounding, so that the search would have found no contact either: the cache cannot change a result.
-template <class Separation>
-bool still_apart(const PairQuery& q, double limit, double size, const Separation& separation) {
-  if (!q.cache || !(q.cache->axis.squaredNorm() > 0.0)) return false;
-  return separation(Vec3(q.a.orientation.conjugate() * q.cache->axis)) > limit + 4e-12 * size;
-}
-
 void remember(const PairQuery& q, const Vec3& normal_in_a) {
   if (q.cache) q.cache->axis = q.a.orientation * normal_in_a;
-}
-
-/// Centres farther apart than the bounding spheres reach.
-bool spheres_apart(const PairQuery& q, double reach) {
-  return (q.b.position - q.a.position).squaredNorm() > reach * reach;
 }
 
 /// The nearest (deepest) points of a pair of cores, in A's axes.
@@ -46,12 +33,39 @@ CoreContact rounded_contact(double core_gap, const Vec3& normal, const Vec3& on_
   return {core_gap - r.sweep_a - r.sweep_b, normal, 0.5 * (on_a + on_b) + 0.5 * (r.sweep_a - r.sweep_b) * normal};
 }
 
+/// By GJK of what is left of the cores after peeling: overlaps shallower than the peel are distances there.
+CommonNormal peeled_distance(const CorePair& cores, const MinkowskiDifference& difference, double limit) {
+  const PeeledCore &a = cores.peeled_a, &b = cores.peeled_b;
+  const MinkowskiDifference inner(a.inner, b.inner, difference.rotation, difference.offset);
+  const double peel = a.peel + b.peel;
+  const GjkResult g = gjk(inner, {limit + peel + 1e-12 * difference.size(), 1e-14, Vec3::Zero()});
+  const bool beyond = g.status == GjkResult::Status::beyond;
+  if (!beyond && g.status != GjkResult::Status::separated) return {};
+  return {beyond ? CommonNormal::Status::beyond : CommonNormal::Status::found,
+          g.lower - peel,
+          g.normal,
+          g.witness_a + a.peel * g.normal,
+          g.witness_b - b.peel * g.normal,
+          g.iterations};
+}
+
+CommonNormal quick_answer(const CorePair& cores, const MinkowskiDifference& difference, double limit) {
+  if (cores.quick) return cores.quick(cores.a.shape, cores.b.shape, difference.rotation, difference.offset, limit);
+  if (cores.peeled_a.peel + cores.peeled_b.peel > 0.0) return peeled_distance(cores, difference, limit);
+  return {};
+}
+
 /// False where they are farther apart than the reach.
-bool find_nearest(const MinkowskiDifference& difference, const RoundedPair& r, const PairQuery& q, ContactSink& sink,
-                  CoreContact& out) {
+bool find_nearest(const CorePair& cores, const MinkowskiDifference& difference, const RoundedPair& r,
+                  const PairQuery& q, ContactSink& sink, CoreContact& out) {
   const double limit = q.reach + r.sweep_a + r.sweep_b;
   const double size = difference.size() + std::max(r.sweep_a, r.sweep_b);
-  if (still_apart(q, limit, size, [&](const Vec3& n) { return -n.dot(difference.support(n).y); })) return false;
+  const CommonNormal c = quick_answer(cores, difference, limit);
+  if (c.status != CommonNormal::Status::uncertain) {
+    remember(q, c.normal);
+    out = rounded_contact(c.gap, c.normal, c.on_a, c.on_b, r);
+    return out.gap < q.reach;
+  }
   const GjkResult g = gjk(difference, {limit + 1e-12 * size, 1e-14, Vec3::Zero()});
   remember(q, g.normal);
   if (g.status == GjkResult::Status::beyond) return false;
@@ -68,52 +82,38 @@ bool find_nearest(const MinkowskiDifference& difference, const RoundedPair& r, c
   return out.gap < q.reach;
 }
 
-bool bounds_apart(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q) {
-  return spheres_apart(q, a.radius + b.radius + q.reach + r.sweep_a + r.sweep_b);
-}
-
-double smaller(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r) {
-  return std::min(a.radius + r.sweep_a, b.radius + r.sweep_b);
+double smaller(const CorePair& cores, const RoundedPair& r) {
+  return std::min(cores.a.radius + r.sweep_a, cores.b.radius + r.sweep_b);
 }
 
 }  // namespace
 
-void collide_cores(const ConvexRef& a, const ConvexRef& b, const RoundedPair& r, const PairQuery& q,
-                   ContactSink& sink) {
+void collide_cores(const CorePair& cores, const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
+  const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
-  if (bounds_apart(a, b, r, q) || !find_nearest(MinkowskiDifference(a, b, q.a, q.b), r, q, sink, c)) return;
+  if (!find_nearest(cores, difference, r, q, sink, c)) return;
   add_core_contact(c, q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, q, sink);
 }
 
-void collide_round(const RoundRef& a, const RoundRef& b, const ConvexRef& core_a, const ConvexRef& core_b,
-                   const RoundedPair& r, const PairQuery& q, ContactSink& sink) {
-  if (bounds_apart(core_a, core_b, r, q)) return;
-  const double limit = q.reach + r.sweep_a + r.sweep_b;
-  const MinkowskiDifference difference(core_a, core_b, q.a, q.b);
-  const CommonNormal c = common_normal(a, b, difference.rotation, difference.offset, limit);
-  if (c.status == CommonNormal::Status::beyond) return;
-  CoreContact contact;
-  if (c.status == CommonNormal::Status::found)
-    contact = rounded_contact(c.gap, c.normal, c.on_a, c.on_b, r);
-  else if (!find_nearest(difference, r, q, sink, contact))
-    return;
-  if (!(contact.gap < q.reach)) return;
-  const double radius =
-      q.curvature ? hertz_radius(a, r.sweep_a, b, r.sweep_b, difference.rotation, contact.normal) : 0.0;
-  add_core_contact(contact, radius, q, sink);
+void collide_round(const CorePair& cores, const RoundRef& a, const RoundRef& b, const RoundedPair& r,
+                   const PairQuery& q, ContactSink& sink) {
+  const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
+  CoreContact c;
+  if (!find_nearest(cores, difference, r, q, sink, c)) return;
+  const double radius = q.curvature ? hertz_radius(a, r.sweep_a, b, r.sweep_b, difference.rotation, c.normal) : 0.0;
+  add_core_contact(c, radius, q, sink);
 }
 
-void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& sides, const RoundedPair& r,
-                       const PairQuery& q, ContactSink& sink) {
-  if (bounds_apart(a, b, r, q)) return;
-  const MinkowskiDifference difference(a, b, q.a, q.b);
+void collide_flat_core(const CorePair& cores, const FlatCore& sides, const RoundedPair& r, const PairQuery& q,
+                       ContactSink& sink) {
+  const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
-  if (!find_nearest(difference, r, q, sink, c)) return;
+  if (!find_nearest(cores, difference, r, q, sink, c)) return;
   const bool first = sides.polyhedron_first;
   const Mat3 &turn = difference.rotation, back = turn.transpose();
   const CoreAndPolyhedron pair{
       sides.polyhedron, first ? turn : back, first ? difference.offset : Vec3(-(back * difference.offset)),
-      sides.shape,      sides.facing,        smaller(a, b, r)};
+      sides.shape,      sides.facing,        smaller(cores, r)};
   const NearestPoint nearest = first ? NearestPoint{c.middle, c.normal, c.gap}
                                      : NearestPoint{back * (c.middle - difference.offset), -(back * c.normal), c.gap};
   const Patch patch = core_patch(pair, nearest, q.reach, first ? r.sweep_a : r.sweep_b, first ? r.sweep_b : r.sweep_a);
@@ -126,15 +126,14 @@ void collide_flat_core(const ConvexRef& a, const ConvexRef& b, const FlatCore& s
   }
 }
 
-void collide_flat_pair(const ConvexRef& a, const ConvexRef& b, const FlatSides& sides, const RoundedPair& r,
-                       const PairQuery& q, ContactSink& sink) {
-  if (bounds_apart(a, b, r, q)) return;
-  const MinkowskiDifference difference(a, b, q.a, q.b);
+void collide_flat_pair(const CorePair& cores, const FlatSides& sides, const RoundedPair& r, const PairQuery& q,
+                       ContactSink& sink) {
+  const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
-  if (!find_nearest(difference, r, q, sink, c)) return;
-  FlatPair pair{sides.facing_a(a.shape, c.normal),
-                sides.facing_b(b.shape, -(difference.rotation.transpose() * c.normal)), smaller(a, b, r), r.sweep_a,
-                r.sweep_b};
+  if (!find_nearest(cores, difference, r, q, sink, c)) return;
+  FlatPair pair{sides.facing_a(cores.a.shape, c.normal),
+                sides.facing_b(cores.b.shape, -(difference.rotation.transpose() * c.normal)), smaller(cores, r),
+                r.sweep_a, r.sweep_b};
   for (int k = 0; k < pair.b.count; ++k) {
     Vec3& x = pair.b.corner[static_cast<std::size_t>(k)];
     x = difference.rotation * x + difference.offset;
@@ -161,13 +160,13 @@ void add_patch(const PairQuery& q, const Patch& patch, const Vec3& normal, doubl
 
 }  // namespace
 
+void leave_rest(const PairQuery& q) {
+  if (q.resting && *q.resting) (*q.resting)->count = 0;
+}
+
 void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const RoundedPair& r, const PairQuery& q,
                        ContactSink& sink) {
   const double limit = q.area ? 0.0 : q.reach + r.sweep_a + r.sweep_b;  // an area is that of an overlap
-  if (spheres_apart(q, a.radius + b.radius + limit)) {
-    if (q.resting && *q.resting) (*q.resting)->count = 0;
-    return;
-  }
   const PolyhedronPair pair(a, b, q.a, q.b);
   const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
   if (q.resting && *q.resting) {
@@ -184,7 +183,6 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
       return;
     form = {};
   }
-  if (still_apart(q, limit, pair.size(), [&](const Vec3& n) { return pair.separation(n); })) return;
   // what is asked once and found apart keeps an axis and no more
   const bool had_axis = q.cache && q.cache->axis.squaredNorm() > 0.0;
   PairMemory* const memory = had_axis ? &q.cache->made() : q.cache ? q.cache->polyhedra.get() : nullptr;

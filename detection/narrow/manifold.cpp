@@ -10,6 +10,8 @@ namespace {
 constexpr double snap = 1e-6;  // of the size: closer vertices and edges are one, so that equal boxes do not flicker
 constexpr double equal_gap = 1e-7;  // of the size: points as deep as each other; above what a body at rest trembles by
 
+constexpr std::uint32_t none_near = ~std::uint32_t{0};
+
 /// Corner of a polygon in the plane across the normal. source: vertex of its polygon from which the next edge starts.
 struct Corner {
   double x, y;
@@ -18,57 +20,82 @@ struct Corner {
   std::uint32_t edge_a, edge_b;  ///< the edges that cross here, for a corner made by clipping
 };
 
-/// Buffers that keep their size: no allocation once the largest face was seen. Results do not depend on them.
+/// Corners of a polygon, in an array that keeps its size: no allocation once the largest face was seen.
+class Corners {
+ public:
+  void clear() { count_ = 0; }
+  void make_room(std::size_t n) {
+    if (corners_.size() < n) corners_.resize(n);
+  }
+  /// There must be room.
+  void add(const Corner& c) { corners_[count_++] = c; }
+  std::size_t size() const { return count_; }
+  const Corner& operator[](std::size_t k) const { return corners_[k]; }
+  const Corner* begin() const { return corners_.data(); }
+  const Corner* end() const { return corners_.data() + count_; }
+
+ private:
+  std::vector<Corner> corners_;
+  std::size_t count_ = 0;
+};
+
+/// Results do not depend on what they held.
 struct Buffers {
-  std::vector<Corner> a, b, clipped, next;
-  std::vector<double> side;  ///< of the edge at hand, by corner
+  Corners a, b, first, second;  ///< first, second: B's face cut by ever more edges, in turns
+  std::vector<double> side;     ///< of the edge at hand, by corner
   std::vector<PatchPoint> points;
 };
 
 /// tangents: of the plane, in the body's own axes; at: where its centre lies in the plane.
 void project_face(const PolyhedronView& p, std::uint32_t face, const Vec3& tangent1, const Vec3& tangent2,
-                  const Eigen::Vector2d& at, bool reversed, std::vector<Corner>& out) {
-  out.clear();
+                  const Eigen::Vector2d& at, bool reversed, Corners& out) {
   const std::uint32_t begin = p.face_begin[face], end = p.face_begin[face + 1];
+  out.clear(), out.make_room(end - begin);
   for (std::uint32_t k = begin; k < end; ++k) {
     // A face that looks against the normal runs clockwise in the plane: take it backwards.
     const Vec3& v = p.vertices[p.face_vertices[reversed ? begin + end - 1 - k : k]];
-    out.push_back({tangent1.dot(v) + at.x(), tangent2.dot(v) + at.y(), k - begin, false, 0, 0});
+    out.add({tangent1.dot(v) + at.x(), tangent2.dot(v) + at.y(), k - begin, false, 0, 0});
   }
 }
 
-/// Cuts polygon `subject` (B's face) by every edge of the counter-clockwise polygon `by` (A's face) (Sutherland,
-/// Hodgman 1974). Edges that cut nothing are most: they copy nothing.
-void clip(Buffers& buf, double tolerance) {
-  buf.clipped = buf.b;
+/// What is left of B's face inside all edges of A's, both counter-clockwise (Sutherland, Hodgman 1974). Edges that cut
+/// nothing are most: they copy nothing.
+const Corners& clip(Buffers& buf, double tolerance) {
+  const Corners* left = &buf.b;
   const auto n = static_cast<std::uint32_t>(buf.a.size());
-  for (std::uint32_t k = 0; k < n && !buf.clipped.empty(); ++k) {
+  for (std::uint32_t k = 0; k < n && left->size() > 0; ++k) {
     const Corner &p = buf.a[k], &q = buf.a[k + 1 < n ? k + 1 : 0];
-    const double ex = q.x - p.x, ey = q.y - p.y, outside = -tolerance * std::sqrt(ex * ex + ey * ey);
-    if (!(outside < 0.0)) continue;
-    buf.side.clear();
-    bool cuts = false;
-    for (const Corner& c : buf.clipped) {  // distance times the edge's length, > 0 inside
-      buf.side.push_back(ex * (c.y - p.y) - ey * (c.x - p.x));
-      cuts = cuts || !(buf.side.back() >= outside);
+    const double ex = q.x - p.x, ey = q.y - p.y;
+    const std::size_t count = left->size();
+    if (buf.side.size() < count) buf.side.resize(count);
+    double least = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {  // distance times the edge's length, > 0 inside
+      const Corner& c = (*left)[i];
+      const double side = ex * (c.y - p.y) - ey * (c.x - p.x);
+      buf.side[i] = side;
+      least = side >= least ? least : side;
     }
-    if (!cuts) continue;
-    buf.next.clear();
-    for (std::size_t i = 0; i < buf.clipped.size(); ++i) {
-      const std::size_t j = i + 1 < buf.clipped.size() ? i + 1 : 0;
-      const Corner &from = buf.clipped[i], &to = buf.clipped[j];
+    if (least >= 0.0) continue;  // no root for most edges
+    const double outside = -tolerance * std::sqrt(ex * ex + ey * ey);
+    if (!(outside < 0.0) || least >= outside) continue;
+    Corners& next = left == &buf.first ? buf.second : buf.first;
+    next.clear(), next.make_room(2 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t j = i + 1 < count ? i + 1 : 0;
+      const Corner &from = (*left)[i], &to = (*left)[j];
       const double d0 = buf.side[i], d1 = buf.side[j];
       const bool in0 = d0 >= outside, in1 = d1 >= outside;
-      if (in0) buf.next.push_back(from);
+      if (in0) next.add(from);
       if (in0 == in1) continue;
       const double t = std::clamp(d0 / (d0 - d1), 0.0, 1.0);
       Corner cross{
           from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.source, from.edge_of_a, k, from.source};
       if (in0) cross.source = k, cross.edge_of_a = true;  // leaving: the polygon goes on along A's edge
-      buf.next.push_back(cross);
+      next.add(cross);
     }
-    buf.clipped.swap(buf.next);
+    left = &next;
   }
+  return *left;
 }
 
 /// Best aligned face around a vertex: the one whose normal is closest to `direction` (the body's own axes).
@@ -105,20 +132,22 @@ FacingFaces facing_faces(const PolyhedronPair& pair, const SeparatingAxis& axis)
 /// Name of a clipped corner by what lies there, the same whichever body was clipped.
 Feature name_corner(const Corner& c, const Buffers& buf, const PolyhedronPair& pair, const FacingFaces& f,
                     double tolerance) {
-  const auto near = [&](const Corner& v) {
-    const double dx = v.x - c.x, dy = v.y - c.y;
-    return dx * dx + dy * dy <= 4.0 * tolerance * tolerance;
+  const double close = 4.0 * tolerance * tolerance;
+  const auto first_near = [&](const Corners& polygon) {
+    std::uint32_t first = none_near;
+    for (std::uint32_t k = static_cast<std::uint32_t>(polygon.size()); k-- > 0;) {  // without a branch to guess
+      const double dx = polygon[k].x - c.x, dy = polygon[k].y - c.y;
+      first = dx * dx + dy * dy <= close ? k : first;
+    }
+    return first;
   };
-  const std::uint32_t begin_a = pair.a.face_begin[f.a], begin_b = pair.b.face_begin[f.b],
-                      end_b = pair.b.face_begin[f.b + 1];
+  const std::uint32_t begin_a = pair.a.face_begin[f.a], end_b = pair.b.face_begin[f.b + 1];
   const auto vertex_a = [&](std::uint32_t k) { return pair.a.face_vertices[begin_a + k]; };
   const auto vertex_b = [&](std::uint32_t k) { return pair.b.face_vertices[end_b - 1 - k]; };
-  for (std::uint32_t k = 0; k < buf.a.size(); ++k) {
-    if (near(buf.a[k])) return make_feature(FeatureKind::vertex_a, vertex_a(k), 0);
-  }
-  for (std::uint32_t k = 0; k < end_b - begin_b; ++k) {
-    if (near(buf.b[k])) return make_feature(FeatureKind::vertex_b, 0, vertex_b(k));
-  }
+  const std::uint32_t at_a = first_near(buf.a);
+  if (at_a != none_near) return make_feature(FeatureKind::vertex_a, vertex_a(at_a), 0);
+  const std::uint32_t at_b = first_near(buf.b);
+  if (at_b != none_near) return make_feature(FeatureKind::vertex_b, 0, vertex_b(at_b));
   return make_feature(FeatureKind::edges, vertex_a(c.edge_a), vertex_b(c.edge_b));
 }
 
@@ -206,9 +235,8 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
     project_face(pair.a, f.a, t1, t2, {0.0, 0.0}, false, buf.a);
     project_face(pair.b, f.b, pair.rotation.transpose() * t1, pair.rotation.transpose() * t2,
                  {t1.dot(pair.offset), t2.dot(pair.offset)}, true, buf.b);
-    clip(buf, tolerance);
     const double offset_b = pair.b.face_offsets[f.b] + nb.dot(pair.offset);
-    for (const Corner& c : buf.clipped) {
+    for (const Corner& c : clip(buf, tolerance)) {
       const Vec3 x = c.x * frame.tangent1 + c.y * frame.tangent2;
       const double on_a = (pair.a.face_offsets[f.a] - na.dot(x)) / cosine_a, on_b = (offset_b - nb.dot(x)) / cosine_b;
       if (!(on_b - on_a - sweeps < reach)) continue;

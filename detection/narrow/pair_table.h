@@ -1,7 +1,7 @@
 /// @file pair_table.h  The generated matrix of batch functions, one cell per ordered pair of shape types.
 /// A cell is, in this order: part by part, a closed form, the same with the bodies exchanged, a mesh pair, polyhedra,
-/// the common normal of round shapes, GJK and EPA, or empty where the pair never touches. tests/golden/pair_table.txt
-/// holds the method of every cell.
+/// the common normal of round shapes and of cylinders, GJK and EPA, or empty where the pair never touches.
+/// tests/golden/pair_table.txt holds the method of every cell.
 #pragma once
 #include <array>
 #include <string>
@@ -207,7 +207,7 @@ template <class A, class B>
 constexpr const char* method_name() {
   if constexpr (Compound<A> || Compound<B>) return "parts";
   if constexpr (way<A, B>() == Way::triangles || way<A, B>() == Way::triangles_exchanged) return "mesh";
-  if constexpr (way<A, B>() == Way::convex && RoundShape<A> && RoundShape<B>) return "common-normal";
+  if constexpr (way<A, B>() == Way::convex && quick_distance<A, B>() != nullptr) return "common-normal";
   if constexpr (way<A, B>() == Way::convex) return PolyhedralShape<A> && PolyhedralShape<B> ? "sat" : "gjk-epa";
   return "closed-form";
 }

@@ -46,6 +46,7 @@ struct Capsule {
   Vec3 support(const Vec3& d) const {
     return {0.0, 0.0, d.z() < 0.0 ? -half_length() : half_length()};
   }  // core: a segment
+  CylinderCore cylinder_core() const { return {0.0, half_length()}; }
   double rounding() const { return radius; }
   /// The axis, where d looks across it.
   FlatSide facing(const Vec3& d) const {

@@ -46,6 +46,7 @@ struct Cylinder {
     if (!(across > 0.0)) return {0.0, 0.0, z};
     return {radius * (d.x() / across), radius * (d.y() / across), z};
   }
+  CylinderCore cylinder_core() const { return {radius, half_length()}; }
   double rounding() const { return 0.0; }
   /// Eight points of the rim of the end that d looks at, or the line of the side.
   FlatSide facing(const Vec3& d) const {

@@ -32,6 +32,12 @@ concept ConvexShape = requires(const S& s, const Vec3& d) {
   { s.rounding() } -> std::same_as<double>;
 };
 
+/// The core of a body of revolution with straight sides, axis z: cylinder; a segment, r = 0; a point, r = h = 0.
+struct CylinderCore {
+  double radius;       ///< r [m], >= 0
+  double half_length;  ///< h [m], >= 0
+};
+
 /// A support point x(d) and its derivative along unit directions d: symmetric, zero along d, with the radii of
 /// curvature as its other eigenvalues [m].
 struct CurvedSupport {

@@ -22,6 +22,7 @@ struct Sphere {
     return {m, Vec3::Zero(), 0.4 * m * radius * radius * Mat3::Identity()};
   }
   Vec3 support(const Vec3&) const { return Vec3::Zero(); }  // the core is the centre
+  CylinderCore cylinder_core() const { return {0.0, 0.0}; }
   double rounding() const { return radius; }
   CurvedSupport curved_support(const Vec3&) const { return {Vec3::Zero(), Mat3::Zero()}; }
   Vec3 core_semi_axes() const { return Vec3::Constant(radius); }

@@ -121,7 +121,8 @@ Answer ask_cores(const Solid& a, const Pose& pa, const Solid& b, const Pose& pb)
   sink.begin(0, 1);
   with_shape(a, [&](const auto& sa) {
     with_shape(b, [&](const auto& sb) {
-      collide_cores(ConvexRef::to(sa), ConvexRef::to(sb), rounded_pair(sa, sb), {pa, pb, 1e3, false, nullptr}, sink);
+      const CorePair cores{ConvexRef::to(sa), ConvexRef::to(sb), nullptr};
+      collide_cores(cores, rounded_pair(sa, sb), {pa, pb, 1e3, false, nullptr}, sink);
     });
   });
   sink.end();
