@@ -1,11 +1,11 @@
 // Law `energetic`: impacts of one contact alone. One on a body that is not free, through the centre of the free one
-// (every one of spheres), happens at its own time, along the normal that was found: with gravity until then in u_N-, and
-// the body put where it would be, -t dv from where the step takes it. That is the parabola after the impact at any dt,
-// so no energy is gained, whatever the time. Contacts found late, overlapping, were closed in the past: what is put back
-// then leads out of the overlap. At the end of the step a body that strikes later than that lies up to dt/2 e |u_N-|
-// below the surface, outside again when contacts are next found. Bodies are not turned back: unequal moments of inertia
-// would have another energy. Of two free bodies the normal turns until they meet: put back along the one that was found
-// they would change their angular momentum, so they strike in the middle of the step.
+// (every one of spheres), happens at its own time, along the normal that was found: with gravity until then in u_N-,
+// and the body put where it would be, -t dv from where the step takes it. That is the parabola after the impact at any
+// dt, so no energy is gained, whatever the time. Contacts found late, overlapping, were closed in the past: what is put
+// back then leads out of the overlap. At the end of the step a body that strikes later than that lies up to
+// dt/2 e |u_N-| below the surface, outside again when contacts are next found. Bodies are not turned back: unequal
+// moments of inertia would have another energy. Of two free bodies the normal turns until they meet: put back along the
+// one that was found they would change their angular momentum, so they strike in the middle of the step.
 #include <algorithm>
 #include <cmath>
 

@@ -154,7 +154,8 @@ TEST_CASE("a flagged body that slides, rolls or grazes keeps its way", "[detecti
   }
 }
 
-TEST_CASE("a flagged body that comes out of an overlap is not held, one that goes deeper is", "[detection][continuous]") {
+TEST_CASE("a flagged body that comes out of an overlap is not held, one that goes deeper is",
+          "[detection][continuous]") {
   // from a third of its radius deep, 10 m/s for 1 ms
   for (const bool plane : {false, true})
     for (const double up : {1.0, -1.0}) {

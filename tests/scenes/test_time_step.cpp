@@ -93,8 +93,9 @@ TEST_CASE("a sphere bounces by e^2 of its height at the default step, whatever i
       const double height = 3.0 * size, flight = std::sqrt(8.0 * height / g);
       const double end = flight * (0.5 + e + e * e + 0.5 * e * e * e);  // at the top after the third bounce
       const std::string scene = fmt::format(
-          "run = {{ duration = {:.17g} }}\nworld = {{ gravity = [0, 0, {:.17g}] }}\nmaterial.stone = {{ density = 1000.0 "
-          "}}\ncontact = {{ method = \"nonsmooth\", restitution = {:g}, friction = 0.5 }}\n"
+          "run = {{ duration = {:.17g} }}\nworld = {{ gravity = [0, 0, {:.17g}] }}\n"
+          "material.stone = {{ density = 1000.0 }}\n"
+          "contact = {{ method = \"nonsmooth\", restitution = {:g}, friction = 0.5 }}\n"
           "[[body]]\nname = \"floor\"\nshape = {{ half_space = {{ normal = [0, 0, 1] }} }}\n"
           "material = \"stone\"\nfixed = true\n"
           "[[body]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"stone\"\n"
