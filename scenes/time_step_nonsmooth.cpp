@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "laws/smooth/critical_step.h"
-#include "scenes/contact_setup.h"
 
 namespace epafi {
 
@@ -19,8 +18,6 @@ constexpr double moved_share = 0.25;         // of the smallest body
 constexpr double turned_angle = 0.1;         // [rad]
 constexpr double steps_a_swing = 40.0;
 constexpr double strain_share = 0.01;
-constexpr double least_bouncing = 0.5;  // restitution: below it a rebound reaches a quarter of the height
-constexpr double bounce_share = 0.01;   // of the time of a fall: rebounds err by two to four times that
 
 /// The shortest of several steps, and why.
 struct ShortestStep {
@@ -181,18 +178,6 @@ double longest_fall(const Assembly& a, const FreeBodies& free) {
   return time > 0.0 ? std::min(height, 0.5 * a.simulation->world.gravity.norm() * time * time) : height;
 }
 
-/// Impacts are found in the middle of a step, not when they happen: rebounds err by what a body falls in it.
-void look_at_bounces(const Assembly& a, const FreeBodies& free, double height, ShortestStep& step) {
-  double restitution = a.scene.contact.restitution.written() ? a.scene.contact.restitution.value : 0.0;
-  for (const PairSpec& pair : a.scene.contact.pairs)
-    restitution = std::max(restitution, pair.restitution.value_or(0.0));
-  const double g = a.simulation->world.gravity.norm();
-  if (restitution < least_bouncing || locates_impacts(a.scene) || !(height > 0.0) || !(g > 0.0)) return;
-  step.take(bounce_share * std::sqrt(2.0 * std::max(height, free.diameter) / g), [&] {
-    return fmt::format("{:g} of the time of the fall from the highest body: bodies bounce", bounce_share);
-  });
-}
-
 void look_at_free_motion(const Assembly& a, const FreeBodies& free, ShortestStep& step) {
   double written = free.speed;
   look_at_driven(a, written, step);
@@ -203,7 +188,6 @@ void look_at_free_motion(const Assembly& a, const FreeBodies& free, ShortestStep
   });
   const double height = longest_fall(a, free), fall = fall_speed(a.simulation->world.gravity.norm(), height);
   const double speed = std::max(written, fall);
-  look_at_bounces(a, free, height, step);
   if (speed > 0.0)
     step.take(moved_share * free.diameter / speed, [&] {
       return fmt::format(

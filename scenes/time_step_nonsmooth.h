@@ -6,8 +6,6 @@
 ///   d / (4 v)           nothing moves further than a quarter of the smallest body in a step; v: the largest speed
 ///                       that is written, of walls too, or of the fall from the highest body to the lowest thing below
 ///                       it
-///   T / 100             of the fall from the highest body, where bodies bounce (e >= 0.5) and impacts are not located:
-///                       rebounds err by what a body falls in half a step
 ///   0.1 / w             free bodies other than spheres, and driven ones, turn by less than 0.1 rad
 ///   T / 40              of what swings: driven bodies, bodies on springs (velocities err by (2 pi/40)^2/24 = 1e-3)
 ///   0.01 / rate         of a cell that is strained

@@ -65,6 +65,11 @@ BodyPath way_of(const World& world, Slot s, double duration) {
   return path;
 }
 
+/// Begins deeper than allowed and does not go deeper: nothing passes, what holds it is the contact's.
+bool comes_out(const Impact& deep, const BodyPath& a, const BodyPath& b) {
+  return deep.share == 0.0 && deep.normal.dot(a.drift - b.drift) <= 0.0;
+}
+
 /// Sphere about the middle of a way that holds the body at all times.
 struct SweptBall {
   Vec3 centre;
@@ -88,7 +93,7 @@ void SweepGuard::meet(const MovingBody& a, double allowed, const MovingBody& b, 
   const double tolerance = fine * allowed / tenth;
   const Impact deep = time_of_impact(a, b, -allowed, 0.01 * allowed);
   capped_ += !deep.converged;
-  if (!deep.hits && deep.converged) return;
+  if ((!deep.hits && deep.converged) || comes_out(deep, a.path, b.path)) return;
   const Impact touch = time_of_impact(a, b, 0.0, tolerance);
   if (touch.share < hit.share || !hit.found) hit = {std::min(hit.share, touch.share), true};
 }
@@ -111,7 +116,8 @@ void SweepGuard::look(const World& world, double duration, std::size_t k, Hit& h
     if (std::isfinite(bounding) && !ball.meets(SweptBall(way, bounding))) continue;
     if (other.type() == ShapeStore::type_of<HalfSpace>()) {
       const Vec3 outward = way.start.orientation * shapes_.of<HalfSpace>()[other.index()].normal;
-      if (!time_of_impact(a, way, outward, -allowed, 0.01 * allowed).hits) continue;
+      const Impact deep = time_of_impact(a, way, outward, -allowed, 0.01 * allowed);
+      if (!deep.hits || comes_out(deep, path, way)) continue;
       hit = {std::min(hit.share, time_of_impact(a, way, outward, 0.0, fine * inner).share), true};
     } else if (other.type() == ShapeStore::type_of<TriangleMesh>()) {
       const TriangleMesh& mesh = shapes_.of<TriangleMesh>()[other.index()];

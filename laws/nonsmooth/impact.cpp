@@ -3,7 +3,6 @@
 #include <queue>
 
 #include "engine/parallel.h"
-#include "laws/nonsmooth/energetic_impact.h"
 #include "laws/nonsmooth/solvers/nsgs.h"
 
 namespace epafi {
@@ -137,47 +136,6 @@ void Impacts::sequential(const Step& step) {
   }
   events_ += done;
   for (; !queue.empty(); queue.pop()) left_ += queue.top().stamp == stamp[queue.top().contact];
-}
-
-/// No other contact of the free bodies of contact i closes in this step.
-bool Impacts::is_single(const ContactProblem& problem, std::size_t i, const Step& step) const {
-  bool single = true;
-  for (const Slot s : {problem.a[i], problem.b[i]}) {
-    if (!problem.is_free(s)) continue;
-    problem.incidence.for_each(s, [&](std::uint32_t k, double) {
-      if (k == i || problem.mobility[k] <= 0.0) return;
-      const double approach = -problem.relative_velocity(k, problem.free).x();
-      if (step.gap[k] <= 0.0 || step.gap[k] < step.dt * approach) single = false;
-    });
-  }
-  return single;
-}
-
-bool Impacts::strike_single(ContactProblem& problem, const Step& step, ImpactBalance& balance) {
-  struct Strike {
-    std::size_t contact;
-    Vec3 impulse;
-  };
-  std::vector<Strike> strikes;
-  for (std::size_t i = 0; i < problem.size(); ++i) {
-    const Bounce& bounce = balance.bounce(i);
-    if (bounce.middle <= 0.0 || !problem.rotates || !(problem.friction[i] > 0.0)) continue;
-    const Mat3 w = problem.diagonal_of(i);
-    if (!is_eccentric(w, problem.friction[i]) || !is_single(problem, i, step)) continue;
-    const Vec3 middle = 0.5 * (problem.relative_velocity(i, step.before) + problem.relative_velocity(i, problem.free));
-    strikes.push_back({i, energetic_impulse(w, problem.friction[i], bounce.restitution, middle)});
-  }
-  if (strikes.empty()) return false;
-  r_.assign(problem.size(), Vec3::Zero());
-  for (const Strike& strike : strikes) {
-    const std::size_t i = strike.contact;
-    problem.push(problem.free, i, strike.impulse);
-    problem.offset[i] = std::max(0.0, step.gap[i] / step.dt);
-    balance.drop(i);
-    r_[i] = strike.impulse;
-  }
-  events_ += strikes.size();
-  return true;
 }
 
 bool Impacts::apply(ContactProblem& problem, const Step& step, ContactSolver& solver) {

@@ -1,10 +1,11 @@
 /// @file impact.h  Laws of impact, chosen by `impact`. An impact is an approach above the threshold, at the middle of the
 /// step: on the velocities v_k + a dt/2.
 ///
-///   energetic   (the default) gains no energy. One contact alone that friction couples to the slip: Stronge's energetic
-///               coefficient (energetic_impact.h), applied before the problem of the step. All others: u_N+ >= -e u_N- in
-///               the problem of the step, e reduced where friction would give energy back (impact_balance.h). Central
-///               impacts of one contact are Newton's.
+///   energetic   (the default) gains no energy. One contact alone (single_impact.cpp) is struck before the problem of
+///               the step: one of a sphere on a body that is not free at its own time, as under `sequential`, one whose
+///               friction couples normal and slip by Stronge's energetic coefficient (energetic_impact.h). All others:
+///               u_N+ >= -e u_N- in the problem of the step, e reduced where friction would give energy back
+///               (impact_balance.h).
 ///   newton      the same without a look at energy: gains some with friction and rotation (Kane's paradox), where e differs
 ///               from contact to contact, and where a contact that opens is struck from elsewhere.
 ///
@@ -28,6 +29,7 @@
 ///               without rebound and counted in `left`. Gains energy with friction and rotation as Newton's does, and
 ///               O(dt) by putting bodies that turn where they would be.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "laws/nonsmooth/impact_balance.h"
@@ -56,11 +58,13 @@ class Impacts {
   /// Adds the impulses of the impacts to problem.free. False, and nothing done, in a step without impact.
   bool apply(ContactProblem& problem, const Step& step, ContactSolver& solver);
 
-  /// Law `energetic`: strikes the contacts alone, adds their impulses to problem.free and takes their bounce out of the
-  /// problem and of `balance`. False where there is none.
+  /// Law `energetic`: strikes the contacts that are alone, adds their impulses to problem.free and takes their bounce
+  /// out of the problem and of `balance`. False where there is none.
   bool strike_single(ContactProblem& problem, const Step& step, ImpactBalance& balance);
 
   const Impulses& impulses() const { return r_; }
+  /// Law `energetic`: what the last strikes changed velocities by.
+  const BodyVelocities& struck() const { return struck_; }
   /// What takes the bodies to where impacts at their own times have them at the next detection [m], [rad].
   const BodyVelocities& displacement() const { return shift_; }
   std::uint64_t events() const {
@@ -73,12 +77,22 @@ class Impacts {
   void poisson(const Step& step, ContactSolver& solver);
   void expand(const Step& step);
   void sequential(const Step& step);
+
+  /// Of one contact alone.
+  struct Strike {
+    std::size_t contact;
+    Vec3 impulse;  ///< in its frame [N s]
+    double time;   ///< from the middle of the step [s]
+  };
   bool is_single(const ContactProblem& problem, std::size_t i, const Step& step) const;
+  Strike strike_central(ContactProblem& problem, std::size_t i, const Step& step, const Bounce& bounce) const;
+  std::optional<Strike> strike(ContactProblem& problem, std::size_t i, const Step& step, const Bounce& bounce) const;
 
   ImpactLaw law_;
   ContactProblem impact_;  ///< of the middle of the step; contacts that stay open have W_ii = 0
   Impulses r_, r_c_;
   BodyVelocities shift_;  ///< of positions, by impacts after the middle [m], [rad]
+  BodyVelocities struck_;
   std::vector<double> approach_;            ///< at the middle [m/s]
   std::vector<double> pull_;                ///< what half a step of gravity adds to it [m/s]
   double threshold_ = 0.0, fastest_ = 0.0;  ///< of this step [m/s]

@@ -22,6 +22,7 @@ namespace epafi {
 namespace {
 
 constexpr double impact_threshold = 2.0;  // of |g| dt, see the header
+constexpr double slow_share = 0.5;        // of that: impacts at their own time, which are exact
 constexpr double calm_from = 0.01;        // of the tolerance: pyramids of 20 to 70 rows come to rest without iterations
 constexpr double creep = 1e-3;            // of the threshold
 constexpr double unit_rounding = 2.2e-16;
@@ -69,6 +70,8 @@ class NonsmoothContact final : public ContactModel {
   Vec3 driven_change(std::size_t i) const;
   SolverTrouble look_for_trouble(const SolverReport& report);
   void foresee(const ContactSet& contacts, double dt);
+  void foresee_displacement();
+  void see_strikes();
   void add_impacts();
   void write_back(World& world, const StepClock& clock) const;
   const Impulses& calmest(double creep);
@@ -92,6 +95,7 @@ class NonsmoothContact final : public ContactModel {
   double start_residual_ = infinity;
   bool solved_ = true;  ///< the start was not good enough
   std::vector<Vec3> u_start_, u_, u_before_, u_after_, u_next_;
+  std::vector<Vec3> u_struck_;  ///< u_before_ with the impacts before the problem: its energy begins with it
   BodyVelocities before_, after_, calmed_velocities_;
   std::vector<Vec3> moments_;  ///< of r_ on the bodies
   UnwrittenStream<double> next_gap_, restitution_;
@@ -128,12 +132,13 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, cons
     if (balances_ && -approach <= threshold)  // see the header: Energy
       problem_.offset[i] = std::max(problem_.offset[i], std::min(-approach, gap / dt + threshold));
     restitution_[i] = pair.restitution;
-    if (impacts_.separate() || pair.restitution <= 0.0 || approach <= threshold) return;
+    const double slowest = balances_ ? slow_share * threshold : threshold;
+    if (impacts_.separate() || pair.restitution <= 0.0 || approach <= slowest) return;
     const double free_approach = -problem_.relative_velocity(i, problem_.free).x();
     if (gap > 0.0 && gap >= dt * free_approach) return;
     const double middle = 0.5 * (approach + free_approach);  // impact speed at the middle of the step
     const double half = 0.5 * (free_approach - approach);
-    problem_.offset[i] = -std::max(0.0, pair.restitution * middle - half);
+    if (approach > threshold) problem_.offset[i] = -std::max(0.0, pair.restitution * middle - half);
     if (balances_) balance_.note(i, {middle, half, pair.restitution});
   });
 }
@@ -218,13 +223,13 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
   }
   report.converged = report.residual <= tolerance_;
   // not the solver's: what a gain within its tolerance takes off the impulses would count against it
-  if (balances_ && balance_.any() && balance_.clip({problem_, r_, u_before_, u_after_}, r_)) foresee(contacts, dt);
+  if (balances_ && balance_.any() && balance_.clip({problem_, r_, u_struck_, u_after_}, r_)) foresee(contacts, dt);
   return report;
 }
 
 /// Solves again while the impacts of some island give energy back by friction.
 void NonsmoothContact::balance(const ContactSet& contacts, double dt, const std::function<void()>& solve) {
-  const ImpactBalance::Solved solved{problem_, r_, u_before_, u_after_};
+  const ImpactBalance::Solved solved{problem_, r_, u_struck_, u_after_};
   foresee(contacts, dt);
   balance_.find_islands(solved);
   while (balance_.tighten(solved, tolerance_, problem_)) {
@@ -310,6 +315,14 @@ std::vector<float> NonsmoothContact::residuals() const {
   return out;
 }
 
+/// Impacts that were struck move arms and velocities.
+void NonsmoothContact::see_strikes() {
+  parallel_for(u_struck_.size(), [&](std::size_t i) {
+    u_before_[i] = problem_.relative_velocity(i, before_);
+    u_struck_[i] = u_before_[i] + problem_.relative_velocity(i, impacts_.struck());
+  });
+}
+
 /// Of the step's impulses; the velocities have those of the impacts already.
 void NonsmoothContact::add_impacts() {
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] += impacts_.impulses()[i];
@@ -338,6 +351,13 @@ void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
     u_after_[i] = problem_.relative_velocity(i, after_);
     u_[i] = problem_.with_offset(i, u_after_[i]);
     next_gap_[i] = contacts.gap[i] + dt * u_after_[i].x();
+  });
+}
+
+/// The gaps at the next detection, with what impacts at their own times move the bodies.
+void NonsmoothContact::foresee_displacement() {
+  parallel_for(next_gap_.size(), [&](std::size_t i) {
+    next_gap_[i] += problem_.relative_velocity(i, impacts_.displacement()).x();
   });
 }
 
@@ -389,9 +409,13 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   if (impacts_.separate()) problem_.load_diagonal();
   const Impacts::Step step{contacts.gap, restitution_, before_, threshold, clock.dt};
   const bool located = impacts_.separate() && impacts_.apply(problem_, step, *solver_);
-  const bool single = balances_ && balance_.any() && impacts_.strike_single(problem_, step, balance_);
+  const bool bounces = balances_ && balance_.any();
+  const bool single = bounces && impacts_.strike_single(problem_, step, balance_);
+  if (bounces) parallel_copy(u_before_, u_struck_);
+  if (single) see_strikes();
   solver_->see(world, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
+  if (single) foresee_displacement();
   report.trouble = look_for_trouble(report.solver);
   // impacts do not recur: r_ without them
   if (warm_start_) driven_.remember(world);
@@ -401,7 +425,7 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   account(world, contacts, clock.dt, report);
   write_back(world, clock);
   // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
-  if (located) report.dissipated -= displace(world, impacts_.displacement());
+  if (with_impacts_) report.dissipated -= displace(world, impacts_.displacement());
   const BodyVelocities* own = solver_->displacement();
   report.correction = own ? displace(world, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }

@@ -199,6 +199,8 @@ void add_studies(Program& p) {
                       [&p] { return epafi::command_chart(p.study); });
   add_study_flags(chart, p.study, "study");
   chart->add_flag("--json", p.study.json, "the points on stdout");
+  chart->add_option("--with", p.study.rows, "rows of other programs: CSV with the columns of chart.csv (repeatable)")
+      ->allow_extra_args(false);
   add_atlas_flags(chart, p.study);
   auto* limits = p.add("limits", "where methods fail: scans or bisects the parameters of a study",
                        [&p] { return epafi::command_limits(p.study); });

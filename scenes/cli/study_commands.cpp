@@ -15,6 +15,7 @@
 #include "scenes/study/atlas.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
+#include "scenes/study/chart_rows.h"
 #include "scenes/study/limits.h"
 #include "scenes/study/sweep.h"
 #include "viz_export/side_file.h"
@@ -59,7 +60,13 @@ int command_chart(const StudyOptions& o) {
     const Study study = read_study(file, o.overrides);
     const fs::path folder = folder_of(o, file, "-chart");
     fs::create_directories(folder);
-    const Chart chart = chart_of(study, folder, speaker(o));
+    std::vector<ChartPoint> rows;
+    for (const auto& more : o.rows) {
+      const auto read = read_rows(study, more);
+      rows.insert(rows.end(), read.begin(), read.end());
+    }
+    Chart chart = chart_of(study, folder, speaker(o));
+    add_rows(chart, rows);
     write_whole_file(folder / "chart.csv", {chart_csv(chart)});
     write_whole_file(folder / "chart.json", {chart_json(chart)});
     const std::string recommended = recommended_scene(chart, folder);

@@ -9,6 +9,7 @@ struct StudyOptions {
   std::vector<std::string> files;      ///< studies; of sweep and bench the scene
   std::vector<std::string> overrides;  ///< of the study file; of sweep and bench those of the scene
   std::string out;                     ///< empty: out/<file name>
+  std::vector<std::string> rows;       ///< of chart: CSV files with rows of others
   int jobs = 1;
   bool json = false, quiet = false, force = false;
   bool all = false;  ///< every study of `studies`, into `atlas`

@@ -154,6 +154,24 @@ TEST_CASE("a flagged body that slides, rolls or grazes keeps its way", "[detecti
   }
 }
 
+TEST_CASE("a flagged body that comes out of an overlap is not held, one that goes deeper is",
+          "[detection][continuous]") {
+  // from a third of its radius deep, 10 m/s for 1 ms
+  for (const bool plane : {false, true})
+    for (const double up : {1.0, -1.0}) {
+      Shot shot;
+      if (plane)
+        shot.add(HalfSpace{Vec3::UnitZ()}, {}, Vec3::Zero(), false);
+      else
+        shot.add(Box(Vec3(0.5, 0.5, 0.05)), {{0, 0, -0.05}, upright}, Vec3::Zero(), false);
+      const double height = 0.02;
+      const Slot ball = shot.add(Sphere{0.03}, {{0, 0, height}, upright}, {0, 0, 10.0 * up}, true);
+      INFO((plane ? "plane " : "plate ") << up);
+      CHECK(shot.step(1e-3) == (up > 0.0 ? 0u : 1u));
+      CHECK(shot.world.position[ball].z() == Approx(up > 0.0 ? height + 0.01 : height).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("a body that is not flagged passes, and nothing is held for it", "[detection][continuous]") {
   Shot shot;
   shot.add(Box(Vec3(1, 1, 0.5e-4)), {}, Vec3::Zero(), false);

@@ -9,6 +9,7 @@
 #include "scenes/study/atlas_page.h"
 #include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
+#include "scenes/study/chart_rows.h"
 #include "scenes/study/limits.h"
 #include "scenes/study/sweep.h"
 #include "tests/support/captured.h"
@@ -117,6 +118,56 @@ vary = [ { "run.time_step" = [4e-6, 4e-7, 4e-8] }, { name = "wrong", "run.time_s
       run_case((folder / "recommended.toml").string(), {{}, folder / "again"}, {program, 1, 0.0, true});
   CHECK(run.completed());
   CHECK(run.number("accuracy.energy_error.ok", 0.0) == 1.0);
+}
+
+TEST_CASE("rows of others stand on the chart and its front, and are never recommended", "[scenes][study]") {
+  const TemporaryFolder folder;
+  Chart chart;
+  chart.asks_accuracy = true;
+  chart.points.resize(2);
+  for (ChartPoint& p : chart.points) p.status = "completed";
+  chart.points[0].method = {"pgs", {"contact.nonsmooth.iterations=50"}};
+  chart.points[0].time = 1.0;
+  chart.points[0].error = 1e-3;
+  chart.points[0].accurate = true;
+  chart.points[1].method = {"newton", {}};
+  chart.points[1].time = 2.0;
+  chart.points[1].error = 1e-6;
+  chart.points[1].accurate = true;
+  mark_front(chart);
+  CHECK(chart.points[0].pareto);
+  // quicker at no larger error than pgs; dearer than newton; failed; without time
+  std::ofstream(folder / "rows.csv") << "method,settings,time,error,status\nBullet,\"dt=1/60, nncg\",0.5,1e-3,ok\n"
+                                        "ODE,,3,1e-5,completed\nJolt,,0.1,,aborts\nRapier,,,1e-9,\n";
+  add_rows(chart, read_rows(chart.study, (folder / "rows.csv").string()));
+  REQUIRE(chart.points.size() == 6);
+  CHECK(front_of(chart, 0) == std::vector<std::size_t>{2, 1});
+  CHECK(chart.points[2].pareto);
+  CHECK_FALSE(chart.points[0].pareto);
+  CHECK(*chart.recommended == 0);
+  CHECK_THAT(chart_csv(chart), Catch::Contains("\"Bullet\",\"dt=1/60, nncg\",0.5,0.001,0,completed,"));
+  CHECK(chart.points[4].status == "aborts");
+  CHECK(chart.points[5].status == "not_run");
+  // what it writes it reads
+  std::ofstream(folder / "again.csv") << chart_csv(chart);
+  const auto again = read_rows(chart.study, (folder / "again.csv").string());
+  REQUIRE(again.size() == 6);
+  CHECK(again[2].method.settings() == "dt=1/60, nncg");
+  CHECK(again[1].error == 1e-6);
+
+  const auto trouble = [&](const std::string& text) {
+    std::ofstream(folder / "wrong.csv") << text;
+    try {
+      read_rows(chart.study, (folder / "wrong.csv").string());
+    } catch (const SceneError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(trouble("method,seconds,error\n"), Catch::Contains("wrong.csv:1:1: error: no column 'time'"));
+  CHECK_THAT(trouble("method,time,error\nODE,1\n"), Catch::Contains("wrong.csv:2:1: error: 2 cells below 3 columns"));
+  CHECK_THAT(trouble("method,time,error\n\nODE,1,-2\n"), Catch::Contains("wrong.csv:3:7: error: '-2' found as error"));
+  CHECK_THROWS_AS(read_rows(chart.study, (folder / "none.csv").string()), FileError);
 }
 
 TEST_CASE("methods take turns, and several errors of a run have a column and a front each", "[scenes][study]") {

@@ -86,3 +86,25 @@ TEST_CASE("a falling body is foreseen: at the default step it overlaps the floor
     CHECK(sim.world.position[1].z() == Approx(0.05).margin(g * dt * dt));
   }
 }
+
+TEST_CASE("a sphere bounces by e^2 of its height at the default step, whatever its size", "[scenes][time_step]") {
+  for (const double size : {0.01, 0.1, 1.0})
+    for (const double e : {0.5, 0.8, 0.95}) {
+      const double height = 3.0 * size, flight = std::sqrt(8.0 * height / g);
+      const double end = flight * (0.5 + e + e * e + 0.5 * e * e * e);  // at the top after the third bounce
+      const std::string scene = fmt::format(
+          "run = {{ duration = {:.17g} }}\nworld = {{ gravity = [0, 0, {:.17g}] }}\n"
+          "material.stone = {{ density = 1000.0 }}\n"
+          "contact = {{ method = \"nonsmooth\", restitution = {:g}, friction = 0.5 }}\n"
+          "[[body]]\nname = \"floor\"\nshape = {{ half_space = {{ normal = [0, 0, 1] }} }}\n"
+          "material = \"stone\"\nfixed = true\n"
+          "[[body]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = {:.17g} }} }}\nmaterial = \"stone\"\n"
+          "position = [0, 0, {:.17g}]\nvelocity = [0.1, 0, 0]\n",
+          end, -g, e, 0.5 * size, 0.5 * size + height);
+      const auto assembly = load_text(scene);
+      Simulation& sim = *assembly->simulation;
+      while (sim.world.time < end - 0.5 * assembly->time_step.value) REQUIRE_FALSE(sim.advance());
+      INFO("size " << size << " e " << e << " step " << assembly->time_step.value);
+      CHECK(sim.world.position[1].z() - 0.5 * size == Approx(height * std::pow(e, 6)).epsilon(1e-9));
+    }
+}
