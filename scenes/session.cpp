@@ -392,9 +392,12 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
   sim.ledger.measure(sim.world);
-  // what a bound has seen stands in its measures too, whatever their interval
-  if (ending_ == Ending::stopped || ending_ == Ending::bound_violated)
+  // what a bound has seen stands in its measures and frames too, whatever their interval
+  if (ending_ == Ending::stopped || ending_ == Ending::bound_violated) {
     for (MeasureRecorder* recorder : recorders_) sim.show(*recorder);
+    const bool at_end = is_final() && sim.steps() >= last_step();
+    if (frames_ && !at_end && !frames_->is_due(sim.steps())) sim.show(*frames_);
+  }
   if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt)
     ending_ = fail(*failure), save_checkpoint_now();
   else if (is_cut) {

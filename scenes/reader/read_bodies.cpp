@@ -6,47 +6,10 @@
 
 #include "engine/nearest.h"
 #include "scenes/reader/parts.h"
+#include "scenes/reader/repeat.h"
 
 namespace epafi {
 namespace {
-
-constexpr double most_bodies = 1e7;  // a repeat beyond is a slip of the keyboard: 10 million bodies take 2 GB
-
-/// An expression somewhere in the value that uses i, j or k.
-bool uses_index(const Node& node) {
-  if (node.type == Node::Type::text)
-    return node.text.find('=') != std::string::npos &&
-           (mentions(node.text, "i") || mentions(node.text, "j") || mentions(node.text, "k"));
-  return std::any_of(node.items.begin(), node.items.end(), uses_index) ||
-         std::any_of(node.members.begin(), node.members.end(), [](const Member& m) { return uses_index(m.value); });
-}
-
-/// The members that `keep` takes, as a table of its own.
-template <class F>
-Node part_of(const Node& table, F&& keep) {
-  Node part;
-  part.place = table.place;
-  for (const auto& member : table.members)
-    if (keep(member)) part.members.push_back(member);
-  return part;
-}
-
-/// 1 to 3 counts; one empty entry stands for a body that is not repeated.
-std::vector<std::size_t> read_repeat(Draft& draft, const Node& item, const std::string& label,
-                                     const std::vector<Field>& fields) {
-  const auto field = std::find_if(fields.begin(), fields.end(), [](const Field& f) { return f.name == "repeat"; });
-  const TableValues values =
-      read_table(part_of(item, [](const Member& m) { return m.key == "repeat"; }), label, {*field}, draft.reading);
-  if (!values.has("repeat")) return {};
-  const auto& counts = values.numbers("repeat");
-  double product = 1.0;
-  for (const double c : counts) product *= c;
-  if (counts.empty() || counts.size() > 3)
-    draft.reading.error(values.place_of("repeat"), label + " repeat: expected n or [l, m, n]");
-  else if (product > most_bodies)
-    draft.reading.error(values.place_of("repeat"), label + " repeat: more than 10 million bodies");
-  return std::vector<std::size_t>(counts.begin(), counts.end());
-}
 
 Quat read_orientation(Reading& reading, const TableValues& v, const std::string& label) {
   if (v.has("orientation") && v.has("euler_deg")) {
@@ -142,14 +105,6 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
   }
 }
 
-using Index3 = std::array<std::size_t, 3>;
-
-void set_indices(Reading& reading, const Index3& index, std::size_t dimensions) {
-  constexpr const char* names[] = {"i", "j", "k"};
-  reading.indices.clear();
-  for (std::size_t d = 0; d < dimensions; ++d) reading.indices.emplace_back(names[d], static_cast<double>(index[d]));
-}
-
 /// Reads the whole table once, then for each copy only the keys that use an index: 10^5 bodies take a fraction of a
 /// second.
 void read_body(Draft& draft, const Node& item) {
@@ -157,7 +112,7 @@ void read_body(Draft& draft, const Node& item) {
   const std::string label = item_label("body", item);
   const auto& fields = reading.schema.at("body").fields;
   const std::size_t errors = reading.errors();
-  const auto counts = read_repeat(draft, item, label, fields);
+  const auto counts = read_repeat(reading, item, label, fields);
   if (reading.errors() != errors) return;
   Index3 size{1, 1, 1};
   std::copy(counts.begin(), counts.end(), size.begin());

@@ -3,6 +3,7 @@
 
 #include "engine/nearest.h"
 #include "scenes/reader/parts.h"
+#include "scenes/reader/repeat.h"
 
 namespace epafi {
 namespace {
@@ -57,13 +58,29 @@ void check_places(Draft& draft, const TableValues& values, const Entry& entry, c
   }
 }
 
+/// The one body with axes of its own that a measure is seen from.
+NamedBodies read_reference(Draft& draft, const TableValues& values, const std::string& label) {
+  const std::string& name = values.text("relative_to");
+  const Place place = values.place_of("relative_to");
+  const std::size_t errors = draft.reading.errors();
+  NamedBodies found = find_bodies(draft, name, place, label);
+  const bool one = found.fills.empty() && found.bodies.size() == 1 && found.bodies[0].count == 1;
+  const std::string what = label + " relative_to: '" + name + "' ";
+  if (draft.reading.errors() != errors) return found;
+  if (!one)
+    draft.reading.error(place, what + "is not one body; name one of [[body]]");
+  else if (draft.scene.shapes[draft.scene.bodies[found.bodies[0].first].shape].type == "sphere")
+    draft.reading.error(place, what + "is a sphere, whose turns are not followed; name a body of another shape");
+  return found;
+}
+
 void read_measure(Draft& draft, const Node& item) {
   Reading& reading = draft.reading;
   const std::string label = item_label("measure", item);
   const Node* kind = item.find("kind");
   const auto& entries = reading.registry.measures;
   const auto all = reading.schema.at("measure").fields;
-  const std::vector<Field> common(all.begin(), all.begin() + 4);  // name, kind, interval, group
+  const std::vector<Field> common(all.begin(), all.begin() + 5);  // name, repeat, kind, interval, group
   TableValues values =
       read_table(item, label, common + as_optional(united_fields(entries, kind ? kind->text : "")), reading,
                  common + (kind && find_entry(entries, kind->text) ? find_entry(entries, kind->text)->fields
@@ -93,6 +110,7 @@ void read_measure(Draft& draft, const Node& item) {
     if (normal) p.set("plane.normal", *normal);
   }
   if (p.has("body")) measure.bodies.push_back(find_bodies(draft, p.text("body"), values.place_of(name_written), label));
+  if (p.has("relative_to")) measure.bodies.push_back(read_reference(draft, values, label));
   check_places(draft, values, *entry, p, label);
   if (p.has("between"))
     for (const auto& name : p.texts("between"))
@@ -233,7 +251,12 @@ void read_outlets(Draft& draft) {
 }
 
 void read_measures(Draft& draft) {
-  each_item(draft.reading, "measure", [&](const Node& item) { read_measure(draft, item); });
+  Reading& reading = draft.reading;
+  each_item(reading, "measure", [&](const Node& item) {
+    const Node* kind = item.find("kind");
+    each_copy(reading, item, item_label("measure", item), reading.schema.at("measure").fields,
+              kind ? kind->text : "measure", [&](const Node& copy) { read_measure(draft, copy); });
+  });
 }
 
 void read_bounds(Draft& draft) {

@@ -1,5 +1,6 @@
-/// @file read_springs.cpp  [[spring]]
+/// @file read_springs.cpp  [[spring]], with `repeat` unrolled.
 #include "scenes/reader/parts.h"
+#include "scenes/reader/repeat.h"
 
 namespace epafi {
 namespace {
@@ -51,7 +52,11 @@ void read_spring(Draft& draft, const Node& item) {
 }  // namespace
 
 void read_springs(Draft& draft) {
-  each_item(draft.reading, "spring", [&](const Node& item) { read_spring(draft, item); });
+  Reading& reading = draft.reading;
+  each_item(reading, "spring", [&](const Node& item) {
+    each_copy(reading, item, item_label("spring", item), reading.schema.at("spring").fields, "spring",
+              [&](const Node& copy) { read_spring(draft, copy); });
+  });
 }
 
 }  // namespace epafi

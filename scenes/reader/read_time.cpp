@@ -61,12 +61,16 @@ void read_written_rows(RowReader& out, const Node& table, const std::vector<std:
                              out.label + " table: expected a list of [t, x, y, z], found " + type_name(table.type));
   const std::size_t width = columns.empty() ? 4 : columns.size();
   const auto axis = axes_of(columns.empty() ? row_axes : columns);
+  const std::size_t first = table.items.empty() ? 0 : table.items.front().items.size();
   for (const Node& item : table.items) {
     const bool fits = item.type == Node::Type::array &&
                       (columns.empty() ? item.items.size() >= 2 && item.items.size() <= 4 : item.items.size() == width);
     if (!fits)
       return out.reading.error(item.place, out.label + fmt::format(" table: expected rows of {} numbers",
                                                                    columns.empty() ? "2 to 4" : std::to_string(width)));
+    if (item.items.size() != first)
+      return out.reading.error(item.place, out.label + fmt::format(" table: this row has {} numbers, the first has {}",
+                                                                   item.items.size(), first));
     std::array<double, 4> row{};
     const std::size_t errors = out.reading.errors();
     for (std::size_t k = 0; k < item.items.size(); ++k)

@@ -170,6 +170,8 @@ std::vector<Field> motion_fields() {
          time_table_fields();
 }
 
+Field repeat_field(const char* help) { return optional("repeat", "", "", Kind::integers, whole_positive, help); }
+
 Field place_field() {
   return with_default(
       word("place",
@@ -194,8 +196,7 @@ TableSchema body_table() {
       TableSchema::Form::list,
       "a body, or several with `repeat`",
       {optional("name", "", "", Kind::text, {}, "name; repeated bodies are NAME[0], NAME[1] ..."),
-       optional("repeat", "", "", Kind::integers, whole_positive,
-                "number of copies n (index i) or [l, m, n] (indices i, j, k)"),
+       repeat_field("number of copies n (index i) or [l, m, n] (indices i, j, k)"),
        required("shape", "", "", Kind::shape, {}, "a name under [shape.*] or a shape written in place"),
        text("material", "a name under [material.*]"),
        with_default(required("fixed", "", "", Kind::boolean, {}, "never moves"), Value(false)),
@@ -293,7 +294,9 @@ TableSchema spring_table() {
   return {"spring",
           TableSchema::Form::list,
           "spring and damper between a body and another, or a frame that moves along the track (or along x)",
-          {optional("name", "", "", Kind::text, {}, "name"), text("body", "the body it holds"),
+          {optional("name", "", "", Kind::text, {}, "name"),
+           repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i + 1]\""),
+           text("body", "the body it holds"),
            optional("to", "", "", Kind::text, {}, "the body at its far end; a frame where not written"),
            optional("speed", "V", "m/s", Kind::number, any_number,
                     "of the frame along the way; 0, standing still, where not written"),
@@ -307,6 +310,7 @@ TableSchema measure_table(const Registry& registry) {
   return {"measure", TableSchema::Form::list, "a quantity written to measures.csv",
           std::vector<Field>{
               optional("name", "", "", Kind::text, {}, "name; the kind where not written"),
+              repeat_field("number of copies n (index i) or [l, m, n]; a body's name may be \"ball[i]\""),
               word("kind", "what is measured", names_of(registry.measures)),
               optional("interval", "", "s", Kind::number, not_negative,
                        "time between values; 0 is every step; where not written, every step is looked at and "

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/nearest.h"
+#include "engine/units.h"
 
 namespace epafi {
 namespace {
@@ -190,7 +191,10 @@ void set_duration(Node& root, const Node& stage) {
   Node& run = member_of(root, "run", empty);
   std::erase_if(run.members, [](const Member& m) { return m.key == "duration"; });
   // what is wrong with it is told of the stage
-  const bool usable = duration && (duration->is_number() ? duration->real > 0.0 : duration->type == Node::Type::text);
+  const bool is_text = duration && duration->type == Node::Type::text;
+  const bool is_expression = is_text && duration->text.find('=') != std::string::npos;
+  const bool is_time = is_expression || (is_text && read_quantity(duration->text, "s").value);
+  const bool usable = duration && (duration->is_number() ? duration->real > 0.0 : is_time);
   run.members.push_back({"duration", stage.place, usable ? *duration : number_node(1.0, stage.place)});
 }
 

@@ -58,6 +58,47 @@ body = "lid"
   CHECK(std::abs(run.energy_error()) < 1e-2);
 }
 
+TEST_CASE("a loop of two gains carries its force on a rising floor, with one it is off by u/p", "[physics][servo]") {
+  // v = p e + i (integral of e), e = F - F_contact. While the floor rises at u the lid goes back at u: without integral
+  // e = -u/p stays, with it e goes to zero. At rest nothing is left in either.
+  const double force = 20.0, rise = 2e-3, gain = 1e-3;
+  for (const double integral : {0.0, 5e-2}) {
+    INFO(integral);
+    auto run = start_text(servo_head + R"(
+run = { duration = 1.0, time_step = 5e-5, output_interval = 0.1 }
+contact = { method = "smooth", restitution = 0.5, friction = 0.3, smooth = { law = "hertz-mindlin" } }
+[[body]]
+name = "floor"
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+motion = { velocity = [0, 0, 2e-3] }
+[[body]]
+name = "lid"
+shape = { half_space = { normal = [0, 0, -1] } }
+material = "m"
+position = [0, 0, 0.0998]
+motion = { servo = { force = 20.0, direction = [0, 0, -1], max_speed = 0.1, gains = [1e-3, )" +
+                          std::to_string(integral) + R"(] } }
+[[body]]
+name = "ball"
+shape = { sphere = { radius = 0.05 } }
+material = "m"
+position = [0, 0, 0.0499]
+[[measure]]
+name = "top"
+kind = "contact"
+between = ["lid", "ball"]
+[[measure]]
+name = "lid"
+kind = "velocity"
+body = "lid"
+)");
+    run.advance_to(0);
+    CHECK(run.last("top", "normal_force") == Approx(integral > 0.0 ? force : force + rise / gain).epsilon(1e-4));
+    CHECK(run.last("lid", "z") == Approx(rise).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("a servo wall presses a bed of many spheres with its stress", "[physics][servo][long]") {
   // 128 spheres on a fixed plane: those contacts go through the fused loop, the lid's do not
   auto run = start_text(servo_head + R"(

@@ -10,6 +10,7 @@
 #include "scenes/stage_check.h"
 #include "scenes/start_run.h"
 #include "tests/support/catch.h"
+#include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/stored_run.h"
@@ -147,6 +148,136 @@ TEST_CASE("stages and changed restarts give the same bits, and a scene starts fr
   }
 }
 
+namespace {
+
+/// A kind of scene in two acts: "<a|b>" in its text is a in the first and b in the second.
+struct Acts {
+  std::string name, text, changes;
+  double time_step;
+  std::uint64_t first, second;  ///< steps of each
+};
+
+std::string act(const std::string& text, bool second) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t open = std::min(text.find('<', at), text.size());
+    out += text.substr(at, open - at);
+    if (open == text.size()) break;
+    const std::size_t bar = text.find('|', open), close = text.find('>', open);
+    out += second ? text.substr(bar + 1, close - bar - 1) : text.substr(open + 1, bar - open - 1);
+    at = close + 1;
+  }
+  return out;
+}
+
+const std::string acts_head =
+    "[world]\ngravity = [0, 0, -9.81]\n[material.m]\ndensity = 2500\nyoungs_modulus = \"5 MPa\"\n"
+    "poissons_ratio = 0.3\n";
+const std::string acts_floor =
+    "[[body]]\nname = \"floor\"\nshape = { half_space = { normal = [0, 0, 1] } }\nmaterial = \"m\"\n";
+const std::string smooth_mu = "[contact]\nmethod = \"smooth\"\nrestitution = 0.3\nfriction = <0.4|0.2>\n";
+const std::string rigid_mu = "[contact]\nmethod = \"nonsmooth\"\nrestitution = 0.3\nfriction = <0.5|0.2>\n";
+
+std::string grains(const std::string& shape, int count) {
+  return "[shape.g]\n" + shape +
+         "\n[[fill]]\nname = \"g\"\nshape = \"g\"\nmaterial = \"m\"\ncount = " + std::to_string(count) +
+         "\nregion = { box = { min = [-0.03, -0.0095, -0.03], max = [0.03, 0.0095, 0.03] } }\n";
+}
+
+std::string blocks(const std::string& size, const std::string& apart) {
+  return "[[body]]\nname = \"blk\"\nrepeat = 4\nshape = { box = { size = [" + size + ", " + size + ", " + size +
+         "] } }\nposition = [\"= 0.002*i*i\", 0, \"= 0.5*" + size + " + i*" + apart + "\"]\nmaterial = \"m\"\n";
+}
+
+const std::string wheels =
+    "[world]\ngravity = [0, 0, 9.81]\n[material.steel]\ndensity = 7850\nyoungs_modulus = \"210 GPa\"\npoissons_ratio = "
+    "0.28\n[contact]\nmethod = \"smooth\"\nfriction = <0.3|0.2>\nrestitution = 0\nwheel_rail = { normal = \"hertz\", "
+    "tangential = \"fastsim\", slowest = 5 }\n[shape.w]\nwheel_profile = { name = \"s1002\", radius = 0.46, mass = "
+    "1500, "
+    "inertia = [950, 120, 950] }\n[shape.t]\nrail_profile = { name = \"uic60\", cant = 0.025 }\n[[body]]\nname = "
+    "\"track\"\nshape = \"t\"\nmaterial = \"steel\"\nfixed = true\n[[body]]\nname = \"set\"\nshape = \"w\"\nmaterial = "
+    "\"steel\"\nposition = [0, 0, -0.46]\non_rails = true\n";
+
+const std::string softer = "contact.friction = 0.2\n", still = "fixed = true\n";
+
+std::vector<Acts> plain_acts() {
+  const std::string springs =
+      "[[spring]]\nname = \"link\"\nrepeat = 3\nbody = \"blk[i]\"\nto = \"blk[i + 1]\"\nstiffness = [200, 100, 100]\n"
+      "damping = [0.1, 0, 0]\n[[spring]]\nname = \"hook\"\nbody = \"blk[0]\"\nspeed = 0.5\nstiffness = [100, 0, 0]\n";
+  return {{"spheres", acts_head + smooth_mu + acts_floor + still + grains("sphere = { radius = 0.004 }", 25), softer,
+           1e-4, 300, 200},
+          {"blocks", acts_head + smooth_mu + acts_floor + still + blocks("0.02", "0.0202"), softer, 1e-4, 150, 150},
+          {"springs", acts_head + smooth_mu + acts_floor + still + blocks("0.02", "0.03") + springs, softer, 1e-4, 150,
+           150},
+          {"stack", acts_head + rigid_mu + acts_floor + still + blocks("0.2", "0.2"), softer, 5e-3, 12, 12},
+          {"newton",
+           acts_head + rigid_mu + "nonsmooth = { solver = \"newton\", tolerance = 1e-8 }\n" + acts_floor + still +
+               blocks("0.2", "0.2"),
+           softer, 5e-3, 12, 12}};
+}
+
+std::vector<Acts> driven_acts() {
+  const std::string drum =
+      std::string("[[body]]\nname = \"drum\"\nshape = { mesh = { file = \"") + EPAFI_SOURCE_DIR +
+      "/scenes/library/stages/drum.obj\" } }\nmaterial = \"m\"\nmotion = { rotation = { axis = "
+      "[0, 1, 0], rate = <1|-3>, about = [0, 0, 0] } }\n[[body]]\nname = \"end\"\nrepeat = 2\nshape "
+      "= { half_space = { normal = [0, \"= 1 - 2*i\", 0] } }\nposition = [0, \"= -0.01 + 0.02*i\", "
+      "0]\nmaterial = \"m\"\nfixed = true\n";
+  const std::string turned =
+      "contact.friction = 0.2\nbody.drum = { motion = { rotation = { axis = [0, 1, 0], rate = -3, about = [0, 0, 0] } "
+      "} }\n";
+  const std::string table = "{ table = [[0, 0, 0], [0.01, 2, 1], [0.02, -2, 0], [0.03, 0, 0]], of = \"acceleration\" }";
+  const std::string press = "{ servo = { force = <3|6>, direction = [0, 0, -1], mass = 0.05, max_speed = 0.5 } }";
+  const std::string harder = "contact.friction = 0.2\nbody.plate = { motion = " + act(press, true) + " }\n";
+  return {
+      {"table",
+       acts_head + rigid_mu + acts_floor + "motion = <{ velocity = [0, 0, 0] }|" + table + ">\n" + blocks("0.2", "0.2"),
+       softer + "body.floor = { motion = " + table + " }\n", 2e-3, 12, 16},
+      {"rigid mesh", acts_head + rigid_mu + drum + grains("box = { size = [0.01, 0.008, 0.008] }", 7), turned, 2e-3,
+       30, 30},
+      {"smooth mesh", acts_head + smooth_mu + drum + grains("sphere = { radius = 0.004 }", 15), turned, 1e-4, 300, 150},
+      {"servo",
+       acts_head + smooth_mu + acts_floor + still +
+           "[[body]]\nname = \"plate\"\nshape = { half_space = { normal = "
+           "[0, 0, -1] } }\nposition = [0, 0, 0.035]\nmaterial = \"m\"\nmotion = " +
+           press + "\n" + grains("sphere = { radius = 0.004 }", 25),
+       harder, 1e-4, 300, 200},
+      {"wheelset", wheels, softer, 1e-4, 60, 60}};
+}
+
+}  // namespace
+
+TEST_CASE("whole, cut anywhere, and chained: every kind of scene keeps one hash", "[scenes][stages][long]") {
+  const support::KeepThreads keep;
+  std::vector<Acts> kinds = plain_acts();
+  std::ranges::move(driven_acts(), std::back_inserter(kinds));
+  for (const Acts& kind : kinds) {
+    INFO(kind.name);
+    const TemporaryFolder folder;
+    const auto duration = [&](std::uint64_t steps) {
+      return "duration = " + std::to_string(kind.time_step * static_cast<double>(steps)) + "\n";
+    };
+    const std::string run = "[run]\noutput_interval = 0.01\ntime_step = " + std::to_string(kind.time_step) + "\n";
+    const std::string first = run + duration(kind.first), second = run + duration(kind.second);
+    write_file(folder / "two.toml", run + act(kind.text, false) + "[[stage]]\nname = \"one\"\n" + duration(kind.first) +
+                                        "[[stage]]\nname = \"two\"\n" + duration(kind.second) + kind.changes);
+    write_file(folder / "one.toml", first + act(kind.text, false));
+    write_file(folder / "next.toml", "[start]\nfrom = \"one\"\n" + second + act(kind.text, true));
+    set_thread_count(1);
+    const std::string hash = run_through(folder / "two.toml", folder / "two");
+    for (const std::uint64_t steps : {kind.first - 1, kind.first, kind.first + 1, kind.first + kind.second / 2}) {
+      INFO(steps);
+      CHECK(cut_and_resumed(folder / "two.toml", folder / ("cut" + std::to_string(steps)), steps) == hash);
+    }
+    run_through(folder / "one.toml", folder / "one");
+    CHECK(run_through(folder / "next.toml", folder / "next") == hash);
+    for (const int threads : {3, 8}) {
+      set_thread_count(threads);
+      CHECK(run_through(folder / "two.toml", folder / ("threads" + std::to_string(threads))) == hash);
+    }
+  }
+}
+
 TEST_CASE("bodies that a stage brings find room where the others stand now", "[scenes][stages]") {
   const TemporaryFolder folder;
   const fs::path scene = folder / "more.toml";
@@ -232,6 +363,9 @@ TEST_CASE("a bound that stops ends a run early and well", "[scenes][stages]") {
   CHECK(session.stop_reason().find("sag.grains") != std::string::npos);
   // the state that the bound has seen is the last sample, between two of the interval
   CHECK(session.summary().measures.at("fallen").at("sag").max >= 0.001);
+  const double end = session.summary().simulated_time;
+  const StoredRun run(folder / "falls" / "run.h5");
+  CHECK(run.time(run.snapshots() - 1) == end);  // and the last picture
 }
 
 TEST_CASE("a cut between two stages where bodies are sorted changes no bit", "[scenes][stages]") {

@@ -13,6 +13,8 @@ namespace epafi {
 namespace {
 
 const Field body{"body", "", "", Kind::text, {}, {}, "name of a body or a group"};
+const Field relative_to{"relative_to", "", "", Kind::text, {}, {},
+                        "name of the body that it is seen from, as a table that moves or turns; the ground where not written", true};
 const Field between{"between", "", "", Kind::texts, {}, {}, "two names of bodies or groups"};
 const Field plane{"plane", "", "", Kind::table, {}, {}, "plane that is crossed", false, {},
                   {{"point", "", "m", Kind::vec3, {}, {}, "a point of the plane"},
@@ -61,7 +63,11 @@ const std::vector<MeasureEntry>& all_measures() {
        make_body<BodyQuantity::angular_velocity>},
       {{"force", "sum of the contact forces on a body or group", {body}, {}, ""},
        [](MeasureSetup s) { return std::make_unique<ForceMeasure>(std::move(s)); }},
-      {{"drift", "largest horizontal displacement (distance) and sag since the start", {body}, {}, ""},
+      {{"drift",
+        "largest horizontal displacement (distance) and sag since the start",
+        {body, relative_to},
+        {},
+        ""},
        [](MeasureSetup s) { return std::make_unique<DriftMeasure>(std::move(s)); }},
       {{"count",
         "number, mass and volume of bodies in a region or on one side of a plane",

@@ -56,17 +56,41 @@ void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
   values = {sum.x(), sum.y(), sum.z()};
 }
 
+/// Where the place is drawn that stands still on the reference body; the place itself where there is none.
+Vec3 DriftMeasure::carried(const World& w, const Vec3& place) const {
+  const Slot reference = reference_in(w);
+  if (reference == no_slot) return place;
+  const Vec3 turned = w.has_orientation() ? Vec3(w.orientation[reference] * place) : place;
+  return w.unwrapped(reference) + turned;
+}
+
+/// The inverse: in the axes of the reference body.
+Vec3 DriftMeasure::seen(const World& w, const Vec3& place) const {
+  const Slot reference = reference_in(w);
+  if (reference == no_slot) return place;
+  const Vec3 away = place - w.unwrapped(reference);
+  return w.has_orientation() ? Vec3(w.orientation[reference].conjugate() * away) : away;
+}
+
+Slot DriftMeasure::reference_in(const World& w) const {
+  return setup_.bodies.size() > 1 && setup_.bodies[1].size() > 0 ? w.slot_of(setup_.bodies[1][0]) : no_slot;
+}
+
 void DriftMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const auto& bodies = setup_.bodies[0];
-  if (start_.empty())
-    start_.assign(bodies.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  const bool relative = setup_.bodies.size() > 1;
+  if (relative && reference_in(w) == no_slot) {  // it is gone: there is nothing to be seen from
+    values.assign(2, std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  if (start_.empty()) start_.assign(bodies.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   const Vec3 up = w.gravity.squaredNorm() > 0 ? Vec3(-w.gravity.normalized()) : Vec3::UnitZ();
   const Farthest all = block_sum<Farthest>(bodies.size(), [&](std::size_t k) -> Farthest {
     const Slot s = w.slot_of(bodies[k]);
     if (s == no_slot) return {};
-    if (!start_[k].allFinite()) start_[k] = w.unwrapped(s);  // when it is seen first
-    const Vec3 moved = w.unwrapped(s) - start_[k];
+    if (!start_[k].allFinite()) start_[k] = seen(w, w.unwrapped(s));  // when it is seen first
+    const Vec3 moved = w.unwrapped(s) - carried(w, start_[k]);
     const double rise = moved.dot(up);
     return {(moved - rise * up).norm(), -rise};
   });

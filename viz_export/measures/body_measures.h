@@ -31,7 +31,8 @@ class ForceMeasure final : public Measure {
 };
 
 /// distance: largest horizontal displacement of the bodies' centres since the start; sag: largest downward one [m].
-/// Horizontal is across gravity; z is up where there is none.
+/// Horizontal is across gravity; z is up where there is none. With a second list of bodies: seen from its body, which
+/// carries the starting places along and turns them with it; no numbers once that body is gone.
 class DriftMeasure final : public Measure {
  public:
   explicit DriftMeasure(MeasureSetup setup) : setup_(std::move(setup)) {}
@@ -40,8 +41,11 @@ class DriftMeasure final : public Measure {
   void visit(StateVisitor& visitor, const std::string& prefix) override { visitor.column(prefix + "/start", start_); }
 
  private:
+  Slot reference_in(const World& world) const;
+  Vec3 carried(const World& world, const Vec3& place) const;
+  Vec3 seen(const World& world, const Vec3& place) const;
   MeasureSetup setup_;
-  std::vector<Vec3> start_;  ///< by place in setup_.bodies[0]
+  std::vector<Vec3> start_;  ///< by place in setup_.bodies[0], in the axes of the body that it is seen from
 };
 
 }  // namespace epafi
