@@ -12,14 +12,20 @@ namespace {
 struct Weighed {
   Vec3 sum = Vec3::Zero();
   double weight = 0.0;
-  Weighed& operator+=(const Weighed& o) { return sum += o.sum, weight += o.weight, *this; }
+  Weighed& operator+=(const Weighed& o) {
+    sum += o.sum;
+    weight += o.weight;
+    return *this;
+  }
 };
 
 /// The farthest of several ways: across and down [m].
 struct Farthest {
   double distance = 0.0, sag = 0.0;
   Farthest& operator+=(const Farthest& o) {
-    return distance = std::max(distance, o.distance), sag = std::max(sag, o.sag), *this;
+    distance = std::max(distance, o.distance);
+    sag = std::max(sag, o.sag);
+    return *this;
   }
 };
 }  // namespace
@@ -51,16 +57,15 @@ void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
   for (std::size_t k = 0; k < setup_.bodies[0].size(); ++k)
     if (const Slot s = w.slot_of(setup_.bodies[0][k]); s != no_slot) mine[s] = 1;
   const Vec3 sum = block_sum<Weighed>(std::min(c.size(), c.force.size()), [&](std::size_t k) {
-    return Weighed{(mine[c.a[k]] - mine[c.b[k]]) * c.force[k]};
-  }).sum;
+                     return Weighed{(mine[c.a[k]] - mine[c.b[k]]) * c.force[k]};
+                   }).sum;
   values = {sum.x(), sum.y(), sum.z()};
 }
 
 void DriftMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const auto& bodies = setup_.bodies[0];
-  if (start_.empty())
-    start_.assign(bodies.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  if (start_.empty()) start_.assign(bodies.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   const Vec3 up = w.gravity.squaredNorm() > 0 ? Vec3(-w.gravity.normalized()) : Vec3::UnitZ();
   const Farthest all = block_sum<Farthest>(bodies.size(), [&](std::size_t k) -> Farthest {
     const Slot s = w.slot_of(bodies[k]);
