@@ -38,15 +38,21 @@ BodyList::BodyList(const std::vector<BodyRecord>& records) : records_(&records),
 
 BodyList BodyList::only(UnwrittenColumn<Slot> places) const {
   BodyList out;
-  out.records_ = records_, out.world_ = world_, out.surfaces_ = surfaces_;
+  out.records_ = records_;
+  out.world_ = world_;
+  out.surfaces_ = surfaces_;
   parallel_for(places.size(), [&](std::size_t k) { places[k] = place(places[k]); });
-  out.size_ = places.size(), out.place_ = std::move(places);
+  out.size_ = places.size();
+  out.place_ = std::move(places);
   return out;
 }
 
 BodyList BodyList::spheres(std::span<const Slot> others) const {
   BodyList out;
-  out.records_ = records_, out.world_ = world_, out.surfaces_ = surfaces_, out.size_ = size_ - others.size();
+  out.records_ = records_;
+  out.world_ = world_;
+  out.surfaces_ = surfaces_;
+  out.size_ = size_ - others.size();
   const bool in_front = others.empty() || others.back() + std::size_t{1} == others.size();
   const bool behind = others.empty() || others.front() == out.size_;
   if (place_.empty() && (in_front || behind))

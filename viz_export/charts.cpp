@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "viz_export/side_file.h"
@@ -105,19 +106,34 @@ std::string frame(const std::string& title, const std::string& x, const std::str
          "center outside horizontal height 1 samplen 2 spacing 1.3\nset format '%g'\n";
 }
 
+/// What an axis shows, from 0 or what is positive.
+struct PlotRange {
+  double low = INFINITY, high = 0;
+  void include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  PlotRange or_tenth_to_one() const { return high > 0 ? *this : PlotRange{0.1, 1}; }
+};
+
+std::array<PlotRange, 2> ranges_of(const ScatterPlot& plot) {
+  PlotRange x, y;
+  for (const auto& line : plot.lines) {
+    for (const auto& p : line.points) {
+      x.include(p[0]);
+      y.include(p[1]);
+    }
+    for (const double failed : line.failed)
+      if (failed > 0) x.include(failed);
+  }
+  for (const auto& [label, level] : plot.levels) y.include(level);
+  return {x.or_tenth_to_one(), y.or_tenth_to_one()};
+}
+
 }  // namespace
 
 bool draw(const ScatterPlot& plot, const fs::path& path) {
-  double top = 0, low = INFINITY, left = INFINITY, right = 0;
-  for (const auto& line : plot.lines) {
-    for (const auto& p : line.points)
-      top = std::max(top, p[1]), low = std::min(low, p[1]), left = std::min(left, p[0]), right = std::max(right, p[0]);
-    for (const double x : line.failed)
-      if (x > 0) left = std::min(left, x), right = std::max(right, x);
-  }
-  for (const auto& [label, level] : plot.levels) top = std::max(top, level), low = std::min(low, level);
-  if (!(top > 0)) top = 1, low = 0.1;
-  if (!(right > 0)) left = 0.1, right = 1;
+  const auto [x, y] = ranges_of(plot);
   const std::string name = single_quoted(path.filename().string()) + ".dat";
   std::string data, parts;
   std::size_t index = 0, colour = 0;
@@ -139,18 +155,17 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
         bars += fmt::format("{} {} {} {}\n", line.points[k][0], line.points[k][1], line.bars[k][0], line.bars[k][1]);
     if (!bars.empty()) add(bars + "\n\n", fmt::format("with xerrorbars pt 0 lw 1 lc rgb '{}' notitle", rgb));
     std::vector<PlotPoint> failed;
-    for (const double x : line.failed) failed.push_back({x > 0 ? x : left, 2 * top});
+    for (const double at : line.failed) failed.push_back({at > 0 ? at : x.low, 2 * y.high});
     if (!failed.empty())
       add(block(failed), fmt::format("with points pt 2 ps 1.6 lw 2 lc rgb '{}' {}", rgb,
                                      line.points.empty() ? "title " + quoted(line.label + ", failed") : "notitle"));
   }
   const std::string ring = "with points pt 6 lw 2 ps ";
-  if (!plot.ringed.empty())
-    add(block(plot.ringed), ring + "2.2 lc rgb '#444444' title " + quoted(plot.ringed_label));
+  if (!plot.ringed.empty()) add(block(plot.ringed), ring + "2.2 lc rgb '#444444' title " + quoted(plot.ringed_label));
   if (plot.marked) add(block({*plot.marked}), ring + "3 lc rgb '#d00000' title " + quoted(plot.marked_label));
   std::string settings = frame(plot.title, plot.x_label, plot.y_label) +
-                         axis_settings('x', left, right, plot.log_x, 0.7, 1.5) +
-                         axis_settings('y', low, top, plot.log_y, 0.5, 4.0);
+                         axis_settings('x', x.low, x.high, plot.log_x, 0.7, 1.5) +
+                         axis_settings('y', y.low, y.high, plot.log_y, 0.5, 4.0);
   for (const auto& [label, level] : plot.levels) {
     settings +=
         fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead dt 2 lc rgb '#888888'\n", level);
@@ -196,9 +211,14 @@ bool draw(const KindMap& map, const fs::path& path) {
   std::string settings = frame(map.title, map.x_label, map.y_label);
   for (const std::size_t axis : {0, 1}) {  // a little beyond the outermost cells: gnuplot's own range ends at decades
     double low = INFINITY, high = -INFINITY;
-    for (const auto& c : map.cells)
-      low = std::min(low, axis == 0 ? c.x : c.y), high = std::max(high, axis == 0 ? c.x : c.y);
-    for (const auto& p : map.curve) low = std::min(low, p[axis]), high = std::max(high, p[axis]);
+    for (const auto& c : map.cells) {
+      low = std::min(low, axis == 0 ? c.x : c.y);
+      high = std::max(high, axis == 0 ? c.x : c.y);
+    }
+    for (const auto& p : map.curve) {
+      low = std::min(low, p[axis]);
+      high = std::max(high, p[axis]);
+    }
     if (!(high > low)) continue;
     const bool log = axis == 0 ? map.log_x : map.log_y;
     const double room = log ? std::pow(high / low, 0.06) : 1.0;

@@ -15,7 +15,8 @@ using PlotPoint = std::array<double, 2>;
 struct PlotLine {
   std::string label;
   std::vector<PlotPoint> points;
-  std::vector<double> failed;  ///< x of points without a y, drawn as crosses at the upper edge; named in the legend if alone
+  std::vector<double>
+      failed;  ///< x of points without a y, drawn as crosses at the upper edge; named in the legend if alone
   std::vector<PlotPoint> bars = {};  ///< least and largest x of each point; may be empty
 };
 

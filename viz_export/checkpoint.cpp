@@ -18,7 +18,8 @@ const std::string columns_group = "/state/";
 std::uint64_t column_hash(std::string_view name, std::size_t element, const std::byte* data, std::size_t bytes) {
   Hash hash;
   hash.add(name);
-  hash.add(element), hash.add(bytes);
+  hash.add(element);
+  hash.add(bytes);
   std::size_t i = 0;
   for (; i + 8 <= bytes; i += 8) {
     std::uint64_t word;
@@ -31,9 +32,14 @@ std::uint64_t column_hash(std::string_view name, std::size_t element, const std:
 
 std::uint64_t header_hash(const CheckpointHeader& h, std::uint64_t columns) {
   Hash hash;
-  hash.add(h.version), hash.add(h.scene_hash), hash.add(h.scene_path), hash.add(h.scene_text);
+  hash.add(h.version);
+  hash.add(h.scene_hash);
+  hash.add(h.scene_path);
+  hash.add(h.scene_text);
   for (const std::string& line : h.overrides) hash.add(line);
-  hash.add(h.step), hash.add(&h.time, 1), hash.add(columns);
+  hash.add(h.step);
+  hash.add(&h.time, 1);
+  hash.add(columns);
   if (!h.record.empty()) hash.add(h.record);
   return hash.value();
 }

@@ -29,7 +29,10 @@ ContactList::ContactList(const World& world, const ContactPieces& contacts, std:
       16);
   begins_ = {0};
   for (std::size_t piece = 0; piece < rows.size(); ++piece)
-    if (rows[piece] > 0) pieces_.push_back(piece), begins_.push_back(begins_.back() + rows[piece]);
+    if (rows[piece] > 0) {
+      pieces_.push_back(piece);
+      begins_.push_back(begins_.back() + rows[piece]);
+    }
   if (pieces_.empty()) begins_.push_back(0);
 }
 

@@ -23,7 +23,10 @@ void append_state(std::string& out, const BodyRecord& b) {
   const Vec3 &x = b.pose.position, &v = b.velocity, &w = b.angular_velocity;
   const double values[] = {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), w.x(), w.y(), w.z()};
   const char* comma = "";
-  for (const double value : values) fmt::format_to(std::back_inserter(out), "{}{:.17g}", comma, value), comma = ",";
+  for (const double value : values) {
+    fmt::format_to(std::back_inserter(out), "{}{:.17g}", comma, value);
+    comma = ",";
+  }
 }
 
 void append_rows(std::string& out, const StoredSnapshot& snapshot) {
@@ -72,7 +75,8 @@ void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, c
     words.push_back(run.words(b));
     if (b.is_wall()) continue;
     sized = sized || b.surface != nullptr;
-    material = material && !words.back().material.empty(), group = group || !words.back().group.empty();
+    material = material && !words.back().material.empty();
+    group = group || !words.back().group.empty();
   }
   std::string rows;
   for (std::size_t k = 0; k < last.bodies.size(); ++k) {

@@ -50,7 +50,8 @@ class FrameColumns {
   }
 
  private:
-  static constexpr std::size_t block = 512;  ///< of spheres 160 kB are read, 45 kB written; 2048 are as fast, 8192 slower
+  static constexpr std::size_t block =
+      512;  ///< of spheres 160 kB are read, 45 kB written; 2048 are as fast, 8192 slower
   void fill(std::size_t begin, std::size_t end) const {
     for (const auto& f : fill_) f(begin, end);
   }

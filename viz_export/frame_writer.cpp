@@ -75,7 +75,8 @@ PolyData draw_surfaces(const BodyList& bodies, double time) {
   PolyData d;
   d.time = time;
   d.points.resize(3 * start.back().point);
-  d.polygons.connectivity.resize(start.back().corner), d.polygons.offsets.resize(start.back().polygon);
+  d.polygons.connectivity.resize(start.back().corner);
+  d.polygons.offsets.resize(start.back().polygon);
   std::vector<std::uint32_t> owner(start.back().polygon);
   parallel_for(
       bodies.size(),
@@ -200,7 +201,8 @@ std::vector<FrameWriter::Entry> FrameWriter::draw(double time, const BodyList& b
 
 void FrameWriter::visit(StateVisitor& visitor) {
   std::vector<char> file(wall_file_.begin(), wall_file_.end());
-  visitor.column("frames/walls", wall_poses_), visitor.column("frames/walls_file", file);
+  visitor.column("frames/walls", wall_poses_);
+  visitor.column("frames/walls_file", file);
   wall_file_.assign(file.begin(), file.end());
   std::error_code none;
   if (!wall_file_.empty() && !std::filesystem::exists(folder_ / wall_file_, none)) wall_file_.clear();
@@ -227,7 +229,10 @@ void FrameWriter::write_bodies(double time, const BodyList& bodies) {
 void FrameWriter::list(double time, std::vector<Entry>& files) {
   for (Entry& e : files) {
     list_.add(time, e.part, e.file);
-    if (!e.poses.empty()) wall_file_ = e.file, wall_poses_ = std::move(e.poses);
+    if (!e.poses.empty()) {
+      wall_file_ = e.file;
+      wall_poses_ = std::move(e.poses);
+    }
   }
   list_.write();
   ++next_;

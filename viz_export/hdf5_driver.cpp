@@ -28,7 +28,8 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
     return nullptr;
   }
   auto file = std::make_unique<OpenFile>();
-  file->descriptor = descriptor, file->end_of_file = static_cast<haddr_t>(about.st_size);
+  file->descriptor = descriptor;
+  file->end_of_file = static_cast<haddr_t>(about.st_size);
   return file.release();
 }
 
@@ -37,7 +38,8 @@ herr_t close_file(H5FD_t* file) {
   return close(closed->descriptor);
 }
 
-/// No feature: nothing is kept between two reads. Sieving of raw data pays where rows are read one by one, ours are not.
+/// No feature: nothing is kept between two reads. Sieving of raw data pays where rows are read one by one, ours are
+/// not.
 herr_t no_features(const H5FD_t*, unsigned long* flags) { return *flags = 0, 0; }
 
 haddr_t get_eoa(const H5FD_t* file, H5FD_mem_t) { return of(file).end_of_address; }
@@ -51,7 +53,9 @@ herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, size_t size,
   while (size > 0) {
     const ssize_t got = pread(f.descriptor, to, size, static_cast<off_t>(address));
     if (got <= 0) return -1;
-    to += got, address += static_cast<haddr_t>(got), size -= static_cast<size_t>(got);
+    to += got;
+    address += static_cast<haddr_t>(got);
+    size -= static_cast<size_t>(got);
   }
   return 0;
 }
@@ -61,9 +65,17 @@ herr_t write_bytes(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) { r
 hid_t driver() {
   static const H5FD_class_t description = [] {
     H5FD_class_t d{};
-    d.name = "checked_reading", d.maxaddr = HADDR_MAX, d.fc_degree = H5F_CLOSE_WEAK;
-    d.open = open_file, d.close = close_file, d.query = no_features;
-    d.get_eoa = get_eoa, d.set_eoa = set_eoa, d.get_eof = get_eof, d.read = read_bytes, d.write = write_bytes;
+    d.name = "checked_reading";
+    d.maxaddr = HADDR_MAX;
+    d.fc_degree = H5F_CLOSE_WEAK;
+    d.open = open_file;
+    d.close = close_file;
+    d.query = no_features;
+    d.get_eoa = get_eoa;
+    d.set_eoa = set_eoa;
+    d.get_eof = get_eof;
+    d.read = read_bytes;
+    d.write = write_bytes;
     return d;
   }();
   static const hid_t id = H5FDregister(&description);

@@ -1,6 +1,6 @@
 /// @file hdf5_driver.h  How files of unknown origin are read: through a driver that gives HDF5 bytes of the file or an
-/// error. HDF5 1.10's own keeps the last bytes it read (its metadata accumulator) and, asked for an address that a broken
-/// file made up, copies from beside them: the program ended in the library.
+/// error. HDF5 1.10's own keeps the last bytes it read (its metadata accumulator) and, asked for an address that a
+/// broken file made up, copies from beside them: the program ended in the library.
 #pragma once
 #include <cstdint>
 

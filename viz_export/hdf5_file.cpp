@@ -216,7 +216,10 @@ bool Hdf5File::has(const std::string& name) const {
   // every group on the way is asked for: H5Lexists fails where one is missing
   for (std::size_t end = name.find('/', 1);; end = name.find('/', end + 1)) {
     const std::string part = name.substr(0, end);
-    if (part != "/" && H5Lexists(impl_->id, part.c_str(), H5P_DEFAULT) <= 0) return H5Eclear2(H5E_DEFAULT), false;
+    if (part != "/" && H5Lexists(impl_->id, part.c_str(), H5P_DEFAULT) <= 0) {
+      H5Eclear2(H5E_DEFAULT);
+      return false;
+    }
     if (end == std::string::npos) return true;
   }
 }
@@ -260,7 +263,10 @@ Handle Hdf5File::Impl::make_dataset(const std::string& name, Hdf5Type type, hsiz
     const hsize_t chunk_rows = layout.extendable ? layout.chunk_rows : std::min<hsize_t>(rows, layout.chunk_rows);
     const hsize_t chunk[2] = {chunk_rows, layout.columns};
     check(H5Pset_chunk(create, rank, chunk), what);
-    if (layout.compressed) H5Pset_shuffle(create), check(H5Pset_deflate(create, 1), what);
+    if (layout.compressed) {
+      H5Pset_shuffle(create);
+      check(H5Pset_deflate(create, 1), what);
+    }
   }
   const hid_t made = H5Dcreate2(id, name.c_str(), memory_type(type), space, make_parents, create, H5P_DEFAULT);
   return checked(made, H5Dclose, what);

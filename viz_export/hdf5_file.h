@@ -94,7 +94,8 @@ class Hdf5File {
   void write_pieces(const std::string& name, std::size_t rows, std::size_t columns, const Fill& fill) {
     std::vector<T> piece;
     write_pieces_raw(name, Hdf5TypeOf<T>::value, rows, columns, [&](std::size_t first, std::size_t count) {
-      piece.resize(count * columns), fill(first, count, piece.data());
+      piece.resize(count * columns);
+      fill(first, count, piece.data());
       return static_cast<const void*>(piece.data());
     });
   }

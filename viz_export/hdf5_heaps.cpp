@@ -31,7 +31,7 @@ void refuse_broken_heaps(const std::filesystem::path& path) {
   std::array<char, 16> head{};
   if (!in.read(head.data(), head.size())) return;
   const std::size_t offset = static_cast<unsigned char>(head[size_of_offsets]),
-             length = static_cast<unsigned char>(head[size_of_lengths]);
+                    length = static_cast<unsigned char>(head[size_of_lengths]);
   if (std::string_view(head.data(), signature.size()) != signature || head[signature.size()] > 1) return;
   if (offset < 2 || offset > 8 || length < 2 || length > 8) return;  // the library says so itself
   in.seekg(0);

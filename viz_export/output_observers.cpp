@@ -46,14 +46,18 @@ void MeasureRecorder::observe(const StepView& view) {
     if (csv_ != nullptr && is_written) csv_->add(view.world.time, name_, components_[c], values_[c]);
     last_[c] = values_[c];
     if (std::isnan(values_[c])) continue;
-    min_[c] = std::fmin(min_[c], values_[c]), max_[c] = std::fmax(max_[c], values_[c]);  // fmin passes over NaN
+    // fmin passes over NaN
+    min_[c] = std::fmin(min_[c], values_[c]);
+    max_[c] = std::fmax(max_[c], values_[c]);
   }
 }
 
 void MeasureRecorder::visit(StateVisitor& visitor) {
   const std::string prefix = "measure/" + name_;
   visitor.value(prefix + "/sampled", sampled_);
-  visitor.column(prefix + "/last", last_), visitor.column(prefix + "/min", min_), visitor.column(prefix + "/max", max_);
+  visitor.column(prefix + "/last", last_);
+  visitor.column(prefix + "/min", min_);
+  visitor.column(prefix + "/max", max_);
   measure_->visit(visitor, prefix + "/own");
 }
 

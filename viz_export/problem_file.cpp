@@ -167,7 +167,8 @@ LocalForm read_text(const std::filesystem::path& path) {
   } else {
     refuse(path, "storage " + std::to_string(storage) + " of W; read are 0 (dense) and 1 (blocks)");
   }
-  form.q.resize(rows), form.mu.resize(contacts);
+  form.q.resize(rows);
+  form.mu.resize(contacts);
   for (double& x : form.q) x = in.next("free velocity");
   for (double& x : form.mu) x = in.next("friction coefficient");
   check_friction(path, form.mu);
@@ -179,7 +180,9 @@ void write_matrix(Hdf5File& file, const std::string& name, Sparse m) {
   const auto one = [&](const char* key, std::int32_t value) {
     file.write<std::int32_t>(name + key, std::span<const std::int32_t>(&value, 1));
   };
-  one("/m", static_cast<std::int32_t>(m.rows())), one("/n", static_cast<std::int32_t>(m.cols())), one("/nz", -1);
+  one("/m", static_cast<std::int32_t>(m.rows()));
+  one("/n", static_cast<std::int32_t>(m.cols()));
+  one("/nz", -1);
   one("/nzmax", static_cast<std::int32_t>(m.nonZeros()));
   const auto count = static_cast<std::size_t>(m.nonZeros());
   file.write<std::int32_t>(name + "/p", std::span(m.outerIndexPtr(), static_cast<std::size_t>(m.cols()) + 1));
@@ -208,7 +211,9 @@ void write_problem(const std::filesystem::path& path, const GlobalForm& form, co
     file.write<double>(std::string("fclib_global/vectors/") + key,
                        std::span<const double>(v.data(), static_cast<std::size_t>(v.size())));
   };
-  vector("f", form.f), vector("w", form.w), vector("mu", form.mu);
+  vector("f", form.f);
+  vector("w", form.w);
+  vector("mu", form.mu);
   file.write_text("fclib_global/info/title", title);
   file.close();
 }

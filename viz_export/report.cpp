@@ -93,7 +93,9 @@ void pictures(Page& p, const ViewSource& source) {
   if (contacts > 0 && contacts <= few) {
     options.contacts = true;
     RunPainter chains(source, overview, options);
-    add(chains, shown.back(), fmt::format(", {} contacts, as wide as their force", contacts));
+    add(chains, shown.back(),
+        fmt::format(", {} contact{}, as wide as {} force", contacts, contacts > 1 ? "s" : "",
+                    contacts > 1 ? "their" : "its"));
   }
   p.html += "</div>";
 }
@@ -153,7 +155,8 @@ StoredMeasure energies(const Page& p) {
     const StoredSnapshot s = p.run.snapshot(k);
     double sum = 0;
     for (const BodyRecord& b : s.bodies) sum += b.kinetic_energy;
-    kinetic.times.push_back(s.stamp.time), kinetic.values.push_back(sum);
+    kinetic.times.push_back(s.stamp.time);
+    kinetic.values.push_back(sum);
   }
   return kinetic;
 }
@@ -180,7 +183,9 @@ void measures(Page& p) {
   p.html += "<h2>Measures</h2><div class='grid'>";
   for (std::size_t k = 0; k < all.size(); ++k)
     if (!is_energy(all[k])) curves(p, fmt::format("measure_{}", k), all[k].name, all[k]);
-  p.html += "</div><table><tr><th>measure</th><th>component</th><th>last</th><th>smallest</th><th>largest</th></tr>";
+  p.html +=
+      "</div><table><tr><th>measure</th><th>component</th><th class='n'>last</th><th class='n'>smallest</th><th "
+      "class='n'>largest</th></tr>";
   for (const auto& m : all)
     for (const auto& c : m.components) {
       const std::string at = "measures." + m.name + "." + c + ".";
@@ -194,7 +199,9 @@ void measures(Page& p) {
 }
 
 void quality(Page& p) {
-  p.html += "<h2>Overlap and checks</h2><table><tr><th>quantity</th><th>value</th><th>bound</th><th></th></tr>";
+  p.html +=
+      "<h2>Overlap and checks</h2><table><tr><th>quantity</th><th class='n'>value</th><th "
+      "class='n'>bound</th><th></th></tr>";
   for (const auto& [name, text] : {std::pair{"overlap.max", "deepest overlap, worst step [m]"},
                                    {"overlap.mean", "mean overlap, last tenth of the run [m]"},
                                    {"overlap.max_relative", "deepest over bounding radius, worst step"},

@@ -4,8 +4,8 @@
 
 namespace epafi {
 
-/// Reads summary.json and run.h5 of `folder`, writes `page` (empty: folder/report.html) and returns its path. Curves are
-/// drawn by gnuplot; where it is absent the page says so and gives their last values only. Throws FileError.
+/// Reads summary.json and run.h5 of `folder`, writes `page` (empty: folder/report.html) and returns its path. Curves
+/// are drawn by gnuplot; where it is absent the page says so and gives their last values only. Throws FileError.
 std::filesystem::path write_report(const std::filesystem::path& folder, const std::filesystem::path& page = {});
 
 }  // namespace epafi

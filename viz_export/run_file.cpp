@@ -116,7 +116,8 @@ void RunFile::drop_after(std::uint64_t step, double time) {
   for (const std::string& name : file.children("measures")) {
     const auto times = file.read<double>("measures/" + name + "/time");
     const auto kept = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
-    file.truncate("measures/" + name + "/time", kept), file.truncate("measures/" + name + "/value", kept);
+    file.truncate("measures/" + name + "/time", kept);
+    file.truncate("measures/" + name + "/value", kept);
   }
   for (const std::string& name : file.children("shapes"))
     surfaces_[static_cast<std::uint32_t>(file.count_attribute("shapes/" + name, "shape"))] = number_of(path_, name);
@@ -198,8 +199,11 @@ void RunFile::add_surface(Hdf5File& file, const BodyRecord& b) {
   file.write<std::int32_t>(group + "/connectivity", b.surface->connectivity);
   file.write<std::int32_t>(group + "/offsets", b.surface->offsets);
   file.set_attribute(group, "shape", std::uint64_t{b.shape});
-  if (origin != nullptr)
-    file.set_attribute(group, "name", origin->shape()), file.set_attribute(group, "size", origin->size);
+  if (b.surface->curved) file.set_attribute(group, "curved", std::uint64_t{1});
+  if (origin != nullptr) {
+    file.set_attribute(group, "name", origin->shape());
+    file.set_attribute(group, "size", origin->size);
+  }
   surfaces_[b.shape] = number;
 }
 
@@ -209,7 +213,10 @@ void RunFile::write_orientations(Hdf5File& file, const std::string& group, const
     Quat q = bodies.pose(k).orientation;
     const ShapeOrigin* origin = bodies.is_sphere(k) ? nullptr : origins_.of(bodies.shape(k));
     if (origin != nullptr && origin->is_turned()) q = q * origin->to_author.conjugate();
-    to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+    to[0] = q.w();
+    to[1] = q.x();
+    to[2] = q.y();
+    to[3] = q.z();
   });
 }
 
@@ -272,8 +279,10 @@ void RunFile::add_measure(std::size_t measure, double time, const std::vector<do
 void RunFile::append_measures(Hdf5File& file) {
   for (Measure& m : measures_) {
     if (m.times.empty()) continue;
-    file.append<double>(m.group + "/time", m.times), file.append<double>(m.group + "/value", m.values);
-    m.times.clear(), m.values.clear();
+    file.append<double>(m.group + "/time", m.times);
+    file.append<double>(m.group + "/value", m.values);
+    m.times.clear();
+    m.values.clear();
   }
   buffered_ = 0;
 }

@@ -27,7 +27,7 @@ namespace epafi {
 struct RunFileHeader {
   std::string version, scene_hash, title, scene_text;
   std::vector<std::string> overrides;
-  std::string about{};  ///< names, springs, view (view/settings.h)
+  std::string about{};    ///< names, springs, view (view/settings.h)
   ShapeOrigins shapes{};  ///< names and axes of those in use
 };
 

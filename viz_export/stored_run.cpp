@@ -45,6 +45,7 @@ struct StoredRun::Impl {
         refuse("'" + group_name + "' has a wrong offset");
       last = o;
     }
+    s.curved = file.has_attribute(group_name, "curved");
     surfaces.push_back(std::move(s));
     Name& name = names.emplace_back();
     if (file.has_attribute(group_name, "name")) name.shape = file.text_attribute(group_name, "name");
@@ -118,7 +119,8 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
     if (id[i] >= impl_->shape.size()) impl_->refuse("'" + group + "' holds a body that is not in 'bodies'");
     b = impl_->body(id[i]);
     b.kinetic_energy = energy[i];
-    b.pose.position = Vec3(&x[3 * i]), b.velocity = Vec3(&v[3 * i]);
+    b.pose.position = Vec3(&x[3 * i]);
+    b.velocity = Vec3(&v[3 * i]);
     if (out.stamp.has_orientation) b.pose.orientation = Quat(q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]);
     if (out.stamp.rotates) b.angular_velocity = Vec3(&w[3 * i]);
   }
@@ -156,7 +158,8 @@ StoredWords StoredRun::words(const BodyRecord& b) const {
   StoredWords out;
   if (const std::int32_t surface = impl_->surface.at(b.id); surface >= 0) {
     const Impl::Name& name = impl_->names[static_cast<std::size_t>(surface)];
-    out.shape = name.shape, out.size = name.size;
+    out.shape = name.shape;
+    out.size = name.size;
   }
   const RunAbout& about = impl_->about;
   if (b.material < about.materials.size()) out.material = about.materials[b.material];

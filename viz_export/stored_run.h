@@ -35,8 +35,8 @@ class StoredRun {
   ~StoredRun();
   std::size_t snapshots() const;
   StoredSnapshot snapshot(std::size_t k) const;
-  double time(std::size_t k) const;         ///< of a snapshot [s]
-  std::vector<BodyRecord> bodies() const;   ///< all that were ever stored, by id, without motion
+  double time(std::size_t k) const;        ///< of a snapshot [s]
+  std::vector<BodyRecord> bodies() const;  ///< all that were ever stored, by id, without motion
   std::vector<StoredMeasure> measures() const;
   StoredWords words(const BodyRecord& body) const;
   /// Points of shapes and orientations are of the axes that the scene wrote; in older files of principal axes.
@@ -51,8 +51,8 @@ class StoredRun {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Why the run file cannot be read through (torn by a crash of the machine, cut, not there); "" where it can, or where it
-/// is whole but of another kind or format, which its readers refuse.
+/// Why the run file cannot be read through (torn by a crash of the machine, cut, not there); "" where it can, or where
+/// it is whole but of another kind or format, which its readers refuse.
 [[nodiscard]] std::string damage_of(const std::filesystem::path& path);
 
 }  // namespace epafi

@@ -15,7 +15,8 @@ void put_stages(JsonWriter& json, const StageSeconds& seconds) {
       json.member(stage_names[static_cast<std::size_t>(s)], values[static_cast<std::size_t>(s)]);
     json.end_object();
   };
-  put("stage_seconds", seconds.seconds), put("serial_seconds", seconds.serial);
+  put("stage_seconds", seconds.seconds);
+  put("serial_seconds", seconds.serial);
 }
 
 void put_energy(JsonWriter& json, const RunSummary::Energy& e) {

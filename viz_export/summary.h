@@ -38,15 +38,15 @@ struct RunSummary {
   std::string epafi;  ///< version
   std::string scene;
   std::string scene_hash;
-  std::string status;   ///< completed, bound_violated, failed, interrupted
+  std::string status;       ///< completed, bound_violated, failed, interrupted
   std::string stop_reason;  ///< why it ended before its time and well; else empty and absent
   struct StageTimes {
     std::string name;
     double from = 0, until = 0;  ///< [s]
     std::string ended;           ///< duration, condition, at_most, changed; empty: it was cut off
   };
-  std::vector<StageTimes> stages{};  ///< absent where the scene has none
-  std::string failure;  ///< why, where the status is not completed; else empty and absent
+  std::vector<StageTimes> stages{};   ///< absent where the scene has none
+  std::string failure;                ///< why, where the status is not completed; else empty and absent
   std::vector<std::string> warnings;  ///< what went wrong without ending the run; empty where nothing did
   std::uint64_t bodies = 0, bodies_lost = 0;
   std::uint64_t bodies_removed = 0;  ///< by remove_at, outlets and the domain
@@ -62,11 +62,11 @@ struct RunSummary {
   std::optional<Energy> energy;
   std::optional<double> momentum_error;
   std::optional<Overlap> overlap;
-  std::optional<MaxMean> residual, iterations;                       ///< non-smooth contact only
+  std::optional<MaxMean> residual, iterations;     ///< non-smooth contact only
   std::optional<std::uint64_t> unconverged_steps;  ///< that ended above the solver's tolerance; non-smooth contact only
   std::map<std::string, std::map<std::string, Component>> measures;  ///< by measure, by component
   std::map<std::string, Check> checks;                               ///< of [bounds]
-  std::map<std::string, Check> accuracy;                             ///< of [accuracy]; absent where the scene asks for none
+  std::map<std::string, Check> accuracy;  ///< of [accuracy]; absent where the scene asks for none
   std::uint64_t peak_memory_bytes = 0;
   std::string state_hash;
 };

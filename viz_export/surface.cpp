@@ -48,6 +48,11 @@ Surface triangles_of(const TriangleSurface& mesh) {
   return surface;
 }
 
+/// Shapes whose facets stand for a curved surface.
+template <class S>
+constexpr bool is_curved = std::is_same_v<S, Capsule> || std::is_same_v<S, Cylinder> || std::is_same_v<S, Ellipsoid> ||
+                           std::is_same_v<S, Superquadric> || std::is_same_v<S, Clump>;
+
 /// Support points of a latitude-longitude grid of directions about z: for shapes that offer nothing else.
 template <class S>
 Surface support_grid(const S& shape) {
@@ -83,10 +88,14 @@ Surface surface_of(const ShapeStore& shapes, ShapeRef ref, double plane_size, co
     } else if constexpr (requires { shape.view().face_begin; }) {
       return faces_of(shape.view());
     } else if constexpr (requires { tessellate(shape, fineness); }) {
-      return triangles_of(tessellate(shape, fineness));
+      Surface surface = triangles_of(tessellate(shape, fineness));
+      surface.curved = is_curved<S>;
+      return surface;
     } else {
       static_assert(ConvexShape<S>, "a shape is drawn from its faces, its triangles or its support function");
-      return support_grid(shape);
+      Surface surface = support_grid(shape);
+      surface.curved = true;
+      return surface;
     }
   });
 }

@@ -12,6 +12,7 @@ namespace epafi {
 struct Surface {
   std::vector<Vec3> points;  ///< body axes [m]
   std::vector<std::int32_t> connectivity, offsets;
+  bool curved = false;  ///< stands for a curved body: its facets are no faces
   bool empty() const { return offsets.empty(); }
 };
 

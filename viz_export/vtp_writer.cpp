@@ -45,7 +45,9 @@ std::string compress_blocks(Bytes data) {
     streams[b] = deflated(data.subspan(begin, end - begin), 1);
   });
   std::string out;
-  put_word(out, blocks), put_word(out, block_bytes), put_word(out, data.size() % block_bytes);
+  put_word(out, blocks);
+  put_word(out, block_bytes);
+  put_word(out, data.size() % block_bytes);
   for (const std::string& s : streams) {
     if (s.empty()) throw FileError("zlib ran out of memory");
     put_word(out, s.size());
@@ -61,8 +63,10 @@ std::vector<Bytes> arrays_of(const PolyData& d) {
     for (const VtpArray& a : *arrays)
       std::visit([&](const auto& values) { out.push_back(bytes_of(values)); }, a.values);
   out.push_back(bytes_of(d.points));
-  for (const VtpCells* cells : {&d.vertices, &d.lines, &d.polygons})
-    out.push_back(bytes_of(cells->connectivity)), out.push_back(bytes_of(cells->offsets));
+  for (const VtpCells* cells : {&d.vertices, &d.lines, &d.polygons}) {
+    out.push_back(bytes_of(cells->connectivity));
+    out.push_back(bytes_of(cells->offsets));
+  }
   return out;
 }
 
@@ -161,7 +165,8 @@ class PlacedFile {
       const ssize_t done = ::pwrite(file_, data.data(), data.size(), static_cast<off_t>(place));
       if (done < 0 && errno == EINTR) continue;
       if (done <= 0) fail();
-      place += static_cast<std::size_t>(done), data = data.subspan(static_cast<std::size_t>(done));
+      place += static_cast<std::size_t>(done);
+      data = data.subspan(static_cast<std::size_t>(done));
     }
   }
   void close() {
@@ -183,7 +188,8 @@ VtpFile::VtpFile(const PolyData& data) {
   std::size_t size = 0;
   for (const Bytes bytes : arrays_of(data)) {
     arrays_.push_back(compress_blocks(bytes));
-    offsets.push_back(size), size += arrays_.back().size();
+    offsets.push_back(size);
+    size += arrays_.back().size();
   }
   head_ = head_of(data, R"( compressor="vtkZLibDataCompressor")", std::move(offsets), {});
 }
@@ -208,7 +214,8 @@ void write_vtp_pieces(const std::filesystem::path& path, const std::vector<std::
   std::size_t size = 0;
   for (const Bytes bytes : arrays_of(piece)) {
     sizes.push_back(whole(bytes.size()));
-    offsets.push_back(size), size += sizeof(std::uint64_t) + sizes.back();
+    offsets.push_back(size);
+    size += sizeof(std::uint64_t) + sizes.back();
   }
   SideFile side(path);
   PlacedFile out(side.path(), path);
@@ -223,7 +230,10 @@ void write_vtp_pieces(const std::filesystem::path& path, const std::vector<std::
   }
   for (std::size_t next = 1;; ++next) {
     const std::vector<Bytes> arrays = arrays_of(piece);
-    for (std::size_t k = 0; k < arrays.size(); ++k) out.put(place[k], arrays[k]), place[k] += arrays[k].size();
+    for (std::size_t k = 0; k < arrays.size(); ++k) {
+      out.put(place[k], arrays[k]);
+      place[k] += arrays[k].size();
+    }
     if (next + 1 >= begins.size()) break;
     piece = draw(next);
   }

@@ -1,5 +1,5 @@
-/// @file vtp_writer.h  Points, lines and polygons with data arrays as VTK XML PolyData (.vtp, appended raw). Without the
-/// VTK library; read by VTK 9.1 and ParaView 5.11 (VTK File Formats, Kitware 2005).
+/// @file vtp_writer.h  Points, lines and polygons with data arrays as VTK XML PolyData (.vtp, appended raw). Without
+/// the VTK library; read by VTK 9.1 and ParaView 5.11 (VTK File Formats, Kitware 2005).
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -40,8 +40,8 @@ struct PolyData {
   std::size_t point_count() const { return points.size() / 3; }
 };
 
-/// A compressed file (zlib level 1 in blocks) ready to be written: several threads encode it, and different files may be
-/// written at once. Index arrays of meshes shrink to almost nothing.
+/// A compressed file (zlib level 1 in blocks) ready to be written: several threads encode it, and different files may
+/// be written at once. Index arrays of meshes shrink to almost nothing.
 class VtpFile {
  public:
   explicit VtpFile(const PolyData& data);

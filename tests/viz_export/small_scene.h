@@ -14,7 +14,8 @@ struct SmallScene {
   /// Sphere k has radius 0.1 + 0.01 k, mass k + 1, and rests at (k, 2k, 0.5) with velocity (1, k, -1).
   explicit SmallScene(std::size_t spheres) {
     Body floor;
-    floor.shape = shapes.add(HalfSpace{}).packed, floor.material = 1;
+    floor.shape = shapes.add(HalfSpace{}).packed;
+    floor.material = 1;
     world.add(floor);
     for (std::size_t i = 0; i < spheres; ++i) add_sphere();
     if (spheres < 2) return;
@@ -29,8 +30,11 @@ struct SmallScene {
     const Sphere sphere{0.1 + 0.01 * k};
     Body body;
     body.shape = shapes.add(sphere).packed;
-    body.position = {k, 2 * k, 0.5}, body.velocity = {1, k, -1}, body.angular_velocity = {0, 0, k};
-    body.mass = k + 1, body.inertia = Vec3::Constant(0.5);
+    body.position = {k, 2 * k, 0.5};
+    body.velocity = {1, k, -1};
+    body.angular_velocity = {0, 0, k};
+    body.mass = k + 1;
+    body.inertia = Vec3::Constant(0.5);
     world.add(body);
   }
   /// Other places, as after a step.

@@ -29,7 +29,9 @@ struct Cloud {
       world.add(body);
       if (body.position.z() > 0.0 && body.position.z() <= 0.3) mass_through += body.mass;
     }
-    setup.shapes = &shapes, setup.bodies.resize(2), setup.bodies[0].add(BodyId{0}, world.size());
+    setup.shapes = &shapes;
+    setup.bodies.resize(2);
+    setup.bodies[0].add(BodyId{0}, world.size());
     setup.parameters.set("plane.point", Value(Vec3(0, 0, 0))),
         setup.parameters.set("plane.normal", Value(Vec3(0, 0, -2)));
     setup.parameters.set("window", Value(1.0));
@@ -64,7 +66,8 @@ TEST_CASE("mass flow, drift and solid fraction of many bodies, for every thread 
     MassFlow flow(cloud.setup);
     DriftMeasure drift(cloud.setup);
     SolidFractionMeasure solid(cloud.setup);
-    cloud.sample(flow), cloud.sample(drift);
+    cloud.sample(flow);
+    cloud.sample(drift);
     cloud.fall();
     std::vector<double> all = cloud.sample(flow);
     REQUIRE(all.size() == 2);
@@ -76,7 +79,8 @@ TEST_CASE("mass flow, drift and solid fraction of many bodies, for every thread 
     const double ball = 4.18879020478639 * 1e-6;
     CHECK(share[0] == Approx(4444 * ball / 64.0).epsilon(1e-12));
     CHECK(share[1] == 4444.0);
-    all.insert(all.end(), way.begin(), way.end()), all.insert(all.end(), share.begin(), share.end());
+    all.insert(all.end(), way.begin(), way.end());
+    all.insert(all.end(), share.begin(), share.end());
     if (first.empty()) first = all;
     CHECK(all == first);
   }

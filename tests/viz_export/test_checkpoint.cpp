@@ -27,7 +27,9 @@ World some_world(std::uint64_t seed, int bodies) {
   for (int k = 0; k < bodies; ++k) {
     const Vec3 v = any();
     Body body;
-    body.position = any(), body.orientation = Quat(1, v.x(), v.y(), v.z()), body.velocity = any();
+    body.position = any();
+    body.orientation = Quat(1, v.x(), v.y(), v.z());
+    body.velocity = any();
     body.angular_velocity = any(), body.mass = 2.0, body.inertia = {1, 2, 3},
     body.material = static_cast<std::uint16_t>(k);
     const BodyId id = world.add(body);
@@ -62,7 +64,9 @@ TEST_CASE("a loaded checkpoint gives the saved bits and header, into a world of 
   std::vector<std::uint64_t> empty, loaded_empty(4);
   save_checkpoint(path, header, [&](StateVisitor& v) { saved.visit(v), v.column("extra/empty", empty); });
   const CheckpointHeader h = load_checkpoint(path, expected, [&](StateVisitor& v) {
-    v.column("extra/empty", loaded_empty), loaded.visit(v);  // the order of the walk does not matter
+    // the order of the walk does not matter
+    v.column("extra/empty", loaded_empty);
+    loaded.visit(v);
   });
   CHECK(state_hash(loaded) == state_hash(saved));
   CHECK(loaded.time == saved.time);
@@ -82,7 +86,8 @@ TEST_CASE("a checkpoint of another version, format or scene is refused with both
   other.version = "0.2.0";
   save_checkpoint(path, other, walk_of(world));
   CHECK_THAT(message_of(path), Contains("0.2.0") && Contains("0.1.0"));
-  other = header, other.scene_hash = "beef";
+  other = header;
+  other.scene_hash = "beef";
   save_checkpoint(path, other, walk_of(world));
   CHECK_THAT(message_of(path), Contains("another scene") && Contains("beef"));
   {

@@ -23,7 +23,9 @@ ContactSet random_contacts(std::uint64_t seed, Slot bodies, std::size_t pairs) {
     const auto b = a + 1 + static_cast<Slot>(random.uniform() * std::min<double>(30, bodies - a - 1));
     if (!known.insert({a, b}).second) continue;
     for (double points = random.uniform(0, 3); points > 0; points -= 1) {
-      c.a.push_back(a), c.b.push_back(b), c.gap.push_back(random.uniform(-1, 0.5));
+      c.a.push_back(a);
+      c.b.push_back(b);
+      c.gap.push_back(random.uniform(-1, 0.5));
       if (3 * p < pairs) c.force.push_back(random.uniform() < 0.3 ? Vec3(0, 0, 1) : Vec3(0, 0, 0));
     }
   }
@@ -33,8 +35,10 @@ ContactSet random_contacts(std::uint64_t seed, Slot bodies, std::size_t pairs) {
 std::vector<double> by_definition(const World& world, const ContactSet& c, int least) {
   std::vector<std::set<Slot>> of(world.size());
   for (std::size_t k = 0; k < c.size(); ++k)
-    if (c.gap[k] < 0 || (k < c.force.size() && !c.force[k].isZero()))
-      of[c.a[k]].insert(c.b[k]), of[c.b[k]].insert(c.a[k]);
+    if (c.gap[k] < 0 || (k < c.force.size() && !c.force[k].isZero())) {
+      of[c.a[k]].insert(c.b[k]);
+      of[c.b[k]].insert(c.a[k]);
+    }
   std::vector<bool> in(world.size());
   const auto degree = [&](Slot s) {
     return std::count_if(of[s].begin(), of[s].end(), [&](Slot o) { return in[o] || !world.is_movable(o); });
@@ -42,7 +46,10 @@ std::vector<double> by_definition(const World& world, const ContactSet& c, int l
   const auto mean = [&](double& count) {
     double sum = 0;
     count = 0;
-    for (Slot s = 0; s < world.size(); ++s) count += in[s], sum += in[s] ? static_cast<double>(degree(s)) : 0.0;
+    for (Slot s = 0; s < world.size(); ++s) {
+      count += in[s];
+      sum += in[s] ? static_cast<double>(degree(s)) : 0.0;
+    }
     return count > 0 ? sum / count : 0.0;
   };
   for (Slot s = 0; s < world.size(); ++s) in[s] = world.is_movable(s);
@@ -51,7 +58,10 @@ std::vector<double> by_definition(const World& world, const ContactSet& c, int l
   for (bool changed = true; changed;) {
     changed = false;
     for (Slot s = 0; s < world.size(); ++s)
-      if (in[s] && degree(s) < least) in[s] = false, changed = true;
+      if (in[s] && degree(s) < least) {
+        in[s] = false;
+        changed = true;
+      }
   }
   const double without = mean(kept);
   return {number, without, all - kept};

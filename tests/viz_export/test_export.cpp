@@ -23,8 +23,11 @@ void make_run(const std::filesystem::path& folder) {
   for (std::uint64_t k = 0; k < 3; ++k) {
     const auto bodies = body_records(scene.world, surfaces);
     const double t = scene.world.time;
-    run.add_measure(a, t, {t / 3, -t}), run.add_measure(b, t, {1.0});
-    csv.add(t, "a", "x", t / 3), csv.add(t, "a", "y", -t), csv.add(t, "b", "z", 1.0);
+    run.add_measure(a, t, {t / 3, -t});
+    run.add_measure(b, t, {1.0});
+    csv.add(t, "a", "x", t / 3);
+    csv.add(t, "a", "y", -t);
+    csv.add(t, "b", "z", 1.0);
     run.add_snapshot({k, t, "", true}, bodies);
     frames.write(t, bodies, {});
     scene.move(0.125);

@@ -156,7 +156,8 @@ TEST_CASE("the spheres of a list are found wherever the other bodies stand", "[v
   scene.world.remove(std::vector{BodyId{4}});
   CHECK(ids({}) == Ids{1, 3, 5});
   Body sphere, wall;
-  sphere.shape = scene.shapes.add(Sphere{0.1}).packed, wall.shape = scene.shapes.add(HalfSpace{}).packed;
+  sphere.shape = scene.shapes.add(Sphere{0.1}).packed;
+  wall.shape = scene.shapes.add(HalfSpace{}).packed;
   World world;
   for (const Body& body : {sphere, sphere, wall}) world.add(body);
   const BodyList behind = BodyList(world, surfaces).spheres(std::vector<Slot>{2});

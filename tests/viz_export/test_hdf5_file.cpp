@@ -49,11 +49,12 @@ TEST_CASE("a dataset written by pieces is the one written at once", "[viz_export
   for (const std::size_t rows : {0u, 1u, 16384u, 40001u}) {
     const auto all = counting(3 * rows);
     std::size_t behind = 0;
-    file.write_pieces<double>(
-        "p" + std::to_string(rows), rows, 3, [&](std::size_t first, std::size_t count, double* to) {
-          CHECK(first == behind);
-          std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(3 * first), 3 * count, to), behind += count;
-        });
+    file.write_pieces<double>("p" + std::to_string(rows), rows, 3,
+                              [&](std::size_t first, std::size_t count, double* to) {
+                                CHECK(first == behind);
+                                std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(3 * first), 3 * count, to);
+                                behind += count;
+                              });
     CHECK(behind == rows);
     CHECK(file.read<double>("p" + std::to_string(rows)) == all);
     CHECK(file.shape("p" + std::to_string(rows)) == std::vector<std::size_t>{rows, 3});
@@ -86,10 +87,14 @@ TEST_CASE("attributes and texts keep empty strings, UTF-8 and exact numbers", "[
   const TemporaryFolder folder;
   Hdf5File file(folder / "a.h5", Hdf5File::Mode::create);
   const std::string text = "title = \"Kies, 10 \u00b5m\"\n[run]\n";
-  file.write_text("scene", text), file.write_text("empty", "");
+  file.write_text("scene", text);
+  file.write_text("empty", "");
   file.make_group("g");
-  file.set_attribute("g", "time", 0.1), file.set_attribute("g", "time", 0.2);  // the second replaces the first
-  file.set_attribute("/", "steps", ~std::uint64_t{0}), file.set_attribute("/", "nothing", std::string());
+  // the second replaces the first
+  file.set_attribute("g", "time", 0.1);
+  file.set_attribute("g", "time", 0.2);
+  file.set_attribute("/", "steps", ~std::uint64_t{0});
+  file.set_attribute("/", "nothing", std::string());
   CHECK(file.read_text("scene") == text);
   CHECK(file.read_text("empty").empty());
   CHECK(file.number_attribute("g", "time") == 0.2);

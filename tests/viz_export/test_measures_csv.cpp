@@ -25,12 +25,15 @@ TEST_CASE("measures.csv is long, keeps 17 digits and quotes what needs it", "[vi
 TEST_CASE("a continued measures.csv equals the one of an uninterrupted run", "[viz_export][csv]") {
   const TemporaryFolder folder;
   const auto fill = [](MeasuresCsv& csv, int from, int to) {
-    for (int k = from; k < to; ++k)
-      csv.add(k * 0.1, "energy", "kinetic", 1.0 / k), csv.add(k * 0.1, "two\nlines", "x", k);
+    for (int k = from; k < to; ++k) {
+      csv.add(k * 0.1, "energy", "kinetic", 1.0 / k);
+      csv.add(k * 0.1, "two\nlines", "x", k);
+    }
   };
   {
     MeasuresCsv straight(folder / "straight.csv"), stopped(folder / "stopped.csv");
-    fill(straight, 1, 5000), fill(stopped, 1, 3000);
+    fill(straight, 1, 5000);
+    fill(stopped, 1, 3000);
   }
   std::ofstream(folder / "stopped.csv", std::ios::app) << "300.0,energy,kine";  // torn by a crash
   {

@@ -52,7 +52,8 @@ struct Recording {
   void steps(std::uint64_t from, std::uint64_t to) {
     for (std::uint64_t k = from; k < to; ++k) {
       const double x = static_cast<double>(k) - 3.0;
-      scene.world.time = time(k), scene.world.position[1].x() = x * x - 1.0;
+      scene.world.time = time(k);
+      scene.world.position[1].x() = x * x - 1.0;
       const StepView view{scene.world, scene.contacts, pairs, report, ledger, k, 0.1, false};
       for (Observer* o : {static_cast<Observer*>(&measure), static_cast<Observer*>(&state)})
         if (o->is_due(k)) o->observe(view);
@@ -100,7 +101,8 @@ TEST_CASE("recorders resumed from a checkpoint write the files of an uninterrupt
   {
     Recording stopped(folder);
     stopped.steps(0, 6);
-    stopped.csv.flush(), stopped.run.flush();
+    stopped.csv.flush();
+    stopped.run.flush();
     save_checkpoint(folder / "checkpoint.h5", {"0.1.0", "00ff", "", "", {}, 5, 0.5}, stopped.walk());
     stopped.steps(6, 9);  // goes on after the checkpoint and is killed
   }
@@ -110,13 +112,16 @@ TEST_CASE("recorders resumed from a checkpoint write the files of an uninterrupt
     resumed.steps(5, 12);  // looks again at the state of step 5
     CHECK(resumed.measure.summary().at("x").max == straight.measure.summary().at("x").max);
     CHECK(resumed.measure.summary().at("reciprocal").min == straight.measure.summary().at("reciprocal").min);
-    resumed.csv.flush(), resumed.run.flush();
+    resumed.csv.flush();
+    resumed.run.flush();
   }
-  straight.csv.flush(), straight.run.flush();
+  straight.csv.flush();
+  straight.run.flush();
   for (const char* name : {"m.csv", "frames/spheres_000003.vtp", "frames/contacts_000002.vtp"})
     CHECK(read_whole_file(folder / name) == read_whole_file(straight_folder / name));
   PvdFile list(folder / "frames.pvd"), straight_list(straight_folder / "frames.pvd");
-  list.keep_until(1e9), straight_list.keep_until(1e9);
+  list.keep_until(1e9);
+  straight_list.keep_until(1e9);
   REQUIRE(list.entries().size() == straight_list.entries().size());
   for (std::size_t k = 0; k < list.entries().size(); ++k) {
     const auto &e = list.entries()[k], &f = straight_list.entries()[k];

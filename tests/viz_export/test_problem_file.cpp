@@ -20,7 +20,8 @@ ConeProblem blocks(const ProblemFile& file) {
 /// The residual that `auto` reaches, measured here.
 double solved(const ConeProblem& p, double tolerance) {
   Parameters parameters;
-  parameters.set("tolerance", tolerance), parameters.set("iterations", 5000.0);
+  parameters.set("tolerance", tolerance);
+  parameters.set("iterations", 5000.0);
   Impulses r(p.size(), Vec3::Zero());
   auto_entry().make(parameters)->solve(p, r);
   std::vector<Vec6> v;
@@ -81,7 +82,8 @@ TEST_CASE("a problem whose matrix claims more than its vectors hold is refused b
           "[viz_export][problems]") {
   const auto path = std::filesystem::temp_directory_path() / "epafi_problem_claims.hdf5";
   const auto message = [&](const std::string& name, std::int32_t value) -> std::string {
-    std::filesystem::copy_file(folder / "stack_h005_mu05.hdf5", path, std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::copy_file(folder / "stack_h005_mu05.hdf5", path,
+                               std::filesystem::copy_options::overwrite_existing);
     {
       Hdf5File file(path, Hdf5File::Mode::append);
       file.remove(name);

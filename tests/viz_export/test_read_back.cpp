@@ -53,7 +53,8 @@ TEST_CASE("the sample for other readers", "[.sample]") {
   const EnergyLedger ledger;
   for (std::uint64_t k = 0; k < 3; ++k) {
     const StepView view{scene.world, scene.contacts, pairs, report, ledger, k, 0.5, k == 2};
-    measure.observe(view), state.observe(view);
+    measure.observe(view);
+    state.observe(view);
     scene.move(0.5);
   }
   VtpFile(grid(300)).write(out / "grid_compressed.vtp");

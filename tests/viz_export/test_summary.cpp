@@ -12,7 +12,10 @@ std::string quoted(const char* key) { return std::string(1, '"').append(key).app
 TEST_CASE("a summary holds every key of its contract and leaves out what the scene does not have",
           "[viz_export][summary]") {
   RunSummary s;
-  s.epafi = "0.1.0", s.scene = "hopper", s.status = "completed", s.state_hash = "00ff";
+  s.epafi = "0.1.0";
+  s.scene = "hopper";
+  s.status = "completed";
+  s.state_hash = "00ff";
   const std::string bare = summary_json(s);
   for (const char* key : {"epafi",       "scene",          "scene_hash",   "status",         "bodies",
                           "bodies_lost", "steps",          "time_step",    "simulated_time", "wall_time",

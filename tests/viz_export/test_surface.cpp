@@ -31,7 +31,8 @@ std::size_t open_edges(const Surface& s) {
     const auto end = static_cast<std::size_t>(s.offsets[f]);
     for (std::size_t i = k; i < end; ++i) {
       const std::int32_t from = s.connectivity[i], to = s.connectivity[i + 1 < end ? i + 1 : k];
-      ++edges[{from, to}], --edges[{to, from}];
+      ++edges[{from, to}];
+      --edges[{to, from}];
     }
     k = end;
   }

@@ -58,8 +58,10 @@ TEST_CASE("arrays of a .vtp stand where their offsets say, behind their size", "
 TEST_CASE("the list of frames keeps its times exactly and drops those after a checkpoint", "[viz_export][vtp]") {
   const TemporaryFolder folder;
   PvdFile list(folder / "a.pvd");
-  for (int k = 0; k < 5; ++k)
-    list.add(0.1 * k, 0, "frames/a" + std::to_string(k) + ".vtp"), list.add(0.1 * k, 3, "frames/w.vtp");
+  for (int k = 0; k < 5; ++k) {
+    list.add(0.1 * k, 0, "frames/a" + std::to_string(k) + ".vtp");
+    list.add(0.1 * k, 3, "frames/w.vtp");
+  }
   list.write();
   PvdFile again(folder / "a.pvd");
   again.keep_until(0.1 * 3);
@@ -68,7 +70,8 @@ TEST_CASE("the list of frames keeps its times exactly and drops those after a ch
          again.entries()[6].file == "frames/a3.vtp"));
   PvdFile pieces(folder / "b.pvd");  // appended to in place: the same bytes as at once
   for (int k = 0; k < 5; ++k) {
-    pieces.add(0.1 * k, 0, "frames/a" + std::to_string(k) + ".vtp"), pieces.add(0.1 * k, 3, "frames/w.vtp");
+    pieces.add(0.1 * k, 0, "frames/a" + std::to_string(k) + ".vtp");
+    pieces.add(0.1 * k, 3, "frames/w.vtp");
     pieces.write();
   }
   const std::string whole = read_whole_file(folder / "a.pvd");
@@ -89,7 +92,8 @@ TEST_CASE("a frame that cannot be written is an error that names it", "[viz_expo
   const auto draw = [](std::size_t, std::size_t) { return triangle(); };
   CHECK_THROWS_WITH(write_vtp_rows(folder / "no/a.vtp", 1, draw), Catch::Contains("no/a.vtp: cannot write"));
   std::filesystem::create_symlink("/dev/full", folder / "a.vtp.part");
-  CHECK_THROWS_WITH(write_vtp_rows(folder / "a.vtp", 1, draw), Catch::Contains("a.vtp: cannot write the frame: No space left"));
+  CHECK_THROWS_WITH(write_vtp_rows(folder / "a.vtp", 1, draw),
+                    Catch::Contains("a.vtp: cannot write the frame: No space left"));
   CHECK_FALSE(std::filesystem::exists(folder / "a.vtp"));
 }
 
@@ -122,16 +126,19 @@ TEST_CASE("rows that are drawn a few at a time make the file of all at once", "[
   }
 }
 
-TEST_CASE("the raw data begin where a parser that waits for more bytes still sees the end of the tag", "[viz_export][vtp]") {
-  // VTK hands its parser 4096 bytes at a time, ends the document itself behind the tag, and a careful expat tries an incomplete tag
-  // again at 2, 4, 8 ... times the bytes it had: from the 13 of its word at 26 and at 52
+TEST_CASE("the raw data begin where a parser that waits for more bytes still sees the end of the tag",
+          "[viz_export][vtp]") {
+  // VTK hands its parser 4096 bytes at a time, ends the document itself behind the tag, and a careful expat tries an
+  // incomplete tag again at 2, 4, 8 ... times the bytes it had: from the 13 of its word at 26 and at 52
   const TemporaryFolder folder;
   for (std::size_t arrays : {0u, 1u, 7u, 40u}) {
     PolyData data = triangle();
-    for (std::size_t k = 0; k < arrays; ++k) data.point_data.push_back({"a" + std::to_string(k), 1, VtpColumn<double>{1, 2, 3}});
+    for (std::size_t k = 0; k < arrays; ++k)
+      data.point_data.push_back({"a" + std::to_string(k), 1, VtpColumn<double>{1, 2, 3}});
     write_vtp_rows(folder / "x.vtp", 1, [&](std::size_t, std::size_t) { return data; });
     const std::string text = read_whole_file(folder / "x.vtp");
-    const std::size_t tag = text.find("<AppendedData"), end = text.find('>', tag), ended = end - tag + 1 + 13;  // "/>" in place of ">", "\n</VTKFile>\n"
+    const std::size_t tag = text.find("<AppendedData"), end = text.find('>', tag),
+                      ended = end - tag + 1 + 13;  // "/>" in place of ">", "\n</VTKFile>\n"
     CHECK((tag + 13) % 4096 == 0);
     CHECK(end - tag + 1 < 52);
     CHECK(ended >= 52);

@@ -41,8 +41,8 @@ TEST_CASE("a frame has the same bytes for every thread count, beside another fil
     frames.write(0.5, bodies, ContactList(scene.world, {scene.world, scene.contacts}),
                  [&] { write_whole_file(folder / "other", {"beside them"}); });
     std::vector<std::string> files;
-    for (const char* name : {"other", "frames.pvd", "frames/spheres_000000.vtp", "frames/contacts_000000.vtp",
-                             "frames/walls_000000.vtp"})
+    for (const char* name :
+         {"other", "frames.pvd", "frames/spheres_000000.vtp", "frames/contacts_000000.vtp", "frames/walls_000000.vtp"})
       files.push_back(read_whole_file(folder / name));
     if (first.empty()) first = files;
     CHECK(files == first);

@@ -12,14 +12,20 @@ namespace {
 struct Weighed {
   Vec3 sum = Vec3::Zero();
   double weight = 0.0;
-  Weighed& operator+=(const Weighed& o) { return sum += o.sum, weight += o.weight, *this; }
+  Weighed& operator+=(const Weighed& o) {
+    sum += o.sum;
+    weight += o.weight;
+    return *this;
+  }
 };
 
 /// The farthest of several ways: across and down [m].
 struct Farthest {
   double distance = 0.0, sag = 0.0;
   Farthest& operator+=(const Farthest& o) {
-    return distance = std::max(distance, o.distance), sag = std::max(sag, o.sag), *this;
+    distance = std::max(distance, o.distance);
+    sag = std::max(sag, o.sag);
+    return *this;
   }
 };
 }  // namespace
@@ -51,8 +57,8 @@ void ForceMeasure::sample(const StepView& view, std::vector<double>& values) {
   for (std::size_t k = 0; k < setup_.bodies[0].size(); ++k)
     if (const Slot s = w.slot_of(setup_.bodies[0][k]); s != no_slot) mine[s] = 1;
   const Vec3 sum = block_sum<Weighed>(std::min(c.size(), c.force.size()), [&](std::size_t k) {
-    return Weighed{(mine[c.a[k]] - mine[c.b[k]]) * c.force[k]};
-  }).sum;
+                     return Weighed{(mine[c.a[k]] - mine[c.b[k]]) * c.force[k]};
+                   }).sum;
   values = {sum.x(), sum.y(), sum.z()};
 }
 

@@ -18,14 +18,15 @@ void StressMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const ContactSet& c = view.contacts;
   const MeasureRegion region = region_.now(w);
-  const Mat3 sum = block_sum<Moment>(std::min(c.size(), c.force.size()), [&](std::size_t k) -> Moment {
-    if (c.force[k].isZero(0.0)) return {};
-    const Vec3 point = c.point(k, w);
-    if (!region.holds(MeasureRegion::in_cell(w, point))) return {};
-    const Vec3 b = w.position[c.a[k]] + w.branch(c.a[k], c.b[k], c.feature[k]);  // the image that is touched
-    const Vec3 from = w.is_movable(c.b[k]) ? b : point, to = w.is_movable(c.a[k]) ? w.position[c.a[k]] : point;
-    return {c.force[k] * (to - from).transpose()};
-  }).sum;
+  const Mat3 sum =
+      block_sum<Moment>(std::min(c.size(), c.force.size()), [&](std::size_t k) -> Moment {
+        if (c.force[k].isZero(0.0)) return {};
+        const Vec3 point = c.point(k, w);
+        if (!region.holds(MeasureRegion::in_cell(w, point))) return {};
+        const Vec3 b = w.position[c.a[k]] + w.branch(c.a[k], c.b[k], c.feature[k]);  // the image that is touched
+        const Vec3 from = w.is_movable(c.b[k]) ? b : point, to = w.is_movable(c.a[k]) ? w.position[c.a[k]] : point;
+        return {c.force[k] * (to - from).transpose()};
+      }).sum;
   const Mat3 stress = 0.5 / region.volume() * (sum + sum.transpose());
   values = {stress.trace() / 3.0, stress(0, 0), stress(1, 1), stress(2, 2), stress(0, 1), stress(0, 2), stress(1, 2)};
 }
@@ -36,7 +37,8 @@ namespace {
 double part_inside(const MeasureRegion& region, const Vec3& centre, double radius) {
   const Vec3 r = Vec3::Constant(radius);
   if (region.holds(centre - r) && region.holds(centre + r)) return 1.0;
-  if (((centre + r).array() < region.low.array()).any() || ((centre - r).array() >= region.high.array()).any()) return 0.0;
+  if (((centre + r).array() < region.low.array()).any() || ((centre - r).array() >= region.high.array()).any())
+    return 0.0;
   int in = 0, all = 0;
   for (int i = 0; i < 1000; ++i) {
     const int layer = i / 100;
@@ -67,8 +69,10 @@ void SolidFractionMeasure::sample(const StepView& view, std::vector<double>& val
     const auto s = static_cast<Slot>(i);
     if (!w.is_movable(s)) return {};
     const double own = shapes_->with(ShapeRef{w.shape[s]}, [](const auto& shape) {
-      if constexpr (requires { shape.mass_properties(); }) return shape.mass_properties().mass;  // at density 1
-      else return 0.0;
+      if constexpr (requires { shape.mass_properties(); })
+        return shape.mass_properties().mass;  // at density 1
+      else
+        return 0.0;
     });
     const double radius = std::cbrt(own * 0.238732414637843);  // 3/(4 pi)
     const Vec3 x = MeasureRegion::in_cell(w, w.position[s]);
@@ -79,7 +83,8 @@ void SolidFractionMeasure::sample(const StepView& view, std::vector<double>& val
   values = {sum.a / region.volume(), sum.b};
 }
 
-ProfileMeasure::ProfileMeasure(MeasureSetup setup) : region_(setup.parameters), bins_(static_cast<int>(setup.parameters.integer("bins"))) {
+ProfileMeasure::ProfileMeasure(MeasureSetup setup)
+    : region_(setup.parameters), bins_(static_cast<int>(setup.parameters.integer("bins"))) {
   const std::string& axis = setup.parameters.text("axis");
   axis_ = axis == "x" ? 0 : axis == "y" ? 1 : 2;
 }
@@ -87,7 +92,8 @@ ProfileMeasure::ProfileMeasure(MeasureSetup setup) : region_(setup.parameters), 
 std::vector<std::string> ProfileMeasure::components() const {
   std::vector<std::string> out;
   for (int k = 0; k < bins_; ++k)
-    for (const char* name : {"velocity_x_", "velocity_y_", "velocity_z_", "density_"}) out.push_back(name + std::to_string(k));
+    for (const char* name : {"velocity_x_", "velocity_y_", "velocity_z_", "density_"})
+      out.push_back(name + std::to_string(k));
   return out;
 }
 
@@ -103,7 +109,8 @@ void ProfileMeasure::sample(const StepView& view, std::vector<double>& values) {
     if (!w.is_movable(s) || !region.holds(x)) continue;
     const auto k = std::min(n - 1, static_cast<std::size_t>((x[axis_] - low) / height * bins_));
     const double m = 1.0 / w.inverse_mass[s];
-    mass[k] += m, momentum[k] += m * w.velocity[s];
+    mass[k] += m;
+    momentum[k] += m * w.velocity[s];
   }
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   values.clear();

@@ -1,4 +1,5 @@
-/// @file bulk_measures.h  What a region of a packing carries and holds: stress, solid fraction, profiles over its height.
+/// @file bulk_measures.h  What a region of a packing carries and holds: stress, solid fraction, profiles over its
+/// height.
 #pragma once
 #include <cmath>
 #include <limits>
@@ -13,12 +14,18 @@ struct MeasureRegion {
   bool whole_cell;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< [m]
   explicit MeasureRegion(const Parameters& p) : whole_cell(!p.has("region.box.min")) {
-    if (!whole_cell) low = p.vec3("region.box.min"), high = p.vec3("region.box.max");
+    if (!whole_cell) {
+      low = p.vec3("region.box.min");
+      high = p.vec3("region.box.max");
+    }
   }
   /// The region of this moment.
   MeasureRegion now(const World& world) const {
     MeasureRegion r = *this;
-    if (whole_cell && world.cell) r.low = world.cell->low, r.high = world.cell->low + world.cell->size;
+    if (whole_cell && world.cell) {
+      r.low = world.cell->low;
+      r.high = world.cell->low + world.cell->size;
+    }
     return r;
   }
   /// x, or where it stands in the periodic cell.
@@ -32,9 +39,9 @@ struct MeasureRegion {
   double volume() const { return (high - low).prod(); }
 };
 
-/// Stress of the contacts whose points lie in the region, by Love and Weber: sigma = 1/V sum f (x) l, f the force on A, l from B's
-/// centre (a contact with a wall: from the contact point) to A's; compression positive, symmetric part [Pa]. pressure: a third of
-/// the trace. Motion of the bodies is left out: in a flow it adds rho v'v'.
+/// Stress of the contacts whose points lie in the region, by Love and Weber: sigma = 1/V sum f (x) l, f the force on A,
+/// l from B's centre (a contact with a wall: from the contact point) to A's; compression positive, symmetric part [Pa].
+/// pressure: a third of the trace. Motion of the bodies is left out: in a flow it adds rho v'v'.
 class StressMeasure final : public Measure {
  public:
   explicit StressMeasure(MeasureSetup setup) : region_(setup.parameters) {}
@@ -46,8 +53,9 @@ class StressMeasure final : public Measure {
   MeasureRegion region_;
 };
 
-/// fraction: volume of the free bodies in the region over its volume; a body that its faces cut counts by the part of the sphere of
-/// equal volume that is inside (1000 points, 1e-2 of such a body). bodies: centres inside. Overlaps count twice.
+/// fraction: volume of the free bodies in the region over its volume; a body that its faces cut counts by the part of
+/// the sphere of equal volume that is inside (1000 points, 1e-2 of such a body). bodies: centres inside. Overlaps count
+/// twice.
 class SolidFractionMeasure final : public Measure {
  public:
   explicit SolidFractionMeasure(MeasureSetup setup) : region_(setup.parameters), shapes_(setup.shapes) {}
@@ -59,8 +67,8 @@ class SolidFractionMeasure final : public Measure {
   const ShapeStore* shapes_;
 };
 
-/// Means by mass over `bins` layers of the region along `axis`: velocity_x_0, velocity_y_0, velocity_z_0, density_0 [kg/m^3], the next
-/// layer _1 ... Velocities are NaN in an empty layer.
+/// Means by mass over `bins` layers of the region along `axis`: velocity_x_0, velocity_y_0, velocity_z_0, density_0
+/// [kg/m^3], the next layer _1 ... Velocities are NaN in an empty layer.
 class ProfileMeasure final : public Measure {
  public:
   explicit ProfileMeasure(MeasureSetup setup);

@@ -32,14 +32,21 @@ void ContactMeasure::sample(const StepView& view, std::vector<double>& values) {
     if (!((a & 1 && b & 2) || (a & 2 && b & 1)) || k >= c.force.size()) continue;
     const double normal_force = -c.force[k].dot(c.normal[k]);
     if (c.gap[k] >= 0 && normal_force == 0) continue;
-    values[1] += normal_force, values[2] += (c.force[k] + normal_force * c.normal[k]).norm(), values[7] += 1;
+    values[1] += normal_force;
+    values[2] += (c.force[k] + normal_force * c.normal[k]).norm();
+    values[7] += 1;
     if (values[7] > 1 && -c.gap[k] <= deepest) continue;
     deepest = -c.gap[k];
     Vec3 slip = w.velocity[c.b[k]] - w.velocity[c.a[k]];
-    if (w.rotates()) slip += w.angular_velocity[c.b[k]].cross(c.arm_b(k, w)) - w.angular_velocity[c.a[k]].cross(c.arm[k]);
+    if (w.rotates())
+      slip += w.angular_velocity[c.b[k]].cross(c.arm_b(k, w)) - w.angular_velocity[c.a[k]].cross(c.arm[k]);
     slip -= slip.dot(c.normal[k]) * c.normal[k];
     const Vec3 p = c.point(k, w);
-    values[0] = std::max(0.0, deepest), values[3] = slip.norm(), values[4] = p.x(), values[5] = p.y(), values[6] = p.z();
+    values[0] = std::max(0.0, deepest);
+    values[3] = slip.norm();
+    values[4] = p.x();
+    values[5] = p.y();
+    values[6] = p.z();
   }
 }
 
@@ -62,7 +69,10 @@ struct Neighbours {
       for (std::size_t piece = first; piece < last; ++piece)
         contacts.read_gaps(piece, [&](const ContactSet& c, std::size_t from, std::size_t to) {
           for (std::size_t k = from; k < to; ++k)
-            if (acts(c, k) && is_first(c, k)) f(c.a[k], c.b[k]), f(c.b[k], c.a[k]);
+            if (acts(c, k) && is_first(c, k)) {
+              f(c.a[k], c.b[k]);
+              f(c.b[k], c.a[k]);
+            }
         });
     };
     parallel_group(
@@ -74,8 +84,8 @@ struct Neighbours {
 constexpr int gone = -1;
 
 /// Takes away who has fewer than `least` neighbours left, and then who has too few without them, until nobody has: who
-/// is left does not depend on the order (the core of a graph: Seidman 1983). Every thread has bodies of its own, 4096 at
-/// least; what those of others lose to them they are told of in the next round.
+/// is left does not depend on the order (the core of a graph: Seidman 1983). Every thread has bodies of its own, 4096
+/// at least; what those of others lose to them they are told of in the next round.
 class Rattlers {
  public:
   /// degree: neighbours of each body, `gone` where it is not one; in the end those left, `gone` of who has left.
@@ -117,17 +127,24 @@ class Rattlers {
   void take_away(Part& mine, Slot begin, Slot end) {
     while (!mine.leaving.empty()) {
       const Slot s = mine.leaving.back();
-      mine.leaving.pop_back(), degree_[s] = gone;
+      mine.leaving.pop_back();
+      degree_[s] = gone;
       for (std::uint32_t k = touched_.begin[s]; k < touched_.begin[s + 1]; ++k) {
         const Slot other = touched_.list[k];
-        if (other >= begin && other < end) lose_one(mine, other);
-        else mine.tell.push_back(other);
+        if (other >= begin && other < end)
+          lose_one(mine, other);
+        else
+          mine.tell.push_back(other);
       }
     }
   }
   bool pass_on() {
     bool any = false;
-    for (Part& p : parts_) p.told.swap(p.tell), p.tell.clear(), any = any || !p.told.empty();
+    for (Part& p : parts_) {
+      p.told.swap(p.tell);
+      p.tell.clear();
+      any = any || !p.told.empty();
+    }
     return any;
   }
 
@@ -153,7 +170,8 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   thread_local UnwrittenColumn<int> kept_degree;
   Neighbours& touched = kept;  // of the caller
   UnwrittenColumn<int>& degree = kept_degree;
-  touched.find(w.size(), view.pieces()), degree.resize(w.size());
+  touched.find(w.size(), view.pieces());
+  degree.resize(w.size());
   parallel_for(w.size(), [&](std::size_t s) {
     const bool is_body = w.is_movable(static_cast<Slot>(s));
     degree[s] = is_body ? static_cast<int>(touched.begin[s + 1] - touched.begin[s]) : gone;
@@ -162,7 +180,10 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const Rattlers taken(touched, least_, degree);
   const Sum3 left = count_left(degree);
   values = {all.a > 0 ? all.b / all.a : 0.0, left.a > 0 ? left.b / left.a : 0.0, all.a - left.a};
-  if (w.size() >= many_bodies) touched = {}, let_go(degree);
+  if (w.size() >= many_bodies) {
+    touched = {};
+    let_go(degree);
+  }
 }
 
 }  // namespace epafi

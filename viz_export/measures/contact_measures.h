@@ -4,8 +4,8 @@
 
 namespace epafi {
 
-/// Of the deepest contact between the two groups: overlap [m], normal_force, tangential_force [N] (sums over their contacts),
-/// slip [m/s], point_x, point_y, point_z [m], count. All 0, and the point NaN, where they do not touch.
+/// Of the deepest contact between the two groups: overlap [m], normal_force, tangential_force [N] (sums over their
+/// contacts), slip [m/s], point_x, point_y, point_z [m], count. All 0, and the point NaN, where they do not touch.
 class ContactMeasure final : public Measure {
  public:
   explicit ContactMeasure(MeasureSetup setup);
@@ -21,8 +21,8 @@ class ContactMeasure final : public Measure {
 };
 
 /// number: contacts in which a free body takes part, per free body (2 N_cc + N_cw over N), counting pairs that touch;
-/// without_rattlers: the same without rattlers, bodies of fewer than `least` contacts, taken away until none is left; rattlers: how
-/// many. Balance takes 4 contacts without friction, 2 with it.
+/// without_rattlers: the same without rattlers, bodies of fewer than `least` contacts, taken away until none is left;
+/// rattlers: how many. Balance takes 4 contacts without friction, 2 with it.
 class Coordination final : public Measure {
  public:
   explicit Coordination(const MeasureSetup& setup) : least_(setup.parameters.number("least")) {}

@@ -8,8 +8,10 @@
 namespace epafi {
 
 MassFlow::MassFlow(MeasureSetup setup)
-    : setup_(std::move(setup)), point_(setup_.parameters.vec3("plane.point")),
-      normal_(setup_.parameters.vec3("plane.normal").normalized()), window_(setup_.parameters.number("window")) {}
+    : setup_(std::move(setup)),
+      point_(setup_.parameters.vec3("plane.point")),
+      normal_(setup_.parameters.vec3("plane.normal").normalized()),
+      window_(setup_.parameters.number("window")) {}
 
 /// How many of the planes a body has before it: that of the scene, and its images along the axes that the cell repeats.
 /// A lap along an axis in the direction of the normal passes one more, wherever the body is beside the axis.
@@ -50,7 +52,8 @@ void MassFlow::sample(const StepView& view, std::vector<double>& values) {
     const Slot s = w.slot_of(static_cast<BodyId>(id));
     return s == no_slot || !w.is_movable(s) ? 0.0 : passed(w, s);
   });
-  times_.push_back(w.time), masses_.push_back(mass_);
+  times_.push_back(w.time);
+  masses_.push_back(mass_);
   std::size_t first = 0;  // the youngest sample at least a window old, or the oldest there is
   while (first + 1 < times_.size() && times_[first + 1] <= w.time - window_ * (1 - 1e-9)) ++first;
   times_.erase(times_.begin(), times_.begin() + static_cast<std::ptrdiff_t>(first));
@@ -60,8 +63,10 @@ void MassFlow::sample(const StepView& view, std::vector<double>& values) {
 }
 
 void MassFlow::visit(StateVisitor& visitor, const std::string& prefix) {
-  visitor.value(prefix + "/mass", mass_), visitor.column(prefix + "/level", level_);
-  visitor.column(prefix + "/times", times_), visitor.column(prefix + "/masses", masses_);
+  visitor.value(prefix + "/mass", mass_);
+  visitor.column(prefix + "/level", level_);
+  visitor.column(prefix + "/times", times_);
+  visitor.column(prefix + "/masses", masses_);
 }
 
 }  // namespace epafi

@@ -27,16 +27,17 @@ class MassFlow final : public Measure {
   double window_;
   double mass_ = 0;
   static constexpr int unseen = std::numeric_limits<int>::min();
-  std::vector<int> level_;                  ///< by body id: planes passed
-  std::vector<double> times_, masses_;      ///< samples of the last window
+  std::vector<int> level_;              ///< by body id: planes passed
+  std::vector<double> times_, masses_;  ///< samples of the last window
 };
 
-/// Components kinetic, potential, elastic, dissipated, work [J], relative_error, and the parts of what smooth contacts dissipated:
-/// viscous, frictional, plastic, adhesive [J]; NaN under non-smooth contact, where one impulse does it all.
+/// Components kinetic, potential, elastic, dissipated, work [J], relative_error, and the parts of what smooth contacts
+/// dissipated: viscous, frictional, plastic, adhesive [J]; NaN under non-smooth contact, where one impulse does it all.
 class EnergyMeasure final : public Measure {
  public:
   std::vector<std::string> components() const override {
-    return {"kinetic", "potential", "elastic", "dissipated", "work", "relative_error", "viscous", "frictional", "plastic", "adhesive"};
+    return {"kinetic",        "potential", "elastic",    "dissipated", "work",
+            "relative_error", "viscous",   "frictional", "plastic",    "adhesive"};
   }
   bool wants_energy() const override { return true; }
   void sample(const StepView& view, std::vector<double>& values) override {
@@ -44,8 +45,10 @@ class EnergyMeasure final : public Measure {
     values = {e.kinetic, e.potential, e.elastic, e.dissipated, e.work, view.ledger.relative_error()};
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     const Losses& l = e.losses;
-    if (view.report.has_solver) values.insert(values.end(), 4, nan);
-    else values.insert(values.end(), {l.viscous, l.frictional, l.plastic, l.adhesive});
+    if (view.report.has_solver)
+      values.insert(values.end(), 4, nan);
+    else
+      values.insert(values.end(), {l.viscous, l.frictional, l.plastic, l.adhesive});
   }
 };
 

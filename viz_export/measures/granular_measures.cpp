@@ -24,22 +24,23 @@ void HysteresisMeasure::sample(const StepView& view, std::vector<double>& values
   const World& w = view.world;
   const ContactSet& c = view.contacts;
   double overlap = 0.0, force = 0.0;
-  const auto in = [&](Slot s, std::size_t group) {
-    return setup_.bodies[group].contains(w.id[s]);
-  };
+  const auto in = [&](Slot s, std::size_t group) { return setup_.bodies[group].contains(w.id[s]); };
   for (std::size_t k = 0; k < c.size(); ++k) {
     if (-c.gap[k] <= overlap && normal_force(c, k) <= force) continue;
     if (!((in(c.a[k], 0) && in(c.b[k], 1)) || (in(c.a[k], 1) && in(c.b[k], 0)))) continue;
-    overlap = std::max(0.0, -c.gap[k]), force = normal_force(c, k);
+    overlap = std::max(0.0, -c.gap[k]);
+    force = normal_force(c, k);
   }
   if (overlap_ == 0.0 && force_ == 0.0 && overlap > 0.0) area_ = 0.0;  // a new contact
   area_ += 0.5 * (force + force_) * (overlap - overlap_);
-  overlap_ = overlap, force_ = force;
+  overlap_ = overlap;
+  force_ = force;
   values = {overlap, force, area_};
 }
 
 void HysteresisMeasure::visit(StateVisitor& visitor, const std::string& prefix) {
-  visitor.value(prefix + "/overlap", overlap_), visitor.value(prefix + "/force", force_);
+  visitor.value(prefix + "/overlap", overlap_);
+  visitor.value(prefix + "/force", force_);
   visitor.value(prefix + "/area", area_);
 }
 
@@ -80,10 +81,16 @@ void ForceChains::sample(const StepView& view, std::vector<double>& values) {
   const auto major = major_stresses(w, c, *shapes_);
   double mean = 0, bodies = 0, sum = 0, touching = 0, strong = 0;
   for (Slot s = 0; s < w.size(); ++s)
-    if (w.is_movable(s)) mean += major[s].value, bodies += 1;
+    if (w.is_movable(s)) {
+      mean += major[s].value;
+      bodies += 1;
+    }
   mean = bodies > 0 ? mean / bodies : 0;
   for (std::size_t k = 0; k < c.size(); ++k)
-    if (normal_force(c, k) > 0) sum += normal_force(c, k), touching += 1;
+    if (normal_force(c, k) > 0) {
+      sum += normal_force(c, k);
+      touching += 1;
+    }
   std::vector<std::uint32_t> parent(w.size());
   std::iota(parent.begin(), parent.end(), 0u);
   constexpr double cosine = 0.70710678118654752;  // 45 degrees
@@ -101,7 +108,11 @@ void ForceChains::sample(const StepView& view, std::vector<double>& values) {
   for (std::uint32_t s = 0; s < w.size(); ++s) ++size[root_of(parent, s)];
   double chains = 0, members = 0, longest = 0;
   for (double n : size)
-    if (n >= 3) chains += 1, members += n, longest = std::max(longest, n);
+    if (n >= 3) {
+      chains += 1;
+      members += n;
+      longest = std::max(longest, n);
+    }
   values = {chains, members, longest, bodies > 0 ? members / bodies : 0.0, touching > 0 ? strong / touching : 0.0};
 }
 
@@ -137,7 +148,10 @@ std::size_t ReposeMeasure::rings(const World& w, double reach) const {
   if (bins_ > 0) return static_cast<std::size_t>(bins_);
   double diameters = 0.0, bodies = 0.0;
   for (Slot s = 0; s < w.size(); ++s)
-    if (w.is_movable(s)) bodies += 1.0, diameters += 2.0 * shapes_->bounding_radius({w.shape[s]});
+    if (w.is_movable(s)) {
+      bodies += 1.0;
+      diameters += 2.0 * shapes_->bounding_radius({w.shape[s]});
+    }
   constexpr double most = 1e5;
   return static_cast<std::size_t>(std::clamp(std::ceil(reach * bodies / diameters), 1.0, most));
 }
@@ -164,7 +178,11 @@ void ReposeMeasure::sample(const StepView& view, std::vector<double>& values) {
   double n = 0, sx = 0, sz = 0, sxx = 0, sxz = 0;
   for (const Top& top : tops) {
     if (!(top.height >= 0.3 * height && top.height <= 0.9 * height)) continue;
-    n += 1, sx += top.at, sz += top.height, sxx += top.at * top.at, sxz += top.at * top.height;
+    n += 1;
+    sx += top.at;
+    sz += top.height;
+    sxx += top.at * top.at;
+    sxz += top.at * top.height;
   }
   const double slope = n >= 2 ? (n * sxz - sx * sz) / (n * sxx - sx * sx) : nan;
   values = {std::atan(-slope) * 57.29577951308232, height, far};
@@ -184,8 +202,10 @@ void MixingMeasure::sample(const StepView& view, std::vector<double>& values) {
       const Vec3 u = w.position[s] / edge_;
       Count& cell =
           cells[{std::lround(std::floor(u.x())), std::lround(std::floor(u.y())), std::lround(std::floor(u.z()))}];
-      cell.first += g == 0, cell.both += 1;
-      first += g == 0, both += 1;
+      cell.first += g == 0;
+      cell.both += 1;
+      first += g == 0;
+      both += 1;
     }
   if (both == 0) return void(values = {nan, nan});
   // variance of the share over the cells, each weighed by its bodies; a mean cell holds n bodies as a body sees them

@@ -1,4 +1,5 @@
-/// @file measure.h  A named quantity sampled during a run, with components. One file per kind, one line in all_measures.h.
+/// @file measure.h  A named quantity sampled during a run, with components. One file per kind, one line in
+/// all_measures.h.
 #pragma once
 #include <functional>
 #include <memory>
@@ -16,11 +17,11 @@ namespace epafi {
 /// What a measure looks at, resolved from the scene.
 struct MeasureSetup {
   std::string name;
-  Parameters parameters;                    ///< fields of the kind
-  std::vector<BodyIds> bodies;              ///< of `body` (one list) or `between` (two lists)
+  Parameters parameters;        ///< fields of the kind
+  std::vector<BodyIds> bodies;  ///< of `body` (one list) or `between` (two lists)
   const ShapeStore* shapes = nullptr;
-  double interval = 0.0;                    ///< [s]
-  const Tally* tally = nullptr;             ///< of `outlet`
+  double interval = 0.0;         ///< [s]
+  const Tally* tally = nullptr;  ///< of `outlet`
 };
 
 class Measure {
@@ -33,7 +34,8 @@ class Measure {
   virtual void bodies_come(const World&, std::size_t /*first*/) {}
   virtual void bodies_leave(const World&, std::span<const BodyId>) {}
   virtual bool wants_energy() const { return false; }
-  /// What `sample` looks at of single contacts: the set may lack those of the loop over spheres, or their other columns.
+  /// What `sample` looks at of single contacts: the set may lack those of the loop over spheres, or their other
+  /// columns.
   virtual ContactView wants_contacts() const { return ContactView::none; }
   virtual void visit(StateVisitor&, const std::string& /*prefix*/) {}
 };

@@ -40,7 +40,8 @@ void WheelsetMeasure::sample(const StepView& view, std::vector<double>& values) 
 void SwingMeasure::sample(const StepView& view, std::vector<double>& values) {
   std::vector<double> all;
   place_.sample(view, all);
-  time_.push_back(view.world.time), lateral_.push_back(all[1]);
+  time_.push_back(view.world.time);
+  lateral_.push_back(all[1]);
   std::size_t old = 0;
   while (time_[old] < view.world.time - window_) ++old;
   time_.erase(time_.begin(), time_.begin() + static_cast<std::ptrdiff_t>(old));

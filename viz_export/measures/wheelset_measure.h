@@ -26,7 +26,8 @@ class SwingMeasure final : public Measure {
   std::vector<std::string> components() const override { return {"amplitude"}; }
   void sample(const StepView& view, std::vector<double>& values) override;
   void visit(StateVisitor& visitor, const std::string& prefix) override {
-    visitor.column(prefix + "/time", time_), visitor.column(prefix + "/lateral", lateral_);
+    visitor.column(prefix + "/time", time_);
+    visitor.column(prefix + "/lateral", lateral_);
   }
 
  private:

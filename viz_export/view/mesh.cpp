@@ -5,11 +5,15 @@
 #include <cmath>
 
 #include "engine/hash.h"
+#include "viz_export/view/refine.h"
 
 namespace epafi {
 namespace {
 
-constexpr double crease = 0.86;  // cosine: 31 degrees; the facets of drawn round bodies are bent by 30
+constexpr double crease = 0.86;         // cosine: 31 degrees
+constexpr double curved_crease = 0.47;  // 62 degrees: facets of drawn ellipsoids are bent by 30 and more at thin ends
+constexpr std::ptrdiff_t most_refined = 2000;  // bodies: 500 triangles each
+constexpr float same_place = 1e-5f;            // of the mesh's size: the seam of a turned profile is closed
 
 /// Normals of the polygons (Newell), unit or zero.
 std::vector<Vec3> polygon_normals(const Surface& s) {
@@ -39,11 +43,26 @@ double largest_coordinate(const Surface& s) {
 /// The same for scaled copies: corners to 1e-6 of the size.
 std::string form_of(const Surface& s, double size) {
   Hash hash;
+  hash.add(std::uint64_t{s.curved});
   for (const auto* numbers : {&s.connectivity, &s.offsets})
     for (const std::int32_t number : *numbers) hash.add(static_cast<std::uint64_t>(number));
   for (const Vec3& p : s.points)
     for (int axis = 0; axis < 3; ++axis) hash.add(static_cast<std::uint64_t>(std::llround(1e6 * p[axis] / size)));
   return hash.hex();
+}
+
+/// The first point at the place of each.
+std::vector<std::uint32_t> joined_points(const ViewMesh& mesh) {
+  float size = 0;
+  for (const Eigen::Vector3f& p : mesh.points) size = std::max(size, p.cwiseAbs().maxCoeff());
+  const float step = size > 0 ? same_place * size : 1.0f;
+  std::map<std::array<long, 3>, std::uint32_t> known;
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t p = 0; p < mesh.points.size(); ++p) {
+    const Eigen::Vector3f at = mesh.points[p] / step;
+    out.push_back(known.try_emplace({std::lround(at.x()), std::lround(at.y()), std::lround(at.z())}, p).first->second);
+  }
+  return out;
 }
 
 }  // namespace
@@ -59,11 +78,12 @@ ViewMesh view_mesh(const Surface& s) {
       around[static_cast<std::size_t>(s.connectivity[k])].push_back(f);
     begin = static_cast<std::size_t>(s.offsets[f]);
   }
+  const double bend = s.curved ? curved_crease : crease;
   const auto add_corner = [&](std::uint32_t polygon, std::size_t place) {
     const auto point = static_cast<std::uint32_t>(s.connectivity[place]);
     Vec3 sum = Vec3::Zero();
     for (const std::uint32_t other : around[point])
-      if (normals[other].dot(normals[polygon]) > crease) sum += normals[other];
+      if (normals[other].dot(normals[polygon]) > bend) sum += normals[other];
     const double length = sum.norm();
     mesh.corners.push_back(point);
     mesh.normals.push_back((length > 0 ? Vec3(sum / length) : normals[polygon]).cast<float>());
@@ -81,13 +101,13 @@ ViewMesh view_mesh(const Surface& s) {
   return mesh;
 }
 
+MeshStore::MeshStore(const std::vector<BodyRecord>& bodies)
+    : refines_(std::count_if(bodies.begin(), bodies.end(), [](const BodyRecord& b) {
+                 return b.surface != nullptr && b.surface->curved;
+               }) <= most_refined) {}
+
 std::vector<std::uint32_t> feature_edges(const ViewMesh& mesh) {
-  std::map<std::array<float, 3>, std::uint32_t> known;  // points at one place are one
-  std::vector<std::uint32_t> same;
-  for (std::uint32_t p = 0; p < mesh.points.size(); ++p) {
-    const auto& at = mesh.points[p];
-    same.push_back(known.emplace(std::array<float, 3>{at.x(), at.y(), at.z()}, p).first->second);
-  }
+  const std::vector<std::uint32_t> same = joined_points(mesh);
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Eigen::Vector3f>> edges;  // normals of faces around
   for (std::size_t c = 0; c + 2 < mesh.corners.size(); c += 3) {
     const auto point = [&](std::size_t k) -> const Eigen::Vector3f& { return mesh.points[mesh.corners[c + k]]; };
@@ -111,7 +131,8 @@ MeshStore::Copy MeshStore::of(const Surface* surface) {
   const double size = std::max(largest_coordinate(*surface), 1e-300);
   const auto [form, is_new] = by_form_.emplace(form_of(*surface, size), static_cast<std::int32_t>(meshes_.size()));
   if (is_new) {
-    meshes_.push_back(view_mesh(*surface));
+    ViewMesh mesh = view_mesh(*surface);
+    meshes_.push_back(surface->curved && refines_ ? refined(mesh) : std::move(mesh));
     sizes_.push_back(size);
   }
   const Copy copy{form->second, size / sizes_[static_cast<std::size_t>(form->second)]};

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "viz_export/surface.h"
+#include "viz_export/body_record.h"
 
 namespace epafi {
 
@@ -15,6 +15,7 @@ struct ViewMesh {
   std::vector<Eigen::Vector3f> normals;  ///< unit, one per corner
 };
 
+/// Facets of a curved surface look round up to twice that bend.
 [[nodiscard]] ViewMesh view_mesh(const Surface& surface);
 
 /// Pairs of points: the edges between faces that are bent by more than a crease, and borders (page/bodies.js has the
@@ -24,6 +25,9 @@ struct ViewMesh {
 /// The meshes that occur. Surfaces are told apart by their address: they must stay.
 class MeshStore {
  public:
+  MeshStore() = default;
+  /// Curved surfaces are refined unless that many bodies have them that drawing would take long.
+  explicit MeshStore(const std::vector<BodyRecord>& bodies);
   struct Copy {
     std::int32_t mesh = -1;  ///< -1: a sphere
     double scale = 1.0;
@@ -33,6 +37,7 @@ class MeshStore {
   const std::vector<ViewMesh>& all() const { return meshes_; }
 
  private:
+  bool refines_ = true;
   std::vector<ViewMesh> meshes_;
   std::vector<double> sizes_;  ///< of each mesh, largest coordinate [m]
   std::map<const Surface*, Copy> known_;

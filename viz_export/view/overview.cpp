@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "viz_export/view/grounds.h"
+
 namespace epafi {
 namespace {
 
@@ -125,10 +127,12 @@ Overview look_over(const ViewSource& source) {
   std::map<std::string, std::vector<double>> values;
   std::vector<float> forces;
   FreeBox free;
+  Grounds grounds(upwards(source.about()));
   const std::vector<std::size_t> shown = spread(source.times().size(), most_frames);
   for (const std::size_t k : shown) {
     const ViewFrame frame = source.frame(k);
     free.add(frame);
+    grounds.add(frame);
     const FrameFields fields_of(frame, source.about());
     for (const ViewField& field : fields) {
       if (field.kind == ViewField::Kind::category) continue;
@@ -158,6 +162,8 @@ Overview look_over(const ViewSource& source) {
   const double still = speed_at_rest(source.about(), out.box), radius = free.mean_radius();
   for (const ViewField& field : fields)
     out.range[field.name] = range_of(field, values[field.name], floor_of(field.name, still, radius));
+  out.grounds = grounds.ids();
+  out.ground_top = grounds.top();
   out.frames_looked_at = shown.size();
   return out;
 }

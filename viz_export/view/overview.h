@@ -15,6 +15,8 @@ struct Overview {
   std::map<std::string, double> largest;               ///< of each moving field over the frames looked at
   float strongest = 0;                                 ///< normal force of a contact [N], of 99 % of them
   double worst_residual = 0;                           ///< of a contact
+  std::vector<std::uint32_t> grounds;                  ///< ids of walls below all else, ascending (grounds.h)
+  double ground_top = 0;                               ///< the highest of them, along what is up [m]
   std::size_t frames_looked_at = 0;
 };
 

@@ -67,6 +67,14 @@ void put_cameras(JsonWriter& json, const Vec3& up) {
   put_vector(json, "level", upright(up) * Vec3::UnitY());
 }
 
+/// The page shows these walls solid while its eye is above them.
+void put_grounds(JsonWriter& json, const Overview& overview) {
+  json.key("grounds").begin_array();
+  for (const std::uint32_t id : overview.grounds) json.value(std::uint64_t{id});
+  json.end_array();
+  if (!overview.grounds.empty()) json.member("ground_top", overview.ground_top);
+}
+
 /// Times and values of each component, every so many.
 void put_measures(JsonWriter& json, const std::vector<StoredMeasure>& measures) {
   json.key("measures").begin_array();
@@ -128,6 +136,7 @@ std::string Packer::manifest(const std::vector<std::string>& columns, const std:
   put_vector(json, "max", overview_.box.max);
   json.end_object().member("strongest", static_cast<double>(overview_.strongest));
   put_cameras(json, upwards(source_.about()));
+  put_grounds(json, overview_);
   put_about(json, source_.about());
   put_view(json, source_.about().view);
   put_measures(json, source_.measures());
@@ -138,7 +147,7 @@ std::string Packer::manifest(const std::vector<std::string>& columns, const std:
 
 std::string Packer::bodies() const {
   const auto& all = source_.bodies();
-  MeshStore meshes;
+  MeshStore meshes(all);
   std::vector<float> radius, scale;
   std::vector<std::int32_t> mesh;
   std::vector<std::uint16_t> material, wall;

@@ -14,10 +14,10 @@
 namespace epafi {
 namespace {
 
-constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19}, soft{0.36, 0.40, 0.46}, wall_colour{0.70, 0.73, 0.78},
-    spring_colour{0.2, 0.2, 0.2}, wall_edge{0.62, 0.65, 0.70};
-constexpr std::ptrdiff_t most_outlined =
-    400;  // free bodies with edges; among more of them lines would hide the colours
+constexpr Rgb paper{0.969, 0.973, 0.980}, ink{0.11, 0.14, 0.19}, wall_colour{0.70, 0.73, 0.78},
+    ground_colour{0.86, 0.88, 0.90}, spring_colour{0.2, 0.2, 0.2}, wall_edge{0.62, 0.65, 0.70},
+    ground_edge{0.45, 0.48, 0.54};
+constexpr std::ptrdiff_t most_outlined = 400;  // free bodies; among more of them lines would hide the colours
 constexpr float wall_opacity = 0.22f;
 
 ViewField find_field(const ViewSource& source, const std::string& name) {
@@ -86,7 +86,32 @@ void add_contacts(const ViewFrame& frame, double strongest, DrawnScene& out) {
   }
 }
 
-/// Springs as dark lines from the attachment to the other body's centre; those without one hang on a short line.
+/// Across a direction and, where that can be, across y or x: seen from the front and from the side.
+Vec3 side_of(const Vec3& direction) {
+  const bool along_y = std::abs(direction.y()) > std::abs(direction.x());
+  return direction.cross(along_y ? Vec3(Vec3::UnitX()) : Vec3(Vec3::UnitY())).normalized();
+}
+
+/// A zigzag between two straight ends; the page has the same (page/lines.js).
+void add_spring(const Vec3& from, const Vec3& to, double widest, DrawnScene& out) {
+  constexpr int pieces = 12;
+  constexpr double straight = 0.15;  // of the length, at each end
+  const Vec3 way = to - from;
+  const double length = way.norm();
+  if (!(length > 0)) return;
+  const auto width = static_cast<float>(std::min(0.35 * widest, 0.008 * length));
+  const Vec3 side = std::min(2 * widest, 0.06 * length) * side_of(way / length);
+  Vec3 last = from;
+  for (int k = 0; k <= pieces + 1; ++k) {
+    const double share = k > pieces ? 1.0 : straight + (1 - 2 * straight) * k / pieces;
+    const double swing = k > pieces || k % 2 == 0 ? 0.0 : k % 4 == 1 ? 1.0 : -1.0;
+    const Vec3 next = from + share * way + swing * side;
+    out.lines.push_back({last.cast<float>(), next.cast<float>(), width, spring_colour});
+    last = next;
+  }
+}
+
+/// Springs from the attachment to the other body's centre; those without one hang on a short line.
 void add_springs(const ViewFrame& frame, const RunAbout& about, DrawnScene& out) {
   const double widest = 0.25 * mean_radius(frame);
   const auto row_of = [&](std::uint32_t id) {
@@ -98,14 +123,13 @@ void add_springs(const ViewFrame& frame, const RunAbout& about, DrawnScene& out)
     const auto a = row_of(spring.body);
     if (!is_there(a, spring.body)) continue;
     const Vec3 from = a->pose.to_world(spring.attachment);
-    Vec3 to = from + 6 * widest * upwards(about);
+    Vec3 to = from + 4 * widest * upwards(about);
     if (spring.to) {
       const auto b = row_of(*spring.to);
       if (!is_there(b, *spring.to)) continue;
       to = b->pose.position;
     }
-    const double width = std::min(widest, 0.02 * (to - from).norm());
-    out.lines.push_back({from.cast<float>(), to.cast<float>(), static_cast<float>(width), spring_colour});
+    add_spring(from, to, widest, out);
   }
 }
 
@@ -124,11 +148,13 @@ RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const
       field_(find_field(source, options.field)),
       range_(colour_range(overview, source.about().view, field_.name)),
       camera_(choose_camera(options.camera, source.about(), overview.box,
-                            static_cast<double>(options.width) / options.height)) {}
+                            static_cast<double>(options.width) / options.height)),
+      above_ground_(upwards(source.about()).dot(camera_.eye) > overview.ground_top),
+      meshes_(source.bodies()) {}
 
 Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
   if (field_.kind == ViewField::Kind::category) return kind_colour(static_cast<std::size_t>(value));
-  if (body.is_wall()) return wall_colour;
+  if (body.is_wall()) return is_solid(body) ? ground_colour : wall_colour;
   const double share = (static_cast<double>(value) - range_[0]) / (range_[1] - range_[0]);
   return viridis(std::isfinite(share) ? share : 0.0);
 }
@@ -154,31 +180,41 @@ void RunPainter::add_edges(std::int32_t mesh, const BodyRecord& body, double sca
   }
 }
 
+bool RunPainter::is_solid(const BodyRecord& wall) const {
+  return above_ground_ && std::binary_search(overview_.grounds.begin(), overview_.grounds.end(), wall.id);
+}
+
+/// edges: of free bodies.
+void RunPainter::add_body(const BodyRecord& b, float value, bool edges, DrawnScene& out) {
+  Rgb colour = colour_of(b, value);
+  if (options_.contacts && !b.is_wall())
+    for (std::size_t part = 0; part < 3; ++part) colour[part] = 0.85 * paper[part] + 0.15 * colour[part];
+  const MeshStore::Copy copy = meshes_.of(b.surface);
+  if (copy.mesh < 0) {
+    if (std::isfinite(b.radius) && b.radius > 0 && !options_.contacts)
+      out.balls.push_back({b.pose.position.cast<float>(), static_cast<float>(b.radius), colour});
+    return;
+  }
+  const bool translucent = b.is_wall() && some_free_ && !is_solid(b);
+  const float opacity = translucent ? wall_opacity : options_.contacts && !b.is_wall() ? 0.15f : 1.0f;
+  const MeshLook look{copy.scale, colour, opacity, camera_.eye.cast<float>()};
+  add_mesh(meshes_.all()[static_cast<std::size_t>(copy.mesh)], b, look, out);
+  const bool has_edges = b.is_wall() ? !std::isinf(b.radius) : edges;
+  if (!has_edges) return;
+  const Rgb edge = !b.is_wall() ? edge_of(colour) : translucent ? wall_edge : ground_edge;
+  add_edges(copy.mesh, b, copy.scale, edge, out);
+}
+
 Image RunPainter::paint(std::size_t k) {
   const ViewFrame frame = source_.frame(k);
   const std::vector<float> values = FrameFields(frame, source_.about())(field_.name);
-  const bool some_free =
-      std::any_of(frame.bodies.begin(), frame.bodies.end(), [](const BodyRecord& b) { return !b.is_wall(); });
+  const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
+  some_free_ = std::any_of(frame.bodies.begin(), frame.bodies.end(), is_free);
   const auto outlined = std::count_if(frame.bodies.begin(), frame.bodies.end(),
                                       [](const BodyRecord& b) { return !b.is_wall() && b.surface != nullptr; });
   DrawnScene scene;
-  for (std::size_t row = 0; row < frame.bodies.size(); ++row) {
-    const BodyRecord& b = frame.bodies[row];
-    Rgb colour = colour_of(b, values[row]);
-    if (options_.contacts && !b.is_wall())
-      for (std::size_t part = 0; part < 3; ++part) colour[part] = 0.85 * paper[part] + 0.15 * colour[part];
-    const MeshStore::Copy copy = meshes_.of(b.surface);
-    if (copy.mesh >= 0) {
-      const float opacity = b.is_wall() && some_free ? wall_opacity : options_.contacts ? 0.15f : 1.0f;
-      const MeshLook look{copy.scale, colour, opacity, camera_.eye.cast<float>()};
-      add_mesh(meshes_.all()[static_cast<std::size_t>(copy.mesh)], b, look, scene);
-      const Rgb edge = b.is_wall() ? wall_edge : edge_of(colour);
-      if (b.is_wall() ? !std::isinf(b.radius) : outlined <= most_outlined && !options_.contacts)
-        add_edges(copy.mesh, b, copy.scale, edge, scene);
-    } else if (std::isfinite(b.radius) && b.radius > 0 && !options_.contacts) {
-      scene.balls.push_back({b.pose.position.cast<float>(), static_cast<float>(b.radius), colour});
-    }
-  }
+  for (std::size_t row = 0; row < frame.bodies.size(); ++row)
+    add_body(frame.bodies[row], values[row], outlined <= most_outlined && !options_.contacts, scene);
   if (options_.contacts) add_contacts(frame, overview_.strongest, scene);
   add_springs(frame, source_.about(), scene);
   Image image = draw_scene(scene, camera_, options_.width, options_.height, paper);
@@ -214,7 +250,7 @@ void RunPainter::label(Image& image, double time) const {
   for (int tick = 0; tick < 3; tick += step) {
     const std::string& text = ticks[static_cast<std::size_t>(tick)];
     const double shift = 0.5 * tick * text_width(text, 0.9 * size);
-    draw_text(image, left + 0.5 * tick * width - shift, y + height + 1.1 * size, text, 0.9 * size, soft);
+    draw_text(image, left + 0.5 * tick * width - shift, y + height + 1.1 * size, text, 0.9 * size, ink);
   }
 }
 

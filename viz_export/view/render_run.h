@@ -31,6 +31,8 @@ class RunPainter {
  private:
   Rgb colour_of(const BodyRecord& body, float value) const;
   void add_edges(std::int32_t mesh, const BodyRecord& body, double scale, const Rgb& colour, DrawnScene& out);
+  bool is_solid(const BodyRecord& wall) const;
+  void add_body(const BodyRecord& body, float value, bool edges, DrawnScene& out);
   void label(Image& image, double time) const;
   const ViewSource& source_;
   const Overview& overview_;
@@ -38,6 +40,8 @@ class RunPainter {
   ViewField field_;
   std::array<double, 2> range_;
   Camera camera_;
+  bool above_ground_;      ///< the eye
+  bool some_free_ = true;  ///< in the frame that is being painted
   MeshStore meshes_;
   std::map<std::int32_t, std::vector<std::uint32_t>> edges_;  ///< of each mesh
 };

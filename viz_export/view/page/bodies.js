@@ -9,16 +9,23 @@ function floatTexture(width, height) {
   return texture;
 }
 
-// Edges between faces that are bent by more than 30 degrees, and borders: pairs of corners.
-function featureEdges(mesh) {
-  const { points, corners, normals } = mesh;
+// The first point at the place of each.
+function joinedPoints(points) {
+  const step = 1e-5 * points.reduce((size, x) => Math.max(size, Math.abs(x)), 1e-30);
   const keyOf = new Map();
   const same = new Int32Array(points.length / 3);
   for (let p = 0; p < same.length; ++p) {
-    const key = points[3 * p] + "," + points[3 * p + 1] + "," + points[3 * p + 2];
+    const key = [0, 1, 2].map((axis) => Math.round(points[3 * p + axis] / step)).join();
     if (!keyOf.has(key)) keyOf.set(key, p);
     same[p] = keyOf.get(key);
   }
+  return same;
+}
+
+// Edges between faces that are bent by more than 30 degrees, and borders: pairs of corners.
+function featureEdges(mesh) {
+  const { points, corners } = mesh;
+  const same = joinedPoints(points);
   const faces = new Map();
   for (let t = 0; t < corners.length; t += 3) {
     for (let e = 0; e < 3; ++e) {
@@ -55,7 +62,7 @@ class Bodies {
     this.shared = {
       places: { value: this.places }, turns: { value: this.turns }, states: { value: this.states },
       table: { value: this.table }, width: { value: this.width }, clipPlane: { value: new THREE.Vector4(0, 0, 0, 1e30) },
-      wallColour: { value: new THREE.Color(0.72, 0.75, 0.8) }, lifted: { value: 0 },
+      wallColour: { value: new THREE.Color() }, groundColour: { value: new THREE.Color() }, lifted: { value: 0 },
     };
     this.table.needsUpdate = true;
     for (let k = 0; k < bodies.n; ++k) {
@@ -195,7 +202,7 @@ class Bodies {
     });
   }
 
-  // values: one number in [0, 1] per row, -2 for the colour of walls.
+  // values: one number in [0, 1] per row, -2 for the colour of walls, -3 for that of the ground.
   show(frame, values) {
     const place = this.places.image.data;
     const turn = this.turns.image.data;

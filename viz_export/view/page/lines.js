@@ -62,25 +62,50 @@ function showArrows(ribbons, frame, bodies, largest, longest, seen) {
   ribbons.show(rows.length, from, to, sizes);
 }
 
-function showSprings(ribbons, frame, manifest, rowOf, width) {
+// A zigzag between two straight ends, as in render_run.cpp: its corners, end to end.
+function zigzag(from, to, widest) {
+  const pieces = 12;
+  const straight = 0.15;  // of the length, at each end
+  const way = new THREE.Vector3().subVectors(to, from);
+  const alongY = Math.abs(way.y) > Math.abs(way.x);
+  const side = way.clone().cross(new THREE.Vector3(alongY ? 1 : 0, alongY ? 0 : 1, 0)).setLength(Math.min(2 * widest, 0.06 * way.length()));
+  const corners = [from.clone()];
+  for (let k = 0; k <= pieces; ++k) {
+    const swing = k % 2 === 0 ? 0 : k % 4 === 1 ? 1 : -1;
+    const share = straight + ((1 - 2 * straight) * k) / pieces;
+    corners.push(from.clone().addScaledVector(way, share).addScaledVector(side, swing));
+  }
+  corners.push(to.clone());
+  return corners;
+}
+
+// A spring to a frame that moves along hangs on a short line.
+function springEnds(spring, frame, manifest, rowOf, width) {
+  const a = rowOf(spring.body);
+  const b = spring.to === undefined ? -1 : rowOf(spring.to);
+  if (a < 0 || (spring.to !== undefined && b < 0)) return null;
+  const from = new THREE.Vector3(...spring.attachment);
+  if (frame.turn) from.applyQuaternion(new THREE.Quaternion().fromArray(frame.turn, 4 * a));
+  from.add(new THREE.Vector3().fromArray(frame.place, 3 * a));
+  const up = new THREE.Vector3(...manifest.up);
+  const to = b < 0 ? from.clone().addScaledVector(up, 4 * width) : new THREE.Vector3().fromArray(frame.place, 3 * b);
+  return [from, to];
+}
+
+function showSprings(ribbons, frame, manifest, rowOf, widest) {
   const from = [];
   const to = [];
-  for (const s of manifest.springs) {
-    const a = rowOf(s.body);
-    const b = s.to === undefined ? -1 : rowOf(s.to);
-    if (a < 0) continue;
-    const p = new THREE.Vector3().fromArray(frame.place, 3 * a);
-    const turned = new THREE.Vector3(...s.attachment);
-    if (frame.turn) turned.applyQuaternion(new THREE.Quaternion().fromArray(frame.turn, 4 * a));
-    from.push(...p.add(turned).toArray());
-    if (b < 0) to.push(...[p.x, p.y, p.z].map((x, axis) => x + 6 * width * manifest.up[axis]));
-    else to.push(frame.place[3 * b], frame.place[3 * b + 1], frame.place[3 * b + 2]);
+  const sizes = [];
+  for (const spring of manifest.springs) {
+    const ends = springEnds(spring, frame, manifest, rowOf, widest);
+    if (!ends || ends[0].equals(ends[1])) continue;
+    const corners = zigzag(...ends, widest);
+    const width = Math.min(0.35 * widest, 0.008 * ends[0].distanceTo(ends[1]));
+    for (let k = 0; k + 1 < corners.length; ++k) {
+      from.push(...corners[k].toArray());
+      to.push(...corners[k + 1].toArray());
+      sizes.push(width, -2);
+    }
   }
-  const n = from.length / 3;
-  const sizes = new Float32Array(2 * n);
-  for (let k = 0; k < n; ++k) {
-    const length = Math.hypot(to[3 * k] - from[3 * k], to[3 * k + 1] - from[3 * k + 1], to[3 * k + 2] - from[3 * k + 2]);
-    sizes.set([Math.min(width, 0.02 * length), -2], 2 * k);  // a line, not a post, whatever it holds
-  }
-  ribbons.show(n, new Float32Array(from), new Float32Array(to), sizes);
+  ribbons.show(sizes.length / 2, new Float32Array(from), new Float32Array(to), new Float32Array(sizes));
 }

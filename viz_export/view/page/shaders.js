@@ -21,8 +21,10 @@ bool beyond(vec3 p) { return clipPlane.w < 1e29 && dot(clipPlane.xyz, p) > clipP
 const colourChunk = `
 uniform sampler2D table;
 uniform vec3 wallColour;
+uniform vec3 groundColour;
 uniform float lifted;    // 1: dark page
 vec3 baseColour(float value) {
+  if (value < -2.5) return groundColour;
   if (value < -1.5) return wallColour;
   return texelFetch(table, ivec2(int(clamp(value, 0.0, 1.0) * 255.0 + 0.5), 0), 0).rgb;
 }
@@ -139,7 +141,7 @@ void main() {
   if (outlined > 0.5) {
     vec3 base = baseColour(look.x);
     bool dark = dot(base, vec3(0.3, 0.6, 0.1)) < 0.3;  // edges stand out from their faces
-    vec3 line = look.x < -1.5 ? mix(vec3(0.25, 0.28, 0.34), vec3(0.62, 0.66, 0.72), lifted) : dark ? mix(base, vec3(1.0), 0.45) : 0.4 * base;
+    vec3 line = look.x < -1.5 ? mix(look.y > 0.995 ? vec3(0.45, 0.48, 0.54) : vec3(0.25, 0.28, 0.34), vec3(0.62, 0.66, 0.72), lifted) : dark ? mix(base, vec3(1.0), 0.45) : 0.4 * base;
     colour = vec4(line, max(0.45, look.y));
     return;
   }

@@ -9,6 +9,8 @@ function drawsInSoftware() {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
+const paleWall = 0.22;  // opacity
+
 class Viewer {
   constructor(source) {
     this.source = source;
@@ -18,6 +20,7 @@ class Viewer {
     this.picked = null;
     this.playing = false;
     this.dirty = true;
+    this.below = false;  // the eye, under the ground
     this.opacities = { body: [], material: [] };
   }
 
@@ -39,6 +42,7 @@ class Viewer {
     this.controls.enableKeys = false;
     this.controls.addEventListener("change", () => {
       this.cutWithView();
+      this.lookAtGround();
       this.dirty = true;
     });
     this.box = new THREE.Box3(new THREE.Vector3(...this.manifest.box.min), new THREE.Vector3(...this.manifest.box.max));
@@ -71,13 +75,16 @@ class Viewer {
   fillLists() {
     const m = this.manifest;
     const bodies = this.source.bodies;
+    this.grounds = new Set(m.grounds);
     const walls = new Set();
+    const hiding = new Set();  // with walls through which what they hold must be seen
     const free = new Set();
     this.groupOf = new Uint32Array(bodies.n);
     for (let k = 0; k < bodies.n; ++k) {
       this.groupOf[k] = this.source.groupOf(k);
       if (this.groupOf[k] === m.groups.length && bodies.wall[k]) ++this.groupOf[k];
       (bodies.wall[k] ? walls : free).add(this.groupOf[k]);
+      if (bodies.wall[k] && !this.grounds.has(k)) hiding.add(this.groupOf[k]);
     }
     const names = m.groups.map((g) => g.name || "bodies " + g.first + " to " + (g.first + g.count - 1));
     names.push(m.groups.length > 0 ? "other bodies" : "bodies", "walls");
@@ -85,7 +92,7 @@ class Viewer {
     const before = this.opacities;
     this.opacities = {
       body: names.map((name, k) => (before.body[k] && before.body[k].name === name ? before.body[k]
-        : { name, opacity: walls.has(k) && !free.has(k) && free.size > 0 ? 0.22 : 1 })),
+        : { name, opacity: hiding.has(k) && !free.has(k) && free.size > 0 ? paleWall : 1 })),
       material: Array.from({ length: materials }, (_, k) => before.material[k] || { name: this.source.materialName(k), opacity: 1 }),
     };
     this.present = new Set([...walls, ...free]);
@@ -104,11 +111,25 @@ class Viewer {
     const chains = el("contacts").checked ? 0.16 : 1;
     for (let k = 0; k < bodies.n; ++k) {
       const own = this.opacities.body[this.groupOf[k]].opacity * this.opacities.material[bodies.material[k]].opacity;
-      this.opacity[k] = own * (bodies.wall[k] ? 1 : chains);
+      this.opacity[k] = own * (!bodies.wall[k] ? chains : this.below && this.grounds.has(k) ? paleWall : 1);
     }
     this.bodies.showOpacity(this.opacity);
     if (this.frame) this.showLines();
     this.dirty = true;
+  }
+
+  isGround(id) {
+    return !this.below && this.grounds.has(id);
+  }
+
+  // Seen from below, what is solid ground from above would hide all.
+  lookAtGround() {
+    const { ground_top: top, up } = this.manifest;
+    const below = top !== undefined && this.camera.position.dot(new THREE.Vector3(...up)) <= top;
+    if (below === this.below) return;
+    this.below = below;
+    this.showOpacity();
+    if (this.frame) this.showFrame();
   }
 
   fillPanel() {
@@ -182,7 +203,7 @@ class Viewer {
     for (let row = 0; row < frame.n; ++row) {
       const value = this.valueOf(frame, row, field.name);
       if (field.kind === "category") out[row] = (field.name === "body" ? kindOf[value] : value) % 256 / 255;
-      else if (this.source.bodies.wall[frame.id[row]]) out[row] = -2;
+      else if (this.source.bodies.wall[frame.id[row]]) out[row] = this.isGround(frame.id[row]) ? -3 : -2;
       else out[row] = Math.min(1, Math.max(0, (value - low) / (high - low)));
     }
     return out;
@@ -242,6 +263,7 @@ class Viewer {
 
   place(name) {
     placeCamera(name, this.camera, this.controls, this.box, this.manifest);
+    this.lookAtGround();
     this.dirty = true;
   }
 
@@ -365,6 +387,7 @@ class Viewer {
     this.renderer.setClearColor(dark ? 0x14171c : 0xf7f8fa, 1);
     this.bodies.shared.lifted.value = dark ? 1 : 0;
     this.bodies.shared.wallColour.value.setRGB(...(dark ? [0.5, 0.54, 0.6] : [0.7, 0.73, 0.78]));
+    this.bodies.shared.groundColour.value.setRGB(...(dark ? [0.3, 0.33, 0.38] : [0.86, 0.88, 0.9]));
     this.dirty = true;
   }
 
