@@ -1,6 +1,6 @@
 #!/bin/bash
 # The same bits on any number of ranks and threads: same_bits.sh EPAFI EPAFI_MPI FOLDER "RANKSxTHREADS ..." STEPS SCENE [KEY=VALUE ...]
-# The state hash of mpirun is that of the program alone.
+# State hash, rows of measures and the bodies of frames of mpirun are those of the program alone.
 set -u
 alone=$1 shared=$2 folder=$3 cases=$4 steps=$5 scene=$6; shift 6
 . "$(dirname "$0")/common.sh"
@@ -17,5 +17,7 @@ for case in $cases; do
   have=$(hash_of "$folder/$case")
   echo "$case $have $(ranks_of "$folder/$case")"
   [ "$have" = "$want" ] || { echo "FAILED: $case: state $have, alone $want"; bad=1; }
+  [ ! -f "$folder/alone/measures.csv" ] || cmp "$folder/alone/measures.csv" "$folder/$case/measures.csv" || bad=1
+  diff -rq -x 'contacts_*' "$folder/alone/frames" "$folder/$case/frames" || bad=1
 done
 exit $bad

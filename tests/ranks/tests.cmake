@@ -15,14 +15,15 @@ foreach(ranks 1 2 3 4)
     ENVIRONMENT "${root_environment}")
 endforeach()
 
-# steps SCENE [KEY=VALUE ...] of the library: the hash of the program alone on all cases
+# steps SCENE [KEY=VALUE ...]: the hash of the program alone on all cases
 function(epafi_same_bits name cases steps scene)
   add_test(NAME "ranks: ${name}" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/same_bits.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
-    ${PROJECT_BINARY_DIR}/ranks/${name} "${cases}" ${steps} ${PROJECT_SOURCE_DIR}/scenes/library/${scene} ${ARGN})
+    ${PROJECT_BINARY_DIR}/ranks/${name} "${cases}" ${steps} ${PROJECT_SOURCE_DIR}/${scene} ${ARGN})
   set_tests_properties("ranks: ${name}" PROPERTIES LABELS "fast;ranks" TIMEOUT 300)
 endfunction()
-epafi_same_bits(bed "1x2 2x2 3x1 4x1" 600 bed/bed.toml params.n=200)
-epafi_same_bits(hopper "3x1" 300 hopper/hopper.toml params.n=200 params.open_at=0.01)
+epafi_same_bits(bed "1x2 2x2 3x1 4x1" 600 scenes/library/bed/bed.toml params.n=200)
+epafi_same_bits(hopper "3x1" 300 scenes/library/hopper/hopper.toml params.n=200 params.open_at=0.01)
+epafi_same_bits(mixed "2x1 3x1" 150 tests/ranks/mixed.toml)
 add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
   ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml)
 set_tests_properties("ranks: faults" PROPERTIES LABELS "fast;ranks" TIMEOUT 300)
