@@ -10,8 +10,9 @@ endfunction()
 set(below_engine engine)
 set(below_detection engine detection)
 set(below_laws engine laws)
+set(below_ranks engine ranks)
 set(below_viz_export engine detection laws viz_export)
-set(below_scenes engine detection laws viz_export scenes)
+set(below_scenes engine detection laws ranks viz_export scenes)
 
 # one door per dependency: header pattern -> the only files that may include it
 set(doors
@@ -20,18 +21,20 @@ set(doors
   "CGAL/|detection/shapes/hull_from_points\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/usage\\.h"
+  "mpi\\.h|ranks/communicator\\.cpp,ranks/plan\\.cpp"
+  "zoltan|ranks/communicator\\.cpp,ranks/partition\\.cpp,ranks/plan\\.cpp"
   "zlib\\.h|viz_export/deflate\\.cpp"
   "nlohmann/|viz_export/json_reader\\.cpp"
   "catch2/|tests/support/catch\\.h")
 
-foreach(floor engine detection laws viz_export scenes)
+foreach(floor engine detection laws ranks viz_export scenes)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${floor}/*.h ${ROOT}/${floor}/*.cpp)
   foreach(file ${files})
     file(STRINGS ${ROOT}/${file} includes REGEX "^#include \"")
     foreach(line ${includes})
       string(REGEX MATCH "\"([a-z_]+)/" found "${line}")
       set(target "${CMAKE_MATCH_1}")
-      if(target MATCHES "^(engine|detection|laws|viz_export|scenes|tests|perf)$" AND NOT target IN_LIST below_${floor})
+      if(target MATCHES "^(engine|detection|laws|ranks|viz_export|scenes|tests|perf)$" AND NOT target IN_LIST below_${floor})
         complain("${file}: ${floor} must not include ${target}: ${line}")
       endif()
     endforeach()
@@ -44,7 +47,7 @@ foreach(floor engine detection laws viz_export scenes)
   endforeach()
 endforeach()
 
-file(GLOB_RECURSE all RELATIVE ${ROOT} ${ROOT}/engine/* ${ROOT}/detection/* ${ROOT}/laws/* ${ROOT}/viz_export/*
+file(GLOB_RECURSE all RELATIVE ${ROOT} ${ROOT}/engine/* ${ROOT}/detection/* ${ROOT}/laws/* ${ROOT}/ranks/* ${ROOT}/viz_export/*
      ${ROOT}/scenes/* ${ROOT}/tests/* ${ROOT}/perf/*)
 list(FILTER all INCLUDE REGEX "\\.(h|cpp|py|cmake)$")
 foreach(file ${all})

@@ -125,7 +125,9 @@ std::vector<std::uint32_t> ContactMemory::reorder(const Reordering& change) {
 }
 
 void ContactMemory::visit(StateVisitor& visitor, const std::string& name) {
-  visitor.column(name + "/a", a_), visitor.column(name + "/b", b_), visitor.column(name + "/feature", feature_);
+  visitor.rows(RowsOf::first_slots, name + "/a", a_);
+  visitor.rows(RowsOf::second_slots, name + "/b", b_);
+  visitor.rows(RowsOf::contacts, name + "/feature", feature_);
 }
 
 }  // namespace epafi

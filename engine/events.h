@@ -19,6 +19,8 @@ class Event {
   /// Asked behind before_step(world, dt): the next call, as long a step later, will change nothing and look at no body.
   /// A contact model may begin that step before it then.
   virtual bool rests_next(const World& /*world*/, double /*dt*/) const { return false; }
+  /// It asks for no other body than fixed and driven ones, so that every process of a run can do it for itself.
+  virtual bool is_local() const { return false; }
   virtual void visit(StateVisitor&) {}
 };
 
@@ -46,6 +48,7 @@ class DriveBody final : public Event {
       : body_(body), motions_(std::move(motions)), start_(start), elapsed_(elapsed) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
   bool rests_next(const World& world, double dt) const override;
+  bool is_local() const override { return true; }
   void visit(StateVisitor& visitor) override;
   BodyId body() const { return body_; }
   /// Where the body is as its motion begins [m].

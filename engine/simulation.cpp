@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "engine/parallel.h"
 
@@ -76,6 +77,7 @@ void Simulation::enter(const Entry& entry) {
 }
 
 std::optional<Failure> Simulation::advance(bool last, bool run_on) {
+  if (parts_of_step) come_home();
   int parts = parts_of_step ? parts_of_step(world) : 1;
   if (step_watch) parts = std::max(parts, step_watch->parts());
   double deepest = 0.0;
@@ -118,12 +120,18 @@ const std::optional<Domain>& Simulation::watched() const {
                                                                                                              : domain;
 }
 
-std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {
+/// Whatever changes the bodies between two steps.
+void Simulation::prepare(double dt, bool sort) {
   const std::size_t before = world.size();
   for (auto& event : events) event->before_step(world, dt, leaving_);
   if (world.size() > before) welcome(before);
   if (!leaving_.empty()) take_out();
   if (sort) sort_bodies();
+}
+
+std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {
+  if (remote) return make_remote_step(dt, sort);
+  prepare(dt, sort);
   const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
   const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
   if (loads) loads->before_step(world, dt);
@@ -133,6 +141,33 @@ std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) 
   ledger.add(work.report, dt * world.gravity.norm());
   if (loads) ledger.add_work(loads->after_step(world, dt));
   return watch();
+}
+
+/// The state comes here only where something is to be done with it.
+std::optional<Failure> Simulation::make_remote_step(double dt, bool sort) {
+  if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
+    come_home();
+    away_.sent = false;
+    prepare(dt, sort);
+  }
+  if (!std::exchange(away_.sent, true)) remote->send(*this);
+  away_.rest = std::ranges::all_of(events, [&](const auto& e) { return e->is_local() || e->rests_next(world, dt); });
+  away_.dt = dt;
+  away_.home = false;
+  away_.stepped = true;
+  const bool sound = remote->step(dt, watched(), work.report);
+  world.time += dt, world.clock += dt, world.fallen += dt * world.gravity;
+  ledger.add(work.report, dt * world.gravity.norm());
+  if (sound) return std::nullopt;
+  come_home();
+  remote->fetch_contacts(*this);
+  return look_at_strays();
+}
+
+void Simulation::come_home() {
+  if (std::exchange(away_.home, true)) return;
+  work.contacts.clear();
+  remote->fetch(*this);
 }
 
 /// Bodies from slot `before` on came in: their energy is work done on the scene.
@@ -223,6 +258,7 @@ std::optional<Failure> Simulation::look_at_strays() {
 
 std::optional<Failure> Simulation::look_at_energy() {
   if (std::isfinite(ledger.last().stored())) return std::nullopt;
+  come_home();
   Slot fastest = 0;
   for (Slot s = 1; s < world.size(); ++s)
     if (world.velocity[s].stableNorm() > world.velocity[fastest].stableNorm()) fastest = s;
@@ -239,14 +275,16 @@ std::optional<Failure> Simulation::look_at_energy() {
 }
 
 void Simulation::observe(bool last) {
-  bool energy = false, any = false;
+  bool energy = false, any = false, bodies = false;
   ContactView contacts = ContactView::none;
   for (const auto& o : observers) {
     if (!last && !o->is_due(steps_)) continue;
     any = true, energy = energy || last || o->wants_energy(steps_);
+    bodies = bodies || last || o->wants_bodies(steps_);
     contacts = std::max(contacts, o->wants_contacts(steps_, last));
   }
   if (!any) return;
+  if (energy || bodies) come_home();
   if (energy) ledger.measure(world);
   show_contacts(contacts, last, [&](const StepView& now) {
     for (const auto& o : observers)
@@ -255,12 +293,18 @@ void Simulation::observe(bool last) {
 }
 
 void Simulation::show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show) {
-  if (needed == ContactView::all) pipeline.contact_model->publish(world, work.contacts);
-  show({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last,
-        pipeline.contact_model.get()});
+  const ContactModel* model = pipeline.contact_model.get();
+  if (away_.stepped) {
+    if (needed != ContactView::none) come_home(), remote->fetch_contacts(*this);
+    model = nullptr;  // all are in the set
+  } else if (needed == ContactView::all) {
+    pipeline.contact_model->publish(world, work.contacts);
+  }
+  show({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last, model});
 }
 
 void Simulation::show(Observer& observer) {
+  come_home();
   show_contacts(observer.wants_contacts(steps_, true), true, [&](const StepView& now) { observer.observe(now); });
 }
 
@@ -271,6 +315,8 @@ void Simulation::make_room() {
 }
 
 void Simulation::visit(StateVisitor& visitor) {
+  come_home();
+  away_.sent = away_.rest = false;  // it may be another state that comes in
   make_room();
   visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
   if (visitor.has("simulation/steps_before")) visitor.value("simulation/steps_before", before_);

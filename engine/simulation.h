@@ -10,6 +10,7 @@
 #include "engine/events.h"
 #include "engine/loads.h"
 #include "engine/observer.h"
+#include "engine/remote_steps.h"
 #include "engine/step.h"
 #include "engine/step_watch.h"
 #include "engine/warnings.h"
@@ -29,7 +30,8 @@ class Simulation {
   std::vector<std::unique_ptr<Event>> events;
   std::unique_ptr<Loads> loads;  ///< gravity, forces and torques that follow time; null: none
   std::vector<std::unique_ptr<Observer>> observers;
-  double time_step;  ///< dt [s]
+  std::unique_ptr<RemoteSteps> remote;  ///< makes the steps in several processes; null: this one makes them
+  double time_step;                     ///< dt [s]
   /// Parts of the time step at this moment, >= 1; empty: one.
   std::function<int(const World&)> parts_of_step;
   std::unique_ptr<StepWatch> step_watch;  ///< null: nobody asks whether the step is stable
@@ -71,6 +73,8 @@ class Simulation {
   std::optional<Failure> look_at_energy();
   /// The last call has begun the next step: bodies are not to be looked at.
   bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
+  /// Where steps are remote the present state comes here: before somebody looks at bodies.
+  void come_home();
   /// Shows one observer the present state, due or not.
   void show(Observer& observer);
   /// While the state of many bodies is on its way, or shown for the last time, their list makes room: 70 bytes a
@@ -85,6 +89,8 @@ class Simulation {
   void take_out();
   void welcome(std::size_t before);
   std::optional<Failure> make_step(double dt, bool sort, bool run_on);
+  std::optional<Failure> make_remote_step(double dt, bool sort);
+  void prepare(double dt, bool sort);
   bool nobody_looks() const;
   bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
   const std::optional<Domain>& watched() const;
@@ -102,6 +108,14 @@ class Simulation {
   std::size_t movable_ = 0;       ///< free bodies
   std::uint64_t parts_made_ = 0;  ///< of all time steps
   std::vector<BodyId> leaving_;   ///< to be taken out before the next step; observers see them until then
+  /// Where steps are remote.
+  struct Away {
+    bool home = true;      ///< the present state is here
+    bool sent = false;     ///< and, or instead, with the other processes
+    bool stepped = false;  ///< the contacts of the last detection are there
+    bool rest = false;     ///< no event but local ones will do anything before the next step of length dt
+    double dt = 0.0;       ///< [s]
+  } away_;
 };
 
 }  // namespace epafi

@@ -141,11 +141,11 @@ void World::visit(StateVisitor& visitor) {
     clock = time;
     fallen = time * gravity;
   }
-  visitor.column("world/slot_of", slot_of_);
+  visitor.rows(RowsOf::ids, "world/slot_of", slot_of_);
   if (cell) visitor.value("world/cell", *cell);
   each_column([&](const char* name, auto& column) {
     resize_states(size());  // id came first
-    visitor.column(name, column);
+    visitor.rows(RowsOf::bodies, name, column);
   });
 }
 

@@ -84,6 +84,12 @@ class World {
   std::vector<Vec3>
       angular_momentum;  ///< world axes [kg m^2/s]; with columns().anisotropy: the state, the velocity follows from it
 
+  /// Whose a body is where several processes have parts of the bodies.
+  enum Owner : std::uint8_t { elsewhere = 0, here = 1, everywhere = 2 };
+  std::vector<std::uint8_t> owner;  ///< by slot; empty: all bodies are here
+  /// A contact is counted by one process, the owner of its first free body.
+  bool counts(Slot a, Slot b) const { return owner.empty() || owner[owner[a] == everywhere ? b : a] == here; }
+
   std::size_t size() const { return id.size(); }
   /// With columns().states: where position, velocity, spin and inertia of the bodies are; else empty. Behind the last
   /// one stands one more, which is nowhere (NaN): what would touch it touches nothing.

@@ -391,6 +391,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   // on must not tell that it was cut off.
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
   if (is_cut) save_checkpoint_now();
+  sim.come_home();
   sim.ledger.measure(sim.world);
   // what a bound has seen stands in its measures and frames too, whatever their interval
   if (ending_ == Ending::stopped || ending_ == Ending::bound_violated) {
@@ -441,6 +442,7 @@ RunSummary Session::summary() const {
   s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_,
   s.threads = thread_count();
   s.cpu_time = cpu_;
+  if (sim.remote) s.ranks = sim.remote->figures();
   s.stage_seconds = sim.work.report.seconds;
   const double output = s.stage_seconds[Stage::output], body_steps = monitor_->body_steps() - first_body_steps_;
   if (body_steps > 0) s.ns_per_body_step = 1e9 * (wall_ - output) / body_steps;

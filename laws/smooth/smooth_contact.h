@@ -85,7 +85,7 @@ class RecordMemory {
   }
   void visit(StateVisitor& visitor) {
     keys_.visit(visitor, "smooth/contact");
-    visitor.column("smooth/record", now_);
+    visitor.rows(RowsOf::contacts, "smooth/record", now_);
   }
 
  private:
@@ -162,9 +162,9 @@ class SmoothContact final : public ContactModel {
   }
 
   void visit(StateVisitor& visitor) override {
-    visitor.value("smooth/viscous_power", before_.viscous_power);
-    visitor.value("smooth/driven_power", before_.driven_power);
-    if constexpr (slides || rolls) visitor.value("smooth/spring_energy", before_.spring_energy);
+    visitor.share("smooth/viscous_power", before_.viscous_power);
+    visitor.share("smooth/driven_power", before_.driven_power);
+    if constexpr (slides || rolls) visitor.share("smooth/spring_energy", before_.spring_energy);
     if constexpr (remembers) memory_.visit(visitor);
   }
 
@@ -203,7 +203,13 @@ class SmoothContact final : public ContactModel {
   [[gnu::flatten]] SmoothSums evaluate_block(const World& world, ContactSet& contacts, std::size_t begin,
                                              std::size_t end, double dt, double lag) {
     SmoothSums sums;
-    for (std::size_t i = begin; i < end; ++i) evaluate<rotates>(world, contacts, i, dt, lag, sums);
+    for (std::size_t i = begin; i < end; ++i)
+      if (world.counts(contacts.a[i], contacts.b[i])) {
+        evaluate<rotates>(world, contacts, i, dt, lag, sums);
+      } else {
+        SmoothSums counted_elsewhere;
+        evaluate<rotates>(world, contacts, i, dt, lag, counted_elsewhere);
+      }
     return sums;
   }
 

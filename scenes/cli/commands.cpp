@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -23,6 +24,7 @@
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
+#include "scenes/several_ranks.h"
 #include "scenes/stage_check.h"
 #include "scenes/start_run.h"
 #include "scenes/stop.h"
@@ -150,12 +152,23 @@ void note_thinned(const Assembly& assembly) {
   std::_Exit(exit_file);
 }
 
+/// This process follows another one: its part of the steps until the run ends.
+int follow(const Assembly& part) {
+  std::signal(SIGINT, SIG_IGN), std::signal(SIGTERM, SIG_IGN);  // whoever leads writes a checkpoint and ends the run
+  return RankTeam::of_program()->follow(*part.simulation, part_setup(part));
+}
+
+bool follows(const RankTeam* team) { return team != nullptr && team->number() > 0; }
+
 }  // namespace
 
 int command_run(const CommonOptions& common, const RunOptions& options) {
   set_threads(options.threads);
   const SessionLimits limits = limits_of(options);
   auto assembly = assemble(read_or_throw(common.scene, common.overrides));
+  RankTeam* const team = RankTeam::of_program();
+  if (team) check_shareable(*assembly);
+  if (follows(team)) return follow(*assembly);
   print_problems(assembly->warnings);
   check_conditions(*assembly);
   (void)check_stages(assembly->scene);
@@ -178,6 +191,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
                     assembly->steps));
   if (!options.quiet) note_thinned(*assembly);
   const SignalWatch from_the_first_file_on;
+  if (team) share_out(*assembly, assemble(read_or_throw(common.scene, common.overrides)), *team);
   Session session(std::move(assembly), common.overrides, folder,
                   options.least_output ? Session::Output::least : Session::Output::all);
   return finish(session, folder, options, limits);
@@ -233,7 +247,9 @@ static bool is_over(const CheckpointHeader& header, const RunRecord& record, con
 int command_resume(const std::string& directory, const RunOptions& options, const ResumeChanges& changes) {
   set_threads(options.threads);
   const std::filesystem::path folder(directory);
-  const FolderLock lock(folder);
+  RankTeam* const team = RankTeam::of_program();
+  std::optional<FolderLock> lock;
+  if (!follows(team)) lock.emplace(folder);
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
   const RunRecord record = RunRecord::from_text(header.record);
   Scene scene = scene_of(header, record);
@@ -241,6 +257,7 @@ int command_resume(const std::string& directory, const RunOptions& options, cons
   ready.keep_fill_bodies = !changes.overrides.empty();  // the stage that begins here needs them
   auto assembly = assemble(std::move(scene), ready);
   SessionLimits limits = limits_of(options);
+  if (team) check_shareable(*assembly);
   if (options.steps) limits.steps = header.step + *options.steps;  // so many more
   const bool changed = !changes.scene.empty() || !changes.overrides.empty();
   const bool longer = options.steps || (limits.until && *limits.until > header.time);
@@ -256,7 +273,11 @@ int command_resume(const std::string& directory, const RunOptions& options, cons
     const std::uint64_t first = record.stages.empty() ? 0 : record.stages.back().first_step;
     assembly->steps = std::max(assembly->steps, *limits.steps - first);
   }
+  if (team && changed)
+    throw SceneError("a run is changed by one process: resume it with --set or --scene without `mpi N`");
+  if (follows(team)) return follow(*assembly);
   const SignalWatch from_the_first_file_on;
+  if (team) share_out(*assembly, assemble(scene_of(header, record), ready), *team);
   auto session = Session::resume(std::move(assembly), header.overrides, folder);
   if (!session->note().empty()) say("epafi: warning: " + session->note());
   if (!changes.scene.empty())

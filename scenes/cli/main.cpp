@@ -5,6 +5,7 @@
 #include "scenes/cli/commands.h"
 #include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"
+#include "scenes/cli/program.h"
 #include "scenes/cli/study_commands.h"
 #include "scenes/cli/usage.h"
 #include "scenes/cli/view_commands.h"
@@ -236,7 +237,7 @@ void add_bench(Program& p) {
 
 }  // namespace
 
-int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up() names what nobody expected
+int epafi::program(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): give_up() names what nobody expected
 #if defined(__GLIBC__)
   // Columns go back to the system when they go. Left alone, glibc learns from the first freed ones to keep larger and
   // larger pieces in its heap, where the next do not fit: 190 of 1620 bytes a sphere of 100 000.

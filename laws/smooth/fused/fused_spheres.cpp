@@ -193,9 +193,9 @@ class FusedModel final : public FusedSpheres {
   void visit(StateVisitor& visitor) override {
     ahead_ = false;  // it may be another state that comes in
     generic_->visit(visitor), blocks_.visit(visitor);
-    visitor.value("spheres/others", others_);
-    visitor.value("spheres/viscous_power", viscous_power_);
-    visitor.value("spheres/driven_power", driven_power_);
+    visitor.share("spheres/others", others_);
+    visitor.share("spheres/viscous_power", viscous_power_);
+    visitor.share("spheres/driven_power", driven_power_);
   }
 
  private:
@@ -257,6 +257,7 @@ class FusedModel final : public FusedSpheres {
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
     SphereArrays arrays{
         blocks_.planes().data(), world.states().data(), 0, clock.dt, lag(clock), laws_.damped, tells_energy};
+    arrays.owner = world.owner.empty() ? nullptr : world.owner.data();
     arrays.passes = &passes_, arrays.rows = laws_.rows.data(), arrays.reach = reach_;
     arrays.material = own_ < laws_.materials ? nullptr : world.material.data();
     arrays.materials = laws_.materials, arrays.own = own_, arrays.late_spins = blocks_.late_spins();

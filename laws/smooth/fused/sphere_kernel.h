@@ -209,7 +209,7 @@ struct SphereSweep {
           target->records_end = at.record + static_cast<std::uint32_t>(begin) +
                                 bit_places.count[now & ((1u << (target->pairs_end - k)) - 1u)];
       if (with.dt > 0.0) {
-        if (const unsigned opened = before & ~now; opened != 0) release(before, opened, read);
+        if (const unsigned opened = before & ~now; opened != 0) release(k, before, opened, read);
         touched[k / eight] = static_cast<std::uint8_t>(now);
       } else if (!remembers) {
         touched[k / eight] = static_cast<std::uint8_t>(before | now);  // no time passes: what is remembered stays
@@ -264,6 +264,8 @@ struct SphereSweep {
     SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
     for (std::size_t g = 0; g < t.groups; ++g)
       add_forces<n, remembers, wall, across, periodic>(t, g, with, records, record_places);
+    if (with.owner != nullptr) [[unlikely]]
+      leave_out<n>(t, total, with.owner);
     total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, passes.needs.normal);
     at.write += static_cast<std::uint32_t>(t.count);
     if constexpr (across) at.record += static_cast<std::uint32_t>(t.count);
@@ -323,12 +325,14 @@ struct SphereSweep {
       for (std::size_t k = 0; k < t.count; ++k) total.touching -= before[k] == 0.0 && now[k] == 0.0;
   }
 
-  /// What contacts among eight that have opened leave behind; read: place of the first one's spring.
-  EPAFI_LANES void release(unsigned before, unsigned opened, std::uint32_t read) const {
+  /// What contacts among the eight from `first` on that have opened leave behind; read: place of the first one's spring.
+  EPAFI_LANES void release(std::size_t first, unsigned before, unsigned opened, std::uint32_t read) const {
     const auto stored = [](const Lanes& load) {
       return 0.5 * (load[0] * load[0] + load[1] * load[1] + load[2] * load[2]) * load[3];
     };
     for (unsigned bits = opened; bits != 0; bits &= bits - 1u) {
+      const std::size_t pair = first + static_cast<std::size_t>(std::countr_zero(bits));
+      if (arrays.owner != nullptr && arrays.owner[block.pairs[pair].a.slot()] != World::here) continue;
       const std::uint32_t place = read + bit_places.count[before & ((bits & -bits) - 1u)];
       const SphereNeeds& needs = arrays.passes->needs;
       if (needs.bristles)

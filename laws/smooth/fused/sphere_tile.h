@@ -20,6 +20,7 @@ struct SphereArrays {
   const struct PairRow* rows = nullptr;     ///< by pair of materials
   const std::uint16_t* material = nullptr;  ///< by slot; null: all spheres are of `own`
   std::uint32_t materials = 1, own = 0;
+  const std::uint8_t* owner = nullptr;  ///< as World::owner; null: all contacts count
   double reach = 0.0;                ///< contacts hold so far beyond touch [m]
   Lanes cell_size{}, strain_rate{};  ///< of a periodic cell [m], [1/s]; fourth 0
   SpherePlace nowhere{};             ///< of a sum that nobody reads: for lanes behind the last contact
@@ -263,6 +264,18 @@ EPAFI_LANES void note_depths(const SphereTile<n>& t, SphereTotals<n>& total) {
       relative = max(relative, overlap / smaller);
   }
   total.deepest = deepest, total.deepest_relative = relative;
+}
+
+/// Contacts that another process counts come to nothing here.
+template <int n>
+[[gnu::noinline]] void leave_out(SphereTile<n>& t, SphereTotals<n>& total, const std::uint8_t* owner) {
+  for (std::size_t k = 0; k < t.count; ++k) {
+    if (owner[t.bodies[k].a.slot()] == World::here) continue;
+    auto& c = t.group[k / n];
+    const int lane = static_cast<int>(k % n);
+    c.elastic[lane] = c.viscous[lane] = c.lost[lane] = c.twice_stored[lane] = c.twice_slipped[lane] = 0.0;
+    --total.touching;
+  }
 }
 
 /// Adds what the contacts of a tile come to. At its end and not in every loop: masks and sums in memory were 25

@@ -1,0 +1,27 @@
+/// @file communicator.h  The processes of a run, as MPI numbers them: 0 leads. The only door to mpi.h.
+/// Everything here but rank_count and rank_number is called by all ranks in the same order.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace epafi {
+
+/// Between these two lies everything else; main thread only.
+void begin_ranks(int& argc, char**& argv);
+void end_ranks();
+/// Ends all ranks at once, whatever they do; mpirun's exit code is this one.
+[[noreturn]] void abort_ranks(int code);
+
+int rank_count();
+int rank_number();
+
+/// What rank 0 has comes to all.
+void broadcast(void* data, std::size_t bytes);
+/// Number by number, over all ranks. Sums of whole numbers below 2^53 are exact, others rounded.
+void sum_over_ranks(std::span<double> numbers);
+void max_over_ranks(std::span<double> numbers);
+/// A number of each rank, at rank 0; empty elsewhere.
+std::vector<double> gather_numbers(double mine);
+
+}  // namespace epafi

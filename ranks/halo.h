@@ -1,0 +1,27 @@
+/// @file halo.h  What a rank sees of bodies that others own: after each step their owners send what moves of them.
+#pragma once
+#include <vector>
+
+#include "engine/world.h"
+#include "ranks/plan.h"
+
+namespace epafi {
+
+class Halo {
+ public:
+  /// sends: slots and ranks; place: by slot, ascending, in the order of all bodies. By all ranks, as refresh.
+  void set_up(const World& world, std::vector<Slot> slots, std::vector<int> ranks,
+              const std::vector<std::uint32_t>& place);
+  /// Position, velocity, force and whatever else of the state changes in a step.
+  void refresh(World& world);
+  std::size_t ghosts() const { return into_.size(); }
+  double bytes() const { return bytes_; }  ///< sent by this rank in all steps
+
+ private:
+  Plan plan_;
+  std::vector<Slot> from_, into_;
+  std::vector<std::byte> out_, in_;
+  double bytes_ = 0.0;
+};
+
+}  // namespace epafi

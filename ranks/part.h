@@ -1,0 +1,62 @@
+/// @file part.h  The bodies of one rank, those of others that they may touch (ghosts), and all fixed and driven ones: a
+/// simulation whose slots are in the order of all bodies, so that everything below it runs as it does for all of them.
+/// Contacts across a border are found by both owners, from the same numbers.
+/// All functions but the getters are called by all ranks together.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "engine/rank_team.h"
+#include "engine/simulation.h"
+#include "ranks/halo.h"
+#include "ranks/partition.h"
+#include "ranks/state_image.h"
+
+namespace epafi {
+
+/// What sharing out has come to, of this rank.
+struct PartFigures {
+  double own = 0.0, ghosts = 0.0;   ///< bodies, summed over the steps
+  double steps = 0.0;
+  double moved = 0.0;               ///< how often bodies went to other ranks
+  double bytes = 0.0;               ///< sent in all
+};
+
+class Part {
+ public:
+  /// The simulation is of the same scene as the whole one; what it holds is thrown away.
+  Part(Simulation& simulation, PartSetup setup) : sim_(simulation), setup_(std::move(setup)) {}
+
+  /// The state of the whole, which only rank 0 has, is cut anew and shared out.
+  void receive(Simulation* whole);
+  /// The state of all parts comes into the whole.
+  void give(Simulation* whole);
+  void give_contacts(Simulation* whole);
+  /// One step; report: what all parts did in it. False where a body is astray.
+  bool step(double dt, const std::optional<Domain>& domain, StepReport& report);
+  PartFigures figures() const;
+
+ private:
+  void move(double longest);
+  using Owners = std::vector<std::uint8_t>;  ///< as World::owner
+  Routes routes(const World& world, const Owners& owner, const std::vector<int>& held) const;
+  void settle(StateImage& image, const Arrival& arrival);
+  void measure_bodies(const World& world, const Owners& owner);
+  double longest_way(double dt) const;
+  void note_overlaps();
+  bool is_sound(const std::optional<Domain>& domain) const;
+  void sum_up(StepReport& report, bool& sound);
+
+  Simulation& sim_;
+  PartSetup setup_;
+  Partition partition_;
+  Halo halo_;
+  std::vector<std::uint32_t> place_;  ///< by slot: in the order of all bodies
+  std::vector<Vec3> start_;           ///< by slot: where bodies were when they were placed [m]
+  double usual_margin_ = 0.0;         ///< [m]
+  double margin_ = 0.0;               ///< ghosts are enough while no body has moved farther [m]
+  double largest_ = 0.0;              ///< radius of all free bodies [m]
+  PartFigures figures_;
+};
+
+}  // namespace epafi

@@ -1,0 +1,30 @@
+/// @file partition.h  Which rank owns which part of space: recursive coordinate bisection by Zoltan. No result
+/// depends on where the cuts are.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/types.h"
+
+namespace epafi {
+
+class Partition {
+ public:
+  Partition();
+  ~Partition();
+  Partition(const Partition&) = delete;
+  Partition& operator=(const Partition&) = delete;
+
+  /// New cuts, so that every rank has as many of all points; points: those of this rank. By all ranks.
+  void cut(std::span<const Vec3> points);
+  int owner(const Vec3& x) const;
+  /// Ranks whose part meets a cube of this half side, ascending.
+  void ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const;
+
+ private:
+  struct Cuts;
+  std::unique_ptr<Cuts> cuts_;
+};
+
+}  // namespace epafi

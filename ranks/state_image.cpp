@@ -1,0 +1,226 @@
+#include "ranks/state_image.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+
+#include "engine/error.h"
+#include "ranks/plan.h"
+
+namespace epafi {
+
+namespace {
+
+class ImageSaver final : public StateVisitor {
+ public:
+  StateImage image;
+
+ protected:
+  std::size_t bytes_of(std::string_view, std::size_t, std::size_t current) override { return current; }
+  void exchange(std::string_view name, std::size_t element, std::byte* data, std::size_t bytes) override {
+    image.push_back({std::string(name), whose(), element, std::vector<std::byte>(data, data + bytes)});
+  }
+};
+
+class ImageLoader final : public StateVisitor {
+ public:
+  explicit ImageLoader(StateImage& image) : image_(image) {}
+  bool has(std::string_view name) const override { return find(name) != nullptr; }
+
+ protected:
+  std::size_t bytes_of(std::string_view name, std::size_t, std::size_t) override {
+    EPAFI_REQUIRE(has(name), "both states have the same columns");
+    return find(name)->data.size();
+  }
+  void exchange(std::string_view name, std::size_t, std::byte* data, std::size_t bytes) override {
+    if (bytes > 0) std::memcpy(data, find(name)->data.data(), bytes);
+  }
+
+ private:
+  ImageColumn* find(std::string_view name) const {
+    const auto at = std::ranges::find(image_, name, &ImageColumn::name);
+    return at == image_.end() ? nullptr : &*at;
+  }
+  StateImage& image_;
+};
+
+/// Columns whose rows travel together.
+struct RowGroup {
+  std::vector<ImageColumn*> columns;
+  bool slots_inside = false;  ///< in the first bytes of a row of the first column; else they are columns of their own
+  std::size_t row() const {
+    std::size_t bytes = 0;
+    for (const ImageColumn* c : columns) bytes += c->row;
+    return bytes;
+  }
+  std::size_t rows() const { return columns.front()->rows(); }
+  void write(std::size_t k, std::byte* to) const {
+    for (const ImageColumn* c : columns) {
+      std::memcpy(to, c->data.data() + k * c->row, c->row);
+      to += c->row;
+    }
+  }
+  /// Row k of `order` becomes row k; rows: so many bytes apart.
+  void read(const std::byte* rows, std::size_t apart, const std::vector<std::uint32_t>& order) const {
+    std::size_t offset = 0;
+    for (ImageColumn* c : columns) {
+      c->data.resize(order.size() * c->row);
+      for (std::size_t k = 0; k < order.size(); ++k)
+        std::memcpy(c->data.data() + k * c->row, rows + order[k] * apart + offset, c->row);
+      offset += c->row;
+    }
+  }
+  Slot* slot(std::size_t k, std::size_t which) const {
+    std::byte* const at = slots_inside ? columns[0]->data.data() + k * columns[0]->row + which * sizeof(Slot)
+                                       : columns[which]->data.data() + k * sizeof(Slot);
+    return reinterpret_cast<Slot*>(at);
+  }
+};
+
+RowGroup body_group(StateImage& image) {
+  RowGroup group;
+  for (ImageColumn& c : image)
+    if (c.whose == RowsOf::bodies) group.columns.push_back(&c);
+  return group;
+}
+
+std::vector<RowGroup> contact_groups(StateImage& image) {
+  std::vector<RowGroup> groups;
+  for (ImageColumn& c : image) {
+    const bool begins = c.whose == RowsOf::first_slots || c.whose == RowsOf::pairs;
+    if (begins) groups.push_back({{&c}, c.whose == RowsOf::pairs});
+    if (c.whose == RowsOf::second_slots || c.whose == RowsOf::contacts) groups.back().columns.push_back(&c);
+  }
+  return groups;
+}
+
+struct BodyHead {
+  std::uint32_t place;
+  std::int32_t owner;
+};
+struct ContactHead {
+  std::uint32_t a, b;  ///< places
+};
+
+/// Rows with heads on their way.
+template <class Head>
+struct Parcel {
+  std::size_t row = 0;  ///< bytes, without the head
+  std::vector<int> to;
+  std::vector<std::byte> rows;
+
+  void add(int rank, const Head& head, const RowGroup& group, std::size_t k) {
+    to.push_back(rank);
+    rows.resize(rows.size() + sizeof(Head) + row);
+    std::byte* const at = rows.data() + rows.size() - sizeof(Head) - row;
+    std::memcpy(at, &head, sizeof(Head));
+    group.write(k, at + sizeof(Head));
+  }
+  std::vector<Head> send(double& bytes) {
+    bytes += static_cast<double>(rows.size());
+    const Plan plan(std::move(to));
+    std::vector<std::byte> arrived;
+    plan.run(rows, sizeof(Head) + row, arrived);
+    rows.swap(arrived);
+    std::vector<Head> heads(plan.received());
+    for (std::size_t k = 0; k < heads.size(); ++k)
+      std::memcpy(&heads[k], rows.data() + k * (sizeof(Head) + row), sizeof(Head));
+    return heads;
+  }
+  void unpack(const RowGroup& group, const std::vector<std::uint32_t>& order) const {
+    group.read(rows.data() + sizeof(Head), sizeof(Head) + row, order);
+  }
+};
+
+/// In the order of all bodies.
+void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arrival) {
+  Parcel<BodyHead> parcel{group.row(), {}, {}};
+  for (std::size_t s = 0; s < routes.place.size(); ++s)
+    for (std::uint32_t k = routes.begin[s]; routes.mine[s] != 0 && k < routes.begin[s + 1]; ++k)
+      parcel.add(routes.to[k], {routes.place[s], routes.owner[s]}, group, s);
+  const std::vector<BodyHead> heads = parcel.send(arrival.bytes);
+  std::vector<std::uint32_t> order(heads.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, {}, [&](std::uint32_t k) { return heads[k].place; });
+  for (const std::uint32_t k : order) {
+    arrival.place.push_back(heads[k].place);
+    arrival.owner.push_back(heads[k].owner);
+  }
+  EPAFI_REQUIRE(std::ranges::adjacent_find(arrival.place) == arrival.place.end(), "a body comes once");
+  parcel.unpack(group, order);
+}
+
+/// A contact goes to the owners of its bodies, sent by that of the first free one.
+void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arrival) {
+  Parcel<ContactHead> parcel{group.row(), {}, {}};
+  for (std::size_t k = 0; k < group.rows(); ++k) {
+    const Slot a = *group.slot(k, 0), b = *group.slot(k, 1);
+    const int first = routes.owner[a], second = routes.owner[b];
+    const bool held_a = first == Routes::all_ranks, held_b = second == Routes::all_ranks;
+    const ContactHead head{routes.place[a], routes.place[b]};
+    if (held_a && held_b)
+      for (const int rank : routes.to_all) parcel.add(rank, head, group, k);
+    if ((held_a && held_b) || routes.mine[held_a ? b : a] == 0) continue;
+    if (routes.gathers) {
+      parcel.add(0, head, group, k);
+      continue;
+    }
+    if (!held_a) parcel.add(first, head, group, k);
+    if (!held_b && (held_a || first != second)) parcel.add(second, head, group, k);
+  }
+  const std::vector<ContactHead> heads = parcel.send(arrival.bytes);
+  const auto slot_of = [&](std::uint32_t place) {
+    const auto at = std::ranges::lower_bound(arrival.place, place);
+    if (at == arrival.place.end() || *at != place) throw std::logic_error("a contact came to a rank without its body");
+    return static_cast<Slot>(at - arrival.place.begin());
+  };
+  std::vector<std::uint32_t> order(heads.size());
+  std::iota(order.begin(), order.end(), 0u);
+  // those of one pair come from one rank, in the order of their features
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t k) { return std::pair(heads[k].a, heads[k].b); });
+  parcel.unpack(group, order);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    *group.slot(k, 0) = slot_of(heads[order[k]].a);
+    *group.slot(k, 1) = slot_of(heads[order[k]].b);
+  }
+}
+
+/// The slots of all ids, from the ids of all slots.
+void find_slots(StateImage& image) {
+  const auto ids = std::ranges::find(image, std::string("world/id"), &ImageColumn::name);
+  for (ImageColumn& c : image) {
+    if (c.whose != RowsOf::ids) continue;
+    EPAFI_REQUIRE(ids != image.end() && c.row == sizeof(Slot), "a world has ids and slots");
+    auto* const slots = reinterpret_cast<Slot*>(c.data.data());
+    std::fill_n(slots, c.rows(), no_slot);
+    for (std::uint32_t s = 0; s < ids->rows(); ++s) {
+      std::uint32_t id = 0;
+      std::memcpy(&id, ids->data.data() + s * sizeof id, sizeof id);
+      slots[id] = s;
+    }
+  }
+}
+
+}  // namespace
+
+StateImage image_of(const StateWalk& walk) {
+  ImageSaver saver;
+  walk(saver);
+  return std::move(saver.image);
+}
+
+void restore(StateImage& image, const StateWalk& walk) {
+  ImageLoader loader(image);
+  walk(loader);
+}
+
+Arrival exchange_rows(StateImage& image, const Routes& routes) {
+  Arrival arrival;
+  exchange_bodies(body_group(image), routes, arrival);
+  for (const RowGroup& group : contact_groups(image)) exchange_contacts(group, routes, arrival);
+  find_slots(image);
+  return arrival;
+}
+
+}  // namespace epafi

@@ -1,0 +1,49 @@
+/// @file state_image.h  A state as plain columns, each knowing whose its rows are (RowsOf), and how rows go from
+/// rank to rank: bodies by their place in the order of all bodies, what contacts remember with them. One way for all: from the
+/// whole to its parts, from part to part, from the parts to the whole.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/state_visitor.h"
+
+namespace epafi {
+
+struct ImageColumn {
+  std::string name;
+  RowsOf whose = RowsOf::nobody;
+  std::size_t row = 0;  ///< bytes of one
+  std::vector<std::byte> data;
+  std::size_t rows() const { return data.size() / row; }
+};
+using StateImage = std::vector<ImageColumn>;
+using StateWalk = std::function<void(StateVisitor&)>;
+
+StateImage image_of(const StateWalk& walk);
+/// Into the state that the walk shows; it has the same columns.
+void restore(StateImage& image, const StateWalk& walk);
+
+/// Where the rows of a state go.
+struct Routes {
+  static constexpr int all_ranks = -1;
+  std::vector<std::uint32_t> place;  ///< by slot: of the body in the order of all bodies
+  std::vector<int> owner;            ///< by slot: rank that owns the body from now on; all_ranks: every one has it
+  std::vector<std::uint8_t> mine;    ///< by slot: this rank sends the body's rows
+  std::vector<std::uint32_t> begin;  ///< by slot, and one more: of its ranks in `to`
+  std::vector<int> to;               ///< ranks that get the rows of a body
+  std::vector<int> to_all;           ///< ranks that get contacts of two bodies that every rank has
+  bool gathers = false;              ///< all contacts go to rank 0
+};
+
+/// What has come.
+struct Arrival {
+  std::vector<std::uint32_t> place;  ///< by slot, ascending
+  std::vector<int> owner;            ///< as Routes::owner
+  double bytes = 0.0;                ///< sent by this rank
+};
+
+/// The rows of the image are those that have come then; what is nobody's stays as it is. By all ranks.
+Arrival exchange_rows(StateImage& image, const Routes& routes);
+
+}  // namespace epafi

@@ -1,0 +1,28 @@
+/// @file team.h  Rank 0 leads: it has the whole simulation, tells the others what all do next, and when it ends. What
+/// is decided is decided there, so that all ranks decide alike.
+#pragma once
+#include "engine/rank_team.h"
+
+namespace epafi {
+
+class MpiTeam final : public RankTeam {
+ public:
+  int count() const override;
+  int number() const override;
+  std::unique_ptr<RemoteSteps> lead(std::shared_ptr<Simulation> part, PartSetup setup) override;
+  int follow(Simulation& part, PartSetup setup) override;
+
+  /// By every rank when its command has ended with this code. Returns false where the others cannot be told, because
+  /// this one has failed in the middle of what all do together: they must be ended by force.
+  bool end(int code);
+  /// The code that the run ends with, after `end`.
+  int code() const { return code_; }
+
+ private:
+  bool agreed_ = false;     ///< all have begun, or said that they cannot
+  bool following_ = false;  ///< rank 0 has not ended yet
+  bool busy_ = false;       ///< rank 0: within something that all do together
+  int code_ = 0;
+};
+
+}  // namespace epafi

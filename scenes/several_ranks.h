@@ -1,0 +1,17 @@
+/// @file several_ranks.h  A run that several processes share, each with a part of the bodies (docs/clusters.md).
+#pragma once
+#include "engine/rank_team.h"
+#include "scenes/assemble.h"
+
+namespace epafi {
+
+/// Everything in the scene that only one process can do, with its line and what to take instead, as a SceneError.
+void check_shareable(const Assembly& assembly);
+
+/// What the processes must know of it.
+PartSetup part_setup(const Assembly& assembly);
+
+/// Steps of the assembly by all processes from now on; part: the same scene assembled once more.
+void share_out(Assembly& whole, std::unique_ptr<Assembly> part, RankTeam& team);
+
+}  // namespace epafi

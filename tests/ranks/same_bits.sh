@@ -1,0 +1,23 @@
+#!/bin/bash
+# The same bits on any number of ranks and threads: same_bits.sh EPAFI EPAFI_MPI FOLDER "RANKSxTHREADS ..." STEPS SCENE [KEY=VALUE ...]
+# State hash, rows of measures and the bodies of frames of mpirun are those of the program alone.
+set -u
+alone=$1 shared=$2 folder=$3 cases=$4 steps=$5 scene=$6; shift 6
+. "$(dirname "$0")/common.sh"
+changes=()
+for change in "$@"; do changes+=(--set "$change"); done
+rm -rf "$folder"; mkdir -p "$folder"
+OMP_NUM_THREADS=1 "$alone" run "$scene" --steps "$steps" "${changes[@]}" --quiet -o "$folder/alone" 2> "$folder/log" || { cat "$folder/log"; exit 1; }
+want=$(hash_of "$folder/alone")
+bad=0
+for case in $cases; do
+  ranks=${case%x*} threads=${case#*x}
+  on_ranks "$ranks" "$threads" "$shared" run "$scene" --steps "$steps" "${changes[@]}" --quiet -o "$folder/$case" > "$folder/$case.log" 2>&1 \
+    || { echo "FAILED: $case: exit code $?"; tail -5 "$folder/$case.log"; bad=1; continue; }
+  have=$(hash_of "$folder/$case")
+  echo "$case $have $(ranks_of "$folder/$case")"
+  [ "$have" = "$want" ] || { echo "FAILED: $case: state $have, alone $want"; bad=1; }
+  [ ! -f "$folder/alone/measures.csv" ] || cmp "$folder/alone/measures.csv" "$folder/$case/measures.csv" || bad=1
+  diff -rq -x 'contacts_*' "$folder/alone/frames" "$folder/$case/frames" || bad=1
+done
+exit $bad

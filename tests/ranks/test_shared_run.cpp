@@ -1,0 +1,213 @@
+// Spheres in a shaken box, by all ranks and by rank 0 alone: the same bits of bodies, contacts and springs.
+#include <cmath>
+#include <map>
+
+#include "detection/broad/all_broad_phases.h"
+#include "detection/narrow/narrow_phase.h"
+#include "engine/parallel.h"
+#include "engine/random.h"
+#include "engine/schemes/velocity_verlet.h"
+#include "engine/simulation.h"
+#include "laws/smooth/fused/fused_spheres.h"
+#include "ranks/communicator.h"
+#include "ranks/part.h"
+#include "ranks/state_image.h"
+#include "scenes/sphere_split.h"
+#include "tests/support/catch.h"
+
+using namespace epafi;
+
+namespace {
+
+constexpr double radius = 0.01, dt = 1e-4;
+constexpr int side = 4, layers = 6;
+
+SmoothSetup law() {
+  MaterialPair pair;
+  pair.a = pair.b = {"bead", 2500.0, 5e6, 0.3};
+  pair.restitution = 0.6, pair.friction = 0.5, pair.rolling_friction = 0.05;
+  SmoothSetup setup{"hertz-mindlin", "", "", {}};
+  const auto& laws = all_smooth_laws();
+  for (const Entry& e : laws)
+    if (e.name == setup.law)
+      for (const Field& f : e.fields)
+        if (f.default_value) pair.parameters.set(f.name, *f.default_value);
+  setup.materials = {1, {pair}};
+  return setup;
+}
+
+/// Planes, of which the floor is driven where `shaken`, and spheres of two sizes.
+struct Box {
+  std::shared_ptr<ShapeStore> shapes = std::make_shared<ShapeStore>();
+  std::shared_ptr<Simulation> simulation;
+
+  Box(bool fused, bool shaken) {
+    Columns columns{.rotation = true, .orientation = false};
+    columns.states = fused;
+    BroadSetup setup;
+    setup.shapes = shapes.get();
+    for (const auto& row : pair_table())
+      for (const auto& cell : row) setup.filter.has_cell.push_back(cell.batch != nullptr);
+    setup.spheres.wanted = fused;
+    setup.spheres.fixed = {!shaken, true, true, true, true};
+    Pipeline p;
+    p.scheme = std::make_unique<VelocityVerlet>();
+    auto narrow = std::make_unique<BatchNarrowPhase>(*shapes, 0.0, true);
+    if (fused) {
+      auto model = make_fused_spheres(law(), 0.0);
+      p.narrow_phase = std::make_unique<SphereSplit>(*shapes, std::move(narrow), *model, setup.spheres);
+      p.contact_model = std::move(model);
+    } else {
+      p.narrow_phase = std::move(narrow);
+      p.contact_model = make_smooth_contact(law());
+    }
+    simulation = std::make_shared<Simulation>(World(columns), std::move(p), dt);
+    World& world = simulation->world;
+    world.gravity = Vec3(0, 0, -9.81);
+    add_bodies(world);
+    auto list = make_broad_phase("spatial-hash", setup, world);
+    if (fused) {
+      std::unique_ptr<ListBroadPhase> owned(dynamic_cast<ListBroadPhase*>(list.release()));
+      list = std::make_unique<WornPairs>(std::move(owned), simulation->pipeline);
+    }
+    simulation->pipeline.broad_phase = std::move(list);
+    simulation->sort_interval = 100;
+    if (shaken) {
+      Motion motion;
+      motion.oscillation_direction = Vec3(0.6, 0, 0.8);
+      motion.oscillation_amplitude = 0.004, motion.oscillation_frequency = 30.0;
+      const auto floor = static_cast<BodyId>(0);
+      simulation->events.push_back(std::make_unique<DriveBody>(floor, std::vector{motion}, Vec3::Zero()));
+    }
+    simulation->events.push_back(
+        std::make_unique<RemoveBodies>(std::vector{static_cast<BodyId>(9), static_cast<BodyId>(60)}, 0.0122));
+  }
+
+  void add_bodies(World& world) {
+    const double width = side * 2.3 * radius;
+    const Vec3 normals[5] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
+    for (const Vec3& n : normals) {
+      Body wall;
+      wall.shape = shapes->add(HalfSpace{n}).packed;
+      wall.position = n.x() < 0 || n.y() < 0 ? Vec3(width, width, 0) : Vec3(Vec3::Zero());
+      world.add(wall);
+    }
+    const std::uint32_t shape[2] = {shapes->add(Sphere{radius}).packed, shapes->add(Sphere{0.7 * radius}).packed};
+    Random random(5, 0);
+    for (int k = 0; k < side * side * layers; ++k) {
+      Body b;
+      const bool small = k % 3 == 0;
+      const double r = small ? 0.7 * radius : radius;
+      b.shape = shape[small ? 1 : 0];
+      b.mass = 2500.0 * 4.0 / 3.0 * 3.141592653589793 * r * r * r;
+      b.inertia = Vec3::Constant(0.4 * b.mass * r * r);
+      b.position = 2.3 * radius * Vec3(0.5 + k % side, 0.5 + k / side % side, 0.5 + k / (side * side));
+      b.velocity = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-4, 0));
+      b.angular_velocity = 20.0 * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      world.add(b);
+    }
+  }
+};
+
+/// What a run has come to: bodies to the bit, what contacts remember, contacts, energies.
+struct Outcome {
+  std::string hash;
+  std::map<std::string, std::vector<std::byte>> memory;
+  std::vector<std::tuple<Slot, Slot, Feature, double, double, double, double>> contacts;
+  double elastic = 0.0, dissipated = 0.0;
+  std::size_t touching = 0;
+};
+
+/// Looks at the contacts of the last step.
+class Look final : public Observer {
+ public:
+  explicit Look(Outcome& to) : to_(to) {}
+  bool is_due(std::uint64_t) const override { return false; }
+  void observe(const StepView& v) override {
+    ContactSet all = v.contacts;
+    all.sort();
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (all.gap[k] < 0.0)
+        to_.contacts.emplace_back(all.a[k], all.b[k], all.feature[k], all.gap[k], all.force[k].x(), all.force[k].y(),
+                                  all.force[k].z());
+    to_.touching = v.report.touching, to_.elastic = v.report.elastic;
+  }
+
+ private:
+  Outcome& to_;
+};
+
+Outcome run(Simulation& sim, int steps) {
+  sim.start();
+  for (int k = 0; k < steps; ++k) {
+    const auto failure = sim.advance();
+    REQUIRE_FALSE(failure);
+  }
+  sim.come_home();
+  Outcome out;
+  Look look(out);
+  sim.show(look);
+  out.hash = state_hash(sim.world);
+  sim.ledger.measure(sim.world);
+  out.dissipated = sim.ledger.last().dissipated;
+  for (ImageColumn& c : image_of([&](StateVisitor& v) { sim.visit(v); }))
+    if (c.whose == RowsOf::first_slots || c.whose == RowsOf::second_slots || c.name == "smooth/record" ||
+        c.whose == RowsOf::ids || (c.whose == RowsOf::bodies && c.name != "world/torque" && c.name != "world/force"))
+      out.memory[c.name] = c.data;
+  return out;
+}
+
+/// One task of rank 0 after the other, as ranks/team.cpp does it.
+class Sharing final : public RemoteSteps {
+ public:
+  explicit Sharing(Part& part) : part_(part) {}
+  void send(Simulation& whole) override { order(0), part_.receive(&whole); }
+  void fetch(Simulation& whole) override { order(1), part_.give(&whole); }
+  void fetch_contacts(Simulation& whole) override { order(2), part_.give_contacts(&whole); }
+  bool step(double, const std::optional<Domain>& domain, StepReport& report) override {
+    order(3);
+    return part_.step(dt, domain, report);
+  }
+  RankFigures figures() override { return {}; }
+  static void order(int what) { broadcast(&what, sizeof what); }
+  static void follow(Part& part) {
+    StepReport report;
+    for (int what = 0; what != 9;) {
+      broadcast(&what, sizeof what);
+      if (what == 0) part.receive(nullptr);
+      if (what == 1) part.give(nullptr);
+      if (what == 2) part.give_contacts(nullptr);
+      if (what == 3) part.step(dt, std::nullopt, report);
+    }
+  }
+
+ private:
+  Part& part_;
+};
+
+void compare(bool fused, bool shaken, int steps) {
+  Box mine(fused, shaken);
+  const PartSetup setup{0.0, [&](std::uint32_t s) { return mine.shapes->bounding_radius(ShapeRef{s}); }};
+  Part part(*mine.simulation, setup);
+  if (rank_number() != 0) return Sharing::follow(part);
+  Box alone(fused, shaken), shared(fused, shaken);
+  const Outcome want = run(*alone.simulation, steps);
+  shared.simulation->remote = std::make_unique<Sharing>(part);
+  const Outcome have = run(*shared.simulation, steps);
+  Sharing::order(9);
+  CHECK(have.hash == want.hash);
+  CHECK(have.contacts == want.contacts);
+  CHECK(have.touching == want.touching);
+  CHECK(have.memory == want.memory);
+  CHECK(have.elastic == Approx(want.elastic).epsilon(1e-10));
+  CHECK(have.dissipated == Approx(want.dissipated).epsilon(1e-10));
+  CHECK(want.touching > 20);
+  CHECK(want.dissipated > 0.0);
+  CHECK((rank_count() == 1 || part.figures().moved > 0.0));
+}
+
+}  // namespace
+
+TEST_CASE("spheres in a box by the loop over spheres: the bits of one process") { compare(true, false, 300); }
+TEST_CASE("spheres in a shaken box by the loop over spheres: the bits of one process") { compare(true, true, 300); }
+TEST_CASE("spheres in a shaken box by the loop over contacts: the bits of one process") { compare(false, true, 300); }

@@ -1,0 +1,29 @@
+# Tests that mpirun starts; with EPAFI_MPI only.
+find_program(EPAFI_MPIRUN mpirun REQUIRED)
+file(GLOB rank_tests CONFIGURE_DEPENDS ranks/*.cpp)
+add_executable(test_ranks ${rank_tests})
+set_target_properties(test_ranks PROPERTIES UNITY_BUILD OFF EPAFI_HDF5_ARCHIVED ON)
+target_link_libraries(test_ranks PRIVATE epafi::scenes epafi::ranks Catch2::Catch2 epafi_warnings)
+target_include_directories(test_ranks PRIVATE ${PROJECT_SOURCE_DIR})
+target_compile_definitions(test_ranks PRIVATE EPAFI_CHECK_CONTRACTS CATCH_CONFIG_FAST_COMPILE)
+target_compile_options(test_ranks PRIVATE -O1)
+set(root_environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive)
+foreach(ranks 1 2 3 4)
+  add_test(NAME "partition, states and spheres of ${ranks} ranks" COMMAND ${EPAFI_MPIRUN} --oversubscribe --bind-to none
+    --mca mpi_yield_when_idle 1 -n ${ranks} $<TARGET_FILE:test_ranks>)
+  set_tests_properties("partition, states and spheres of ${ranks} ranks" PROPERTIES LABELS "fast;ranks" TIMEOUT 300
+    ENVIRONMENT "${root_environment}")
+endforeach()
+
+# steps SCENE [KEY=VALUE ...]: the hash of the program alone on all cases
+function(epafi_same_bits name cases steps scene)
+  add_test(NAME "ranks: ${name}" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/same_bits.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
+    ${PROJECT_BINARY_DIR}/ranks/${name} "${cases}" ${steps} ${PROJECT_SOURCE_DIR}/${scene} ${ARGN})
+  set_tests_properties("ranks: ${name}" PROPERTIES LABELS "fast;ranks" TIMEOUT 300)
+endfunction()
+epafi_same_bits(bed "1x2 2x2 3x1 4x1" 600 scenes/library/bed/bed.toml params.n=200)
+epafi_same_bits(hopper "3x1" 300 scenes/library/hopper/hopper.toml params.n=200 params.open_at=0.01)
+epafi_same_bits(mixed "2x1 3x1" 150 tests/ranks/mixed.toml)
+add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
+  ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml)
+set_tests_properties("ranks: faults" PROPERTIES LABELS "fast;ranks" TIMEOUT 300)
