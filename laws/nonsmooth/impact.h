@@ -54,6 +54,7 @@ class Impacts {
     const BodyVelocities& before;            ///< v_k
     double threshold;                        ///< slower approaches do not bounce [m/s]
     double dt;                               ///< [s]
+    bool locates = true;  ///< impacts may put bodies where they would be; not with solvers that move bodies themselves
   };
   /// Adds the impulses of the impacts to problem.free. False, and nothing done, in a step without impact.
   bool apply(ContactProblem& problem, const Step& step, ContactSolver& solver);

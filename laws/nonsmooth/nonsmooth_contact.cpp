@@ -407,7 +407,8 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.losses = {};
   const double threshold = impact_threshold * world.gravity.norm() * clock.dt;
   if (impacts_.separate()) problem_.load_diagonal();
-  const Impacts::Step step{contacts.gap, restitution_, before_, threshold, clock.dt};
+  const Impacts::Step step{contacts.gap, restitution_, before_, threshold, clock.dt,
+                           solver_->displacement() == nullptr};
   const bool located = impacts_.separate() && impacts_.apply(problem_, step, *solver_);
   const bool bounces = balances_ && balance_.any();
   const bool single = bounces && impacts_.strike_single(problem_, step, balance_);

@@ -72,6 +72,7 @@ std::optional<Impacts::Strike> Impacts::strike(ContactProblem& problem, std::siz
                                                const Bounce& bounce) const {
   const Mat3 w = problem.diagonal_of(i);
   const bool central = is_central(problem, i, w);
+  if (central && !step.locates) return std::nullopt;
   const bool slow = -problem.relative_velocity(i, step.before).x() <= step.threshold;
   if (!central && (slow || !is_eccentric(w, problem.friction[i]))) return std::nullopt;
   if (!is_single(problem, i, step)) return std::nullopt;

@@ -85,7 +85,7 @@ Slot DriftMeasure::reference_in(const World& w) const {
 void DriftMeasure::sample(const StepView& view, std::vector<double>& values) {
   const World& w = view.world;
   const auto& bodies = setup_.bodies[0];
-  const bool relative = setup_.bodies.size() > 1;
+  const bool relative = setup_.bodies.size() > 1 && setup_.bodies[1].size() > 0;
   if (relative && reference_in(w) == no_slot) {  // it is gone: there is nothing to be seen from
     values.assign(2, std::numeric_limits<double>::quiet_NaN());
     return;
