@@ -154,7 +154,8 @@ TEST_CASE("a spring is drawn between its bodies", "[scenes][view]") {
   options.width = 400;
   options.height = 400;
   options.labels = false;
-  RunPainter painter(*source, look_over(*source), options);
+  const Overview overview = look_over(*source);
+  RunPainter painter(*source, overview, options);
   Image image = painter.paint(0);
   // the middle column shows dark pixels between bob and hook: look at the rows of 0.7 and 0.9 m
   const Camera camera = choose_camera("front", source->about(), look_over(*source).box, 1.0);

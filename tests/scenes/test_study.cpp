@@ -7,7 +7,6 @@
 #include "scenes/cli/commands.h"
 #include "scenes/study/atlas.h"
 #include "scenes/study/atlas_page.h"
-#include "scenes/study/bench.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/chart_rows.h"
 #include "scenes/study/limits.h"
@@ -442,28 +441,6 @@ TEST_CASE("a study removes its own cases and nothing else, and tells of trouble 
   const Captured failed = sweep(" --set 'world.gravity=[1e160, 0, 0]'");
   CHECK(failed.code == exit_failed);
   CHECK_THAT(failed.err, Catch::Contains("case 0: failed: ") && Catch::Contains("became non-finite"));
-}
-
-TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "[scenes][study]") {
-  const TemporaryFolder folder;
-  std::vector<std::string> rows;
-  run_bench({library + "stacking/column.toml", {}, {1, 2}, 1, folder / "b", true, program},
-            [&](const std::string& row) { rows.push_back(row); });
-  REQUIRE(rows.size() == 3);
-  CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial ") &&
-                          Catch::Contains("as if "));
-  CHECK_THAT(rows[2], Catch::Contains("# machine, 2 threads: arithmetic ") && Catch::Contains("triad ") &&
-                          Catch::Contains("x, a word there and back ") &&
-                          Catch::Contains("# machine, 2 copies of the scene at once, one thread each: together "));
-  CHECK(std::stod(rows[2].substr(rows[2].rfind("together ") + 9)) > 0);
-  const auto cell = [](const std::string& row, int k) {
-    std::size_t at = 0;
-    while (k-- > 0) at = row.find(',', at) + 1;
-    return row.substr(at, row.find(',', at) - at);
-  };
-  CHECK(cell(rows[0], 9) == "energy");
-  CHECK(cell(rows[0], 11) == cell(rows[1], 11));  // state hash
-  CHECK(std::stod(cell(rows[0], 3)) > 0);
 }
 
 TEST_CASE("chart and limits judge overlaps by the largest of all steps", "[scenes][study]") {

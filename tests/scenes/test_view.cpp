@@ -168,7 +168,8 @@ TEST_CASE("the mailed page draws what our rasteriser draws, and every control an
   options.width = static_cast<int>(b.number("epafi.renderer.domElement.width"));
   options.height = static_cast<int>(b.number("epafi.renderer.domElement.height"));
   options.labels = false;
-  RunPainter painter(*source, look_over(*source), options);
+  const Overview overview = look_over(*source);
+  RunPainter painter(*source, overview, options);
   const std::vector<double> page = numbers(b.text(grid_of_picture)), own = grid_of(painter.paint(5));
   CHECK(drawn_fields(page) > 30);
   CHECK(mean_difference(page, own) < 1.5);

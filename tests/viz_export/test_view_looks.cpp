@@ -92,7 +92,8 @@ TEST_CASE("pictures show against gravity as up, whatever axis it points along", 
       options.width = 160;
       options.height = 120;
       options.labels = false;
-      RunPainter painter(*source, look_over(*source), options);
+      const Overview overview = look_over(*source);
+      RunPainter painter(*source, overview, options);
       Image image = painter.paint(0);
       INFO(camera << ", gravity " << gravity.transpose());
       CHECK(mean_row(image, true) + 20 < mean_row(image, false));

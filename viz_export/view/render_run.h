@@ -22,8 +22,9 @@ struct RenderOptions {
 
 class RunPainter {
  public:
-  /// Throws FileError for a camera or field that is not there.
+  /// Throws FileError for a camera or field that is not there. Source and overview must outlive this.
   RunPainter(const ViewSource& source, const Overview& overview, const RenderOptions& options);
+  RunPainter(const ViewSource& source, Overview&& overview, const RenderOptions& options) = delete;
   Image paint(std::size_t frame);
   const ViewField& field() const { return field_; }
   std::array<double, 2> range() const { return range_; }
