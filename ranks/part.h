@@ -16,10 +16,10 @@ namespace epafi {
 
 /// What sharing out has come to, of this rank.
 struct PartFigures {
-  double own = 0.0, ghosts = 0.0;   ///< bodies, summed over the steps
+  double own = 0.0, ghosts = 0.0;  ///< bodies, summed over the steps
   double steps = 0.0;
-  double moved = 0.0;               ///< how often bodies went to other ranks
-  double bytes = 0.0;               ///< sent in all
+  double moved = 0.0;  ///< how often bodies went to other ranks
+  double bytes = 0.0;  ///< sent in all
 };
 
 class Part {

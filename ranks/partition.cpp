@@ -76,9 +76,9 @@ void Partition::cut(std::span<const Vec3> points) {
   int changed = 0, globals = 0, locals = 0, incoming = 0, outgoing = 0;
   ZOLTAN_ID_PTR in_global = nullptr, in_local = nullptr, out_global = nullptr, out_local = nullptr;
   int *in_process = nullptr, *in_part = nullptr, *out_process = nullptr, *out_part = nullptr;
-  const int code = Zoltan_LB_Partition(cuts_->zoltan, &changed, &globals, &locals, &incoming, &in_global, &in_local,
-                                       &in_process, &in_part, &outgoing, &out_global, &out_local, &out_process,
-                                       &out_part);
+  const int code =
+      Zoltan_LB_Partition(cuts_->zoltan, &changed, &globals, &locals, &incoming, &in_global, &in_local, &in_process,
+                          &in_part, &outgoing, &out_global, &out_local, &out_process, &out_part);
   Zoltan_LB_Free_Part(&in_global, &in_local, &in_process, &in_part);
   Zoltan_LB_Free_Part(&out_global, &out_local, &out_process, &out_part);
   cuts_->points = {};

@@ -1,6 +1,6 @@
 /// @file state_image.h  A state as plain columns, each knowing whose its rows are (RowsOf), and how rows go from
-/// rank to rank: bodies by their place in the order of all bodies, what contacts remember with them. One way for all: from the
-/// whole to its parts, from part to part, from the parts to the whole.
+/// rank to rank: bodies by their place in the order of all bodies, what contacts remember with them. One way for all:
+/// from the whole to its parts, from part to part, from the parts to the whole.
 #pragma once
 #include <functional>
 #include <string>

@@ -42,7 +42,7 @@ std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) con
       sim.world.time, clock_text(eta), rate, sim.world.size(), r.touching, sim.ledger.last().kinetic,
       monitor.last_overlap().max_relative);
   if (r.has_solver) text += fmt::format("  residual {:.2g} in {} it", r.solver.residual, r.solver.iterations);
-  EnergyLedger now = sim.ledger;  // a copy: a look may not extend what the run's own error is relative to
+  EnergyLedger now = sim.ledger;                // a copy: a look may not extend what the run's own error is relative to
   if (!sim.is_ahead()) now.measure(sim.world);  // work is booked every step, energies only where somebody looks
   text += fmt::format("  energy error {:.2g}", now.relative_error());
   for (const Warning& w : sim.warnings.all()) text += "  warning: " + w.text;

@@ -56,8 +56,8 @@ struct RunSummary {
   double simulated_time = 0;  ///< [s]
   double wall_time = 0;       ///< [s]
   double cpu_time = 0;        ///< of the stepping, all threads, output included [s]
-  int threads = 1;                   ///< of each process
-  std::optional<RankFigures> ranks;  ///< of a run that several processes share
+  int threads = 1;            ///< of each process
+  std::optional<RankFigures> ranks;        ///< of a run that several processes share
   std::optional<double> ns_per_body_step;  ///< of moving bodies, everything but output
   StageSeconds stage_seconds;
   std::optional<double> contacts_mean;

@@ -27,8 +27,8 @@ Vec3 orthogonal_to(const Vec3& u) {
 void collide_closed(const Sphere& a, const Capsule& b, const PairQuery& q, ContactSink& sink) {
   const Vec3 axis = q.b.orientation * Vec3::UnitZ(), centre = q.b.position - q.a.position;
   const double along = std::clamp(-centre.dot(axis), -b.half_length(), b.half_length());
-  add_spheres(Vec3::Zero(), a.radius, centre + along * axis, b.radius, [&] { return orthogonal_to(axis); }, 0, q,
-              sink);
+  add_spheres(
+      Vec3::Zero(), a.radius, centre + along * axis, b.radius, [&] { return orthogonal_to(axis); }, 0, q, sink);
 }
 
 void collide_closed(const Capsule& a, const Capsule& b, const PairQuery& q, ContactSink& sink) {

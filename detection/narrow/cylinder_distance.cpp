@@ -30,7 +30,7 @@ struct Meeting {
   bool valid = false;
   double gap = -infinity;
   Vec3 normal, on_a, on_b;  ///< normal from A to B
-  Hold hold_a, hold_b;  ///< where valid and overlapping
+  Hold hold_a, hold_b;      ///< where valid and overlapping
   bool overlaps() const { return valid && gap < 0.0; }
 };
 
@@ -61,9 +61,7 @@ bool is_least_depth(const Meeting& m) {
   return 0.5 * (sum - root) >= 2.0 * depth && a.far + b.far >= 2.0 * depth;
 }
 
-Meeting exchanged(const Meeting& m) {
-  return {m.valid, m.gap, -m.normal, m.on_b, m.on_a, m.hold_b, m.hold_a};
-}
+Meeting exchanged(const Meeting& m) { return {m.valid, m.gap, -m.normal, m.on_b, m.on_a, m.hold_b, m.hold_a}; }
 
 class CylinderPair {
  public:
@@ -217,7 +215,7 @@ Meeting CylinderPair::side_and_rim() const {
     const double y = n.dot(b_.axis);
     const bool lies = b_.h > 0.0 && std::abs(y) * b_.h <= even_;
     if (!lies && y * k > 0.0) continue;  // the other rim is nearer
-    if (lies && !parallel) return m;  // the sides cross
+    if (lies && !parallel) return m;     // the sides cross
     const double S = length_across(n, y, b_.axis);
     m.normal = n;
     m.gap = n.dot(between_) - b_.h * std::abs(y) - b_.r * S - a_.r;

@@ -226,9 +226,10 @@ bool Seams::is_given_before(const ContactSet& contacts, const Candidate& c) cons
   return false;
 }
 
-/// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question gives
-/// another one there, or the same once more.
-bool Seams::holds_instead(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const {
+/// One of the body's contacts with the other wall has a normal of the union at the point, and the wall in question
+/// gives another one there, or the same once more.
+bool Seams::holds_instead(const World& world, const ContactSet& contacts, const Candidate& c,
+                          const Other& other) const {
   const bool beyond = goes_beyond(shapes_, other.piece, c.point, c.normal, c.near);
   if (!beyond && comes_first(c, other)) return false;
   const Vec3 centre = centre_of_body(world, contacts, c);
@@ -239,7 +240,8 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
     if (other.piece.part != WallPiece::whole && held.piece.part != other.piece.part) continue;
     if ((centre_of_body(world, contacts, held) + other.shift - centre).norm() > c.near) continue;  // of another image
     const double deep = c.near + std::max(0.0, -contacts.gap[k]);
-    if (!beyond && same_direction(held.normal, c.normal) && (held.point + other.shift - c.point).norm() <= deep) return true;
+    if (!beyond && same_direction(held.normal, c.normal) && (held.point + other.shift - c.point).norm() <= deep)
+      return true;
     if (beyond && !goes_beyond(shapes_, other.piece, c.point, held.normal, deep) &&
         !goes_beyond(shapes_, c.piece, c.point, held.normal, deep))
       return true;
@@ -247,8 +249,9 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
   return false;
 }
 
-/// Points of one normal stand or go together. They stand where one that is not hidden has a normal of its wall: a box that
-/// slides over a seam keeps the corners that it has on it. Else they are those of an edge, which the neighbour has.
+/// Points of one normal stand or go together. They stand where one that is not hidden has a normal of its wall: a box
+/// that slides over a seam keeps the corners that it has on it. Else they are those of an edge, which the neighbour
+/// has.
 void Seams::decide_faces(const World& world, const ContactSet& contacts) {
   for (const Candidate& c : candidates_) {
     if (hidden_[c.contact] != 1) continue;

@@ -1,11 +1,11 @@
 /// @file seams.h  Walls that touch act as one surface: contacts that only one of them would give are taken out.
-/// Where walls (fixed or driven bodies) share a point p, a normal n of one of them is a normal of their union only if no
-/// other goes on beyond the plane through p: the normal cone of a union is the intersection of the normal cones
-/// (Rockafellar and Wets 1998, section 6). So the edge of the second of two level tiles does not stop a body that slides
-/// over it, while a ridge of two roofs holds it. A contact goes only where the neighbour holds the body by a normal of the
-/// union at that point: in the corner of floor and wall, which has none, both stand. Of two walls with the same normal at
-/// the same point the one of lower id keeps the contact. In a periodic cell a wall that is as wide as the cell touches
-/// its own images. The convex parts of a solid, free or fixed, are one surface in the same way.
+/// Where walls (fixed or driven bodies) share a point p, a normal n of one of them is a normal of their union only if
+/// no other goes on beyond the plane through p: the normal cone of a union is the intersection of the normal cones
+/// (Rockafellar and Wets 1998, section 6). So the edge of the second of two level tiles does not stop a body that
+/// slides over it, while a ridge of two roofs holds it. A contact goes only where the neighbour holds the body by a
+/// normal of the union at that point: in the corner of floor and wall, which has none, both stand. Of two walls with
+/// the same normal at the same point the one of lower id keeps the contact. In a periodic cell a wall that is as wide
+/// as the cell touches its own images. The convex parts of a solid, free or fixed, are one surface in the same way.
 /// Limits: free bodies are not joined to others; of closed meshes only the surface counts, not what it encloses; what a
 /// contact remembers (friction, plastic history) ends with its wall.
 #pragma once

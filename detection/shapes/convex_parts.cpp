@@ -13,10 +13,10 @@
 namespace epafi {
 namespace {
 
-constexpr double same_volume = 1e-9;       // relative: two parts whose hull has their volume are one convex part
-constexpr double rounding = 1e-12;         // of the size: what cuts are exact to
-constexpr std::size_t most_cells = 4096;   // before joining: far beyond the parts that a body can carry
-constexpr std::size_t most_choices = 64;   // cuts that are compared, of the largest faces
+constexpr double same_volume = 1e-9;      // relative: two parts whose hull has their volume are one convex part
+constexpr double rounding = 1e-12;        // of the size: what cuts are exact to
+constexpr std::size_t most_cells = 4096;  // before joining: far beyond the parts that a body can carry
+constexpr std::size_t most_choices = 64;  // cuts that are compared, of the largest faces
 
 /// What of a triangle lies in a cell: convex, in the plane of its face.
 struct Fragment {

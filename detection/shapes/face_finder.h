@@ -1,6 +1,6 @@
 /// @file face_finder.h  Gathers the triangles of a surface to plane faces, and moves corners into the planes of their
-/// faces. A face grows from its largest triangle over sides while all corners lie within a tolerance of the plane fitted
-/// to it, so that it does not creep around a curved surface.
+/// faces. A face grows from its largest triangle over sides while all corners lie within a tolerance of the plane
+/// fitted to it, so that it does not creep around a curved surface.
 #pragma once
 #include <array>
 #include <utility>
@@ -67,9 +67,9 @@ class FaceFinder {
 };
 
 struct CornerMoves {
-  bool is_exact = true;     ///< all corners lie in their planes to rounding: none was moved
-  std::size_t count = 0;    ///< corners that moved by more than rounding
-  double farthest = 0.0;    ///< of them [m]
+  bool is_exact = true;   ///< all corners lie in their planes to rounding: none was moved
+  std::size_t count = 0;  ///< corners that moved by more than rounding
+  double farthest = 0.0;  ///< of them [m]
 };
 
 /// Moves corners into the planes of the faces of several triangles that meet there, where some are farther than

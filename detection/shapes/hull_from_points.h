@@ -10,8 +10,8 @@
 
 namespace epafi {
 
-/// Vertices of a hull and its faces, counter-clockwise seen from outside. Of exact points: triangles, coplanar ones stay
-/// apart. Of rounded points: the faces that lie within the tolerance of one plane, as polygons.
+/// Vertices of a hull and its faces, counter-clockwise seen from outside. Of exact points: triangles, coplanar ones
+/// stay apart. Of rounded points: the faces that lie within the tolerance of one plane, as polygons.
 struct HullSurface {
   std::vector<Vec3> vertices;  ///< in the order of the points they come from [m]
   std::vector<std::vector<std::uint32_t>> faces;
@@ -26,11 +26,11 @@ struct HullSurface {
   return triangles;
 }
 
-/// precision: how far rounding may have put a coordinate (of a file: MeshReport) [m]; 0: the points are exact. Four times
-/// as much is flat: facets within it of one plane are one face, corners are moved into the planes that meet there.
-/// Throws SceneError at `place` where a point is not finite, there are fewer than 4 distinct points, or all of them lie
-/// within 1e-9 of their extent of one plane. The result does not depend on the order of the points, but for the
-/// numbering of vertices and faces.
+/// precision: how far rounding may have put a coordinate (of a file: MeshReport) [m]; 0: the points are exact. Four
+/// times as much is flat: facets within it of one plane are one face, corners are moved into the planes that meet
+/// there. Throws SceneError at `place` where a point is not finite, there are fewer than 4 distinct points, or all of
+/// them lie within 1e-9 of their extent of one plane. The result does not depend on the order of the points, but for
+/// the numbering of vertices and faces.
 [[nodiscard]] HullSurface hull_from_points(std::span<const Vec3> points, const Place& place = {},
                                            double precision = 0.0);
 

@@ -250,13 +250,19 @@ MeshFile read_mesh_file(const std::string& path, MeshFaces faces) {
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   const bool is_table = ending == ".txt" || ending == ".csv" || ending == ".dat";
   if (ending != ".obj" && ending != ".stl" && ending != ".ply" && !is_table)
-    throw SceneError(fmt::format("mesh files end in .obj, .stl, .ply or, as tables of triangles, .txt, .csv, .dat; found "
-                                 "'{}'", ending), {path, 0, 0});
+    throw SceneError(
+        fmt::format("mesh files end in .obj, .stl, .ply or, as tables of triangles, .txt, .csv, .dat; found "
+                    "'{}'",
+                    ending),
+        {path, 0, 0});
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(path, std::ios::binary);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
     throw FileError(fmt::format("cannot read mesh '{}'", path));
-  const auto read = is_table ? read_triangle_table : ending == ".obj" ? read_obj : ending == ".stl" ? read_stl : read_ply;
+  const auto read = is_table           ? read_triangle_table
+                    : ending == ".obj" ? read_obj
+                    : ending == ".stl" ? read_stl
+                                       : read_ply;
   return read(bytes, path, faces);
 }
 

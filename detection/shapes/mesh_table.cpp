@@ -24,7 +24,8 @@ double factor_of(const std::string& name, const MeshText& text) {
 }
 
 std::vector<std::string> words_of(std::string line) {
-  std::replace_if(line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '"'; }, ' ');
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '"'; }, ' ');
   std::vector<std::string> words;
   for (std::size_t at = line.find_first_not_of(' '); at != line.npos;) {
     const std::size_t end = std::min(line.find(' ', at), line.size());

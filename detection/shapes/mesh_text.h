@@ -16,8 +16,8 @@ namespace epafi {
 /// Walks over a text line by line, and over a line word by word. Views into the text: it must outlive the reader.
 class MeshText {
  public:
-  /// A byte order mark at the beginning and zeros at the end are no text. comments: '#' begins one, and a line that ends
-  /// with a backslash goes on in the next (OBJ).
+  /// A byte order mark at the beginning and zeros at the end are no text. comments: '#' begins one, and a line that
+  /// ends with a backslash goes on in the next (OBJ).
   MeshText(std::string_view text, std::string file, bool comments = false)
       : text_(text.substr(0, text.find_last_not_of('\0') + 1)), file_(std::move(file)), comments_(comments) {
     constexpr std::string_view mark = "\xef\xbb\xbf";

@@ -1,5 +1,5 @@
-/// @file polygon_ears.h  Cuts the polygon of a face into triangles: fans where it is convex, else ears (Meisters 1975), so
-/// that no triangle lies outside an inner corner.
+/// @file polygon_ears.h  Cuts the polygon of a face into triangles: fans where it is convex, else ears (Meisters 1975),
+/// so that no triangle lies outside an inner corner.
 #pragma once
 #include <span>
 
@@ -18,7 +18,8 @@ inline Vec3 area_vector(const std::vector<Vec3>& points, std::span<const std::ui
 }
 
 /// Corner k of the loop turns to the left and no other corner lies in its triangle.
-inline bool is_ear(const std::vector<Vec3>& points, std::span<const std::uint32_t> loop, std::size_t k, const Vec3& up) {
+inline bool is_ear(const std::vector<Vec3>& points, std::span<const std::uint32_t> loop, std::size_t k,
+                   const Vec3& up) {
   const std::size_t n = loop.size();
   const std::array<std::uint32_t, 3> t{loop[(k + n - 1) % n], loop[k], loop[(k + 1) % n]};
   const auto twice = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {

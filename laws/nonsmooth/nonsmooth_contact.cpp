@@ -356,9 +356,8 @@ void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
 
 /// The gaps at the next detection, with what impacts at their own times move the bodies.
 void NonsmoothContact::foresee_displacement() {
-  parallel_for(next_gap_.size(), [&](std::size_t i) {
-    next_gap_[i] += problem_.relative_velocity(i, impacts_.displacement()).x();
-  });
+  parallel_for(next_gap_.size(),
+               [&](std::size_t i) { next_gap_[i] += problem_.relative_velocity(i, impacts_.displacement()).x(); });
 }
 
 /// Of a step that was not solved. What has no solution is looked for in the 1st, 2nd, 4th, 8th ... of them: it costs as
@@ -407,8 +406,8 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   report.losses = {};
   const double threshold = impact_threshold * world.gravity.norm() * clock.dt;
   if (impacts_.separate()) problem_.load_diagonal();
-  const Impacts::Step step{contacts.gap, restitution_, before_, threshold, clock.dt,
-                           solver_->displacement() == nullptr};
+  const Impacts::Step step{contacts.gap, restitution_, before_,
+                           threshold,    clock.dt,     solver_->displacement() == nullptr};
   const bool located = impacts_.separate() && impacts_.apply(problem_, step, *solver_);
   const bool bounces = balances_ && balance_.any();
   const bool single = bounces && impacts_.strike_single(problem_, step, balance_);

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "engine/random.h"
-#include "scenes/reader/row_file.h"
 #include "scenes/reader/parts.h"
+#include "scenes/reader/row_file.h"
 #include "scenes/reader/toml_text.h"
 
 namespace epafi {
@@ -211,11 +211,16 @@ void read_file(Draft& draft, const Node& item) {
   const Place place = values.place_of("file");
   const std::string path = resolve_path(values.text("file"), place, reading.main_file);
   std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  const std::vector<std::string> endings{".csv", ".txt", ".dat", ".tsv", ".xyz", ".dump", ".lammpstrj", ".liggghts", ".polyset"};
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  const std::vector<std::string> endings{".csv",  ".txt",       ".dat",      ".tsv",    ".xyz",
+                                         ".dump", ".lammpstrj", ".liggghts", ".polyset"};
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
-    return reading.error(place, label + " file: expected a table (.csv, .txt, .dat, .tsv, .xyz), a dump of LAMMPS or LIGGGHTS "
-                                        "(.dump, .lammpstrj, .liggghts) or .polyset, found '" + path + "'");
+    return reading.error(place,
+                         label +
+                             " file: expected a table (.csv, .txt, .dat, .tsv, .xyz), a dump of LAMMPS or LIGGGHTS "
+                             "(.dump, .lammpstrj, .liggghts) or .polyset, found '" +
+                             path + "'");
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure))
     return reading.error(place, label + " file: there is no file '" + path + "'");

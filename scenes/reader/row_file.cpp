@@ -107,13 +107,17 @@ std::optional<double> read_number(const std::string& text) {
 }
 
 const std::vector<std::string>& RowFile::known() {
-  static const std::vector<std::string> names{"x",  "y",  "z",      "vx",       "vy",    "vz",   "qw",       "qx",   "qy", "qz",
-                                              "wx", "wy", "wz", "radius", "diameter", "shape", "size", "material", "group"};
+  static const std::vector<std::string> names{"x",        "y",     "z",    "vx",       "vy",   "vz", "qw",
+                                              "qx",       "qy",    "qz",   "wx",       "wy",   "wz", "radius",
+                                              "diameter", "shape", "size", "material", "group"};
   return names;
 }
 
 RowFile::RowFile(Reading& reading, std::string path, Place place, std::vector<std::string> columns)
-    : reading_(reading), path_(std::move(path)), place_(std::move(place)), wanted_(std::move(columns)),
+    : reading_(reading),
+      path_(std::move(path)),
+      place_(std::move(place)),
+      wanted_(std::move(columns)),
       in_(path_, std::ios::binary) {}
 
 bool RowFile::error(const Place& at, const std::string& text) const {
@@ -201,7 +205,8 @@ bool RowFile::read_units(const std::string& name) {
     length_ = units.length, time_ = units.time;
     return true;
   }
-  return error({path_, number_, 1}, fmt::format("units '{}' are not read; of LAMMPS' units {}", name, fmt::join(names, ", ")));
+  return error({path_, number_, 1},
+               fmt::format("units '{}' are not read; of LAMMPS' units {}", name, fmt::join(names, ", ")));
 }
 
 /// The columns of a table: a line of names, a comment that holds them, or none.
@@ -225,7 +230,8 @@ bool RowFile::open_text() {
   } while (next_line());
   if (!in_) return error(place_, "the file '" + path_ + "' has no body");
   const auto cells = split();
-  const bool numbers = std::all_of(cells.begin(), cells.end(), [](const Cell& c) { return read_number(c.text).has_value(); });
+  const bool numbers =
+      std::all_of(cells.begin(), cells.end(), [](const Cell& c) { return read_number(c.text).has_value(); });
   kept_line_ = numbers;
   if (!wanted_.empty()) return named_by_scene(cells.size());
   if (!numbers) {
@@ -236,8 +242,10 @@ bool RowFile::open_text() {
     wanted_ = {"x", "y", "z"};
     return named_by_scene(3);
   } else {
-    return error({path_, number_, 1}, fmt::format("{} columns without names: name them by `columns`, as in columns = [\"x\", "
-                                                  "\"y\", \"z\", \"radius\"]; \"-\" passes one over", cells.size()));
+    return error({path_, number_, 1},
+                 fmt::format("{} columns without names: name them by `columns`, as in columns = [\"x\", "
+                             "\"y\", \"z\", \"radius\"]; \"-\" passes one over",
+                             cells.size()));
   }
   return true;
 }
@@ -262,7 +270,8 @@ RowFile::Column RowFile::column_of(const Cell& cell, bool strict) const {
     reading_.error(cell.place, "scaled coordinates: write the dump with x y z in place of xs ys zs");
   if (column.name.empty()) {
     if (strict && unit.empty())
-      reading_.error(cell.place, "unknown column '" + cell.text + "'" + suggestion(cell.text, known(), "known columns"));
+      reading_.error(cell.place,
+                     "unknown column '" + cell.text + "'" + suggestion(cell.text, known(), "known columns"));
     return column;
   }
   if (is_word(column.name)) {
@@ -296,7 +305,8 @@ bool RowFile::next(std::vector<Cell>& cells) {
 /// A dump whose last frame lacks rows was cut off as it was written. Always false.
 bool RowFile::check_count() {
   if (announced_ && *announced_ != rows_)
-    error({path_, announced_line_, 1}, fmt::format("the last frame announces {} bodies and has {} rows", *announced_, rows_));
+    error({path_, announced_line_, 1},
+          fmt::format("the last frame announces {} bodies and has {} rows", *announced_, rows_));
   announced_.reset();
   return false;
 }

@@ -226,13 +226,18 @@ TableSchema bodies_table() {
   return {
       "bodies",
       TableSchema::Form::list,
-      "bodies from a file: a table with columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius, diameter or shape "
-      "[,size][,material][,group], as `epafi export --format csv` writes it, between commas, semicolons, tabs or blanks; "
-      "names of others with their units (`Radius[m]`, `PosX[mm]`); three columns without names are x y z; a text export "
+      "bodies from a file: a table with columns x,y,z[,vx,vy,vz][,qw,qx,qy,qz][,wx,wy,wz] and radius, diameter or "
+      "shape "
+      "[,size][,material][,group], as `epafi export --format csv` writes it, between commas, semicolons, tabs or "
+      "blanks; "
+      "names of others with their units (`Radius[m]`, `PosX[mm]`); three columns without names are x y z; a text "
+      "export "
       "of YADE; a dump of LAMMPS or LIGGGHTS (last frame)",
-      {text("file", "table (.csv, .txt, .dat, .tsv, .xyz), dump (.dump, .lammpstrj, .liggghts) or .polyset"), group_field(),
-       optional("columns", "", "", Kind::texts, {},
-                "names of the table's columns in their order, with units where not SI, as \"x[mm]\"; \"-\" passes one over"),
+      {text("file", "table (.csv, .txt, .dat, .tsv, .xyz), dump (.dump, .lammpstrj, .liggghts) or .polyset"),
+       group_field(),
+       optional(
+           "columns", "", "", Kind::texts, {},
+           "names of the table's columns in their order, with units where not SI, as \"x[mm]\"; \"-\" passes one over"),
        optional("name", "", "", Kind::text, {}, "name; the bodies are NAME[0], NAME[1] ..."),
        optional("material", "", "", Kind::text, {}, "a name under [material.*] for rows that name none"),
        optional("shape", "", "", Kind::shape, {}, "the shape of rows that give none"), place_field(),

@@ -57,8 +57,7 @@ void meet_at(const A& a, const B& b, const Quat& turn, const Vec3& towards, GapR
   Pose pb{pa.position + pa.orientation * (1.2 * (a.bounding_radius() + b.bounding_radius()) * towards),
           pa.orientation * turn};
   const GjkResult way = gjk(difference(a, pa, b, pb));
-  const double wanted =
-      random.uniform(gaps.least, gaps.most) * std::min(a.bounding_radius(), b.bounding_radius());
+  const double wanted = random.uniform(gaps.least, gaps.most) * std::min(a.bounding_radius(), b.bounding_radius());
   pb.position -= (way.lower - wanted) * (pa.orientation * way.normal);
   judge_cylinders(a, b, pa, pb, tally);
 }

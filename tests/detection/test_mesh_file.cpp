@@ -195,11 +195,12 @@ TEST_CASE("spellings of STL and OBJ that other programs write are read", "[detec
     return text;
   };
   std::string capitals = ascii_stl(box);
-  std::ranges::transform(capitals, capitals.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::ranges::transform(capitals, capitals.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   const std::string zeros(2, '\0'), mark = "\xef\xbb\xbf";
-  for (const std::string& text :
-       {capitals, mark + ascii_stl(box), ascii_stl(box) + zeros, binary_stl(box) + zeros, changed(ascii_stl(box), "\n", "\r"),
-        changed(ascii_stl(box), "\n", "\r\n"), changed(ascii_stl(box), "endsolid", "end solid")}) {
+  for (const std::string& text : {capitals, mark + ascii_stl(box), ascii_stl(box) + zeros, binary_stl(box) + zeros,
+                                  changed(ascii_stl(box), "\n", "\r"), changed(ascii_stl(box), "\n", "\r\n"),
+                                  changed(ascii_stl(box), "endsolid", "end solid")}) {
     const MeshFile mesh = read_stl(text, "box.stl");
     CHECK(mesh.surface.vertices.size() == 8);
     CHECK(mesh.surface.triangles.size() == 12);
@@ -220,7 +221,8 @@ TEST_CASE("spellings of STL and OBJ that other programs write are read", "[detec
 TEST_CASE("a face with inner corners is cut to triangles that cover it once", "[detection][mesh-file]") {
   using Outline = std::vector<std::array<double, 2>>;
   const Outline bracket{{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}}, arrow{{0, 0}, {2, 1}, {0, 2}, {0.5, 1}},
-      comb{{0, 0}, {1, 0}, {2, 0}, {5, 0}, {5, 2}, {4, 2}, {4, 1}, {3, 1}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+      comb{{0, 0}, {1, 0}, {2, 0}, {5, 0}, {5, 2}, {4, 2}, {4, 1},
+           {3, 1}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   Random random(33, 0);
   for (const Outline& outline : {bracket, arrow, comb})
     for (std::size_t start = 0; start < outline.size(); ++start) {
@@ -390,9 +392,11 @@ TEST_CASE("corners without faces are read where a hull is taken of them", "[dete
                     Equals("a.obj: error: the file has no corner"));
 }
 
-TEST_CASE("triangles are read from a table of nine columns, with names and units or without", "[detection][mesh-file]") {
+TEST_CASE("triangles are read from a table of nine columns, with names and units or without",
+          "[detection][mesh-file]") {
   const TriangleSurface box = box_surface({1, 2, 3});
-  for (const auto& [header, factor, gap] : {std::tuple("", 1.0, " "), {"x1 y1 z1 x2 y2 z2 x3 y3 z3\n", 1.0, "\t"},
+  for (const auto& [header, factor, gap] : {std::tuple("", 1.0, " "),
+                                            {"x1 y1 z1 x2 y2 z2 x3 y3 z3\n", 1.0, "\t"},
                                             {"X[mm],Y[mm],Z[mm],X[mm],Y[mm],Z[mm],X[mm],Y[mm],Z[mm]\n", 1e3, ","}}) {
     std::string text = header;
     for (const Triangle& t : box.triangles) {
@@ -417,5 +421,6 @@ TEST_CASE("what a PLY file does not need may be no number", "[detection][mesh-fi
       "0 nan 0 0\n1 - 2 0\n0 1e999 1 3\n3 0 1 2\n";
   const MeshFile mesh = read_ply(ply, "a.ply");
   CHECK(mesh.surface.vertices[1] == Vec3(1, 2, 0));
-  CHECK_THROWS_AS(read_ply(ply.substr(0, ply.find("0 nan")) + "nan 0 0 0\n0 0 0 0\n0 0 0 0\n3 0 1 2\n", "a.ply"), SceneError);
+  CHECK_THROWS_AS(read_ply(ply.substr(0, ply.find("0 nan")) + "nan 0 0 0\n0 0 0 0\n0 0 0 0\n3 0 1 2\n", "a.ply"),
+                  SceneError);
 }

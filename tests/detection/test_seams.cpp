@@ -35,7 +35,9 @@ struct Setting {
     world.add(body);
   }
   template <class S>
-  void add_body(const S& shape, const Pose& local) { add(shape, local, 1.0); }
+  void add_body(const S& shape, const Pose& local) {
+    add(shape, local, 1.0);
+  }
 
   ContactSet contacts(double reach = 0.0) {
     PairList list;
@@ -65,7 +67,8 @@ void add_floor(Setting& s, int tiles, double height) {
 /// Low enough to be pressed in by `depth`.
 template <class S>
 Pose pressed(const S& shape, const Quat& turn, double x, double y, double depth) {
-  const double low = turn.toRotationMatrix().row(2).dot(shape.support(turn.conjugate() * -Vec3::UnitZ())) - shape.rounding();
+  const double low =
+      turn.toRotationMatrix().row(2).dot(shape.support(turn.conjugate() * -Vec3::UnitZ())) - shape.rounding();
   return {Vec3(x, y, -low - depth), turn};
 }
 
@@ -148,7 +151,8 @@ TEST_CASE("in a corner of floor and wall both stand", "[detection][seams]") {
     s.add_body(body, {Vec3(1.0 - reach.x() + ahead, random.uniform(-0.5, 0.5), reach.z() - down), turn});
     const ContactSet found = s.contacts();
     const auto meets = [&](const Vec3& n) {
-      return std::any_of(found.normal.begin(), found.normal.end(), [&](const Vec3& m) { return m.dot(n) > 1.0 - 1e-6; });
+      return std::any_of(found.normal.begin(), found.normal.end(),
+                         [&](const Vec3& m) { return m.dot(n) > 1.0 - 1e-6; });
     };
     CHECK(meets(s.up()));
     CHECK(meets(s.frame.orientation * -Vec3::UnitX()));
@@ -163,8 +167,8 @@ TEST_CASE("a ridge of two roofs holds a sphere by one contact", "[detection][sea
     for (const double side : {-1.0, 1.0}) {
       std::vector<Vec3> corners;
       for (const double y : {-1.0, 1.0}) {
-        corners.insert(corners.end(), {Vec3(0, y, 0), Vec3(side * std::cos(slope), y, -std::sin(slope)),
-                                       Vec3(0, y, -2), Vec3(side * std::cos(slope), y, -2)});
+        corners.insert(corners.end(), {Vec3(0, y, 0), Vec3(side * std::cos(slope), y, -std::sin(slope)), Vec3(0, y, -2),
+                                       Vec3(side * std::cos(slope), y, -2)});
       }
       const Vec3 centre = 0.125 * std::accumulate(corners.begin(), corners.end(), Vec3(Vec3::Zero()));
       for (Vec3& c : corners) c -= centre;
@@ -209,7 +213,8 @@ TEST_CASE("the parts of a solid are one surface, for what slides on it and for i
   Random random(13, 0);
   for (int k = 0; k < 100; ++k) {
     Setting s(random);
-    const double depth = random.uniform(1e-6, 1e-4), x = k % 2 == 0 ? random.uniform(-0.3, 0.3) : random.uniform(-1e-3, 1e-3);
+    const double depth = random.uniform(1e-6, 1e-4),
+                 x = k % 2 == 0 ? random.uniform(-0.3, 0.3) : random.uniform(-1e-3, 1e-3);
     SolidParts solid;  // a slab of two halves
     for (const double side : {-1.0, 1.0}) {
       const Box half = block(Vec3(1, 1, 0.2));

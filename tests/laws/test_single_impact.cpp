@@ -54,8 +54,8 @@ TEST_CASE("a bouncing sphere is on the parabolas of n bounces at steps of 1/20 t
             INFO("dt " << dt << " e " << e << " reach " << reach << " height " << exact_answer.height << " t " << t);
             if (apart > dt) CHECK(run.world.position[ball].z() - ball_radius == Approx(height).margin(1e-9));
           }
-          CHECK(run.energy() + run.dissipated == Approx(run.world.gravity.norm() * (ball_radius + exact_answer.height) /
-                                                        run.world.inverse_mass[ball]));
+          CHECK(run.energy() + run.dissipated ==
+                Approx(run.world.gravity.norm() * (ball_radius + exact_answer.height) / run.world.inverse_mass[ball]));
         }
 }
 

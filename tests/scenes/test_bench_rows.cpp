@@ -8,7 +8,13 @@ using namespace epafi;
 TEST_CASE("rows of a benchmark hold time, error and one hash for all threads", "[scenes][study]") {
   const TemporaryFolder folder;
   std::vector<std::string> rows;
-  run_bench({std::string(EPAFI_SOURCE_DIR) + "/scenes/library/stacking/column.toml", {}, {1, 2}, 1, folder / "b", true, std::string(EPAFI_BINARY_DIR) + "/bin/epafi"},
+  run_bench({std::string(EPAFI_SOURCE_DIR) + "/scenes/library/stacking/column.toml",
+             {},
+             {1, 2},
+             1,
+             folder / "b",
+             true,
+             std::string(EPAFI_BINARY_DIR) + "/bin/epafi"},
             [&](const std::string& row) { rows.push_back(row); });
   REQUIRE(rows.size() == 3);
   CHECK_THAT(rows[2], Catch::StartsWith("# ") && Catch::Contains("2 threads: ") && Catch::Contains("serial ") &&

@@ -113,7 +113,8 @@ TEST_CASE("columns without names are x y z, or what the scene says", "[scenes][r
   REQUIRE(three.scene);
   REQUIRE(three.scene->bodies.size() == 2);
   CHECK(three.scene->bodies[1].position == Vec3(1, 2, 3));
-  const auto named = read_bodies("a.txt", "5 10 -0.2 0.1 0.3\n", "columns = [\"-\", \"radius[mm]\", \"y\", \"x\", \"z\"]\n");
+  const auto named =
+      read_bodies("a.txt", "5 10 -0.2 0.1 0.3\n", "columns = [\"-\", \"radius[mm]\", \"y\", \"x\", \"z\"]\n");
   INFO(message(named));
   REQUIRE(named.scene);
   CHECK(named.scene->bodies[0].position == Vec3(0.1, -0.2, 0.3));
@@ -124,7 +125,8 @@ TEST_CASE("columns without names are x y z, or what the scene says", "[scenes][r
 TEST_CASE("a dump is held against the rows and units it names", "[scenes][reader][foreign]") {
   const auto dump = [](const std::string& units, int announced) {
     return (units.empty() ? "" : "ITEM: UNITS\n" + units + "\n") + "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n" +
-           std::to_string(announced) + "\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z vx vy vz radius\n"
+           std::to_string(announced) +
+           "\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z vx vy vz radius\n"
            "1 30 20 10 4 0 0 1\n";
   };
   for (const auto& [units, length, speed] : {std::tuple("", 1.0, 1.0), {"cgs", 1e-2, 1e-2}, {"micro", 1e-6, 1.0}}) {

@@ -233,8 +233,8 @@ std::vector<Acts> driven_acts() {
       {"table",
        acts_head + rigid_mu + acts_floor + "motion = <{ velocity = [0, 0, 0] }|" + table + ">\n" + blocks("0.2", "0.2"),
        softer + "body.floor = { motion = " + table + " }\n", 2e-3, 12, 16},
-      {"rigid mesh", acts_head + rigid_mu + drum + grains("box = { size = [0.01, 0.008, 0.008] }", 7), turned, 2e-3,
-       30, 30},
+      {"rigid mesh", acts_head + rigid_mu + drum + grains("box = { size = [0.01, 0.008, 0.008] }", 7), turned, 2e-3, 30,
+       30},
       {"smooth mesh", acts_head + smooth_mu + drum + grains("sphere = { radius = 0.004 }", 15), turned, 1e-4, 300, 150},
       {"servo",
        acts_head + smooth_mu + acts_floor + still +

@@ -54,9 +54,8 @@ TEST_CASE("a damped chain bears the root -1 of its damper", "[scenes][step_estim
 TEST_CASE("a wheelset's limit counts what its springs press on the rails", "[scenes][step_estimate][wheel_rail]") {
   const auto limit = [](double preload) {
     const std::string press = "[0, 0, " + std::to_string(preload) + "]";
-    const experiments::SceneRun run =
-        experiments::prepare_scene(experiments::library("stages/wheelset.toml"),
-                                   {"spring.0.preload=" + press, "run.time_step=auto"});
+    const experiments::SceneRun run = experiments::prepare_scene(experiments::library("stages/wheelset.toml"),
+                                                                 {"spring.0.preload=" + press, "run.time_step=auto"});
     return run.assembly->time_step.limit;
   };
   const double light = limit(0.0), heavy = limit(40e3), heavier = limit(320e3);

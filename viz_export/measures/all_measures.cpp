@@ -13,8 +13,15 @@ namespace epafi {
 namespace {
 
 const Field body{"body", "", "", Kind::text, {}, {}, "name of a body or a group"};
-const Field relative_to{"relative_to", "", "", Kind::text, {}, {},
-                        "name of the body that it is seen from, as a table that moves or turns; the ground where not written", true};
+const Field relative_to{
+    "relative_to",
+    "",
+    "",
+    Kind::text,
+    {},
+    {},
+    "name of the body that it is seen from, as a table that moves or turns; the ground where not written",
+    true};
 const Field between{"between", "", "", Kind::texts, {}, {}, "two names of bodies or groups"};
 const Field plane{"plane",
                   "",

@@ -432,7 +432,8 @@ void SphereBlocks::visit(StateVisitor& visitor) {
     for (std::uint32_t i = 0; i < kept_.springs.size(); ++i) kept_.springs[i].more = i;
   };
   number();
-  visitor.rows(RowsOf::pairs, "spheres/springs", kept_.springs);  // as they are: a copy by columns took 82 bytes a sphere
+  visitor.rows(RowsOf::pairs, "spheres/springs",
+               kept_.springs);  // as they are: a copy by columns took 82 bytes a sphere
   number();
   kept_.each_more(needs_, [&](auto& column, const char* name) {
     visitor.rows(RowsOf::contacts, name, column);
