@@ -139,12 +139,12 @@ bool RowFile::next_line() {
 }
 
 std::vector<RowFile::Cell> RowFile::split(std::size_t begin) const {
-  constexpr const char* blank = " \t";
+  constexpr const char* blank = " \t\r";
   std::vector<Cell> cells;
   const auto add = [&](std::size_t first, std::size_t end) {
     const std::size_t from = std::min(line_.find_first_not_of(blank, first), end);
     std::size_t to = end;
-    while (to > from && (line_[to - 1] == ' ' || line_[to - 1] == '\t')) --to;
+    while (to > from && (line_[to - 1] == ' ' || line_[to - 1] == '\t' || line_[to - 1] == '\r')) --to;
     cells.push_back({without_quotes(line_.substr(from, to - from)), {path_, number_, static_cast<int>(from) + 1}});
   };
   if (separator_ != ' ') {

@@ -96,6 +96,7 @@ TEST_CASE("tables of other programs: names with units, any separator, order and 
       {"a.txt", "Radius[m] PosX[m] PosY[m] PosZ[m]\n 0.01 0.1 -0.2 0.3\n"},
       {"a.txt", "# x y z r\n0.1 -0.2 0.3 0.01\n"},
       {"a.txt", "#format x_y_z_r\n0.1 -0.2 0.3 0.01\n"},
+      {"a.txt", "# x y z r\n0.1 -0.2 0.3\r 0.01\n"},  // columns of two files put side by side
       {"a.txt", std::string("# made by hand\nX Y Z Diameter\n0.1 -0.2 0.3 0.02\n\0\0\0", 53)}};
   for (const auto& [name, text] : forms) {
     const auto read = read_bodies(name, text);
