@@ -12,7 +12,8 @@ namespace {
 /// f(column) for all columns that a step changes; every element is that of one body.
 template <class F>
 void each_moving(World& world, const F& f) {
-  f(world.position), f(world.velocity);
+  f(world.position);
+  f(world.velocity);
   if (world.columns().force) f(world.force);
   if (!world.rotates()) return;
   f(world.angular_velocity);

@@ -59,7 +59,8 @@ void drop_rows(StateImage& image) {
 /// What detection keeps by slot is void; what contact models keep comes in with the state.
 void forget_slots(Simulation& sim) {
   const Reordering gone{std::vector<Slot>(sim.world.size(), no_slot)};
-  sim.pipeline.broad_phase->reorder(gone), sim.pipeline.narrow_phase->reorder(gone);
+  sim.pipeline.broad_phase->reorder(gone);
+  sim.pipeline.narrow_phase->reorder(gone);
   sim.work.contacts.clear();
 }
 
@@ -84,7 +85,10 @@ ContactRow row_of(const ContactSet& c, std::size_t k, const World& world) {
   const auto copy = [k](const std::vector<Vec3>& from, double* to) {
     if (k < from.size()) std::copy_n(from[k].data(), 3, to);
   };
-  copy(c.normal, row.normal), copy(c.arm, row.arm), copy(c.force, row.force), copy(c.moment, row.moment);
+  copy(c.normal, row.normal);
+  copy(c.arm, row.arm);
+  copy(c.force, row.force);
+  copy(c.moment, row.moment);
   return row;
 }
 
@@ -103,7 +107,8 @@ void Part::measure_bodies(const World& world, const Owners& owner) {
   for (std::size_t s = 0; s < owner.size(); ++s) {
     if (owner[s] != World::here) continue;
     const double r = setup_.radius(world.shape[s]);
-    sums[0] += r, sums[1] += 1.0;
+    sums[0] += r;
+    sums[1] += 1.0;
     largest = std::max(largest, r);
   }
   sum_over_ranks(sums);
@@ -153,7 +158,10 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
   std::vector<int> ranks;
   for (Slot s = 0; s < world.size(); ++s)
     for (std::uint32_t k = now.begin[s]; world.owner[s] == World::here && k < now.begin[s + 1]; ++k)
-      if (now.to[k] != rank_number()) slots.push_back(s), ranks.push_back(now.to[k]);
+      if (now.to[k] != rank_number()) {
+        slots.push_back(s);
+        ranks.push_back(now.to[k]);
+      }
   halo_.set_up(world, std::move(slots), std::move(ranks), place_);
 }
 
@@ -310,9 +318,12 @@ void Part::sum_up(StepReport& report, bool& sound) {
   report.pairs = static_cast<std::size_t>(sums[0]);
   report.contacts = static_cast<std::size_t>(sums[1]);
   report.touching = static_cast<std::size_t>(sums[2]);
-  report.elastic = sums[3], report.dissipated = sums[4], report.work = sums[5];
+  report.elastic = sums[3];
+  report.dissipated = sums[4];
+  report.work = sums[5];
   report.losses = {sums[6], sums[7], sums[8], sums[9]};
-  report.deepest = largest[0], report.deepest_relative = largest[1];
+  report.deepest = largest[0];
+  report.deepest_relative = largest[1];
   sound = sums[10] == 0.0;
 }
 

@@ -27,7 +27,10 @@ struct Order {
   void set_domain(const std::optional<Domain>& domain) {
     has_domain = domain.has_value();
     if (!domain) return;
-    for (int k = 0; k < 3; ++k) low[k] = domain->min[k], high[k] = domain->max[k];
+    for (int k = 0; k < 3; ++k) {
+      low[k] = domain->min[k];
+      high[k] = domain->max[k];
+    }
     outside = static_cast<std::int32_t>(domain->outside);
   }
   std::optional<Domain> domain() const {

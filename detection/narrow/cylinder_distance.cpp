@@ -115,7 +115,8 @@ Meeting CylinderPair::end() const {
   const bool discs = b_.r * size <= even_, lies = b_.h > 0.0 && std::abs(y) * b_.h <= even_;
   const Vec3 to_rim = size > 0.0 ? Vec3(across / size) : Vec3(Vec3::Zero());
   double along = y > 0.0 ? -b_.h : b_.h;
-  m.normal = n, m.valid = true;
+  m.normal = n;
+  m.valid = true;
   if (lies) m.valid = middle_of_segment(b_.centre - b_.r * to_rim, end, along);
   const Vec3 on_axis = b_.centre + along * b_.axis;
   m.on_b = discs ? middle_of_discs(on_axis, end) : Vec3(on_axis - b_.r * to_rim);
@@ -146,7 +147,8 @@ Meeting CylinderPair::sides() const {
   if (!m.valid) return m;
   m.on_a = a_.centre + s * a_.axis + a_.r * m.normal;
   m.on_b = m.on_a + m.gap * m.normal;
-  m.hold_a = hold_on_side(a_, m.normal, s, false), m.hold_b = hold_on_side(b_, m.normal, t, false);
+  m.hold_a = hold_on_side(a_, m.normal, s, false);
+  m.hold_b = hold_on_side(b_, m.normal, t, false);
   return m;
 }
 
@@ -232,7 +234,8 @@ Meeting CylinderPair::side_and_rim() const {
     m.on_a = a_.centre + s * a_.axis + a_.r * n;
     m.valid = std::abs(s) <= a_.h;
     if (!m.overlaps()) return m;
-    m.hold_a = hold_on_side(a_, n, s, false), m.hold_b = hold_on_side(b_, n, along, !lies);
+    m.hold_a = hold_on_side(a_, n, s, false);
+    m.hold_b = hold_on_side(b_, n, along, !lies);
     return m;
   }
   return m;
@@ -271,7 +274,10 @@ struct RimsAt {
     const Vec3 &e = a.tangent, f = normal.cross(e);
     const double be = b.tangent.dot(e), bf = b.tangent.dot(f), ef = b.bend * be * bf;
     double ee = a.bend + b.bend * be * be + gap, ff = b.bend * bf * bf + gap;
-    if (!(ff > 0.0) || !(ee * ff > ef * ef)) ee += least - gap, ff += least - gap;
+    if (!(ff > 0.0) || !(ee * ff > ef * ef)) {
+      ee += least - gap;
+      ff += least - gap;
+    }
     const double qe = across.dot(e), qf = across.dot(f), determinant = ee * ff - ef * ef;
     return ((ff * qe - ef * qf) / determinant) * e + ((ee * qf - ef * qe) / determinant) * f;
   }
@@ -311,9 +317,13 @@ Meeting CylinderPair::rims(double limit) const {
     }
     here = next;
   }
-  m.gap = here.gap, m.normal = here.normal, m.on_a = here.a.point, m.on_b = here.b.point;
+  m.gap = here.gap;
+  m.normal = here.normal;
+  m.on_a = here.a.point;
+  m.on_b = here.b.point;
   if (!m.overlaps()) return m;
-  m.hold_a = hold_on_side(a_, m.normal, a_.h, true), m.hold_b = hold_on_side(b_, m.normal, b_.h, true);
+  m.hold_a = hold_on_side(a_, m.normal, a_.h, true);
+  m.hold_b = hold_on_side(b_, m.normal, b_.h, true);
   return m;
 }
 

@@ -11,11 +11,16 @@ namespace {
 template <class S>
 concept FlatConvex = PolyhedralShape<S> || HasFlatSides<S>;
 
+template <ConvexShape S>
+bool reaches_beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
+  return normal.dot(s.support(normal) - point) + s.rounding() > near;
+}
+
 ConvexRef ref_of_a_point() {
   return {nullptr, [](const void*, const Vec3&) { return Vec3(Vec3::Zero()); }, 0.0};
 }
 
-/// A plane piece of a wall by the three questions: one that has none of them is no wall with flat faces.
+/// What seams ask of a shape; of one that is no wall with flat faces nothing.
 template <class S>
 struct Piece {
   static constexpr bool flat = false;
@@ -36,7 +41,7 @@ struct Piece<S> {
     return out;
   }
   static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
-    return normal.dot(s.support(normal) - point) + s.rounding() > near;
+    return reaches_beyond(s, point, normal, near);
   }
 };
 
@@ -50,7 +55,7 @@ requires(!PolyhedralShape<S>) struct Piece<S> {
     return found.status == GjkResult::Status::beyond ? infinity : found.upper - s.rounding();
   }
   static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
-    return normal.dot(s.support(normal) - point) + s.rounding() > near;
+    return reaches_beyond(s, point, normal, near);
   }
 };
 

@@ -4,11 +4,11 @@
 
 namespace epafi {
 
-/// Walls with flat faces: polyhedra, solids of them, cylinders, half-spaces and meshes. Round ones (spheres, clumps,
-/// capsules, ellipsoids, superquadrics, rails, wheels) never are part of a seam.
+/// Walls with flat or straight sides: polyhedra, solids of them, cylinders, capsules, half-spaces and meshes. Others
+/// (spheres, clumps, ellipsoids, superquadrics, rails, wheels) never are part of a seam.
 bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape);
 
-/// Solids of convex parts: how many, at most; 0 for other shapes.
+/// Of a solid of convex parts; 0 for other shapes.
 std::size_t part_count(const ShapeStore& shapes, ShapeRef shape);
 
 /// A body, or one part of a solid.

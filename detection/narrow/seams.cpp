@@ -32,9 +32,13 @@ void take_out(ContactSet& contacts, const std::vector<std::uint8_t>& gone) {
       if (gone[i] == 0) column[kept++] = column[i];
     column.resize(kept);
   };
-  shorten(contacts.a), shorten(contacts.b), shorten(contacts.feature);
-  shorten(contacts.gap), shorten(contacts.normal), shorten(contacts.arm);
-  shorten(contacts.effective_radius), shorten(contacts.area), shorten(contacts.force);
+  shorten(contacts.a);
+  shorten(contacts.b);
+  shorten(contacts.feature);
+  shorten(contacts.gap);
+  shorten(contacts.normal);
+  shorten(contacts.arm);
+  shorten(contacts.effective_radius);
 }
 
 /// Of the cell and its neighbours, itself first.
@@ -45,7 +49,10 @@ std::vector<Vec3> image_shifts(const PeriodicCell* cell) {
     if (!cell->repeats[static_cast<std::size_t>(axis)]) continue;
     const Vec3 along = cell->size[axis] * Vec3::Unit(axis);
     const std::size_t count = shifts.size();
-    for (std::size_t k = 0; k < count; ++k) shifts.push_back(shifts[k] + along), shifts.push_back(shifts[k] - along);
+    for (std::size_t k = 0; k < count; ++k) {
+      shifts.push_back(shifts[k] + along);
+      shifts.push_back(shifts[k] - along);
+    }
   }
   return shifts;
 }
@@ -69,16 +76,22 @@ std::pair<std::size_t, std::size_t> pair_range(const World& world, const Contact
 }  // namespace
 
 void Seams::find(const World& world) {
-  walls_.clear(), moved_ = solids_ = false;
-  for (Slot s = 0; s < world.size(); ++s) {
-    solids_ = solids_ || part_count(shapes_, shape_of(world, s)) > 1;
+  const auto& solids = shapes_.of<SolidParts>();
+  solids_ = std::ranges::any_of(solids, [](const SolidParts& s) { return s.part_count() > 1; });
+  walls_.clear();
+  moved_ = false;
+  for (Slot s = 0; s < world.size(); ++s)
     if (!world.is_movable(s) && has_flat_faces(shapes_, shape_of(world, s))) walls_.push_back({s, {}});
-  }
   if (walls_.size() == 1 && !world.cell) walls_.clear();
-  wall_of_slot_.assign(walls_.empty() && !solids_ ? 0 : world.size(), no_wall);
-  bodies_ = world.size();
+  wall_of_slot_.assign(walls_.empty() ? 0 : world.size(), no_wall);
   for (std::uint32_t k = 0; k < walls_.size(); ++k) wall_of_slot_[walls_[k].slot] = k;
   find_neighbours(world);
+}
+
+/// None of a body that is no wall; bodies that were born since are none.
+std::span<const Seams::Neighbour> Seams::neighbours_of(Slot s) const {
+  if (s >= wall_of_slot_.size() || wall_of_slot_[s] == no_wall) return {};
+  return walls_[wall_of_slot_[s]].neighbours;
 }
 
 /// Boxes of walls and images are swept along x.
@@ -94,7 +107,7 @@ void Seams::find_neighbours(const World& world) {
       if (all[k].shift.isZero(0.0)) walls_[wall_of_slot_[all[k].slot]].neighbours.push_back(all[i]);
     }
   }
-  touching_ = std::any_of(walls_.begin(), walls_.end(), [](const Wall& wall) { return !wall.neighbours.empty(); });
+  touching_ = std::ranges::any_of(walls_, [](const Wall& wall) { return !wall.neighbours.empty(); });
 }
 
 std::vector<Seams::Neighbour> Seams::walls_and_images(const World& world) const {
@@ -110,17 +123,13 @@ std::vector<Seams::Neighbour> Seams::walls_and_images(const World& world) const 
   return all;
 }
 
-/// Bodies that were born since are no walls. Driven walls and straining cells: neighbours are those of the step.
+/// Driven walls and straining cells: neighbours are those of the step.
 void Seams::follow(const World& world) {
-  if (world.size() < bodies_) find(world);
-  for (; bodies_ < world.size(); ++bodies_)
-    solids_ = solids_ || part_count(shapes_, shape_of(world, static_cast<Slot>(bodies_))) > 1;
-  if (solids_ || !walls_.empty()) wall_of_slot_.resize(bodies_, no_wall);
   const auto moves = [&](const Wall& w) {
     return !world.velocity[w.slot].isZero(0.0) || (world.rotates() && !world.angular_velocity[w.slot].isZero(0.0));
   };
   const bool strains = world.cell && !world.cell->strain_rate.isZero(0.0);
-  moved_ = moved_ || (strains && !walls_.empty()) || std::any_of(walls_.begin(), walls_.end(), moves);
+  moved_ = moved_ || (strains && !walls_.empty()) || std::ranges::any_of(walls_, moves);
   if (moved_) find_neighbours(world);
 }
 
@@ -140,8 +149,7 @@ void Seams::hide(const World& world, ContactSet& contacts) {
 
 void Seams::consider(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) {
   const Slot wall = wall_is_b ? contacts.b[i] : contacts.a[i];
-  const bool has_neighbours = wall_of_slot_[wall] != no_wall && !walls_[wall_of_slot_[wall]].neighbours.empty();
-  if (!has_neighbours && !(solids_ && part_count(shapes_, shape_of(world, wall)) > 1)) return;
+  if (neighbours_of(wall).empty() && !(solids_ && part_count(shapes_, shape_of(world, wall)) > 1)) return;
   const Candidate c = candidate(world, contacts, i, wall_is_b);
   if (c.on_wall && has_other_near(c)) candidates_.push_back(c);
 }
@@ -161,7 +169,9 @@ Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts
     const WallPiece piece = piece_at(c, point);
     const bool on_a_part = piece.part != WallPiece::whole || part_count(shapes_, piece.shape) < 2;
     if (!on_a_part || !is_on(shapes_, piece, point, c.near)) continue;
-    c.point = point, c.piece.part = piece.part, c.on_wall = true;
+    c.point = point;
+    c.piece.part = piece.part;
+    c.on_wall = true;
     break;
   }
   return c;
@@ -193,10 +203,8 @@ Vec3 Seams::centre_of_body(const World& world, const ContactSet& contacts, const
 
 bool Seams::has_other_near(const Candidate& c) const {
   if (c.piece.part != WallPiece::whole) return true;
-  if (wall_of_slot_[c.wall] == no_wall) return false;
   const Aabb at = Aabb{c.point, c.point}.fattened(c.near);
-  const auto& neighbours = walls_[wall_of_slot_[c.wall]].neighbours;
-  return std::any_of(neighbours.begin(), neighbours.end(), [&](const Neighbour& n) { return n.box.overlaps(at); });
+  return std::ranges::any_of(neighbours_of(c.wall), [&](const Neighbour& n) { return n.box.overlaps(at); });
 }
 
 bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Candidate& c) const {
@@ -207,9 +215,7 @@ bool Seams::is_hidden(const World& world, const ContactSet& contacts, const Cand
   if (parts > 0 && is_given_before(contacts, c)) return true;
   for (std::size_t part = 0; part < parts; ++part)
     if (part != c.piece.part && hides({c.wall, c.id, {c.piece.shape, c.piece.pose, part}, Vec3::Zero()})) return true;
-  if (wall_of_slot_[c.wall] == no_wall) return false;
-  const auto& neighbours = walls_[wall_of_slot_[c.wall]].neighbours;
-  return std::any_of(neighbours.begin(), neighbours.end(), [&](const Neighbour& n) {
+  return std::ranges::any_of(neighbours_of(c.wall), [&](const Neighbour& n) {
     Other other{n.slot, n.id, {shape_of(world, n.slot), world.pose(n.slot)}, n.shift};
     other.piece.pose.position += n.shift;
     return hides(other);
@@ -263,7 +269,7 @@ void Seams::decide_faces(const World& world, const ContactSet& contacts) {
     for (std::size_t i = begin; i < end && !stands; ++i) {
       if (hidden_[i] != 0 || !of_face(i)) continue;
       const Candidate other = candidate(world, contacts, i, c.wall_is_b);
-      stands = !goes_beyond(shapes_, other.piece, other.point, other.normal, other.near);
+      stands = !other.on_wall || !goes_beyond(shapes_, other.piece, other.point, other.normal, other.near);
     }
     for (std::size_t i = begin; i < end; ++i)
       if (of_face(i)) hidden_[i] = stands ? 0 : 2;

@@ -9,6 +9,7 @@
 /// Limits: free bodies are not joined to others; of closed meshes only the surface counts, not what it encloses; what a
 /// contact remembers (friction, plastic history) ends with its wall.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "detection/narrow/on_surface.h"
@@ -27,7 +28,8 @@ class Seams {
 
   /// Finds the walls with flat faces whose boxes touch; whenever slots have other bodies.
   void find(const World& world);
-  /// Takes out what is no contact of the union; the others keep their order.
+  /// Takes out what is no contact of the union; the others keep their order. Of contacts as the narrow phase joins
+  /// them: without forces and areas.
   void hide(const World& world, ContactSet& contacts);
 
  private:
@@ -65,6 +67,7 @@ class Seams {
 
   std::vector<Neighbour> walls_and_images(const World& world) const;
   void find_neighbours(const World& world);
+  std::span<const Neighbour> neighbours_of(Slot s) const;
   void follow(const World& world);
   void consider(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b);
   Candidate candidate(const World& world, const ContactSet& contacts, std::size_t i, bool wall_is_b) const;
@@ -80,9 +83,8 @@ class Seams {
   const ShapeStore& shapes_;
   std::vector<Wall> walls_;                  ///< ascending slots
   bool moved_ = false;                       ///< some wall, since: boxes and neighbours are those of the step
-  std::vector<std::uint32_t> wall_of_slot_;  ///< place in walls_, or no_wall; empty where nothing can touch
-  std::size_t bodies_ = 0;                   ///< that have been looked at
-  bool solids_ = false;                      ///< some body has parts
+  std::vector<std::uint32_t> wall_of_slot_;  ///< place in walls_, or no_wall; empty without walls
+  bool solids_ = false;                      ///< some shape has parts
   bool touching_ = false;                    ///< some wall has a neighbour
   std::vector<Candidate> candidates_;        ///< in the order of the contacts
   std::vector<std::uint8_t> hidden_;         ///< by contact

@@ -6,31 +6,29 @@
 ///               friction couples normal and slip by Stronge's energetic coefficient (energetic_impact.h). All others:
 ///               u_N+ >= -e u_N- in the problem of the step, e reduced where friction would give energy back
 ///               (impact_balance.h).
+///               Limit: where eight spheres strike in one step, 4e-5 of their energy was gained in 6 of 120 runs.
 ///   newton      the same without a look at energy: gains some with friction and rotation (Kane's paradox), where e
-///   differs
-///               from contact to contact, and where a contact that opens is struck from elsewhere.
+///               differs from contact to contact, and where a contact that opens is struck from elsewhere.
 ///
 /// The next two act once in a step in which some contact closes faster than the threshold (and any has e > 0); the
 /// other half of gravity and all lasting contact follow in the problem of the step, without restitution.
 ///   poisson     (Pfeiffer and Glocker 1996, ch. 8) Compression: the contacts that close take the impulses r_c that
-///   stop
-///               them. Expansion: each gives back e r_cN along its normal, more only where it would close again, with
-///               friction |r_T| <= mu r_N: u+ = W r + u_c, 0 <= u+_N orthogonal to r_N - e r_cN >= 0. One contact
+///               stop them. Expansion: each gives back e r_cN along its normal, more only where it would close again,
+///               with friction |r_T| <= mu r_N: u+ = W r + u_c, 0 <= u+_N orthogonal to r_N - e r_cN >= 0. One contact
 ///               without friction: Newton's law. In chains the shock goes through everything that touches. The
 ///               expansion is solved by sweeps in sequence: accurate where shocks are sparse, slow to converge in tall
 ///               stacks. Gains energy as Newton's does.
 ///   sequential  one contact at a time in the order of closing within the drift to the next middle (event-driven;
-///   Ivanov
-///               1995): u_N+ = -e u_N-, friction on the exact cone, then the velocities of its neighbours are new.
-///               Impacts are located: with gravity until then in u_N-, and a body struck at time t after the middle is
-///               put where it would be, -t dv from where the step takes it: a ball falling freely bounces exactly, at
-///               any dt. Its place at the end of the step is on the parabola after the impact, even where that is still
-///               to come: below the floor by up to dt/2 times its speed. Newton's cradle sends the last ball off;
-///               Galperin's billiard counts pi. Ties go by contact order, so that a ball that strikes two touching ones
-///               at once is not treated symmetrically. With e < 1 chains of ever smaller impacts end at the threshold;
-///               those left after `most_events` per contact are stopped without rebound and counted in `left`. Gains
-///               energy with friction and rotation as Newton's does, and O(dt) by putting bodies that turn where they
-///               would be.
+///               Ivanov 1995): u_N+ = -e u_N-, friction on the exact cone, then the velocities of its neighbours are
+///               new. Impacts are located: with gravity until then in u_N-, and a body struck at time t after the
+///               middle is put where it would be, -t dv from where the step takes it: a ball falling freely bounces
+///               exactly, at any dt. Its place at the end of the step is on the parabola after the impact, even where
+///               that is still to come: below the floor by up to dt/2 times its speed. Newton's cradle sends the last
+///               ball off; Galperin's billiard counts pi. Ties go by contact order, so that a ball that strikes two
+///               touching ones at once is not treated symmetrically. With e < 1 chains of ever smaller impacts end at
+///               the threshold; those left after `most_events` per contact are stopped without rebound and counted in
+///               `left`. Gains energy with friction and rotation as Newton's does, and O(dt) by putting bodies that
+///               turn where they would be.
 #pragma once
 #include <optional>
 #include <string>

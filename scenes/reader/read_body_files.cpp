@@ -8,6 +8,7 @@
 #include "engine/random.h"
 #include "scenes/reader/parts.h"
 #include "scenes/reader/row_file.h"
+#include "scenes/reader/text_cells.h"
 #include "scenes/reader/toml_text.h"
 
 namespace epafi {

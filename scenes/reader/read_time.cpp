@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 
 #include "engine/nearest.h"
 #include "engine/units.h"
 #include "scenes/reader/parts.h"
+#include "scenes/reader/text_cells.h"
 
 namespace epafi {
 namespace {
@@ -81,21 +81,11 @@ void read_written_rows(RowReader& out, const Node& table, const std::vector<std:
   }
 }
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    std::string cell = line.substr(begin, end - begin);
-    const auto first = cell.find_first_not_of(" \t\r"), last = cell.find_last_not_of(" \t\r");
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-    begin = end + 1;
-  }
-  return cells;
-}
-
 /// By the header; of those that are not asked for by name, t is needed.
-std::optional<Columns4> find_columns(RowReader& out, const std::vector<std::string>& header,
+std::optional<Columns4> find_columns(RowReader& out, const std::vector<TextCell>& cells,
                                      const std::vector<std::string>& columns, const Place& place) {
+  std::vector<std::string> header;
+  for (const TextCell& cell : cells) header.push_back(cell.text);
   Columns4 at;
   const auto& names = columns.empty() ? row_axes : columns;
   const auto axis = axes_of(names);
@@ -120,9 +110,9 @@ void read_file_rows(RowReader& out, const std::string& path, const Place& from,
   if (!in) return out.reading.error(from, out.label + ": the file '" + path + "' does not exist or cannot be read");
   std::optional<Columns4> at;
   std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
-    const auto cells = cells_of(line);
+  for (int number = 0; next_text_line(in, line, number);) {
+    if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;
+    const auto cells = cells_of_line(line);
     const Place place{path, number, 1};
     if (!at) {
       at = find_columns(out, cells, columns, place);
@@ -132,13 +122,14 @@ void read_file_rows(RowReader& out, const std::string& path, const Place& from,
     std::array<double, 4> row{};
     for (std::size_t k = 0; k < 4; ++k) {
       if (!(*at)[k]) continue;
-      const std::string cell = *(*at)[k] < cells.size() ? cells[*(*at)[k]] : "";
-      const auto read = std::from_chars(cell.data(), cell.data() + cell.size(), row[k]);
+      const std::string cell = *(*at)[k] < cells.size() ? cells[*(*at)[k]].text : "";
+      const auto read = read_number(cell);
       if (cell.empty())
         return out.reading.error(place, out.label + ": the row has no value in column '" + row_axes[k] + "'");
-      if (read.ec != std::errc{} || read.ptr != cell.data() + cell.size() || !std::isfinite(row[k]))
+      if (!read)
         return out.reading.error(
             place, out.label + ": expected a finite number in column '" + row_axes[k] + "', found '" + cell + "'");
+      row[k] = *read;
     }
     const std::size_t errors = out.reading.errors();
     out.add(row, place);

@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include "engine/nearest.h"
 #include "engine/units.h"
+#include "scenes/reader/text_cells.h"
 
 namespace epafi {
 namespace {
-
-constexpr const char* byte_order_mark = "\xef\xbb\xbf";
 
 /// Small letters and digits of a name; a unit in brackets is left out.
 std::string plain_name(const std::string& name) {
@@ -59,31 +57,10 @@ std::string si_unit(const std::string& column) {
 
 bool is_word(const std::string& column) { return column == "shape" || column == "material" || column == "group"; }
 
-/// Where the cell that begins there ends: at the next separator outside quotes.
-std::size_t end_of_cell(const std::string& line, std::size_t begin, char separator) {
-  bool quoted = false;
-  for (std::size_t k = begin; k < line.size(); ++k) {
-    if (line[k] == '"') quoted = !quoted;
-    if (line[k] == separator && !quoted) return k;
-  }
-  return line.size();
-}
-
-/// "a ""b""" to a "b"; other texts stay.
-std::string without_quotes(const std::string& text) {
-  if (text.size() < 2 || text.front() != '"' || text.back() != '"') return text;
-  std::string out;
-  for (std::size_t k = 1; k + 1 < text.size(); ++k) {
-    out += text[k];
-    if (text[k] == '"') ++k;  // the second of two
-  }
-  return out;
-}
-
 /// A comma before a semicolon: tables in braces hold neither outside quotes.
 char separator_of(const std::string& line) {
   for (const char c : {',', ';'})
-    if (end_of_cell(line, 0, c) < line.size()) return c;
+    if (cells_of_line(line, c).size() > 1) return c;
   return ' ';
 }
 
@@ -96,15 +73,6 @@ constexpr DumpUnits dump_units[] = {
     {"si", 1.0, 1.0}, {"lj", 1.0, 1.0}, {"cgs", 1e-2, 1.0}, {"micro", 1e-6, 1e-6}, {"nano", 1e-9, 1e-9}};
 
 }  // namespace
-
-std::optional<double> read_number(const std::string& text) {
-  double value = 0.0;
-  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(begin, end, value);
-  if (read.ec != std::errc{} || read.ptr != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 const std::vector<std::string>& RowFile::known() {
   static const std::vector<std::string> names{"x",        "y",     "z",    "vx",       "vy",   "vz", "qw",
@@ -129,36 +97,12 @@ bool RowFile::has_column(const std::string& name) const {
   return std::any_of(columns_.begin(), columns_.end(), [&](const Column& c) { return c.name == name; });
 }
 
-/// Without its end of line, zeros that filled a block, and the byte order mark of the first.
-bool RowFile::next_line() {
-  if (!std::getline(in_, line_)) return false;
-  ++number_;
-  if (number_ == 1 && line_.rfind(byte_order_mark, 0) == 0) line_.erase(0, 3);
-  line_.erase(line_.find_last_not_of(std::string("\r\0", 2)) + 1);
-  return true;
-}
+bool RowFile::next_line() { return next_text_line(in_, line_, number_); }
 
 std::vector<RowFile::Cell> RowFile::split(std::size_t begin) const {
-  constexpr const char* blank = " \t\r";
   std::vector<Cell> cells;
-  const auto add = [&](std::size_t first, std::size_t end) {
-    const std::size_t from = std::min(line_.find_first_not_of(blank, first), end);
-    std::size_t to = end;
-    while (to > from && (line_[to - 1] == ' ' || line_[to - 1] == '\t' || line_[to - 1] == '\r')) --to;
-    cells.push_back({without_quotes(line_.substr(from, to - from)), {path_, number_, static_cast<int>(from) + 1}});
-  };
-  if (separator_ != ' ') {
-    for (std::size_t end = 0; begin <= line_.size(); begin = end + 1) {
-      end = end_of_cell(line_, begin, separator_);
-      add(begin, end);
-    }
-    return cells;
-  }
-  for (begin = line_.find_first_not_of(blank, begin); begin != line_.npos;) {
-    const std::size_t end = std::min(line_.find_first_of(blank, begin), line_.size());
-    add(begin, end);
-    begin = line_.find_first_not_of(blank, end);
-  }
+  for (TextCell& cell : cells_of_line(line_, separator_, begin))
+    cells.push_back({std::move(cell.text), {path_, number_, cell.column}});
   return cells;
 }
 
@@ -182,16 +126,21 @@ bool RowFile::open_dump() {
     if (line_.rfind("ITEM: NUMBER OF ATOMS", 0) == 0 && next_line()) {
       const auto n = read_number(line_);
       if (!n || *n < 0.0) return error({path_, number_, 1}, "expected the number of bodies, found '" + line_ + "'");
-      count = static_cast<std::size_t>(*n), count_line = number_;
+      count = static_cast<std::size_t>(*n);
+      count_line = number_;
     }
     if (line_.rfind("ITEM: ATOMS", 0) != 0) continue;
-    header = line_, header_line = number_, behind = in_.tellg();
-    announced_ = count, announced_line_ = count_line;
+    header = line_;
+    header_line = number_;
+    behind = in_.tellg();
+    announced_ = count;
+    announced_line_ = count_line;
   } while (next_line());
   if (header.empty()) return error(place_, "the file '" + path_ + "' has no line 'ITEM: ATOMS id x y z ...'");
   in_.clear();
   if (behind != std::streampos(-1)) in_.seekg(behind);
-  line_ = header, number_ = header_line;
+  line_ = header;
+  number_ = header_line;
   if (!wanted_.empty()) return named_by_scene(split(11).size());
   name_columns(split(11), false);
   return true;
@@ -202,7 +151,8 @@ bool RowFile::read_units(const std::string& name) {
   for (const DumpUnits& units : dump_units) {
     names.push_back(units.name);
     if (name != units.name) continue;
-    length_ = units.length, time_ = units.time;
+    length_ = units.length;
+    time_ = units.time;
     return true;
   }
   return error({path_, number_, 1},
@@ -316,7 +266,8 @@ std::size_t RowFile::rows_ahead() {
   std::size_t lines = 1;
   for (char block[4096]; in_.read(block, sizeof block), in_.gcount() > 0;)
     lines += static_cast<std::size_t>(std::count(block, block + in_.gcount(), '\n'));
-  in_.clear(), in_.seekg(begin);
+  in_.clear();
+  in_.seekg(begin);
   return lines;
 }
 

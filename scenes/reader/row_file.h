@@ -67,7 +67,4 @@ class RowFile {
   std::vector<Column> columns_;
 };
 
-/// A finite number, a plus before it allowed.
-std::optional<double> read_number(const std::string& text);
-
 }  // namespace epafi

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <sstream>
 
+#include "scenes/reader/text_cells.h"
 #include "scenes/study/atlas_page.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
@@ -18,36 +20,19 @@ namespace {
 namespace fs = std::filesystem;
 using Row = std::map<std::string, std::string>;
 
-std::vector<std::string> cells_of(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const bool twice = quoted && line[k] == '"' && k + 1 < line.size() && line[k + 1] == '"';
-    if (twice)
-      cells.back() += line[k++];
-    else if (line[k] == '"')
-      quoted = !quoted;
-    else if (line[k] == ',' && !quoted)
-      cells.emplace_back();
-    else
-      cells.back() += line[k];
-  }
-  return cells;
-}
-
 std::vector<Row> rows_of(const std::string& csv) {
   std::vector<Row> rows;
-  std::vector<std::string> header;
-  for (std::size_t at = 0; at < csv.size();) {
-    const std::size_t end = std::min(csv.find('\n', at), csv.size());
-    const auto cells = cells_of(std::string_view(csv).substr(at, end - at));
-    at = end + 1;
+  std::vector<TextCell> header;
+  std::istringstream in(csv);
+  std::string line;
+  for (int line_number = 0; next_text_line(in, line, line_number);) {
+    const auto cells = cells_of_line(line);
     if (header.empty()) {
       header = cells;
       continue;
     }
     Row row;
-    for (std::size_t k = 0; k < std::min(header.size(), cells.size()); ++k) row[header[k]] = cells[k];
+    for (std::size_t k = 0; k < std::min(header.size(), cells.size()); ++k) row[header[k].text] = cells[k].text;
     rows.push_back(std::move(row));
   }
   return rows;

@@ -2,45 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <map>
+#include <sstream>
 
+#include "scenes/reader/text_cells.h"
 #include "viz_export/side_file.h"
 
 namespace epafi {
 namespace {
 
-struct Cell {
-  std::string text;
-  int column = 1;  ///< where it begins in its line
-};
-
-/// The cells of a line. Quotes keep commas; two in quotes are one.
-std::vector<Cell> cells_of(const std::string& line) {
-  std::vector<Cell> cells(1);
-  bool quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const char c = line[k];
-    if (c == '"' && quoted && k + 1 < line.size() && line[k + 1] == '"') {
-      cells.back().text += c;
-      ++k;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.push_back({"", static_cast<int>(k) + 2});
-    } else if (c != '\r') {
-      cells.back().text += c;
-    }
-  }
-  return cells;
-}
-
 /// A table with the names of its columns in the first line.
 class RowReader {
  public:
   RowReader(const std::string& file, const std::string& head) : file_(file) {
-    const std::vector<Cell> names = cells_of(head);
+    const std::vector<TextCell> names = cells_of_line(head);
     for (std::size_t k = 0; k < names.size(); ++k) columns_[names[k].text] = k;
     for (const char* needed : {"method", "time", "error"})
       if (!columns_.contains(needed))
@@ -52,7 +28,7 @@ class RowReader {
 
   void begin(const std::string& line, int number) {
     line_ = number;
-    cells_ = cells_of(line);
+    cells_ = cells_of_line(line);
     if (cells_.size() != columns_.size())
       throw SceneError(fmt::format("{} cells below {} columns", cells_.size(), columns_.size()), {file_, line_, 1});
   }
@@ -64,20 +40,18 @@ class RowReader {
   double number(const std::string& name) const {
     const auto found = columns_.find(name);
     if (found == columns_.end() || cells_[found->second].text.empty()) return NAN;
-    const Cell& cell = cells_[found->second];
-    double value = 0.0;
-    const char* end = cell.text.data() + cell.text.size();
-    const auto [stop, trouble] = std::from_chars(cell.text.data(), end, value);
-    if (trouble != std::errc{} || stop != end || !(value >= 0.0) || std::isinf(value))
+    const TextCell& cell = cells_[found->second];
+    const auto value = read_number(cell.text);
+    if (!value || *value < 0.0)
       throw SceneError(fmt::format("'{}' found as {}, expected a number >= 0", cell.text, name),
                        {file_, line_, cell.column});
-    return value;
+    return *value;
   }
 
  private:
   std::string file_;
   std::map<std::string, std::size_t> columns_;
-  std::vector<Cell> cells_;
+  std::vector<TextCell> cells_;
   int line_ = 1;
 };
 
@@ -107,18 +81,15 @@ ChartPoint point_of(const RowReader& row, const Study& study) {
 std::vector<ChartPoint> read_rows(const Study& study, const std::string& file) {
   if (!study.axis.empty())
     throw SceneError(file + ": rows have no value of the axis '" + study.axis + "' of this study");
-  const std::string text = read_whole_file(file);
-  std::vector<std::string> lines;
-  for (std::size_t from = 0; from < text.size();) {
-    const std::size_t end = std::min(text.find('\n', from), text.size());
-    lines.push_back(text.substr(from, end - from));
-    from = end + 1;
-  }
-  RowReader row(file, lines.empty() ? "" : lines.front());
+  std::istringstream in(read_whole_file(file));
+  std::string line;
+  int number = 0;
+  next_text_line(in, line, number);
+  RowReader row(file, line);
   std::vector<ChartPoint> points;
-  for (std::size_t k = 1; k < lines.size(); ++k) {
-    if (lines[k].empty() || lines[k] == "\r") continue;
-    row.begin(lines[k], static_cast<int>(k) + 1);
+  while (next_text_line(in, line, number)) {
+    if (line.empty()) continue;
+    row.begin(line, number);
     points.push_back(point_of(row, study));
   }
   return points;

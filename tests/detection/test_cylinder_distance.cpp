@@ -32,7 +32,8 @@ void judge_cylinders(const A& a, const B& b, const Pose& pa, const Pose& pb, Cyl
   const CommonNormal c = quick(a, b, d);
   ++tally.asked;
   if (c.status != CommonNormal::Status::found) return;
-  ++tally.found, tally.overlapping += c.gap < 0.0;
+  ++tally.found;
+  tally.overlapping += c.gap < 0.0;
   const GjkResult apart = gjk(d);
   const double exact = apart.status == GjkResult::Status::overlapping ? -epa(d).upper : apart.lower;
   const double size = a.bounding_radius() + b.bounding_radius();
@@ -162,7 +163,10 @@ TEST_CASE("the way between two cylinders changes by no more than one of them is 
       const Vec3 way = c.gap * c.normal;
       const bool now = c.status == CommonNormal::Status::found;
       if (known && now) excess = std::max(excess, (way - last_way).norm() - (place - last_place).norm());
-      known = now, last_way = way, last_place = place, found += now;
+      known = now;
+      last_way = way;
+      last_place = place;
+      found += now;
     }
   }
   CHECK(found > 0.95 * asked);

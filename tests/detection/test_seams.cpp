@@ -29,8 +29,10 @@ struct Setting {
   template <class S>
   void add(const S& shape, const Pose& local, double mass = 0.0) {
     Body body;
-    body.position = frame.to_world(local.position), body.orientation = frame.orientation * local.orientation;
-    body.mass = mass, body.inertia = mass * Vec3::Ones();
+    body.position = frame.to_world(local.position);
+    body.orientation = frame.orientation * local.orientation;
+    body.mass = mass;
+    body.inertia = mass * Vec3::Ones();
     body.shape = shapes.add(shape).packed;
     world.add(body);
   }
@@ -191,7 +193,8 @@ TEST_CASE("a floor as wide as a periodic cell, or wider, is met once", "[detecti
     s.frame = {};
     const double wide = k % 3 == 0 ? 1.0 : random.uniform(1.0, 1.3), depth = random.uniform(1e-6, 1e-3);
     PeriodicCell cell;
-    cell.size = Vec3(1, 1, 1), cell.repeats = {true, true, false};
+    cell.size = Vec3(1, 1, 1);
+    cell.repeats = {true, true, false};
     s.world.cell = cell;
     s.add(block(Vec3(wide, wide, 0.1)), {Vec3(0.5, 0.5, -0.05), Quat(1, 0, 0, 0)});
     const auto place = [&] { return k % 2 == 0 ? 0.0 : random.uniform(-0.2, 0.2); };

@@ -1,4 +1,6 @@
 // Walls that press with a given force, and time steps that follow the motion.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "tests/support/catch.h"
@@ -13,24 +15,22 @@ const std::string servo_head = R"(title = "s"
 material.m = { density = 2000.0, youngs_modulus = "10 MPa", poissons_ratio = 0.25 }
 )";
 
-}  // namespace
-
-TEST_CASE("a servo wall closes in as a damped body does and then carries its force", "[physics][servo]") {
-  // v = v_max (1 - exp(-t/tau)), tau = m v_max / F = 0.05 s, until it meets the ball between it and the floor
-  auto run = start_text(servo_head + R"(
-run = { duration = 3.2, time_step = 2e-5, output_interval = 0.1 }
+/// A ball between a floor and a lid at `height` that a servo presses on it.
+std::string pressed_ball(const std::string& run, const std::string& floor, double height, const std::string& servo) {
+  return servo_head + "run = { " + run + ", output_interval = 0.1 }" + R"(
 contact = { method = "smooth", restitution = 0.5, friction = 0.3, smooth = { law = "hertz-mindlin" } }
 [[body]]
 name = "floor"
 shape = { half_space = { normal = [0, 0, 1] } }
 material = "m"
-fixed = true
+)" + floor +
+         R"(
 [[body]]
 name = "lid"
 shape = { half_space = { normal = [0, 0, -1] } }
 material = "m"
-position = [0, 0, 0.2]
-motion = { servo = { force = 20.0, direction = [0, 0, -3], mass = 10.0, max_speed = 0.1 } }
+position = [0, 0, )" +
+         std::to_string(height) + "]\nmotion = { servo = { force = 20.0, max_speed = 0.1, " + servo + R"( } }
 [[body]]
 name = "ball"
 shape = { sphere = { radius = 0.05 } }
@@ -48,7 +48,15 @@ between = ["floor", "ball"]
 name = "lid"
 kind = "velocity"
 body = "lid"
-)");
+)";
+}
+
+}  // namespace
+
+TEST_CASE("a servo wall closes in as a damped body does and then carries its force", "[physics][servo]") {
+  // v = v_max (1 - exp(-t/tau)), tau = m v_max / F = 0.05 s, until it meets the ball between it and the floor
+  auto run = start_text(
+      pressed_ball("duration = 3.2, time_step = 2e-5", "fixed = true", 0.2, "direction = [0, 0, -3], mass = 10.0"));
   run.advance_to(5000);  // 0.1 s
   CHECK(run.last("lid", "z") == Approx(-0.1 * (1 - std::exp(-2.0))).epsilon(1e-3));
   run.advance_to(0);
@@ -64,35 +72,9 @@ TEST_CASE("a loop of two gains carries its force on a rising floor, with one it 
   const double force = 20.0, rise = 2e-3, gain = 1e-3;
   for (const double integral : {0.0, 5e-2}) {
     INFO(integral);
-    auto run = start_text(servo_head + R"(
-run = { duration = 1.0, time_step = 5e-5, output_interval = 0.1 }
-contact = { method = "smooth", restitution = 0.5, friction = 0.3, smooth = { law = "hertz-mindlin" } }
-[[body]]
-name = "floor"
-shape = { half_space = { normal = [0, 0, 1] } }
-material = "m"
-motion = { velocity = [0, 0, 2e-3] }
-[[body]]
-name = "lid"
-shape = { half_space = { normal = [0, 0, -1] } }
-material = "m"
-position = [0, 0, 0.0998]
-motion = { servo = { force = 20.0, direction = [0, 0, -1], max_speed = 0.1, gains = [1e-3, )" +
-                          std::to_string(integral) + R"(] } }
-[[body]]
-name = "ball"
-shape = { sphere = { radius = 0.05 } }
-material = "m"
-position = [0, 0, 0.0499]
-[[measure]]
-name = "top"
-kind = "contact"
-between = ["lid", "ball"]
-[[measure]]
-name = "lid"
-kind = "velocity"
-body = "lid"
-)");
+    const std::string gains = fmt::format("direction = [0, 0, -1], gains = [{}, {}]", gain, integral);
+    auto run = start_text(pressed_ball("duration = 1.0, time_step = 5e-5",
+                                       fmt::format("motion = {{ velocity = [0, 0, {}] }}", rise), 0.0998, gains));
     run.advance_to(0);
     CHECK(run.last("top", "normal_force") == Approx(integral > 0.0 ? force : force + rise / gain).epsilon(1e-4));
     CHECK(run.last("lid", "z") == Approx(rise).epsilon(1e-4));

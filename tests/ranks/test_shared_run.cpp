@@ -25,7 +25,9 @@ constexpr int side = 4, layers = 6;
 SmoothSetup law() {
   MaterialPair pair;
   pair.a = pair.b = {"bead", 2500.0, 5e6, 0.3};
-  pair.restitution = 0.6, pair.friction = 0.5, pair.rolling_friction = 0.05;
+  pair.restitution = 0.6;
+  pair.friction = 0.5;
+  pair.rolling_friction = 0.05;
   SmoothSetup setup{"hertz-mindlin", "", "", {}};
   const auto& laws = all_smooth_laws();
   for (const Entry& e : laws)
@@ -75,7 +77,8 @@ struct Box {
     if (shaken) {
       Motion motion;
       motion.oscillation_direction = Vec3(0.6, 0, 0.8);
-      motion.oscillation_amplitude = 0.004, motion.oscillation_frequency = 30.0;
+      motion.oscillation_amplitude = 0.004;
+      motion.oscillation_frequency = 30.0;
       const auto floor = static_cast<BodyId>(0);
       simulation->events.push_back(std::make_unique<DriveBody>(floor, std::vector{motion}, Vec3::Zero()));
     }
@@ -130,7 +133,8 @@ class Look final : public Observer {
       if (all.gap[k] < 0.0)
         to_.contacts.emplace_back(all.a[k], all.b[k], all.feature[k], all.gap[k], all.force[k].x(), all.force[k].y(),
                                   all.force[k].z());
-    to_.touching = v.report.touching, to_.elastic = v.report.elastic;
+    to_.touching = v.report.touching;
+    to_.elastic = v.report.elastic;
   }
 
  private:

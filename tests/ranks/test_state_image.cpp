@@ -27,12 +27,15 @@ struct State {
   std::vector<Spring> springs;
 
   void visit(StateVisitor& v) {
-    v.rows(RowsOf::first_slots, "c/a", a), v.rows(RowsOf::second_slots, "c/b", b);
-    v.rows(RowsOf::contacts, "c/feature", feature), v.rows(RowsOf::contacts, "c/record", record);
+    v.rows(RowsOf::first_slots, "c/a", a);
+    v.rows(RowsOf::second_slots, "c/b", b);
+    v.rows(RowsOf::contacts, "c/feature", feature);
+    v.rows(RowsOf::contacts, "c/record", record);
     v.rows(RowsOf::pairs, "springs", springs);
     v.value("time", time);
     v.rows(RowsOf::ids, "world/slot_of", slot_of);
-    v.rows(RowsOf::bodies, "world/id", id), v.rows(RowsOf::bodies, "world/x", x);
+    v.rows(RowsOf::bodies, "world/id", id);
+    v.rows(RowsOf::bodies, "world/x", x);
   }
   StateWalk walk() {
     return [this](StateVisitor& v) { visit(v); };
@@ -53,7 +56,9 @@ State whole_state() {
   }
   for (std::uint32_t k = 0; k + 1 < bodies; ++k)
     for (std::uint64_t f = 0; f < 2; ++f) {
-      s.a.push_back(k), s.b.push_back(k + 1), s.feature.push_back(f);
+      s.a.push_back(k);
+      s.b.push_back(k + 1);
+      s.feature.push_back(f);
       s.record.push_back(k + 0.5 * static_cast<double>(f));
     }
   for (std::uint32_t k = 0; k + 2 < bodies; k += 3) s.springs.push_back({k, k + 2, 1.0 / (k + 1)});
@@ -69,7 +74,8 @@ int owner_of(std::uint32_t k, int round) {
 /// present: owner by slot of this rank's state, before; all ranks get their bodies and those up to two places away.
 Routes routes_of(const std::vector<std::uint32_t>& place, const std::vector<std::uint8_t>& mine, int round) {
   Routes r;
-  r.place = place, r.mine = mine;
+  r.place = place;
+  r.mine = mine;
   for (std::size_t s = 0; s < place.size(); ++s) {
     r.begin.push_back(static_cast<std::uint32_t>(r.to.size()));
     const std::uint32_t k = place[s];
@@ -88,7 +94,9 @@ Routes routes_of(const std::vector<std::uint32_t>& place, const std::vector<std:
 /// Every rank keeps the held bodies, or rank 0 hands them out.
 void route_held(Routes& r, bool to_all) {
   Routes wide = r;
-  wide.begin.clear(), wide.to.clear(), wide.to_all.clear();
+  wide.begin.clear();
+  wide.to.clear();
+  wide.to_all.clear();
   for (int rank = 0; rank < rank_count(); ++rank)
     if (to_all || rank == rank_number()) wide.to_all.push_back(rank);
   for (std::size_t s = 0; s < r.place.size(); ++s) {
@@ -131,6 +139,38 @@ void check_part(const State& part, const Arrival& got, const State& whole, int r
   for (std::size_t c = 1; c < part.a.size(); ++c) CHECK(key(c - 1) < key(c));
 }
 
+/// All bodies to rank 0, held ones from there.
+Routes routes_home(const Arrival& got) {
+  Routes r;
+  r.place = got.place;
+  r.gathers = true;
+  if (rank_number() == 0) r.to_all = {0};
+  for (std::uint32_t s = 0; s < got.place.size(); ++s) {
+    const bool held = got.owner[s] == Routes::all_ranks;
+    r.owner.push_back(held ? Routes::all_ranks : 0);
+    r.mine.push_back(held ? rank_number() == 0 : got.owner[s] == rank_number());
+    r.begin.push_back(s);
+    r.to.push_back(0);
+  }
+  r.begin.push_back(static_cast<std::uint32_t>(got.place.size()));
+  return r;
+}
+
+/// Springs have padding between their numbers.
+void check_whole(StateImage& image, const StateImage& before, const State& whole) {
+  REQUIRE(image.size() == before.size());
+  for (std::size_t c = 0; c < image.size(); ++c) {
+    INFO(image[c].name);
+    if (image[c].name != "springs") CHECK(image[c].data == before[c].data);
+  }
+  State back;
+  restore(image, back.walk());
+  REQUIRE(back.springs.size() == whole.springs.size());
+  for (std::size_t k = 0; k < back.springs.size(); ++k)
+    CHECK(std::tuple(back.springs[k].a, back.springs[k].b, back.springs[k].load) ==
+          std::tuple(whole.springs[k].a, whole.springs[k].b, whole.springs[k].load));
+}
+
 }  // namespace
 
 TEST_CASE("a state is shared out, moves from part to part and comes together again to the byte") {
@@ -164,30 +204,6 @@ TEST_CASE("a state is shared out, moves from part to part and comes together aga
   }
   // and back
   image = image_of(part.walk());
-  r = {};
-  r.place = got.place, r.gathers = true;
-  if (rank_number() == 0) r.to_all = {0};
-  for (std::uint32_t s = 0; s < got.place.size(); ++s) {
-    const bool held = got.owner[s] == Routes::all_ranks;
-    r.owner.push_back(held ? Routes::all_ranks : 0);
-    r.mine.push_back(held ? rank_number() == 0 : got.owner[s] == rank_number());
-    r.begin.push_back(s), r.to.push_back(0);
-  }
-  r.begin.push_back(static_cast<std::uint32_t>(got.place.size()));
-  exchange_rows(image, r);
-  if (rank_number() != 0) return;
-  REQUIRE(image.size() == before.size());
-  for (std::size_t c = 0; c < image.size(); ++c) {
-    INFO(image[c].name);
-    if (image[c].name != "springs") {
-      CHECK(image[c].data == before[c].data);
-      continue;
-    }
-    State back;
-    restore(image, back.walk());
-    REQUIRE(back.springs.size() == whole.springs.size());
-    for (std::size_t k = 0; k < back.springs.size(); ++k)
-      CHECK(std::tuple(back.springs[k].a, back.springs[k].b, back.springs[k].load) ==
-            std::tuple(whole.springs[k].a, whole.springs[k].b, whole.springs[k].load));
-  }
+  exchange_rows(image, routes_home(got));
+  if (rank_number() == 0) check_whole(image, before, whole);
 }
