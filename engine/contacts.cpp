@@ -95,8 +95,79 @@ std::size_t ContactSet::bytes_per_contact() const {
          (with_curvature ? sizeof(double) : 0) + (with_area ? sizeof(double) : 0) + (with_moment ? sizeof(Vec3) : 0);
 }
 
-void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous) {
+namespace {
+
+/// Of a feature: its image in a periodic cell, and what of the body touches (the name of the mesh's side stands between).
+constexpr Feature image_bits = Feature{0xff} << 56, body_bits = 0xfffffff;
+
+/// The contacts of one pair of bodies in a list in canonical order.
+struct PairRange {
+  const std::vector<Feature>& feature;
+  std::size_t begin, end;
+
+  PairRange(const std::vector<Slot>& a, const std::vector<Slot>& b, const std::vector<Feature>& features, Slot first,
+            Slot second, Feature image)
+      : feature(features) {
+    const auto bound = [&](Feature f) {  // the first entry that is not before it
+      std::size_t low = 0, high = a.size();
+      while (low < high) {
+        const std::size_t middle = (low + high) / 2;
+        if (std::tuple(a[middle], b[middle], features[middle]) < std::tuple(first, second, f))
+          low = middle + 1;
+        else
+          high = middle;
+      }
+      return low;
+    };
+    begin = bound(image);
+    end = begin;
+    while (end < a.size() && a[end] == first && b[end] == second && (features[end] & image_bits) == image) ++end;
+  }
+  /// Index of the entry of that feature; `end` where there is none.
+  std::size_t find(Feature f) const {
+    const auto last = feature.begin() + static_cast<std::ptrdiff_t>(end);
+    const auto found = std::lower_bound(feature.begin() + static_cast<std::ptrdiff_t>(begin), last, f);
+    return found != last && *found == f ? static_cast<std::size_t>(found - feature.begin()) : end;
+  }
+};
+
+/// Of some entries of a list: how many there are, how many of one name on the body, and the last.
+struct Chosen {
+  std::size_t all = 0, of_name = 0, last = 0, last_of_name = 0;
+
+  void take(const PairRange& list, std::size_t k, Feature name) {
+    ++all;
+    last = k;
+    if ((list.feature[k] & body_bits) != name) return;
+    ++of_name;
+    last_of_name = k;
+  }
+};
+
+}  // namespace
+
+std::uint32_t ContactMemory::left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const {
+  const Feature f = contacts.feature[i], image = f & image_bits, name = f & body_bits;
+  const PairRange now(contacts.a, contacts.b, contacts.feature, contacts.a[i], contacts.b[i], image);
+  const PairRange before(a_, b_, feature_, contacts.a[i], contacts.b[i], image);
+  Chosen begun, ended;
+  for (std::size_t k = before.begin; k < before.end; ++k)
+    if (now.find(feature_[k]) == now.end && !(is_empty && is_empty(k))) ended.take(before, k, name);
+  if (ended.all == 0) return none;
+  for (std::size_t k = now.begin; k < now.end; ++k) {
+    const std::size_t was = before.find(contacts.feature[k]);
+    if (was == before.end || (is_empty && is_empty(was))) begun.take(now, k, name);
+  }
+  if (begun.of_name == 1 && ended.of_name == 1) return static_cast<std::uint32_t>(ended.last_of_name);
+  if (begun.all == 1 && ended.all == 1) return static_cast<std::uint32_t>(ended.last);
+  return none;
+}
+
+void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty) {
   previous.resize(contacts.size());
+  const auto is_mesh = [&](Slot s) {
+    return std::binary_search(contacts.meshes.begin(), contacts.meshes.end(), s);
+  };
   parallel_blocks(contacts.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
     const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
     const auto old = [&](std::size_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
@@ -107,6 +178,8 @@ void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>
       while (k < a_.size() && old(k) < wanted) ++k;
       const bool found = k < a_.size() && old(k) == wanted;
       previous[i] = found ? static_cast<std::uint32_t>(k) : none;
+      if ((found && !(is_empty && is_empty(k))) || !(is_mesh(contacts.a[i]) || is_mesh(contacts.b[i]))) continue;
+      if (const std::uint32_t left = left_for(contacts, i, is_empty); left != none) previous[i] = left;
     }
   });
   a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;

@@ -3,6 +3,7 @@
 /// to B. The order is a function of the state alone, so sums taken along it are the same bits for every thread count.
 #pragma once
 #include <compare>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -76,6 +77,8 @@ struct ContactSet {
   bool with_moment = false;     ///< moment is filled by the contact model
   bool with_area = false;       ///< area is filled: contacts are cells of overlap volume
 
+  std::vector<Slot> meshes;  ///< ascending: bodies whose contacts go from face to face of one surface
+
   std::vector<Slot> a, b;
   std::vector<Feature> feature;
   std::vector<double> gap;               ///< [m]
@@ -107,18 +110,24 @@ struct ContactSet {
 };
 
 /// Keys of the contacts of the last step, for whatever is carried from step to step (tangential springs, warm starts).
-/// Both lists are in canonical order, so matching is one merge.
+/// Both lists are in canonical order, so matching is one merge. On a mesh a contact that begins where another of the same
+/// two bodies ends is the same one, gone on over an edge: of one name on the body, or the only one that begins and ends.
+/// One that was near before, but of which nothing is remembered, begins too.
 class ContactMemory {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;
+  using IsEmpty = std::function<bool(std::size_t)>;
   /// previous[i] = index in the remembered list of contact i, or none; then remembers `contacts`.
-  void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous);
+  /// is_empty(k): nothing is known of the remembered contact k but its name.
+  void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty = {});
   /// Renames slots and restores canonical order; order[k] = old index of the entry now at k (removed ones are dropped).
   std::vector<std::uint32_t> reorder(const Reordering& change);
   void visit(StateVisitor& visitor, const std::string& name);
   std::size_t size() const { return a_.size(); }
 
  private:
+  std::uint32_t left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const;
+
   std::vector<Slot> a_, b_;
   std::vector<Feature> feature_;
 };

@@ -27,6 +27,12 @@ void add_core_contact(const CoreContact& c, double radius, const PairQuery& q, C
   sink.add({c.gap, to_world * c.normal, to_world * c.middle, radius, 0});
 }
 
+/// R* of a contact [m]; rotation: B's axes in A's. 0 where no law asks for it.
+double radius_at(const CoreContact& c, const Mat3& rotation, const RoundedPair& r, const PairQuery& q) {
+  if (!q.curvature) return 0.0;
+  return pair_radius(r.radius_a, r.radius_b, c.normal, -(rotation.transpose() * c.normal), q);
+}
+
 /// From the nearest points of the cores to those of the rounded bodies.
 CoreContact rounded_contact(double core_gap, const Vec3& normal, const Vec3& on_a, const Vec3& on_b,
                             const RoundedPair& r) {
@@ -92,7 +98,7 @@ void collide_cores(const CorePair& cores, const RoundedPair& r, const PairQuery&
   const MinkowskiDifference difference(cores.a, cores.b, q.a, q.b);
   CoreContact c;
   if (!find_nearest(cores, difference, r, q, sink, c)) return;
-  add_core_contact(c, q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0, q, sink);
+  add_core_contact(c, radius_at(c, difference.rotation, r, q), q, sink);
 }
 
 void collide_round(const CorePair& cores, const RoundRef& a, const RoundRef& b, const RoundedPair& r,
@@ -118,7 +124,7 @@ void collide_flat_core(const CorePair& cores, const FlatCore& sides, const Round
                                      : NearestPoint{back * (c.middle - difference.offset), -(back * c.normal), c.gap};
   const Patch patch = core_patch(pair, nearest, q.reach, first ? r.sweep_a : r.sweep_b, first ? r.sweep_b : r.sweep_a);
   const Mat3 to_world = q.a.orientation.toRotationMatrix();
-  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  const double radius = radius_at(c, difference.rotation, r, q);
   for (int k = 0; k < patch.count; ++k) {
     const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
     const Vec3 x = first ? p.position : Vec3(turn * p.position + difference.offset);
@@ -140,7 +146,7 @@ void collide_flat_pair(const CorePair& cores, const FlatSides& sides, const Roun
   }
   const Patch patch = flat_patch(pair, {c.middle, c.normal, c.gap}, q.reach);
   const Mat3 to_world = q.a.orientation.toRotationMatrix();
-  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  const double radius = radius_at(c, difference.rotation, r, q);
   for (int k = 0; k < patch.count; ++k) {
     const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
     sink.add({p.gap, to_world * c.normal, to_world * p.position, radius, p.feature});
@@ -168,7 +174,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
                        ContactSink& sink) {
   const double limit = q.area ? 0.0 : q.reach + r.sweep_a + r.sweep_b;  // an area is that of an overlap
   const PolyhedronPair pair(a, b, q.a, q.b);
-  const double radius = q.curvature ? effective_radius(r.radius_a, r.radius_b) : 0.0;
+  const double radius = q.curvature ? radius_of_flats(r.radius_a, r.radius_b, q) : 0.0;
   if (q.resting && *q.resting) {
     RestingPatch& resting = **q.resting;
     Patch patch;

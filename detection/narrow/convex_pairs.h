@@ -7,12 +7,14 @@
 #include "detection/narrow/manifold.h"
 #include "detection/narrow/minkowski.h"
 #include "detection/narrow/pair_query.h"
+#include "detection/narrow/pair_radius.h"
 
 namespace epafi {
 
-/// Two cores with the spheres swept over them, and the radii that stand for their curvature [m].
+/// Two cores with the spheres swept over them [m], and the radii that stand for their curvature.
 struct RoundedPair {
-  double sweep_a, sweep_b, radius_a, radius_b;
+  double sweep_a, sweep_b;
+  TouchingRadius radius_a, radius_b;
 };
 
 /// The signed distance of two cores where their kinds allow a quick answer; one that is `uncertain` is left to GJK and
@@ -114,7 +116,7 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
 
 template <class A, class B>
 RoundedPair rounded_pair(const A& a, const B& b) {
-  return {a.rounding(), b.rounding(), contact_radius(a), contact_radius(b)};
+  return {a.rounding(), b.rounding(), TouchingRadius::of(a), TouchingRadius::of(b)};
 }
 
 /// Two bodies that their bounding spheres or the axis of their last query keep apart, answered before anything else of

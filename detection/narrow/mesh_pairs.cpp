@@ -7,6 +7,7 @@ namespace epafi {
 namespace {
 
 constexpr double on_triangle = 1e-9;  // of the radius: what counts as lying on an edge or triangle; rounding is 1e-15
+constexpr double one_spot = 0.86602540378443864676;  // cosine of 30 degrees
 constexpr double sharp = 1e-6;        // [rad] an edge that bends less is no edge to the side of a capsule
 
 /// A triangle near a sphere.
@@ -15,6 +16,8 @@ struct Touch {
   std::uint32_t triangle;
   NearestOnTriangle nearest;
   Vec3 normal;  ///< from the mesh to the sphere
+  std::uint32_t spot = 0;  ///< of the surface that smooth edges join
+  bool left_out = false;   ///< a nearer face of the same spot stands for it
 };
 
 /// The segment from a to b goes through the inside of the triangle.
@@ -36,8 +39,9 @@ class SphereOnMesh {
   template <class F>
   void collide(const Vec3& centre, const Vec3& inside, std::uint32_t local, const F& f) {
     find_touches(centre, inside);
+    if (mesh_.bends_gently && touches_.size() > 1) leave_hollows();
     for (std::size_t i = 0; i < touches_.size(); ++i)
-      if (!is_covered(i, inside)) f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
+      if (!touches_[i].left_out && !is_covered(i, inside)) f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
   }
 
  private:
@@ -66,6 +70,43 @@ class SphereOnMesh {
     std::sort(touches_.begin(), touches_.end(), [](const Touch& a, const Touch& b) {
       return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
     });
+  }
+  /// In a shallow hollow of a smooth surface several faces are near, where the surface that they stand for touches once:
+  /// of faces that gentle edges join within reach, the nearest leaves out those turned by less than `one_spot`.
+  void leave_hollows() {
+    find_spots();
+    for (std::size_t i = 1; i < touches_.size(); ++i) {
+      Touch& touch = touches_[i];
+      const auto leaves_out = [&](const Touch& nearer) {
+        return nearer.spot == touch.spot && !nearer.left_out && is_on_smooth(nearer) &&
+               nearer.normal.dot(touch.normal) > one_spot;
+      };
+      const auto here = touches_.begin() + static_cast<std::ptrdiff_t>(i);
+      touch.left_out = is_on_smooth(touch) && std::any_of(touches_.begin(), here, leaves_out);
+    }
+  }
+  /// Numbers the parts of the surface within reach that smooth edges join.
+  void find_spots() {
+    for (std::uint32_t i = 0; i < touches_.size(); ++i) touches_[i].spot = i;
+    bool changed = true;
+    while (changed) {
+      changed = false;
+      for (Touch& p : touches_)
+        for (Touch& q : touches_)
+          if (p.spot < q.spot && joins(p.triangle, q.triangle)) {
+            q.spot = p.spot;
+            changed = true;
+          }
+    }
+  }
+  bool joins(std::uint32_t t, std::uint32_t other) const {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (mesh_.neighbours[t][k] == other && mesh_.is_smooth(t, k)) return true;
+    return false;
+  }
+  bool is_on_smooth(const Touch& touch) const {
+    const auto part = static_cast<std::size_t>(touch.nearest.part);
+    return touch.nearest.part == TrianglePart::face || (part <= 3 && mesh_.is_smooth(touch.triangle, part - 1));
   }
   /// Its nearest point lies on a triangle that comes as close or closer, or behind one (a plate thinner than the
   /// overlap is one wall), or behind a face that the centre went through.

@@ -4,8 +4,9 @@
 /// convex body is held by the convex regions of the surface (mesh_region.h): on a face by its plane, as deep as the
 /// region lets it be; at edges and corners by the way out of the region. Of one normal at most four points are kept. On
 /// a face the contact is named by the face, not by the triangle: its memory survives the way from triangle to triangle.
-/// Limits: bodies that move more than their size through the surface in one step; two shallow concave faces give two
-/// contacts where a smooth surface would give one.
+/// A ball in a shallow hollow touches once: of faces that edges bent by less than a degree join, the nearest stands for
+/// those within 30 degrees. Limits: bodies that move more than their size through the surface in one step; hulls, and
+/// balls in steeper hollows, have one contact for each face.
 #pragma once
 #include "detection/narrow/closed_forms.h"
 #include "detection/narrow/convex_pairs.h"

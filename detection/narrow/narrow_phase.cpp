@@ -11,6 +11,8 @@ namespace epafi {
 
 namespace {
 
+bool is_mesh(ShapeRef shape) { return shape.type() == ShapeStore::type_of<TriangleMesh>(); }
+
 template <class T>
 bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
@@ -28,6 +30,7 @@ void BatchNarrowPhase::join_walls() { seams_ = std::make_unique<Seams>(shapes_);
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {
   block.pairs.clear(), block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear();
+  block.meshes.clear();
   const PairTable& table = pair_table();
   const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
   bool remembers = false, parts = false;
@@ -38,6 +41,8 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
     if (cell->candidates) {
       cell->candidates(input, p, list.margin_of(p), block.triangles);
       if (block.triangles.size() == first) continue;  // 17 000 of 20 000 spheres in a hopper are near no triangle
+      const Slot mesh = is_mesh(ShapeRef{world.shape[p.a]}) ? p.a : p.b;
+      if (block.meshes.empty() || block.meshes.back() != mesh) block.meshes.push_back(mesh);
     }
     const std::size_t k = block.pairs.size();
     if (block.runs.empty() || block.runs.back().cell != cell) block.runs.push_back({k, k, cell});
@@ -103,6 +108,13 @@ void BatchNarrowPhase::collide_block(const World& world, Block& block) {
   block.degenerate = sink.degenerate();
 }
 
+void BatchNarrowPhase::list_meshes() {
+  meshes_.clear();
+  for (const Block& block : blocks_) meshes_.insert(meshes_.end(), block.meshes.begin(), block.meshes.end());
+  std::sort(meshes_.begin(), meshes_.end());
+  meshes_.erase(std::unique(meshes_.begin(), meshes_.end()), meshes_.end());
+}
+
 void BatchNarrowPhase::join(ContactSet& out) {
   std::size_t total = 0;
   degenerate_ = 0;
@@ -153,6 +165,8 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
     if (fresh) prepare(world, list, blocks_[b], begin, end);
     collide_block(world, blocks_[b]);
   });
+  if (fresh) list_meshes();
+  contacts.meshes = meshes_;
   join(contacts);
   if (seams_) seams_->hide(world, contacts);
 }

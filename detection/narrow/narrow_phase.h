@@ -59,6 +59,7 @@ class BatchNarrowPhase : public NarrowPhase {
     std::vector<Pair> pairs;  ///< those of the list but bodies near no triangle of a mesh
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
+    std::vector<Slot> meshes;                              ///< that the pairs touch, one after another
     Memory memory;                                         ///< empty where no cell remembers
     ContactSet contacts;
     std::size_t first = 0;  ///< index of the block's first contact in the whole set
@@ -66,6 +67,7 @@ class BatchNarrowPhase : public NarrowPhase {
   };
 
   void prepare(const World& world, const PairList& pairs, Block& block, std::size_t begin, std::size_t end);
+  void list_meshes();
   void keep_memory();
   void find_memory(Memory& memory);
   void collide_block(const World& world, Block& block);
@@ -82,6 +84,7 @@ class BatchNarrowPhase : public NarrowPhase {
   std::size_t pairs_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<Block> blocks_;
+  std::vector<Slot> meshes_;      ///< of all blocks, ascending
   std::unique_ptr<Seams> seams_;  ///< null: each wall stands for itself
   std::vector<Memory> old_;  ///< of the last list's blocks, in order, none empty
 };

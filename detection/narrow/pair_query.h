@@ -62,6 +62,20 @@ struct PairQuery {
   bool area = false;                                 ///< polyhedra give cells of their overlap volume instead of points
   std::unique_ptr<RestingPatch>* resting = nullptr;  ///< state of two polyhedra, where they may keep their points
   PartMemory* parts = nullptr;                       ///< where a body has convex parts
+  bool wall_a = false, wall_b = false;               ///< fixed or driven: what is flat of it has no radius
+
+  /// The same question of parts that stand at p and r, which remember nothing.
+  PairQuery of_parts(const Pose& p, const Pose& r) const {
+    PairQuery q{p, r, reach, curvature, nullptr, area};
+    q.wall_a = wall_a;
+    q.wall_b = wall_b;
+    return q;
+  }
+  PairQuery exchanged() const {
+    PairQuery q = of_parts(b, a);
+    std::swap(q.wall_a, q.wall_b);
+    return q;
+  }
 };
 
 /// Collects the contact points of one pair at a time into a block's contact set, in the order of their features.

@@ -77,11 +77,12 @@ inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
               in.caches.empty() ? nullptr : &in.caches[k],
               in.area,
               in.resting.empty() ? nullptr : &in.resting[k],
-              in.parts.empty() ? nullptr : &in.parts[k]};
+              in.parts.empty() ? nullptr : &in.parts[k],
+              !in.world.is_movable(p.a),
+              !in.world.is_movable(p.b)};
   if (in.world.cell) q.b.position += in.world.cell->shift(p.image);
   return q;
 }
-inline PairQuery exchanged(const PairQuery& q) { return {q.b, q.a, q.reach, q.curvature, nullptr, q.area}; }
 
 /// How a pair is decided; `exchanged`: by the function of (B, A).
 /// parts: convex ones by search, so few are asked; parts_of_a, parts_of_b: each part asks.
@@ -132,9 +133,9 @@ void meet(const A& a, const B& b, const PairQuery& q, ContactSink& s, std::span<
   constexpr Way by = way<A, B>();
   if constexpr (by == Way::closed_exchanged || by == Way::triangles_exchanged) s.flip(q.b.position - q.a.position);
   if constexpr (by == Way::closed) collide_closed(a, b, q, s);
-  if constexpr (by == Way::closed_exchanged) collide_closed(b, a, exchanged(q), s);
+  if constexpr (by == Way::closed_exchanged) collide_closed(b, a, q.exchanged(), s);
   if constexpr (by == Way::triangles) collide_triangles(a, b, triangles, q, s);
-  if constexpr (by == Way::triangles_exchanged) collide_triangles(b, a, triangles, exchanged(q), s);
+  if constexpr (by == Way::triangles_exchanged) collide_triangles(b, a, triangles, q.exchanged(), s);
   if constexpr (by == Way::convex) collide(a, b, q, s);
   if constexpr (by == Way::parts)
     each_part_pair(a, b, q, s, [&](const auto& x, const auto& y, const PairQuery& p) { collide(x, y, p, s); });
@@ -142,14 +143,14 @@ void meet(const A& a, const B& b, const PairQuery& q, ContactSink& s, std::span<
     each_part(a, q.a, b, q.b, q.reach, [&](const auto& part, const Pose& pose, std::size_t k) {
       const Vec3 offset = pose.position - q.a.position;
       s.enter_part(k, offset);
-      meet(part, b, PairQuery{pose, q.b, q.reach, q.curvature, nullptr, q.area}, s, triangles);
+      meet(part, b, q.of_parts(pose, q.b), s, triangles);
       s.leave_part(offset);
     });
   }
   if constexpr (by == Way::parts_of_b) {
     each_part(b, q.b, a, q.a, q.reach, [&](const auto& part, const Pose& pose, std::size_t k) {
       s.enter_part(k, Vec3::Zero());
-      meet(a, part, PairQuery{q.a, pose, q.reach, q.curvature, nullptr, q.area}, s, triangles);
+      meet(a, part, q.of_parts(q.a, pose), s, triangles);
       s.leave_part(Vec3::Zero());
     });
   }

@@ -109,7 +109,9 @@ void each_part_pair(const A& a, const B& b, const PairQuery& q, ContactSink& sin
       if (-pb.end - pa.end > apart || (pb.pose.position - pa.pose.position).squaredNorm() > near * near) continue;
       PairCache* const cache = q.parts ? &q.parts->of(static_cast<std::uint32_t>(pa.number << 8 | pb.number)) : nullptr;
       if constexpr (Compound<B>) sink.enter_part(pb.number, Vec3::Zero());
-      f(parts_a.part(pa.number), parts_b.part(pb.number), {pa.pose, pb.pose, q.reach, q.curvature, cache, q.area});
+      PairQuery of_parts = q.of_parts(pa.pose, pb.pose);
+      of_parts.cache = cache;
+      f(parts_a.part(pa.number), parts_b.part(pb.number), of_parts);
       if constexpr (Compound<B>) sink.leave_part(Vec3::Zero());
     }
     if constexpr (Compound<A>) sink.leave_part(offset);

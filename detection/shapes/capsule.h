@@ -2,7 +2,6 @@
 #pragma once
 #include <numbers>
 
-#include "detection/shapes/equal_volume.h"
 #include "detection/shapes/flat_side.h"
 #include "detection/shapes/shape_concept.h"
 
@@ -13,7 +12,7 @@ struct Capsule {
   double radius;  ///< r [m], > 0
   double length;  ///< L of the cylindrical part [m], >= 0; the whole capsule is L + 2r long
 
-  Capsule(double r, double l) : radius(r), length(l), contact_radius_(equal_volume_radius(volume())) {}
+  Capsule(double r, double l) : radius(r), length(l) {}
 
   static Entry entry() {
     return {name,
@@ -26,7 +25,7 @@ struct Capsule {
 
   double half_length() const { return 0.5 * length; }
   double volume() const { return std::numbers::pi * radius * radius * (length + 4.0 / 3.0 * radius); }
-  double contact_radius() const { return contact_radius_; }  ///< of the sphere of equal volume [m]
+  double contact_radius() const { return radius; }  ///< of its ends [m]; along the side half the curvature is left out
   double bounding_radius() const { return half_length() + radius; }
   Aabb bounding_box(const Pose& pose) const {
     const Vec3 axis = pose.orientation * Vec3::UnitZ();
@@ -56,9 +55,6 @@ struct Capsule {
     side.count = 2;
     return side;
   }
-
- private:
-  double contact_radius_;
 };
 static_assert(SolidShape<Capsule> && ConvexShape<Capsule>);
 

@@ -46,6 +46,11 @@ struct Cylinder {
     if (!(across > 0.0)) return {0.0, 0.0, z};
     return {radius * (d.x() / across), radius * (d.y() / across), z};
   }
+  /// Flat at the ends; along the side twice the radius, whose curvature is the mean of the side's two.
+  double radius_towards(const Vec3& d) const {
+    const double across2 = d.x() * d.x() + d.y() * d.y();
+    return across2 < facing_sine * facing_sine * d.squaredNorm() ? infinity : 2.0 * radius;
+  }
   CylinderCore cylinder_core() const { return {radius, half_length()}; }
   double rounding() const { return 0.0; }
   /// Eight points of the rim of the end that d looks at, or the line of the side.

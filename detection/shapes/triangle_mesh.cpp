@@ -67,7 +67,9 @@ void TriangleMesh::find_neighbours() {
     const EdgeUse &p = uses[begin], &q = uses[begin + 1];
     neighbours[p.triangle][p.side] = q.triangle;
     neighbours[q.triangle][q.side] = p.triangle;
-    edge_kinds[p.triangle][p.side] = edge_kinds[q.triangle][q.side] = kind_of(p, q);
+    const EdgeKind kind = kind_of(p, q);
+    edge_kinds[p.triangle][p.side] = edge_kinds[q.triangle][q.side] = kind;
+    bends_gently = bends_gently || (kind != EdgeKind::flat && is_smooth(p.triangle, p.side));
   }
 }
 

@@ -35,10 +35,18 @@ struct TriangleMesh {
 
   std::vector<std::uint32_t> face;  ///< lowest triangle of the plane face a triangle is in
   std::vector<std::uint8_t> notches;  ///< bit k: at corner k the outline of the face turns inwards
+  bool bends_gently = false;          ///< some edge between two faces bends by less than a degree
   JoinReport joined;
 
   /// The surface need not be closed. precision: of its coordinates (surface_join.h) [m].
   static TriangleMesh from_surface(TriangleSurface surface, double precision = 0.0);
+  /// The surface goes on smoothly behind side k: on the same face, or on one turned by less than a degree.
+  bool is_smooth(std::uint32_t t, std::size_t k) const {
+    constexpr double cosine_of_a_degree = 0.99984769515639123916;
+    const EdgeKind kind = edge_kinds[t][k];
+    if (kind == EdgeKind::open) return false;
+    return kind == EdgeKind::flat || normals[t].dot(normals[neighbours[t][k]]) > cosine_of_a_degree;
+  }
   /// Candidates are found by oriented boxes from now on.
   void orient_boxes() { oriented_ = ObbTree(vertices, triangles); }
 

@@ -6,6 +6,8 @@
 /// Energies (StepReport): viscous losses and work of driven bodies by the trapezoid of their power; losses of springs
 /// (slip, rescaling, opening of the contact) as work done on them minus growth of their energy.
 #pragma once
+#include <cstring>
+
 #include "engine/error.h"
 #include "engine/incidence.h"
 #include "engine/parallel.h"
@@ -61,7 +63,8 @@ template <class Record>
 class RecordMemory {
  public:
   void advance(const ContactSet& contacts) {
-    keys_.match(contacts, previous_);
+    keys_.match(contacts, previous_,
+                [&](std::size_t k) { return std::memcmp(&now_[k], &fresh_, sizeof(Record)) == 0; });
     old_.swap(now_);
     now_.resize(contacts.size());
   }

@@ -125,7 +125,7 @@ TEST_CASE("the contact radius is that of the sphere of equal volume", "[detectio
   const auto check = [](const auto& shape) {
     CHECK(4.0 / 3.0 * pi * std::pow(shape.contact_radius(), 3) == Approx(shape.mass_properties().mass).epsilon(1e-14));
   };
-  check(Capsule(0.2, 1.1)), check(Cylinder(0.2, 1.1)), check(Ellipsoid({1e-3, 2e-3, 5e-3})), check(Box(Vec3(1, 2, 3)));
+  check(Cylinder(0.2, 1.1)), check(Ellipsoid({1e-3, 2e-3, 5e-3})), check(Box(Vec3(1, 2, 3)));
 }
 
 TEST_CASE("bounding boxes are exact: each side touches the support point", "[detection][shapes]") {

@@ -151,3 +151,43 @@ TEST_CASE("arms of A and B meet in the contact point; joined sets keep their col
   set.clear();
   CHECK((set.size() == 0 && set.effective_radius.empty() && set.with_curvature));
 }
+
+TEST_CASE("on a mesh a contact goes on over an edge, where it can be told which", "[engine][contacts]") {
+  const auto previous_of = [](const std::vector<Feature>& before, const std::vector<Feature>& now, bool mesh) {
+    const auto keys = [](const std::vector<Feature>& features) {
+      std::vector<Key> all = {{1, 8, 5}};
+      for (const Feature f : features) all.emplace_back(3, 9, f);
+      return all;
+    };
+    ContactMemory memory;
+    std::vector<std::uint32_t> previous;
+    memory.match(set_of(keys(before)), previous);
+    ContactSet set = set_of(keys(now));
+    if (mesh) set.meshes = {4, 9};
+    memory.match(set, previous);
+    previous.erase(previous.begin());
+    return previous;
+  };
+  const auto side = [](Feature face, Feature on_body) { return face << 28 | on_body; };
+  using List = std::vector<std::uint32_t>;
+  constexpr std::uint32_t none = ContactMemory::none;
+  CHECK(previous_of({side(2, 0)}, {side(7, 0)}, true) == List{1});
+  CHECK(previous_of({side(2, 0)}, {side(7, 0)}, false) == List{none});
+  CHECK(previous_of({side(2, 0)}, {side(2, 3)}, true) == List{1});  // from the face to its edge
+  CHECK(previous_of({side(2, 0)}, {side(2, 0), side(7, 0)}, true) == List{1, none});  // the face goes on
+  CHECK(previous_of({side(2, 5), side(2, 6)}, {side(7, 5), side(7, 6)}, true) == List{1, 2});  // two corners of a box
+  CHECK(previous_of({side(2, 5), side(3, 5)}, {side(7, 5), side(8, 5)}, true) == List{none, none});
+  CHECK(previous_of({side(2, 0) | Feature{1} << 56}, {side(7, 0)}, true) == List{none});  // of another image
+  CHECK(previous_of({}, {side(7, 0)}, true) == List{none});
+
+  ContactMemory memory;  // the next face was near before its contact took over
+  List previous;
+  ContactSet set = set_of({{3, 9, side(2, 0)}, {3, 9, side(7, 0)}});
+  set.meshes = {9};
+  memory.match(set, previous);
+  ContactSet later = set_of({{3, 9, side(7, 0)}});
+  later.meshes = {9};
+  const auto is_second = [](std::size_t k) { return k == 1; };
+  memory.match(later, previous, is_second);
+  CHECK(previous == List{0});
+}

@@ -141,3 +141,21 @@ TEST_CASE("a dump is held against the rows and units it names", "[scenes][reader
   CHECK(message(read_bodies("a.dump", dump("metal", 1))).find("units 'metal'") != std::string::npos);
   CHECK(message(read_bodies("a.dump", dump("", 3))).find("announces 3 bodies and has 1 rows") != std::string::npos);
 }
+
+TEST_CASE("a record of motion is read with a byte order mark, plus signs, quotes and blanks", "[scenes][reader][foreign]") {
+  const auto folder = fs::temp_directory_path() / ("epafi-record-" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  std::ofstream(folder / "base.csv") << "\xef\xbb\xbf\"t\", x \r\n0,+0.0\r\n+0.1,+2e-2\r\n0.2,0\r\n";
+  std::ofstream(folder / "scene.toml") << R"(run = { duration = 0.2 }
+contact = { method = "smooth", restitution = 0.5, friction = 0.1 }
+material.m = { density = 2500.0, youngs_modulus = 1e6, poissons_ratio = 0.3 }
+[[body]]
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "m"
+motion = { file = "base.csv", of = "displacement" }
+)";
+  const ReadResult read = read_scene((folder / "scene.toml").string(), {}, full_registry());
+  fs::remove_all(folder);
+  INFO(message(read));
+  CHECK(read.scene.has_value());
+}
