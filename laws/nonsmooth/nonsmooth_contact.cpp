@@ -130,7 +130,7 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, cons
     u_before_[i] = problem_.relative_velocity(i, before_);
     const double approach = -u_before_[i].x();
     if (balances_ && -approach <= threshold)  // see the header: Energy
-      problem_.offset[i] = std::max(problem_.offset[i], std::min(-approach, gap / dt + threshold));
+      problem_.offset[i] = std::max(problem_.offset[i], -approach);
     restitution_[i] = pair.restitution;
     const double slowest = balances_ ? slow_share * threshold : threshold;
     if (impacts_.separate() || pair.restitution <= 0.0 || approach <= slowest) return;

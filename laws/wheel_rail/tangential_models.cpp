@@ -148,8 +148,12 @@ TractionMap map_of_strips(const StripPatch& p, const StripSolution& s) {
   for (const Strip& strip : p.strips) {
     for (std::uint32_t k = 0; k < strip.count; ++k) map.x.push_back(strip.x(k)), map.y.push_back(strip.y);
   }
-  map.pressure = p.pressure, map.traction_x = s.traction_x, map.traction_y = s.traction_y, map.slip_x = s.slip_x,
+  map.pressure = p.pressure;
+  map.traction_x = s.traction_x;
+  map.traction_y = s.traction_y;
+  map.slip_x = s.slip_x;
   map.slip_y = s.slip_y;
+  map.sticks = s.sticks;
   return map;
 }
 

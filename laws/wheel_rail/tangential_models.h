@@ -1,6 +1,7 @@
 /// @file tangential_models.h  The list of tangential models: name, what it is, and the function that solves one patch
 /// with it.
 #pragma once
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,9 +34,12 @@ inline Creepage creepage_of_cells(const TangentialInput& in) {
   return creepage_at(in.creepage, in.patch.grid_x, in.patch.grid_y);
 }
 
-/// Tractions and slips of one patch on points (x, y) for files and pictures.
+/// Tractions, slips and stick of one patch on points (x, y) for files and pictures.
 struct TractionMap {
-  std::vector<double> x, y, pressure, traction_x, traction_y, slip_x, slip_y;
+  std::vector<double> x, y, pressure, traction_x, traction_y;
+  std::vector<double> slip_x, slip_y;  ///< empty: the law finds tractions and stick without a slip
+  std::vector<std::uint8_t> sticks;    ///< 1 in stick, 0 in slip
+  bool knows_slip() const { return !slip_x.empty(); }
 };
 
 struct TangentialOutcome {

@@ -9,7 +9,6 @@
 #include <fmt/core.h>
 
 #include "laws/wheel_rail/normal_models.h"
-#include "laws/wheel_rail/tangential/kalker_table.h"
 #include "scenes/patch/patch_contact.h"
 
 namespace epafi {
@@ -83,22 +82,12 @@ TangentialOutcome mirrored(TangentialOutcome t) {
   return t;
 }
 
-/// What a difference of the longitudinal slip does to the force, over mu N: at most what it does where all sticks, and
-/// how far it turns the slip where all slides.
-double force_of_slip(const PatchCase& c, const NormalPatch& p, const Creepage& creepage, double difference) {
-  const KalkerCoefficients k = kalker_coefficients(p.ellipse.a / p.ellipse.b, c.elastic.poissons_ratio);
-  const double stiffness = c.elastic.shear_modulus * p.area / pi * k.c11, bound = c.friction * p.normal_force;
-  const double slip = std::hypot(creepage.longitudinal, creepage.lateral);
-  if (!(difference > 0.0 && bound > 0.0)) return 0.0;
-  return std::min({1.0, stiffness * difference / bound, difference / slip});
-}
-
 void add_tangential(PatchResult& out, const PatchCase& c, const Creepage& creepage, const RegionPatch& rp,
-                    const TangentialModel& model, bool maps, double beside_plane) {
+                    const TangentialModel& model, bool maps, const SlipBesidePlane& beside_plane) {
   const bool left = c.profiles && !c.profiles->right;
   const Creepage seen = left ? Creepage{creepage.longitudinal, -creepage.lateral, -creepage.spin} : creepage;
-  TangentialOutcome t =
-      model.solve({rp.patch, c.elastic, c.friction, seen, cells_of(c, rp.patch.ellipse), maps, c.distance});
+  const TangentialInput in{rp.patch, c.elastic, c.friction, seen, cells_of(c, rp.patch.ellipse), maps, c.distance};
+  TangentialOutcome t = model.solve(in);
   if (left) t = mirrored(std::move(t));
   PatchContact& contact = out.contacts.back();
   contact.force = t.force;
@@ -111,7 +100,7 @@ void add_tangential(PatchResult& out, const PatchCase& c, const Creepage& creepa
     out.stick_share = -1.0;
   else
     out.stick_share = (std::max(0.0, out.stick_share) * (out.area - rp.patch.area) + share) / out.area;
-  const double by_plane = force_of_slip(c, rp.patch, creepage, beside_plane);
+  const double by_plane = force_beside_plane(in, beside_plane);
   out.error_estimate = std::max(out.error_estimate, t.error_estimate + by_plane);
   if (by_plane > most_by_plane)
     out.reasons.push_back(fmt::format(
@@ -144,7 +133,8 @@ PatchResult evaluate_pair(const PatchCase& c, const PatchContactSolver& solver, 
     if (tangential.empty() || !(rp.patch.normal_force > 0.0)) continue;
     const bool known = rp.region < regions.size();
     const Creepage creepage = known ? solver.creepage(regions[rp.region]) : c.creepage;
-    const double beside_plane = known ? solver.slip_beside_plane(regions[rp.region], rp.patch) : 0.0;
+    const SlipBesidePlane beside_plane =
+        known ? solver.slip_beside_plane(regions[rp.region], rp.patch) : SlipBesidePlane{};
     add_tangential(out, c, creepage, rp, tangential_model(tangential), maps, beside_plane);
   }
   if (!out.friction) out.stick_share = -1.0;

@@ -232,31 +232,24 @@ RegionPatch PatchContactSolver::line(const std::string& model, const NormalTarge
   return out;
 }
 
-double PatchContactSolver::slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const {
-  if (!has_wheel() || c_.profiles->creepage_given) return 0.0;
+SlipBesidePlane PatchContactSolver::slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const {
+  SlipBesidePlane out;
+  if (!has_wheel() || c_.profiles->creepage_given) return out;
   const Creepage plane = creepage(region);
   const double spin = c_.profiles->right ? plane.spin : -plane.spin;
-  double sum = 0.0, weight = 0.0;
-  const auto add = [&](double y, double force) {
+  const bool ellipse = patch.pressure.empty();
+  const double middle = ellipse ? patch.centre_y : patch.grid_y;
+  const double half = ellipse ? patch.ellipse.b : 0.5 * patch.grid.dy * static_cast<double>(patch.grid.ny);
+  constexpr int steps = 24;  // over a patch of two hills: the surface between them is one bend
+  out.first = -half;
+  out.step = 2.0 * half / steps;
+  for (int k = 0; k <= steps; ++k) {
+    const double y = middle + out.first + k * out.step;
     const ContactRegion there = wheel_->pair.place_at(region, y, wheel_->pair.angle_at(region, y));
-    sum += force * (creepage(there).longitudinal - (plane.longitudinal - spin * y));
-    weight += force;
-  };
-  constexpr int rows = 16;
-  if (patch.pressure.empty()) {  // of Hertz' ellipse: a row carries 1 - y^2 / b^2
-    for (int k = 0; k < rows; ++k) {
-      const double t = (2.0 * k + 1.0) / rows - 1.0;
-      add(patch.centre_y + t * patch.ellipse.b, 1.0 - t * t);
-    }
-  } else {
-    const std::size_t stride = std::max<std::size_t>(1, patch.grid.ny / rows), nx = patch.grid.nx;
-    for (std::size_t j = 0; j < patch.grid.ny; j += stride) {
-      double force = 0.0;
-      for (std::size_t i = 0; i < nx; ++i) force += patch.pressure[j * nx + i];
-      if (force > 0.0) add(patch.grid_y + patch.grid.y(j), force);
-    }
+    const double slip = creepage(there).longitudinal - (plane.longitudinal - spin * y);
+    out.value.push_back(std::isfinite(slip) ? slip : 0.0);
   }
-  return weight > 0.0 && std::isfinite(sum) ? std::abs(sum) / weight : 0.0;
+  return out;
 }
 
 Creepage PatchContactSolver::creepage(const ContactRegion& r) const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "laws/wheel_rail/tangential/beside_plane.h"
 #include "scenes/patch/patch_case.h"
 #include "scenes/patch/seated_wheel.h"
 
@@ -36,10 +37,10 @@ class PatchContactSolver {
   /// Creepage at the middle of a patch: as given, or of the rigid wheelset rolling with its speed over its angular
   /// velocity.
   Creepage creepage(const ContactRegion& region) const;
-  /// Mean difference over a patch, by force, between the longitudinal slip of the surface itself and that of its plane:
-  /// a rail's head leaves the plane between two hills of pressure by tenths of a millimetre, and the wheel's radius
-  /// with it. 0 where the creepage is given [-].
-  double slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const;
+  /// Difference between the longitudinal slip of the surface itself and that of its plane, row by row: a rail's head
+  /// leaves the plane between two hills of pressure by tenths of a millimetre, and the wheel's radius with it. Empty
+  /// where the creepage is given.
+  SlipBesidePlane slip_beside_plane(const ContactRegion& region, const NormalPatch& patch) const;
   double depth() const { return wheel_->depth; }      ///< that the load brings the wheel down by, estimated [m]
   double lowered() const { return wheel_->lowered; }  ///< that it is brought down by [m]
   double seconds() const { return seconds_; }         ///< of processor time

@@ -11,14 +11,18 @@
 namespace epafi {
 namespace {
 
-/// Stick 1, slip 2, outside 0: by the slip, which is exactly 0 in stick.
-int state_of(const TractionMap& m, std::size_t k) { return m.slip_x[k] == 0.0 && m.slip_y[k] == 0.0 ? 1 : 2; }
+/// Stick 1, slip 2, outside 0.
+int state_of(const TractionMap& m, std::size_t k) { return m.sticks[k] ? 1 : 2; }
 
 std::string csv_of(const TractionMap& m) {
-  std::string out = "x,y,pressure,traction_x,traction_y,slip_x,slip_y,state\n";
-  for (std::size_t k = 0; k < m.x.size(); ++k)
-    out += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", m.x[k], m.y[k], m.pressure[k],
-                       m.traction_x[k], m.traction_y[k], m.slip_x[k], m.slip_y[k], state_of(m, k));
+  std::string out = "x,y,pressure,traction_x,traction_y,";
+  out += m.knows_slip() ? "slip_x,slip_y,state\n" : "state\n";
+  for (std::size_t k = 0; k < m.x.size(); ++k) {
+    out += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},", m.x[k], m.y[k], m.pressure[k], m.traction_x[k],
+                       m.traction_y[k]);
+    if (m.knows_slip()) out += fmt::format("{:.9g},{:.9g},", m.slip_x[k], m.slip_y[k]);
+    out += fmt::format("{}\n", state_of(m, k));
+  }
   return out;
 }
 
@@ -83,8 +87,9 @@ std::string vti_of(const TractionMap& m) {
   array("Float64", "pressure", 1, [&](std::ptrdiff_t k) { return fmt::format("{:.9g} ", at(m.pressure, k)); });
   array("Float64", "traction", 3,
         [&](std::ptrdiff_t k) { return fmt::format("{:.9g} {:.9g} 0 ", at(m.traction_x, k), at(m.traction_y, k)); });
-  array("Float64", "slip", 3,
-        [&](std::ptrdiff_t k) { return fmt::format("{:.9g} {:.9g} 0 ", at(m.slip_x, k), at(m.slip_y, k)); });
+  if (m.knows_slip())
+    array("Float64", "slip", 3,
+          [&](std::ptrdiff_t k) { return fmt::format("{:.9g} {:.9g} 0 ", at(m.slip_x, k), at(m.slip_y, k)); });
   array("Int32", "state", 1, [&](std::ptrdiff_t k) {
     return k < 0 ? std::string("0 ") : fmt::format("{} ", state_of(m, static_cast<std::size_t>(k)));
   });

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <random>
 #include <set>
 #include <sstream>
 
@@ -159,6 +160,37 @@ TEST_CASE("a line contact is Carter's problem", "[scenes][wheel_rail]") {
   const double q = 1.0 - 0.0002 * 0.5 / (0.3 * a);  // 1 - xi R / (mu a)
   CHECK(r[0].force.fx / 15e3 == Approx(1.0 - q * q).epsilon(1e-3));
   CHECK(r[0].reasons.empty());
+}
+
+TEST_CASE("a map says slip where the traction is at its bound, and nowhere else", "[scenes][wheel_rail]") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int k = 0; k < 6; ++k) {
+    const std::string text =
+        head + "[patch]\nload = 82e3\nradii = { x1 = 0.46, x2 = inf, y1 = inf, y2 = 0.3 }\nnormal = \"half-space\"\n" +
+        fmt::format("creepage = {{ longitudinal = {}, lateral = {}, spin = {} }}\n", 1e-3 * unit(random),
+                    1e-3 * unit(random), 0.3 * unit(random)) +
+        "tangential = [\"fastsim-elliptic\", \"strip\", \"fastrip\", \"half-space\"]\n";
+    const PatchReading r = read_patch_text(text, "case.toml", {});
+    REQUIRE(r.patch);
+    for (const PatchResult& result : evaluate_patch(*r.patch, true)) {
+      const TractionMap& m = result.contacts[0].map;
+      double stick = 0.0;
+      std::size_t wrong = 0;
+      for (std::size_t c = 0; c < m.x.size(); ++c) {
+        const bool at_bound = std::hypot(m.traction_x[c], m.traction_y[c]) >= 0.3 * m.pressure[c] * (1.0 - 1e-6);
+        wrong += at_bound == (m.sticks[c] == 1);
+        stick += m.sticks[c];
+        if (m.knows_slip()) wrong += (m.slip_x[c] != 0.0 || m.slip_y[c] != 0.0) == (m.sticks[c] == 1);
+      }
+      INFO(result.tangential << " " << text);
+      CHECK(wrong == 0);
+      // the cells of a solved pressure are all of one size
+      CHECK(stick / static_cast<double>(m.x.size()) == Approx(result.stick_share).margin(1e-9));
+      const bool marches = result.tangential == "strip" || result.tangential == "fastrip";
+      CHECK(m.knows_slip() != marches);
+    }
+  }
 }
 
 TEST_CASE("maps of a patch hold its force, and its picture the cells that stick", "[scenes][wheel_rail]") {

@@ -42,11 +42,12 @@ StripSolution fastsim(const StripPatch& patch, const Flexibility& L, double fric
   if (store) {
     for (auto* column : {&out.traction_x, &out.traction_y, &out.slip_x, &out.slip_y})
       column->assign(patch.cells(), 0.0);
+    out.sticks.assign(patch.cells(), 1);
   }
   const double gx0 = s.longitudinal / L.longitudinal, gy0 = s.lateral / L.lateral, gs = s.spin / L.spin;
   double stick = 0.0, area = 0.0;
   for (const Strip& strip : patch.strips) {
-    const double h = strip.cell(), gx = gx0 - gs * strip.y, dA = h * strip.width;
+    const double h = strip.cell(), gx = gx0 - gs * strip.y + strip.slip / L.longitudinal, dA = h * strip.width;
     double qx = 0.0, qy = 0.0, fx = 0.0, fy = 0.0, mz = 0.0;
     std::uint32_t sticking = 0;
     for (std::uint32_t k = 0; k < strip.count; ++k) {
@@ -61,6 +62,7 @@ StripSolution fastsim(const StripPatch& patch, const Flexibility& L, double fric
         const double wx = (qx - tx) / h * L.longitudinal, wy = (qy - ty) / h * L.lateral;
         out.frictional_power += (std::abs(qx * wx) + std::abs(qy * wy)) * dA;
         if (store) out.slip_x[strip.first + k] = wx, out.slip_y[strip.first + k] = wy;
+        if (store) out.sticks[strip.first + k] = 0;
       }
       if (store) out.traction_x[strip.first + k] = qx, out.traction_y[strip.first + k] = qy;
       fx += qx, fy += qy, mz += x * qy - strip.y * qx;

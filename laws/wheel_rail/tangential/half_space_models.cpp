@@ -36,6 +36,7 @@ TangentialOutcome outcome_of(const TangentialInput& in, const BoundLevels& level
         out.map.pressure.push_back(bound / in.friction);
     out.map.traction_x.push_back(fine.traction.x[k]), out.map.traction_y.push_back(fine.traction.y[k]);
     out.map.slip_x.push_back(fine.slip.x[k]), out.map.slip_y.push_back(fine.slip.y[k]);
+    out.map.sticks.push_back(fine.slip.x[k] == 0.0 && fine.slip.y[k] == 0.0);
   }
   return out;
 }

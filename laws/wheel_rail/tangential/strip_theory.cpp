@@ -44,8 +44,9 @@ StripSolution march(const StripPatch& patch, const RollingCase& c, const PlaneCr
                     bool store) {
   StripSolution out;
   if (store) {
-    for (auto* column : {&out.traction_x, &out.traction_y, &out.slip_x, &out.slip_y})
-      column->assign(patch.cells(), 0.0);
+    out.traction_x.assign(patch.cells(), 0.0);
+    out.traction_y.assign(patch.cells(), 0.0);
+    out.sticks.assign(patch.cells(), 0);
   }
   const double Q = bound_slope(patch, c);
   double stick = 0.0, area = 0.0;
@@ -78,6 +79,7 @@ StripSolution march(const StripPatch& patch, const RollingCase& c, const PlaneCr
         rx = qx, ry = qy;
       }
       if (store) out.traction_x[strip.first + k] = qx, out.traction_y[strip.first + k] = qy;
+      if (store) out.sticks[strip.first + k] = sticks;
       out.force.fx += qx * dA, out.force.fy += qy * dA, out.force.mz += (x * qy - strip.y * qx) * dA;
       stick += sticks ? dA : 0.0, area += dA;
     }

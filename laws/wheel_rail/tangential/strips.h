@@ -15,6 +15,7 @@ struct Strip {
   double width = 0.0;                    ///< dy [m], > 0
   double leading = 0.0, trailing = 0.0;  ///< x of the ends [m], leading > trailing
   std::uint32_t first = 0, count = 0;
+  double slip = 0.0;  ///< longitudinal creepage beyond that of the plane [-]; FASTSIM reads it
 
   double cell() const { return (leading - trailing) / count; }
   double x(std::uint32_t k) const { return leading - (k + 0.5) * cell(); }
@@ -43,7 +44,9 @@ struct StripSolution {
   PatchForce force;
   double stick_share = 0.0;       ///< area of stick over area of contact
   double frictional_power = 0.0;  ///< traction times slip over the patch, per rolling speed [N]
-  std::vector<double> traction_x, traction_y, slip_x, slip_y;  ///< [Pa], [-]; empty unless asked for
+  std::vector<double> traction_x, traction_y;  ///< [Pa]; empty unless asked for
+  std::vector<double> slip_x, slip_y;          ///< [-]; empty unless asked for, and where a law has stick without slip
+  std::vector<std::uint8_t> sticks;            ///< 1 in stick; empty unless asked for
 };
 
 }  // namespace epafi
