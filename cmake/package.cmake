@@ -19,6 +19,9 @@ install(FILES ${PROJECT_BINARY_DIR}/epafi-config.cmake ${PROJECT_BINARY_DIR}/epa
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi-dev/examples COMPONENT development)
 
 install(TARGETS epafi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+if(EPAFI_MPI)
+  install(TARGETS epafi-mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/library/ DESTINATION ${data_dir}/scenes COMPONENT program)
 install(FILES ${PROJECT_SOURCE_DIR}/scenes/scene.schema.json DESTINATION ${data_dir} COMPONENT program)
 # sources MIT, binaries GPL-3 through CGAL

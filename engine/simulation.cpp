@@ -102,7 +102,13 @@ std::optional<Failure> Simulation::look_at_step() {
   step_watch->note(steps_, work.report.deepest);
   if (!step_watch->is_due(steps_)) return std::nullopt;
   std::optional<Failure> failure;
-  show_contacts(ContactView::pieces, false, [&](const StepView& now) { failure = step_watch->look(now); });
+  const auto look = [&](const StepView& now) { failure = step_watch->look(now); };
+  if (!away_.stepped) {
+    show_contacts(ContactView::pieces, false, look);
+  } else {  // it asks for contacts and places alone: the state of all bodies may stay away
+    remote->fetch_contacts(*this);
+    look({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, false, nullptr});
+  }
   return failure;
 }
 

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "engine/error.h"
+
 namespace epafi {
 
 void begin_ranks(int& argc, char**& argv) {
@@ -56,6 +58,58 @@ void sum_over_ranks(std::span<double> numbers) {
 
 void max_over_ranks(std::span<double> numbers) {
   MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+}
+
+struct Joint::Message {
+  struct Numbers {
+    double sums = 0.0;  ///< so many come first
+    double value[most] = {};
+  };
+  /// Those of another rank go into what there is of some.
+  static void join(void* more, void* some, int* count, MPI_Datatype* /*type*/) {
+    const auto* from = static_cast<const Numbers*>(more);
+    auto* to = static_cast<Numbers*>(some);
+    for (int i = 0; i < *count; ++i)
+      for (std::size_t k = 0; k < most; ++k) {
+        double& x = to[i].value[k];
+        const double y = from[i].value[k];
+        x = static_cast<double>(k) < to[i].sums ? x + y : std::max(x, y);
+      }
+  }
+
+  Numbers mine, all;
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Datatype type = MPI_DATATYPE_NULL;
+  MPI_Op operation = MPI_OP_NULL;
+};
+
+Joint::Joint() : message_(std::make_unique<Message>()) {
+  MPI_Type_contiguous(static_cast<int>(sizeof(Message::Numbers) / sizeof(double)), MPI_DOUBLE, &message_->type);
+  MPI_Type_commit(&message_->type);
+  MPI_Op_create(Message::join, 1, &message_->operation);
+}
+
+Joint::~Joint() {
+  int ended = 0;
+  MPI_Finalized(&ended);
+  if (ended != 0) return;
+  MPI_Op_free(&message_->operation);
+  MPI_Type_free(&message_->type);
+}
+
+void Joint::begin(std::span<const double> sums, std::span<const double> largest) {
+  EPAFI_REQUIRE(sums.size() + largest.size() <= most, "room for the numbers of all ranks");
+  Message::Numbers& mine = message_->mine;
+  mine.sums = static_cast<double>(sums.size());
+  std::ranges::copy(largest, std::ranges::copy(sums, mine.value).out);
+  MPI_Iallreduce(&mine, &message_->all, 1, message_->type, message_->operation, MPI_COMM_WORLD, &message_->request);
+}
+
+void Joint::finish(std::span<double> sums, std::span<double> largest) {
+  MPI_Wait(&message_->request, MPI_STATUS_IGNORE);
+  const double* from = message_->all.value;
+  std::copy_n(from, sums.size(), sums.begin());
+  std::copy_n(from + sums.size(), largest.size(), largest.begin());
 }
 
 std::vector<double> gather_numbers(double mine) {

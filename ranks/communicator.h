@@ -2,6 +2,7 @@
 /// Everything here but rank_count and rank_number is called by all ranks in the same order.
 #pragma once
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,24 @@ void broadcast(void* data, std::size_t bytes);
 /// Number by number, over all ranks. Sums of whole numbers below 2^53 are exact, others rounded.
 void sum_over_ranks(std::span<double> numbers);
 void max_over_ranks(std::span<double> numbers);
+
+/// Sums and largest ones of all ranks in one message, which is on its way while its owner does something else.
+class Joint {
+ public:
+  static constexpr std::size_t most = 24;  ///< numbers in all
+  Joint();
+  ~Joint();
+  Joint(const Joint&) = delete;
+  Joint& operator=(const Joint&) = delete;
+  void begin(std::span<const double> sums, std::span<const double> largest);
+  /// Those of all ranks, in the places that `begin` had.
+  void finish(std::span<double> sums, std::span<double> largest);
+
+ private:
+  struct Message;
+  std::unique_ptr<Message> message_;
+};
+
 /// A number of each rank, at rank 0; empty elsewhere.
 std::vector<double> gather_numbers(double mine);
 

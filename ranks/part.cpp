@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -23,15 +24,28 @@ StateWalk walk_of(Simulation& sim) {
   };
 }
 
-/// What is nobody's is that of rank 0 everywhere; of shared sums rank 0 has all.
+bool has_rows(const ImageColumn& c) {
+  return c.whose != RowsOf::nobody && c.whose != RowsOf::ids && c.whose != RowsOf::share;
+}
+
+/// What is nobody's is that of rank 0 everywhere; of shared sums rank 0 has all. Two messages, however many columns.
 void take_common(StateImage& image) {
+  std::vector<std::uint64_t> sizes;
+  for (const ImageColumn& c : image)
+    if (!has_rows(c)) sizes.push_back(c.data.size());
+  broadcast(sizes.data(), sizes.size() * sizeof sizes[0]);
+  std::vector<std::byte> all;
+  for (const ImageColumn& c : image)
+    if (!has_rows(c) && rank_number() == 0) all.insert(all.end(), c.data.begin(), c.data.end());
+  all.resize(std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0}));
+  broadcast(all.data(), all.size());
+  auto from = all.begin();
+  auto size = sizes.begin();
   for (ImageColumn& c : image) {
-    const bool rows = c.whose != RowsOf::nobody && c.whose != RowsOf::ids && c.whose != RowsOf::share;
-    if (rows) continue;
-    std::uint64_t bytes = c.data.size();
-    broadcast(&bytes, sizeof bytes);
-    c.data.resize(bytes);
-    broadcast(c.data.data(), c.data.size());
+    if (has_rows(c)) continue;
+    const auto end = from + static_cast<std::ptrdiff_t>(*size++);
+    c.data.assign(from, end);
+    from = end;
     if (c.whose == RowsOf::share && c.row == sizeof(double) && rank_number() != 0)
       std::fill(c.data.begin(), c.data.end(), std::byte{});
   }
@@ -39,21 +53,27 @@ void take_common(StateImage& image) {
 
 /// Shared sums, at rank 0 and everywhere else.
 void sum_shares(StateImage& image) {
+  std::vector<double> sums;
+  for (const ImageColumn& c : image) {
+    if (c.whose != RowsOf::share) continue;
+    sums.push_back(c.data[0] == std::byte{} ? 0.0 : 1.0);
+    if (c.row == sizeof(double)) std::memcpy(&sums.back(), c.data.data(), sizeof(double));
+  }
+  sum_over_ranks(sums);
+  auto sum = sums.begin();
   for (ImageColumn& c : image) {
     if (c.whose != RowsOf::share) continue;
-    double x = c.data[0] == std::byte{} ? 0.0 : 1.0;
-    if (c.row == sizeof x) std::memcpy(&x, c.data.data(), sizeof x);
-    sum_over_ranks({&x, 1});
-    if (c.row == sizeof x)
-      std::memcpy(c.data.data(), &x, sizeof x);
+    if (c.row == sizeof(double))
+      std::memcpy(c.data.data(), &*sum, sizeof(double));
     else
-      c.data[0] = std::byte{x != 0.0};
+      c.data[0] = std::byte{*sum != 0.0};
+    ++sum;
   }
 }
 
 void drop_rows(StateImage& image) {
   for (ImageColumn& c : image)
-    if (c.whose != RowsOf::nobody && c.whose != RowsOf::share && c.whose != RowsOf::ids) c.data.clear();
+    if (has_rows(c)) c.data.clear();
 }
 
 /// What detection keeps by slot is void; what contact models keep comes in with the state.
@@ -89,6 +109,37 @@ ContactRow row_of(const ContactSet& c, std::size_t k, const World& world) {
   copy(c.arm, row.arm);
   copy(c.force, row.force);
   copy(c.moment, row.moment);
+  return row;
+}
+
+struct PlaceRow {
+  std::uint32_t id;
+  double position[3], turn[4];
+};
+
+PlaceRow place_of(const World& world, Slot s) {
+  PlaceRow row{static_cast<std::uint32_t>(world.id[s]), {}, {}};
+  std::copy_n(world.position[s].data(), 3, row.position);
+  if (world.has_orientation()) std::copy_n(world.orientation[s].coeffs().data(), 4, row.turn);
+  return row;
+}
+
+void put_place(const PlaceRow& row, World& world) {
+  const Slot s = world.slot_of(static_cast<BodyId>(row.id));
+  std::copy_n(row.position, 3, world.position[s].data());
+  if (world.has_orientation()) std::copy_n(row.turn, 4, world.orientation[s].coeffs().data());
+}
+
+template <class Row>
+void append_row(std::vector<std::byte>& rows, const Row& row) {
+  rows.resize(rows.size() + sizeof row);
+  std::memcpy(rows.data() + rows.size() - sizeof row, &row, sizeof row);
+}
+
+template <class Row>
+Row row_at(const std::vector<std::byte>& rows, std::size_t k) {
+  Row row;
+  std::memcpy(&row, rows.data() + k * sizeof row, sizeof row);
   return row;
 }
 
@@ -152,6 +203,11 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
                                                            : World::elsewhere;
   start_.resize(world.size());
   for (std::size_t s = 0; s < world.size(); ++s) start_[s] = world.position[s];
+  own_ = static_cast<double>(std::ranges::count(world.owner, std::uint8_t{World::here}));
+  const Motion own = motion_of_own();
+  std::array<double, 3> largest{own.way, own.speed, own.acceleration};
+  max_over_ranks(largest);
+  motion_ = {largest[0], largest[1], largest[2]};
   figures_.bytes += arrival.bytes;
   const Routes now = routes(world, world.owner, {});
   std::vector<Slot> slots;
@@ -217,7 +273,22 @@ void Part::give(Simulation* whole) {
   if (whole) restore(image, walk_of(*whole));
 }
 
+void Part::give_places(Simulation* whole) {
+  const World& world = sim_.world;
+  std::vector<std::byte> rows, arrived;
+  for (Slot s = 0; s < world.size(); ++s)
+    if (world.owner[s] == World::here) append_row(rows, place_of(world, s));
+  const Plan plan(std::vector<int>(rows.size() / sizeof(PlaceRow), 0));
+  plan.run(rows, sizeof(PlaceRow), arrived);
+  figures_.bytes += static_cast<double>(rows.size());
+  if (!whole) return;
+  for (std::size_t k = 0; k < plan.received(); ++k) put_place(row_at<PlaceRow>(arrived, k), whole->world);
+  for (Slot s = 0; s < world.size(); ++s)
+    if (world.owner[s] == World::everywhere) put_place(place_of(world, s), whole->world);
+}
+
 void Part::give_contacts(Simulation* whole) {
+  give_places(whole);
   const World& world = sim_.world;
   ContactSet& set = sim_.work.contacts;
   sim_.pipeline.contact_model->publish(world, set);
@@ -225,9 +296,7 @@ void Part::give_contacts(Simulation* whole) {
   for (std::size_t k = 0; k < set.size(); ++k) {
     const bool held = world.owner[set.a[k]] == World::everywhere && world.owner[set.b[k]] == World::everywhere;
     if (held ? rank_number() != 0 : !world.counts(set.a[k], set.b[k])) continue;
-    const ContactRow row = row_of(set, k, world);
-    rows.resize(rows.size() + sizeof row);
-    std::memcpy(rows.data() + rows.size() - sizeof row, &row, sizeof row);
+    append_row(rows, row_of(set, k, world));
   }
   const Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
   plan.run(rows, sizeof(ContactRow), arrived);
@@ -236,46 +305,40 @@ void Part::give_contacts(Simulation* whole) {
   ContactSet& all = whole->work.contacts;
   all.with_moment = set.with_moment;
   all.renew(plan.received());
-  for (std::size_t k = 0; k < plan.received(); ++k) {
-    ContactRow row;
-    std::memcpy(&row, arrived.data() + k * sizeof row, sizeof row);
-    put_row(all, k, row, whole->world);
-  }
+  for (std::size_t k = 0; k < plan.received(); ++k) put_row(all, k, row_at<ContactRow>(arrived, k), whole->world);
   all.sort();
 }
 
-/// From where bodies were placed to where they may be after the next step, and the step alone [m].
-double Part::longest_way(double dt) const {
+Part::Motion Part::motion_of_own() const {
   const World& world = sim_.world;
-  return block_max<double>(world.size(), 0.0, [&](std::size_t i) {
-    const auto s = static_cast<Slot>(i);
-    if (world.owner[s] != World::here) return 0.0;
-    return dt * (world.velocity[s].norm() + dt * world.acceleration(s).norm());
-  });
+  const auto largest = [&](auto&& of) {
+    return block_max<double>(world.size(), 0.0, [&](std::size_t i) {
+      const auto s = static_cast<Slot>(i);
+      return world.owner[s] == World::here ? of(s) : 0.0;
+    });
+  };
+  return {largest([&](Slot s) { return (world.position[s] - start_[s]).squaredNorm(); }),
+          largest([&](Slot s) { return world.velocity[s].squaredNorm(); }),
+          largest([&](Slot s) { return world.acceleration(s).squaredNorm(); })};
 }
 
 bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& report) {
   World& world = sim_.world;
-  const double gone = block_max<double>(world.size(), 0.0, [&](std::size_t s) {
-    return world.owner[s] == World::here ? (world.position[s] - start_[s]).squaredNorm() : 0.0;
-  });
-  double ways[2] = {longest_way(dt), std::sqrt(gone)};
-  ways[1] += ways[0];
-  max_over_ranks(ways);
-  if (!(ways[1] < margin_)) move(ways[0]);
+  if (!(motion_.all(dt) < margin_)) move(motion_.next(dt));
   std::vector<BodyId> none;
   for (auto& event : sim_.events)
     if (event->is_local()) event->before_step(world, dt, none);
   epafi::step(world, sim_.pipeline, sim_.work, dt);
   note_overlaps();
+  bool sound = is_sound(domain);
+  begin_sums(sound);
   halo_.refresh(world);
   figures_.steps += 1.0;
   figures_.ghosts += static_cast<double>(halo_.ghosts());
-  figures_.own += static_cast<double>(std::ranges::count(world.owner, std::uint8_t{World::here}));
-  bool sound = is_sound(domain);
+  figures_.own += own_;
   for (const Stage stage : {Stage::integrate, Stage::broad_phase, Stage::narrow_phase, Stage::contact})
     report.seconds[stage] = sim_.work.report.seconds[stage];
-  sum_up(report, sound);
+  finish_sums(report, sound);
   return sound;
 }
 
@@ -299,22 +362,29 @@ bool Part::is_sound(const std::optional<Domain>& domain) const {
   return std::ranges::none_of(strays, [&](Slot s) { return sim_.world.owner[s] == World::here; });
 }
 
-void Part::sum_up(StepReport& report, bool& sound) {
+void Part::begin_sums(bool sound) {
   const StepReport& mine = sim_.work.report;
-  std::array<double, 11> sums{static_cast<double>(mine.pairs),
-                              static_cast<double>(mine.contacts),
-                              static_cast<double>(mine.touching),
-                              mine.elastic,
-                              mine.dissipated,
-                              mine.work,
-                              mine.losses.viscous,
-                              mine.losses.frictional,
-                              mine.losses.plastic,
-                              mine.losses.adhesive,
-                              sound ? 0.0 : 1.0};
-  std::array<double, 2> largest{mine.deepest, mine.deepest_relative};
-  sum_over_ranks(sums);
-  max_over_ranks(largest);
+  const std::array<double, 11> sums{static_cast<double>(mine.pairs),
+                                    static_cast<double>(mine.contacts),
+                                    static_cast<double>(mine.touching),
+                                    mine.elastic,
+                                    mine.dissipated,
+                                    mine.work,
+                                    mine.losses.viscous,
+                                    mine.losses.frictional,
+                                    mine.losses.plastic,
+                                    mine.losses.adhesive,
+                                    sound ? 0.0 : 1.0};
+  const Motion motion = motion_of_own();
+  const std::array<double, 5> largest{mine.deepest, mine.deepest_relative, motion.way, motion.speed,
+                                      motion.acceleration};
+  joint_.begin(sums, largest);
+}
+
+void Part::finish_sums(StepReport& report, bool& sound) {
+  std::array<double, 11> sums{};
+  std::array<double, 5> largest{};
+  joint_.finish(sums, largest);
   report.pairs = static_cast<std::size_t>(sums[0]);
   report.contacts = static_cast<std::size_t>(sums[1]);
   report.touching = static_cast<std::size_t>(sums[2]);
@@ -324,6 +394,7 @@ void Part::sum_up(StepReport& report, bool& sound) {
   report.losses = {sums[6], sums[7], sums[8], sums[9]};
   report.deepest = largest[0];
   report.deepest_relative = largest[1];
+  motion_ = {largest[2], largest[3], largest[4]};
   sound = sums[10] == 0.0;
 }
 

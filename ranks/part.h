@@ -3,11 +3,13 @@
 /// Contacts across a border are found by both owners, from the same numbers.
 /// All functions but the getters are called by all ranks together.
 #pragma once
+#include <cmath>
 #include <optional>
 #include <vector>
 
 #include "engine/rank_team.h"
 #include "engine/simulation.h"
+#include "ranks/communicator.h"
 #include "ranks/halo.h"
 #include "ranks/partition.h"
 #include "ranks/state_image.h"
@@ -31,6 +33,7 @@ class Part {
   void receive(Simulation* whole);
   /// The state of all parts comes into the whole.
   void give(Simulation* whole);
+  /// Contacts of the last step, and where the bodies are: nothing else of the whole is of this moment.
   void give_contacts(Simulation* whole);
   /// One step; report: what all parts did in it. False where a body is astray.
   bool step(double dt, const std::optional<Domain>& domain, StepReport& report);
@@ -42,10 +45,22 @@ class Part {
   Routes routes(const World& world, const Owners& owner, const std::vector<int>& held) const;
   void settle(StateImage& image, const Arrival& arrival);
   void measure_bodies(const World& world, const Owners& owner);
-  double longest_way(double dt) const;
+  void give_places(Simulation* whole);
   void note_overlaps();
   bool is_sound(const std::optional<Domain>& domain) const;
-  void sum_up(StepReport& report, bool& sound);
+
+  /// Largest of the free bodies of all ranks, squared.
+  struct Motion {
+    double way = 0.0;           ///< since they were placed [m^2]
+    double speed = 0.0;         ///< [m^2/s^2]
+    double acceleration = 0.0;  ///< [m^2/s^4]
+    /// In a step from now on, at most [m].
+    double next(double dt) const { return dt * (std::sqrt(speed) + dt * std::sqrt(acceleration)); }
+    double all(double dt) const { return std::sqrt(way) + next(dt); }
+  };
+  Motion motion_of_own() const;
+  void begin_sums(bool sound);
+  void finish_sums(StepReport& report, bool& sound);
 
   Simulation& sim_;
   PartSetup setup_;
@@ -56,6 +71,9 @@ class Part {
   double usual_margin_ = 0.0;         ///< [m]
   double margin_ = 0.0;               ///< ghosts are enough while no body has moved farther [m]
   double largest_ = 0.0;              ///< radius of all free bodies [m]
+  double own_ = 0.0;                  ///< free bodies of this rank
+  Motion motion_;
+  Joint joint_;
   PartFigures figures_;
 };
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "engine/error.h"
+#include "ranks/communicator.h"
 #include "ranks/plan.h"
 
 namespace epafi {
@@ -218,7 +219,12 @@ void restore(StateImage& image, const StateWalk& walk) {
 Arrival exchange_rows(StateImage& image, const Routes& routes) {
   Arrival arrival;
   exchange_bodies(body_group(image), routes, arrival);
-  for (const RowGroup& group : contact_groups(image)) exchange_contacts(group, routes, arrival);
+  const std::vector<RowGroup> groups = contact_groups(image);
+  std::vector<double> rows;
+  for (const RowGroup& group : groups) rows.push_back(static_cast<double>(group.rows()));
+  sum_over_ranks(rows);
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (rows[k] > 0.0) exchange_contacts(groups[k], routes, arrival);  // a plan costs messages, even for no rows
   find_slots(image);
   return arrival;
 }

@@ -17,6 +17,7 @@
 #include "scenes/study/chart.h"
 #include "scenes/study/chart_rows.h"
 #include "scenes/study/limits.h"
+#include "scenes/study/slurm_job.h"
 #include "scenes/study/sweep.h"
 #include "viz_export/side_file.h"
 
@@ -98,9 +99,23 @@ int command_limits(const StudyOptions& o) {
   return exit_done;
 }
 
+namespace {
+/// The script, into the folder of the cases and on stdout.
+int write_slurm_job(const StudyOptions& o, const SweepOptions& s, const SweepPlan& sweep, const fs::path& folder) {
+  const std::string text = slurm_script(sweep, {fs::read_symlink("/proc/self/exe").string(), folder, s.threads});
+  if (text.empty()) return say("every case is finished: there is nothing to send"), exit_done;
+  fs::create_directories(folder);
+  write_whole_file(folder / "sweep.sbatch", {text});
+  if (!o.quiet) say(fmt::format("written; send it with\n  bash {}", (folder / "sweep.sbatch").string()));
+  return print(text), exit_done;
+}
+}  // namespace
+
 int command_sweep(const StudyOptions& o, const SweepOptions& s) {
   const std::string scene = existing_scene_file(o.files.front());
-  const SweepPlan sweep = plan_sweep(scene, o.overrides, folder_of(o, scene, "-sweep"));
+  const fs::path folder = folder_of(o, scene, "-sweep");
+  const SweepPlan sweep = plan_sweep(scene, o.overrides, folder);
+  if (s.slurm) return write_slurm_job(o, s, sweep, folder);
   if (s.list) return print(list_sweep(sweep)), exit_done;
   if (s.collect) return print(collect_sweep(sweep)), exit_done;
   std::vector<Case> todo;

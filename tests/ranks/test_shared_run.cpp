@@ -141,6 +141,37 @@ class Look final : public Observer {
   Outcome& to_;
 };
 
+/// Bodies of contacts that overlap, and where these are seen from the second one.
+using Seen = std::vector<std::tuple<std::uint64_t, std::uint32_t, std::uint32_t, double, double, double>>;
+
+/// Looks at contacts between two steps, as the watch of the time step does.
+class Watch final : public StepWatch {
+ public:
+  explicit Watch(Seen& to) : to_(to) {}
+  bool is_due(std::uint64_t step) const override { return step % 25 == 0; }
+  void note(std::uint64_t, double) override {}
+  int parts() const override { return 1; }
+  void visit(StateVisitor&) override {}
+  std::optional<Failure> look(const StepView& view) override {
+    const ContactPieces pieces = view.pieces();
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      pieces.read(k, [&](const ContactSet& c, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) note_contact(view, c, i);
+      });
+    std::ranges::sort(to_);
+    return std::nullopt;
+  }
+
+ private:
+  void note_contact(const StepView& view, const ContactSet& c, std::size_t i) {
+    if (!(c.gap[i] < 0.0)) return;
+    const Vec3 arm = c.arm_b(i, view.world);
+    const auto id = [&](Slot s) { return static_cast<std::uint32_t>(view.world.id[s]); };
+    to_.emplace_back(view.step, id(c.a[i]), id(c.b[i]), arm.x(), arm.y(), arm.z());
+  }
+  Seen& to_;
+};
+
 Outcome run(Simulation& sim, int steps) {
   sim.start();
   for (int k = 0; k < steps; ++k) {
@@ -164,9 +195,13 @@ Outcome run(Simulation& sim, int steps) {
 /// One task of rank 0 after the other, as ranks/team.cpp does it.
 class Sharing final : public RemoteSteps {
  public:
-  explicit Sharing(Part& part) : part_(part) {}
+  Sharing(Part& part, int& fetched) : part_(part), fetched_(fetched) {}
   void send(Simulation& whole) override { order(0), part_.receive(&whole); }
-  void fetch(Simulation& whole) override { order(1), part_.give(&whole); }
+  void fetch(Simulation& whole) override {
+    ++fetched_;
+    order(1);
+    part_.give(&whole);
+  }
   void fetch_contacts(Simulation& whole) override { order(2), part_.give_contacts(&whole); }
   bool step(double, const std::optional<Domain>& domain, StepReport& report) override {
     order(3);
@@ -187,6 +222,7 @@ class Sharing final : public RemoteSteps {
 
  private:
   Part& part_;
+  int& fetched_;  ///< how often the whole state came
 };
 
 void compare(bool fused, bool shaken, int steps) {
@@ -195,8 +231,12 @@ void compare(bool fused, bool shaken, int steps) {
   Part part(*mine.simulation, setup);
   if (rank_number() != 0) return Sharing::follow(part);
   Box alone(fused, shaken), shared(fused, shaken);
+  Seen want_seen, have_seen;
+  alone.simulation->step_watch = std::make_unique<Watch>(want_seen);
+  shared.simulation->step_watch = std::make_unique<Watch>(have_seen);
   const Outcome want = run(*alone.simulation, steps);
-  shared.simulation->remote = std::make_unique<Sharing>(part);
+  int fetched = 0;
+  shared.simulation->remote = std::make_unique<Sharing>(part, fetched);
   const Outcome have = run(*shared.simulation, steps);
   Sharing::order(9);
   CHECK(have.hash == want.hash);
@@ -205,6 +245,9 @@ void compare(bool fused, bool shaken, int steps) {
   CHECK(have.memory == want.memory);
   CHECK(have.elastic == Approx(want.elastic).epsilon(1e-10));
   CHECK(have.dissipated == Approx(want.dissipated).epsilon(1e-10));
+  CHECK(have_seen == want_seen);
+  CHECK(want_seen.size() > 100);
+  CHECK(fetched <= 2 + steps / 100);  // two sorts, a removal, the end: not the eleven looks
   CHECK(want.touching > 20);
   CHECK(want.dissipated > 0.0);
   CHECK((rank_count() == 1 || part.figures().moved > 0.0));

@@ -11,7 +11,7 @@ set(root_environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 O
 foreach(ranks 1 2 3 4)
   add_test(NAME "partition, states and spheres of ${ranks} ranks" COMMAND ${EPAFI_MPIRUN} --oversubscribe --bind-to none
     --mca mpi_yield_when_idle 1 -n ${ranks} $<TARGET_FILE:test_ranks>)
-  set_tests_properties("partition, states and spheres of ${ranks} ranks" PROPERTIES LABELS "fast;ranks" TIMEOUT 300
+  set_tests_properties("partition, states and spheres of ${ranks} ranks" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2
     ENVIRONMENT "${root_environment}")
 endforeach()
 
@@ -19,11 +19,11 @@ endforeach()
 function(epafi_same_bits name cases steps scene)
   add_test(NAME "ranks: ${name}" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/same_bits.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
     ${PROJECT_BINARY_DIR}/ranks/${name} "${cases}" ${steps} ${PROJECT_SOURCE_DIR}/${scene} ${ARGN})
-  set_tests_properties("ranks: ${name}" PROPERTIES LABELS "fast;ranks" TIMEOUT 300)
+  set_tests_properties("ranks: ${name}" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
 endfunction()
 epafi_same_bits(bed "1x2 2x2 3x1 4x1" 600 scenes/library/bed/bed.toml params.n=200)
 epafi_same_bits(hopper "3x1" 300 scenes/library/hopper/hopper.toml params.n=200 params.open_at=0.01)
 epafi_same_bits(mixed "2x1 3x1" 150 tests/ranks/mixed.toml)
 add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
   ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml)
-set_tests_properties("ranks: faults" PROPERTIES LABELS "fast;ranks" TIMEOUT 300)
+set_tests_properties("ranks: faults" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
