@@ -87,7 +87,7 @@ void DriveBody::before_step(World& world, double dt, std::vector<BodyId>&) {
   if (s == no_slot) return;
   const double time = world.clock + elapsed_;
   // a table is followed from where the body is: over millions of steps rounding does not add up
-  const Vec3 from = follows_table() ? Vec3(world.position[s]) : position_at(time);
+  const Vec3 from = alone_ && follows_table() ? Vec3(world.position[s]) : position_at(time);
   world.velocity[s] = (position_at(time + dt) - from) / dt;
   if (world.rotates()) world.angular_velocity[s] = spin(time, dt);
 }

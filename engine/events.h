@@ -44,8 +44,9 @@ struct Motion {
 /// on. Times are those of the stage's clock and what had passed of the motion's own time when the stage began.
 class DriveBody final : public Event {
  public:
-  DriveBody(BodyId body, std::vector<Motion> motions, const Vec3& start, double elapsed = 0.0)
-      : body_(body), motions_(std::move(motions)), start_(start), elapsed_(elapsed) {}
+  /// alone: nothing else moves the body; a servo does.
+  DriveBody(BodyId body, std::vector<Motion> motions, const Vec3& start, double elapsed = 0.0, bool alone = true)
+      : body_(body), motions_(std::move(motions)), start_(start), elapsed_(elapsed), alone_(alone) {}
   void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
   bool rests_next(const World& world, double dt) const override;
   bool is_local() const override { return true; }
@@ -63,6 +64,7 @@ class DriveBody final : public Event {
   std::vector<Motion> motions_;
   Vec3 start_;
   double elapsed_;
+  bool alone_;
 };
 
 /// Takes bodies out at a time [s].

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/generators.h"
 #include "scenes/held_probe.h"
 #include "scenes/peak_memory.h"
@@ -37,9 +38,18 @@ void drive(Assembly& a, BodyId id, const BodySpec& spec, const Vec3& position) {
   auto& events = a.simulation->events;
   if (spec.motion) {
     a.drives.push_back({id, spec.motion->since});
-    events.push_back(std::make_unique<DriveBody>(id, spec.motion->parts, position, a.elapsed(spec.motion->since)));
+    events.push_back(
+        std::make_unique<DriveBody>(id, spec.motion->parts, position, a.elapsed(spec.motion->since), !spec.servo));
   }
-  if (spec.servo) events.push_back(std::make_unique<ServoWall>(id, spec.servo->servo, a.elapsed(spec.servo->since)));
+  if (!spec.servo) return;
+  const double elapsed = a.elapsed(spec.servo->since);
+  if (a.scene.contact.method.value == Method::smooth) {
+    events.push_back(std::make_unique<ServoWall>(id, spec.servo->servo, elapsed));
+    return;
+  }
+  const auto wall = std::make_shared<GivingWall>(GivingWall{id, spec.servo->servo});
+  add_giving_wall(*a.simulation->pipeline.contact_model, wall);
+  events.push_back(std::make_unique<GivingWallEvent>(wall, elapsed));
 }
 
 BodyId add_body(Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {

@@ -48,6 +48,11 @@ const char* turned_by(const BodySpec& b, const BuiltShape& shape) {
   return is_identity(shape.frame.orientation) ? nullptr : " is written in other axes than its principal ones";
 }
 
+/// By its motion.
+bool turns(const BodySpec& b) {
+  return b.motion && std::ranges::any_of(b.motion->parts, [](const Motion& m) { return m.rotation_rate != 0; });
+}
+
 /// Everything that makes spins and orientations necessary, most telling reason first.
 void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, const ShapesInUse& use, StepPlan& plan) {
   const auto pay = [&](const std::string& why, const Place& where) {
@@ -78,10 +83,10 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
       return "body '" + body_name(scene, static_cast<std::size_t>(&b - scene.bodies.data())) + "'";
     };
     if (b.angular_velocity.squaredNorm() > 0) pay(name() + " spins", where);
-    const bool driven =
-        b.motion && std::ranges::any_of(b.motion->parts, [](const Motion& m) { return m.rotation_rate != 0; });
+    const bool driven = turns(b);
     if (b.load && b.load->torque) pay(name() + " has a torque", where);
     if (driven) pay(name() + " is driven to rotate", where);
+    if (b.servo && scene.contact.method.value == Method::nonsmooth) pay(name() + " is pressed by a servo", where);
     if (shapes[b.shape].is_sphere) continue;
     const char* turned = turned_by(b, shapes[b.shape]);
     if (turned != nullptr) pay(name() + turned, where);
@@ -231,8 +236,14 @@ void plan_bodies(const Scene& scene, const Bill& bill, bool smooth) {
   plan.columns.external_torque = find([](const BodySpec& b) { return b.load && b.load->torque; }) != nullptr;
   plan.columns.periodic = pay(scene.cell ? &scene.cell->place : nullptr, "images",
                               "the domain repeats: images of bodies at its faces, cells passed by each body");
-  plan.columns.held_force = pay(find([](const BodySpec& b) { return b.servo.has_value(); }), "force on walls",
-                                "a servo feels what it presses on");
+  const Place* servo = find([](const BodySpec& b) { return b.servo.has_value(); });
+  plan.columns.held_force = smooth && pay(servo, "force on walls", "a servo feels what it presses on");
+  const Place* turned = find([](const BodySpec& b) { return b.servo && turns(b); });
+  if (!smooth && turned != nullptr)
+    throw SceneError(
+        "a servo presses beside a rotation in smooth contact only; take the rotation out or write contact.method = "
+        "\"smooth\"",
+        *turned);
   pay(scene.run.adaptive ? &scene.run.time_step.place : nullptr, "speed of all bodies",
       "time_step = \"adaptive\" looks at it before every step");
   const Place* swift = find([](const BodySpec& b) { return b.continuous; });

@@ -52,7 +52,7 @@ Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
 }  // namespace
 
 void ContactProblem::load_bodies(const World& world, double dt, const Pushes* pushes) {
-  rotates = world.rotates();
+  rotates = world.rotates(), guides.clear();
   const std::size_t n = world.size();
   parallel_copy(world.inverse_mass, inverse_mass), parallel_copy(world.id, id);
   renew(free.linear, n), renew(free.angular, rotates ? n : 0), renew(inverse_inertia, rotates ? n : 0);
@@ -75,6 +75,17 @@ void ContactProblem::load_bodies(const World& world, double dt, const Pushes* pu
   });
 }
 
+void ContactProblem::guide(Slot s, const Vec3& direction, const Vec3& driven, double free_speed, double mobility) {
+  EPAFI_REQUIRE(rotates, "a guided body takes the place of a rotation");
+  constexpr double aside = 1e-9;  // of the mobility: solvers take the inverse of masses. Thrown away after each step
+  const Vec3 axis = contact_frame(direction).tangent1;
+  guides.push_back({s, direction, axis});
+  inverse_mass[s] = aside * mobility;
+  inverse_inertia[s] = mobility * ((1.0 - aside) * axis * axis.transpose() + aside * Mat3::Identity());
+  free.linear[s] = driven;
+  free.angular[s] = free_speed * axis;
+}
+
 void ContactProblem::load_contacts(const World& world, const ContactSet& contacts) {
   const std::size_t n = contacts.size();
   parallel_copy(contacts.a, a), parallel_copy(contacts.b, b);
@@ -83,6 +94,10 @@ void ContactProblem::load_contacts(const World& world, const ContactSet& contact
   parallel_for(n, [&](std::size_t i) {
     frame[i] = contact_frame(contacts.normal[i]);
     if (rotates) arm_a[i] = contacts.arm[i], arm_b[i] = contacts.arm_b(i, world);
+    for (const Guide& g : guides) {
+      if (a[i] == g.slot) arm_a[i] = g.arm();
+      if (b[i] == g.slot) arm_b[i] = g.arm();
+    }
     mobility[i] = normal_mobility(*this, i);
   });
   incidence.build(contacts, world.size());

@@ -24,6 +24,16 @@ struct BodyVelocities {
   std::vector<Vec3> angular;  ///< world axes [rad/s]
 };
 
+/// A body that moves along one line only. In the equations it turns about an axis instead, with the arm
+/// direction x axis for all of its contacts: axis x arm = direction, so that its angular velocity is speed * axis, and
+/// whoever knows masses and inertias knows it.
+struct Guide {
+  Slot slot;
+  Vec3 direction, axis;  ///< unit, perpendicular
+  Vec3 arm() const { return direction.cross(axis); }
+  double speed(const BodyVelocities& v) const { return v.angular[slot].dot(axis); }
+};
+
 struct ContactProblem {
   bool rotates = false;
 
@@ -43,12 +53,16 @@ struct ContactProblem {
   UnwrittenStream<double> mobility;  ///< W_NN of the contact itself [1/kg]; 0 where neither body can move
   std::vector<Mat3> diagonal;        ///< W_ii [1/kg], once they are loaded; 0 where the mobility is
   Incidence incidence;
+  std::vector<Guide> guides;  ///< servo walls; their worlds rotate
 
   std::size_t size() const { return a.size(); }
   bool is_free(Slot s) const { return inverse_mass[s] > 0.0; }
 
   /// Bodies with v_free = v + dt * acceleration by everything but contact, and pushes where there are any.
   void load_bodies(const World& world, double dt, const Pushes* pushes = nullptr);
+  /// Body s, driven, is free along the direction, where impulses J along it make free_speed + mobility * J [1/kg] of
+  /// its speed; `driven`: its velocity beside that. After the bodies, before the contacts.
+  void guide(Slot s, const Vec3& direction, const Vec3& driven, double free_speed, double mobility);
   /// Geometry of the contacts and their mobilities; sets friction and offset to 0. Needs the bodies.
   void load_contacts(const World& world, const ContactSet& contacts);
   /// What solvers need beside: a step that starts with its solution has none (a tenth of it for a pyramid at rest).

@@ -5,8 +5,8 @@
 
 namespace epafi {
 
-/// Moves the free bodies by `by` [m], [rad]; returns the potential energy of gravity and external forces that it puts
-/// in [J].
-double displace(World& world, const BodyVelocities& by);
+/// Moves the free and guided bodies of the problem by `by` [m], [rad]; returns the potential energy of gravity and
+/// external forces that it puts in [J].
+double displace(World& world, const ContactProblem& problem, const BodyVelocities& by);
 
 }  // namespace epafi

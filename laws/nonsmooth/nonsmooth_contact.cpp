@@ -55,12 +55,14 @@ class NonsmoothContact final : public ContactModel {
     visitor.value("nonsmooth/unconverged", unconverged_);
     solver_->visit(visitor);
   }
+  void add(std::shared_ptr<GivingWall> wall) { walls_.push_back(std::move(wall)); }
   const ContactProblem& problem() const { return problem_; }
   const Impacts& impacts() const { return impacts_; }
   std::vector<float> residuals() const;
   std::string advice() const;
 
  private:
+  void guide(const World& world);
   void load(const World& world, const ContactSet& contacts, const StepClock& clock);
   void start(const World& world, const ContactSet& contacts, double dt);
   SolverReport solve(const World& world, const ContactSet& contacts, double dt);
@@ -74,11 +76,13 @@ class NonsmoothContact final : public ContactModel {
   void see_strikes();
   void add_impacts();
   void write_back(World& world, const StepClock& clock) const;
+  void move_walls(World& world, double dt) const;
   const Impulses& calmest(double creep);
   double foreseen_residual(const Impulses& r, const BodyVelocities* v);
 
   std::string name_;
   MaterialTable materials_;
+  std::vector<std::shared_ptr<GivingWall>> walls_;
   std::unique_ptr<ContactSolver> solver_;
   double tolerance_;
   Impacts impacts_;
@@ -112,12 +116,25 @@ std::string NonsmoothContact::advice() const {
   return blocks_.size() > 0 ? solver_that_would_do(blocks_, tolerance_) : std::string();
 }
 
+/// Servo walls become bodies of the problem, before its contacts.
+void NonsmoothContact::guide(const World& world) {
+  for (const auto& wall : walls_) {
+    const Slot s = world.slot_of(wall->body);
+    if (s == no_slot || wall->mobility <= 0.0) continue;
+    const Vec3& direction = wall->servo.direction;
+    before_.linear[s] = world.velocity[s] - wall->speed * direction;
+    problem_.guide(s, direction, before_.linear[s], wall->free_speed, wall->mobility);
+    before_.angular[s] = wall->speed * problem_.guides.back().axis;
+  }
+}
+
 /// Sets up the problem of this step and u_k, the velocities before it.
 void NonsmoothContact::load(const World& world, const ContactSet& contacts, const StepClock& clock) {
   const double dt = clock.dt;
   problem_.load_bodies(world, dt, clock.pushes);
-  problem_.load_contacts(world, contacts);
   parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
+  guide(world);
+  problem_.load_contacts(world, contacts);
   renew(u_before_, contacts.size()), renew(restitution_, contacts.size());
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   if (balances_) balance_.begin(contacts.size());
@@ -290,7 +307,10 @@ void NonsmoothContact::account(const World& world, ContactSet& contacts, double 
   if (contacts.with_moment) contacts.moment.assign(contacts.size(), Vec3::Zero());
   const auto driven = [&](Slot s, const Vec3& arm) -> Vec3 {
     if (world.is_movable(s)) return Vec3::Zero();
-    return world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
+    Vec3 v = world.rotates() ? Vec3(world.velocity[s] + world.angular_velocity[s].cross(arm)) : world.velocity[s];
+    for (const Guide& g : problem_.guides)
+      if (g.slot == s) v += 0.5 * (g.speed(after_) - g.speed(before_)) * g.direction;
+    return v;
   };
   const auto sums = block_sum<Sum3>(problem_.size(), [&](std::size_t i) {
     const Vec3 mean = 0.5 * (u_before_[i] + u_after_[i]);
@@ -341,6 +361,16 @@ void NonsmoothContact::write_back(World& world, const StepClock& clock) const {
     if (problem_.incidence.count(s) > 0) world.apply_angular_impulse(s, moments_[k]);
     if (world.columns().external_torque) world.apply_angular_impulse(s, clock.dt * world.external_torque[k]);
   });
+}
+
+/// With what contacts made of their speeds.
+void NonsmoothContact::move_walls(World& world, double dt) const {
+  for (const Guide& guide : problem_.guides) {
+    const auto found = std::ranges::find(walls_, world.id[guide.slot], [](const auto& wall) { return wall->body; });
+    GivingWall& wall = **found;
+    wall.end(guide.speed(after_), dt);
+    world.velocity[guide.slot] = before_.linear[guide.slot] + wall.speed * guide.direction;
+  }
 }
 
 /// v_{k+1}, u_{k+1}, with w what the solver sees of it, and by it the gaps at the next detection.
@@ -413,24 +443,31 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   const bool single = bounces && impacts_.strike_single(problem_, step, balance_);
   if (bounces) parallel_copy(u_before_, u_struck_);
   if (single) see_strikes();
-  solver_->see(world, contacts, clock.dt);
+  solver_->see(world, before_, contacts, clock.dt);
   report.solver = solve(world, contacts, clock.dt);
   if (single) foresee_displacement();
   report.trouble = look_for_trouble(report.solver);
   // impacts do not recur: r_ without them
-  if (warm_start_) driven_.remember(world);
   if (warm_start_) memory_.remember(world, contacts, problem_, calmest(creep * threshold), next_gap_, u_after_);
   with_impacts_ = located || single;
   if (with_impacts_) add_impacts();
   account(world, contacts, clock.dt, report);
   write_back(world, clock);
+  move_walls(world, clock.dt);
+  if (warm_start_) driven_.remember(world);
   // r.(u_k + u_{k+1})/2 takes an impact to be at the middle
-  if (with_impacts_) report.dissipated -= displace(world, impacts_.displacement());
+  if (with_impacts_) report.dissipated -= displace(world, problem_, impacts_.displacement());
   const BodyVelocities* own = solver_->displacement();
-  report.correction = own ? displace(world, *own) : correction_.apply(problem_, contacts, next_gap_, world);
+  report.correction = own ? displace(world, problem_, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }
 
 }  // namespace
+
+void add_giving_wall(ContactModel& model, std::shared_ptr<GivingWall> wall) {
+  auto* contact = dynamic_cast<NonsmoothContact*>(&model);
+  EPAFI_REQUIRE(contact != nullptr, "walls give way in non-smooth contact");
+  contact->add(std::move(wall));
+}
 
 const ContactProblem* last_problem(const ContactModel& model) {
   const auto* contact = dynamic_cast<const NonsmoothContact*>(&model);

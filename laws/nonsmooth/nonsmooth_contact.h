@@ -27,6 +27,9 @@
 /// a change of energy if e = 1. This law alone can create energy in frictional impacts with rotation (Kane's paradox,
 /// case A21): what the default does about it, and other laws of impact, in impact.h.
 ///
+/// Servo walls (engine/giving_wall.h) are bodies of the problem that move along one line. Impulses reach them within
+/// the step, so a plate carries its load exactly, on rigid bodies too.
+///
 /// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding
 /// but for the drift of rotating unsymmetric bodies. A contact that opens slowly and is closed again by gravity within
 /// the step would gain r u_k / 2 if it were stopped at u_N = 0. Where contacts bounce it demands u_N >= -u_k only,
@@ -37,6 +40,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/giving_wall.h"
 #include "engine/pipeline.h"
 #include "laws/material.h"
 #include "laws/nonsmooth/solvers/solver.h"
@@ -57,6 +61,9 @@ Needs nonsmooth_needs(const NonsmoothSetup& setup);
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup);
 /// With a solver of the caller's own; setup.solver is not looked at.
 std::unique_ptr<ContactModel> make_nonsmooth_contact(const NonsmoothSetup& setup, const SolverEntry& solver);
+
+/// The wall becomes a body of the problems of this non-smooth model. Worlds with such walls rotate.
+void add_giving_wall(ContactModel& model, std::shared_ptr<GivingWall> wall);
 
 /// The problem that a non-smooth contact model solved in the last step; null for other models.
 const ContactProblem* last_problem(const ContactModel& model);

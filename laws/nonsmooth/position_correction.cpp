@@ -52,7 +52,7 @@ double PositionCorrection::move(S& sweep, const ContactProblem& problem, World& 
     moved_.linear[i] = sweep.linear(static_cast<Slot>(i));
     if constexpr (requires { sweep.angular(0); }) moved_.angular[i] = sweep.angular(static_cast<Slot>(i));
   });
-  return displace(world, moved_);
+  return displace(world, problem, moved_);
 }
 
 double PositionCorrection::apply(const ContactProblem& problem, const ContactSet& contacts,

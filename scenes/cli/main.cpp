@@ -168,13 +168,15 @@ void add_views(Program& p) {
   view->add_option("--set", p.view.overrides, "override a value of the scene, KEY.PATH=VALUE (repeatable)")
       ->allow_extra_args(false);
   view->add_option("-o,--out", p.view.out, "writes this page instead, complete in itself");
-  view->add_option("--port", p.view.port, "of the local server (default 8047; 0: any free one)");
+  view->add_option("--port", p.view.port, "of the local server (default 8047; 0: any free one)")
+      ->check(epafi::whole_number(0, 65535));
   view->add_flag("--no-browser", p.view.no_browser, "only prints the address");
   auto* render = p.add("render", "a picture (PNG) or film (MP4, WebM by ffmpeg) of a run, without a display",
                        [&p] { return epafi::command_render(p.render); });
   render->add_option("dir", p.render.directory, "output folder of a run")->required();
   render->add_option("-o,--out", p.render.out, "FILE.png, FILE.mp4 or FILE.webm (default DIR/picture.png)");
-  render->add_option("--time", p.render.time, "of the picture [s]; the last frame where not given");
+  render->add_option("--time", p.render.time, "of the picture [s]; the last frame where not given")
+      ->check(epafi::at_least(0.0));
   render->add_option("--every", p.render.every, "one frame of so many in a film")->check(epafi::whole_number(1));
   render->add_option("--camera", p.render.camera, "scene, iso, front, back, left, right, top, bottom");
   render->add_option("--field", p.render.field, "what colours the bodies: speed, spin, force, size, id, material ...");

@@ -95,14 +95,20 @@ int command_render(const RenderRequest& request) {
   set_size(request.size, options);
   const fs::path target = request.out.empty() ? fs::path(request.directory) / "picture.png" : fs::path(request.out);
   const std::string ending = target.extension().string();
-  if (ending == ".mp4" || ending == ".webm") {
-    const std::size_t pictures = render_film(*source, options, request.every, target);
-    tell(fmt::format("{}: {} pictures, {:.3g} s at 25 per second", target.string(), pictures,
+  const bool is_film = ending == ".mp4" || ending == ".webm";
+  if (!is_film && ending != ".png")
+    throw SceneError("--out " + target.string() + ": expected an ending .png, .mp4 or .webm");
+  if (is_film && request.time) throw SceneError("--time is for a picture (.png), not for a film");
+  if (!is_film && request.every) throw SceneError("--every is for a film (.mp4, .webm), not for a picture");
+  if (is_film) {
+    const std::size_t pictures = render_film(*source, options, request.every.value_or(1), target);
+    tell(fmt::format("{}: {} picture{}, {:.3g} s at 25 per second", target.string(), pictures, pictures > 1 ? "s" : "",
                      static_cast<double>(pictures) / 25));
     return exit_done;
   }
-  if (ending != ".png") throw SceneError("--out " + target.string() + ": expected an ending .png, .mp4 or .webm");
   const std::size_t frame = request.time ? nearest_frame(times, *request.time) : times.size() - 1;
+  if (request.time && (*request.time < times.front() || *request.time > times.back()))
+    tell(fmt::format("epafi: note: the run has frames from {:.4g} to {:.4g} s", times.front(), times.back()));
   render_picture(*source, options, frame, target);
   tell(fmt::format("{}: t = {:.4g} s", target.string(), times[frame]));
   return exit_done;
@@ -112,6 +118,8 @@ int command_view(const ViewOptions& options) {
   require_page_library();
   const bool is_run = fs::is_directory(options.what);
   const std::string file = is_run ? options.what : scene_file(options.what);
+  if (is_run && !options.overrides.empty())
+    throw SceneError("--set is for a scene file; '" + options.what + "' is a run");
   if (!fs::exists(file)) throw FileError("there is no run and no scene '" + options.what + "'");
   std::unique_ptr<FirstState> scene;
   if (!is_run) scene = std::make_unique<FirstState>(file, options.overrides);

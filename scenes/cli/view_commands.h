@@ -17,9 +17,9 @@ struct ViewOptions {
 
 struct RenderRequest {
   std::string directory;
-  std::string out;             ///< .png, .mp4, .webm; empty: DIR/picture.png
-  std::optional<double> time;  ///< [s]; the last frame where not given
-  std::size_t every = 1;       ///< frames of a film
+  std::string out;                   ///< .png, .mp4, .webm; empty: DIR/picture.png
+  std::optional<double> time;        ///< [s]; the last frame where not given
+  std::optional<std::size_t> every;  ///< frames of a film
   std::string camera, field, size = "1280x720";
   bool contacts = false;
 };

@@ -50,7 +50,7 @@ struct Course {
     std::string out;
     const std::size_t first = values.size() > columns ? values.size() - columns : 0;
     for (std::size_t k = first; k < values.size(); ++k) {
-      const double share = high > low ? (values[k] - low) / (high - low) : 0.0;
+      const double share = high > low ? (values[k] - low) / (high - low) : std::isfinite(values[k]) ? 0.0 : NAN;
       out += std::isfinite(share) ? bars[static_cast<std::size_t>(std::lround(7 * share))] : " ";
     }
     return out;

@@ -78,9 +78,6 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
 /// What does not go together, once per table.
 void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const std::string& label) {
   Reading& reading = draft.reading;
-  if (body.servo && draft.scene.contact.method.value == Method::nonsmooth)
-    reading.error(v.place_of("motion"),
-                  label + ": a servo feels smooth contact only; write contact.method = \"smooth\"");
   if (body.fixed && (body.motion || body.servo))
     reading.error(v.place_of("motion"), label + ": a fixed body has no motion; leave out fixed");
   if (body.continuous && !body.moves())

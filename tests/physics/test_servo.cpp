@@ -81,6 +81,35 @@ TEST_CASE("a loop of two gains carries its force on a rising floor, with one it 
   }
 }
 
+TEST_CASE("a servo beside a table closes in as alone, and the table is followed beside it", "[physics][servo]") {
+  // v = v_max (1 - exp(-t/tau)), tau = m v_max / F = 5 ms; no contact
+  const double most = 0.1, tau = 5e-3, time = 0.1;
+  for (const char* method : {"smooth", "nonsmooth"}) {
+    INFO(method);
+    auto run = start_text(servo_head + "contact = { method = \"" + method + R"(", restitution = 0, friction = 0 }
+run = { duration = 0.1, time_step = 1e-4, output_interval = 0.1 }
+[[body]]
+name = "lid"
+shape = { half_space = { normal = [0, 0, -1] } }
+material = "m"
+[body.motion]
+table = [[0, 0, 0, 0], [0.05, 0.01, 0, 0.002], [0.1, 0, 0, 0.001]]
+of = "displacement"
+servo = { force = 20.0, direction = [0, 0, -1], mass = 1.0, max_speed = 0.1 }
+[[body]]
+name = "ball"
+shape = { sphere = { radius = 0.05 } }
+material = "m"
+position = [0, 0, -1]
+)");
+    run.advance_to(0);
+    const World& world = run.simulation().world;
+    const Vec3 lid = world.position[world.slot_of(Assembly::body_id(0))];
+    CHECK(lid.x() == Approx(0.0).margin(1e-9));
+    CHECK(lid.z() == Approx(0.001 - most * (time - tau * (1 - std::exp(-time / tau)))).epsilon(1e-2));
+  }
+}
+
 TEST_CASE("a servo wall presses a bed of many spheres with its stress", "[physics][servo][long]") {
   // 128 spheres on a fixed plane: those contacts go through the fused loop, the lid's do not
   auto run = start_text(servo_head + R"(
@@ -148,4 +177,108 @@ TEST_CASE("an adaptive time step resolves slow impacts as well as fast ones at l
       static_cast<double>(fixed.simulation().parts_made()) / static_cast<double>(adaptive.simulation().parts_made());
   CHECK(saved == Approx(std::pow(1e3, 0.2) / 2).epsilon(0.02));  // 1.6 of the shortest steps would do, two are made
   CHECK(adaptive.simulation().world.time == Approx(1.0).epsilon(1e-3));
+}
+
+namespace {
+
+/// A plate of its own mass is pressed on a column of two cubes of 100 mm on a floor; all of it rigid.
+std::string pressed_column(const std::string& contact, const std::string& floor, const std::string& motion) {
+  return R"(
+title = "p"
+run = { duration = 0.8, time_step = 1e-3, output_interval = 0.1 }
+material.m = { density = 1000.0 }
+world.gravity = [0, 0, -9.81]
+contact = { method = "nonsmooth", restitution = 0.0, friction = 0.4, nonsmooth = { )" +
+         contact + R"( } }
+[[body]]
+name = "floor"
+shape = { box = { size = [1, 1, 0.1] } }
+material = "m"
+position = [0, 0, -0.05]
+)" + floor +
+         R"(
+[[body]]
+name = "plate"
+shape = { box = { size = [0.5, 0.5, 0.02] } }
+material = "m"
+position = [0, 0, 0.213]
+motion = )" +
+         motion + R"(
+[[body]]
+name = "cube"
+repeat = 2
+shape = { box = { size = [0.1, 0.1, 0.1] } }
+material = "m"
+position = [0, 0, "= 0.05 + 0.1*i"]
+[[measure]]
+name = "top"
+kind = "contact"
+between = ["plate", "cube"]
+[[measure]]
+name = "bottom"
+kind = "contact"
+between = ["floor", "cube"]
+[[measure]]
+name = "plate"
+kind = "velocity"
+body = "plate"
+)";
+}
+
+const char* const still = "fixed = true";
+
+}  // namespace
+
+TEST_CASE("a plate carries its load on rigid bodies, by every kind of solver", "[physics][servo]") {
+  // force and weight are carried; default tolerance 1e-6 of a step of gravity
+  const double force = 30.0, weight = 2 * 9.81;
+  for (const char* solver : {"pgs", "nsgs", "newton", "apgd", "admm", "adaptive"})
+    for (const char* kind : {"mass = 0.5", "gains = [1e-3, 5e-2]"}) {
+      INFO(solver << ", " << kind);
+      const std::string servo =
+          fmt::format("{{ servo = {{ force = {}, direction = [0, 0, -1], max_speed = 0.1, {} }} }}", force, kind);
+      auto run = start_text(pressed_column(fmt::format("solver = \"{}\"", solver), still, servo));
+      run.advance_to(50);  // 50 ms: 3 mm are left open, less than v_max allows for
+      CHECK(run.last("plate", "z") > -0.1 - 1e-9);
+      run.advance_to(0);
+      CHECK(run.last("top", "normal_force") == Approx(force).epsilon(1e-4));
+      CHECK(run.last("bottom", "normal_force") == Approx(force + weight).epsilon(1e-4));
+      CHECK(std::abs(run.last("plate", "z")) < 1e-6);
+    }
+}
+
+TEST_CASE("a rigid column that rises lifts its plate, which carries its load meanwhile", "[physics][servo]") {
+  // F + F u/v_max with the damping of a mass, F with two gains, F + u/p with one
+  const double force = 30.0, rise = 2e-3, most = 0.1, gain = 1e-3;
+  const std::vector<std::pair<std::string, double>> kinds{{"mass = 0.5", force * (1.0 + rise / most)},
+                                                          {"gains = [1e-3, 5e-2]", force},
+                                                          {"gains = [1e-3, 0]", force + rise / gain}};
+  for (const auto& [kind, expected] : kinds) {
+    INFO(kind);
+    auto run = start_text(pressed_column(
+        "solver = \"newton\"", fmt::format("motion = {{ velocity = [0, 0, {}] }}", rise),
+        fmt::format("{{ servo = {{ force = {}, direction = [0, 0, -2], max_speed = {}, {} }} }}", force, most, kind)));
+    run.advance_to(0);
+    CHECK(run.last("top", "normal_force") == Approx(expected).epsilon(1e-6));
+    CHECK(run.last("plate", "z") == Approx(rise).epsilon(1e-6));
+    CHECK(std::abs(run.energy_error()) < 1e-6);  // the plate's work is booked
+  }
+}
+
+TEST_CASE("a plate that is drawn over rigid bodies shears them by mu F and stays on its line", "[physics][servo]") {
+  // the cubes cannot follow at 0.2 m/s: they slip, tangential force mu N
+  const double force = 30.0;
+  const std::string motion = fmt::format(
+      "{{ velocity = [0.2, 0, 0], servo = {{ force = {}, direction = [0, 0, -1], mass = 0.5, max_speed = "
+      "0.1 }} }}",
+      force);
+  auto run = start_text(pressed_column("solver = \"newton\"", still, motion));
+  run.advance_to(300);
+  const World& world = run.simulation().world;
+  const Slot plate = world.slot_of(Assembly::body_id(1));
+  CHECK(world.velocity[plate].x() == Approx(0.2).epsilon(1e-12));
+  CHECK(world.position[plate].x() == Approx(0.2 * 0.3).epsilon(1e-9));
+  CHECK(world.position[plate].y() == 0.0);
+  CHECK(run.last("top", "normal_force") == Approx(force).epsilon(1e-2));
+  CHECK(run.last("top", "tangential_force") <= 0.4 * force * 1.01);
 }

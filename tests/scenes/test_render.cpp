@@ -128,6 +128,28 @@ TEST_CASE("without ffmpeg a film says what to install, and pictures need nothing
             nothing) == 0);
 }
 
+TEST_CASE("what render is not asked rightly it refuses as usage, before it writes", "[scenes][view]") {
+  const RenderedRun r;
+  const std::string said = (r.folder / "said").string();
+  const std::vector<std::pair<std::string, std::string>> wrong{{"--field speeed --out a.png", "it has speed"},
+                                                               {"--camera frnt --out a.png", "there are scene, iso"},
+                                                               {"--time nan --out a.png", "no number"},
+                                                               {"--time 0.1 --out a.mp4", "--time is for a picture"},
+                                                               {"--every 2 --out a.png", "--every is for a film"},
+                                                               {"--size 12 --out a.png", "WIDTHxHEIGHT"},
+                                                               {"--out a.gif", ".png, .mp4 or .webm"}};
+  const std::string at_home = "cd " + r.folder.path().string() + " && ";
+  for (const auto& [options, expected] : wrong) {
+    INFO(options);
+    CHECK(call_program("render " + r.run.string() + " " + options + " 2> " + said, at_home) == 2);
+    CHECK(support::read_text(said).find(expected) != std::string::npos);
+  }
+  for (const char* name : {"a.png", "a.mp4", "a.gif"}) CHECK(!fs::exists(r.folder / name));
+  CHECK(call_program("render " + r.run.string() + " --size 64x48 --time 9 --out a.png 2> " + said, at_home) == 0);
+  CHECK(support::read_text(said).find("frames from 0 to 0.2 s") != std::string::npos);
+  CHECK(call_program("view " + r.run.string() + " --set params.n=1 --out a.html 2> " + said, at_home) == 2);
+}
+
 TEST_CASE("what contacts have of the residual adds up to that of the step", "[scenes][view]") {
   // two sweeps leave a stack of three open; the only step's residual is the largest of the run
   const RenderedRun r("--set run.duration=0.01 --set run.output_interval=0.01");

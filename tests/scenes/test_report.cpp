@@ -96,6 +96,11 @@ TEST_CASE("a folder of cases and tables shows how each case ended and folds long
   CHECK(count(page, "<figcaption>first</figcaption>") == 1);
   CHECK(count(page, "<td>&lt;2&gt;</td>") == 1);
   CHECK(count(page, "<summary>100 rows</summary>") == 1);
+  // heads stand over their columns: of both tables, and of the cases
+  CHECK(count(page, "<th class='n'>a</th>") == 2);
+  CHECK(count(page, "<th>b</th>") == 1);
+  CHECK(count(page, "<th class='n'>bodies</th>") == 1);
+  CHECK(count(page, "<th>status</th>") == 1);
   CHECK(count(page, "<details>") == 1);
   fs::remove_all(folder);
 }

@@ -66,7 +66,7 @@ Camera choose_camera(const std::string& name, const RunAbout& about, const ViewB
     if (other == preset) return fitted_camera(box, direction, up, aspect, settings.angle);
     known += (known.empty() ? "" : ", ") + other;
   }
-  throw FileError("there is no camera '" + preset + "'; there are scene, " + known);
+  throw SceneError("there is no camera '" + preset + "'; there are scene, " + known);
 }
 
 }  // namespace epafi

@@ -29,7 +29,7 @@ ViewField find_field(const ViewSource& source, const std::string& name) {
     known += (known.empty() ? "" : ", ") + f.name;
   }
   if (name.empty()) return all.front();
-  throw FileError("this run has no field '" + name + "'; it has " + known);
+  throw SceneError("this run has no field '" + name + "'; it has " + known);
 }
 
 /// Stands out from faces of this colour.

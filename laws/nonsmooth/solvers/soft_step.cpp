@@ -26,7 +26,7 @@ void SoftRule::pack(const ContactProblem& problem, std::size_t i, LaneData& data
   for (Lanes& b : data.base) b[lane] = 0.0;
 }
 
-void SoftStep::see(const World& world, const ContactSet& contacts, double dt) {
+void SoftStep::see(const World& world, const BodyVelocities& before, const ContactSet& contacts, double dt) {
   seen_ = true, dt_ = dt;
   parallel_copy(contacts.gap, gap_);
   const double shortest = -block_max<double>(contacts.size(), -infinity, [&](std::size_t i) {
@@ -34,7 +34,7 @@ void SoftStep::see(const World& world, const ContactSet& contacts, double dt) {
     return -std::min(a, world.is_movable(contacts.b[i]) ? contacts.arm_b(i, world).squaredNorm() : infinity);
   });
   fastest_ = farthest_push * std::sqrt(shortest) / dt;
-  parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
+  parallel_copy(before.linear, before_.linear), parallel_copy(before.angular, before_.angular);
 }
 
 SolverReport SoftStep::solve(const ContactProblem& problem, Impulses& r) {
@@ -61,6 +61,8 @@ void SoftStep::take_parts(S& sweep, const ContactProblem& problem, Impulses& r) 
     parallel_fill(v->linear, n, zero), parallel_fill(v->angular, turning, zero);
   renew(first_, problem.size());
   parallel_for(n, [&](std::size_t s) { gained_.linear[s] = (problem.free.linear[s] - before_.linear[s]) / parts_; });
+  for (const Guide& g : problem.guides)
+    gained_.angular[g.slot] = (problem.free.angular[g.slot] - before_.angular[g.slot]) / parts_;
   parallel_for(first_.size(), [&](std::size_t i) { first_[i] = r[i] / parts_; });
   SoftRule rule{SoftRule::Task::begin_step, h, w / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2), fastest_};
   const auto run = [&](SoftRule::Task task) {

@@ -40,7 +40,7 @@ class SoftStep final : public ContactSolver {
   /// parts >= 1; frequency [Hz] and damping ratio > 0.
   SoftStep(int parts, double frequency, double damping) : parts_(parts), frequency_(frequency), damping_(damping) {}
   using ContactSolver::solve;
-  void see(const World& world, const ContactSet& contacts, double dt) override;
+  void see(const World& world, const BodyVelocities& before, const ContactSet& contacts, double dt) override;
   SolverReport solve(const ContactProblem& problem, Impulses& r) override;
   const BodyVelocities* displacement() const override { return &moved_; }
 

@@ -20,7 +20,7 @@ class ContactSolver {
   virtual SolverReport solve(const ConeProblem&, Impulses&) { return {false, 0, infinity}; }
 
   /// Shown before the solve of a step, for solvers that look beyond the problem.
-  virtual void see(const World&, const ContactSet&, double) {}
+  virtual void see(const World&, const BodyVelocities&, const ContactSet&, double) {}
   /// What bodies are to move beside dt v_{k+1} [m], [rad]; null: the position correction decides.
   virtual const BodyVelocities* displacement() const { return nullptr; }
 
