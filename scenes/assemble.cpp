@@ -217,6 +217,17 @@ std::uint64_t count_steps(const RunSettings& run, double time_step) {
                      run.duration.place);
   return static_cast<std::uint64_t>(std::max(1.0, steps));
 }
+/// A run, and a stage, is whole steps.
+void warn_of_long_step(Assembly& a) {
+  const double duration = a.scene.run.duration.value, step = a.time_step.value;
+  const auto& written = a.scene.run.time_step;
+  if (!written.value || step <= duration * (1 + 1e-9)) return;
+  const std::string told = fmt::format(
+      "[run] time_step = {:g} s is longer than the {:g} s that it is to run: one step is made", step, duration);
+  a.warnings.push_back({Problem::Level::warning, written.place, told});
+  a.simulation->warnings.add({.kind = "long step", .text = told, .value = step, .times = 1});
+}
+
 }  // namespace
 
 double Assembly::elapsed(const Since& since) const {
@@ -290,6 +301,7 @@ std::unique_ptr<Assembly> assemble(Scene scene, const AssembleOptions& options) 
     sim.parts_of_step = [step = *a->time_step.adaptive](const World& w) { return step.parts(w); };
   sim.step_watch = make_stability_watch(*a);
   a->steps = count_steps(a->scene.run, sim.time_step);
+  warn_of_long_step(*a);
   return a;
 }
 

@@ -45,10 +45,15 @@ StageCheck check_stage_of(const Scene& first, std::size_t k) {
   check_conditions(*a);
   const StageSpec& stage = a->scene.stages[k];
   const std::string title = fmt::format("stage '{}'", stage.name);
-  return {
-      fmt::format("{}: {}\n  time step     {:.6g} s, from where the scene begins: {}\n  steps         {}{}\n", title,
-                  length_text(stage), a->time_step.value, a->time_step.reason, stage.until ? "at most " : "", a->steps),
-      fmt::format("\n{}\n", title) + explain(a->scene, a->plan, *a->shapes)};
+  const bool beyond = a->time_step.value > a->time_step.limit;
+  const std::string limit =
+      beyond ? fmt::format("  its limit     {:.4g} s: {}; the run ends here with an error if that is so then\n",
+                           a->time_step.limit, a->time_step.limit_reason)
+             : "";
+  return {fmt::format("{}: {}\n  time step     {:.6g} s, from where the scene begins: {}\n{}  steps         {}{}\n",
+                      title, length_text(stage), a->time_step.value, a->time_step.reason, limit,
+                      stage.until ? "at most " : "", a->steps),
+          fmt::format("\n{}\n", title) + explain(a->scene, a->plan, *a->shapes)};
 }
 
 }  // namespace

@@ -268,6 +268,18 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
   return step;
 }
 
+/// "[[stage]] 'shear': " of a scene with stages.
+std::string stage_name(const Assembly& a) {
+  const std::string& name = a.scene.stages[a.scene.stage].name;
+  return name.empty() ? name : "[[stage]] '" + name + "': ";
+}
+
+/// Where the step is written; a stage that came later has made it too long.
+Place place_of_step(const Assembly& a) {
+  const Place &written = a.scene.run.time_step.place, &stage = a.scene.stages[a.scene.stage].place;
+  return stage.file == written.file && stage.line > written.line ? stage : written;
+}
+
 }  // namespace
 
 TimeStep choose_time_step(const Assembly& a) {
@@ -289,10 +301,11 @@ TimeStep choose_time_step(const Assembly& a) {
   if (!written.value) return step;
   if (*written.value > step.limit && !a.scene.run.allow_unstable)
     throw SceneError(
-        fmt::format("[run] time_step = {:g} s exceeds the limit {:.4g} s ({}); use time_step = \"auto\" ({:.4g} s)",
-                    *written.value, step.limit, step.limit_reason.empty() ? step.reason : step.limit_reason,
-                    step.value),
-        written.place);
+        stage_name(a) +
+            fmt::format("[run] time_step = {:g} s exceeds the limit {:.4g} s ({}); use time_step = \"auto\" ({:.4g} s)",
+                        *written.value, step.limit, step.limit_reason.empty() ? step.reason : step.limit_reason,
+                        step.value),
+        place_of_step(a));
   return {*written.value, step.limit,
           "as written; " + fmt::format("auto would be {:.4g} s, {}", step.value, step.reason), step.limit_reason};
 }

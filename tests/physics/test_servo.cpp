@@ -225,7 +225,7 @@ body = "plate"
 )";
 }
 
-const char* const still = "fixed = true";
+const char* const floor_at_rest = "fixed = true";
 
 }  // namespace
 
@@ -237,7 +237,7 @@ TEST_CASE("a plate carries its load on rigid bodies, by every kind of solver", "
       INFO(solver << ", " << kind);
       const std::string servo =
           fmt::format("{{ servo = {{ force = {}, direction = [0, 0, -1], max_speed = 0.1, {} }} }}", force, kind);
-      auto run = start_text(pressed_column(fmt::format("solver = \"{}\"", solver), still, servo));
+      auto run = start_text(pressed_column(fmt::format("solver = \"{}\"", solver), floor_at_rest, servo));
       run.advance_to(50);  // 50 ms: 3 mm are left open, less than v_max allows for
       CHECK(run.last("plate", "z") > -0.1 - 1e-9);
       run.advance_to(0);
@@ -272,7 +272,7 @@ TEST_CASE("a plate that is drawn over rigid bodies shears them by mu F and stays
       "{{ velocity = [0.2, 0, 0], servo = {{ force = {}, direction = [0, 0, -1], mass = 0.5, max_speed = "
       "0.1 }} }}",
       force);
-  auto run = start_text(pressed_column("solver = \"newton\"", still, motion));
+  auto run = start_text(pressed_column("solver = \"newton\"", floor_at_rest, motion));
   run.advance_to(300);
   const World& world = run.simulation().world;
   const Slot plate = world.slot_of(Assembly::body_id(1));

@@ -108,3 +108,11 @@ TEST_CASE("a sphere bounces by e^2 of its height at the default step, whatever i
       CHECK(sim.world.position[1].z() - 0.5 * size == Approx(height * std::pow(e, 6)).epsilon(1e-9));
     }
 }
+
+TEST_CASE("a written step that is longer than the run is told, one as long is not", "[scenes][time_step]") {
+  for (const double step : {5.0, 5.1}) {
+    const auto a = load_text(cube(1.0, 0.0), {fmt::format("run.time_step={}", step)});
+    CHECK(a->steps == 1);
+    CHECK(a->simulation->warnings.all().size() == (step > 5.0 ? 1u : 0u));
+  }
+}
