@@ -1,21 +1,11 @@
-#include "laws/nonsmooth/nonsmooth_contact.h"
+#include "laws/nonsmooth/nonsmooth_step.h"
 
 #include <algorithm>
-#include <functional>
 
 #include "engine/error.h"
 #include "engine/order_free_sum.h"
 #include "engine/parallel_order.h"
 #include "laws/nonsmooth/cone.h"
-#include "laws/nonsmooth/displacement.h"
-#include "laws/nonsmooth/driven_motion.h"
-#include "laws/nonsmooth/impact.h"
-#include "laws/nonsmooth/no_solution.h"
-#include "laws/nonsmooth/position_correction.h"
-#include "laws/nonsmooth/residual.h"
-#include "laws/nonsmooth/solvers/advice.h"
-#include "laws/nonsmooth/solvers/all_solvers.h"
-#include "laws/nonsmooth/warm_start.h"
 
 namespace epafi {
 
@@ -25,96 +15,9 @@ constexpr double impact_threshold = 2.0;  // of |g| dt, see the header
 constexpr double slow_share = 0.5;        // of that: impacts at their own time, which are exact
 constexpr double calm_from = 0.01;        // of the tolerance: pyramids of 20 to 70 rows come to rest without iterations
 constexpr double creep = 1e-3;            // of the threshold
-constexpr double unit_rounding = 2.2e-16;
-constexpr std::size_t most_kept = 20'000;  // contacts of a step that is kept in blocks: 1 kB each
-constexpr double touching_share = 1e-9;    // a gap that closes in this share of the step is none
+constexpr double touching_share = 1e-9;   // a gap that closes in this share of the step is none
 
-bool bounces(const MaterialTable& materials) {
-  return std::any_of(materials.pairs.begin(), materials.pairs.end(),
-                     [](const MaterialPair& pair) { return pair.restitution > 0.0; });
-}
-
-class NonsmoothContact final : public ContactModel {
- public:
-  NonsmoothContact(const NonsmoothSetup& setup, const SolverEntry& solver)
-      : name_(solver.entry.name),
-        materials_(setup.materials),
-        solver_(solver.make(setup.parameters)),
-        tolerance_(setup.parameters.number_or("tolerance", 1e-6)),
-        impacts_(impact_law(setup.parameters)),
-        balances_(impacts_.law() == ImpactLaw::energetic && bounces(setup.materials)),
-        warm_start_(!setup.parameters.has("warm_start") || setup.parameters.boolean("warm_start")),
-        correction_({.share = setup.parameters.number_or("correction", CorrectionSettings{}.share),
-                     .slop = setup.parameters.number_or("slop", CorrectionSettings{}.slop)}) {}
-
-  const char* name() const override { return name_.c_str(); }
-  void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
-  void reorder(const Reordering& change) override { memory_.reorder(change), solver_->forget(); }
-  void visit(StateVisitor& visitor) override {
-    memory_.visit(visitor), driven_.visit(visitor);
-    visitor.value("nonsmooth/unconverged", unconverged_);
-    solver_->visit(visitor);
-  }
-  void add(std::shared_ptr<GivingWall> wall) { walls_.push_back(std::move(wall)); }
-  const ContactProblem& problem() const { return problem_; }
-  const Impacts& impacts() const { return impacts_; }
-  std::vector<float> residuals() const;
-  std::string advice() const;
-
- private:
-  void guide(const World& world);
-  void load(const World& world, const ContactSet& contacts, const StepClock& clock);
-  void start(const World& world, const ContactSet& contacts, double dt);
-  SolverReport solve(const World& world, const ContactSet& contacts, double dt);
-  bool release_induced(const World& world, const ContactSet& contacts, double dt);
-  void balance(const ContactSet& contacts, double dt, const std::function<void()>& solve);
-  void account(const World& world, ContactSet& contacts, double dt, StepReport& report) const;
-  Vec3 driven_change(std::size_t i) const;
-  SolverTrouble look_for_trouble(const SolverReport& report);
-  void foresee(const ContactSet& contacts, double dt);
-  void foresee_displacement();
-  void see_strikes();
-  void add_impacts();
-  void write_back(World& world, const StepClock& clock) const;
-  void move_walls(World& world, double dt) const;
-  const Impulses& calmest(double creep);
-  double foreseen_residual(const Impulses& r, const BodyVelocities* v);
-
-  std::string name_;
-  MaterialTable materials_;
-  std::vector<std::shared_ptr<GivingWall>> walls_;
-  std::unique_ptr<ContactSolver> solver_;
-  double tolerance_;
-  Impacts impacts_;
-  bool balances_;  ///< impacts are to gain no energy
-  ImpactBalance balance_;
-  bool warm_start_;
-  PositionCorrection correction_;
-
-  ContactProblem problem_;
-  double rho_ = 1.0;  ///< scale of the residual [kg]
-  FreeMotion free_motion_;
-  Impulses r_, start_, calmed_;
-  bool with_impacts_ = false;  ///< r_ holds those of located impacts too, which are no part of the problem
-  double start_residual_ = infinity;
-  bool solved_ = true;  ///< the start was not good enough
-  std::vector<Vec3> u_start_, u_, u_before_, u_after_, u_next_;
-  std::vector<Vec3> u_struck_;  ///< u_before_ with the impacts before the problem: its energy begins with it
-  BodyVelocities before_, after_, calmed_velocities_;
-  std::vector<Vec3> moments_;  ///< of r_ on the bodies
-  UnwrittenStream<double> next_gap_, restitution_;
-  WarmStart memory_;
-  DrivenMotion driven_;
-  ConeProblem blocks_;             ///< of a step that was not solved
-  bool unsolvable_ = false;        ///< that step has no solution
-  std::uint64_t unconverged_ = 0;  ///< steps so far
-};
-
-std::string NonsmoothContact::advice() const {
-  if (unsolvable_)
-    return "contacts without solution are among them, which no solver and no number of iterations brings below it";
-  return blocks_.size() > 0 ? solver_that_would_do(blocks_, tolerance_) : std::string();
-}
+}  // namespace
 
 /// Servo walls become bodies of the problem, before its contacts.
 void NonsmoothContact::guide(const World& world) {
@@ -325,16 +228,6 @@ void NonsmoothContact::account(const World& world, ContactSet& contacts, double 
   report.touching = static_cast<std::size_t>(sums.c);
 }
 
-std::vector<float> NonsmoothContact::residuals() const {
-  std::vector<float> out(problem_.size());
-  parallel_for(out.size(), [&](std::size_t i) {
-    if (problem_.mobility[i] <= 0.0) return;
-    const Vec3 r = with_impacts_ ? Vec3(r_[i] - impacts_.impulses()[i]) : r_[i];
-    out[i] = static_cast<float>(natural_map(r, u_[i], problem_.friction[i], rho_).norm() / (rho_ * free_motion_.norm));
-  });
-  return out;
-}
-
 /// Impacts that were struck move arms and velocities.
 void NonsmoothContact::see_strikes() {
   parallel_for(u_struck_.size(), [&](std::size_t i) {
@@ -390,41 +283,6 @@ void NonsmoothContact::foresee_displacement() {
                [&](std::size_t i) { next_gap_[i] += problem_.relative_velocity(i, impacts_.displacement()).x(); });
 }
 
-/// Of a step that was not solved. What has no solution is looked for in the 1st, 2nd, 4th, 8th ... of them: it costs as
-/// much as a hundred sweeps.
-SolverTrouble NonsmoothContact::look_for_trouble(const SolverReport& report) {
-  if (report.converged) return {};
-  ++unconverged_;
-  std::size_t largest = 0;
-  const auto moved = [&](std::size_t i) { return problem_.mobility[i] * r_[i].norm(); };
-  for (std::size_t i = 1; i < r_.size(); ++i)
-    if (moved(i) > moved(largest)) largest = i;
-  const bool beyond = !r_.empty() && !(unit_rounding * moved(largest) <= free_motion_.largest);
-  const bool due = (unconverged_ & (unconverged_ - 1)) == 0 && problem_.size() <= most_kept;
-  if (!beyond && !due) return {};
-  problem_.load_diagonal();
-  blocks_.load(problem_);
-  const auto none = find_no_solution(blocks_, u_);
-  unsolvable_ = none.has_value();
-  if (!beyond && !none) return {};
-  const std::size_t at = none ? none->contacts.front() : largest;
-  SolverTrouble out;
-  out.slot = problem_.is_free(problem_.a[at]) ? problem_.a[at] : problem_.b[at];
-  out.kind = beyond ? SolverTrouble::Kind::beyond_measure : SolverTrouble::Kind::no_solution;
-  out.size = none ? none->closing : r_[largest].norm();
-  char text[200] = "";
-  if (beyond)
-    std::snprintf(text, sizeof text, "impulses of %.3g N s: their rounding is more than all velocities%s",
-                  r_[largest].norm(), none ? "; " : "");
-  out.text = text;
-  if (!none) return out;
-  std::snprintf(text, sizeof text,
-                "the contacts have no solution: %zu of them close with %.4g m/s together, whatever the bodies do",
-                none->contacts.size(), none->closing);
-  out.text += text;
-  return out;
-}
-
 void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
   EPAFI_REQUIRE(clock.dt > 0.0, "non-smooth contact acts over a time step");
   load(world, contacts, clock);
@@ -460,8 +318,6 @@ void NonsmoothContact::act(World& world, ContactSet& contacts, const StepClock& 
   const BodyVelocities* own = solver_->displacement();
   report.correction = own ? displace(world, problem_, *own) : correction_.apply(problem_, contacts, next_gap_, world);
 }
-
-}  // namespace
 
 void add_giving_wall(ContactModel& model, std::shared_ptr<GivingWall> wall) {
   auto* contact = dynamic_cast<NonsmoothContact*>(&model);
