@@ -8,6 +8,7 @@
 #include "engine/parallel.h"
 #include "engine/state_snapshot.h"
 #include "scenes/carry_over.h"
+#include "scenes/foretold_time.h"
 #include "scenes/peak_memory.h"
 #include "scenes/processor_time.h"
 #include "scenes/progress.h"
@@ -54,6 +55,17 @@ std::size_t listed_spheres(const Simulation& sim) {
   return std::max(sim.work.pairs.spheres.size(), in_loop);
 }
 
+/// Those that spheres have in their own loop are not in the set.
+double contacts_there(const Simulation& sim) {
+  return static_cast<double>(std::max(sim.work.contacts.size(), sim.work.report.touching));
+}
+
+/// Share of the contacts of a packing of so many bodies that are still to come, where something brings them together.
+double share_to_come(const Simulation& sim, double bodies) {
+  const bool gathers = sim.world.gravity != Vec3::Zero() || sim.world.cell;
+  return gathers ? std::max(0.0, 1.0 - contacts_there(sim) / std::max(1.0, 2.0 * bodies)) : 0.0;
+}
+
 /// Peak of a run [bytes]: what this process holds after the first steps, and what a run has on top of it: the copy of
 /// the state kept for failures, its output, and the pairs and contacts of a packed state, where the scene starts loose
 /// and something brings its bodies together. free: bodies that move, `later` of them poured in later.
@@ -64,10 +76,7 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
   sim.visit(state);
   const auto hulls = static_cast<double>(a.shapes->of<ConvexHull>().size());
   const auto bodies = static_cast<double>(free);
-  // those that spheres have in their own loop are not in the set
-  const auto there = static_cast<double>(std::max(sim.work.contacts.size(), sim.work.report.touching));
-  const bool gathers = sim.world.gravity != Vec3::Zero() || sim.world.cell;
-  const double loose = gathers ? std::max(0.0, 1.0 - there / std::max(1.0, 2.0 * bodies)) : 0.0;
+  const double there = contacts_there(sim), loose = share_to_come(sim, bodies);
   // a packing has about six neighbours per body, each pair counted once; faces touch in up to four points
   const double contacts = loose * std::max(0.0, (polyhedra ? 10.0 : 3.0) * bodies - there);
   const double pairs =
@@ -89,38 +98,72 @@ double predicted_memory(Assembly& a, std::size_t free, std::size_t later, bool p
          static_cast<double>(later) * beside * static_cast<double>(a.plan.memory.body);
 }
 
-/// Of the whole run, by the processor seconds that its steps would take with `there` of the `free` bodies. Not by the
-/// clock: what else runs on the machine would count.
-std::string time_text(double seconds, std::size_t there, std::size_t free) {
-  if (10 * there < free)
+std::string time_text(const ForetoldTime& time, double present) {
+  if (present < 0.1)
     return "  wall time     not to be told by the first steps: nearly all bodies are poured in later\n";
-  const double all = seconds * static_cast<double>(free) / static_cast<double>(std::max<std::size_t>(1, there));
   return fmt::format(
-      "  processor     about {:.3g} s, by the first steps (denser states cost more)\n"
+      "  processor     about {:.3g} s: {:.3g} s of steps, by the first ones and the contacts to come, {:.3g} s of "
+      "output\n"
       "  wall time     about {} with {} threads where nothing else runs\n",
-      all, clock_text(all / thread_count()), thread_count());
+      time.total(), time.steps, time.output, clock_text(time.total() / thread_count()), thread_count());
 }
 
-/// Processor seconds of a step by the first ones, which are made here: not by the very first, which still ask for
-/// memory.
-std::optional<Failure> time_steps(Simulation& sim, std::uint64_t last, double& seconds) {
-  constexpr std::uint64_t warm = 5, most = 300;
+/// The first steps, made here. What the later ones cost is told by the second half of them: the very first still ask
+/// for memory.
+std::optional<Failure> time_steps(Simulation& sim, std::uint64_t last, FirstSteps& first) {
+  constexpr std::uint64_t most = 3000;
   constexpr double enough = 0.5;  // [s]
-  const std::uint64_t first = sim.steps();
-  double start = process_seconds();
-  std::uint64_t timed = 0;
-  while ((timed < 1 || process_seconds() - start < enough) && sim.steps() < std::min(first + most, last)) {
+  const std::uint64_t from = sim.steps();
+  const double start = process_seconds();
+  std::vector<double> passed;
+  while (sim.steps() < std::min(from + most, last)) {
     if (auto failure = sim.advance()) return failure;
-    ++timed;
-    if (sim.steps() == first + warm && sim.steps() < last) start = process_seconds(), timed = 0;
+    passed.push_back(process_seconds() - start);
+    if (passed.back() > enough && passed.size() > 1) break;
   }
-  seconds = (process_seconds() - start) / static_cast<double>(std::max<std::uint64_t>(1, timed));
+  if (passed.empty()) return {};
+  const std::size_t half = (passed.size() - 1) / 2;
+  first.seconds = passed.back();
+  first.made = static_cast<double>(passed.size());
+  first.later = passed.size() > 1 ? (passed.back() - passed[half]) / static_cast<double>(passed.size() - 1 - half)
+                                  : passed.back();
   return {};
+}
+
+/// How far the highest free body starts above the lowest body, against gravity [m].
+double height_of_bodies(const World& w) {
+  double low = infinity, high = -infinity;
+  const Vec3 up = w.gravity == Vec3::Zero() ? Vec3(Vec3::Zero()) : Vec3(-w.gravity.normalized());
+  for (Slot s = 0; s < w.size(); ++s) {
+    const double h = up.dot(w.position[s]);
+    low = std::min(low, h);
+    if (w.is_movable(s)) high = std::max(high, h);
+  }
+  return high > low ? high - low : 0.0;
+}
+
+/// Of the run, before its first steps; what is loose is told after them.
+RunCounts counts_of(const Assembly& a, double bodies, bool polyhedra) {
+  RunCounts run;
+  const double duration = static_cast<double>(a.steps) * a.time_step.value;
+  run.steps = static_cast<double>(a.steps);
+  run.bodies = bodies;
+  run.polyhedra = polyhedra ? bodies : 0.0;
+  run.outputs = std::min(run.steps, std::floor(duration / a.scene.run.output_interval.value)) + 1.0;
+  // solvers that sweep stop at the tolerance in about half of the sweeps they may make
+  const double most = a.scene.contact.nonsmooth.number_or("iterations", 50.0);
+  if (a.scene.contact.method.value == Method::nonsmooth) run.sweeps = 0.5 * std::clamp(most, 1.0, 100.0);
+  const World& w = a.simulation->world;
+  const double e = a.scene.contact.restitution.value;  // not a number where every pair has its own
+  run.falling = falling_share(height_of_bodies(w), w.gravity.norm(), duration, e >= 0.0 && e <= 1.0 ? e : 0.0);
+  return run;
 }
 
 }  // namespace
 
 std::string check_text(Assembly& a) {
+  FirstSteps first;
+  first.start = process_seconds();
   Simulation& sim = *a.simulation;
   const World& w = sim.world;
   const bool polyhedra = polyhedra_move(a.scene);
@@ -146,15 +189,21 @@ std::string check_text(Assembly& a) {
     out += fmt::format("  its limit     {:.4g} s{}\n", a.time_step.limit,
                        a.time_step.limit_reason.empty() ? "" : ": " + a.time_step.limit_reason);
   out += fmt::format("  steps         {}\n", a.steps);
-  double seconds = 0.0;
+  const auto all = static_cast<double>(free + later);
+  first.present = static_cast<double>(free) / std::max(1.0, all);
+  RunCounts run = counts_of(a, all, polyhedra);
   std::optional<Failure> failure;
   with_team(
-      [&] { failure = time_steps(sim, a.steps, seconds); });  // as runs have it: threads do not go between two steps
+      [&] { failure = time_steps(sim, a.steps, first); });  // as runs have it: threads do not go between two steps
   if (failure) return out + "  FAILS         " + failure->kind + ": " + failure->text + "\n";
   out += fmt::format("  memory        about {:.0f} MB ({} B per body, {} B per contact)\n",
                      1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.memory.body,
                      a.plan.memory.contact);
-  return out + time_text(seconds * static_cast<double>(a.steps), free, free + later);
+  run.loose = share_to_come(sim, all);
+  out += time_text(foretell_time(run, first, machine_speed()), first.present);
+  if (a.scene.stages.size() > 1)
+    out += fmt::format("  stages        {}: steps and times are those of the first\n", a.scene.stages.size());
+  return out;
 }
 
 }  // namespace epafi

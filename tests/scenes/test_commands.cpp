@@ -1,6 +1,7 @@
 // The commands of the program: what they print, and with which code they end.
 #include "scenes/cli/commands.h"
 
+#include <cmath>
 #include <fstream>
 #include <new>
 #include <random>
@@ -12,6 +13,7 @@
 #include "scenes/cli/new_scene.h"
 #include "scenes/cli/study_commands.h"
 #include "scenes/folder_lock.h"
+#include "scenes/foretold_time.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "tests/support/captured.h"
@@ -121,6 +123,54 @@ sphere = { radius = 0.001 }
                        Catch::Contains("wall time     not to be told by the first steps"));
   // a state of 100 bytes and a contact of 100 each at least
   CHECK(megabytes(many.substr(many.find("memory"))) > megabytes(one.substr(one.find("memory"))) + 20.0);
+}
+
+TEST_CASE("a run whose steps were all made takes what they took, its start and its output", "[scenes][foretold]") {
+  const FirstSteps first{.start = 0.5, .seconds = 2.0, .made = 100, .present = 1.0, .later = 0.1};
+  RunCounts run{.steps = 100, .bodies = 10, .loose = 1.0};
+  const ForetoldTime alone = foretell_time(run, first, 1.0);
+  CHECK(alone.steps == 2.0);
+  CHECK(alone.output == 0.0);
+  CHECK(alone.start >= 0.5);
+  run.outputs = 100;
+  const double some = foretell_time(run, first, 1.0).output;
+  run.outputs = 200;
+  CHECK(foretell_time(run, first, 1.0).output == Approx(2.0 * some));
+  // half as fast a machine takes twice as long for what is priced, not for what was measured
+  CHECK(foretell_time(run, first, 0.5).output == Approx(4.0 * some));
+  CHECK(foretell_time(run, first, 0.5).steps == 2.0);
+}
+
+TEST_CASE("steps to come cost as the last ones, with what the bodies lack of a packing", "[scenes][foretold]") {
+  const FirstSteps first{.seconds = 1.0, .made = 100, .present = 0.5, .later = 0.02};
+  RunCounts run{.steps = 1100, .bodies = 1000, .polyhedra = 1000, .sweeps = 50};
+  // half of the bodies are there: all cost twice as much
+  CHECK(foretell_time(run, first, 1.0).steps == Approx(1.0 + 1000 * 0.04));
+  run.loose = 1.0;
+  const double packed = foretell_time(run, first, 1.0).steps - 41.0;
+  CHECK(packed > 0.0);
+  run.loose = 0.5;
+  CHECK(foretell_time(run, first, 1.0).steps == Approx(41.0 + 0.5 * packed));
+  run.falling = 0.75;
+  CHECK(foretell_time(run, first, 1.0).steps == Approx(41.0 + 0.125 * packed));
+  // sweeps over its contacts are the larger part of a pile by a solver that sweeps
+  run.sweeps = 0.0;
+  run.loose = 1.0;
+  run.falling = 0.0;
+  CHECK(foretell_time(run, first, 1.0).steps - 41.0 < packed);
+  run.polyhedra = 0.0;
+  CHECK(foretell_time(run, first, 1.0).steps - 41.0 < 0.1 * packed);
+}
+
+TEST_CASE("half of the bodies that fall from up to a height are down after the fall from its half",
+          "[scenes][foretold]") {
+  CHECK(falling_share(2.0, 10.0, 1.0, 0.0) == Approx(std::sqrt(0.2)));
+  // the bounces of Zeno's ball last 2 e/(1 - e) of the fall
+  CHECK(falling_share(2.0, 10.0, 10.0, 0.5) == Approx(0.3 * std::sqrt(0.2)));
+  CHECK(falling_share(2.0, 10.0, 1.0, 1.0) == 1.0);
+  CHECK(falling_share(2.0, 10.0, 0.1, 0.0) == 1.0);
+  CHECK(falling_share(2.0, 0.0, 1.0, 0.0) == 0.0);
+  CHECK(falling_share(0.0, 10.0, 1.0, 1.0) == 0.0);
 }
 
 TEST_CASE("more bodies than memory holds are refused before they take it", "[scenes][commands]") {

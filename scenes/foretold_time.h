@@ -1,0 +1,105 @@
+/// @file foretold_time.h  Processor time of a run, foretold: by what its first steps took, by what its bodies will cost
+/// once they lie on each other, and by its output. All by processor time and by counts, never by the clock: what else
+/// runs on the machine does not count.
+///
+/// Prices were measured on one machine (Zen 5) and follow the speed of this one by a short loop. Right to a factor of
+/// two where scenes fall together under gravity; solvers that iterate far more than usual are not foreseen.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/processor_time.h"
+
+namespace epafi {
+
+/// What a run is made of.
+struct RunCounts {
+  double steps = 0.0;      ///< of the whole run
+  double bodies = 0.0;     ///< free ones, those that come later too
+  double polyhedra = 0.0;  ///< of them: boxes, polyhedra, solids
+  double outputs = 0.0;    ///< frames and snapshots
+  double sweeps = 0.0;     ///< of a non-smooth solver in a step of a packing; 0: smooth
+  double loose = 0.0;      ///< share of the contacts of a packing that are still to come, in [0, 1]
+  double falling = 0.0;    ///< share of the run until they have come, in [0, 1]
+};
+
+/// What the first steps took.
+struct FirstSteps {
+  double start = 0.0;    ///< until the first step: reading, shapes, memory [s]
+  double seconds = 0.0;  ///< of all that were made
+  double made = 0.0;     ///< how many
+  double present = 0.0;  ///< share of the free bodies that were there, in (0, 1]
+  double later = 0.0;    ///< seconds of one of the last of them
+};
+
+/// Seconds by the processor.
+struct ForetoldTime {
+  double start = 0.0, steps = 0.0, output = 0.0;
+  double total() const { return start + steps + output; }
+};
+
+namespace foretold {
+
+// seconds by one thread of the machine of the prices; pile/polyhedra, bed/bed, stability/*, impact/*
+inline constexpr double start_of_run = 0.02;        // folder, run.h5, first and last state
+inline constexpr double output_itself = 1e-3;       // frame, snapshot, list of frames
+inline constexpr double output_sphere = 1.5e-6;     // a body in them
+inline constexpr double output_polyhedron = 25e-6;  // with its surface
+inline constexpr double smooth_sphere = 0.06e-6;    // in a packing, a step
+inline constexpr double smooth_polyhedron = 6e-6;
+inline constexpr double nonsmooth_sphere = 0.5e-6;
+inline constexpr double nonsmooth_polyhedron = 5e-6;
+inline constexpr double sweep_sphere = 0.12e-6;  // with its three contacts
+inline constexpr double sweep_polyhedron = 0.16e-6;
+inline constexpr double loop_time = 0.70e-3;  // of machine_speed()
+
+/// Of one step of all bodies in a packing.
+inline double packed_step(const RunCounts& run) {
+  const double spheres = run.bodies - run.polyhedra;
+  if (!(run.sweeps > 0.0)) return spheres * smooth_sphere + run.polyhedra * smooth_polyhedron;
+  return spheres * (nonsmooth_sphere + run.sweeps * sweep_sphere) +
+         run.polyhedra * (nonsmooth_polyhedron + run.sweeps * sweep_polyhedron);
+}
+
+/// What a step does besides: multiply, add, root, in a chain.
+inline double loop_seconds() {
+  const double start = process_seconds();
+  double x = 1.0;
+  for (int k = 0; k < 60'000; ++k) x = std::sqrt(x * 1.0000001 + 1e-9);
+  volatile double keep = x;
+  (void)keep;
+  return process_seconds() - start;
+}
+
+}  // namespace foretold
+
+/// Of this machine over that of the prices: the same loop, the best of five.
+inline double machine_speed() {
+  double best = foretold::loop_seconds();
+  for (int k = 0; k < 4; ++k) best = std::min(best, foretold::loop_seconds());
+  return best > 0.0 ? std::clamp(foretold::loop_time / best, 0.05, 20.0) : 1.0;
+}
+
+/// Share of a run of `duration` [s] until bodies that start up to `height` [m] above the lowest lie, half of them: a
+/// fall from half of it and all bounces that follow, (1 + e)/(1 - e) of its time; 0 without gravity [m/s^2].
+inline double falling_share(double height, double gravity, double duration, double restitution) {
+  if (!(gravity > 0.0 && duration > 0.0 && height > 0.0)) return 0.0;
+  const double bounces = (1.0 + restitution) / std::max(1e-12, 1.0 - restitution);
+  return std::min(1.0, std::sqrt(height / gravity) * bounces / duration);
+}
+
+/// speed: of this machine over that of the prices.
+inline ForetoldTime foretell_time(const RunCounts& run, const FirstSteps& first, double speed) {
+  ForetoldTime out;
+  out.start = first.start + foretold::start_of_run / speed;
+  out.output = run.outputs *
+               (foretold::output_itself + foretold::output_sphere * (run.bodies - run.polyhedra) +
+                foretold::output_polyhedron * run.polyhedra) /
+               speed;
+  const double rest = std::max(0.0, run.steps - first.made), present = std::clamp(first.present, 1e-3, 1.0);
+  const double packed = run.loose * foretold::packed_step(run) / speed;
+  out.steps = first.seconds + rest * (first.later / present + packed * (1.0 - run.falling));
+  return out;
+}
+
+}  // namespace epafi
