@@ -24,6 +24,7 @@ endfunction()
 epafi_same_bits(bed "1x2 2x2 3x1 4x1" 600 scenes/library/bed/bed.toml params.n=200)
 epafi_same_bits(hopper "3x1" 300 scenes/library/hopper/hopper.toml params.n=200 params.open_at=0.01)
 epafi_same_bits(mixed "2x1 3x1" 150 tests/ranks/mixed.toml)
+epafi_same_bits(kinds "3x1" 105 tests/ranks/kinds.toml)
 add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
   ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml)
 set_tests_properties("ranks: faults" PROPERTIES LABELS "fast;ranks" TIMEOUT 300 PROCESSORS 2)
