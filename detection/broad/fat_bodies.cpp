@@ -22,9 +22,6 @@ constexpr double most_margin =
           // 14 steps, with 6 bodies near a mesh look at too many triangles
 constexpr double most_stray_margin = 1000.0;  // of the bounding radius: for so few that their pairs do not count
 constexpr double most_strays = 1e-3;          // of all bodies, and 1 always
-constexpr double giant_ratio =
-    16.0;  // of the median radius: above, one box test per body is cheaper than one more grid level
-constexpr std::size_t most_giants = 16;
 constexpr double most_drift = 1.0;  // of the median radius, as long as a list lasts: what does not move has that margin
                                     // (filling hopper: 0.5 to 3 radii took 11.6, 10.9, 11.3, 12.2, 11.9 ns)
 constexpr double least_common = 0.25;                    // of the mean motion: below, no frame halves it
@@ -61,33 +58,6 @@ Vec3 flow_at(const World& world, const Vec3& x) {
 }
 
 }  // namespace
-
-double median_radius(const World& world, const ShapeStore& shapes) {
-  constexpr std::size_t most_asked = 4096;
-  const std::size_t stride = world.size() / most_asked + 1;
-  std::vector<double> sample;
-  const auto take = [&](std::size_t i) {
-    const double r = shapes.bounding_radius({world.shape[i]});
-    if (std::isfinite(r)) sample.push_back(r);
-  };
-  for (std::size_t i = 0; i < world.size(); i += stride)
-    if (world.is_movable(static_cast<Slot>(i))) take(i);
-  if (sample.empty())
-    for (std::size_t i = 0; i < world.size(); ++i) take(i);
-  if (sample.empty()) return 0.0;
-  const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
-  std::nth_element(sample.begin(), middle, sample.end());
-  return *middle;
-}
-
-double largest_ordinary(std::size_t count, double median, const std::function<double(std::size_t)>& radius) {
-  const double giant = giant_ratio * median;
-  const auto giants = block_sum<std::size_t>(count, [&](std::size_t i) {
-    const double r = radius(i);
-    return static_cast<std::size_t>(std::isfinite(r) && r > giant);
-  });
-  return giants <= most_giants ? giant : std::numeric_limits<double>::max();
-}
 
 /// Of the nearest corner of the box over the half-space [m].
 double FatBodies::corner_depth(Slot i, const ApartPlane& p) const {

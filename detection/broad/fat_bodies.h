@@ -77,6 +77,9 @@ struct Wear {
   void see(double wear, bool slow) { most = std::max(most, wear), worn.see(wear > 1.0, slow); }
 };
 
+/// Of the median radius: above, one box test per body is cheaper than one more grid level.
+inline constexpr double giant_ratio = 16.0;
+
 /// Of the shapes of some thousand bodies [m]: it says what a giant is and which margins are large, no more.
 double median_radius(const World& world, const ShapeStore& shapes);
 /// Bounding radius above which bodies are tested one by one against all others [m]; radius(s): of bodies 0 to count.

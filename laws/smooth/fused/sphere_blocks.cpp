@@ -441,36 +441,4 @@ void SphereBlocks::visit(StateVisitor& visitor) {
   });
 }
 
-void SphereBlocks::set_trays(std::size_t trays) {
-  if (is_clear_.size() == trays) return;
-  let_go(sums_), let_go(moments_);
-  sums_.resize(trays * (block_size_ + 1)), moments_.resize(needs_.rolling ? trays * block_size_ : 0);
-  is_clear_.assign(trays, 0);
-}
-
-void SphereBlocks::clear_tray(std::size_t tray) {
-  if (std::exchange(is_clear_[tray], std::uint8_t{1}) != 0) return;  // as the pass over the bodies leaves it
-  std::fill_n(sums(tray), block_size_, SphereSum{});
-  if (needs_.rolling) std::fill_n(moments(tray), block_size_, Lanes{});
-}
-
-void SphereBlocks::receive(std::size_t i, std::size_t tray) {
-  SphereSum* const mine = sums(tray);
-  const auto& sources = blocks_[i].sources;
-  for (auto source = sources.rbegin(); source != sources.rend(); ++source) {
-    const Block& from = blocks_[*source];
-    const auto target = target_of(from, i);
-    for (std::uint32_t k = target == from.targets.begin() ? 0 : std::prev(target)->records_end; k < target->records_end;
-         ++k) {
-      const std::size_t slot = from.record_places[k].slot() - i * block_size_;
-      const SphereRecord& found = from.records[k];
-      Lanes first;
-      std::memcpy(&first, found.first, sizeof first);
-      mine[slot].first += first;
-      for (int l = 0; l < 2; ++l) mine[slot].second[l] += found.second[l];
-      if (needs_.rolling) moments(tray)[slot] += from.record_moments[k];
-    }
-  }
-}
-
 }  // namespace epafi
