@@ -85,6 +85,19 @@ def drum(planes=48, rate=2.0):
     return text + fill(12000, [-0.08, -0.08, 0.003], [0.08, 0.08, 0.137])
 
 
+def drum_tube(rate=2.0):
+    """The same drum as one body."""
+    return head() + f"""[world]
+gravity = [-9.81, 0, 0]
+[[body]]
+name = "drum"
+shape = {{ tube = {{ radius = 0.12, length = 0.14, ends = "closed" }} }}
+position = [0, 0, 0.07]
+material = "bead"
+motion = {{ rotation = {{ axis = [0, 0, 1], rate = {rate}, about = [0, 0, 0] }} }}
+""" + fill(12000, [-0.08, -0.08, 0.003], [0.08, 0.08, 0.137])
+
+
 def cell(edge, count, more, velocity="", **law):
     domain = f'[world]\ndomain = {{ min = [0, 0, 0], max = [{edge}, {edge}, {edge}], periodic = ["x", "y", "z"]{more} }}\n'
     return head(**law) + domain + fill(count, [0, 0, 0], [edge, edge, edge], velocity)
@@ -93,6 +106,7 @@ def cell(edge, count, more, velocity="", **law):
 ROWS = {  # scene, settled until [s], steps
     "bed": (bed, 0.3, 300),
     "drum of 48 turning planes": (drum, 0.1, 200),
+    "drum as one turning tube": (drum_tube, 0.1, 200),
     "straining cell": (lambda: cell(0.1736465692892682, 20000, ", strain_rate = [-0.8, -0.8, -0.8]", 'method = "random"'), 0.3, 100),
     "periodic gas": (lambda: cell(0.546952419723944, 50000, "", "velocity_deviation = 1.0", restitution=0.95, friction=0.1), 0.01, 60),
     "pour, 20 000 a second": (pour, 0.3, 200),

@@ -89,6 +89,8 @@ BuiltShape ShapeBuilder::build(std::size_t shape, double size) {
     out = build_mesh(spec, size);
   else if (spec.type == "half_space")
     out = {store_.add(HalfSpace{p.vec3("normal").normalized()}), 0.0, {}, infinity, false, false};
+  else if (spec.type == "tube" || spec.type == "cone")
+    out = build_hollow(spec, size);
   else if (spec.type == "wheel_profile")
     out = build_wheels(spec);
   else if (spec.type == "rail_profile")
@@ -187,6 +189,23 @@ BuiltShape ShapeBuilder::build_mesh(const ShapeSpec& spec, double size) {
   if (spec.parameters.text("tree") == "obb") mesh.orient_boxes();
   const double radius = mesh.bounding_radius();
   return {store_.add(std::move(mesh)), 0.0, {}, radius, false, false};
+}
+
+BuiltShape ShapeBuilder::build_hollow(const ShapeSpec& spec, double size) {
+  const Parameters& p = spec.parameters;
+  const double length = size * p.number("length");
+  const bool closed = p.text("ends") == "closed";
+  BuiltShape out;
+  out.is_solid = false;
+  const auto add = [&](auto shape) {
+    out.radius = shape.bounding_radius();
+    out.ref = store_.add(shape);
+  };
+  if (spec.type == "tube")
+    add(Tube(size * p.number("radius"), length, closed));
+  else
+    add(Cone(size * p.numbers("radii")[0], size * p.numbers("radii")[1], length, closed));
+  return out;
 }
 
 }  // namespace epafi

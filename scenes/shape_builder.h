@@ -38,6 +38,7 @@ class ShapeBuilder {
 
  private:
   BuiltShape build_clump(const ShapeSpec& spec, double size);
+  BuiltShape build_hollow(const ShapeSpec& spec, double size);
   BuiltShape build_wheels(const ShapeSpec& spec);
   BuiltShape build_hull(const ShapeSpec& spec, double size);
   BuiltShape build_mesh(const ShapeSpec& spec, double size);

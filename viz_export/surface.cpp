@@ -51,7 +51,7 @@ Surface triangles_of(const TriangleSurface& mesh) {
 /// Shapes whose facets stand for a curved surface.
 template <class S>
 constexpr bool is_curved = std::is_same_v<S, Capsule> || std::is_same_v<S, Cylinder> || std::is_same_v<S, Ellipsoid> ||
-                           std::is_same_v<S, Superquadric> || std::is_same_v<S, Clump>;
+                           std::is_same_v<S, Superquadric> || std::is_same_v<S, Clump> || HollowShape<S>;
 
 /// Support points of a latitude-longitude grid of directions about z: for shapes that offer nothing else.
 template <class S>
@@ -88,7 +88,8 @@ Surface surface_of(const ShapeStore& shapes, ShapeRef ref, double plane_size, co
     } else if constexpr (requires { shape.view().face_begin; }) {
       return faces_of(shape.view());
     } else if constexpr (requires { tessellate(shape, fineness); }) {
-      Surface surface = triangles_of(tessellate(shape, fineness));
+      constexpr Fineness finer = HollowShape<S> ? Fineness{.segments = 48} : fineness;  // few, and large
+      Surface surface = triangles_of(tessellate(shape, finer));
       surface.curved = is_curved<S>;
       return surface;
     } else {

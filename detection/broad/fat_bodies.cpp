@@ -308,6 +308,10 @@ inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates
   const double moved = now.growth() * way(i, now.back(world.position[i]));
   const double allowed = half_margin(i) * (1.0 - now.strain_wear);
   if (moved > allowed || !rotates || !(turning_radius(i) > 0.0)) return moved > allowed;
+  if (is_hollow(i)) {
+    const Vec3 axis_moved = world.orientation[i] * Vec3::UnitZ() - orientation[i] * Vec3::UnitZ();
+    return moved + turning_radius(i) * axis_moved.norm() > allowed;
+  }
   const double turn = (world.orientation[i].coeffs() - orientation[i].coeffs()).norm();
   return turn > 0.0 && moved + 2.0 * turning_radius(i) * turn > allowed;  // a half-space that never moves: infinite
 }
@@ -393,7 +397,9 @@ double FatBodies::speed_of(const World& world, Slot s, const ShapeStore& shapes,
   Vec3 beside = world.velocity[s] - drift;
   if (immovable[s] && world.cell) beside -= flow_at(world, world.position[s]);
   const double v = std::sqrt(beside.squaredNorm());
-  const double w2 = world.rotates() ? world.angular_velocity[s].squaredNorm() : 0.0;
+  double w2 = world.rotates() ? world.angular_velocity[s].squaredNorm() : 0.0;
+  if (w2 > 0.0 && is_hollow(s))
+    w2 = Vec3(world.angular_velocity[s]).cross(world.orientation[s] * Vec3::UnitZ()).squaredNorm();
   const double moves = w2 > 0.0 && turned > 0.0 ? v + std::sqrt(w2) * turned : v;
   return world.cell ? moves + world.cell->strain_rate.cwiseAbs().maxCoeff() * radius_of(world, shapes, s) : moves;
 }

@@ -192,6 +192,10 @@ struct FatBodies {
   double strain_hurry_ = 0.0;      ///< largest fat radius over half its margin, in a periodic cell
   Vec3 cell_size_ = Vec3::Ones();  ///< at the last update [m]
   bool is_half_space(std::size_t i) const { return !type.empty() && type[i] == ShapeStore::type_of<HalfSpace>(); }
+  /// A surface of revolution: a turn about its own axis moves nothing.
+  bool is_hollow(std::size_t i) const {
+    return !type.empty() && (type[i] == ShapeStore::type_of<Tube>() || type[i] == ShapeStore::type_of<Cone>());
+  }
   bool is_loose_plane(std::size_t i) const {
     return is_half_space(i) && (role.empty() || role[i] != SphereRole::plane);
   }

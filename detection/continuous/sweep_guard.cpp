@@ -65,6 +65,40 @@ BodyPath way_of(const World& world, Slot s, double duration) {
   return path;
 }
 
+/// First share of the ways at which the centre comes as near to a wall as `distance` [m]; above 1: never. By
+/// conservative advancement, as time_of_impact.h.
+double share_near_wall(const HollowWall& wall, const BodyPath& ball, const BodyPath& way, double distance) {
+  const double apart = (ball.start.position - way.start.position).norm() + (ball.drift - way.drift).norm();
+  const double speed = (ball.drift - way.drift).norm() + way.turn.norm() * apart;
+  double share = 0.0;
+  for (int round = 0; round < toi_cap && share <= 1.0; ++round) {
+    const double left = wall.distance(way.at(share).to_local(ball.at(share).position)) - distance;
+    if (left <= fine * distance) return share;
+    if (!(speed > 0.0)) return 2.0;
+    share += left / speed;
+  }
+  return share;
+}
+
+/// Where a ball that goes deeper than allowed first touches; above 1: it does not.
+double share_at_wall(const HollowWall& wall, const BodyPath& ball, const BodyPath& way, double radius) {
+  const double deep = (1.0 - tenth) * radius, share = share_near_wall(wall, ball, way, deep);
+  if (share > 1.0) return share;
+  const auto distance = [&](double t) { return wall.distance(way.at(t).to_local(ball.at(t).position)); };
+  if (share == 0.0 && distance(fine) >= distance(0.0)) return 2.0;  // it comes out
+  return share_near_wall(wall, ball, way, radius);
+}
+
+/// The surface of a tube or cone; null of other shapes.
+const HollowWall* hollow_wall(const ShapeStore& shapes, ShapeRef ref) {
+  return shapes.with(ref, [](const auto& s) -> const HollowWall* {
+    if constexpr (HollowShape<std::decay_t<decltype(s)>>)
+      return &s.wall;
+    else
+      return nullptr;
+  });
+}
+
 /// Begins deeper than allowed and does not go deeper: nothing passes, what holds it is the contact's.
 bool comes_out(const Impact& deep, const BodyPath& a, const BodyPath& b) {
   return deep.share == 0.0 && deep.normal.dot(a.drift - b.drift) <= 0.0;
@@ -119,6 +153,9 @@ void SweepGuard::look(const World& world, double duration, std::size_t k, Hit& h
       const Impact deep = time_of_impact(a, way, outward, -allowed, 0.01 * allowed);
       if (!deep.hits || comes_out(deep, path, way)) continue;
       hit = {std::min(hit.share, time_of_impact(a, way, outward, 0.0, fine * inner).share), true};
+    } else if (const HollowWall* const wall = hollow_wall(shapes_, other)) {
+      const double share = share_at_wall(*wall, path, way, inner);
+      if (share <= 1.0) hit = {std::min(hit.share, share), true};
     } else if (other.type() == ShapeStore::type_of<TriangleMesh>()) {
       const TriangleMesh& mesh = shapes_.of<TriangleMesh>()[other.index()];
       triangles_.clear();

@@ -3,5 +3,6 @@
 #pragma once
 #include "detection/narrow/capsule_pairs.h"
 #include "detection/narrow/half_space_pairs.h"
+#include "detection/narrow/hollow_pairs.h"
 #include "detection/narrow/sphere_pairs.h"
 #include "detection/narrow/wheel_rail_pairs.h"

@@ -56,7 +56,7 @@ class BatchNarrowPhase : public NarrowPhase {
   };
   /// What is derived from the pair list lasts until its next generation; the contacts last one step.
   struct Block {
-    std::vector<Pair> pairs;  ///< those of the list but bodies near no triangle of a mesh
+    std::vector<Pair> pairs;  ///< those of the list but bodies near no triangle of a mesh, no hollow wall
     std::vector<Run> runs;
     std::vector<std::uint32_t> triangle_begin, triangles;  ///< CSR over the block's pairs; empty without meshes
     std::vector<Slot> meshes;                              ///< that the pairs touch, one after another

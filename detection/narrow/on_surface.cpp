@@ -1,5 +1,8 @@
 #include "detection/narrow/on_surface.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "detection/narrow/gjk.h"
 #include "detection/narrow/part_pairs.h"
 #include "detection/narrow/point_triangle.h"
@@ -94,6 +97,38 @@ struct Piece<TriangleMesh> {
       const double distance = nearest_on_triangle(point, s.corners(t)).distance;
       if (distance <= near) f(s.corners(t), distance);
     }
+  }
+};
+
+/// The outline counts, in the half plane through the point: a wall lies in its tangents, along the side, and across a
+/// closed end.
+template <HollowShape S>
+struct Piece<S> {
+  static constexpr bool flat = true;
+  static double distance(const S& s, const Vec3& point, double) { return s.wall.distance(point); }
+  static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
+    const HollowWall& wall = s.wall;
+    const double radius = std::sqrt(point.x() * point.x() + point.y() * point.y());
+    const Vec3 out = radius > 0.0 ? Vec3(point.x() / radius, point.y() / radius, 0.0) : Vec3(Vec3::UnitX());
+    const double around = normal.y() * out.x() - normal.x() * out.y(), across = normal.dot(out);
+    const double way = std::clamp(wall.way_along(radius, point.z()), 0.0, wall.side_length);
+    // directions that seams take for the same are level, so that of two rims one keeps the contact
+    constexpr double level = 4e-5;
+    const auto reaches = [&](double along, double length) { return along > level && along * length > near; };
+    const auto distance_in_plane = [&](double r, double z) {
+      return std::sqrt((radius - r) * (radius - r) + (point.z() - z) * (point.z() - z));
+    };
+    if (distance_in_plane(wall.radius_at(way), wall.along_z * way - wall.half_length) <= near) {
+      const double along = wall.along_radius * across + wall.along_z * normal.z();
+      if (reaches(along, wall.side_length - way) || reaches(-along, way) || reaches(std::abs(around), radius))
+        return true;
+    }
+    for (const bool at_end : {false, true}) {
+      const double rim = wall.radius_of_end(at_end), z = wall.z_of_end(at_end);
+      if (!wall.closed || distance_in_plane(std::min(radius, rim), z) > near) continue;
+      if (reaches(-across, radius + rim) || reaches(across, rim - radius) || reaches(std::abs(around), rim)) return true;
+    }
+    return false;
   }
 };
 

@@ -4,7 +4,8 @@
 
 namespace epafi {
 
-/// Walls with flat or straight sides: polyhedra, solids of them, cylinders, capsules, half-spaces and meshes. Others
+/// Walls with flat or straight sides: polyhedra, solids of them, cylinders, capsules, half-spaces, meshes, tubes and
+/// cones (whose curve around the axis counts as straight). Others
 /// (spheres, clumps, ellipsoids, superquadrics, rails, wheels) never are part of a seam.
 bool has_flat_faces(const ShapeStore& shapes, ShapeRef shape);
 

@@ -52,6 +52,8 @@ struct PairCell {
   void (*batch)(const BatchInput&, std::span<const Pair>, ContactSink&) = nullptr;
   /// Appends the candidate triangles of a pair for a body that may move by `margin` [m]; null where there are none.
   void (*candidates)(const BatchInput&, const Pair&, double margin, std::vector<std::uint32_t>&) = nullptr;
+  /// Whether the bodies may touch while they come closer by `margin` [m] at most; null: it is not asked.
+  bool (*near)(const BatchInput&, const Pair&, double margin) = nullptr;
   const char* method = "none";
   bool remembers = false;  ///< keeps a PairCache per pair
   bool parts = false;      ///< and a PartMemory
@@ -171,6 +173,18 @@ void find_candidates(const BatchInput& in, const Pair& p, bool mesh_first, doubl
   drop_far(triangles, relative.position, near.bounding_radius() + margin + in.reach, first, out);
 }
 
+/// A hollow wall has all that is inside it in its box: most of a filling is far from its surface.
+template <class Wall, class Body>
+bool is_near_wall(const BatchInput& in, const Pair& p, bool wall_first, double margin) {
+  const Slot wall = wall_first ? p.a : p.b, body = wall_first ? p.b : p.a;
+  const Wall& shape = in.shapes.of<Wall>()[ShapeRef{in.world.shape[wall]}.index()];
+  const Body& near = in.shapes.of<Body>()[ShapeRef{in.world.shape[body]}.index()];
+  Pose pose = in.world.pose(wall);
+  Vec3 centre = in.world.position[body];
+  if (in.world.cell) (wall_first ? centre : pose.position) += in.world.cell->shift(p.image);
+  return shape.wall.distance(pose.to_local(centre)) <= near.bounding_radius() + margin + in.reach;
+}
+
 /// Asks for what the next pairs read of their second bodies, which lie apart (the first one stays): without this 1000
 /// stones wait for it in a sixth of their narrow phase. Two ahead where the shape is, one ahead what it points to.
 template <class B>
@@ -218,8 +232,17 @@ constexpr PairCell make_cell() {
   if constexpr (way<A, B>() == Way::none) {
     return {};
   } else {
-    PairCell cell{&run_of<A, B>, nullptr, method_name<A, B>(), way<A, B>() == Way::convex || way<A, B>() == Way::parts,
-                  way<A, B>() == Way::parts};
+    PairCell cell{&run_of<A, B>,        nullptr,
+                  nullptr,              method_name<A, B>(),
+                  way<A, B>() == Way::convex || way<A, B>() == Way::parts, way<A, B>() == Way::parts};
+    if constexpr (HollowShape<A> || HollowShape<B>) {
+      cell.near = [](const BatchInput& in, const Pair& p, double margin) {
+        if constexpr (HollowShape<A>)
+          return is_near_wall<A, B>(in, p, true, margin);
+        else
+          return is_near_wall<B, A>(in, p, false, margin);
+      };
+    }
     if constexpr (MeshShape<B>) {
       cell.candidates = [](const BatchInput& in, const Pair& p, double margin, std::vector<std::uint32_t>& out) {
         find_candidates<B, A>(in, p, false, margin, out);

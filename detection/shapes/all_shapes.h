@@ -3,6 +3,7 @@
 #include "detection/shapes/box.h"
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/clump.h"
+#include "detection/shapes/cone.h"
 #include "detection/shapes/convex_hull.h"
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/ellipsoid.h"
@@ -12,6 +13,7 @@
 #include "detection/shapes/sphere.h"
 #include "detection/shapes/superquadric.h"
 #include "detection/shapes/triangle_mesh.h"
+#include "detection/shapes/tube.h"
 #include "detection/shapes/wheel_profile.h"
 
 namespace epafi {
@@ -22,6 +24,6 @@ struct ShapeList {
 };
 
 using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump,
-                            SolidParts, WheelProfile, RailProfile>;
+                            SolidParts, WheelProfile, RailProfile, Tube, Cone>;
 
 }  // namespace epafi

@@ -110,6 +110,35 @@ TriangleSurface tessellate(const SolidParts& solid, const Fineness&) { return so
 
 TriangleSurface tessellate(const TriangleMesh& mesh, const Fineness&) { return {mesh.vertices, mesh.triangles}; }
 
+TriangleSurface tessellate(const HollowWall& wall, const Fineness& fineness) {
+  const std::uint32_t n = fineness.segments;
+  TriangleSurface s;
+  const auto ring = [&](bool at_end) {
+    const double r = wall.radius_of_end(at_end);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / n;
+      s.vertices.emplace_back(r * std::cos(angle), r * std::sin(angle), wall.z_of_end(at_end));
+    }
+  };
+  ring(false);
+  ring(true);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t next = (k + 1) % n;
+    if (wall.start_radius > 0.0) s.triangles.push_back({k, next, n + next});
+    if (wall.end_radius > 0.0) s.triangles.push_back({k, n + next, n + k});
+  }
+  for (const bool at_end : {false, true}) {
+    if (!wall.closed || !(wall.radius_of_end(at_end) > 0.0)) continue;
+    const auto middle = static_cast<std::uint32_t>(s.vertices.size()), first = at_end ? n : 0;
+    s.vertices.emplace_back(0.0, 0.0, wall.z_of_end(at_end));
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t a = first + k, b = first + (k + 1) % n;
+      s.triangles.push_back(at_end ? Triangle{middle, a, b} : Triangle{middle, b, a});
+    }
+  }
+  return s;
+}
+
 TriangleSurface tessellate(const HalfSpace& half_space, const Fineness& fineness) {
   const ContactFrame frame = contact_frame(half_space.normal);
   const double h = 0.5 * fineness.plane_size;

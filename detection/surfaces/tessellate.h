@@ -21,6 +21,12 @@ struct Fineness {
 [[nodiscard]] TriangleSurface tessellate(const Ellipsoid& ellipsoid, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const Superquadric& superquadric, const Fineness& fineness = {});
 [[nodiscard]] TriangleSurface tessellate(const TriangleMesh& mesh, const Fineness& fineness = {});
+/// The surface, with its discs where it is closed; open ones have a front outside.
+[[nodiscard]] TriangleSurface tessellate(const HollowWall& wall, const Fineness& fineness = {});
+template <HollowShape S>
+[[nodiscard]] TriangleSurface tessellate(const S& shape, const Fineness& fineness = {}) {
+  return tessellate(shape.wall, fineness);
+}
 [[nodiscard]] TriangleSurface tessellate(const SolidParts& solid, const Fineness& fineness = {});
 /// Its balls, each whole.
 [[nodiscard]] TriangleSurface tessellate(const Clump& clump, const Fineness& fineness = {});

@@ -85,8 +85,8 @@ void check_body(Draft& draft, const BodySpec& body, const TableValues& v, const 
                                                 (body.fixed ? "fixed" : "driven by its motion"));
   if (body.moves()) let_move(draft, body.shape);
   const std::string& form = draft.scene.shapes[body.shape].type;
-  if (body.moves() && form == "half_space") {
-    reading.error(v.place, label + ": a half_space cannot move freely; write fixed = true or give it a motion");
+  if (body.moves() && is_only_wall(form)) {
+    reading.error(v.place, label + ": a " + form + " cannot move freely; write fixed = true or give it a motion");
   }
   if (body.on_rails && form != "wheel_profile")
     reading.error(v.place_of("on_rails"), label + ": on_rails is for a wheel_profile, not for a " + form);

@@ -14,8 +14,8 @@ void read_shapes_of(Draft& draft, const TableValues& values, const std::string& 
     const auto shape = find_shape(draft, name, place, label);
     if (!shape) continue;
     let_move(draft, *shape);
-    if (draft.scene.shapes[*shape].type == "half_space")
-      reading.error(place, label + " shape: a half_space cannot move freely");
+    const std::string& form = draft.scene.shapes[*shape].type;
+    if (is_only_wall(form)) reading.error(place, label + " shape: a " + form + " cannot move freely");
     fill.shapes.push_back(*shape);
   }
   fill.weights.assign(fill.shapes.size(), 1.0);

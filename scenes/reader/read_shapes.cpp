@@ -57,6 +57,15 @@ void check_polyhedron(Reading& reading, const ShapeSpec& shape, const std::strin
   }
 }
 
+void check_cone(Reading& reading, const ShapeSpec& shape, const Place& place, const std::string& label) {
+  const auto& radii = shape.parameters.numbers("radii");
+  if (radii.size() != 2)
+    reading.error(place, label + " radii: two numbers, [at its start, at its end], found " +
+                             std::to_string(radii.size()));
+  else if (!(radii[0] > 0.0 || radii[1] > 0.0))
+    reading.error(place, label + " radii: one of them is positive, found [0, 0]");
+}
+
 void check_clump(Reading& reading, const ShapeSpec& shape, const std::string& label) {
   const auto& p = shape.parameters;
   const auto& balls = p.numbers("spheres");
@@ -140,6 +149,8 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
       resolve_file(reading, shape, values.place_of(prefix + "file"), label + " " + form->name);
     check_unit(reading, shape, values.place_of(prefix + "unit"), label + " " + form->name);
     if (form->name == "polyhedron") check_polyhedron(reading, shape, label + " polyhedron");
+    if (form->name == "cone" && shape.parameters.has("radii"))
+      check_cone(reading, shape, values.place_of(prefix + "radii"), label + " cone");
     if (form->name == "clump" && shape.parameters.has("spheres")) check_clump(reading, shape, label + " clump");
     if (shape.parameters.has("normal")) {
       const auto normal = unit_vector(reading, shape.parameters.vec3("normal"), values.place_of(prefix + "normal"),
@@ -180,6 +191,8 @@ void let_move(Draft& draft, std::size_t shape) {
   std::string& form = draft.scene.shapes[shape].type;
   if (form == "mesh") form = "solid";
 }
+
+bool is_only_wall(const std::string& form) { return form == "half_space" || form == "tube" || form == "cone"; }
 
 std::optional<std::size_t> read_shape_value(Draft& draft, const Node& node, const std::string& label) {
   if (node.type == Node::Type::text) return find_shape(draft, node.text, node.place, label);

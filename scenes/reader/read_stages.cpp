@@ -84,8 +84,9 @@ void check_change(Draft& draft, const ChangeOfBodies& change, const TableValues&
   Reading& reading = draft.reading;
   if (body.fixed && (body.motion || body.servo))
     reading.error(v.place, change.label + ": a fixed body has no motion; write fixed = false beside it");
-  if (body.moves() && draft.scene.shapes[body.shape].type == "half_space" && !body.absent)
-    reading.error(v.place, change.label + ": a half_space cannot move freely; give it a motion or leave it fixed");
+  const std::string& form = draft.scene.shapes[body.shape].type;
+  if (body.moves() && is_only_wall(form) && !body.absent)
+    reading.error(v.place, change.label + ": a " + form + " cannot move freely; give it a motion or leave it fixed");
 }
 
 BodyChange read_change(Draft& draft, const ChangeOfBodies& change, const TableValues& v) {
