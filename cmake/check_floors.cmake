@@ -16,15 +16,15 @@ set(below_scenes engine detection laws ranks viz_export scenes)
 
 # one door per dependency: header pattern -> the only files that may include it
 set(doors
-  "omp\\.h|engine/parallel\\.h"
-  "hdf5\\.h|viz_export/hdf5_file\\.cpp,viz_export/hdf5_driver\\.cpp"
+  "omp\\.h|engine/threads/parallel\\.h"
+  "hdf5\\.h|viz_export/hdf5/hdf5_file\\.cpp,viz_export/hdf5/hdf5_driver\\.cpp"
   "CGAL/|detection/shapes/hull_from_points\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/usage\\.h"
   "mpi\\.h|ranks/communicator\\.cpp,ranks/plan\\.cpp"
   "zoltan|ranks/communicator\\.cpp,ranks/partition\\.cpp,ranks/plan\\.cpp"
-  "zlib\\.h|viz_export/deflate\\.cpp"
-  "nlohmann/|viz_export/json_reader\\.cpp"
+  "zlib\\.h|viz_export/hdf5/deflate\\.cpp"
+  "nlohmann/|viz_export/files/json_reader\\.cpp"
   "catch2/|tests/support/catch\\.h")
 
 foreach(floor engine detection laws ranks viz_export scenes)
@@ -40,8 +40,8 @@ foreach(floor engine detection laws ranks viz_export scenes)
     endforeach()
     file(STRINGS ${ROOT}/${file} pragmas REGEX "^ *#pragma omp")
     foreach(line ${pragmas})
-      if(NOT file STREQUAL "engine/parallel.h" AND NOT line MATCHES "omp simd")
-        complain("${file}: OpenMP lives in engine/parallel.h: ${line}")
+      if(NOT file STREQUAL "engine/threads/parallel.h" AND NOT line MATCHES "omp simd")
+        complain("${file}: OpenMP lives in engine/threads/parallel.h: ${line}")
       endif()
     endforeach()
   endforeach()

@@ -1,6 +1,6 @@
 /// @file aabb.h  Axis-aligned bounding box in world axes.
 #pragma once
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <limits>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 namespace {

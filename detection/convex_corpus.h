@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "detection/shapes/convex_hull.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "detection/shapes/all_shapes.h"
-#include "engine/world.h"
+#include "engine/state/world.h"
 
 namespace epafi {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "detection/narrow/convex_pairs.h"
+#include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/shapes/box.h"
 
 int main() {

@@ -5,7 +5,7 @@
 
 #include "detection/narrow/narrow_phase.h"
 #include "engine/schemes/all_schemes.h"
-#include "engine/step.h"
+#include "engine/step/step.h"
 #include "laws/smooth/friction.h"
 #include "laws/smooth/rolling.h"
 #include "laws/smooth/smooth_contact.h"

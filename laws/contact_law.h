@@ -5,9 +5,9 @@
 #pragma once
 #include <concepts>
 
-#include "engine/lanes.h"
-#include "engine/registry.h"
-#include "engine/types.h"
+#include "engine/lanes/lanes.h"
+#include "engine/units/registry.h"
+#include "engine/state/types.h"
 #include "laws/material.h"
 #include "laws/smooth/damper.h"
 

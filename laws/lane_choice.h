@@ -1,7 +1,7 @@
 /// @file lane_choice.h  Choices and roots for formulas of laws, of lanes and of one number. Conditions are numbers, 1
 /// or 0: of masks joined by | and & GCC 12 makes scalars for AVX-512.
 #pragma once
-#include "engine/lane_bits.h"
+#include "engine/lanes/lane_bits.h"
 
 namespace epafi {
 

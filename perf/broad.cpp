@@ -13,8 +13,8 @@
 #include <tuple>
 
 #include "detection/broad/all_broad_phases.h"
-#include "engine/parallel.h"
-#include "engine/random.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 
 using namespace epafi;
 

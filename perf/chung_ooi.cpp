@@ -11,7 +11,7 @@
 
 #include "laws/smooth/critical_step.h"
 #include "tests/support/experiments.h"
-#include "viz_export/charts.h"
+#include "viz_export/report/charts.h"
 
 using namespace epafi;
 using namespace epafi::experiments;

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <ctime>
 
-#include "detection/narrow/convex_answer.h"
+#include "detection/narrow/gjk/convex_answer.h"
 #include "detection/shapes/placed_hull.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 
 using namespace epafi;
 

@@ -6,11 +6,11 @@
 #include <ctime>
 #include <string>
 
-#include "engine/hash.h"
-#include "engine/parallel.h"
+#include "engine/state/hash.h"
+#include "engine/threads/parallel.h"
 #include "laws/smooth/critical_step.h"
 #include "tests/support/experiments.h"
-#include "viz_export/charts.h"
+#include "viz_export/report/charts.h"
 
 using namespace epafi;
 using namespace epafi::experiments;

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "detection/narrow/narrow_phase.h"
-#include "engine/parallel.h"
-#include "engine/random.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 
 using namespace epafi;
 

@@ -10,9 +10,9 @@
 #include <map>
 
 #include "detection/convex_corpus.h"
-#include "detection/narrow/convex_answer.h"
+#include "detection/narrow/gjk/convex_answer.h"
 #include "detection/narrow/narrow_phase.h"
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 using namespace epafi;
 

@@ -12,10 +12,10 @@
 
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/checkpoint.h"
-#include "viz_export/frame_writer.h"
-#include "viz_export/run_file.h"
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/checkpoint.h"
+#include "viz_export/vtk/frame_writer.h"
+#include "viz_export/hdf5/run_file.h"
+#include "viz_export/hdf5/stored_run.h"
 
 using namespace epafi;
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "tests/support/pair_errors.h"
-#include "viz_export/charts.h"
+#include "viz_export/report/charts.h"
 
 using namespace epafi;
 

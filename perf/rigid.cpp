@@ -11,9 +11,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/energy.h"
-#include "engine/hash.h"
-#include "engine/parallel.h"
+#include "engine/step/energy.h"
+#include "engine/state/hash.h"
+#include "engine/threads/parallel.h"
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "engine/energy.h"
-#include "engine/parallel.h"
+#include "engine/step/energy.h"
+#include "engine/threads/parallel.h"
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"

@@ -10,7 +10,7 @@
 #include <ctime>
 #include <string>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"

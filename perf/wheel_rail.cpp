@@ -11,7 +11,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "laws/wheel_rail/half_space/normal.h"
 #include "laws/wheel_rail/half_space/tangential.h"
 #include "laws/wheel_rail/tangential/polach.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

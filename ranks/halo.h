@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/world.h"
+#include "engine/state/world.h"
 #include "ranks/plan.h"
 
 namespace epafi {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "ranks/communicator.h"
 
 namespace epafi {

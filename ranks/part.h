@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "engine/rank_team.h"
-#include "engine/simulation.h"
+#include "engine/ranks/rank_team.h"
+#include "engine/step/simulation.h"
 #include "ranks/communicator.h"
 #include "ranks/halo.h"
 #include "ranks/partition.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "ranks/communicator.h"
 
 namespace epafi {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -4,7 +4,7 @@
 #include <zoltan_comm.h>
 #include <zoltan_types.h>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "ranks/communicator.h"
 #include "ranks/plan.h"
 

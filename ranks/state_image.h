@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/state_visitor.h"
+#include "engine/state/state_visitor.h"
 
 namespace epafi {
 

@@ -1,7 +1,7 @@
 /// @file team.h  Rank 0 leads: it has the whole simulation, tells the others what all do next, and when it ends. What
 /// is decided is decided there, so that all ranks decide alike.
 #pragma once
-#include "engine/rank_team.h"
+#include "engine/ranks/rank_team.h"
 
 namespace epafi {
 

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "detection/narrow/narrow_phase.h"
-#include "engine/rolling_regions.h"
-#include "engine/simulation.h"
-#include "engine/sources.h"
+#include "engine/railway/rolling_regions.h"
+#include "engine/step/simulation.h"
+#include "engine/step/sources.h"
 #include "scenes/generators.h"
 #include "scenes/monitor.h"
 #include "scenes/plan.h"
 #include "scenes/run_record.h"
-#include "viz_export/body_origin.h"
+#include "viz_export/files/body_origin.h"
 #include "viz_export/measures/measure.h"
 
 namespace epafi {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <map>
 
-#include "detection/narrow/resting_patch.h"
+#include "detection/narrow/polyhedra/resting_patch.h"
 #include "scenes/contact_setup.h"
 #include "scenes/start_run.h"
 

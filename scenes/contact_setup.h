@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/pipeline.h"
+#include "engine/step/pipeline.h"
 #include "laws/smooth/make_smooth_contact.h"
 #include "scenes/scene.h"
 

@@ -6,7 +6,7 @@
 
 #include <cerrno>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

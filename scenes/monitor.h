@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "detection/shape_store.h"
-#include "engine/body_ids.h"
-#include "engine/observer.h"
-#include "engine/warnings.h"
+#include "engine/state/body_ids.h"
+#include "engine/step/observer.h"
+#include "engine/step/warnings.h"
 #include "scenes/scene.h"
 #include "scenes/watched_balance.h"
 

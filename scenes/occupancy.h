@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/periodic_cell.h"
+#include "engine/state/periodic_cell.h"
 
 namespace epafi {
 

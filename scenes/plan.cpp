@@ -7,7 +7,7 @@
 #include <set>
 
 #include "detection/broad/all_broad_phases.h"
-#include "detection/narrow/pair_table.h"
+#include "detection/narrow/pairs/pair_table.h"
 #include "laws/smooth/passes/choose_passes.h"
 #include "scenes/contact_setup.h"
 #include "scenes/start_run.h"

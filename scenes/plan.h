@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/contacts.h"
+#include "engine/state/contacts.h"
 #include "scenes/memory_plan.h"
 #include "scenes/scene.h"
 #include "scenes/shape_builder.h"

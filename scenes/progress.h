@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "engine/simulation.h"
+#include "engine/step/simulation.h"
 #include "scenes/monitor.h"
 
 namespace epafi {

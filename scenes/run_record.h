@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/world.h"
+#include "engine/state/world.h"
 #include "scenes/generators.h"
 #include "scenes/reader/stages.h"
 

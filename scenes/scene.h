@@ -11,14 +11,14 @@
 #include <utility>
 #include <vector>
 
-#include "engine/cell_events.h"
-#include "engine/domain.h"
-#include "engine/error.h"
-#include "engine/events.h"
-#include "engine/loads.h"
-#include "engine/registry.h"
-#include "engine/servo.h"
-#include "engine/types.h"
+#include "engine/step/cell_events.h"
+#include "engine/step/domain.h"
+#include "engine/units/error.h"
+#include "engine/step/events.h"
+#include "engine/step/loads.h"
+#include "engine/units/registry.h"
+#include "engine/step/servo.h"
+#include "engine/state/types.h"
 #include "laws/material.h"
 #include "scenes/rare.h"
 #include "viz_export/view/settings.h"

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/contact_layer.h"
-#include "engine/hash.h"
-#include "engine/parallel.h"
-#include "engine/program_pages.h"
-#include "engine/state_snapshot.h"
+#include "engine/step/contact_layer.h"
+#include "engine/state/hash.h"
+#include "engine/threads/parallel.h"
+#include "engine/lanes/program_pages.h"
+#include "engine/state/state_snapshot.h"
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/about.h"
@@ -17,9 +17,9 @@
 #include "scenes/processor_time.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/stop.h"
-#include "viz_export/problem_file.h"
-#include "viz_export/side_file.h"
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/problem_file.h"
+#include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
 

@@ -10,9 +10,9 @@
 #include "scenes/assemble.h"
 #include "scenes/carry_over.h"
 #include "scenes/progress.h"
-#include "viz_export/checkpoint.h"
-#include "viz_export/output_observers.h"
-#include "viz_export/summary.h"
+#include "viz_export/hdf5/checkpoint.h"
+#include "viz_export/output/output_observers.h"
+#include "viz_export/report/summary.h"
 
 namespace epafi {
 

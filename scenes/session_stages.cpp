@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/session.h"
 #include "scenes/start_run.h"

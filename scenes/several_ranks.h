@@ -1,6 +1,6 @@
 /// @file several_ranks.h  A run that several processes share, each with a part of the bodies (docs/clusters.md).
 #pragma once
-#include "engine/rank_team.h"
+#include "engine/ranks/rank_team.h"
 #include "scenes/assemble.h"
 
 namespace epafi {

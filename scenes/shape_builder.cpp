@@ -6,8 +6,8 @@
 
 #include "detection/shapes/mesh_file.h"
 #include "detection/shapes/rounded_shapes.h"
-#include "engine/random.h"
-#include "engine/units.h"
+#include "engine/units/random.h"
+#include "engine/units/units.h"
 #include "scenes/railway/profiles.h"
 #include "scenes/shape_text.h"
 

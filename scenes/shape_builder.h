@@ -8,7 +8,7 @@
 #include "detection/shape_store.h"
 #include "detection/shapes/mesh_file.h"
 #include "scenes/scene.h"
-#include "viz_export/body_origin.h"
+#include "viz_export/files/body_origin.h"
 
 namespace epafi {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/large_column.h"
-#include "engine/parallel_order.h"
+#include "engine/state/large_column.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 
 #include "detection/broad/broad_phase.h"
 #include "detection/shape_store.h"
-#include "engine/pipeline.h"
+#include "engine/step/pipeline.h"
 #include "laws/smooth/fused/fused_spheres.h"
 
 namespace epafi {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 
 namespace epafi {
 

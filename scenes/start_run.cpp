@@ -8,7 +8,7 @@
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
 

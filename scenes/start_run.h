@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "scenes/assemble.h"
-#include "viz_export/checkpoint.h"
+#include "viz_export/hdf5/checkpoint.h"
 
 namespace epafi {
 

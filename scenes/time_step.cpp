@@ -8,7 +8,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "laws/smooth/contact_links.h"
 #include "laws/smooth/critical_step.h"
 #include "scenes/contact_setup.h"

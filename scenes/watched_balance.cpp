@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

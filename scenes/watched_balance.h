@@ -11,7 +11,7 @@
 /// bodies; a thousand times its part by the residual is added to what was exchanged in every step. Under smooth contact
 /// only rounding of the positions is noise: what bodies a rounding apart have moved with, once a step.
 #pragma once
-#include "engine/observer.h"
+#include "engine/step/observer.h"
 
 namespace epafi {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "detection/broad/broad_phase.h"
-#include "engine/registry.h"
+#include "engine/units/registry.h"
 
 namespace epafi {
 

@@ -2,7 +2,7 @@
 /// some fifty bodies.
 #pragma once
 #include "detection/broad/broad_phase.h"
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

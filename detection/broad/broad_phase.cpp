@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "detection/broad/periodic_pairs.h"
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

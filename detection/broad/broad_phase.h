@@ -4,7 +4,7 @@
 #pragma once
 #include "detection/broad/fat_bodies.h"
 #include "detection/broad/pair_collector.h"
-#include "engine/pipeline.h"
+#include "engine/step/pipeline.h"
 
 namespace epafi {
 

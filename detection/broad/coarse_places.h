@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/large_column.h"
-#include "engine/parallel.h"
-#include "engine/registry.h"
-#include "engine/types.h"
+#include "engine/state/large_column.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/registry.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

@@ -1,7 +1,7 @@
 /// @file fat_bodies.h  What a broad phase sees of the bodies: boxes and balls fattened so that the pair list lasts for
 /// many steps. Fat means the exact bound plus (reach + margin)/2 on every side, the margin being the body's own. Two
 /// bodies are near when their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all
-/// lists are the same. Ways of bodies are those in a frame that moves as most of them do (engine/drift.h): a pair comes
+/// lists are the same. Ways of bodies are those in a frame that moves as most of them do (engine/step/drift.h): a pair comes
 /// closer by as much as its bodies' ways in any one frame, and 20 000 spheres that fall into a hopper ask for half as
 /// many lists (17.5 to 10.9 ns a step). A half-space wears by how much nearer it has come to the places of the bodies,
 /// wherever its own point has gone. In a periodic cell images stand behind the bodies
@@ -19,8 +19,8 @@
 #include "detection/broad/periodic_pairs.h"
 #include "detection/broad/sphere_roles.h"
 #include "detection/shape_store.h"
-#include "engine/drift.h"
-#include "engine/large_column.h"
+#include "engine/step/drift.h"
+#include "engine/state/large_column.h"
 
 namespace epafi {
 

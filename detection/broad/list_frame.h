@@ -1,5 +1,5 @@
 /// @file list_frame.h  Where a list's bodies would be now had they moved in common alone: with the drift that was
-/// foreseen (engine/drift.h) and with the uniform flow of a periodic cell that deforms. What a list wears by is the
+/// foreseen (engine/step/drift.h) and with the uniform flow of a periodic cell that deforms. What a list wears by is the
 /// rest. With x0 the place when the list was taken, F = diag(f) the stretch of the cell about its low corner, c the way
 /// of the drift and u = x - (F x0 + c): the distance of two bodies is at least |F (x0 - y0)| - |u| - |v|. A pair that
 /// was not listed was further apart than the sum of its fat radii H; it stays out of reach while |u| + max|f - 1| H is
@@ -7,8 +7,8 @@
 #pragma once
 #include <algorithm>
 
-#include "engine/periodic_cell.h"
-#include "engine/types.h"
+#include "engine/state/periodic_cell.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

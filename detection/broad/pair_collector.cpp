@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

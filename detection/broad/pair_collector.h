@@ -3,8 +3,8 @@
 /// are counted into place by A. The list depends on the set of pairs alone, so it is the same bits for every thread count.
 #pragma once
 #include "detection/broad/fat_bodies.h"
-#include "engine/contacts.h"
-#include "engine/lanes.h"
+#include "engine/state/contacts.h"
+#include "engine/lanes/lanes.h"
 
 namespace epafi {
 

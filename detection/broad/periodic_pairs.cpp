@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "detection/broad/fat_bodies.h"
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

@@ -5,8 +5,8 @@
 #pragma once
 #include <vector>
 
-#include "engine/contacts.h"
-#include "engine/periodic_cell.h"
+#include "engine/state/contacts.h"
+#include "engine/state/periodic_cell.h"
 
 namespace epafi {
 

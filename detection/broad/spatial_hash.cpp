@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/lane_bits.h"
-#include "engine/parallel_order.h"
+#include "engine/lanes/lane_bits.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

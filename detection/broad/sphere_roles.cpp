@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

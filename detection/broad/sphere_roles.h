@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "detection/shape_store.h"
-#include "engine/contacts.h"
+#include "engine/state/contacts.h"
 
 namespace epafi {
 

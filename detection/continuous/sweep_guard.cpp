@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "detection/narrow/triangle_solid.h"
+#include "detection/narrow/mesh/triangle_solid.h"
 
 namespace epafi {
 namespace {

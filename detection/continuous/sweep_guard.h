@@ -9,7 +9,7 @@
 
 #include "detection/continuous/time_of_impact.h"
 #include "detection/shape_store.h"
-#include "engine/pipeline.h"
+#include "engine/step/pipeline.h"
 
 namespace epafi {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "detection/narrow/epa.h"
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/gjk/gjk.h"
 
 namespace epafi {
 namespace {

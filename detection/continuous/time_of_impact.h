@@ -4,7 +4,7 @@
 /// touches; from there again. For bodies that only drift this is Newton's method on the planes between them and ends in
 /// a few steps. Fails (says so, after `toi_cap` steps) where bodies turn fast at a small distance without meeting.
 #pragma once
-#include "detection/narrow/minkowski.h"
+#include "detection/narrow/gjk/minkowski.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "detection/narrow/seams.h"
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

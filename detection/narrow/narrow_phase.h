@@ -2,8 +2,8 @@
 /// Each block fills its own contact set, kept from step to step, so nothing is allocated once the scene has settled and
 /// the contacts are the same bits in the same order for every thread count.
 #pragma once
-#include "detection/narrow/pair_table.h"
-#include "engine/pipeline.h"
+#include "detection/narrow/pairs/pair_table.h"
+#include "engine/step/pipeline.h"
 
 namespace epafi {
 

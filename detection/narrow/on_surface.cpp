@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "detection/narrow/gjk.h"
-#include "detection/narrow/part_pairs.h"
-#include "detection/narrow/point_triangle.h"
+#include "detection/narrow/gjk/gjk.h"
+#include "detection/narrow/pairs/part_pairs.h"
+#include "detection/narrow/mesh/point_triangle.h"
 
 namespace epafi {
 

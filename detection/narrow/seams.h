@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "detection/narrow/on_surface.h"
-#include "engine/contacts.h"
+#include "engine/state/contacts.h"
 
 namespace epafi {
 

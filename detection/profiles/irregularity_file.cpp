@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "detection/profiles/track.h"
-#include "engine/units.h"
+#include "engine/units/units.h"
 
 namespace epafi {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <sstream>
 
-#include "engine/units.h"
+#include "engine/units/units.h"
 
 namespace epafi {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "detection/profiles/wheelset_on_track.h"
 #include "detection/shape_store.h"
-#include "engine/pipeline.h"
+#include "engine/step/pipeline.h"
 
 namespace epafi {
 

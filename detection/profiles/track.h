@@ -7,7 +7,7 @@
 
 #include "detection/profiles/profile.h"
 #include "detection/profiles/wheel_rail.h"
-#include "engine/guideway.h"
+#include "engine/railway/guideway.h"
 
 namespace epafi {
 

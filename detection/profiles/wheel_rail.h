@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "detection/profiles/profile.h"
-#include "engine/contact_region.h"
+#include "engine/railway/contact_region.h"
 
 namespace epafi {
 

@@ -7,7 +7,7 @@
 
 #include "detection/profiles/track.h"
 #include "detection/profiles/wheelset.h"
-#include "engine/rolling_regions.h"
+#include "engine/railway/rolling_regions.h"
 
 namespace epafi {
 

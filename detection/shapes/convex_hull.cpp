@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "detection/shapes/rounded_shapes.h"
-#include "engine/prefetch.h"
+#include "engine/lanes/prefetch.h"
 
 namespace epafi {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "detection/aabb.h"
 #include "detection/mass_properties.h"
-#include "detection/narrow/clipped_solid.h"
+#include "detection/narrow/polyhedra/clipped_solid.h"
 
 namespace epafi {
 namespace {

@@ -6,7 +6,7 @@
 #pragma once
 #include "detection/shapes/hull_from_points.h"
 #include "detection/shapes/surface_join.h"
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

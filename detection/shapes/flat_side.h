@@ -3,7 +3,7 @@
 #include <array>
 #include <concepts>
 
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

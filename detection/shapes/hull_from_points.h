@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "detection/shapes/triangle_surface.h"
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

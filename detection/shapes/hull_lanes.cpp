@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/targets.h"
+#include "engine/lanes/targets.h"
 
 namespace epafi {
 namespace {

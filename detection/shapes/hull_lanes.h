@@ -1,13 +1,13 @@
 /// @file hull_lanes.h  Vertices, faces and edges of a polyhedron four at a time, and the loops that a search for the
-/// separating axis spends its time in. Each loop is written once over the lanes of engine/lanes.h and compiled for
+/// separating axis spends its time in. Each loop is written once over the lanes of engine/lanes/lanes.h and compiled for
 /// SSE2, AVX2 and AVX-512; the widest that the processor runs is chosen at start. All give the same bits.
 #pragma once
 #include <array>
 #include <span>
 #include <vector>
 
-#include "engine/lanes.h"
-#include "engine/types.h"
+#include "engine/lanes/lanes.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 
@@ -78,7 +78,7 @@ struct HullKernels {
   std::size_t (*crossing_arcs)(std::span<const ArcLanes>, const Arc& other, double least, std::uint32_t* out);
 };
 
-/// For engine/targets.h's target() at the first call.
+/// For engine/lanes/targets.h's target() at the first call.
 const HullKernels& hull_kernels();
 /// Up to that one, the narrowest first.
 std::span<const HullKernels> all_hull_kernels();

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "detection/mass_properties.h"
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

@@ -4,7 +4,7 @@
 
 #include "detection/shapes/mesh_file.h"
 #include "detection/shapes/mesh_text.h"
-#include "engine/units.h"
+#include "engine/units/units.h"
 
 namespace epafi {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "engine/error.h"
-#include "engine/types.h"
+#include "engine/units/error.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -3,8 +3,8 @@
 #include <concepts>
 
 #include "detection/aabb.h"
-#include "engine/registry.h"
-#include "engine/types.h"
+#include "engine/units/registry.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

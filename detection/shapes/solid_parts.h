@@ -7,7 +7,7 @@
 
 #include "detection/mass_properties.h"
 #include "detection/shapes/convex_hull.h"
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/frame.h"
+#include "engine/state/frame.h"
 
 namespace epafi {
 namespace {

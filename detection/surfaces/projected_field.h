@@ -5,7 +5,7 @@
 /// is short by half the square of the surfaces' slope, relative: of the order of what a half-space leaves out.
 #pragma once
 #include "detection/surfaces/surface_gap.h"
-#include "engine/gap_field.h"
+#include "engine/railway/gap_field.h"
 
 namespace epafi {
 

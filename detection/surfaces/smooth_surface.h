@@ -6,7 +6,7 @@
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/half_space.h"
 #include "detection/shapes/sphere.h"
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "detection/aabb.h"
-#include "detection/narrow/point_triangle.h"
+#include "detection/narrow/mesh/point_triangle.h"
 #include "detection/shapes/triangle_surface.h"
 
 namespace epafi {

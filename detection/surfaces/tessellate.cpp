@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/frame.h"
+#include "engine/state/frame.h"
 
 namespace epafi {
 namespace {

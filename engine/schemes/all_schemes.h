@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/units/registry.h"
 #include "engine/schemes/moreau_jean.h"
 #include "engine/schemes/symplectic_euler.h"
 #include "engine/schemes/velocity_verlet.h"

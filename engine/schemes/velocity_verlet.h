@@ -2,8 +2,8 @@
 /// Between the halves world.velocity is that of the middle of the step; contact laws see velocities at its end
 /// through StepClock::velocity_lag, so damping is of second order too. Bounded below dt = 2/omega (case B02).
 #pragma once
-#include "engine/parallel.h"
-#include "engine/pipeline.h"
+#include "engine/threads/parallel.h"
+#include "engine/step/pipeline.h"
 
 namespace epafi {
 

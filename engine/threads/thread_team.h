@@ -3,7 +3,7 @@
 /// programs keep from running rests for a while (engine/threads/preemption.h). An empty parallel region of libgomp
 /// takes 4 us, a loop of a team 2.
 /// @code
-///   with_team([&] {                                  // engine/parallel.h: starts the threads once
+///   with_team([&] {                                  // engine/threads/parallel.h: starts the threads once
 ///     for (int k = 0; k < steps; ++k)
 ///       parallel_for(n, [&](std::size_t i) { y[i] += x[i]; });   // each loop is handed to the team
 ///   });

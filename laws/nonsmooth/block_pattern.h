@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

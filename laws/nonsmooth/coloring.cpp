@@ -4,8 +4,8 @@
 #include <array>
 #include <bit>
 
-#include "engine/hash.h"
-#include "engine/parallel_order.h"
+#include "engine/state/hash.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/large_column.h"
-#include "engine/types.h"
+#include "engine/state/large_column.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

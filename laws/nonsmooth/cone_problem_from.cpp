@@ -3,7 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "laws/nonsmooth/cone_problem.h"
 
 namespace epafi {

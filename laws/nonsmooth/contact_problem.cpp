@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/error.h"
-#include "engine/order_free_sum.h"
-#include "engine/parallel_order.h"
+#include "engine/units/error.h"
+#include "engine/threads/order_free_sum.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

@@ -6,10 +6,10 @@
 #pragma once
 #include <vector>
 
-#include "engine/contacts.h"
-#include "engine/frame.h"
-#include "engine/incidence.h"
-#include "engine/pipeline.h"
+#include "engine/state/contacts.h"
+#include "engine/state/frame.h"
+#include "engine/state/incidence.h"
+#include "engine/step/pipeline.h"
 #include "laws/nonsmooth/coloring.h"
 #include "laws/nonsmooth/lane_groups.h"
 

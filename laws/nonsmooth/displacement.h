@@ -1,6 +1,6 @@
 /// @file displacement.h  Moves bodies without touching their velocities.
 #pragma once
-#include "engine/world.h"
+#include "engine/state/world.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {

@@ -4,8 +4,8 @@
 #pragma once
 #include <vector>
 
-#include "engine/state_visitor.h"
-#include "engine/world.h"
+#include "engine/state/state_visitor.h"
+#include "engine/state/world.h"
 
 namespace epafi {
 

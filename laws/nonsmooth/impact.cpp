@@ -2,7 +2,7 @@
 
 #include <queue>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/solvers/nsgs.h"
 
 namespace epafi {

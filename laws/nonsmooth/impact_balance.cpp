@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

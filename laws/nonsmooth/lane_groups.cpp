@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <span>
 
-#include "engine/lanes.h"
-#include "engine/large_column.h"
-#include "engine/parallel.h"
+#include "engine/lanes/lanes.h"
+#include "engine/state/large_column.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/coloring.h"
 
 namespace epafi {

@@ -6,8 +6,8 @@
 #include <span>
 #include <type_traits>
 
-#include "engine/lanes.h"
-#include "engine/order_free_sum.h"
+#include "engine/lanes/lanes.h"
+#include "engine/threads/order_free_sum.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {

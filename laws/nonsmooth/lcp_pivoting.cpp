@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/nonsmooth/lcp.h"
 
 namespace epafi {

@@ -27,7 +27,7 @@
 /// a change of energy if e = 1. This law alone can create energy in frictional impacts with rotation (Kane's paradox,
 /// case A21): what the default does about it, and other laws of impact, in impact.h.
 ///
-/// Servo walls (engine/giving_wall.h) are bodies of the problem that move along one line. Impulses reach them within
+/// Servo walls (engine/step/giving_wall.h) are bodies of the problem that move along one line. Impulses reach them within
 /// the step, so a plate carries its load exactly, on rigid bodies too.
 ///
 /// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding
@@ -40,8 +40,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/giving_wall.h"
-#include "engine/pipeline.h"
+#include "engine/step/giving_wall.h"
+#include "engine/step/pipeline.h"
 #include "laws/material.h"
 #include "laws/nonsmooth/solvers/solver.h"
 

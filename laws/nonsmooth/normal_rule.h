@@ -1,6 +1,6 @@
 /// @file normal_rule.h  The local rule of a frictionless contact: r_N = max(0, r_N - u_N / W_NN), four at a time.
 #pragma once
-#include "engine/lanes.h"
+#include "engine/lanes/lanes.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "engine/parallel_order.h"
-#include "engine/registry.h"
+#include "engine/threads/parallel_order.h"
+#include "engine/units/registry.h"
 #include "laws/nonsmooth/displacement.h"
 
 namespace epafi {

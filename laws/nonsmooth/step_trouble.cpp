@@ -1,6 +1,6 @@
 #include <cstdio>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/no_solution.h"
 #include "laws/nonsmooth/nonsmooth_step.h"

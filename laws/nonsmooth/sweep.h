@@ -5,7 +5,7 @@
 #pragma once
 #include <type_traits>
 
-#include "engine/order_free_sum.h"
+#include "engine/threads/order_free_sum.h"
 #include "laws/nonsmooth/contact_problem.h"
 
 namespace epafi {

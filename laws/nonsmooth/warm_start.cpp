@@ -4,8 +4,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "engine/parallel_order.h"
-#include "engine/registry.h"
+#include "engine/threads/parallel_order.h"
+#include "engine/units/registry.h"
 #include "laws/nonsmooth/cone.h"
 
 namespace epafi {

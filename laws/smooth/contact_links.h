@@ -1,11 +1,11 @@
-/// @file contact_links.h  How stiff and how damped smooth contacts are at this moment: what engine/stiffest_mode.h needs
+/// @file contact_links.h  How stiff and how damped smooth contacts are at this moment: what engine/step/stiffest_mode.h needs
 /// of them. Stiffness and dashpot are those of the law at the present overlap; a law that remembers is asked for the way
 /// out, which is the stiffer one. Friction counts as sticking: a contact at its limit may stick in the next step.
 #pragma once
 #include <functional>
 
-#include "engine/contacts.h"
-#include "engine/stiffest_mode.h"
+#include "engine/state/contacts.h"
+#include "engine/step/stiffest_mode.h"
 #include "laws/contact_law.h"
 #include "laws/smooth/make_smooth_contact.h"
 

@@ -10,7 +10,7 @@
 #pragma once
 #include <algorithm>
 
-#include "engine/lanes.h"
+#include "engine/lanes/lanes.h"
 
 namespace epafi {
 

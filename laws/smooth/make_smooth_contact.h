@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/error.h"
-#include "engine/pipeline.h"
+#include "engine/units/error.h"
+#include "engine/step/pipeline.h"
 #include "laws/material.h"
 
 namespace epafi {

@@ -1,6 +1,6 @@
 #include "laws/smooth/smooth_contact.h"
 
-#include "engine/order_free_sum.h"
+#include "engine/threads/order_free_sum.h"
 
 namespace epafi {
 

@@ -4,7 +4,7 @@
 #pragma once
 #include <cmath>
 
-#include "engine/state_visitor.h"
+#include "engine/state/state_visitor.h"
 #include "laws/contact_law.h"
 
 namespace epafi {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/rotation.h"
+#include "engine/state/rotation.h"
 
 namespace epafi {
 namespace {

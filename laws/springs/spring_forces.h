@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/contact_layer.h"
-#include "engine/guideway.h"
+#include "engine/step/contact_layer.h"
+#include "engine/railway/guideway.h"
 
 namespace epafi {
 

@@ -1,6 +1,6 @@
-/// @file spring_links.h  What the springs of a scene resist at this moment, for engine/stiffest_mode.h.
+/// @file spring_links.h  What the springs of a scene resist at this moment, for engine/step/stiffest_mode.h.
 #pragma once
-#include "engine/stiffest_mode.h"
+#include "engine/step/stiffest_mode.h"
 #include "laws/springs/spring_forces.h"
 
 namespace epafi {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/contact_region.h"
-#include "engine/registry.h"
+#include "engine/railway/contact_region.h"
+#include "engine/units/registry.h"
 #include "laws/wheel_rail/elastic_pair.h"
 #include "laws/wheel_rail/half_space/normal.h"
 #include "laws/wheel_rail/normal_patch.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/contact_layer.h"
-#include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/step/contact_layer.h"
+#include "engine/units/error.h"
+#include "engine/threads/parallel.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"

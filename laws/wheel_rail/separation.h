@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/contact_region.h"
+#include "engine/railway/contact_region.h"
 
 namespace epafi {
 

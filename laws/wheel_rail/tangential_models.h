@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/units/registry.h"
 #include "laws/wheel_rail/half_space/tangential.h"
 #include "laws/wheel_rail/normal_patch.h"
 

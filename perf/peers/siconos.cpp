@@ -14,9 +14,9 @@
 #include <functional>
 #include <optional>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
-#include "viz_export/problem_file.h"
+#include "viz_export/hdf5/problem_file.h"
 
 extern "C" {
 #include <siconos/numerics/CSparseMatrix_internal.h>

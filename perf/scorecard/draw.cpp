@@ -5,7 +5,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "viz_export/charts.h"
+#include "viz_export/report/charts.h"
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include <new>
 #include <stdexcept>
 
-#include "engine/parallel.h"
-#include "engine/start_threads.h"
+#include "engine/threads/parallel.h"
+#include "engine/threads/start_threads.h"
 #include "scenes/cli/check.h"
 #include "scenes/cli/library.h"
 #include "scenes/cli/list.h"
@@ -29,9 +29,9 @@
 #include "scenes/start_run.h"
 #include "scenes/stop.h"
 #include "scenes/time_step.h"
-#include "viz_export/export.h"
-#include "viz_export/report.h"
-#include "viz_export/side_file.h"
+#include "viz_export/output/export.h"
+#include "viz_export/report/report.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 

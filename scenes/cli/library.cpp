@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/reader/document.h"
 
 namespace epafi {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "detection/narrow/pair_methods.h"
-#include "engine/error.h"
-#include "engine/nearest.h"
+#include "detection/narrow/pairs/pair_methods.h"
+#include "engine/units/error.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/schema.h"
 #include "scenes/reader/table_reader.h"
 

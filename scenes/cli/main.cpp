@@ -1,7 +1,7 @@
 #include <functional>
 #include <iostream>
 
-#include "engine/targets.h"
+#include "engine/lanes/targets.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/manual.h"
 #include "scenes/cli/narrow.h"

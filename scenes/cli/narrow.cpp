@@ -5,12 +5,12 @@
 #include <ctime>
 
 #include "detection/convex_corpus.h"
-#include "detection/narrow/convex_answer.h"
-#include "engine/error.h"
-#include "engine/nearest.h"
-#include "engine/random.h"
+#include "detection/narrow/gjk/convex_answer.h"
+#include "engine/units/error.h"
+#include "engine/units/nearest.h"
+#include "engine/units/random.h"
 #include "scenes/cli/print.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

@@ -1,7 +1,7 @@
 #include "scenes/cli/new_scene.h"
 
-#include "engine/error.h"
-#include "engine/nearest.h"
+#include "engine/units/error.h"
+#include "engine/units/nearest.h"
 
 namespace epafi {
 namespace {

@@ -5,7 +5,7 @@
 #include "scenes/cli/library.h"
 #include "scenes/cli/print.h"
 #include "scenes/patch/evaluate_patch.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 

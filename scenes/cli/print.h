@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

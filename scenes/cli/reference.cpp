@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "detection/narrow/pair_methods.h"
+#include "detection/narrow/pairs/pair_methods.h"
 #include "scenes/cli/list.h"
 #include "scenes/patch/patch_schema.h"
 #include "scenes/reader/schema.h"

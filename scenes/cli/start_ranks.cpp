@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "ranks/communicator.h"
 #include "ranks/team.h"
 #include "scenes/cli/program.h"

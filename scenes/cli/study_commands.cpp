@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/cli/commands.h"
 #include "scenes/cli/library.h"
 #include "scenes/cli/print.h"
@@ -19,7 +19,7 @@
 #include "scenes/study/limits.h"
 #include "scenes/study/slurm_job.h"
 #include "scenes/study/sweep.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

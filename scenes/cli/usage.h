@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 
 namespace epafi {
 

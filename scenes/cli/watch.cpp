@@ -11,10 +11,10 @@
 #include <map>
 #include <vector>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/cli/commands.h"
 #include "scenes/stop.h"
-#include "viz_export/json_reader.h"
+#include "viz_export/files/json_reader.h"
 
 namespace epafi {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "detection/profiles/wheel_rail.h"
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "laws/wheel_rail/half_space/normal.h"
 #include "laws/wheel_rail/rolling.h"
 #include "scenes/reader/document.h"

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "scenes/patch/evaluate_patch.h"
-#include "viz_export/json_writer.h"
+#include "viz_export/files/json_writer.h"
 
 namespace epafi {
 namespace {

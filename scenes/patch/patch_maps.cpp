@@ -6,7 +6,7 @@
 
 #include "laws/wheel_rail/fem/elastic_block.h"
 #include "scenes/patch/evaluate_patch.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/units/registry.h"
 
 namespace epafi {
 

@@ -6,7 +6,7 @@
 
 #include "detection/shapes/rail_profile.h"
 #include "detection/shapes/wheel_profile.h"
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"
 #include "scenes/full_registry.h"
@@ -15,7 +15,7 @@
 #include "scenes/railway/profiles.h"
 #include "scenes/reader/file_kind.h"
 #include "scenes/reader/parts.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <csignal>
 
-#include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/units/error.h"
+#include "engine/threads/parallel.h"
 #include "scenes/include/epafi/epafi.h"
-#include "viz_export/output_observers.h"
+#include "viz_export/output/output_observers.h"
 
 namespace py = pybind11;
 

@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/railway/plausible.h"
 #include "scenes/reader/document.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "detection/profiles/track.h"
 #include "detection/profiles/wheelset.h"
-#include "engine/error.h"
-#include "engine/registry.h"
+#include "engine/units/error.h"
+#include "engine/units/registry.h"
 
 namespace epafi {
 

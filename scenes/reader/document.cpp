@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/toml_text.h"
 
 namespace epafi {

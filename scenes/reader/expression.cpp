@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 
 namespace epafi {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/units/registry.h"
 
 namespace epafi {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/parts.h"
 #include "scenes/reader/repeat.h"
 

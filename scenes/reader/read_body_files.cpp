@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "scenes/reader/parts.h"
 #include "scenes/reader/row_file.h"
 #include "scenes/reader/text_cells.h"

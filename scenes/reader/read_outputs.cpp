@@ -1,7 +1,7 @@
 /// @file read_outputs.cpp  [[measure]], [bounds], [accuracy], [sweep], [benchmark], [output].
 #include <algorithm>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/parts.h"
 #include "scenes/reader/repeat.h"
 

@@ -1,7 +1,7 @@
 /// @file read_settings.cpp  [run], [world], [material.*], [detection].
 #include <cmath>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {

@@ -2,8 +2,8 @@
 #include <filesystem>
 
 #include "detection/shapes/clump.h"
-#include "engine/nearest.h"
-#include "engine/units.h"
+#include "engine/units/nearest.h"
+#include "engine/units/units.h"
 #include "scenes/railway/profiles.h"
 #include "scenes/reader/parts.h"
 

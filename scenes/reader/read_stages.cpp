@@ -1,7 +1,7 @@
 /// @file read_stages.cpp  [[stage]]: how long each lasts, and what it changes of bodies.
 #include <algorithm>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/parts.h"
 
 namespace epafi {

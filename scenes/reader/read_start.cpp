@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/parts.h"
 #include "scenes/start_run.h"
 

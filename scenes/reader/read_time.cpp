@@ -6,8 +6,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/nearest.h"
-#include "engine/units.h"
+#include "engine/units/nearest.h"
+#include "engine/units/units.h"
 #include "scenes/reader/parts.h"
 #include "scenes/reader/text_cells.h"
 

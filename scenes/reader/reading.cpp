@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "engine/units.h"
+#include "engine/units/units.h"
 #include "scenes/reader/table_reader.h"
 
 namespace epafi {

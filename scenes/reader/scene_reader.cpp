@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "scenes/reader/document.h"
 #include "scenes/reader/file_kind.h"
 #include "scenes/reader/parts.h"

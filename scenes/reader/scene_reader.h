@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/reader/registry.h"
 #include "scenes/reader/stages.h"
 #include "scenes/scene.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/reader/fields.h"
 #include "scenes/reader/schema_acts.h"
 #include "viz_export/view/camera.h"

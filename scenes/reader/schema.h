@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/units/registry.h"
 #include "scenes/reader/registry.h"
 
 namespace epafi {

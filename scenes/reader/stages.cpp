@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/nearest.h"
-#include "engine/units.h"
+#include "engine/units/nearest.h"
+#include "engine/units/units.h"
 
 namespace epafi {
 namespace {

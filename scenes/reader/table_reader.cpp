@@ -6,8 +6,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "engine/nearest.h"
-#include "engine/units.h"
+#include "engine/units/nearest.h"
+#include "engine/units/units.h"
 
 namespace epafi {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/error.h"
-#include "engine/registry.h"
+#include "engine/units/error.h"
+#include "engine/units/registry.h"
 #include "scenes/reader/document.h"
 #include "scenes/reader/expression.h"
 #include "scenes/reader/schema.h"

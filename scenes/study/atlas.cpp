@@ -12,7 +12,7 @@
 #include "scenes/study/atlas_page.h"
 #include "scenes/study/chart.h"
 #include "scenes/study/limits.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

@@ -11,10 +11,10 @@
 #include <cmath>
 #include <map>
 
-#include "engine/all_places.h"
-#include "engine/error.h"
+#include "engine/threads/all_places.h"
+#include "engine/units/error.h"
 #include "scenes/stop.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

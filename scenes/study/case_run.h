@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "viz_export/json_reader.h"
+#include "viz_export/files/json_reader.h"
 
 namespace epafi {
 

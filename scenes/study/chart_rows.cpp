@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "scenes/reader/text_cells.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/all_places.h"
-#include "engine/parallel.h"
+#include "engine/threads/all_places.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 namespace {

@@ -5,7 +5,7 @@
 #include <ctime>
 
 #include "detection/convex_corpus.h"
-#include "detection/narrow/convex_answer.h"
+#include "detection/narrow/gjk/convex_answer.h"
 #include "scenes/study/chart.h"
 
 namespace epafi {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/units.h"
+#include "engine/units/units.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/expression.h"
 #include "scenes/reader/file_kind.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
 

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "detection/broad/all_broad_phases.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 
 namespace epafi::test {
 

@@ -1,6 +1,6 @@
 /// @file mesh_floors.h  Floors of triangles, and contacts of one body with a mesh.
 #pragma once
-#include "detection/narrow/mesh_pairs.h"
+#include "detection/narrow/mesh/mesh_pairs.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 

@@ -1,6 +1,6 @@
-#include "detection/narrow/axis_search.h"
+#include "detection/narrow/polyhedra/axis_search.h"
 
-#include "detection/narrow/convex_pairs.h"
+#include "detection/narrow/pairs/convex_pairs.h"
 #include "tests/support/catch.h"
 #include "tests/support/convex_corpus.h"
 #include "tests/support/polyhedra.h"

@@ -1,7 +1,7 @@
 #include <limits>
 #include <set>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/detection/broad_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"

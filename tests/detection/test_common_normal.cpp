@@ -1,7 +1,7 @@
-#include "detection/narrow/common_normal.h"
+#include "detection/narrow/gjk/common_normal.h"
 
-#include "detection/narrow/epa.h"
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/gjk/gjk.h"
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/sphere.h"
 #include "detection/shapes/superquadric.h"

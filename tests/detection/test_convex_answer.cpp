@@ -1,8 +1,8 @@
-#include "detection/narrow/convex_answer.h"
+#include "detection/narrow/gjk/convex_answer.h"
 
 #include <fstream>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/convex_corpus.h"
 #include "tests/support/polyhedra.h"

@@ -1,4 +1,4 @@
-#include "detection/narrow/core_patch.h"
+#include "detection/narrow/pairs/core_patch.h"
 
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"

@@ -1,9 +1,9 @@
 // The cone at a vertex, split among its faces: the parts are those that cutting by every bisector gives.
-#include "detection/narrow/corner_cone.h"
+#include "detection/narrow/polyhedra/corner_cone.h"
 
 #include <numbers>
 
-#include "detection/narrow/clipped_solid.h"
+#include "detection/narrow/polyhedra/clipped_solid.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 

@@ -1,8 +1,8 @@
 // Cylinders against the exact methods: GJK apart, the expanding polytope where they overlap.
-#include "detection/narrow/cylinder_distance.h"
+#include "detection/narrow/gjk/cylinder_distance.h"
 
-#include "detection/narrow/epa.h"
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/gjk/gjk.h"
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/cylinder.h"
 #include "detection/shapes/sphere.h"

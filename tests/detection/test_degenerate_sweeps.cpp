@@ -1,7 +1,7 @@
 // Case B09: degenerate placings of boxes over gaps of both signs, aspect ratios and size ratios. The exact answer
 // follows from how the pair is built; the direction is checked by pushing the bodies apart along it.
-#include "detection/narrow/convex_answer.h"
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/convex_answer.h"
+#include "detection/narrow/gjk/gjk.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 #include "tests/support/random_geometry.h"

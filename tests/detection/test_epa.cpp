@@ -1,6 +1,6 @@
-#include "detection/narrow/epa.h"
+#include "detection/narrow/gjk/epa.h"
 
-#include "detection/narrow/polyhedra.h"
+#include "detection/narrow/polyhedra/polyhedra.h"
 #include "detection/shapes/box.h"
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/cylinder.h"

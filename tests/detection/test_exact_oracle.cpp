@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "detection/narrow/polyhedra.h"
+#include "detection/narrow/polyhedra/polyhedra.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 

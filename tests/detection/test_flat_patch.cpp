@@ -1,4 +1,4 @@
-#include "detection/narrow/flat_patch.h"
+#include "detection/narrow/pairs/flat_patch.h"
 
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"

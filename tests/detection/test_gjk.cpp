@@ -1,4 +1,4 @@
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/gjk.h"
 
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/cylinder.h"

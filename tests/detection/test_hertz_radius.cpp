@@ -1,6 +1,6 @@
-#include "detection/narrow/hertz_radius.h"
+#include "detection/narrow/pairs/hertz_radius.h"
 
-#include "detection/narrow/half_space_pairs.h"
+#include "detection/narrow/pairs/half_space_pairs.h"
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/sphere.h"
 #include "tests/support/catch.h"

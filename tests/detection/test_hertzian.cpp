@@ -1,6 +1,6 @@
 #include "detection/surfaces/hertzian.h"
 
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/gjk.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 

@@ -3,7 +3,7 @@
 
 #include "detection/narrow/narrow_phase.h"
 #include "detection/surfaces/tessellate.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 

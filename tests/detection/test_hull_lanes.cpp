@@ -1,6 +1,6 @@
 // The loops over four vertices, faces or edges at a time, against loops over one at a time, on every instruction set
 // that this processor runs.
-#include "detection/narrow/gauss_arcs.h"
+#include "detection/narrow/polyhedra/gauss_arcs.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 

@@ -1,10 +1,10 @@
-#include "detection/narrow/manifold.h"
+#include "detection/narrow/polyhedra/manifold.h"
 
 #include <algorithm>
 #include <set>
 
-#include "detection/narrow/half_space_pairs.h"
-#include "detection/narrow/sphere_pairs.h"
+#include "detection/narrow/pairs/half_space_pairs.h"
+#include "detection/narrow/pairs/sphere_pairs.h"
 #include "detection/shapes/half_space.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"

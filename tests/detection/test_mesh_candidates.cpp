@@ -1,5 +1,5 @@
 // What a body feels of a mesh does not depend on which far triangles are looked at beside the near ones.
-#include "detection/narrow/mesh_pairs.h"
+#include "detection/narrow/mesh/mesh_pairs.h"
 #include "detection/narrow/narrow_phase.h"
 #include "detection/shapes/box.h"
 #include "detection/shapes/cylinder.h"

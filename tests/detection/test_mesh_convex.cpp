@@ -1,7 +1,7 @@
 // Convex bodies that overlap the closed surface of a hull by less than a hundredth of their size: the surface must hold
 // them as the hull would, on faces, edges and corners. The hull's answer is GJK's and EPA's.
-#include "detection/narrow/epa.h"
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/gjk/gjk.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_errors.h"
 

@@ -1,4 +1,4 @@
-#include "detection/narrow/mesh_pairs.h"
+#include "detection/narrow/mesh/mesh_pairs.h"
 
 #include "detection/narrow/narrow_phase.h"
 #include "detection/shapes/box.h"

@@ -1,8 +1,8 @@
 // Cells of the overlap volume: exact volumes, and forces that are the gradient of the potential they claim.
-#include "detection/narrow/overlap_cells.h"
+#include "detection/narrow/polyhedra/overlap_cells.h"
 
-#include "detection/narrow/half_space_pairs.h"
-#include "detection/narrow/polyhedra.h"
+#include "detection/narrow/pairs/half_space_pairs.h"
+#include "detection/narrow/polyhedra/polyhedra.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 

@@ -1,9 +1,9 @@
 // Overlaps that are written down: closed forms, cells cut out by all planes, and no trace of what a pair remembers.
-#include "detection/narrow/overlap_forms.h"
+#include "detection/narrow/polyhedra/overlap_forms.h"
 
-#include "detection/narrow/half_space_pairs.h"
-#include "detection/narrow/overlap_cells.h"
-#include "detection/narrow/overlap_faces.h"
+#include "detection/narrow/pairs/half_space_pairs.h"
+#include "detection/narrow/polyhedra/overlap_cells.h"
+#include "detection/narrow/polyhedra/overlap_faces.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 

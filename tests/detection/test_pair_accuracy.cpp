@@ -1,5 +1,5 @@
-#include "detection/narrow/epa.h"
-#include "detection/narrow/polyhedra.h"
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/polyhedra/polyhedra.h"
 #include "tests/support/catch.h"
 #include "tests/support/convex_corpus.h"
 #include "tests/support/polyhedra.h"

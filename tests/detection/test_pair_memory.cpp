@@ -1,8 +1,8 @@
 // What a pair remembers is a shortcut: over any motion the answer is the one of a search from nothing, bit for bit.
-#include "detection/narrow/pair_memory.h"
+#include "detection/narrow/polyhedra/pair_memory.h"
 
-#include "detection/narrow/axis_search.h"
-#include "detection/narrow/nearest_features.h"
+#include "detection/narrow/polyhedra/axis_search.h"
+#include "detection/narrow/polyhedra/nearest_features.h"
 #include "tests/support/catch.h"
 #include "tests/support/convex_corpus.h"
 #include "tests/support/polyhedra.h"

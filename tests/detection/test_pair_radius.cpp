@@ -1,6 +1,6 @@
 // R* on a flat wall does not depend on what the wall is made of: a half-space, a box, a hull or the end of a cylinder,
 // thick or thin.
-#include "detection/narrow/pair_table.h"
+#include "detection/narrow/pairs/pair_table.h"
 #include "detection/shape_store.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"

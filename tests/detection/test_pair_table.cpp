@@ -1,4 +1,4 @@
-#include "detection/narrow/pair_table.h"
+#include "detection/narrow/pairs/pair_table.h"
 
 #include <fstream>
 #include <sstream>

@@ -1,12 +1,12 @@
 // Bodies of convex parts: what bounding spheres, directions and memory leave out would not have touched, to the last
 // bit.
-#include "detection/narrow/part_pairs.h"
+#include "detection/narrow/pairs/part_pairs.h"
 
-#include "detection/narrow/convex_pairs.h"
+#include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/shapes/box.h"
 #include "detection/shapes/mesh_file.h"
 #include "detection/shapes/solid_parts.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

@@ -1,6 +1,6 @@
 // Round bodies against bodies with faces: less a ball that rolls inside them they are apart, and GJK has the depth.
-#include "detection/narrow/epa.h"
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/gjk/gjk.h"
 #include "detection/shapes/box.h"
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/cylinder.h"

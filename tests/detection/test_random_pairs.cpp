@@ -5,9 +5,9 @@
 // - apart, the two points lie in their bodies and are as far from each other: the distance is bounded from above too;
 // - overlapping polyhedra: the expanding polytope, which knows no faces, bounds the depth from below;
 // - smooth bodies: no sampled direction, anywhere or near the normal, separates by more.
-#include "detection/narrow/convex_answer.h"
-#include "detection/narrow/convex_pairs.h"
-#include "detection/narrow/epa.h"
+#include "detection/narrow/gjk/convex_answer.h"
+#include "detection/narrow/pairs/convex_pairs.h"
+#include "detection/narrow/gjk/epa.h"
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"

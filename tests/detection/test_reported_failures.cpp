@@ -1,9 +1,9 @@
 // Failures that users of other libraries reported in public trackers, rebuilt from their descriptions. Each went wrong
 // somewhere: no hit, a wrong depth, a flipped normal, a point far away, no end. The answers are closed forms.
-#include "detection/narrow/convex_answer.h"
-#include "detection/narrow/gjk.h"
+#include "detection/narrow/gjk/convex_answer.h"
+#include "detection/narrow/gjk/gjk.h"
 #include "detection/narrow/narrow_phase.h"
-#include "detection/narrow/triangle_solid.h"
+#include "detection/narrow/mesh/triangle_solid.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"

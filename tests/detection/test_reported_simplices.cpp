@@ -1,7 +1,7 @@
 // Failures that users of other libraries reported in public trackers and that lie inside GJK or EPA, rebuilt from their
 // descriptions: simplices without area, polytopes that are not convex, wrong starts. The answers are closed forms.
-#include "detection/narrow/convex_answer.h"
-#include "detection/narrow/epa.h"
+#include "detection/narrow/gjk/convex_answer.h"
+#include "detection/narrow/gjk/epa.h"
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"

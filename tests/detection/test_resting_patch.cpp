@@ -1,8 +1,8 @@
 // Contact points that are kept while bodies hardly move, against those of a query.
-#include "detection/narrow/convex_pairs.h"
-#include "detection/narrow/resting_patch.h"
+#include "detection/narrow/pairs/convex_pairs.h"
+#include "detection/narrow/polyhedra/resting_patch.h"
 #include "detection/shapes/box.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/convex_corpus.h"
 #include "tests/support/polyhedra.h"

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "detection/narrow/narrow_phase.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
 

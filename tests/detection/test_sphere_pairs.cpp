@@ -1,5 +1,5 @@
 // Pairs that a contact model of spheres takes itself: the same set as in the full list, by slots, whatever the method.
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/detection/broad_scenes.h"
 #include "tests/support/catch.h"
 

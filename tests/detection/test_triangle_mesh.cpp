@@ -1,6 +1,6 @@
 #include "detection/shapes/triangle_mesh.h"
 
-#include "detection/narrow/polyhedra.h"
+#include "detection/narrow/polyhedra/polyhedra.h"
 #include "detection/shapes/box.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/parallel.h"
-#include "engine/state_snapshot.h"
+#include "engine/threads/parallel.h"
+#include "engine/state/state_snapshot.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"

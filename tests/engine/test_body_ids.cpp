@@ -1,4 +1,4 @@
-#include "engine/body_ids.h"
+#include "engine/state/body_ids.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

@@ -1,10 +1,10 @@
-#include "engine/contacts.h"
+#include "engine/state/contacts.h"
 
 #include <map>
 #include <tuple>
 
-#include "engine/parallel.h"
-#include "engine/random.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 

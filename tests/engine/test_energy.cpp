@@ -1,4 +1,4 @@
-#include "engine/energy.h"
+#include "engine/step/energy.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
-#include "engine/frame.h"
+#include "engine/state/frame.h"
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

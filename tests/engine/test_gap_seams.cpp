@@ -1,8 +1,8 @@
 // The seams for patch models and finite elements, each with a toy on both sides that knows nothing of the other.
 #include <cmath>
 
-#include "engine/gap_field.h"
-#include "engine/gap_operator.h"
+#include "engine/railway/gap_field.h"
+#include "engine/railway/gap_operator.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

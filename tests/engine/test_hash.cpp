@@ -1,4 +1,4 @@
-#include "engine/hash.h"
+#include "engine/state/hash.h"
 
 #include <bitset>
 #include <limits>

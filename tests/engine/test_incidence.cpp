@@ -1,8 +1,8 @@
-#include "engine/incidence.h"
+#include "engine/state/incidence.h"
 
-#include "engine/parallel.h"
-#include "engine/parallel_order.h"
-#include "engine/random.h"
+#include "engine/threads/parallel.h"
+#include "engine/threads/parallel_order.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/motion_table.h"
-#include "engine/random.h"
+#include "engine/step/motion_table.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

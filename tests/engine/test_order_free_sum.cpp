@@ -1,14 +1,14 @@
-#include "engine/order_free_sum.h"
+#include "engine/threads/order_free_sum.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numeric>
 
-#include "engine/incidence.h"
-#include "engine/random.h"
-#include "engine/sources.h"
-#include "engine/targets.h"
+#include "engine/state/incidence.h"
+#include "engine/units/random.h"
+#include "engine/step/sources.h"
+#include "engine/lanes/targets.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 

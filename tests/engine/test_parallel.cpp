@@ -1,5 +1,5 @@
-#include "engine/parallel_stages.h"
-#include "engine/parallel_wavefront.h"
+#include "engine/threads/parallel_stages.h"
+#include "engine/threads/parallel_wavefront.h"
 
 #include <array>
 #include <atomic>
@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "engine/random.h"
-#include "engine/report.h"
+#include "engine/units/random.h"
+#include "engine/step/report.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 

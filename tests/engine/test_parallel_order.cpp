@@ -1,4 +1,4 @@
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel_order.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "engine/program_pages.h"
+#include "engine/lanes/program_pages.h"
 
 #include <fstream>
 

@@ -1,4 +1,4 @@
-#include "engine/random.h"
+#include "engine/units/random.h"
 
 #include <cmath>
 #include <set>

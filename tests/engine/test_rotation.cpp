@@ -1,8 +1,8 @@
-#include "engine/rotation.h"
+#include "engine/state/rotation.h"
 
 #include <cmath>
 
-#include "engine/world.h"
+#include "engine/state/world.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

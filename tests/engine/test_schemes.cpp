@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/step.h"
+#include "engine/step/step.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

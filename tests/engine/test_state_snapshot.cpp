@@ -1,4 +1,4 @@
-#include "engine/state_snapshot.h"
+#include "engine/state/state_snapshot.h"
 
 #include <filesystem>
 #include <numeric>

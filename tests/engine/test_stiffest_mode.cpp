@@ -1,10 +1,10 @@
-#include "engine/stiffest_mode.h"
+#include "engine/step/stiffest_mode.h"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

@@ -1,8 +1,8 @@
 #include <numbers>
 
-#include "engine/units.h"
+#include "engine/units/units.h"
 
-#include "engine/nearest.h"
+#include "engine/units/nearest.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

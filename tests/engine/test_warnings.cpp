@@ -1,6 +1,6 @@
-#include "engine/warnings.h"
+#include "engine/step/warnings.h"
 
-#include "engine/state_snapshot.h"
+#include "engine/state/state_snapshot.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

@@ -1,9 +1,9 @@
-#include "engine/world.h"
+#include "engine/state/world.h"
 
 #include <cmath>
 #include <set>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

@@ -17,10 +17,10 @@
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
-#include "viz_export/checkpoint.h"
-#include "viz_export/problem_file.h"
-#include "viz_export/run_file.h"
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/checkpoint.h"
+#include "viz_export/hdf5/problem_file.h"
+#include "viz_export/hdf5/run_file.h"
+#include "viz_export/hdf5/stored_run.h"
 
 namespace epafi::fuzz {
 

@@ -26,7 +26,7 @@ floors="engine detection laws scenes viz_export tests"
 cd "$root"
 unit reader $(ls scenes/reader/*.cpp)
 unit files viz_export/{hdf5_file,hdf5_driver,problem_file,run_file,stored_run,checkpoint,json_reader}.cpp
-unit meshes detection/shapes/{mesh_file,mesh_ply,triangle_mesh}.cpp detection/mass_properties.cpp engine/units.cpp
+unit meshes detection/shapes/{mesh_file,mesh_ply,triangle_mesh}.cpp detection/mass_properties.cpp engine/units/units.cpp
 unit target tests/fuzz/fuzz_readers.cpp
 objects="$out/reader.o $out/files.o $out/meshes.o $out/target.o"
 library() { echo "$build/$1/libepafi_$1.a"; }

@@ -1,7 +1,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/nonsmooth/block_cholesky.h"
 #include "laws/nonsmooth/block_lu.h"
 #include "tests/support/catch.h"

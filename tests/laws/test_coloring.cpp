@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "engine/hash.h"
+#include "engine/state/hash.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "tests/support/catch.h"
 #include "tests/support/contact_worlds.h"

@@ -1,4 +1,4 @@
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/nonsmooth/cone.h"
 #include "tests/support/catch.h"
 

@@ -1,7 +1,7 @@
 // Laws with history: partial slip, plastic loading, adhesion, rolling types; no closed cycle takes energy out of any.
 #include <cmath>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/all_laws.h"
 #include "laws/smooth/contact_links.h"
 #include "laws/smooth/critical_step.h"

@@ -1,7 +1,7 @@
 // The dashpot beside the friction spring: the damping that comes out is the one asked for, and its ledger closes.
 #include <cmath>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/smooth/critical_step.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"

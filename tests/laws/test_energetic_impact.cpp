@@ -1,5 +1,5 @@
 // Stronge's energetic coefficient for one contact, and that no impact gains energy under the default law.
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/nonsmooth/energetic_impact.h"
 #include "tests/support/catch.h"
 #include "tests/support/rigid_experiment.h"

@@ -4,7 +4,7 @@
 #include <complex>
 #include <numbers>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/wheel_rail/half_space/normal.h"
 #include "laws/wheel_rail/half_space/tangential.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"

@@ -1,4 +1,4 @@
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/islands.h"
 #include "laws/nonsmooth/residual.h"

@@ -1,5 +1,5 @@
 // Problems without solution are named: rays, zero rows, bodies squeezed between driven walls; solvable ones are not.
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/nonsmooth/no_solution.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "tests/support/catch.h"

@@ -1,8 +1,8 @@
 #include <numbers>
 
-#include "engine/error.h"
-#include "engine/parallel.h"
-#include "engine/random.h"
+#include "engine/units/error.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/rigid_experiment.h"

@@ -1,5 +1,5 @@
-#include "engine/parallel.h"
-#include "engine/targets.h"
+#include "engine/threads/parallel.h"
+#include "engine/lanes/targets.h"
 #include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"

@@ -1,5 +1,5 @@
 // Impacts of one contact alone happen at their own time under the default law: exact at steps of any length.
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/rigid_experiment.h"
 

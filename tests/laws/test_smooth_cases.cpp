@@ -1,7 +1,7 @@
 // Reference cases of several contacts by smooth laws: cradle, chain, Zeno's ball, dome, sphere pile, time step limits.
 #include <cmath>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/smooth/critical_step.h"
 #include "tests/support/catch.h"
 #include "tests/support/experiments.h"

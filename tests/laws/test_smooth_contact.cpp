@@ -1,8 +1,8 @@
 #include <cmath>
 #include <set>
 
-#include "engine/parallel.h"
-#include "engine/random.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 #include "laws/smooth/critical_step.h"
 #include "laws/smooth/restitution.h"
 #include "laws/smooth/spring.h"

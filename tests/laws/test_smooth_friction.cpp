@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/all_laws.h"
 #include "laws/smooth/spring.h"
 #include "tests/support/catch.h"

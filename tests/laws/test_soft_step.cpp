@@ -1,5 +1,5 @@
 // Soft constraints with substeps: what the spring leaves, what stays exact, what the residual tells.
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/rigid_experiment.h"

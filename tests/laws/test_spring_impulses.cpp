@@ -1,6 +1,6 @@
 // Springs in non-smooth contact: no creep beside contacts that stick, balance from time 0 on, and the limit of their
 // step.
-#include "engine/energy.h"
+#include "engine/step/energy.h"
 #include "laws/springs/spring_forces.h"
 #include "tests/support/catch.h"
 #include "tests/support/rigid_experiment.h"

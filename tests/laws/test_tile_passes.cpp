@@ -2,7 +2,7 @@
 #include <cmath>
 #include <random>
 
-#include "engine/targets.h"
+#include "engine/lanes/targets.h"
 #include "laws/lane_choice.h"
 #include "laws/smooth/choose_law.h"
 #include "laws/smooth/passes/choose_passes.h"

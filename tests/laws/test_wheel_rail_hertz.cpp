@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/elliptic_integrals.h"
+#include "engine/railway/elliptic_integrals.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
 #include "tests/support/catch.h"
 

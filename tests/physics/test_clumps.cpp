@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "detection/shapes/clump.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"

@@ -1,5 +1,5 @@
 // What a count says of bodies whose places are known.
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 

@@ -1,7 +1,7 @@
 // The age of a list decides nothing: scenes whose walls turn, whose cell strains, where bodies are poured in and taken
 // out have the same bits with lists that last as with a new one in every step, by another method and for any number of
 // threads.
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"

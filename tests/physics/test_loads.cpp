@@ -1,7 +1,7 @@
 // Gravity, forces and torques that follow time: closed forms of one free body, the ledger, driven bodies by tables.
 #include <cmath>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 

@@ -1,7 +1,7 @@
 // What holds for a thousand steps must hold for ten million: energy, momentum, memory, bits.
 #include <malloc.h>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"

@@ -2,10 +2,10 @@
 // documented seams (CONTRIBUTING.md) is used.
 #include <cmath>
 
-#include "detection/narrow/convex_pairs.h"
+#include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/shapes/box.h"
 #include "engine/schemes/all_schemes.h"
-#include "engine/step.h"
+#include "engine/step/step.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "laws/smooth/friction.h"
 #include "laws/smooth/rolling.h"

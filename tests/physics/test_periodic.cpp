@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "engine/random.h"
-#include "engine/state_snapshot.h"
+#include "engine/units/random.h"
+#include "engine/state/state_snapshot.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "engine/periodic_cell.h"
-#include "engine/random.h"
+#include "engine/state/periodic_cell.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "viz_export/measures/measure.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "engine/contact_pieces.h"
-#include "engine/parallel.h"
+#include "engine/step/contact_pieces.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"

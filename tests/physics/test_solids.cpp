@@ -5,7 +5,7 @@
 
 #include "detection/shapes/mesh_file.h"
 #include "detection/shapes/rounded_shapes.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 

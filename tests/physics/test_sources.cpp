@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/state_snapshot.h"
+#include "engine/state/state_snapshot.h"
 #include "scenes/generators.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"

@@ -1,5 +1,5 @@
 // The box stack of the library by its default solver and step.
-#include "engine/state_snapshot.h"
+#include "engine/state/state_snapshot.h"
 #include "scenes/monitor.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"

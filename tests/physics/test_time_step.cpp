@@ -1,7 +1,7 @@
 // The time step that the program chooses, and the one it refuses: with loads, several points, strong dampers.
 #include <cmath>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 

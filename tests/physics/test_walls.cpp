@@ -3,7 +3,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"

@@ -9,7 +9,7 @@
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
-#include "viz_export/checkpoint.h"
+#include "viz_export/hdf5/checkpoint.h"
 
 using namespace epafi;
 using namespace epafi::experiments;

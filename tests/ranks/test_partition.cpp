@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "ranks/communicator.h"
 #include "ranks/partition.h"
 #include "ranks/plan.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <utility>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/cli/list.h"
 #include "scenes/cli/manual.h"
 #include "scenes/cli/reference.h"
@@ -16,7 +16,7 @@
 #include "scenes/reader/table_reader.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_registry.h"
-#include "viz_export/json_reader.h"
+#include "viz_export/files/json_reader.h"
 
 using namespace epafi;
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/assemble.h"
 #include "scenes/cli/library.h"
 #include "scenes/cli/new_scene.h"
@@ -19,8 +19,8 @@
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
-#include "viz_export/json_reader.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/json_reader.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;

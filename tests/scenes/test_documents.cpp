@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "tests/support/catch.h"
-#include "viz_export/json_reader.h"
+#include "viz_export/files/json_reader.h"
 
 namespace fs = std::filesystem;
 

@@ -6,7 +6,7 @@
 #include "scenes/shape_builder.h"
 #include "scenes/shape_text.h"
 #include "tests/support/catch.h"
-#include "viz_export/surface.h"
+#include "viz_export/vtk/surface.h"
 
 using namespace epafi;
 

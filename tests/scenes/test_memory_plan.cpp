@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "engine/large_column.h"
+#include "engine/state/large_column.h"
 #include "scenes/memory_plan.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"

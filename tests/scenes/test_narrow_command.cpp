@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "detection/convex_corpus.h"
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

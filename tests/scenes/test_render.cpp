@@ -9,7 +9,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/json_reader.h"
+#include "viz_export/files/json_reader.h"
 #include "viz_export/view/render_run.h"
 
 using namespace epafi;

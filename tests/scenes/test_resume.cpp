@@ -6,7 +6,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/stored_run.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;

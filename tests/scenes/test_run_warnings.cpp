@@ -5,7 +5,7 @@
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
-#include "viz_export/json_reader.h"
+#include "viz_export/files/json_reader.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;

@@ -12,8 +12,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/charts.h"
-#include "viz_export/problem_file.h"
+#include "viz_export/report/charts.h"
+#include "viz_export/hdf5/problem_file.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;

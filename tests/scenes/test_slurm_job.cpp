@@ -9,7 +9,7 @@
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 

@@ -2,13 +2,13 @@
 #include <Eigen/SparseCholesky>
 #include <sstream>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/cli/commands.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
-#include "viz_export/hdf5_file.h"
-#include "viz_export/json_reader.h"
-#include "viz_export/problem_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
+#include "viz_export/files/json_reader.h"
+#include "viz_export/hdf5/problem_file.h"
 
 using namespace epafi;
 

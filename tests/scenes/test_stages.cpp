@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 #include "scenes/session.h"
 #include "scenes/stage_check.h"
 #include "scenes/start_run.h"
@@ -13,7 +13,7 @@
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/stored_run.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;

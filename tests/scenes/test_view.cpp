@@ -7,7 +7,7 @@
 #include "tests/support/browser.h"
 #include "tests/support/catch.h"
 #include "tests/support/document.h"
-#include "viz_export/html_text.h"
+#include "viz_export/report/html_text.h"
 #include "viz_export/view/page.h"
 #include "viz_export/view/render_run.h"
 

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "scenes/cli/watch.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/json_reader.h"
-#include "viz_export/json_writer.h"
+#include "viz_export/files/json_reader.h"
+#include "viz_export/files/json_writer.h"
 
 namespace epafi::support {
 

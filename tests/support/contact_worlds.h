@@ -1,7 +1,7 @@
 /// @file contact_worlds.h  Contact problems for solver tests: stacks, heaps and random contacts, made without
 /// detection.
 #pragma once
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "laws/nonsmooth/residual.h"
 
 namespace epafi::test {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "engine/pipeline.h"
+#include "engine/step/pipeline.h"
 
 namespace epafi::test {
 

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/energy.h"
+#include "engine/step/energy.h"
 #include "engine/schemes/velocity_verlet.h"
-#include "engine/step.h"
+#include "engine/step/step.h"
 #include "laws/smooth/make_smooth_contact.h"
 
 namespace epafi::experiments {

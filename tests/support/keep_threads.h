@@ -1,6 +1,6 @@
 /// @file keep_threads.h  Restores the number of threads at the end of a test, however it ends.
 #pragma once
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi::support {
 

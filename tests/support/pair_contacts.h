@@ -2,7 +2,7 @@
 #pragma once
 #include <algorithm>
 
-#include "detection/narrow/convex_pairs.h"
+#include "detection/narrow/pairs/convex_pairs.h"
 
 namespace epafi::support {
 

@@ -7,7 +7,7 @@
 #pragma once
 #include <chrono>
 
-#include "detection/narrow/pair_table.h"
+#include "detection/narrow/pairs/pair_table.h"
 #include "tests/support/polyhedra.h"
 
 namespace epafi::support {

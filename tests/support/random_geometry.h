@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "detection/shapes/triangle_surface.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 
 namespace epafi::testing {
 

@@ -1,6 +1,6 @@
 /// @file same_bits.h  Two answers about polyhedra, compared bit for bit.
 #pragma once
-#include "detection/narrow/polyhedra.h"
+#include "detection/narrow/polyhedra/polyhedra.h"
 
 namespace epafi::support {
 

@@ -7,7 +7,7 @@
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
-#include "viz_export/output_observers.h"
+#include "viz_export/output/output_observers.h"
 
 namespace epafi::experiments {
 

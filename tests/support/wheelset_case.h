@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "detection/profiles/wheel_rail.h"
-#include "engine/rotation.h"
+#include "engine/state/rotation.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
 #include "scenes/railway/profiles.h"
 #include "tests/support/catch.h"

@@ -1,8 +1,8 @@
 /// @file small_scene.h  A world with a floor, spheres and contacts for tests of output: no physics, known numbers.
 #pragma once
 #include "detection/shape_store.h"
-#include "engine/contacts.h"
-#include "engine/world.h"
+#include "engine/state/contacts.h"
+#include "engine/state/world.h"
 
 namespace epafi {
 

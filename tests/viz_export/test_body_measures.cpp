@@ -1,7 +1,7 @@
 // Measures that sum over all bodies, against their definitions body by body, the same bits for every thread count.
 #include "detection/shapes/sphere.h"
-#include "engine/parallel.h"
-#include "engine/random.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "viz_export/measures/body_measures.h"

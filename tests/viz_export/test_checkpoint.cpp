@@ -1,14 +1,14 @@
-#include "viz_export/checkpoint.h"
+#include "viz_export/hdf5/checkpoint.h"
 
 #include <fstream>
 
-#include "engine/energy.h"
-#include "engine/random.h"
-#include "engine/world.h"
+#include "engine/step/energy.h"
+#include "engine/units/random.h"
+#include "engine/state/world.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/hdf5_file.h"
-#include "viz_export/side_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 using Catch::Contains;

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <set>
 
-#include "engine/parallel.h"
-#include "engine/random.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "viz_export/measures/contact_measures.h"

@@ -1,12 +1,12 @@
-#include "viz_export/export.h"
+#include "viz_export/output/export.h"
 
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/frame_writer.h"
-#include "viz_export/measures_csv.h"
-#include "viz_export/run_file.h"
-#include "viz_export/side_file.h"
+#include "viz_export/vtk/frame_writer.h"
+#include "viz_export/measures/measures_csv.h"
+#include "viz_export/hdf5/run_file.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 

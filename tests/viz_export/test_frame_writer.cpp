@@ -1,11 +1,11 @@
-#include "viz_export/frame_writer.h"
+#include "viz_export/vtk/frame_writer.h"
 
-#include "engine/energy.h"
-#include "engine/state_snapshot.h"
+#include "engine/step/energy.h"
+#include "engine/state/state_snapshot.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 

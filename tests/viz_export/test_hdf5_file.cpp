@@ -1,11 +1,11 @@
-#include "viz_export/hdf5_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
 
 #include <fstream>
 #include <numeric>
 
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 using Catch::Contains;

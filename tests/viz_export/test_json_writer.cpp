@@ -1,9 +1,9 @@
-#include "viz_export/json_writer.h"
+#include "viz_export/files/json_writer.h"
 
 #include <cstdlib>
 #include <limits>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

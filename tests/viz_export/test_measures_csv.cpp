@@ -1,11 +1,11 @@
-#include "viz_export/measures_csv.h"
+#include "viz_export/measures/measures_csv.h"
 
 #include <fstream>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 

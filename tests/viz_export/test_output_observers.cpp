@@ -1,16 +1,16 @@
-#include "viz_export/output_observers.h"
+#include "viz_export/output/output_observers.h"
 
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/checkpoint.h"
-#include "viz_export/side_file.h"
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/checkpoint.h"
+#include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/stored_run.h"
 
 using namespace epafi;
 

@@ -1,12 +1,12 @@
-#include "viz_export/problem_file.h"
+#include "viz_export/hdf5/problem_file.h"
 
 #include <filesystem>
 #include <fstream>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "tests/support/catch.h"
-#include "viz_export/hdf5_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
 
 using namespace epafi;
 

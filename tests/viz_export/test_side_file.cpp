@@ -1,8 +1,8 @@
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 #include <fstream>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "viz_export/summary.h"
+#include "viz_export/report/summary.h"
 
 #include "tests/support/catch.h"
 

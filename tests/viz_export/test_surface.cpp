@@ -1,9 +1,9 @@
-#include "viz_export/surface.h"
+#include "viz_export/vtk/surface.h"
 
 #include <map>
 
 #include "detection/shapes/hull_from_points.h"
-#include "engine/random.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 
 using namespace epafi;

@@ -1,12 +1,12 @@
-#include "viz_export/pvd_file.h"
-#include "viz_export/vtp_writer.h"
+#include "viz_export/vtk/pvd_file.h"
+#include "viz_export/vtk/vtp_writer.h"
 
 #include <cstring>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/side_file.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 

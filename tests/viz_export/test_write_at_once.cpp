@@ -1,14 +1,14 @@
-#include "viz_export/write_at_once.h"
+#include "viz_export/files/write_at_once.h"
 
 #include <string>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/frame_writer.h"
-#include "viz_export/side_file.h"
+#include "viz_export/vtk/frame_writer.h"
+#include "viz_export/files/side_file.h"
 
 using namespace epafi;
 

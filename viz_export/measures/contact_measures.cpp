@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "engine/large_column.h"
-#include "engine/parallel_order.h"
+#include "engine/state/large_column.h"
+#include "engine/threads/parallel_order.h"
 
 namespace epafi {
 

@@ -1,6 +1,6 @@
 #include "viz_export/measures/count_measure.h"
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/parallel.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

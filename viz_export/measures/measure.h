@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "detection/shape_store.h"
-#include "engine/body_ids.h"
-#include "engine/observer.h"
-#include "engine/registry.h"
-#include "engine/sources.h"
+#include "engine/state/body_ids.h"
+#include "engine/step/observer.h"
+#include "engine/units/registry.h"
+#include "engine/step/sources.h"
 
 namespace epafi {
 

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <string>
 
-#include "engine/error.h"
-#include "viz_export/side_file.h"
+#include "engine/units/error.h"
+#include "viz_export/files/side_file.h"
 
 namespace epafi {
 namespace {

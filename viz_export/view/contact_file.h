@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

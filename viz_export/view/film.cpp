@@ -9,7 +9,7 @@
 #include <csignal>
 #include <vector>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "engine/error.h"
-#include "viz_export/deflate.h"
+#include "engine/units/error.h"
+#include "viz_export/hdf5/deflate.h"
 #include "viz_export/view/glyphs.h"
 
 namespace epafi {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/hash.h"
+#include "engine/state/hash.h"
 #include "viz_export/view/refine.h"
 
 namespace epafi {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "viz_export/body_record.h"
+#include "viz_export/files/body_record.h"
 
 namespace epafi {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "engine/types.h"
+#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <span>
 
-#include "engine/error.h"
-#include "engine/parallel.h"
-#include "viz_export/deflate.h"
+#include "engine/units/error.h"
+#include "engine/threads/parallel.h"
+#include "viz_export/hdf5/deflate.h"
 #include "viz_export/view/pack_columns.h"
 #include "viz_export/view/planes.h"
 

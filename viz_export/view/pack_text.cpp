@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/error.h"
-#include "viz_export/deflate.h"
-#include "viz_export/json_writer.h"
-#include "viz_export/measure_units.h"
+#include "engine/units/error.h"
+#include "viz_export/hdf5/deflate.h"
+#include "viz_export/files/json_writer.h"
+#include "viz_export/measures/measure_units.h"
 #include "viz_export/view/pack.h"
 #include "viz_export/view/planes.h"
 

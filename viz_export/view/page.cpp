@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <memory>
 
-#include "engine/error.h"
-#include "viz_export/html_text.h"
-#include "viz_export/side_file.h"
+#include "engine/units/error.h"
+#include "viz_export/report/html_text.h"
+#include "viz_export/files/side_file.h"
 #include "viz_export/view/pack.h"
 
 namespace epafi {

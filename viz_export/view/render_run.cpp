@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/error.h"
-#include "viz_export/side_file.h"
+#include "engine/units/error.h"
+#include "viz_export/files/side_file.h"
 #include "viz_export/view/film.h"
 #include "viz_export/view/raster.h"
 

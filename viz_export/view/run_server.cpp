@@ -1,7 +1,7 @@
 #include <charconv>
 #include <map>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "viz_export/view/pack.h"
 #include "viz_export/view/page.h"
 #include "viz_export/view/server.h"

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "viz_export/pvd_file.h"
+#include "viz_export/vtk/pvd_file.h"
 
 namespace epafi {
 namespace {

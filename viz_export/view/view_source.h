@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "viz_export/stored_run.h"
+#include "viz_export/hdf5/stored_run.h"
 #include "viz_export/view/contact_file.h"
 #include "viz_export/view/settings.h"
 

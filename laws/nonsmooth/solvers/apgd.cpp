@@ -1,6 +1,6 @@
 #include "laws/nonsmooth/solvers/apgd.h"
 
-#include "engine/order_free_sum.h"
+#include "engine/threads/order_free_sum.h"
 #include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/newton.h"

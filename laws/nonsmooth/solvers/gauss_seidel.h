@@ -6,7 +6,7 @@
 #pragma once
 #include <cmath>
 
-#include "engine/order_free_sum.h"
+#include "engine/threads/order_free_sum.h"
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/residual.h"

@@ -3,7 +3,7 @@
 /// (Jourdan, Alart and Jean 1998; Moreau's fixed point). w_T is the larger eigenvalue of W_TT: the step never
 /// overshoots.
 #pragma once
-#include "engine/lanes.h"
+#include "engine/lanes/lanes.h"
 #include "laws/nonsmooth/cone.h"
 #include "laws/nonsmooth/contact_problem.h"
 

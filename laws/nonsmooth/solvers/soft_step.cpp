@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "engine/parallel.h"
-#include "engine/parallel_order.h"
+#include "engine/threads/parallel.h"
+#include "engine/threads/parallel_order.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
 #include "laws/nonsmooth/solvers/pgs.h"

@@ -3,8 +3,8 @@
 #include <functional>
 #include <memory>
 
-#include "engine/registry.h"
-#include "engine/report.h"
+#include "engine/units/registry.h"
+#include "engine/step/report.h"
 #include "laws/nonsmooth/cone_problem.h"
 
 namespace epafi {

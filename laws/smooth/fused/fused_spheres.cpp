@@ -3,10 +3,10 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/parallel_order.h"
-#include "engine/parallel_wavefront.h"
-#include "engine/targets.h"
-#include "engine/touched_bodies.h"
+#include "engine/threads/parallel_order.h"
+#include "engine/threads/parallel_wavefront.h"
+#include "engine/lanes/targets.h"
+#include "engine/state/touched_bodies.h"
 #include "laws/smooth/fused/body_pass.h"
 #include "laws/smooth/fused/sphere_contacts.h"
 #include "laws/smooth/fused/sphere_kernel.h"

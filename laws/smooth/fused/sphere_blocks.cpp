@@ -7,9 +7,9 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/error.h"
-#include "engine/parallel_order.h"
-#include "engine/parallel_wavefront.h"
+#include "engine/units/error.h"
+#include "engine/threads/parallel_order.h"
+#include "engine/threads/parallel_wavefront.h"
 #include "laws/smooth/fused/body_pass.h"
 
 namespace epafi {

@@ -10,12 +10,12 @@
 #include <bit>
 #include <span>
 
-#include "engine/contacts.h"
-#include "engine/lanes.h"
-#include "engine/large_column.h"
-#include "engine/order_free_sum.h"
-#include "engine/parallel.h"
-#include "engine/state_visitor.h"
+#include "engine/state/contacts.h"
+#include "engine/lanes/lanes.h"
+#include "engine/state/large_column.h"
+#include "engine/threads/order_free_sum.h"
+#include "engine/threads/parallel.h"
+#include "engine/state/state_visitor.h"
 #include "laws/smooth/fused/sphere_springs.h"
 
 namespace epafi {

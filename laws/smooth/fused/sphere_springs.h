@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/lanes.h"
-#include "engine/large_column.h"
+#include "engine/lanes/lanes.h"
+#include "engine/state/large_column.h"
 #include "laws/smooth/bristles.h"
 
 namespace epafi {

@@ -4,7 +4,7 @@
 #pragma once
 #include <array>
 
-#include "engine/order_free_sum.h"
+#include "engine/threads/order_free_sum.h"
 
 namespace epafi {
 

@@ -1,5 +1,5 @@
 #include "laws/smooth/friction.h"
-#include "engine/targets.h"
+#include "engine/lanes/targets.h"
 #include "laws/smooth/passes/choose_passes.h"
 
 namespace epafi {

@@ -1,7 +1,7 @@
 /// @file normal_pass.h  A normal law as a pass. Only the .cpp files of this folder, one for each way of evaluation, see
 /// it.
 #pragma once
-#include "engine/targets.h"
+#include "engine/lanes/targets.h"
 #include "laws/smooth/choose_law.h"
 #include "laws/smooth/contact_edge.h"
 #include "laws/smooth/passes/choose_passes.h"

@@ -1,4 +1,4 @@
-#include "engine/targets.h"
+#include "engine/lanes/targets.h"
 #include "laws/smooth/friction.h"
 #include "laws/smooth/passes/choose_passes.h"
 

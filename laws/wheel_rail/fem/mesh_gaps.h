@@ -1,10 +1,10 @@
 /// @file mesh_gaps.h  The block's surface against the other body's, each a mesh of triangles of its own: gaps by
-/// closest-point projection through engine/gap_operator.h, linearised where the nodes stand and evaluated again where
+/// closest-point projection through engine/railway/gap_operator.h, linearised where the nodes stand and evaluated again where
 /// they have moved to (Wriggers 2006, chapters 4 and 6).
 #pragma once
 #include <memory>
 
-#include "engine/contact_region.h"
+#include "engine/railway/contact_region.h"
 #include "laws/wheel_rail/fem/elastic_block.h"
 #include "laws/wheel_rail/fem/surface_contact.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 
-#include "engine/report.h"
+#include "engine/step/report.h"
 #include "laws/wheel_rail/half_space/normal.h"
 
 namespace epafi {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/error.h"
-#include "engine/parallel.h"
+#include "engine/units/error.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/report.h"
+#include "engine/step/report.h"
 #include "laws/wheel_rail/half_space/pressure_kernel.h"
 #include "laws/wheel_rail/separation.h"
 

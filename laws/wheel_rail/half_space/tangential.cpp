@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "laws/wheel_rail/half_space/gmres.h"
 
 namespace epafi {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/report.h"
+#include "engine/step/report.h"
 #include "laws/wheel_rail/half_space/traction_kernel.h"
 #include "laws/wheel_rail/rolling.h"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/error.h"
+#include "engine/units/error.h"
 #include "laws/wheel_rail/half_space/tangential.h"
 
 namespace epafi {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "engine/contact_region.h"
+#include "engine/railway/contact_region.h"
 
 namespace epafi {
 

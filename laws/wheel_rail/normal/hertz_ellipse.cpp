@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/error.h"
-#include "engine/elliptic_integrals.h"
+#include "engine/units/error.h"
+#include "engine/railway/elliptic_integrals.h"
 
 namespace epafi {
 namespace {

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/elliptic_integrals.h"
+#include "engine/railway/elliptic_integrals.h"
 #include "laws/wheel_rail/normal/gap_at.h"
 #include "laws/wheel_rail/normal/models.h"
 #include "laws/wheel_rail/normal/strip_influence.h"

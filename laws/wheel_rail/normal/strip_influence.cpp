@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "engine/elliptic_integrals.h"
+#include "engine/railway/elliptic_integrals.h"
 
 namespace epafi {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/elliptic_integrals.h"
+#include "engine/railway/elliptic_integrals.h"
 #include "laws/wheel_rail/rolling.h"
 
 namespace epafi {

@@ -4,7 +4,7 @@
 ///   for (int k = 0; k < 100; ++k) assembly->simulation->advance();
 ///   std::puts(epafi::state_hash(assembly->simulation->world).c_str());
 #pragma once
-#include "engine/simulation.h"
+#include "engine/step/simulation.h"
 #include "scenes/assemble.h"
 #include "scenes/carry_over.h"
 #include "scenes/full_registry.h"

@@ -1,0 +1,438 @@
+#include <algorithm>
+#include <cmath>
+
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/pairs/flat_patch.h"
+#include "detection/narrow/mesh/mesh_pairs.h"
+#include "detection/narrow/mesh/mesh_region.h"
+#include "detection/narrow/pairs/side_clip.h"
+#include "detection/narrow/mesh/triangle_solid.h"
+
+namespace epafi {
+namespace {
+
+constexpr double on_surface = 1e-6;  // of the size, as in the manifold: what counts as lying on an edge or triangle
+constexpr double along_face = 1e-5;       // [rad]
+constexpr double same_edge_cosine = 0.7;  // directions nearer than 45 degrees at one point of the surface are one
+constexpr double narrow_enough = 1e-6;  // of the size: a wider interval than this is reported as degenerate
+
+/// All triangles lie in one face and none at its rim: the body sees a plane. (Where the face ended below the body, one
+/// of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so (perf/mesh.cpp).
+bool all_plain(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles) {
+  return std::all_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+    const auto& kinds = mesh.edge_kinds[t];
+    return mesh.face[t] == mesh.face[triangles.front()] &&
+           std::all_of(kinds.begin(), kinds.end(), [](EdgeKind k) { return k == EdgeKind::flat; });
+  });
+}
+
+/// Of the faces around the vertex farthest against n (its own axes) the one that looks most against n.
+std::uint32_t face_against(const PolyhedronView& p, const Vec3& n) {
+  const std::uint32_t v = ConvexHull::support_vertex(p, -n);
+  std::uint32_t best = p.fans[p.fan_begin[v]];
+  for (std::uint32_t k = p.fan_begin[v] + 1; k < p.fan_begin[v + 1]; ++k)
+    if (p.face_normals[p.fans[k]].dot(n) < p.face_normals[best].dot(n)) best = p.fans[k];
+  return best;
+}
+
+/// How a point is named: kind (2 bits), what it is on the body (18 bits), side of the triangle (2 bits).
+std::uint32_t local_name(FeatureKind kind, std::uint32_t on_body, std::uint32_t side) {
+  return static_cast<std::uint32_t>(kind) << 20 | (on_body & 0x3ffffu) << 2 | (side & 3u);
+}
+
+/// What a polyhedron turns towards a plane: a face.
+class PolyhedronSide {
+ public:
+  explicit PolyhedronSide(const PolyhedronView& body) : body_(body) {}
+  ConvexRef core() const { return core_of(body_); }
+  /// In the body's axes; n: unit, against which it is turned.
+  void towards(const Vec3& n, std::vector<SidePoint>& out) const {
+    const std::uint32_t face = face_against(body_, n);
+    for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k)
+      out.push_back({body_.vertices[body_.face_vertices[k]], body_.face_vertices[k], 0});
+  }
+  /// The points of an edge or corner of the region, along n: those of the triangles that reach as far.
+  template <class F>
+  void at_edge(const PlacedCore& b, const MeshRegion& region, const WayOut& way, const F& add) const {
+    for (const std::uint32_t t : region.triangles) {
+      const auto corner = b.mesh->corners(t);
+      const auto reaches = [&](const Vec3& c) { return way.normal.dot(c - way.on_mesh) > -b.tolerance; };
+      if (std::none_of(corner.begin(), corner.end(), reaches)) continue;
+      const TriangleSolid solid(corner, b.mesh->normals[t]);
+      const PolyhedronPair pair(body_, solid.view(), b.pose, solid.pose());
+      PolyhedronDistance d;
+      const Vec3 n = -(b.turn.transpose() * way.normal);
+      const Vec3 on_mesh = b.turn.transpose() * (way.on_mesh - b.pose.position);
+      d.axis.kind = SeparatingAxis::Kind::points;
+      d.axis.gap = way.gap;
+      d.axis.normal = n;
+      d.witness_a = on_mesh - way.gap * n;
+      d.witness_b = on_mesh;
+      const Patch patch = contact_patch(pair, d, b.reach, b.sweep, 0.0);
+      for (int k = 0; k < patch.count; ++k) {
+        const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+        const std::uint32_t name = local_name(feature_kind(p.feature), feature_vertex_a(p.feature),
+                                              feature_vertex_b(p.feature));
+        add(b.pose.position + b.turn * p.position, p.gap, t, name);
+      }
+    }
+  }
+
+ private:
+  const PolyhedronView& body_;
+};
+
+/// What a smooth body turns towards a plane: a flat side where it has one.
+class CoreSide {
+ public:
+  explicit CoreSide(const CoreOnPlane& body) : body_(body) {}
+  const ConvexRef& core() const { return body_.core; }
+  void towards(const Vec3& n, std::vector<SidePoint>& out) const {
+    if (!body_.facing) return;
+    const FlatSide side = body_.facing(body_.shape, -n);
+    for (int k = 0; k < side.count; ++k)
+      out.push_back({side.corner[static_cast<std::size_t>(k)], static_cast<std::uint32_t>(k), 0});
+  }
+  template <class F>
+  void at_edge(const PlacedCore& b, const MeshRegion& region, const WayOut& way, const F& add) const {
+    const Mat3 to_body = b.turn.transpose();
+    const Vec3 n = -(to_body * way.normal);
+    const double gap = way.gap - b.sweep;
+    FlatPair pair{{}, {}, b.core.radius, b.sweep, 0.0};
+    if (body_.facing) pair.a = body_.facing(body_.shape, n);
+    std::uint32_t owner = region.triangles.front();
+    for (const std::uint32_t t : region.triangles)
+      for (const Vec3& c : b.mesh->corners(t)) {
+        if (!(way.normal.dot(c - way.on_mesh) > -b.tolerance)) continue;
+        owner = t;
+        const Vec3 x = to_body * (c - b.pose.position);
+        const auto one = [&](const Vec3& o) { return (o - x).squaredNorm() <= b.tolerance * b.tolerance; };
+        const auto end = pair.b.corner.begin() + pair.b.count;
+        if (pair.b.count < 3 && std::none_of(pair.b.corner.begin(), end, one))
+          pair.b.corner[static_cast<std::size_t>(pair.b.count++)] = x;
+      }
+    if (pair.b.count != 2) pair.b.count = 0;  // a corner, or a plane that was not meant
+    const Vec3 middle = to_body * (way.on_mesh - b.pose.position) - 0.5 * gap * n;
+    const Patch patch = flat_patch(pair, {middle, n, gap}, b.reach);
+    for (int k = 0; k < patch.count; ++k) {
+      const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
+      add(b.pose.position + b.turn * p.position, p.gap, owner,
+          local_name(feature_kind(p.feature), feature_vertex_a(p.feature) << 8 | feature_vertex_b(p.feature), 0));
+    }
+  }
+
+  /// The closed form against the plane of t, as f(point, gap, name).
+  template <class F>
+  void on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const F& f) const {
+    static thread_local ContactSet set;  // keeps its size
+    set.clear();
+    ContactSink sink(set);
+    body_.collide(body_.shape, HalfSpace{n}, {b.pose, {point, Quat(1, 0, 0, 0)}, b.reach, false, nullptr}, sink);
+    for (std::size_t k = 0; k < set.size(); ++k) {
+      const Feature name = set.feature[k];
+      f(Vec3(b.pose.position + set.arm[k]), set.gap[k],
+        static_cast<std::uint32_t>((name >> 44 & 3u) << 20 | (name >> 22 & 0xffu) << 8 | (name & 0xffu)));
+    }
+  }
+
+ private:
+  const CoreOnPlane& body_;
+};
+
+/// One convex body against the convex regions of a surface.
+template <class Side>
+class ConvexOnMesh {
+ public:
+  ConvexOnMesh(const Side& side, const PlacedCore& body, std::span<const std::uint32_t> triangles,
+               std::vector<MeshPoint>& out, ContactSink& sink)
+      : side_(side), b_(body), mesh_(*body.mesh), triangles_(triangles), out_(out), sink_(sink) {}
+
+  void collide() {
+    if (!find_near()) return;
+    if (all_plain(mesh_, triangles_)) return on_face(triangles_.front(), normal_of(triangles_.front()), {}, true);
+    spoken_.assign(triangles_.size(), 0);
+    solved_.clear();
+    solved_triangles_.clear();
+    for (const std::uint32_t t : near_) {
+      const bool front = is_in_front(t);
+      if (spoken_[place_of(triangles_, t)] & (front ? 1 : 2)) continue;
+      gather_region(b_, triangles_, t, front, region_);
+      for (const std::uint32_t member : region_.triangles)
+        spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
+      solve();
+    }
+  }
+
+ private:
+  /// Finds the triangles that the body is near to, of a plane the first one, and takes them in place of the candidates;
+  /// with their neighbours where the surface bends: the way out may lean on a face beyond a blunt edge. False: none is.
+  bool find_near() {
+    const bool plain = all_plain(mesh_, triangles_);
+    near_.clear();
+    for (const std::uint32_t t : triangles_) {
+      if (!is_near(b_, t)) continue;
+      near_.push_back(t);
+      if (plain) break;
+    }
+    around_ = near_;
+    if (!all_plain(mesh_, near_)) {
+      for (const std::uint32_t t : near_)
+        for (std::size_t side = 0; side < 3; ++side)
+          if (mesh_.edge_kinds[t][side] != EdgeKind::open) around_.push_back(mesh_.neighbours[t][side]);
+      std::sort(around_.begin(), around_.end());
+      around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
+    }
+    triangles_ = around_;
+    return !near_.empty();
+  }
+  bool is_in_front(std::uint32_t t) const {
+    return !(mesh_.normals[t].dot(b_.pose.position - mesh_.vertices[mesh_.triangles[t][0]]) < 0.0);
+  }
+  Vec3 normal_of(std::uint32_t t) const { return normal_towards(mesh_, t, b_.pose.position); }
+
+  /// The way out of the region; on a face where its plane is as good, within the tolerance.
+  void solve() {
+    WayOut way = find_way_out(b_, region_);
+    if (way.uncertainty > narrow_enough * std::max(b_.core.radius, region_.radius)) sink_.mark_degenerate();
+    if (!(way.gap - b_.sweep < b_.reach) || !is_on_surface(way.on_mesh)) return;
+    const RegionPlane& best = best_plane();
+    // a plane within 1e-5 rad of the way out is meant
+    const bool along = way.normal.cross(best.normal).squaredNorm() <= along_face * along_face;
+    const double slack = along ? b_.tolerance : 1e-3 * b_.tolerance + 1e-12 * region_.radius;
+    const bool at_edge = best.gap < way.gap - slack;
+    const bool leans = at_edge && leans_on_others(way);
+    const std::size_t before = out_.size();
+    if (at_edge && !leans) {
+      if (is_known(way)) return;
+      side_.at_edge(b_, region_, way, [&](const Vec3& x, double gap, std::uint32_t t, std::uint32_t name) {
+        out_.push_back({x, way.normal, gap, mesh_feature(t, name)});
+      });
+      hold_deepest(way, before);
+      return remember(way);
+    }
+    on_face(best.triangle, best.normal, region_.triangles, false);
+    const WayOut out{best.gap, best.normal, way.on_mesh, 0.0};
+    if (!leans) hold_deepest(out, before);
+    if (out_.size() > before) remember(out);
+  }
+
+  /// Where the deepest point of the body hangs over a rim, or lies between the corners of a round end, the region's own
+  /// point next to it holds it.
+  void hold_deepest(const WayOut& way, std::size_t before) {
+    const double gap = way.gap - b_.sweep;
+    const auto holds = [&](const MeshPoint& p) { return p.gap <= gap + b_.tolerance; };
+    if (std::any_of(out_.begin() + static_cast<std::ptrdiff_t>(before), out_.end(), holds)) return;
+    NearestOnTriangle nearest{Vec3::Zero(), infinity, TrianglePart::face};
+    for (const std::uint32_t t : region_.triangles) {
+      const NearestOnTriangle here = nearest_on_triangle(way.on_mesh, mesh_.corners(t));
+      if (here.distance < nearest.distance) nearest = here;
+    }
+    if (is_hidden(nearest.point, way.normal)) return;
+    out_.push_back({nearest.point + 0.5 * gap * way.normal, way.normal, gap,
+                    mesh_feature(region_.first, local_name(FeatureKind::single, region_.front, 0))});
+  }
+
+  /// Another triangle stands between the point and the body: the far side of a plate thinner than the overlap.
+  bool is_hidden(const Vec3& point, const Vec3& n) const {
+    const Vec3 way = n * n.dot(b_.pose.position - point);
+    for (const std::uint32_t t : triangles_) {
+      const Vec3& on_plane = mesh_.vertices[mesh_.triangles[t][0]];
+      const double h0 = mesh_.normals[t].dot(point - on_plane), h1 = mesh_.normals[t].dot(point + way - on_plane);
+      if (!(h0 * h1 < 0.0) || std::abs(h0) <= b_.tolerance) continue;
+      if (over_triangle(mesh_, t, point + h0 / (h0 - h1) * way).beyond <= b_.tolerance) return true;
+    }
+    return false;
+  }
+
+  /// Walls around a notch, seen from behind, bend away from each other, but nothing is between them.
+  bool is_on_surface(const Vec3& x) const {
+    return region_.front || std::any_of(triangles_.begin(), triangles_.end(), [&](std::uint32_t t) {
+      return lies_on(mesh_, t, x, 10.0 * b_.tolerance);
+    });
+  }
+  const RegionPlane& best_plane() {
+    for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
+    return *std::max_element(region_.planes.begin(), region_.planes.end(),
+                             [](const RegionPlane& a, const RegionPlane& b) { return a.gap < b.gap; });
+  }
+  /// A triangle at the point that is not of the region reaches out along the way, and the body would go into it or
+  /// along the surface: a concave or an inner edge.
+  bool leans_on_others(const WayOut& way) const {
+    const auto& own = region_.triangles;
+    for (const std::uint32_t t : triangles_) {
+      if (std::binary_search(own.begin(), own.end(), t) || !lies_on(mesh_, t, way.on_mesh, b_.tolerance)) continue;
+      const Vec3 n = normal_of(t);
+      const auto goes_on = [&](const RegionPlane& p) {
+        return n.dot(p.normal) > 0.5 && std::abs(p.normal.dot(way.on_mesh - p.point)) <= b_.tolerance;
+      };
+      const auto& planes = region_.planes;
+      if (n.dot(way.normal) > -0.01 && std::none_of(planes.begin(), planes.end(), goes_on)) continue;
+      for (const Vec3& c : mesh_.corners(t)) {
+        const Vec3 w = c - way.on_mesh;  // flat within 1e-6 rad is not reaching out
+        if (way.normal.dot(w) > 1e-3 * b_.tolerance + 1e-6 * w.norm()) return true;
+      }
+    }
+    return false;
+  }
+  void remember(const WayOut& way) {
+    const auto begin = static_cast<std::ptrdiff_t>(solved_triangles_.size());
+    solved_triangles_.insert(solved_triangles_.end(), region_.triangles.begin(), region_.triangles.end());
+    solved_.push_back({way, begin, static_cast<std::ptrdiff_t>(solved_triangles_.size())});
+  }
+  /// The point belongs to a region that is known to be as deep.
+  bool is_known(const WayOut& way) const {
+    return std::any_of(solved_.begin(), solved_.end(), [&](const Solved& s) {
+      return s.way.gap <= way.gap + b_.tolerance && s.way.normal.dot(way.normal) > same_edge_cosine &&
+             std::any_of(solved_triangles_.begin() + s.begin, solved_triangles_.begin() + s.end,
+                         [&](std::uint32_t t) { return lies_on(mesh_, t, way.on_mesh, b_.tolerance); });
+    });
+  }
+
+  /// The points on the plane of t, towards n: those over its face.
+  void on_face(std::uint32_t t, const Vec3& n, const std::vector<std::uint32_t>& members, bool plain) {
+    const Vec3 point = mesh_.vertices[mesh_.triangles[t][0]];
+    const std::size_t before = out_.size();
+    if constexpr (std::is_same_v<Side, CoreSide>) {
+      bool all = true;
+      side_.on_plane(b_, n, point, [&](const Vec3& x, double gap, std::uint32_t name) {
+        if (plain || (is_over(members, t, x) && came_through(t, n, x + (0.5 * gap) * n)))
+          out_.push_back({x, n, gap, mesh_feature(mesh_.face[t], name)});
+        else
+          all = false;
+      });
+      if (all) return;
+      const Vec3 tip = b_.tip(-n);
+      side_points(n);
+      if (side_points_.size() < 2) return;
+      out_.resize(before);
+      if (is_over(members, t, tip) && came_through(t, n, tip)) add(t, n, point, {tip, 0x3ffffu, 0}, 0);
+    }
+    if (plain) {
+      side_points(n);
+      for (const SidePoint& p : side_points_) add(t, n, point, p, 0);
+      return;
+    }
+    for (const std::uint32_t member : members) {
+      if (mesh_.face[member] != mesh_.face[t]) continue;
+      side_points(n);
+      const Triangle& corner = mesh_.triangles[member];
+      clip_side([&](std::uint32_t k) -> const Vec3& { return mesh_.vertices[corner[k]]; }, 3, mesh_.normals[member],
+                b_.tolerance, side_points_);
+      for (const SidePoint& p : side_points_) {
+        const Cut cut = p.cut == 0 ? Cut::none : cut_at(member, region_.front, p.x);
+        if (cut == Cut::inside) continue;
+        if (cut == Cut::rim || came_through(member, n, p.x)) add(member, n, point, p, p.cut);
+      }
+    }
+  }
+  /// Where a side of the body was cut: inside the face (no corner of what they share), at its rim, at a concave edge.
+  enum class Cut { none, inside, rim, concave };
+  Cut cut_at(std::uint32_t t, bool front, const Vec3& x) const {
+    Cut cut = Cut::inside;
+    const auto corner = mesh_.corners(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const EdgeKind kind = mesh_.edge_kinds[t][k];
+      if (kind == EdgeKind::flat || std::abs(mesh_.inward[t][k].dot(x - corner[k])) > 2.0 * b_.tolerance) continue;
+      if (kind != (front ? EdgeKind::concave : EdgeKind::convex)) return Cut::rim;
+      cut = Cut::concave;
+    }
+    return cut;
+  }
+  void side_points(const Vec3& n) {
+    side_points_.clear();
+    side_.towards(b_.turn.transpose() * n, side_points_);
+    for (SidePoint& p : side_points_) p.x = b_.pose.position + b_.turn * p.x;
+  }
+  void add(std::uint32_t t, const Vec3& n, const Vec3& point, const SidePoint& p, std::uint32_t cut) {
+    const double gap = n.dot(p.x - point) - b_.sweep;
+    if (!(gap < b_.reach)) return;
+    const std::uint32_t name = local_name(cut == 0 ? FeatureKind::vertex_a : FeatureKind::edges, p.corner, cut);
+    out_.push_back(
+        {p.x - (b_.sweep + 0.5 * gap) * n, n, gap, mesh_feature(cut == 0 ? mesh_.face[t] : t, name)});
+  }
+  bool is_over(const std::vector<std::uint32_t>& members, std::uint32_t face, const Vec3& x) const {
+    return std::any_of(members.begin(), members.end(), [&](std::uint32_t t) {
+      return mesh_.face[t] == mesh_.face[face] && over_triangle(mesh_, t, x).beyond <= b_.tolerance;
+    });
+  }
+  /// Did the body come to x, behind the face of t, through that face and through no other before? Otherwise x belongs
+  /// to the surface beyond an edge: a corner of a box on a table is behind the table's side as well.
+  bool came_through(std::uint32_t face, const Vec3& n, const Vec3& x) const {
+    const Vec3& point = mesh_.vertices[mesh_.triangles[face][0]];
+    const Vec3& centre = b_.pose.position;
+    const double from = n.dot(centre - point), to = n.dot(x - point);
+    if (!(to < -b_.tolerance)) return true;
+    const double when = from / (from - to);
+    const Vec3 gate = centre + when * (x - centre);
+    bool through = false;
+    for (const std::uint32_t t : triangles_) {
+      if (mesh_.face[t] == mesh_.face[face]) {
+        through = through || over_triangle(mesh_, t, gate).beyond <= b_.tolerance;
+        continue;
+      }
+      const Vec3 on_plane = mesh_.vertices[mesh_.triangles[t][0]];
+      const double h0 = mesh_.normals[t].dot(centre - on_plane), h1 = mesh_.normals[t].dot(x - on_plane);
+      if (!(h0 * h1 < 0.0) || !(h0 / (h0 - h1) < when)) continue;
+      if (over_triangle(mesh_, t, centre + h0 / (h0 - h1) * (x - centre)).beyond <= 0.0) return false;
+    }
+    return through;
+  }
+
+  struct Solved {
+    WayOut way;
+    std::ptrdiff_t begin, end;  ///< of its triangles
+  };
+  struct Room {  // keeps its size: no allocation once the largest contact was seen
+    std::vector<std::uint32_t> near, around;
+    std::vector<unsigned char> spoken;
+    std::vector<Solved> solved;
+    std::vector<std::uint32_t> solved_triangles;
+    std::vector<SidePoint> side_points;
+    MeshRegion region;
+  };
+  static Room& room() {
+    static thread_local Room r;
+    return r;
+  }
+  const Side& side_;
+  const PlacedCore& b_;
+  const TriangleMesh& mesh_;
+  std::span<const std::uint32_t> triangles_;
+  std::vector<MeshPoint>& out_;
+  ContactSink& sink_;
+  std::vector<std::uint32_t>& near_ = room().near;
+  std::vector<std::uint32_t>& around_ = room().around;
+  std::vector<unsigned char>& spoken_ = room().spoken;  ///< by place: front and back of the triangle are in a region
+  std::vector<Solved>& solved_ = room().solved;
+  std::vector<std::uint32_t>& solved_triangles_ = room().solved_triangles;
+  std::vector<SidePoint>& side_points_ = room().side_points;
+  MeshRegion& region_ = room().region;
+};
+
+template <class Side>
+void collide_all(const Side& side, double sweep, double radius, const TriangleMesh& mesh,
+                 std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
+  static thread_local std::vector<MeshPoint> points;  // keeps its size
+  points.clear();
+  const Pose pose{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation};
+  const ConvexRef core = side.core();
+  const PlacedCore body{core,    sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * core.radius,
+                        &mesh};
+  ConvexOnMesh<Side>(side, body, triangles, points, sink).collide();
+  reduce(points, core.radius);
+  emit(points, pose.position, radius, q, sink);
+}
+
+}  // namespace
+
+void collide_polyhedron_triangles(const PolyhedronView& a, double sweep, double radius, const TriangleMesh& b,
+                                  std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
+  if (!triangles.empty()) collide_all(PolyhedronSide(a), sweep, radius, b, triangles, q, sink);
+}
+
+void collide_core_triangles(const CoreOnPlane& a, double sweep, double radius, const TriangleMesh& b,
+                            std::span<const std::uint32_t> triangles, const PairQuery& q, ContactSink& sink) {
+  if (!triangles.empty()) collide_all(CoreSide(a), sweep, radius, b, triangles, q, sink);
+}
+
+}  // namespace epafi

@@ -1,0 +1,176 @@
+#include "detection/narrow/mesh/mesh_region.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/gjk/gjk.h"
+#include "detection/narrow/mesh/triangle_solid.h"
+
+namespace epafi {
+namespace {
+
+constexpr double not_rising = 1e-9;  // [rad] far below what a normal can feel, far above rounding
+
+/// The triangles around a place, gathered to a region.
+class Gathering {
+ public:
+  Gathering(const PlacedCore& body, std::span<const std::uint32_t> triangles, bool front, MeshRegion& region)
+      : body_(body), mesh_(*body.mesh), region_(region) {
+    region.front = front;
+    region.triangles.clear();
+    region.planes.clear();
+    region.notches.clear();
+    region.corners.clear();
+    region.radius = 0.0;
+    for (const std::uint32_t t : triangles)
+      if (mesh_.notches[t] != 0) find_notches(t);
+  }
+  void take(std::uint32_t t) {
+    const auto corner = mesh_.corners(t);
+    const RegionPlane plane{region_.front ? mesh_.normals[t] : Vec3(-mesh_.normals[t]), corner[0], t};
+    if (!region_.triangles.empty() && !bends_away(plane, corner)) return;
+    if (!region_.notches.empty() && !keeps_notches_out(corner)) return;
+    region_.triangles.push_back(t);
+    const auto same = [&](const RegionPlane& p) { return mesh_.face[p.triangle] == mesh_.face[t]; };
+    if (std::none_of(region_.planes.begin(), region_.planes.end(), same)) region_.planes.push_back(plane);
+    for (const Vec3& c : corner) {
+      const Vec3 x = c - body_.pose.position;
+      if (std::find(region_.corners.begin(), region_.corners.end(), x) != region_.corners.end()) continue;
+      region_.corners.push_back(x);
+      region_.radius = std::max(region_.radius, x.norm());
+    }
+  }
+
+ private:
+  void find_notches(std::uint32_t t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const RegionNotch notch{mesh_.face[t], mesh_.triangles[t][k]};
+      const auto same = [&](const RegionNotch& n) { return n.face == notch.face && n.vertex == notch.vertex; };
+      if ((mesh_.notches[t] >> k & 1) == 0) continue;
+      if (std::none_of(region_.notches.begin(), region_.notches.end(), same)) region_.notches.push_back(notch);
+    }
+  }
+  bool is_above(const Vec3& normal, const Vec3& point, const Vec3& x) const {
+    const Vec3 w = x - point;
+    return normal.dot(w) > body_.tolerance + not_rising * w.norm();
+  }
+  /// No corner of either rises above the planes of the other.
+  bool bends_away(const RegionPlane& plane, const std::array<Vec3, 3>& corner) const {
+    for (const Vec3& c : corner)
+      for (const RegionPlane& p : region_.planes)
+        if (is_above(p.normal, p.point, c)) return false;
+    return std::none_of(region_.corners.begin(), region_.corners.end(), [&](const Vec3& c) {
+      return is_above(plane.normal, plane.point, body_.pose.position + c);
+    });
+  }
+  /// The convex outline of what is gathered in the plane of a face holds no notch of the face. A connected part of a
+  /// face whose outline reaches out of the face goes around a notch.
+  bool keeps_notches_out(const std::array<Vec3, 3>& corner) {
+    wider_ = region_.notches;
+    for (RegionNotch& n : wider_)
+      for (const Vec3& c : corner)
+        if (!widen(n, c)) return false;
+    region_.notches.swap(wider_);
+    return true;
+  }
+  /// False where the cone would be wider than half a turn.
+  bool widen(RegionNotch& n, const Vec3& x) const {
+    const Vec3& normal = mesh_.normals[n.face];
+    const Vec3 d = x - mesh_.vertices[n.vertex];
+    const double length = d.norm();
+    if (length <= body_.tolerance || std::abs(normal.dot(d)) > body_.tolerance) return true;
+    const auto is_left = [&](const Vec3& a, const Vec3& b) {  // b of a, or along it
+      return normal.dot(a.cross(b)) >= -body_.tolerance * std::max(length, a.norm());
+    };
+    if (n.right.squaredNorm() == 0.0) n.right = n.left = d;
+    const bool from_right = is_left(n.right, d), from_left = is_left(d, n.left);
+    if (!from_right && !from_left) return false;
+    if (!from_right) n.right = d;
+    if (!from_left) n.left = d;
+    return true;
+  }
+
+  const PlacedCore& body_;
+  const TriangleMesh& mesh_;
+  MeshRegion& region_;
+  std::vector<RegionNotch>& wider_ = room();
+  static std::vector<RegionNotch>& room() {
+    static thread_local std::vector<RegionNotch> notches;  // keeps its size
+    return notches;
+  }
+};
+
+}  // namespace
+
+Vec3 MeshRegion::support(const Vec3& d) const {
+  return *std::max_element(corners.begin(), corners.end(),
+                           [&](const Vec3& a, const Vec3& b) { return d.dot(a) < d.dot(b); });
+}
+
+void gather_region(const PlacedCore& body, std::span<const std::uint32_t> triangles, std::uint32_t first, bool front,
+                   MeshRegion& region) {
+  const TriangleMesh& mesh = *body.mesh;
+  Gathering gathering(body, triangles, front, region);
+  region.first = first;
+  gathering.take(first);
+  const EdgeKind away = front ? EdgeKind::convex : EdgeKind::concave;
+  for (std::size_t k = 0; k < region.triangles.size(); ++k) {
+    const std::uint32_t t = region.triangles[k];
+    for (std::size_t side = 0; side < 3; ++side) {
+      const EdgeKind kind = mesh.edge_kinds[t][side];
+      const std::uint32_t next = mesh.neighbours[t][side];
+      if (kind != EdgeKind::flat && kind != away) continue;
+      const std::size_t place = place_of(triangles, next);
+      if (place == triangles.size() || triangles[place] != next) continue;
+      if (std::find(region.triangles.begin(), region.triangles.end(), next) == region.triangles.end())
+        gathering.take(next);
+    }
+  }
+  std::sort(region.triangles.begin(), region.triangles.end());
+}
+
+WayOut find_way_out(const PlacedCore& body, const MeshRegion& region) {
+  const auto support = [](const void* p, const Vec3& d) { return static_cast<const MeshRegion*>(p)->support(d); };
+  const ConvexRef rock{&region, support, region.radius};
+  const MinkowskiDifference difference(body.core, rock, body.turn.transpose(), Vec3::Zero());
+  const double limit = body.reach + body.sweep;
+  const GjkResult g = gjk(difference, {limit + 1e-12 * difference.size(), 1e-14, Vec3::Zero()});
+  const auto to_mesh = [&](const Vec3& x) -> Vec3 { return body.pose.position + body.turn * x; };
+  if (g.status == GjkResult::Status::beyond) return {infinity, -(body.turn * g.normal), to_mesh(g.witness_b), 0.0};
+  if (g.status != GjkResult::Status::overlapping)
+    return {g.lower, -(body.turn * g.normal), to_mesh(g.witness_b), g.upper - g.lower};
+  const Penetration p = epa(difference);
+  return {-p.upper, -(body.turn * p.normal), to_mesh(p.witness_b), p.upper - p.lower};
+}
+
+bool is_out_of_reach(const PlacedCore& body, std::uint32_t t) {
+  const TriangleMesh& mesh = *body.mesh;
+  const double limit = body.reach + body.sweep;
+  const Vec3& centre = body.pose.position;
+  const OverTriangle at = over_triangle(mesh, t, centre);
+  const double near = body.core.radius + limit;
+  const double apart = limit + 4e-12 * (near + std::abs(at.height) + std::abs(at.beyond));
+  if (at.least_square() > near * near * (1.0 + 1e-12)) return true;
+  const auto corner = mesh.corners(t);
+  const Vec3 n = at.height < 0.0 ? Vec3(-mesh.normals[t]) : mesh.normals[t];
+  if (n.dot(body.tip(-n) - corner[0]) > apart) return true;
+  if (!(at.beyond > 0.0)) return false;
+  const auto beyond = [&](std::size_t k) { return -mesh.inward[t][k].dot(centre - corner[k]); };
+  std::size_t side = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (beyond(k) > beyond(side)) side = k;
+  const Vec3& inward = mesh.inward[t][side];
+  return -inward.dot(body.tip(inward) - corner[side]) > apart;
+}
+
+bool is_near(const PlacedCore& body, std::uint32_t t) {
+  if (is_out_of_reach(body, t)) return false;
+  const TriangleSolid solid(body.mesh->corners(t), body.mesh->normals[t]);
+  const Mat3 to_body = body.turn.transpose();
+  const MinkowskiDifference difference(body.core, ConvexRef::to(solid), to_body,
+                                       to_body * (solid.centre() - body.pose.position));
+  return gjk(difference, {body.reach + body.sweep, 1e-6, Vec3::Zero()}).status != GjkResult::Status::beyond;
+}
+
+}  // namespace epafi

@@ -1,0 +1,36 @@
+/// @file rank_team.h  The processes of a run that is shared out, as the floors see them that know nothing of messages.
+/// Process 0 leads: it has the whole simulation and all files; the others follow.
+#pragma once
+#include <functional>
+#include <memory>
+
+#include "engine/ranks/remote_steps.h"
+
+namespace epafi {
+
+/// What a process must know of the scene to share bodies out.
+struct PartSetup {
+  double reach = 0.0;                                 ///< contacts begin at this gap [m]
+  std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
+};
+
+class RankTeam {
+ public:
+  virtual ~RankTeam() = default;
+  virtual int count() const = 0;
+  virtual int number() const = 0;
+  /// By number 0. part: of the same scene as the whole simulation, its bodies are thrown away. FileError where another
+  /// process cannot begin.
+  virtual std::unique_ptr<RemoteSteps> lead(std::shared_ptr<Simulation> part, PartSetup setup) = 0;
+  /// By all others meanwhile: returns the exit code of the run when number 0 has ended.
+  virtual int follow(Simulation& part, PartSetup setup) = 0;
+
+  /// That of this program; null where it is alone.
+  static RankTeam* of_program() { return of_program_; }
+  static void set_of_program(RankTeam* team) { of_program_ = team; }
+
+ private:
+  static inline RankTeam* of_program_ = nullptr;
+};
+
+}  // namespace epafi

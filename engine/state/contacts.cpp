@@ -1,0 +1,206 @@
+#include "engine/state/contacts.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "engine/threads/parallel_order.h"
+
+namespace epafi {
+namespace {
+
+/// Puts element order[k] of each column into place k; empty columns stay empty.
+template <class... Column>
+void permute(const std::vector<std::uint32_t>& order, Column&... columns) {
+  const auto one = [&](auto& column) {
+    if (column.empty()) return;
+    std::remove_reference_t<decltype(column)> sorted;
+    sorted.reserve(order.size());
+    for (std::uint32_t k : order) sorted.push_back(column[k]);
+    column.swap(sorted);
+  };
+  (one(columns), ...);
+}
+
+}  // namespace
+
+void ContactSet::clear() {
+  a.clear(), b.clear(), feature.clear(), gap.clear(), normal.clear(), arm.clear();
+  effective_radius.clear(), area.clear(), force.clear(), moment.clear();
+}
+
+void ContactSet::give_back() {
+  const auto trim = [](auto& column) {
+    constexpr std::size_t spare = 1 << 16;  // contacts: 7 MB in all columns
+    if (column.capacity() > 2 * column.size() + spare) column.shrink_to_fit();
+  };
+  trim(a), trim(b), trim(feature), trim(gap), trim(normal), trim(arm);
+  trim(effective_radius), trim(area), trim(force), trim(moment);
+}
+
+/// Flattened: GCC leaves columns of names and numbers to calls, 2 % of a step of stones.
+[[gnu::flatten]] void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
+  a.push_back(slot_a), b.push_back(slot_b), feature.push_back(c.feature);
+  gap.push_back(c.gap), normal.push_back(c.normal), arm.push_back(c.arm);
+  if (with_curvature) effective_radius.push_back(c.effective_radius);
+  if (with_area) area.push_back(c.area);
+}
+
+void ContactSet::append(const ContactSet& other) {
+  const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  join(a, other.a), join(b, other.b), join(feature, other.feature), join(gap, other.gap);
+  join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius),
+      join(area, other.area);
+}
+
+void ContactSet::renew(std::size_t size) {
+  const auto make = [size](auto& column, bool is_filled = true) { epafi::renew(column, is_filled ? size : 0); };
+  make(a), make(b), make(feature), make(gap), make(normal), make(arm), make(force);
+  make(effective_radius, with_curvature), make(area, with_area), make(moment, with_moment);
+}
+
+void ContactSet::put(std::size_t i, Slot slot_a, Slot slot_b, const ContactPoint& c, const Vec3& on_a,
+                     const Vec3& moment_on_a) {
+  a[i] = slot_a, b[i] = slot_b, feature[i] = c.feature;
+  gap[i] = c.gap, normal[i] = c.normal, arm[i] = c.arm, force[i] = on_a;
+  if (with_curvature) effective_radius[i] = c.effective_radius;
+  if (with_area) area[i] = c.area;
+  if (with_moment) moment[i] = moment_on_a;
+}
+
+void ContactSet::put(std::size_t i, const ContactSet& from, std::size_t k) {
+  const ContactPoint c{from.gap[k], from.normal[k], from.arm[k], with_curvature ? from.effective_radius[k] : 0.0,
+                       from.feature[k], with_area ? from.area[k] : 0.0};
+  put(i, from.a[k], from.b[k], c, from.force[k], with_moment ? from.moment[k] : Vec3(Vec3::Zero()));
+}
+
+void ContactSet::sort() {
+  if (a.empty()) return;
+  // by A first: slots are few and dense, so counting does it; what is left are runs of a handful
+  std::vector<std::uint32_t> begin(std::size_t{*std::max_element(a.begin(), a.end())} + 2, 0), order(size());
+  for (const Slot s : a) ++begin[s + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  for (std::uint32_t k = 0; k < order.size(); ++k) order[begin[a[k]]++] = k;
+  const auto key = [&](std::uint32_t k) { return std::tuple(b[k], feature[k]); };
+  for (auto run = order.begin(); run != order.end();) {
+    const auto end = order.begin() + begin[a[*run]];
+    std::sort(run, end, [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+    run = end;
+  }
+  permute(order, a, b, feature, gap, normal, arm, effective_radius, area, force, moment);
+}
+
+std::size_t ContactSet::bytes_per_contact() const {
+  return 2 * sizeof(Slot) + sizeof(Feature) + sizeof(double) + 3 * sizeof(Vec3) +
+         (with_curvature ? sizeof(double) : 0) + (with_area ? sizeof(double) : 0) + (with_moment ? sizeof(Vec3) : 0);
+}
+
+namespace {
+
+/// Of a feature: its image in a periodic cell, and what of the body touches (the name of the mesh's side stands between).
+constexpr Feature image_bits = Feature{0xff} << 56, body_bits = 0xfffffff;
+
+/// The contacts of one pair of bodies in a list in canonical order.
+struct PairRange {
+  const std::vector<Feature>& feature;
+  std::size_t begin, end;
+
+  PairRange(const std::vector<Slot>& a, const std::vector<Slot>& b, const std::vector<Feature>& features, Slot first,
+            Slot second, Feature image)
+      : feature(features) {
+    const auto bound = [&](Feature f) {  // the first entry that is not before it
+      std::size_t low = 0, high = a.size();
+      while (low < high) {
+        const std::size_t middle = (low + high) / 2;
+        if (std::tuple(a[middle], b[middle], features[middle]) < std::tuple(first, second, f))
+          low = middle + 1;
+        else
+          high = middle;
+      }
+      return low;
+    };
+    begin = bound(image);
+    end = begin;
+    while (end < a.size() && a[end] == first && b[end] == second && (features[end] & image_bits) == image) ++end;
+  }
+  /// Index of the entry of that feature; `end` where there is none.
+  std::size_t find(Feature f) const {
+    const auto last = feature.begin() + static_cast<std::ptrdiff_t>(end);
+    const auto found = std::lower_bound(feature.begin() + static_cast<std::ptrdiff_t>(begin), last, f);
+    return found != last && *found == f ? static_cast<std::size_t>(found - feature.begin()) : end;
+  }
+};
+
+/// Of some entries of a list: how many there are, how many of one name on the body, and the last.
+struct Chosen {
+  std::size_t all = 0, of_name = 0, last = 0, last_of_name = 0;
+
+  void take(const PairRange& list, std::size_t k, Feature name) {
+    ++all;
+    last = k;
+    if ((list.feature[k] & body_bits) != name) return;
+    ++of_name;
+    last_of_name = k;
+  }
+};
+
+}  // namespace
+
+std::uint32_t ContactMemory::left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const {
+  const Feature f = contacts.feature[i], image = f & image_bits, name = f & body_bits;
+  const PairRange now(contacts.a, contacts.b, contacts.feature, contacts.a[i], contacts.b[i], image);
+  const PairRange before(a_, b_, feature_, contacts.a[i], contacts.b[i], image);
+  Chosen begun, ended;
+  for (std::size_t k = before.begin; k < before.end; ++k)
+    if (now.find(feature_[k]) == now.end && !(is_empty && is_empty(k))) ended.take(before, k, name);
+  if (ended.all == 0) return none;
+  for (std::size_t k = now.begin; k < now.end; ++k) {
+    const std::size_t was = before.find(contacts.feature[k]);
+    if (was == before.end || (is_empty && is_empty(was))) begun.take(now, k, name);
+  }
+  if (begun.of_name == 1 && ended.of_name == 1) return static_cast<std::uint32_t>(ended.last_of_name);
+  if (begun.all == 1 && ended.all == 1) return static_cast<std::uint32_t>(ended.last);
+  return none;
+}
+
+void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty) {
+  previous.resize(contacts.size());
+  const auto is_mesh = [&](Slot s) {
+    return std::binary_search(contacts.meshes.begin(), contacts.meshes.end(), s);
+  };
+  parallel_blocks(contacts.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
+    const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
+    const auto old = [&](std::size_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
+    const auto is_before = [&](const Slot& a) { return old(static_cast<std::size_t>(&a - a_.data())) < key(begin); };
+    auto k = static_cast<std::size_t>(std::partition_point(a_.begin(), a_.end(), is_before) - a_.begin());
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto wanted = key(i);
+      while (k < a_.size() && old(k) < wanted) ++k;
+      const bool found = k < a_.size() && old(k) == wanted;
+      previous[i] = found ? static_cast<std::uint32_t>(k) : none;
+      if ((found && !(is_empty && is_empty(k))) || !(is_mesh(contacts.a[i]) || is_mesh(contacts.b[i]))) continue;
+      if (const std::uint32_t left = left_for(contacts, i, is_empty); left != none) previous[i] = left;
+    }
+  });
+  a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
+}
+
+std::vector<std::uint32_t> ContactMemory::reorder(const Reordering& change) {
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t k = 0; k < a_.size(); ++k) {
+    a_[k] = change.new_slot[a_[k]], b_[k] = change.new_slot[b_[k]];
+    if (a_[k] != no_slot && b_[k] != no_slot) order.push_back(k);
+  }
+  const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) { return key(p) < key(q); });
+  permute(order, a_, b_, feature_);
+  return order;
+}
+
+void ContactMemory::visit(StateVisitor& visitor, const std::string& name) {
+  visitor.rows(RowsOf::first_slots, name + "/a", a_);
+  visitor.rows(RowsOf::second_slots, name + "/b", b_);
+  visitor.rows(RowsOf::contacts, name + "/feature", feature_);
+}
+
+}  // namespace epafi

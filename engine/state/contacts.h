@@ -1,0 +1,135 @@
+/// @file contacts.h  Candidate pairs and contacts: what detection produces and contact models consume.
+/// Canonical order: by (a, b, feature) with a, b the slots. A is always the body of lower id, the normal points from A
+/// to B. The order is a function of the state alone, so sums taken along it are the same bits for every thread count.
+#pragma once
+#include <compare>
+#include <functional>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "engine/state/large_column.h"
+#include "engine/state/state_visitor.h"
+#include "engine/state/world.h"
+
+namespace epafi {
+
+/// Two bodies whose fattened bounding boxes overlap; id(a) < id(b).
+struct Pair {
+  Slot a, b;
+  std::uint32_t image = 0;  ///< image_code of B's place, and in the next byte that of the contact's key; 0: B itself
+  auto operator<=>(const Pair&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 sees the 0 of <=>
+};
+
+using PairColumn = UnwrittenColumn<Pair>;
+
+/// Pairs that a contact model detects itself, of free spheres and of free spheres with fixed half-spaces, by the lower
+/// slot; of a half-space by that of its sphere.
+struct SpherePairs {
+  static constexpr Slot plane = Slot{1} << 31;  ///< a partner with this bit is a place in `planes`
+
+  std::vector<std::uint32_t> first;      ///< by slot: its first partner, those of the next slot follow
+  UnwrittenColumn<Slot> partner;         ///< ascending, of a pair of spheres the higher slot
+  UnwrittenColumn<std::uint32_t> image;  ///< beside them, as Pair::image from the lower slot; without a cell empty
+  std::vector<Slot> planes;              ///< the half-spaces, ascending
+
+  std::size_t size() const { return partner.size(); }
+};
+
+/// Sorted candidate pairs, kept while no body has moved beyond the margin.
+struct PairList {
+  PairColumn pairs;
+  double margin =
+      0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
+  std::uint64_t generation = 0;   ///< grows when the list changes: whoever derives data from it derives it again
+  /// By slot 1/half the body's own margin [1/m] or little more; empty: `margin` for all. Those of the broad phase, until
+  /// it makes the next list or lets go of it.
+  std::span<const float> hurry{};
+  SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
+  /// Until the next list is made.
+  void give_back() {
+    let_go(pairs), hurry = {};
+    let_go(spheres.first), let_go(spheres.partner), let_go(spheres.image);
+  }
+  /// By how much the bodies of a pair may come closer while the list lasts [m].
+  double margin_of(const Pair& p) const {
+    return hurry.empty() ? margin : 1.0 / double{hurry[p.a]} + 1.0 / double{hurry[p.b]};
+  }
+};
+
+/// Persistent name of a contact within its pair: part or triangle, face, vertex; image code in the top byte.
+using Feature = std::uint64_t;
+constexpr Feature feature_of(std::uint32_t high, std::uint32_t low) { return Feature{high} << 32 | low; }
+
+/// Geometry of one contact.
+struct ContactPoint {
+  double gap = std::numeric_limits<double>::infinity();  ///< signed distance [m], < 0 overlap
+  Vec3 normal = Vec3::UnitZ();                           ///< unit, from A to B
+  Vec3 arm = Vec3::Zero();                               ///< from A's centre to the contact point, world axes [m]
+  double effective_radius = 0.0;                         ///< R* = 1/(1/R_a + 1/R_b) [m], where curvature is needed
+  Feature feature = 0;
+  double area = 0.0;  ///< volume over overlap of a cell of overlap volume [m^2], where needed
+};
+
+/// Columns of contacts. Columns the plan does not need stay empty.
+struct ContactSet {
+  bool with_curvature = false;  ///< effective_radius is filled
+  bool with_moment = false;     ///< moment is filled by the contact model
+  bool with_area = false;       ///< area is filled: contacts are cells of overlap volume
+
+  std::vector<Slot> meshes;  ///< ascending: bodies whose contacts go from face to face of one surface
+
+  std::vector<Slot> a, b;
+  std::vector<Feature> feature;
+  std::vector<double> gap;               ///< [m]
+  std::vector<Vec3> normal;              ///< from A to B
+  std::vector<Vec3> arm;                 ///< from A's centre to the contact point [m]
+  std::vector<double> effective_radius;  ///< [m]
+  std::vector<double> area;              ///< [m^2]
+  std::vector<Vec3> force;               ///< on A, written by the contact model [N] (impulse / dt for non-smooth)
+  std::vector<Vec3> moment;              ///< on A beside the force [N m]
+
+  std::size_t size() const { return a.size(); }
+  void clear();
+  /// Gives back the room that a larger set left behind, where it is more than a few megabytes.
+  void give_back();
+  void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
+  /// `size` contacts in place of those that are there, each to be put; a few more next time find room.
+  void renew(std::size_t size);
+  void put(std::size_t i, Slot slot_a, Slot slot_b, const ContactPoint& c, const Vec3& on_a, const Vec3& moment_on_a);
+  void put(std::size_t i, const ContactSet& from, std::size_t k);
+  /// Canonical order, with force and moment where they are filled.
+  void sort();
+  /// Appends all of `other` behind this.
+  void append(const ContactSet& other);
+  /// From B's centre to the contact point [m].
+  Vec3 arm_b(std::size_t i, const World& world) const { return arm[i] - world.branch(a[i], b[i], feature[i]); }
+  Vec3 point(std::size_t i, const World& world) const { return world.position[a[i]] + arm[i]; }
+  /// Bytes of one contact, as `epafi explain` prints them.
+  std::size_t bytes_per_contact() const;
+};
+
+/// Keys of the contacts of the last step, for whatever is carried from step to step (tangential springs, warm starts).
+/// Both lists are in canonical order, so matching is one merge. On a mesh a contact that begins where another of the same
+/// two bodies ends is the same one, gone on over an edge: of one name on the body, or the only one that begins and ends.
+/// One that was near before, but of which nothing is remembered, begins too.
+class ContactMemory {
+ public:
+  static constexpr std::uint32_t none = 0xffffffffu;
+  using IsEmpty = std::function<bool(std::size_t)>;
+  /// previous[i] = index in the remembered list of contact i, or none; then remembers `contacts`.
+  /// is_empty(k): nothing is known of the remembered contact k but its name.
+  void match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty = {});
+  /// Renames slots and restores canonical order; order[k] = old index of the entry now at k (removed ones are dropped).
+  std::vector<std::uint32_t> reorder(const Reordering& change);
+  void visit(StateVisitor& visitor, const std::string& name);
+  std::size_t size() const { return a_.size(); }
+
+ private:
+  std::uint32_t left_for(const ContactSet& contacts, std::size_t i, const IsEmpty& is_empty) const;
+
+  std::vector<Slot> a_, b_;
+  std::vector<Feature> feature_;
+};
+
+}  // namespace epafi

@@ -1,0 +1,58 @@
+/// @file contact_pieces.h  The contacts of a step, a piece at a time: columns of all that a contact model finds itself
+/// took 40 bytes a sphere for their gaps, 350 for what a frame draws.
+#pragma once
+#include <algorithm>
+
+#include "engine/threads/parallel.h"
+#include "engine/step/pipeline.h"
+
+namespace epafi {
+
+class ContactPieces {
+ public:
+  /// model: whose own contacts come on top; null: there are none.
+  ContactPieces(const World& world, const ContactSet& contacts, const ContactModel* model = nullptr)
+      : world_(world),
+        contacts_(contacts),
+        model_(model),
+        known_((contacts.size() + sum_block - 1) / sum_block),
+        size_(known_ + (model != nullptr ? model->own_parts() : 0)) {}
+  std::size_t size() const { return size_; }
+  /// The contacts of the piece are the model's own, all of which touch: so many.
+  bool is_own(std::size_t piece) const { return piece >= known_; }
+  std::size_t own_count(std::size_t piece) const { return model_->own_count(piece - known_); }
+
+  /// f(contacts, begin, end): those of a piece with a, b, gap and, where it is known, force. Points of one pair stand
+  /// behind each other in `contacts`, which a piece may divide. Several threads may read.
+  template <class F>
+  void read_gaps(std::size_t piece, const F& f) const {
+    read_by(piece, &ContactModel::append_gaps, f);
+  }
+  /// The same with feature, normal, arm and force.
+  template <class F>
+  void read(std::size_t piece, const F& f) const {
+    read_by(piece, &ContactModel::append_contacts, f);
+  }
+
+ private:
+  using Append = void (ContactModel::*)(const World&, std::size_t, ContactSet&) const;
+  template <class F>
+  void read_by(std::size_t piece, Append append, const F& f) const {
+    if (!is_own(piece)) {
+      f(contacts_, piece * sum_block, std::min(contacts_.size(), (piece + 1) * sum_block));
+      return;
+    }
+    thread_local ContactSet room;
+    room.clear();
+    room.with_curvature = true;
+    (model_->*append)(world_, piece - known_, room);
+    f(room, std::size_t{0}, room.size());
+  }
+
+  const World& world_;
+  const ContactSet& contacts_;
+  const ContactModel* model_;
+  std::size_t known_, size_;
+};
+
+}  // namespace epafi

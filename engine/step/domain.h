@@ -1,0 +1,49 @@
+/// @file domain.h  The box the bodies must stay in, and the watch for states that are no numbers.
+#pragma once
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/state/world.h"
+
+namespace epafi {
+
+/// A run that cannot go on. The state before the step is the last good one.
+struct Failure {
+  std::string kind;  ///< "non-finite state", "lost body"
+  std::uint64_t step = 0;
+  std::optional<BodyId> body{};
+  std::string text;  ///< cause with value and unit, next action
+};
+
+struct Domain {
+  enum class Outside { error, remove };
+  Vec3 min = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  Vec3 max = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Outside outside = Outside::error;
+  bool contains(const Vec3& x) const { return (x.array() >= min.array()).all() && (x.array() <= max.array()).all(); }
+};
+
+/// Where all free bodies lie [m], and whether all their positions and velocities are numbers.
+struct Extent {
+  static constexpr double none = std::numeric_limits<double>::infinity();
+  Vec3 low = Vec3::Constant(none), high = Vec3::Constant(-none);
+  bool finite = true;
+
+  Extent& operator+=(const Extent& o) {
+    low = low.cwiseMin(o.low), high = high.cwiseMax(o.high), finite = finite && o.finite;
+    return *this;
+  }
+  /// No body can be astray.
+  bool is_inside(const std::optional<Domain>& domain) const {
+    return finite && (!domain || (domain->contains(low) && domain->contains(high)));
+  }
+};
+
+/// Free bodies whose position or velocity is no number, or outside the domain, in the order of ids. Almost always
+/// empty: one pass over positions and velocities.
+std::vector<Slot> find_strays(const World& world, const std::optional<Domain>& domain);
+bool is_finite(const World& world, Slot s);
+
+}  // namespace epafi

@@ -1,0 +1,117 @@
+#include "engine/step/energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/threads/parallel.h"
+
+namespace epafi {
+
+double kinetic_energy(const World& world, Slot s) {
+  if (!world.is_movable(s)) return 0.0;
+  double twice = world.velocity[s].squaredNorm() / world.inverse_mass[s];
+  if (world.rotates()) {
+    const bool even = world.is_isotropic(s);  // the axes do not matter
+    const Vec3 &spin = world.angular_velocity[s], w = even ? spin : Vec3(world.orientation[s].conjugate() * spin);
+    twice += w.cwiseProduct(w).cwiseQuotient(world.inverse_inertia_of(s)).sum();
+  }
+  return 0.5 * twice;
+}
+
+double kinetic_energy(const World& world) {
+  return block_sum<double>(world.size(), [&](std::size_t i) { return kinetic_energy(world, static_cast<Slot>(i)); });
+}
+
+double potential_energy(const World& world, Slot s) {
+  if (!world.is_movable(s)) return 0.0;
+  return -world.steady_acceleration(s).dot(world.unwrapped(s)) / world.inverse_mass[s];
+}
+
+double potential_energy(const World& world) {
+  return block_sum<double>(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    return potential_energy(world, s);
+  });
+}
+
+Vec3 linear_momentum(const World& world) {
+  const auto sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
+    const auto s = static_cast<Slot>(i);
+    if (!world.is_movable(s)) return Sum3{};
+    const Vec3 p = world.velocity[s] / world.inverse_mass[s];
+    return Sum3{p.x(), p.y(), p.z()};
+  });
+  return {sum.a, sum.b, sum.c};
+}
+
+void EnergyLedger::start(const World& world, const StepReport& report) {
+  now_ = {};
+  now_.elastic = report.elastic;
+  measure(world);
+  start_ = now_.stored();
+  largest_inner_ = now_.kinetic + now_.elastic;
+  lowest_potential_ = highest_potential_ = now_.potential;
+}
+
+void EnergyLedger::add(const StepReport& report, double fall) {
+  fall_ = report.has_solver ? fall : 0.0;
+  now_.elastic = report.elastic;
+  now_.taken += report.dissipated;
+  now_.dissipated = std::max(now_.dissipated, now_.taken);
+  now_.gained = std::max(now_.gained, now_.dissipated - now_.taken);
+  now_.losses += report.losses;
+  now_.work += report.work;
+  now_.correction += report.correction;
+}
+
+void EnergyLedger::accept_jump(const World& world, double stored_before) {
+  const double jump = stored(world) - stored_before;
+  now_.work += jump;
+  // the spread is that of the bodies' motion: a body that is taken out does not widen it
+  const double potential = potential_energy(world);
+  const double change = potential - now_.potential;
+  lowest_potential_ += change, highest_potential_ += change;
+  now_.potential = potential;
+}
+
+void EnergyLedger::accept_bodies(double kinetic, double potential) {
+  now_.work += kinetic + potential;
+  lowest_potential_ += potential, highest_potential_ += potential;
+  now_.kinetic += kinetic, now_.potential += potential;
+}
+
+Energy EnergyLedger::measure(const World& world) {
+  if (fall_ > 0.0)
+    mass_ = block_sum<double>(
+        world.size(), [&](std::size_t s) { return world.inverse_mass[s] > 0.0 ? 1.0 / world.inverse_mass[s] : 0.0; });
+  now_.kinetic = kinetic_energy(world);
+  now_.potential = potential_energy(world);
+  largest_inner_ = std::max(largest_inner_, now_.kinetic + now_.elastic);
+  lowest_potential_ = std::min(lowest_potential_, now_.potential);
+  highest_potential_ = std::max(highest_potential_, now_.potential);
+  return now_;
+}
+
+double EnergyLedger::error() const {
+  // what solvers leave of bodies at rest goes to and fro: below a thousandth of what one step of free fall gives them
+  // it is no gain
+  const double gain = now_.dissipated - now_.taken, noise = 1e-3 * 0.5 * mass_ * fall_ * fall_;
+  return now_.stored() - start_ + now_.dissipated - now_.work - std::min(gain, noise);
+}
+
+double EnergyLedger::relative(double error) const {
+  const double reference = largest_inner_ + (highest_potential_ - lowest_potential_);
+  // what is left of sums of large terms is rounding: a body at rest high up has no energy error
+  const double rounding =
+      1e-14 * (std::abs(now_.potential) + std::abs(start_) + now_.kinetic + now_.elastic + now_.dissipated);
+  if (!std::isfinite(error)) return error;
+  return std::abs(error) > rounding && reference > 0 ? error / reference : 0.0;
+}
+
+void EnergyLedger::visit(StateVisitor& v) {
+  v.value("energy/now", now_), v.value("energy/start", start_), v.value("energy/largest_inner", largest_inner_);
+  v.value("energy/mass", mass_), v.value("energy/fall", fall_);
+  v.value("energy/lowest_potential", lowest_potential_), v.value("energy/highest_potential", highest_potential_);
+}
+
+}  // namespace epafi

@@ -1,0 +1,75 @@
+/// @file observer.h  Whoever looks at finished steps: measures, files, ledgers of overlap. Const access only, so output
+/// cannot change a trajectory.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "engine/step/contact_pieces.h"
+#include "engine/step/energy.h"
+
+namespace epafi {
+
+/// A finished step. Contacts are those of the last detection.
+struct StepView {
+  const World& world;
+  const ContactSet& contacts;
+  const PairList& pairs;
+  const StepReport& report;
+  const EnergyLedger& ledger;
+  std::uint64_t step = 0;   ///< steps done so far
+  double dt = 0.0;          ///< [s]
+  std::size_t movable = 0;  ///< free bodies now
+  bool last = false;        ///< the run ends with this step
+  const ContactModel* model = nullptr;  ///< with contacts of its own; null: none
+
+  /// All contacts, those that are not among `contacts` too.
+  ContactPieces pieces() const { return {world, contacts, model}; }
+};
+
+/// What an observer looks at of single contacts: nothing, what StepView::pieces says, or all of them in `contacts`.
+enum class ContactView { none, pieces, all };
+
+/// Called when `is_due`; the simulation measures the energies before if `wants_energy`.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual bool is_due(std::uint64_t step) const = 0;
+  virtual bool wants_energy(std::uint64_t /*step*/) const { return false; }
+  /// It looks at the bodies in this step; where nobody does the next step may begin before this one is shown.
+  virtual bool wants_bodies(std::uint64_t step) const { return is_due(step); }
+  /// In this step, the last one of the run where `last`. What nobody looks at need not be written out: a contact model
+  /// that finds contacts of its own shows them piece by piece where that is enough.
+  virtual ContactView wants_contacts(std::uint64_t step, bool last) const {
+    return last || is_due(step) ? ContactView::all : ContactView::none;
+  }
+  virtual void observe(const StepView& view) = 0;
+  /// Between two steps: the bodies from slot `first` on have come in, where they are now.
+  virtual void bodies_come(const World& /*world*/, std::size_t /*first*/) {}
+  /// Between two steps: these bodies are taken out now; they are still there.
+  virtual void bodies_leave(const World& /*world*/, std::span<const BodyId> /*bodies*/) {}
+  virtual void visit(StateVisitor&) {}
+};
+
+/// Due in the steps nearest to the multiples of an interval, and at step 0: the k-th time is within half a step of
+/// k times the interval however long the run is.
+class EverySteps {
+ public:
+  EverySteps() = default;
+  /// every: the interval in steps, a fraction too; below 1 every step is due.
+  EverySteps(double every, std::uint64_t first = 0) : every_(std::max(1.0, every)), first_(first) {}
+  /// interval [s], 0: every step; dt [s]; first: the step that it is counted from
+  static EverySteps of_time(double interval, double dt, std::uint64_t first = 0) {
+    return EverySteps(interval / dt, first);
+  }
+  bool is_due(std::uint64_t step) const {
+    const auto now = static_cast<double>(step) - static_cast<double>(first_);
+    return std::round(std::round(now / every_) * every_) == now;
+  }
+
+ private:
+  double every_ = 1.0;
+  std::uint64_t first_ = 0;
+};
+
+}  // namespace epafi

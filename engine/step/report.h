@@ -1,0 +1,91 @@
+/// @file report.h  What a step did: counts, times, energies, residual. Numerical trouble is a value here, not an
+/// exception.
+#pragma once
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "engine/threads/shared_out.h"
+#include "engine/state/types.h"
+
+namespace epafi {
+
+/// What a solver returns; residual is measured outside the solver (laws/nonsmooth/residual.h).
+struct SolverReport {
+  bool converged = true;
+  int iterations = 0;
+  double residual = 0.0;
+};
+
+/// What a problem of a step lacks, where its solver cannot help it.
+struct SolverTrouble {
+  enum class Kind {
+    none,
+    no_solution,    ///< contacts demand of bodies what no motion gives: squeezed between driven walls
+    beyond_measure  ///< impulses so large that rounding is more than every velocity
+  };
+  Kind kind = Kind::none;
+  std::string text;       ///< why, with numbers
+  double size = 0.0;      ///< how fast the contacts close that cannot [m/s], or the largest impulse [N s]
+  std::uint32_t slot = 0; ///< of a body it is about
+};
+
+enum class Stage { integrate, broad_phase, narrow_phase, contact, output };
+inline constexpr std::array<const char*, 5> stage_names{"integrate", "broad_phase", "narrow_phase", "contact",
+                                                        "output"};
+
+/// Wall seconds by stage, and those of them outside loops that are shared out over threads.
+struct StageSeconds {
+  std::array<double, 5> seconds{}, serial{};
+  double& operator[](Stage s) { return seconds[static_cast<std::size_t>(s)]; }
+  double operator[](Stage s) const { return seconds[static_cast<std::size_t>(s)]; }
+};
+
+/// Adds the time since the last lap to a stage.
+class StageTimer {
+ public:
+  explicit StageTimer(StageSeconds& seconds) : seconds_(seconds), last_(Clock::now()), shared_(SharedOut::seconds()) {}
+  void lap(Stage stage) {
+    const auto now = Clock::now();
+    const double shared = SharedOut::seconds(), all = std::chrono::duration<double>(now - last_).count();
+    seconds_[stage] += all;
+    seconds_.serial[static_cast<std::size_t>(stage)] += all - (shared - shared_);
+    last_ = now, shared_ = shared;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  StageSeconds& seconds_;
+  Clock::time_point last_;
+  double shared_;
+};
+
+/// Parts of what smooth contacts lose [J]: dashpots and rolling, slip, plastic deformation, adhesion.
+struct Losses {
+  double viscous = 0.0, frictional = 0.0, plastic = 0.0, adhesive = 0.0;
+  Losses& operator+=(const Losses& o) {
+    viscous += o.viscous, frictional += o.frictional, plastic += o.plastic, adhesive += o.adhesive;
+    return *this;
+  }
+};
+
+/// What the contact model reports of one step.
+struct StepReport {
+  std::size_t pairs = 0;
+  std::size_t contacts = 0;  ///< reported by the narrow phase
+  std::size_t touching = 0;  ///< with gap < 0 (smooth) or impulse > 0 (non-smooth)
+  double elastic = 0.0;      ///< energy stored in the contacts now [J]; with StepClock::run_on it may be an older one
+  double dissipated = 0.0;   ///< energy lost in the contacts during this step [J]
+  double work = 0.0;         ///< work of driven bodies on the others during this step [J]
+  double correction = 0.0;   ///< potential energy put in by moving overlapping bodies apart in this step [J]
+  Losses losses;             ///< parts of `dissipated`, of smooth contact
+  double deepest = 0.0;           ///< largest overlap of all contacts [m]
+  double deepest_relative = 0.0;  ///< of contacts that a model finds itself, over the smaller radius of the pair
+  bool has_solver = false;
+  SolverReport solver;
+  SolverTrouble trouble;
+  StageSeconds seconds;  ///< summed over all steps so far
+};
+
+}  // namespace epafi

@@ -1,0 +1,341 @@
+#include "engine/step/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "engine/threads/parallel.h"
+
+namespace epafi {
+
+namespace {
+
+/// "; of its 3 contacts that with body 7 has ...": where a body's trouble may come from. A force or gap that is not
+/// finite says it, else the deepest overlap does.
+std::string suspect_of(const World& world, const ContactSet& contacts, Slot slot) {
+  std::size_t count = 0, worst = 0;
+  double badness = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts.a[i] != slot && contacts.b[i] != slot) continue;
+    const bool sound = std::isfinite(contacts.gap[i]) && (i >= contacts.force.size() || contacts.force[i].allFinite());
+    const double bad = sound ? -contacts.gap[i] : std::numeric_limits<double>::infinity();
+    if (count++ == 0 || bad > badness) worst = i, badness = bad;
+  }
+  if (count == 0) return "; no contact";
+  const Slot other = contacts.a[worst] == slot ? contacts.b[worst] : contacts.a[worst];
+  char text[160];
+  std::snprintf(text, sizeof text, "; %zu contacts, the worst with body %u: gap %g m", count,
+                static_cast<unsigned>(world.id[other]), contacts.gap[worst]);
+  std::string out = text;
+  if (worst < contacts.force.size()) {
+    const Vec3& f = contacts.force[worst];
+    std::snprintf(text, sizeof text, ", force (%g, %g, %g) N", f.x(), f.y(), f.z());
+    out += text;
+  }
+  return out;
+}
+
+}  // namespace
+
+void Simulation::start() {
+  sort_bodies();
+  count_movable();
+  if (loads) loads->set(world, world.clock);
+  if (pipeline.scheme->needs_initial_forces())
+    evaluate_forces(world, pipeline, work);
+  else
+    pipeline.contact_model->store(world, work.report);
+  ledger.start(world, work.report);
+  observe(false);
+  static_cast<void>(look_at_step());  // a single look ends no run
+}
+
+/// Where forces hold they are kept to the bit: a stage that changes nothing is no event.
+void Simulation::enter(const Entry& entry) {
+  count_movable();
+  if (loads) loads->set(world, world.clock);
+  work.report.elastic = entry.elastic;
+  if (!entry.forces_hold) {
+    if (pipeline.scheme->needs_initial_forces()) {
+      evaluate_forces(world, pipeline, work);
+    } else {
+      work.report.elastic = 0.0;
+      pipeline.contact_model->store(world, work.report);
+    }
+  }
+  if (entry.new_ledger) {
+    ledger.start(world, work.report);
+    observe(false);
+  } else {  // this step has been seen
+    ledger.take_elastic(work.report);
+    ledger.accept_jump(world, entry.stored_before);
+  }
+  if (!entry.forces_hold || entry.new_ledger) static_cast<void>(look_at_step());
+}
+
+std::optional<Failure> Simulation::advance(bool last, bool run_on) {
+  if (parts_of_step) come_home();
+  int parts = parts_of_step ? parts_of_step(world) : 1;
+  if (step_watch) parts = std::max(parts, step_watch->parts());
+  double deepest = 0.0;
+  const bool sort = sorts_now();
+  ++steps_;
+  for (int part = 0; part < parts; ++part) {
+    auto failure = make_step(time_step / parts, sort && part == 0, run_on && !last && nobody_looks());
+    if (failure) return failure;
+    deepest = std::max(deepest, work.report.deepest);
+  }
+  work.report.deepest = deepest;
+  parts_made_ += static_cast<std::uint64_t>(parts);
+  StageTimer timer(work.report.seconds);
+  observe(last);
+  timer.lap(Stage::output);
+  if (auto failure = look_at_step()) return failure;
+  return look_at_energy();
+}
+
+std::optional<Failure> Simulation::look_at_step() {
+  if (!step_watch) return std::nullopt;
+  step_watch->note(steps_, work.report.deepest);
+  if (!step_watch->is_due(steps_)) return std::nullopt;
+  std::optional<Failure> failure;
+  const auto look = [&](const StepView& now) { failure = step_watch->look(now); };
+  if (!away_.stepped) {
+    show_contacts(ContactView::pieces, false, look);
+  } else {  // it asks for contacts and places alone: the state of all bodies may stay away
+    remote->fetch_contacts(*this);
+    look({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, false, nullptr});
+  }
+  return failure;
+}
+
+/// Between this step and the next one.
+bool Simulation::nobody_looks() const {
+  if (parts_of_step || pipeline.guard || loads || sorts_now()) return false;
+  if (step_watch && (step_watch->parts() > 1 || step_watch->is_due(steps_))) return false;
+  return std::none_of(observers.begin(), observers.end(), [this](const auto& o) { return o->wants_bodies(steps_); });
+}
+
+/// The domain as this step sees it: none between two looks for bodies to be taken out, whoever looks meanwhile.
+const std::optional<Domain>& Simulation::watched() const {
+  static const std::optional<Domain> none;
+  return domain && domain->outside == Domain::Outside::remove && (steps_ + before_) % outlet_interval() != 0 ? none
+                                                                                                             : domain;
+}
+
+/// Whatever changes the bodies between two steps.
+void Simulation::prepare(double dt, bool sort) {
+  const std::size_t before = world.size();
+  for (auto& event : events) event->before_step(world, dt, leaving_);
+  if (world.size() > before) welcome(before);
+  if (!leaving_.empty()) take_out();
+  if (sort) sort_bodies();
+}
+
+std::optional<Failure> Simulation::make_step(double dt, bool sort, bool run_on) {
+  if (remote) return make_remote_step(dt, sort);
+  prepare(dt, sort);
+  const RunOn leave{[this](const Extent& seen) { return seen.is_inside(watched()); }, domain.has_value()};
+  const bool rest = run_on && std::ranges::all_of(events, [&](const auto& e) { return e->rests_next(world, dt); });
+  if (loads) loads->before_step(world, dt);
+  step(world, pipeline, work, dt, rest ? &leave : nullptr);
+  work.report.deepest = block_max<double>(work.contacts.size(), work.report.deepest,
+                                          [&](std::size_t k) { return -work.contacts.gap[k]; });
+  ledger.add(work.report, dt * world.gravity.norm());
+  if (loads) ledger.add_work(loads->after_step(world, dt));
+  return watch();
+}
+
+/// The state comes here only where something is to be done with it.
+std::optional<Failure> Simulation::make_remote_step(double dt, bool sort) {
+  if (sort || !leaving_.empty() || !away_.rest || dt != away_.dt) {
+    come_home();
+    away_.sent = false;
+    prepare(dt, sort);
+  }
+  if (!std::exchange(away_.sent, true)) remote->send(*this);
+  away_.rest = std::ranges::all_of(events, [&](const auto& e) { return e->is_local() || e->rests_next(world, dt); });
+  away_.dt = dt;
+  away_.home = false;
+  away_.stepped = true;
+  const bool sound = remote->step(dt, watched(), work.report);
+  world.time += dt, world.clock += dt, world.fallen += dt * world.gravity;
+  ledger.add(work.report, dt * world.gravity.norm());
+  if (sound) return std::nullopt;
+  come_home();
+  remote->fetch_contacts(*this);
+  return look_at_strays();
+}
+
+void Simulation::come_home() {
+  if (std::exchange(away_.home, true)) return;
+  work.contacts.clear();
+  remote->fetch(*this);
+}
+
+/// Bodies from slot `before` on came in: their energy is work done on the scene.
+void Simulation::welcome(std::size_t before) {
+  double kinetic = 0.0, potential = 0.0;
+  for (std::size_t s = before; s < world.size(); ++s)
+    kinetic += kinetic_energy(world, static_cast<Slot>(s)), potential += potential_energy(world, static_cast<Slot>(s));
+  ledger.accept_bodies(kinetic, potential);
+  count_movable();
+  for (const auto& o : observers) o->bodies_come(world, before);
+}
+
+void Simulation::count_movable() {
+  movable_ = static_cast<std::size_t>(
+      std::count_if(world.inverse_mass.begin(), world.inverse_mass.end(), [](double m) { return m > 0; }));
+}
+
+void Simulation::sort_bodies() { reorder(world.reorder(morton_order(world))); }
+
+void Simulation::reorder(const Reordering& change) {
+  pipeline.each_stage([&](auto& stage) { stage.reorder(change); });
+  work.contacts.clear();  // their slots are those of before
+}
+
+void Simulation::take_out() {
+  std::sort(leaving_.begin(), leaving_.end());
+  leaving_.erase(std::unique(leaving_.begin(), leaving_.end()), leaving_.end());
+  for (const auto& o : observers) o->bodies_leave(world, leaving_);
+  ledger.measure(world);
+  const double before = ledger.stored(world);
+  reorder(world.remove(leaving_));
+  removed_ += leaving_.size();
+  leaving_.clear();
+  count_movable();
+  drop_contacts();
+  ledger.accept_jump(world, before);
+}
+
+/// Energy in the contacts of bodies that left goes with them: the contacts are evaluated again over no time, which
+/// leaves their history as it is; the forces of the step that was done stay. Impulses store nothing, springs do.
+void Simulation::drop_contacts() {
+  if (!pipeline.scheme->needs_initial_forces()) {
+    work.report.elastic = 0.0;
+    pipeline.contact_model->store(world, work.report);
+    return ledger.take_elastic(work.report);
+  }
+  const auto force = world.force, torque = world.torque;
+  evaluate_forces(world, pipeline, work);
+  world.force = force, world.torque = torque;
+  ledger.take_elastic(work.report);
+}
+
+std::optional<Failure> Simulation::watch() {
+  if (work.report.has_solver && !std::isfinite(work.report.solver.residual))
+    return Failure{"non-finite state", steps_, std::nullopt,
+                   "the solver's residual became non-finite in step " + std::to_string(steps_) +
+                       ": masses, impulses or speeds are beyond what numbers hold"};
+  if (const SolverTrouble& trouble = work.report.trouble; trouble.kind == SolverTrouble::Kind::beyond_measure)
+    return Failure{"state without measure", steps_, world.id[trouble.slot], trouble.text};
+  const Extent* seen = pipeline.contact_model->extent();
+  if (seen && (is_ahead() ? seen->finite : seen->is_inside(watched()))) return std::nullopt;
+  return look_at_strays();
+}
+
+std::optional<Failure> Simulation::look_at_strays() {
+  const auto strays = find_strays(world, watched());
+  for (Slot s : strays) {
+    const Vec3 &x = world.position[s], &v = world.velocity[s];
+    char text[256];
+    if (!is_finite(world, s)) {
+      std::snprintf(text, sizeof text,
+                    "body %u became non-finite in step %llu: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s",
+                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(),
+                    v.x(), v.y(), v.z());
+      return Failure{"non-finite state", steps_, world.id[s], text + suspect_of(world, work.contacts, s)};
+    }
+    if (domain->outside == Domain::Outside::error) {
+      std::snprintf(text, sizeof text,
+                    "body %u left the domain in step %llu at (%g, %g, %g) m with velocity (%g, %g, %g) m/s",
+                    static_cast<unsigned>(world.id[s]), static_cast<unsigned long long>(steps_), x.x(), x.y(), x.z(),
+                    v.x(), v.y(), v.z());
+      return Failure{"lost body", steps_, world.id[s], text};
+    }
+    leaving_.push_back(world.id[s]);
+  }
+  return std::nullopt;
+}
+
+std::optional<Failure> Simulation::look_at_energy() {
+  if (std::isfinite(ledger.last().stored())) return std::nullopt;
+  come_home();
+  Slot fastest = 0;
+  for (Slot s = 1; s < world.size(); ++s)
+    if (world.velocity[s].stableNorm() > world.velocity[fastest].stableNorm()) fastest = s;
+  const Vec3& v = world.velocity[fastest];
+  const Energy& e = ledger.last();
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "the energy became non-finite in step %llu: kinetic %g, potential %g, elastic %g J; the fastest is body %u "
+      "with velocity (%g, %g, %g) m/s",
+      static_cast<unsigned long long>(steps_), e.kinetic, e.potential, e.elastic,
+      static_cast<unsigned>(world.id[fastest]), v.x(), v.y(), v.z());
+  return Failure{"non-finite state", steps_, world.id[fastest], text};
+}
+
+void Simulation::observe(bool last) {
+  bool energy = false, any = false, bodies = false;
+  ContactView contacts = ContactView::none;
+  for (const auto& o : observers) {
+    if (!last && !o->is_due(steps_)) continue;
+    any = true, energy = energy || last || o->wants_energy(steps_);
+    bodies = bodies || last || o->wants_bodies(steps_);
+    contacts = std::max(contacts, o->wants_contacts(steps_, last));
+  }
+  if (!any) return;
+  if (energy || bodies) come_home();
+  if (energy) ledger.measure(world);
+  show_contacts(contacts, last, [&](const StepView& now) {
+    for (const auto& o : observers)
+      if (last || o->is_due(steps_)) o->observe(now);
+  });
+}
+
+void Simulation::show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show) {
+  const ContactModel* model = pipeline.contact_model.get();
+  if (away_.stepped) {
+    if (needed != ContactView::none) come_home(), remote->fetch_contacts(*this);
+    model = nullptr;  // all are in the set
+  } else if (needed == ContactView::all) {
+    pipeline.contact_model->publish(world, work.contacts);
+  }
+  show({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, last, model});
+}
+
+void Simulation::show(Observer& observer) {
+  come_home();
+  show_contacts(observer.wants_contacts(steps_, true), true, [&](const StepView& now) { observer.observe(now); });
+}
+
+void Simulation::make_room() {
+  if (world.size() < many_bodies) return;
+  pipeline.broad_phase->reorder({});
+  work.pairs.give_back();
+}
+
+void Simulation::visit(StateVisitor& visitor) {
+  come_home();
+  away_.sent = away_.rest = false;  // it may be another state that comes in
+  make_room();
+  visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
+  if (visitor.has("simulation/steps_before")) visitor.value("simulation/steps_before", before_);
+  if (parts_of_step || step_watch) visitor.value("simulation/parts", parts_made_);
+  if (step_watch) step_watch->visit(visitor);
+  visitor.column("simulation/leaving", leaving_);
+  pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });  // first: many springs take less room after it
+  world.visit(visitor);
+  ledger.visit(visitor);
+  visitor.value("simulation/elastic", work.report.elastic), visitor.value("simulation/movable", movable_);
+  warnings.visit(visitor);
+  for (auto& event : events) event->visit(visitor);
+  for (auto& observer : observers) observer->visit(visitor);
+}
+
+}  // namespace epafi

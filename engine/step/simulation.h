@@ -1,0 +1,121 @@
+/// @file simulation.h  A running scene: world, stages, events, ledger, observers, and the walk over all their state.
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/step/domain.h"
+#include "engine/step/energy.h"
+#include "engine/step/events.h"
+#include "engine/step/loads.h"
+#include "engine/step/observer.h"
+#include "engine/ranks/remote_steps.h"
+#include "engine/step/step.h"
+#include "engine/step/step_watch.h"
+#include "engine/step/warnings.h"
+
+namespace epafi {
+
+class Simulation {
+ public:
+  Simulation(World w, Pipeline p, double dt) : world(std::move(w)), pipeline(std::move(p)), time_step(dt) {}
+
+  World world;
+  Pipeline pipeline;
+  Workspace work;
+  EnergyLedger ledger;
+  Warnings warnings;  ///< whoever meets trouble that does not end the run adds to them
+  std::optional<Domain> domain;
+  std::vector<std::unique_ptr<Event>> events;
+  std::unique_ptr<Loads> loads;  ///< gravity, forces and torques that follow time; null: none
+  std::vector<std::unique_ptr<Observer>> observers;
+  std::unique_ptr<RemoteSteps> remote;  ///< makes the steps in several processes; null: this one makes them
+  double time_step;                     ///< dt [s]
+  /// Parts of the time step at this moment, >= 1; empty: one.
+  std::function<int(const World&)> parts_of_step;
+  std::unique_ptr<StepWatch> step_watch;  ///< null: nobody asks whether the step is stable
+  std::uint64_t sort_interval =
+      1000;  ///< steps between Morton sorts; 100-10000 equal within 2 %, never sorting costs 1.25-1.6x
+  /// Steps between looks for bodies outside a domain with `outside = "delete"`, which are taken out then: that lays all
+  /// columns, pairs and springs out anew, as much work as ten steps of 20 000 spheres (20 for 100: half as long again
+  /// in a hopper that flows). The steps of impulses are a hundred times as long as those of forces.
+  std::uint64_t outlet_interval() const { return pipeline.scheme->needs_initial_forces() ? 100 : 20; }
+
+  std::uint64_t steps() const { return steps_; }
+  /// Evaluations of the forces: more than steps where a time step is divided.
+  std::uint64_t parts_made() const { return parts_made_; }
+  std::uint64_t bodies_removed() const { return removed_; }  ///< by remove_at, outlets and `outside = "delete"`
+
+  /// Initial forces, the ledger's zero, observers at step 0.
+  void start();
+  /// How a simulation goes on from the state of another one that has been carried into it.
+  struct Entry {
+    bool forces_hold = false;  ///< the stored contact forces are those of this scene
+    bool new_ledger = false;   ///< energies count from here on; else the jump of the stored energy is work
+    double stored_before = 0;  ///< by the other one's ledger, of the same moment [J]
+    double elastic = 0;        ///< in its contacts [J]
+  };
+  void enter(const Entry& entry);
+  /// Steps made, and those that another simulation made before: sorts go on in their rhythm.
+  void continue_at(std::uint64_t steps, std::uint64_t before) { steps_ = steps, before_ = before; }
+  std::uint64_t steps_before() const { return before_; }
+  /// To be taken out before the next step.
+  const std::vector<BodyId>& leaving() const { return leaving_; }
+  void take_leaving(std::vector<BodyId> bodies) { leaving_ = std::move(bodies); }
+  /// Bodies that another simulation has taken out.
+  void add_removed(std::uint64_t bodies) { removed_ += bodies; }
+  /// One step with everything around it. A failure leaves the run as it is: the caller saves and stops.
+  /// run_on: nobody but the observers looks at the bodies before the next call, which has the same time step: the
+  /// contact model may do its first half at once (10 of 57 ns of a sphere in a bed).
+  std::optional<Failure> advance(bool last = false, bool run_on = false);
+  /// The energy as the ledger last had it is no finite number, though every velocity may be one.
+  std::optional<Failure> look_at_energy();
+  /// The last call has begun the next step: bodies are not to be looked at.
+  bool is_ahead() const { return pipeline.contact_model->is_ahead(); }
+  /// Where steps are remote the present state comes here: before somebody looks at bodies.
+  void come_home();
+  /// Shows one observer the present state, due or not.
+  void show(Observer& observer);
+  /// While the state of many bodies is on its way, or shown for the last time, their list makes room: 70 bytes a
+  /// sphere. It is made anew then.
+  void make_room();
+  /// All state that a restart needs for the same bits.
+  void visit(StateVisitor& visitor);
+
+ private:
+  void sort_bodies();
+  void count_movable();
+  void take_out();
+  void welcome(std::size_t before);
+  std::optional<Failure> make_step(double dt, bool sort, bool run_on);
+  std::optional<Failure> make_remote_step(double dt, bool sort);
+  void prepare(double dt, bool sort);
+  bool nobody_looks() const;
+  bool sorts_now() const { return steps_ + before_ > 0 && (steps_ + before_) % sort_interval == 0; }
+  const std::optional<Domain>& watched() const;
+  std::optional<Failure> look_at_strays();
+  void drop_contacts();
+  std::optional<Failure> watch();
+  void observe(bool last);
+  std::optional<Failure> look_at_step();
+  void show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show);
+  void reorder(const Reordering& change);
+
+  std::uint64_t steps_ = 0;
+  std::uint64_t before_ = 0;  ///< steps of a run that this one began from
+  std::uint64_t removed_ = 0;
+  std::size_t movable_ = 0;       ///< free bodies
+  std::uint64_t parts_made_ = 0;  ///< of all time steps
+  std::vector<BodyId> leaving_;   ///< to be taken out before the next step; observers see them until then
+  /// Where steps are remote.
+  struct Away {
+    bool home = true;      ///< the present state is here
+    bool sent = false;     ///< and, or instead, with the other processes
+    bool stepped = false;  ///< the contacts of the last detection are there
+    bool rest = false;     ///< no event but local ones will do anything before the next step of length dt
+    double dt = 0.0;       ///< [s]
+  } away_;
+};
+
+}  // namespace epafi

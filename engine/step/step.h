@@ -1,0 +1,21 @@
+/// @file step.h  The time step, the same for smooth and non-smooth mechanics.
+#pragma once
+#include "engine/step/pipeline.h"
+
+namespace epafi {
+
+/// What a step leaves for observers and for the next step.
+struct Workspace {
+  PairList pairs;
+  ContactSet contacts;
+  StepReport report;
+};
+
+/// Advances the world by one step: integrate, find pairs, find contacts, let them act, integrate. run_on: as
+/// StepClock::run_on.
+void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn* run_on = nullptr);
+
+/// Evaluates the contact forces of the present state, without moving anything.
+void evaluate_forces(World& world, Pipeline& stage, Workspace& work);
+
+}  // namespace epafi

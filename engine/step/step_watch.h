@@ -1,0 +1,25 @@
+/// @file step_watch.h  Looks now and then at how stiff the contacts are, and divides the time step or stops the run where
+/// the present state makes it unstable. What it decides depends on the state alone: the same for every number of threads
+/// and after a restart, which it is shown for.
+#pragma once
+#include <optional>
+
+#include "engine/step/domain.h"
+#include "engine/step/observer.h"
+
+namespace epafi {
+
+class StepWatch {
+ public:
+  virtual ~StepWatch() = default;
+  /// After this step it looks at the contacts, piece by piece.
+  virtual bool is_due(std::uint64_t step) const = 0;
+  /// After every step, cheap: `deepest` is its largest overlap [m].
+  virtual void note(std::uint64_t step, double deepest) = 0;
+  /// After a step in which it is due: into how many equal parts the next ones are divided, or why the run stops.
+  virtual std::optional<Failure> look(const StepView& view) = 0;
+  virtual int parts() const = 0;
+  virtual void visit(StateVisitor& visitor) = 0;
+};
+
+}  // namespace epafi

@@ -1,0 +1,26 @@
+/// @file run_layout.h  What writer and reader of run.h5 share.
+#pragma once
+#include "viz_export/hdf5/hdf5_file.h"
+
+namespace epafi::run_layout {
+
+inline constexpr const char* kind = "epafi run";
+/// Grows when a reader of the last number would be wrong about the file.
+inline constexpr std::uint64_t format = 2;
+/// The oldest that is read. 1: points of shapes and orientations are of principal axes, not of those that the scene
+/// wrote; shapes have no names; rows of bodies that came later may be empty.
+inline constexpr std::uint64_t oldest_format = 1;
+
+/// The file's format. Throws FileError unless it is a run that this program reads.
+inline std::uint64_t check(const Hdf5File& file) {
+  const std::string path = file.path().string();
+  if (!file.has_attribute("/", "kind") || file.text_attribute("/", "kind") != kind)
+    throw FileError(path + ": is not a run file of Epafi");
+  const std::uint64_t found = file.count_attribute("/", "format");
+  if (found < oldest_format || found > format)
+    throw FileError(path + ": has run format " + std::to_string(found) + ", this program reads " +
+                    std::to_string(oldest_format) + " to " + std::to_string(format));
+  return found;
+}
+
+}  // namespace epafi::run_layout

@@ -1,0 +1,168 @@
+#include "viz_export/output/export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include "engine/units/error.h"
+#include "viz_export/vtk/frame_writer.h"
+#include "viz_export/measures/measures_csv.h"
+#include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/stored_run.h"
+
+namespace epafi {
+
+namespace {
+
+constexpr const char* state_columns = "x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz";
+
+void append_state(std::string& out, const BodyRecord& b) {
+  const Quat& q = b.pose.orientation;
+  const Vec3 &x = b.pose.position, &v = b.velocity, &w = b.angular_velocity;
+  const double values[] = {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), w.x(), w.y(), w.z()};
+  const char* comma = "";
+  for (const double value : values) {
+    fmt::format_to(std::back_inserter(out), "{}{:.17g}", comma, value);
+    comma = ",";
+  }
+}
+
+void append_rows(std::string& out, const StoredSnapshot& snapshot) {
+  for (const BodyRecord& b : snapshot.bodies) {
+    fmt::format_to(std::back_inserter(out), "{:.17g},{},{},{},{:.17g},{:.17g},", snapshot.stamp.time,
+                   snapshot.stamp.step, b.id, b.material, b.mass, b.radius);
+    append_state(out, b);
+    out += '\n';
+  }
+}
+
+/// A table whose parts `next` gives until it gives "".
+template <class Next>
+void write_table(const std::filesystem::path& path, const std::string& header, Next&& next) {
+  SideFile side(path);
+  std::ofstream out(side.path(), std::ios::binary);
+  out << header << '\n';
+  for (std::string rows = next(); !rows.empty(); rows = next()) out << rows;
+  out.close();
+  if (!out) throw FileError(path.string() + ": cannot write (is the disk full?)");
+  side.commit(false);
+}
+
+void write_snapshots_csv(const std::filesystem::path& path, const StoredRun& run) {
+  std::size_t k = 0;
+  write_table(path, std::string("time,step,id,material,mass,radius,") + state_columns, [&] {
+    std::string rows;
+    while (rows.empty() && k < run.snapshots()) append_rows(rows, run.snapshot(k++));
+    return rows;
+  });
+}
+
+/// A cell that a comma or a quote would break stands in quotes, its own doubled.
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+/// The free bodies as [[bodies]] reads them: what they are in the words of the scene, as far as the run file has them.
+void write_bodies_csv(const std::filesystem::path& path, const StoredRun& run, const StoredSnapshot& last) {
+  std::vector<StoredWords> words;
+  bool sized = false, material = true, group = false;
+  for (const BodyRecord& b : last.bodies) {
+    words.push_back(run.words(b));
+    if (b.is_wall()) continue;
+    sized = sized || b.surface != nullptr;
+    material = material && !words.back().material.empty();
+    group = group || !words.back().group.empty();
+  }
+  std::string rows;
+  for (std::size_t k = 0; k < last.bodies.size(); ++k) {
+    const BodyRecord& b = last.bodies[k];
+    if (b.is_wall()) continue;
+    append_state(rows, b);
+    const bool is_sphere = b.surface == nullptr;
+    rows += is_sphere ? fmt::format(",{:.17g}", b.radius) : ",";
+    if (sized) rows += is_sphere ? ",," : fmt::format(",{},{:.17g}", csv_cell(words[k].shape), words[k].size);
+    if (material) rows += "," + csv_cell(words[k].material);
+    if (group) rows += "," + csv_cell(words[k].group);
+    rows += '\n';
+  }
+  const std::string header = std::string(state_columns) + ",radius" + (sized ? ",shape,size" : "") +
+                             (material ? ",material" : "") + (group ? ",group" : "");
+  write_table(path, header, [&] { return std::exchange(rows, {}); });
+}
+
+/// bodies.csv is a state of bodies: what it leaves out is told.
+std::vector<std::string> notes_on_bodies(const StoredRun& run, const StoredSnapshot& last) {
+  const auto is_free = [](const BodyRecord& b) { return !b.is_wall(); };
+  const auto has_axes = [&](const BodyRecord& b) { return is_free(b) && b.surface != nullptr; };
+  std::vector<std::string> notes;
+  if (std::ranges::none_of(last.bodies, is_free)) return notes;
+  notes.push_back(
+      "bodies.csv holds bodies, not what contacts remember: in a run that starts from it springs of friction and "
+      "rolling begin at zero; `epafi resume` keeps them");
+  if (!run.has_axes_of_the_scene() && std::ranges::any_of(last.bodies, has_axes))
+    notes.push_back(
+        "run.h5 was written by an older version: its orientations are of principal axes, and bodies.csv reads back "
+        "turned where those are not the axes of the shape");
+  return notes;
+}
+
+struct Sample {
+  const StoredMeasure* measure;
+  std::size_t row;
+};
+
+/// A run continues measures.csv by cutting it at a time, so rows must be in order of time here too.
+std::vector<Sample> samples_by_time(const std::vector<StoredMeasure>& measures) {
+  std::vector<Sample> samples;
+  for (const StoredMeasure& m : measures)
+    for (std::size_t row = 0; row < m.times.size(); ++row) samples.push_back({&m, row});
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& p, const Sample& q) { return p.measure->times[p.row] < q.measure->times[q.row]; });
+  return samples;
+}
+
+void write_measures_csv(const std::filesystem::path& path, const std::vector<StoredMeasure>& measures) {
+  SideFile side(path);
+  {
+    MeasuresCsv csv(side.path());
+    for (const Sample& s : samples_by_time(measures)) {
+      const StoredMeasure& m = *s.measure;
+      for (std::size_t c = 0; c < m.components.size(); ++c)
+        csv.add(m.times[s.row], m.name, m.components[c], m.values[s.row * m.components.size() + c]);
+    }
+    csv.flush();
+  }
+  side.commit(false);
+}
+
+}  // namespace
+
+ExportReport export_run(const std::filesystem::path& folder, ExportFormat format) {
+  const StoredRun run(folder / "run.h5");
+  ExportReport report{run.snapshots(), 0, {}};
+  if (format == ExportFormat::vtk) {
+    FrameWriter frames(folder);
+    for (std::size_t k = 0; k < run.snapshots(); ++k) {
+      const StoredSnapshot snapshot = run.snapshot(k);
+      frames.write_bodies(snapshot.stamp.time, snapshot.bodies);
+    }
+    return report;
+  }
+  write_snapshots_csv(folder / "snapshots.csv", run);
+  if (run.snapshots() > 0) {
+    const StoredSnapshot last = run.snapshot(run.snapshots() - 1);
+    write_bodies_csv(folder / "bodies.csv", run, last);
+    report.notes = notes_on_bodies(run, last);
+  }
+  const auto measures = run.measures();
+  report.measures = measures.size();
+  write_measures_csv(folder / "measures.csv", measures);
+  return report;
+}
+
+}  // namespace epafi

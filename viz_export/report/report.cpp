@@ -1,0 +1,277 @@
+#include "viz_export/report/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/units/error.h"
+#include "viz_export/report/charts.h"
+#include "viz_export/report/html_text.h"
+#include "viz_export/files/json_reader.h"
+#include "viz_export/measures/measure_units.h"
+#include "viz_export/report/report_folder.h"
+#include "viz_export/report/report_style.h"
+#include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/stored_run.h"
+#include "viz_export/view/page.h"
+#include "viz_export/view/render_run.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string escaped(const std::string& text) { return html_escaped(text); }
+
+/// What the parts of the page share.
+struct Page {
+  const fs::path& folder;
+  const FlatJson& summary;
+  const StoredRun& run;
+  bool drawn = true;  ///< gnuplot is there
+  std::string html{};
+
+  std::string number(const std::string& name, const char* format = "{:.4g}") const {
+    const auto value = summary.number(name);
+    return value ? fmt::format(fmt::runtime(format), *value) : "-";
+  }
+  void card(const std::string& value, const std::string& label, const char* kind = "") {
+    html += fmt::format("<div class='card'><b class='{}'>{}</b><span>{}</span></div>", kind, escaped(value),
+                        escaped(label));
+  }
+  void figure(const std::string& inner, const std::string& caption) {
+    html += "<figure>" + inner + "<figcaption>" + escaped(caption) + "</figcaption></figure>";
+  }
+};
+
+void head(Page& p) {
+  const std::string status = p.summary.text("status");
+  p.html += fmt::format("<h1>{}</h1><p class='sub'>{} &middot; Epafi {} &middot; state {}</p>", escaped(p.run.title()),
+                        escaped(p.summary.text("scene")), escaped(p.summary.text("epafi")),
+                        escaped(p.summary.text("state_hash")));
+  p.html += "<div class='cards'>";
+  p.card(status, "status", status == "completed" ? "ok" : "no");
+  p.card(p.number("simulated_time") + " s",
+         "simulated, in " + p.number("steps", "{:.0f}") + " steps of " + p.number("time_step") + " s");
+  p.card(p.number("wall_time") + " s", "wall time, " + p.number("threads", "{:.0f}") + " threads");
+  p.card(p.number("bodies", "{:.0f}"), "bodies, " + p.number("bodies_lost", "{:.0f}") + " lost");
+  p.card(p.number("contacts_mean"), "contacts in the mean");
+  p.card(p.number("energy.relative_error", "{:.2g}"), "energy error");
+  p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, worst step");
+  if (p.summary.number("residual.max")) p.card(p.number("residual.max", "{:.2g}"), "residual, worst step");
+  if (p.summary.number("unconverged_steps").value_or(0.0) > 0.0)
+    p.card(p.number("unconverged_steps", "{:.0f}"), "steps above the solver's tolerance");
+  p.html += "</div>";
+  if (const std::string failure = p.summary.text("failure"); !failure.empty())
+    p.html += "<p class='no'>" + escaped(failure) + "</p>";
+}
+
+void warnings(Page& p) {
+  for (const auto& [name, text] : p.summary.texts)
+    if (name.starts_with("warnings.")) p.html += "<p class='warning'>" + escaped(text) + "</p>";
+}
+
+/// Six frames of one camera, chosen by what happens between them; where contacts are few, those of the last one too.
+void pictures(Page& p, const ViewSource& source) {
+  if (source.times().empty()) return;
+  const Overview overview = look_over(source);
+  RenderOptions options;
+  options.width = 720;
+  options.height = 480;
+  p.html += "<h2>Pictures</h2><div class='grid three'>";
+  RunPainter painter(source, overview, options);
+  const auto add = [&](RunPainter& by, std::size_t k, const std::string& what) {
+    p.figure("<img alt='bodies' src='data:image/png;base64," + base64(png_of(by.paint(k))) + "'/>",
+             fmt::format("t = {:.4g} s{}", source.times()[k], what));
+  };
+  const std::vector<std::size_t> shown = telling_frames(source, 6);
+  for (const std::size_t k : shown) add(painter, k, "");
+  constexpr std::size_t few = 4000;
+  const std::size_t contacts = source.frame(shown.back()).contacts.size();
+  if (contacts > 0 && contacts <= few) {
+    options.contacts = true;
+    RunPainter chains(source, overview, options);
+    add(chains, shown.back(),
+        fmt::format(", {} contact{}, as wide as {} force", contacts, contacts > 1 ? "s" : "",
+                    contacts > 1 ? "their" : "its"));
+  }
+  p.html += "</div>";
+}
+
+/// The page of `epafi view` within this one.
+void three_dimensions(Page& p, const ViewSource& source) {
+  if (source.times().empty() || page_parts().three[0] == '\0') return;
+  constexpr std::size_t most = 8'000'000;
+  WrittenPage about;
+  const std::string page = complete_page(source, most, about);
+  p.html += "<h2>In three dimensions</h2><iframe title='the run in three dimensions' loading='lazy' srcdoc=\"" +
+            escaped(page) + "\"></iframe>";
+}
+
+/// A plot for each quantity of the measure, with a curve per component that moves.
+void curves(Page& p, const std::string& name, const std::string& title, const StoredMeasure& m) {
+  std::map<std::string, LinePlot> plots;
+  const std::size_t width = m.components.size(), stride = std::max<std::size_t>(1, m.times.size() / 2000);
+  for (std::size_t c = 0; c < width; ++c) {
+    const std::string axis = axis_label(measure_unit(m.kind, m.components[c]));
+    PlotLine line{m.components[c], {}, {}};
+    bool moves = false;
+    for (std::size_t k = 0; k < m.times.size(); k += stride) {
+      const double v = m.values[k * width + c];
+      if (!std::isfinite(v)) continue;
+      line.points.push_back({m.times[k], v});
+      moves = moves || v != line.points.front()[1];
+    }
+    LinePlot& plot = plots.try_emplace(axis, LinePlot{title, "time [s]", axis, {}}).first->second;
+    if (moves && plot.lines.size() < 8) plot.lines.push_back(std::move(line));
+  }
+  int number = 0;
+  for (const auto& [axis, plot] : plots) {
+    if (plot.lines.empty()) continue;
+    const fs::path path = p.folder / "report.part" / fmt::format("{}_{}", name, number++);
+    p.drawn = p.drawn && draw(plot, path);
+    if (!p.drawn) return;
+    p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," +
+                 base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
+             title + ": " + axis);
+  }
+}
+
+bool is_energy(const StoredMeasure& m) {
+  const auto has = [&](const char* c) {
+    return std::find(m.components.begin(), m.components.end(), c) != m.components.end();
+  };
+  return has("kinetic") && has("relative_error");
+}
+
+/// Energies of the measure of that kind where the scene has one, else the kinetic energy of the snapshots.
+StoredMeasure energies(const Page& p) {
+  for (const StoredMeasure& m : p.run.measures())
+    if (is_energy(m)) return m;
+  StoredMeasure kinetic{"energy", "energy", {"kinetic"}, {}, {}};
+  for (std::size_t k = 0; k < p.run.snapshots(); ++k) {
+    const StoredSnapshot s = p.run.snapshot(k);
+    double sum = 0;
+    for (const BodyRecord& b : s.bodies) sum += b.kinetic_energy;
+    kinetic.times.push_back(s.stamp.time);
+    kinetic.values.push_back(sum);
+  }
+  return kinetic;
+}
+
+void energy(Page& p) {
+  p.html += "<h2>Energy balance</h2><div class='grid'><div><table>";
+  for (const char* part :
+       {"kinetic", "potential", "elastic", "dissipated", "gained", "work", "correction", "relative_error"}) {
+    const auto value = p.summary.number(std::string("energy.") + part);
+    if (!value) continue;
+    const bool error = std::string(part) == "relative_error";
+    p.html += fmt::format("<tr><td>{}</td><td class='n'>{:.6g}{}</td></tr>",
+                          error ? "relative error of the ledger" : part, *value, error ? "" : " J");
+  }
+  p.html += "</table></div>";
+  const StoredMeasure m = energies(p);
+  curves(p, "energy", m.components.size() > 1 ? "energy over time" : "kinetic energy of the snapshots", m);
+  p.html += "</div>";
+}
+
+void measures(Page& p) {
+  const auto all = p.run.measures();
+  if (all.empty()) return;
+  p.html += "<h2>Measures</h2><div class='grid'>";
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (!is_energy(all[k])) curves(p, fmt::format("measure_{}", k), all[k].name, all[k]);
+  p.html +=
+      "</div><table><tr><th>measure</th><th>component</th><th class='n'>last</th><th class='n'>smallest</th><th "
+      "class='n'>largest</th></tr>";
+  for (const auto& m : all)
+    for (const auto& c : m.components) {
+      const std::string at = "measures." + m.name + "." + c + ".";
+      if (!p.summary.number(at + "last") && !p.summary.number(at + "max")) continue;
+      p.html +=
+          fmt::format("<tr><td>{}</td><td>{}</td><td class='n'>{}</td><td class='n'>{}</td><td class='n'>{}</td></tr>",
+                      escaped(m.name), escaped(c), p.number(at + "last", "{:.6g}"), p.number(at + "min", "{:.6g}"),
+                      p.number(at + "max", "{:.6g}"));
+    }
+  p.html += "</table>";
+}
+
+void quality(Page& p) {
+  p.html +=
+      "<h2>Overlap and checks</h2><table><tr><th>quantity</th><th class='n'>value</th><th "
+      "class='n'>bound</th><th></th></tr>";
+  for (const auto& [name, text] : {std::pair{"overlap.max", "deepest overlap, worst step [m]"},
+                                   {"overlap.mean", "mean overlap, last tenth of the run [m]"},
+                                   {"overlap.max_relative", "deepest over bounding radius, worst step"},
+                                   {"momentum_error", "momentum error"},
+                                   {"residual.max", "residual, worst step"},
+                                   {"residual.mean", "residual, mean"},
+                                   {"iterations.mean", "iterations, mean"}})
+    if (p.summary.number(name))
+      p.html += fmt::format("<tr><td>{}</td><td class='n'>{}</td><td></td><td></td></tr>", text, p.number(name));
+  for (const auto& [name, value] : p.summary.numbers) {
+    if (name.rfind("checks.", 0) != 0 || !name.ends_with(".value")) continue;
+    const std::string check = name.substr(7, name.size() - 13);
+    const bool ok = p.summary.number("checks." + check + ".ok").value_or(0) > 0;
+    p.html += fmt::format(
+        "<tr><td>[bounds] {}</td><td class='n'>{:.4g}</td><td class='n'>{}</td><td class='{}'>{}</td></tr>",
+        escaped(check), value, p.number("checks." + check + ".bound"), ok ? "ok" : "no", ok ? "held" : "violated");
+  }
+  p.html += "</table>";
+}
+
+void stages(Page& p) {
+  p.html += "<h2>Where the time went</h2><table>";
+  double total = 0;
+  for (const auto& [name, value] : p.summary.numbers)
+    if (name.rfind("stage_seconds.", 0) == 0) total += value;
+  for (const auto& [name, value] : p.summary.numbers)
+    if (name.rfind("stage_seconds.", 0) == 0)
+      p.html += fmt::format(
+          "<tr><td>{}</td><td class='n'>{:.3g} s</td><td style='width:60%'><div class='bar' "
+          "style='width:{:.1f}%'></div></td></tr>",
+          name.substr(14), value, total > 0 ? 100 * value / total : 0.0);
+  p.html +=
+      fmt::format("</table><p class='sub'>{} ns per body and step, {} MB at the peak</p>", p.number("ns_per_body_step"),
+                  fmt::format("{:.0f}", p.summary.number("peak_memory_bytes").value_or(0) / 1e6));
+}
+
+void settings(Page& p) {
+  p.html += "<h2>Settings</h2>";
+  if (const std::string o = p.run.overrides(); !o.empty()) p.html += "<p>Overrides:</p><pre>" + escaped(o) + "</pre>";
+  p.html += "<pre>" + escaped(p.run.scene_text()) + "</pre>";
+}
+
+}  // namespace
+
+fs::path write_report(const fs::path& folder, const fs::path& wanted) {
+  if (!fs::exists(folder / "summary.json") && has_tables(folder)) return write_folder_report(folder, wanted);
+  if (!fs::exists(folder / "summary.json"))
+    throw FileError("no run in '" + folder.string() + "': summary.json is missing; `epafi run` writes it");
+  const FlatJson summary = read_json(folder / "summary.json");
+  const StoredRun run(folder / "run.h5");
+  fs::create_directories(folder / "report.part");
+  Page page{folder, summary, run};
+  const auto source = open_run(folder);
+  head(page);
+  warnings(page);
+  pictures(page, *source);
+  three_dimensions(page, *source);
+  energy(page);
+  measures(page);
+  quality(page);
+  stages(page);
+  settings(page);
+  if (!page.drawn) page.html += "<p class='no'>gnuplot is not installed: the curves are missing.</p>";
+  fs::remove_all(folder / "report.part");
+  fs::path target = wanted.empty() ? folder / "report.html" : wanted;
+  write_whole_file(target,
+                   {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+                    "content='width=device-width'><title>",
+                    escaped(run.title()), "</title>", report_style, "</head><body>", page.html, "</body></html>\n"});
+  return target;
+}
+
+}  // namespace epafi

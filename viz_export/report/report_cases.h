@@ -1,0 +1,31 @@
+/// @file report_cases.h  The finished cases of a folder, as tables of its report.
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "viz_export/files/json_reader.h"
+#include "viz_export/measures/measure_units.h"
+
+namespace epafi {
+
+/// A finished case.
+struct ReportCase {
+  std::string name;
+  FlatJson summary;
+  std::map<std::string, std::string> set{};       ///< overrides by key
+  std::map<std::string, MeasureUnit> measured{};  ///< "heap.z" and what it is
+  std::string title{};
+};
+
+/// Damaged or missing run files leave only the summary.
+ReportCase read_case(const std::filesystem::path& folder);
+
+/// What differs between cases comes first, then what is known of each, then what was measured at the end.
+std::string cases_html(const std::vector<ReportCase>& cases);
+
+/// What went wrong, of ten cases at most.
+std::string warnings_html(const std::vector<ReportCase>& cases);
+
+}  // namespace epafi

@@ -1,0 +1,134 @@
+#include "viz_export/report/report_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/units/error.h"
+#include "viz_export/report/html_text.h"
+#include "viz_export/report/report_cases.h"
+#include "viz_export/report/report_style.h"
+#include "viz_export/report/report_table.h"
+#include "viz_export/files/side_file.h"
+#include "viz_export/view/render_run.h"
+
+namespace epafi {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_pictures = 12;
+
+std::vector<fs::path> files_with(const fs::path& folder, const std::string& ending) {
+  std::vector<fs::path> out;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().extension() == ending) out.push_back(entry.path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// Folders of finished cases, by name.
+std::vector<fs::path> cases_in(const fs::path& folder) {
+  std::vector<fs::path> out;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_directory() && fs::exists(entry.path() / "summary.json")) out.push_back(entry.path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// A case that is drawn.
+struct DrawnCase {
+  std::string name;
+  std::unique_ptr<ViewSource> source;
+  Overview overview;
+};
+
+/// Cases of nearly one size get one camera and one range of colours: pictures can then be compared.
+void share_overview(std::vector<DrawnCase>& cases) {
+  constexpr double alike = 2.0;
+  if (cases.empty()) return;
+  Overview both = cases.front().overview;
+  double least = both.box.diagonal();
+  for (const DrawnCase& one : cases) {
+    both.box.include(one.overview.box);
+    least = std::min(least, one.overview.box.diagonal());
+    for (const auto& [field, range] : one.overview.range) {
+      auto& shared = both.range.try_emplace(field, range).first->second;
+      shared = {std::min(shared[0], range[0]), std::max(shared[1], range[1])};
+    }
+  }
+  if (both.box.diagonal() > alike * least) return;
+  for (DrawnCase& one : cases) {
+    one.overview.box = both.box;
+    one.overview.range = both.range;
+  }
+}
+
+/// How each case ended, of a few; those without a state that can be read have none.
+std::string pictures_of(const std::vector<fs::path>& cases) {
+  std::vector<DrawnCase> drawn;
+  for (std::size_t k = 0; k < std::min(cases.size(), most_pictures); ++k) {
+    try {
+      auto source = open_run(cases[k]);
+      if (source->times().empty()) continue;
+      const Overview overview = look_over(*source);
+      drawn.push_back({cases[k].filename().string(), std::move(source), overview});
+    } catch (const FileError&) {
+      continue;
+    }
+  }
+  share_overview(drawn);
+  RenderOptions options;
+  options.width = 480;
+  options.height = 320;
+  std::string html;
+  for (const DrawnCase& one : drawn) {
+    RunPainter painter(*one.source, one.overview, options);
+    html += "<figure><img alt='bodies' src='data:image/png;base64," +
+            base64(png_of(painter.paint(one.source->times().size() - 1))) + "'/><figcaption>" + html_escaped(one.name) +
+            "</figcaption></figure>";
+  }
+  return html.empty() ? html : "<h2>How the cases ended</h2><div class='grid three'>" + html + "</div>";
+}
+
+/// Charts and maps that lie in the folder; two in a row where there are several.
+std::string drawings_in(const fs::path& folder) {
+  const std::vector<fs::path> all = files_with(folder, ".svg");
+  std::string html;
+  for (const fs::path& picture : all)
+    html += "<figure><img alt='" + html_escaped(picture.stem().string()) + "' src='data:image/svg+xml;base64," +
+            base64(read_whole_file(picture)) + "'/><figcaption>" + html_escaped(picture.stem().string()) +
+            "</figcaption></figure>";
+  return all.size() > 1 ? "<div class='grid'>" + html + "</div>" : html;
+}
+
+}  // namespace
+
+bool has_tables(const fs::path& folder) {
+  return fs::is_directory(folder) && (!files_with(folder, ".csv").empty() || !cases_in(folder).empty());
+}
+
+fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
+  const std::string title = fs::absolute(folder).lexically_normal().filename().string();
+  const std::vector<fs::path> folders = cases_in(folder);
+  std::vector<ReportCase> cases;
+  for (const fs::path& one : folders) cases.push_back(read_case(one));
+  const std::string scene = cases.empty() ? "" : cases.front().title;
+  std::string html = "<h1>" + html_escaped(scene.empty() ? title : scene) + "</h1>";
+  if (!cases.empty())
+    html +=
+        fmt::format("<p class='sub'>{}: {} case{}</p>", html_escaped(title), cases.size(), cases.size() > 1 ? "s" : "");
+  html += warnings_html(cases) + drawings_in(folder);
+  if (!cases.empty()) html += cases_html(cases) + pictures_of(folders);
+  for (const fs::path& table : files_with(folder, ".csv")) html += csv_html(table);
+  const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
+  write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+                            "content='width=device-width'><title>",
+                            html_escaped(title), "</title>", report_style, "</head><body>", html, "</body></html>\n"});
+  return target;
+}
+
+}  // namespace epafi
