@@ -16,13 +16,14 @@ namespace {
 
 /// Of a body, in FatBodies and beside it.
 std::size_t list_bytes(const StepPlan& plan, std::size_t bodies) {
-  constexpr std::size_t hurry = sizeof(float) + sizeof(char), names = sizeof(std::uint32_t) + 3 * sizeof(std::uint8_t);
+  constexpr std::size_t inverse_half_margin = sizeof(float) + sizeof(char),
+                        names = sizeof(std::uint32_t) + 3 * sizeof(std::uint8_t);
   if (!plan.fused_spheres)  // box, ball, half and radius, where it stood and how it was turned
-    return hurry + names + sizeof(Aabb) + sizeof(Ball) + 2 * sizeof(double) + sizeof(Slot) +
+    return inverse_half_margin + names + sizeof(Aabb) + sizeof(Ball) + 2 * sizeof(double) + sizeof(Slot) +
            (plan.columns.orientation ? sizeof(Quat) : 0);
-  if (bodies >= many_bodies) return hurry + 3 * sizeof(float);  // coarse places
+  if (bodies >= many_bodies) return inverse_half_margin + 3 * sizeof(float);  // coarse places
   constexpr std::size_t sorted = 4 * sizeof(float) + sizeof(Slot) + sizeof(std::uint32_t) + sizeof(std::uint8_t);
-  return hurry + names + sizeof(Ball) + sorted + 2 * sizeof(Slot);
+  return inverse_half_margin + names + sizeof(Ball) + sorted + 2 * sizeof(Slot);
 }
 
 /// In the loop over spheres.

@@ -10,23 +10,23 @@ namespace epafi {
 void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const bool grown = list_->take_in(world, pairs);
   const std::uint64_t before = pairs.generation;
-  if (!worn_.out && !list_->keeps_pairs(world)) worn_ = {true, list_->worn_by_slow()};
-  if (worn_.out) {
-    if (FusedSpheres* const m = model()) m->make_way();
-    list_->renew_pairs(world, pairs, worn_.by_slow);
+  if (!used_up_.out && !list_->keeps_pairs(world)) used_up_ = {true, list_->used_up_by_slow()};
+  if (used_up_.out) {
+    if (FusedSpheres* const m = model()) m->release_lists();
+    list_->renew_pairs(world, pairs, used_up_.by_slow);
   }
-  worn_ = {}, wear_.clear();
+  used_up_ = {}, used_margin_.clear();
   const bool fresh = pairs.generation != before;
-  if (fresh && world.size() >= many_bodies && model()) model()->lend(pairs.spheres);
+  if (fresh && world.size() >= many_bodies && model()) model()->use_room_of(pairs.spheres);
   if (!fresh && !ways_known_ && !grown) return;  // what the list has gone through is not known then
   if (FusedSpheres* const m = model()) m->expect(list_->bodies().drift(world.time));
   const std::size_t block_size = model() ? model()->block_size() : SphereBlocks::largest_block;
-  wear_.assign((world.size() + block_size - 1) / block_size, 0.0);
+  used_margin_.assign((world.size() + block_size - 1) / block_size, 0.0);
   if (fresh) return;
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
   const ListFrame now = list_->bodies().frame(world);
   parallel_blocks(world.size(), block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
-    wear_[b] = list_->bodies().wear(begin, end, at, now).most - now.strain_wear;
+    used_margin_[b] = list_->bodies().used_margin(begin, end, at, now).most - now.strain_use;
   });
 }
 
@@ -39,7 +39,7 @@ bool WornPairs::goes_on(const World& world) {
   if (before == world.cell->size) return true;
   if (before.isZero()) return false;
   const double growth = std::max(1.0, world.cell->size.cwiseQuotient(before).maxCoeff());
-  for (double& wear : wear_) wear *= growth;
+  for (double& used_margin : used_margin_) used_margin *= growth;
   return true;
 }
 
@@ -48,30 +48,30 @@ bool WornPairs::keeps_pairs(const World& world) {
   const std::span<const double> ways = model() ? model()->largest_ways() : std::span<const double>{};
   ways_known_ = !ways.empty() && list_->bodies().bodies() == world.size();
   const bool known = goes_on(world);
-  if (!known || !ways_known_ || wear_.size() != ways.size()) return wear_.clear(), false;
+  if (!known || !ways_known_ || used_margin_.size() != ways.size()) return used_margin_.clear(), false;
   constexpr double nearly = 1.0 - 1e-6;  // sums are rounded
-  worn_ = {}, doubtful_.clear();
+  used_up_ = {}, doubtful_.clear();
   const FatBodies& bodies = list_->bodies();
   const ListFrame now = bodies.frame(world);
   // what the cell flows past: ways of bodies that are held, and of a frame that drifts
   const bool all = now.flows() && (bodies.holds_bounded() || !now.common.isZero(0.0));
   for (std::size_t b = 0; b < ways.size(); ++b)
-    if ((wear_[b] += ways[b]) + now.strain_wear >= nearly || all) doubtful_.push_back(b);
+    if ((used_margin_[b] += ways[b]) + now.strain_use >= nearly || all) doubtful_.push_back(b);
   const auto at = [&](std::size_t s) -> const Vec3& { return world.position[s]; };
-  std::vector<Wear>& found = block_results<Wear>(doubtful_.size(), Wear{});
+  std::vector<MarginUse>& found = block_results<MarginUse>(doubtful_.size(), MarginUse{});
   parallel_for(
       doubtful_.size(),
       [&](std::size_t k) {
         const std::size_t begin = doubtful_[k] * model()->block_size();
         const std::size_t end = std::min(begin + model()->block_size(), world.size());
-        found[k] = bodies.wear(begin, end, at, now);
-        wear_[doubtful_[k]] = found[k].most - now.strain_wear;
+        found[k] = bodies.used_margin(begin, end, at, now);
+        used_margin_[doubtful_[k]] = found[k].most - now.strain_use;
       },
       1);
-  const double planes = bodies.plane_wear(world, now);
-  worn_.out = planes > 1.0;
+  const double planes = bodies.plane_use(world, now);
+  used_up_.out = planes > 1.0;
   bool keeps = planes < nearly;
-  for (const Wear& w : found) worn_ += w.worn, keeps = keeps && w.most < nearly;
+  for (const MarginUse& w : found) used_up_ += w.used_up, keeps = keeps && w.most < nearly;
   return keeps;
 }
 
@@ -88,7 +88,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
                            world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal,
                            world.position[s]});
   if (!known_ || bodies_ != world.size()) read_bodies(world);
-  if (alone_) list.hurry = pairs.hurry;
+  if (alone_) list.inverse_half_margin = pairs.inverse_half_margin;
   model_.set_pairs(world, list);
   known_ = true, generation_ = pairs.generation, bodies_ = world.size();
 }

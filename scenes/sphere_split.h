@@ -22,10 +22,10 @@ class WornPairs final : public BroadPhase {
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
   void reorder(const Reordering& change) override {
-    wear_.clear(), list_->reorder(change);
-    if (FusedSpheres* const m = model()) m->make_way();
+    used_margin_.clear(), list_->reorder(change);
+    if (FusedSpheres* const m = model()) m->release_lists();
   }
-  void visit(StateVisitor& visitor) override { wear_.clear(), list_->visit(visitor); }
+  void visit(StateVisitor& visitor) override { used_margin_.clear(), list_->visit(visitor); }
 
  private:
   bool goes_on(const World& world);
@@ -34,11 +34,12 @@ class WornPairs final : public BroadPhase {
 
   std::unique_ptr<ListBroadPhase> list_;
   const Pipeline& pipeline_;
-  std::vector<double> wear_;  ///< by block of the model: at least the largest wear of its bodies; empty: not known
+  std::vector<double>
+      used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
   bool ways_known_ = false;   ///< in this step
-  Vec3 cell_size_ = Vec3::Zero();  ///< as wear_ knows it, in a periodic cell [m]
+  Vec3 cell_size_ = Vec3::Zero();  ///< as used_margin_ knows it, in a periodic cell [m]
   std::vector<Wraps> wraps_;       ///< the same: whoever was put back into the cell has gone elsewhere
-  Worn worn_;                 ///< what was seen when the list ended
+  ListState used_up_;              ///< what was seen when the list ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
 };
 

@@ -10,7 +10,7 @@ namespace epafi {
 namespace {
 constexpr std::uint32_t leaf_size = 8;      // bodies; 4 and 16 are slower in perf/broad.cpp
 constexpr double mixed_sizes = 4.0;         // largest over smallest in a node, above which it is split by size
-constexpr double worn = 1.2;                // surface over that when built, above which the tree is built anew
+constexpr double rebuilt_at = 1.2;          // surface over that when built, above which the tree is built anew
 constexpr std::size_t leaves_per_block = 64;
 
 double half_surface(const Aabb& b) {
@@ -104,7 +104,7 @@ void AabbTree::collect(const FatBodies& bodies, PairCollector& collector) {
   bool fresh = node_.empty();
   if (fresh) build(bodies);
   refit(bodies);
-  if (!fresh && surface() > worn * surface_when_built_) {
+  if (!fresh && surface() > rebuilt_at * surface_when_built_) {
     build(bodies);
     refit(bodies);
     fresh = true;

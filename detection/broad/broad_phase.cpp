@@ -20,9 +20,9 @@ bool ListBroadPhase::keeps_pairs(const World& world) {
   see_time(world.time);
   if (world.size() != bodies_.bodies()) valid_ = known_ = false;
   if (!valid_) return false;
-  const Worn worn = bodies_.worn(world);
-  worn_by_slow_ = worn.by_slow;
-  return !worn.out;
+  const ListState used_up = bodies_.used_up(world);
+  used_up_by_slow_ = used_up.by_slow;
+  return !used_up.out;
 }
 
 bool ListBroadPhase::take_in(const World& world, PairList& pairs) {
@@ -30,18 +30,19 @@ bool ListBroadPhase::take_in(const World& world, PairList& pairs) {
   if (!valid_ || world.size() <= old || world.size() > old + most_taken_in) return false;
   if (!bodies_.take_in(world, setup_, step_time_)) return false;
   collector_.add_behind(old, pairs);
-  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(), pairs.hurry = bodies_.hurry;
+  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(),
+  pairs.inverse_half_margin = bodies_.inverse_half_margin;
   ++pairs.generation;
   return true;
 }
 
 void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
   take_in(world, pairs);
-  if (!keeps_pairs(world)) renew_pairs(world, pairs, worn_by_slow_);
+  if (!keeps_pairs(world)) renew_pairs(world, pairs, used_up_by_slow_);
 }
 
-void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_by_slow) {
-  if (valid_) bodies_.learn(world, step_time_, worn_by_slow);
+void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool used_up_by_slow) {
+  if (valid_) bodies_.learn(world, step_time_, used_up_by_slow);
   const bool many = world.size() >= many_bodies;
   if (many) pairs.give_back(), give_back_heap();  // with what the loop over spheres let go of: 14 bytes of 410
   bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
@@ -53,13 +54,14 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool worn_
   if (world.cell) {
     collector_.finish(found_);
     name_images(world, bodies_.images, found_, pairs.pairs);
-    if (many) let_go(found_);
+    if (many) release(found_);
     if (setup_.spheres.wanted) take_spheres(world, setup_.spheres, pairs);
   } else {
     collector_.finish(pairs.pairs);
     if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
   }
-  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(), pairs.hurry = bodies_.hurry;
+  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(),
+  pairs.inverse_half_margin = bodies_.inverse_half_margin;
   ++pairs.generation;
   valid_ = true;
   if (!many) return;

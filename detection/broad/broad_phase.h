@@ -17,12 +17,12 @@ class ListBroadPhase : public BroadPhase {
   void find_pairs(const World& world, PairList& pairs) final;
   bool keeps_pairs(const World& world) final;
   /// Of a list that was not kept.
-  bool worn_by_slow() const { return worn_by_slow_; }
+  bool used_up_by_slow() const { return used_up_by_slow_; }
   /// Adds the pairs of bodies that came since, in slots behind the others, to a list that holds for all others: a look
   /// at every body for each of them. False, and nothing has changed, where it takes a new list.
   bool take_in(const World& world, PairList& pairs);
   /// Builds the list anew whatever bodies() says of it.
-  void renew_pairs(const World& world, PairList& pairs, bool worn_by_slow);
+  void renew_pairs(const World& world, PairList& pairs, bool used_up_by_slow);
   /// The time has come to `now`: of steps in which neither of both is called.
   void see_time(double now);
   /// The next call builds anew: the list names slots.
@@ -47,7 +47,7 @@ class ListBroadPhase : public BroadPhase {
   PairCollector collector_;
   PairColumn found_;  ///< with images, in a periodic cell
   bool valid_ = false;
-  bool worn_by_slow_ = false;    ///< as the last look at all bodies says
+  bool used_up_by_slow_ = false;  ///< as the last look at all bodies says
   bool known_ = false;           ///< the bodies are in the slots in which bodies_ has seen them
   double last_time_ = infinity;  ///< of the last call [s]
   double step_time_ = 0.0;       ///< dt as seen between two calls [s]; 0: not known yet

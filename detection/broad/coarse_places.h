@@ -32,7 +32,7 @@ class CoarsePlaces {
     });
   }
   /// Of body s to x, or little more: by 2e-7 of the extent of its group; infinite where floats end [m].
-  double way(std::size_t s, const Vec3& x) const {
+  double displacement(std::size_t s, const Vec3& x) const {
     const Group& g = groups_[s / group_size];
     const Offset& o = offsets_[s];
     return (x - g.origin - Vec3(o.x, o.y, o.z)).norm() + g.doubt;

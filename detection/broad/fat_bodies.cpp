@@ -22,8 +22,9 @@ constexpr double most_margin =
           // 14 steps, with 6 bodies near a mesh look at too many triangles
 constexpr double most_stray_margin = 1000.0;  // of the bounding radius: for so few that their pairs do not count
 constexpr double most_strays = 1e-3;          // of all bodies, and 1 always
-constexpr double most_drift = 1.0;  // of the median radius, as long as a list lasts: what does not move has that margin
-                                    // (filling hopper: 0.5 to 3 radii took 11.6, 10.9, 11.3, 12.2, 11.9 ns)
+constexpr double most_common_motion =
+    1.0;  // of the median radius, as long as a list lasts: what does not move has that margin
+          // (filling hopper: 0.5 to 3 radii took 11.6, 10.9, 11.3, 12.2, 11.9 ns)
 constexpr double least_common = 0.25;                    // of the mean motion: below, no frame halves it
 constexpr double headroom = 1.25;                        // bodies speed up between rebuilds
 constexpr double least_steps = 4.0, most_steps = 512.0;  // of one list
@@ -66,12 +67,12 @@ double FatBodies::corner_depth(Slot i, const ApartPlane& p) const {
 
 FatBodies::FatBodies() : most_margin_(most_margin), least_share_(least_margin) {}
 
-void FatBodies::learn(const World& world, double step_time, bool worn_by_slow) {
+void FatBodies::learn(const World& world, double step_time, bool used_up_by_slow) {
   if (!boxes.empty() || !(step_time > 0.0) || world.size() != bodies()) return;  // pairs of other shapes cost more
   const double life = (world.time - taken_at_) / step_time, best = best_share_times_life / least_share_;
-  if (worn_by_slow && life < best)
+  if (used_up_by_slow && life < best)
     least_share_ = std::min(1.4 * least_share_, most_learned);
-  else if (!worn_by_slow || life > 2.0 * best)  // where fast bodies end the lists, margins of slow ones buy nothing
+  else if (!used_up_by_slow || life > 2.0 * best)  // where fast bodies end the lists, margins of slow ones buy nothing
     least_share_ = std::max(least_share_ / 1.4, least_margin);
 }
 
@@ -98,12 +99,12 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
   if (n <= old || world.cell || type.size() != old || ball.size() != old || !complete_) return false;
   for (std::size_t i = old; i < n; ++i)
     if (!fits(i)) return false;
-  const Vec3 common = drift_.way(world.time - taken_at_);
+  const Vec3 common = common_motion_.displacement(world.time - taken_at_);
   const auto grow = [n](auto& column) {
     if (!column.empty()) column.resize(n);
   };
   grow(boxes), grow(half), grow(radius), grow(role), grow(orientation);
-  ball.resize(n), hurry.resize(n), slow_.resize(n), id.resize(n), type.resize(n), immovable.resize(n);
+  ball.resize(n), inverse_half_margin.resize(n), slow_.resize(n), id.resize(n), type.resize(n), immovable.resize(n);
   for (std::size_t i = old; i < n; ++i) {
     const auto s = static_cast<Slot>(i);
     id[i] = static_cast<std::uint32_t>(world.id[s]), immovable[i] = 0;
@@ -119,19 +120,20 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
 }
 
 void FatBodies::rest() {
-  let_go(images);
-  let_go(boxes), let_go(ball), let_go(half), let_go(radius), let_go(hurry), let_go(id), let_go(type);
-  let_go(immovable), let_go(role), let_go(orientation), let_go(ordinary), let_go(apart), let_go(plane);
-  let_go(sphere_planes), let_go(slow_), places_ = {};
+  release(images);
+  release(boxes), release(ball), release(half), release(radius), release(inverse_half_margin), release(id),
+      release(type);
+  release(immovable), release(role), release(orientation), release(ordinary), release(apart), release(plane);
+  release(sphere_planes), release(slow_), places_ = {};
   complete_ = false;
 }
 
-void FatBodies::rest_names() { let_go(id), let_go(type), let_go(immovable), let_go(role); }
+void FatBodies::rest_names() { release(id), release(type), release(immovable), release(role); }
 
 void FatBodies::rest_balls() {
-  let_go(ordinary);
+  release(ordinary);
   places_.take(ball.size(), [&](std::size_t i) { return position(i); });
-  let_go(ball);
+  release(ball);
   complete_ = false;
 }
 
@@ -140,7 +142,7 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   static_assert(AllShapes::size <= 256);
   places_ = {};
   ball.clear(), ball.reserve(n), ball.resize(n);  // no more than that: a large page is taken as a whole
-  hurry.resize(n), slow_.resize(n);
+  inverse_half_margin.resize(n), slow_.resize(n);
   // with images pairs of spheres are told from the others once they are named
   id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted && !world.cell ? n : 0);
   parallel_for(n, [&](std::size_t i) {
@@ -164,12 +166,12 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
                                    [&](std::size_t i) { return is_sphere(i) || is_half_space(i) ? 0.0 : radius[i]; });
 }
 
-/// Of the bodies that move, in radii a step, beside the drift.
+/// Of the bodies that move, in radii a step, beside the common_motion.
 double FatBodies::mean_motion(const World& world, const BroadSetup& setup, double step_time) const {
   const Sum3 sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
     const double r = radius_of(world, *setup.shapes, i);
     if (immovable[i] || !(r > 0.0)) return Sum3{};
-    const double speed = speed_of(world, static_cast<Slot>(i), *setup.shapes, drift_.velocity);
+    const double speed = speed_of(world, static_cast<Slot>(i), *setup.shapes, common_motion_.velocity);
     return Sum3{step_time * speed / r, 1.0, 0.0};
   });
   return sum.b > 0.0 ? sum.a / sum.b : 0.0;
@@ -183,18 +185,19 @@ double FatBodies::choose_drift(const World& world, const BroadSetup& setup, doub
   const auto best_steps = [](double motion) {
     return motion > 0.0 ? std::clamp(1.6 / std::sqrt(motion), least_steps, most_steps) : most_steps;
   };
-  drift_ = {};
+  common_motion_ = {};
   const double motion = setup.margin > 0.0 ? 0.0 : mean_motion(world, setup, step_time);
   if (!(motion > 0.0)) return knows_mean_ = false, best_steps(motion);
   const Vec3 mean = mean_velocity(world, immovable);
   const bool has_last = std::exchange(knows_mean_, true) && since > 0.0;
   const Vec3 last = std::exchange(mean_velocity_, mean);
   if (!(step_time * mean.norm() > least_common * motion * median_radius_)) return best_steps(motion);
-  drift_ = {mean, has_last ? Vec3((mean - last) / since) : Vec3::Zero()};
+  common_motion_ = {mean, has_last ? Vec3((mean - last) / since) : Vec3::Zero()};
   const double rest = mean_motion(world, setup, step_time);
-  if (!(rest < 0.5 * motion)) return drift_ = {}, best_steps(motion);
+  if (!(rest < 0.5 * motion)) return common_motion_ = {}, best_steps(motion);
   double steps = best_steps(rest);
-  while (steps > least_steps && drift_.way(headroom * steps * step_time).norm() > most_drift * median_radius_)
+  while (steps > least_steps &&
+         common_motion_.displacement(headroom * steps * step_time).norm() > most_common_motion * median_radius_)
     steps *= 0.9;
   return steps;
 }
@@ -203,7 +206,8 @@ double FatBodies::choose_drift(const World& world, const BroadSetup& setup, doub
 double FatBodies::margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const {
   if (setup.margin > 0.0) return setup.margin;
   const double radius = radius_of(world, *setup.shapes, s);
-  const Vec3 frame = drift_.velocity_at(immovable[s] ? 0.5 * steps * step_time : 0.0);  // the others fall with it
+  const Vec3 frame =
+      common_motion_.velocity_at(immovable[s] ? 0.5 * steps * step_time : 0.0);  // the others fall with it
   const double step = step_time * speed_of(world, s, *setup.shapes, frame), small = 4.0 * median_radius_;
   const double wanted = 2.0 * headroom * steps * step;
   if (!std::isfinite(wanted)) return 0.0;
@@ -236,7 +240,9 @@ double FatBodies::fattening(const World& world, Slot s, const BroadSetup& setup,
 /// x: where the body is in the frame of the list [m].
 void FatBodies::fatten_one(const World& world, const BroadSetup& setup, Slot s, double margin, const Vec3& x) {
   const double r = radius_of(world, *setup.shapes, s);
-  hurry[s] = 2.0 < margin * double{most_hurry} ? static_cast<float>((1.0 + 0x1p-23) * 2.0 / margin) : most_hurry;
+  inverse_half_margin[s] = 2.0 < margin * double{largest_inverse_half_margin}
+                               ? static_cast<float>((1.0 + 0x1p-23) * 2.0 / margin)
+                               : largest_inverse_half_margin;
   slow_[s] = std::isfinite(r) && margin <= 1.001 * least_share_ * r;
   if (world.has_orientation()) orientation[s] = world.orientation[s];
   const double fat = fattening(world, s, setup, margin);
@@ -260,9 +266,10 @@ void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_
     fatten_one(world, setup, s, margin_of(world, s, setup, step_time, steps), world.position[s]);
   });
   if (!world.cell) return;
-  strain_hurry_ = block_max<double>(world.size(), 0.0, [&](std::size_t i) {
+  strain_over_half_margin_ = block_max<double>(world.size(), 0.0, [&](std::size_t i) {
     const double size = std::max(ball[i].r, half_of(i));
-    return std::isfinite(radius_of(world, *setup.shapes, i)) && size > 0.0 ? size * double{hurry[i]} : 0.0;
+    return std::isfinite(radius_of(world, *setup.shapes, i)) && size > 0.0 ? size * double{inverse_half_margin[i]}
+                                                                           : 0.0;
   });
 }
 
@@ -304,9 +311,9 @@ void FatBodies::set_planes(const World& world, const BroadSetup& setup, double s
 /// Its surface has moved by more than half its margin. A turn by t moves a point at R by 2 R sin(t/2) <= 2 R |q - q0|,
 /// as |q - q0| = 2 sin(t/4).
 inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates, const ListFrame& now) const {
-  if (is_loose_plane(i)) return false;  // plane_wear says it
-  const double moved = now.growth() * way(i, now.back(world.position[i]));
-  const double allowed = half_margin(i) * (1.0 - now.strain_wear);
+  if (is_loose_plane(i)) return false;  // plane_use says it
+  const double moved = now.growth() * displacement(i, now.back(world.position[i]));
+  const double allowed = half_margin(i) * (1.0 - now.strain_use);
   if (moved > allowed || !rotates || !(turning_radius(i) > 0.0)) return moved > allowed;
   if (is_hollow(i)) {
     const Vec3 axis_moved = world.orientation[i] * Vec3::UnitZ() - orientation[i] * Vec3::UnitZ();
@@ -318,14 +325,14 @@ inline bool FatBodies::is_beyond(const World& world, std::size_t i, bool rotates
 
 ListFrame FatBodies::frame(const World& world) const {
   ListFrame now;
-  now.common = drift_.way(world.time - taken_at_);
+  now.common = common_motion_.displacement(world.time - taken_at_);
   if (!world.cell) return now;
   now.take_cell(*world.cell, cell_size_);
-  if (now.flows()) now.strain_wear = now.strain * strain_hurry_;
+  if (now.flows()) now.strain_use = now.strain * strain_over_half_margin_;
   return now;
 }
 
-Worn FatBodies::worn(const World& world) const {
+ListState FatBodies::used_up(const World& world) const {
   if (world.size() != bodies()) return {true, false};
   const auto any = [&](const auto& f) {
     return block_max<char>(bodies(), 0, [&](std::size_t i) { return static_cast<char>(f(i)); }) != 0;
@@ -333,12 +340,12 @@ Worn FatBodies::worn(const World& world) const {
   const bool rotates = world.has_orientation();
   const ListFrame now = frame(world);
   const bool bodies_beyond = any([&](std::size_t i) { return is_beyond(world, i, rotates, now); });
-  if (!bodies_beyond) return {plane_wear(world, now) > 1.0, false};
+  if (!bodies_beyond) return {plane_use(world, now) > 1.0, false};
   return {true, any([&](std::size_t i) { return slow_[i] != 0 && is_beyond(world, i, rotates, now); })};
 }
 
 double FatBodies::largest_margin() const {
-  return block_max<double>(hurry.size(), 0.0, [&](std::size_t i) { return 2.0 * half_margin(i); });
+  return block_max<double>(inverse_half_margin.size(), 0.0, [&](std::size_t i) { return 2.0 * half_margin(i); });
 }
 
 // --- half-spaces that move: the distance of a point from a plane changes by an affine function of the point, so its
@@ -379,22 +386,23 @@ void FatBodies::look_around(const World& world, const ShapeStore& shapes) {
            }).all;
 }
 
-/// At which it may come nearer to a body that moves with the drift, or flees from it [m/s].
-double FatBodies::plane_speed(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const {
-  if (!is_loose_plane(s)) return world.velocity[s].norm() + drift.norm();
+/// At which it may come nearer to a body that moves with the common_motion, or flees from it [m/s].
+double FatBodies::plane_speed(const World& world, Slot s, const ShapeStore& shapes, const Vec3& common_motion) const {
+  if (!is_loose_plane(s)) return world.velocity[s].norm() + common_motion.norm();
   const Vec3 n = world.pose(s).orientation * shapes.of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
   const Vec3 turning = world.rotates() ? Vec3(Vec3(world.angular_velocity[s]).cross(n)) : Vec3(Vec3::Zero());
-  const Vec3 point = world.position[s], velocity = drift - world.velocity[s];
+  const Vec3 point = world.position[s], velocity = common_motion - world.velocity[s];
   const double most = most_of_corners(
       around, [&](const Vec3& x) { return std::abs(turning.dot(x - point) + n.dot(velocity + flow_at(world, x))); });
   return std::max(most, 0.0) + most_radius_ * turning.norm();
 }
 
-/// Distance by which a point of the body moves per second beside the drift and the flow of the cell, at most [m/s].
-double FatBodies::speed_of(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const {
-  if (is_half_space(s)) return plane_speed(world, s, shapes, drift);
+/// Distance by which a point of the body moves per second beside the common_motion and the flow of the cell, at most
+/// [m/s].
+double FatBodies::speed_of(const World& world, Slot s, const ShapeStore& shapes, const Vec3& common_motion) const {
+  if (is_half_space(s)) return plane_speed(world, s, shapes, common_motion);
   const double turned = turning_radius(s);
-  Vec3 beside = world.velocity[s] - drift;
+  Vec3 beside = world.velocity[s] - common_motion;
   if (immovable[s] && world.cell) beside -= flow_at(world, world.position[s]);
   const double v = std::sqrt(beside.squaredNorm());
   double w2 = world.rotates() ? world.angular_velocity[s].squaredNorm() : 0.0;
@@ -404,7 +412,7 @@ double FatBodies::speed_of(const World& world, Slot s, const ShapeStore& shapes,
   return world.cell ? moves + world.cell->strain_rate.cwiseAbs().maxCoeff() * radius_of(world, shapes, s) : moves;
 }
 
-double FatBodies::plane_wear(const World& world, const ListFrame& now) const {
+double FatBodies::plane_use(const World& world, const ListFrame& now) const {
   double most = 0.0;
   for (std::size_t k = 0; k < plane.size(); ++k) {
     const ApartPlane& p = plane[k];
@@ -418,7 +426,7 @@ double FatBodies::plane_wear(const World& world, const ListFrame& now) const {
       return (p.normal - n).dot(x - p.point) + n.dot(Vec3(point - p.point - now.way_from(x)));
     });
     const double beyond = nearer + most_radius_ * (n - p.normal).norm();
-    most = std::max(most, beyond * double{hurry[s]});
+    most = std::max(most, beyond * double{inverse_half_margin[s]});
   }
   return most;
 }

@@ -1,10 +1,10 @@
 /// @file fat_bodies.h  What a broad phase sees of the bodies: boxes and balls fattened so that the pair list lasts for
 /// many steps. Fat means the exact bound plus (reach + margin)/2 on every side, the margin being the body's own. Two
 /// bodies are near when their fat boxes AND their fat bounding balls overlap; every method lists the near pairs, so all
-/// lists are the same. Ways of bodies are those in a frame that moves as most of them do (engine/step/drift.h): a pair comes
-/// closer by as much as its bodies' ways in any one frame, and 20 000 spheres that fall into a hopper ask for half as
-/// many lists (17.5 to 10.9 ns a step). A half-space wears by how much nearer it has come to the places of the bodies,
-/// wherever its own point has gone. In a periodic cell images stand behind the bodies
+/// lists are the same. Ways of bodies are those in a frame that moves as most of them do (engine/step/common_motion.h):
+/// a pair comes closer by as much as its bodies' ways in any one frame, and 20 000 spheres that fall into a hopper ask
+/// for half as many lists (17.5 to 10.9 ns a step). A half-space wears by how much nearer it has come to the places of
+/// the bodies, wherever its own point has gone. In a periodic cell images stand behind the bodies
 /// (detection/broad/periodic_pairs.h), with the margins of their bodies.
 #pragma once
 #include <algorithm>
@@ -19,8 +19,8 @@
 #include "detection/broad/periodic_pairs.h"
 #include "detection/broad/sphere_roles.h"
 #include "detection/shape_store.h"
-#include "engine/step/drift.h"
 #include "engine/state/large_column.h"
+#include "engine/step/common_motion.h"
 
 namespace epafi {
 
@@ -61,20 +61,20 @@ struct ApartPlane {
 };
 
 /// Whether a list is outdated.
-struct Worn {
+struct ListState {
   bool out = false, by_slow = false;  ///< by_slow: one of the slow ones, whose margin is the least, is beyond it
   void see(bool beyond, bool slow) { out = out || beyond, by_slow = by_slow || (beyond && slow); }
-  Worn& operator+=(const Worn& o) {
+  ListState& operator+=(const ListState& o) {
     out = out || o.out, by_slow = by_slow || o.by_slow;
     return *this;
   }
 };
 
 /// The largest way of a body since the list was taken over half its margin; the list is outdated above 1.
-struct Wear {
+struct MarginUse {
   double most = 0.0;
-  Worn worn{};
-  void see(double wear, bool slow) { most = std::max(most, wear), worn.see(wear > 1.0, slow); }
+  ListState used_up{};
+  void see(double used_margin, bool slow) { most = std::max(most, used_margin), used_up.see(used_margin > 1.0, slow); }
 };
 
 /// Of the median radius: above, one box test per body is cheaper than one more grid level.
@@ -92,7 +92,8 @@ struct FatBodies {
   UnwrittenColumn<Ball> ball;          ///< fat, about the centre of mass [m]; behind the bodies those of images
   std::vector<double> half;            ///< as half_of; with boxes
   std::vector<double> radius;          ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
-  std::vector<float> hurry;       ///< 1/half the margin or little more [1/m]; of a margin of 0 most_hurry; no images
+  std::vector<float> inverse_half_margin;  ///< 1/half the margin or little more [1/m]; of a margin of 0
+                                           ///< largest_inverse_half_margin; no images
   std::vector<CellImage> images;  ///< of bodies, in a periodic cell
   std::vector<std::uint32_t> id;
   std::vector<std::uint8_t> type;
@@ -107,9 +108,9 @@ struct FatBodies {
   bool only_spheres = false;           ///< every pair is one of PairList::spheres
   bool ordered_spheres = false;        ///< all ordinary bodies are such spheres, and none apart is
 
-  std::size_t bodies() const { return hurry.size(); }
+  std::size_t bodies() const { return inverse_half_margin.size(); }
   /// With images.
-  std::size_t size() const { return hurry.size() + images.size(); }
+  std::size_t size() const { return inverse_half_margin.size() + images.size(); }
   /// Fat, world axes [m].
   Aabb box(std::size_t i) const {
     return boxes.empty() ? Aabb{position(i) - Vec3::Constant(ball[i].r), position(i) + Vec3::Constant(ball[i].r)} : boxes[i];
@@ -140,31 +141,34 @@ struct FatBodies {
   /// Bodies that came since, in slots behind the others, take their places in the frame of the last update. False, and
   /// nothing has changed, where the columns cannot take them: the next update can.
   bool take_in(const World& world, const BroadSetup& setup, double step_time);
-  /// The list is worn: how long it lasted says how large the margins of slow bodies ought to be. Before update.
-  void learn(const World& world, double step_time, bool worn_by_slow);
+  /// The list is used_up: how long it lasted says how large the margins of slow bodies ought to be. Before update.
+  void learn(const World& world, double step_time, bool used_up_by_slow);
   /// Whether some body has moved by more than half its margin, and a slow one too.
-  Worn worn(const World& world) const;
+  ListState used_up(const World& world) const;
   /// Of spheres, or bodies that stay: at(s) says where slot s of [begin, end) is now. Half-spaces that may move are
   /// left out.
   template <class At>
-  Wear wear(std::size_t begin, std::size_t end, const At& at, const ListFrame& now) const {
-    Wear most;
+  MarginUse used_margin(std::size_t begin, std::size_t end, const At& at, const ListFrame& now) const {
+    MarginUse most;
     const double growth = now.growth();
     for (std::size_t s = begin; s < end; ++s)
       if (!is_loose_plane(s))
-        most.see(growth * way(s, now.back(at(s))) * double{hurry[s]} + now.strain_wear, slow_[s] != 0);
+        most.see(growth * displacement(s, now.back(at(s))) * double{inverse_half_margin[s]} + now.strain_use,
+                 slow_[s] != 0);
     return most;
   }
   /// How much nearer the half-spaces that may move have come to where the bodies are, over half their margins: the
   /// largest.
-  double plane_wear(const World& world, const ListFrame& now) const;
+  double plane_use(const World& world, const ListFrame& now) const;
   /// Since the last update.
   ListFrame frame(const World& world) const;
   /// Some bounded body is fixed or driven: a cell that deforms flows past it.
   bool holds_bounded() const { return holds_bounded_; }
   double largest_margin() const;
   /// From `now` on: the frame in which margins hold.
-  Drift drift(double now) const { return {drift_.velocity_at(now - taken_at_), drift_.acceleration}; }
+  CommonMotion common_motion(double now) const {
+    return {common_motion_.velocity_at(now - taken_at_), common_motion_.acceleration};
+  }
   /// Lets go of the columns until the next update, which must not name the same bodies then.
   void rest();
   /// The same, where all are spheres and fixed half-spaces, of what is not asked for once the list is begun (7 bytes a
@@ -177,7 +181,7 @@ struct FatBodies {
   double median_radius_ = 0.0;
   double most_margin_;  ///< of the bounding radius, of free bodies
   double least_share_;  ///< least margin over radius
-  Drift drift_;
+  CommonMotion common_motion_;
   Vec3 mean_velocity_ = Vec3::Zero();  ///< of the bodies that move, at the last update [m/s]
   bool knows_mean_ = false;
   double taken_at_ = 0.0;  ///< time of the last update [s]
@@ -189,7 +193,7 @@ struct FatBodies {
   bool loose_planes_ = false;  ///< some half-space may move
   bool holds_bounded_ = false;
   double most_radius_ = 0.0;       ///< of bodies that are no spheres [m]
-  double strain_hurry_ = 0.0;      ///< largest fat radius over half its margin, in a periodic cell
+  double strain_over_half_margin_ = 0.0;  ///< largest fat radius over half its margin, in a periodic cell
   Vec3 cell_size_ = Vec3::Ones();  ///< at the last update [m]
   bool is_half_space(std::size_t i) const { return !type.empty() && type[i] == ShapeStore::type_of<HalfSpace>(); }
   /// A surface of revolution: a turn about its own axis moves nothing.
@@ -207,11 +211,11 @@ struct FatBodies {
     return round_ ? shapes.bounding_radius({world.shape[i]}) : radius[i];
   }
   void read_shapes(const World& world, const BroadSetup& setup);
-  static constexpr float most_hurry = 1e37f;
-  double way(std::size_t i, const Vec3& x) const {
-    return places_.empty() ? (x - position(i)).norm() : places_.way(i, x);
+  static constexpr float largest_inverse_half_margin = 1e37f;
+  double displacement(std::size_t i, const Vec3& x) const {
+    return places_.empty() ? (x - position(i)).norm() : places_.displacement(i, x);
   }
-  double half_margin(std::size_t i) const { return 1.0 / double{hurry[i]}; }
+  double half_margin(std::size_t i) const { return 1.0 / double{inverse_half_margin[i]}; }
   bool is_beyond(const World& world, std::size_t i, bool rotates, const ListFrame& now) const;
   double corner_depth(Slot i, const ApartPlane& p) const;
   double margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const;
@@ -225,8 +229,8 @@ struct FatBodies {
   void set_planes(const World& world, const BroadSetup& setup, double step_time, double steps);
   void look_around(const World& world, const ShapeStore& shapes);
   void add_images(const World& world);
-  double speed_of(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const;
-  double plane_speed(const World& world, Slot s, const ShapeStore& shapes, const Vec3& drift) const;
+  double speed_of(const World& world, Slot s, const ShapeStore& shapes, const Vec3& common_motion) const;
+  double plane_speed(const World& world, Slot s, const ShapeStore& shapes, const Vec3& common_motion) const;
 };
 
 }  // namespace epafi

@@ -1,9 +1,9 @@
-/// @file list_frame.h  Where a list's bodies would be now had they moved in common alone: with the drift that was
-/// foreseen (engine/step/drift.h) and with the uniform flow of a periodic cell that deforms. What a list wears by is the
-/// rest. With x0 the place when the list was taken, F = diag(f) the stretch of the cell about its low corner, c the way
-/// of the drift and u = x - (F x0 + c): the distance of two bodies is at least |F (x0 - y0)| - |u| - |v|. A pair that
-/// was not listed was further apart than the sum of its fat radii H; it stays out of reach while |u| + max|f - 1| H is
-/// below half the margin for both.
+/// @file list_frame.h  Where a list's bodies would be now had they moved in common alone: with the common_motion that
+/// was foreseen (engine/step/common_motion.h) and with the uniform flow of a periodic cell that deforms. What a list
+/// wears by is the rest. With x0 the place when the list was taken, F = diag(f) the stretch of the cell about its low
+/// corner, c the way of the common_motion and u = x - (F x0 + c): the distance of two bodies is at least |F (x0 - y0)|
+/// - |u| - |v|. A pair that was not listed was further apart than the sum of its fat radii H; it stays out of reach
+/// while |u| + max|f - 1| H is below half the margin for both.
 #pragma once
 #include <algorithm>
 
@@ -17,10 +17,10 @@ struct ListFrame {
   Vec3 low = Vec3::Zero();      ///< of the cell [m]
   Vec3 stretch = Vec3::Ones();  ///< f
   double strain = 0.0;          ///< largest |f - 1|
-  double strain_wear = 0.0;     ///< strain times the largest fat radius over half its margin
+  double strain_use = 0.0;      ///< strain times the largest fat radius over half its margin
 
   bool flows() const { return strain != 0.0; }
-  /// How far what was at x0 has been carried [m]: exactly 0 along axes without drift and flow.
+  /// How far what was at x0 has been carried [m]: exactly 0 along axes without common_motion and flow.
   Vec3 way_from(const Vec3& x0) const { return (stretch - Vec3::Ones()).cwiseProduct(x0 - low) + common; }
   /// Where what is at x now would have been then [m].
   Vec3 back(const Vec3& x) const {

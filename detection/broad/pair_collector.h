@@ -27,7 +27,9 @@ class PairCollector {
   /// Adds to finished lists the pairs of the bodies from slot `old` on with all others.
   void add_behind(std::size_t old, PairList& pairs) const;
   /// Lets go of what it has gathered.
-  void rest() { let_go(blocks_), let_go(run_), let_go(rest_begin_), let_go(begin_), let_go(rest_), let_go(first_); }
+  void rest() {
+    release(blocks_), release(run_), release(rest_begin_), release(begin_), release(rest_), release(first_);
+  }
 
  private:
   struct Block {

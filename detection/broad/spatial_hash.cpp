@@ -124,11 +124,11 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
         x[0] = axis[0].place(b.x), x[stride_] = axis[1].place(b.y), x[2 * stride_] = axis[2].place(b.z);
         x[3 * stride_] = static_cast<float>(b.r * axis[0].inverse_cell), slot_[place] = s;
       });
-  if (all.size() >= many_bodies) let_go(cell_of_), let_go(level_of_);
+  if (all.size() >= many_bodies) release(cell_of_), release(level_of_);
 }
 
 void SpatialHash::rest() {
-  let_go(level_of_), let_go(cell_of_), let_go(start_), let_go(slot_), let_go(found_), let_go(sorted_);
+  release(level_of_), release(cell_of_), release(start_), release(slot_), release(found_), release(sorted_);
 }
 
 template <int n>

@@ -57,7 +57,7 @@ Vec3 turn_between(const Quat& from, const Quat& to) {
 BodyPath way_of(const World& world, Slot s, double duration) {
   const Pose now = world.pose(s);
   BodyPath path{now, duration * world.velocity[s], Vec3::Zero()};
-  path.start.position -= path.drift;
+  path.start.position -= path.travel;
   if (!world.rotates()) return path;
   path.turn = duration * world.angular_velocity[s];
   const double angle = path.turn.norm();
@@ -68,8 +68,8 @@ BodyPath way_of(const World& world, Slot s, double duration) {
 /// First share of the ways at which the centre comes as near to a wall as `distance` [m]; above 1: never. By
 /// conservative advancement, as time_of_impact.h.
 double share_near_wall(const HollowWall& wall, const BodyPath& ball, const BodyPath& way, double distance) {
-  const double apart = (ball.start.position - way.start.position).norm() + (ball.drift - way.drift).norm();
-  const double speed = (ball.drift - way.drift).norm() + way.turn.norm() * apart;
+  const double apart = (ball.start.position - way.start.position).norm() + (ball.travel - way.travel).norm();
+  const double speed = (ball.travel - way.travel).norm() + way.turn.norm() * apart;
   double share = 0.0;
   for (int round = 0; round < toi_cap && share <= 1.0; ++round) {
     const double left = wall.distance(way.at(share).to_local(ball.at(share).position)) - distance;
@@ -101,7 +101,7 @@ const HollowWall* hollow_wall(const ShapeStore& shapes, ShapeRef ref) {
 
 /// Begins deeper than allowed and does not go deeper: nothing passes, what holds it is the contact's.
 bool comes_out(const Impact& deep, const BodyPath& a, const BodyPath& b) {
-  return deep.share == 0.0 && deep.normal.dot(a.drift - b.drift) <= 0.0;
+  return deep.share == 0.0 && deep.normal.dot(a.travel - b.travel) <= 0.0;
 }
 
 /// Sphere about the middle of a way that holds the body at all times.
@@ -109,7 +109,7 @@ struct SweptBall {
   Vec3 centre;
   double radius;
   SweptBall(const BodyPath& path, double bounding)
-      : centre(path.start.position + 0.5 * path.drift), radius(bounding + 0.5 * path.drift.norm()) {}
+      : centre(path.start.position + 0.5 * path.travel), radius(bounding + 0.5 * path.travel.norm()) {}
   bool meets(const SweptBall& o) const {
     return (centre - o.centre).squaredNorm() <= (radius + o.radius) * (radius + o.radius);
   }
@@ -140,7 +140,7 @@ void SweepGuard::look(const World& world, double duration, std::size_t k, Hit& h
                       turn_between(before_[k].orientation, now.orientation)};
   const MovingBody a = moving_body(shapes_, ref, path);
   const double inner = inner_radius(shapes_, ref), allowed = tenth * inner;
-  if (path.drift.norm() + path.turn.norm() * a.turning_radius <= allowed) return;  // too slow to pass anything
+  if (path.travel.norm() + path.turn.norm() * a.turning_radius <= allowed) return;  // too slow to pass anything
   const SweptBall ball(path, shapes_.bounding_radius(ref));
   for (Slot o = 0; o < world.size(); ++o) {
     if (o == s) continue;
@@ -160,7 +160,7 @@ void SweepGuard::look(const World& world, double duration, std::size_t k, Hit& h
       const TriangleMesh& mesh = shapes_.of<TriangleMesh>()[other.index()];
       triangles_.clear();
       mesh.query(box_in_body_axes({ball.centre.array() - ball.radius, ball.centre.array() + ball.radius}, world.pose(o))
-                     .fattened(way.drift.norm()),
+                     .fattened(way.travel.norm()),
                  triangles_);
       for (const std::uint32_t t : triangles_) {
         const TriangleSolid solid(mesh.corners(t), mesh.normals[t]);

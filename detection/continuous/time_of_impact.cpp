@@ -25,7 +25,7 @@ Separation separation(const MovingBody& a, const MovingBody& b, const Pose& pose
 
 /// Share of the interval before which a separation of `room` along n cannot be used up.
 double safe_share(double room, const Vec3& n, const BodyPath& a, const BodyPath& b, double turning) {
-  const double closing = n.dot(a.drift - b.drift) + turning;  // per interval
+  const double closing = n.dot(a.travel - b.travel) + turning;  // per interval
   return closing > 0.0 ? room / closing : infinity;
 }
 
@@ -47,7 +47,7 @@ Impact advance(const Measure& measure, const BodyPath& a, const BodyPath& b, dou
 }  // namespace
 
 Pose BodyPath::at(double share) const {
-  Pose p{start.position + share * drift, start.orientation};
+  Pose p{start.position + share * travel, start.orientation};
   const double angle = turn.norm();
   if (angle > 0.0) p.orientation = Quat(Eigen::AngleAxisd(share * angle, turn / angle)) * start.orientation;
   return p;

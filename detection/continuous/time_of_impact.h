@@ -1,18 +1,18 @@
 /// @file time_of_impact.h  When two moving convex bodies first touch, by conservative advancement (Mirtich 1996,
-/// ch. 2.3). The separation along a fixed direction n changes at most by the relative drift along n plus the turning of
-/// each body at its bounding radius. From the present distance and its normal follows a time before which nothing
-/// touches; from there again. For bodies that only drift this is Newton's method on the planes between them and ends in
-/// a few steps. Fails (says so, after `toi_cap` steps) where bodies turn fast at a small distance without meeting.
+/// ch. 2.3). The separation along a fixed direction n changes at most by the relative travel along n plus the turning
+/// of each body at its bounding radius. From the present distance and its normal follows a time before which nothing
+/// touches; from there again. For bodies that only travel this is Newton's method on the planes between them and ends
+/// in a few steps. Fails (says so, after `toi_cap` steps) where bodies turn fast at a small distance without meeting.
 #pragma once
 #include "detection/narrow/gjk/minkowski.h"
 
 namespace epafi {
 
-/// A body's way during one interval: from pose `start`, drifting by `drift` [m] and turning by `turn` (axis times
+/// A body's way during one interval: from pose `start`, drifting by `travel` [m] and turning by `turn` (axis times
 /// angle, rad, world axes) at constant rates.
 struct BodyPath {
   Pose start;
-  Vec3 drift = Vec3::Zero(), turn = Vec3::Zero();
+  Vec3 travel = Vec3::Zero(), turn = Vec3::Zero();
   Pose at(double share) const;
 };
 

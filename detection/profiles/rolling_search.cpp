@@ -4,7 +4,7 @@ namespace epafi {
 
 void RollingSearch::split(const World& world, const PairList& pairs) {
   rest_.pairs.clear(), rolling_.clear();
-  rest_.margin = pairs.margin, rest_.hurry = pairs.hurry, ++rest_.generation;
+  rest_.margin = pairs.margin, rest_.inverse_half_margin = pairs.inverse_half_margin, ++rest_.generation;
   const auto type = [&](Slot s) { return ShapeRef{world.shape[s]}.type(); };
   constexpr auto wheel = ShapeStore::type_of<WheelProfile>(), rail = ShapeStore::type_of<RailProfile>();
   for (const Pair& p : pairs.pairs) {

@@ -44,16 +44,18 @@ struct PairList {
   std::uint64_t generation = 0;   ///< grows when the list changes: whoever derives data from it derives it again
   /// By slot 1/half the body's own margin [1/m] or little more; empty: `margin` for all. Those of the broad phase, until
   /// it makes the next list or lets go of it.
-  std::span<const float> hurry{};
+  std::span<const float> inverse_half_margin{};
   SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
   /// Until the next list is made.
   void give_back() {
-    let_go(pairs), hurry = {};
-    let_go(spheres.first), let_go(spheres.partner), let_go(spheres.image);
+    release(pairs), inverse_half_margin = {};
+    release(spheres.first), release(spheres.partner), release(spheres.image);
   }
   /// By how much the bodies of a pair may come closer while the list lasts [m].
   double margin_of(const Pair& p) const {
-    return hurry.empty() ? margin : 1.0 / double{hurry[p.a]} + 1.0 / double{hurry[p.b]};
+    return inverse_half_margin.empty()
+               ? margin
+               : 1.0 / double{inverse_half_margin[p.a]} + 1.0 / double{inverse_half_margin[p.b]};
   }
 };
 

@@ -91,7 +91,7 @@ using UnwrittenStream = std::vector<T, UnwrittenSmallPages<T>>;
 
 /// `= {}` would keep the room.
 template <class Column>
-void let_go(Column& column) {
+void release(Column& column) {
   Column().swap(column);
 }
 
@@ -101,7 +101,7 @@ void let_go(Column& column) {
 template <class T, class Pages>
 void renew(std::vector<T, Pages>& column, std::size_t size, std::size_t share = 4) {
   static_assert(std::is_base_of_v<UnwrittenPages<T>, Pages>);
-  if (size > column.capacity()) let_go(column), column.reserve(size + size / share);
+  if (size > column.capacity()) release(column), column.reserve(size + size / share);
   column.clear(), column.resize(size);
 }
 

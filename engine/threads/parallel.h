@@ -84,10 +84,10 @@ struct alignas(64) Counter {
 /// helps. (Taken from the front, where the slower one happens to be, they moved to and fro: contacts of 20 000 spheres
 /// in free fall, two threads, one core at two thirds of the other's speed, 0.152 s, so 0.135.) Of a run whose thread
 /// has not come, helpers take the front: a piece never waits for earlier ones that nobody is at.
-class Runs {
+class WorkRanges {
  public:
   /// left: one for each run, of whoever calls; they outlive this.
-  Runs(std::size_t n, std::span<Counter> left) : n_(n), left_(left) {}
+  WorkRanges(std::size_t n, std::span<Counter> left) : n_(n), left_(left) {}
   void start() const {
     for (std::size_t p = 0; p < left_.size(); ++p)
       left_[p].value = n_ * p / left_.size() | n_ * (p + 1) / left_.size() << 32;
@@ -148,7 +148,7 @@ class LoopRuns {
 
  private:
   std::array<Counter, 256> left_;
-  Runs runs_;
+  WorkRanges runs_;
 };
 
 /// f(begin, end, block) for consecutive blocks of `size` indices covering [0, n), shared out in runs.

@@ -41,7 +41,7 @@ void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piec
   const SharedOut meter(true);
   std::vector<Counter>& counters = block_results<Counter>(stages * (threads + 1), Counter{});
   const std::span left(counters.data(), stages * threads), done(counters.data() + stages * threads, stages);
-  const auto runs = [&](std::size_t s) { return Runs(pieces(s), left.subspan(s * threads, threads)); };
+  const auto runs = [&](std::size_t s) { return WorkRanges(pieces(s), left.subspan(s * threads, threads)); };
   for (std::size_t s = 0; s < stages; ++s) runs(s).start();
   EventCount event;
   const auto all_done = [&](std::size_t s) { return std::atomic_ref(done[s].value).load() == pieces(s); };

@@ -79,7 +79,9 @@ class Finds {
 
  private:
   static constexpr std::size_t line = 64;
-  std::size_t place(std::size_t i) const { return i + line * (((i + 1) * runs_ - 1) / n_); }  // as Runs share them out
+  std::size_t place(std::size_t i) const {
+    return i + line * (((i + 1) * runs_ - 1) / n_);
+  }  // as WorkRanges share them out
 
   std::size_t n_, runs_;
   std::vector<unsigned char>& flags_;

@@ -28,11 +28,11 @@ class SpringForces final : public ContactLayer {
     ContactLayer::visit(visitor);
     attached_ = false;  // it may be another state that comes in
     visitor.column("springs/relaxed", relaxed_), visitor.column("springs/start", start_);
-    visitor.value("springs/lost_power", power_.lost), visitor.value("springs/driven_power", power_.driven);
+    visitor.value("springs/lost_power", balance_.lost), visitor.value("springs/driven_power", balance_.driven);
   }
 
  private:
-  struct Power {
+  struct Balance {
     double lost = 0.0, driven = 0.0, elastic = 0.0;  ///< [W], [W], [J]
   };
   struct Pull {
@@ -48,11 +48,11 @@ class SpringForces final : public ContactLayer {
     return world.slot_of(springs_[k].body) != no_slot && (!springs_[k].to || world.slot_of(*springs_[k].to) != no_slot);
   }
   /// Of the positions: the end of a smooth step, the middle of a non-smooth one.
-  double moment(const World& world, const StepClock& clock) const {
+  double time_of_forces(const World& world, const StepClock& clock) const {
     return world.clock + (smooth_ ? 1.0 : 0.5) * clock.dt;
   }
   FarEnd far_end(const World& world, std::size_t k, const Vec3& near, const StepClock& clock) const;
-  Pull pull(const World& world, std::size_t k, const StepClock& clock, Power& power) const;
+  Pull pull(const World& world, std::size_t k, const StepClock& clock, Balance& balance) const;
   void push_smooth(World& world, std::size_t k, const Pull& p) const;
   void act_smooth(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report);
   void act_rigid(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report);
@@ -66,7 +66,7 @@ class SpringForces final : public ContactLayer {
   bool attached_ = false;
   std::vector<Vec3> relaxed_;  ///< far end in the axes of the far body or frame [m]; empty before the first step
   std::vector<double> start_;  ///< distance of the frame along the way at time 0 [m]
-  Power power_;
+  Balance balance_;
   std::vector<Pull> pulls_;
   Pushes pushes_;  ///< of a non-smooth step
 };
@@ -109,14 +109,15 @@ FarEnd SpringForces::far_end(const World& world, std::size_t k, const Vec3& near
     return {pose.to_world(relaxed_[k]), pose.orientation.toRotationMatrix(),
             m.velocity + m.angular_velocity.cross(near - pose.position)};
   }
-  const double at = start_[k] + s.speed * moment(world, clock), h = 1e-3;
+  const double at = start_[k] + s.speed * time_of_forces(world, clock), h = 1e-3;
   const Pose frame = way_->frame(at);
   const Vec3 seen = frame.to_local(near);
   const Vec3 velocity = s.speed / (2.0 * h) * (way_->frame(at + h).to_world(seen) - way_->frame(at - h).to_world(seen));
   return {frame.to_world(relaxed_[k]), frame.orientation.toRotationMatrix(), velocity};
 }
 
-SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const StepClock& clock, Power& power) const {
+SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const StepClock& clock,
+                                      Balance& balance) const {
   const SpringElement& s = springs_[k];
   const Slot a = world.slot_of(s.body);
   Pull p;
@@ -130,10 +131,10 @@ SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const S
   p.damper = p.far.axes * damper, p.rate = p.far.axes * rate;
   p.force = p.far.axes * s.stiffness.cwiseProduct(stretch) + p.damper;
   if (s.to) p.far_arm = near - world.position[world.slot_of(*s.to)];
-  power.elastic += 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
-  power.lost += damper.dot(rate);
+  balance.elastic += 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
+  balance.lost += damper.dot(rate);
   const bool driven = !s.to || !world.is_movable(world.slot_of(*s.to));
-  if (driven) power.driven += p.force.dot(p.far.velocity);
+  if (driven) balance.driven += p.force.dot(p.far.velocity);
   return p;
 }
 
@@ -186,7 +187,7 @@ void SpringForces::store(const World& world, StepReport& report) {
 }
 
 void SpringForces::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
-  attach(world, moment(world, clock));
+  attach(world, time_of_forces(world, clock));
   if (smooth_)
     act_smooth(world, contacts, clock, report);
   else
@@ -194,7 +195,7 @@ void SpringForces::act(World& world, ContactSet& contacts, const StepClock& cloc
 }
 
 void SpringForces::act_smooth(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
-  Power now;
+  Balance now;
   pulls_.assign(springs_.size(), {});
   for (std::size_t k = 0; k < springs_.size(); ++k)
     if (holds(world, k)) pulls_[k] = pull(world, k, clock, now);
@@ -202,15 +203,15 @@ void SpringForces::act_smooth(World& world, ContactSet& contacts, const StepCloc
   for (std::size_t k = 0; k < springs_.size(); ++k)
     if (holds(world, k)) push_smooth(world, k, pulls_[k]);
   report.elastic += now.elastic;
-  report.dissipated += 0.5 * clock.dt * (power_.lost + now.lost);
-  report.losses.viscous += 0.5 * clock.dt * (power_.lost + now.lost);
-  report.work += 0.5 * clock.dt * (power_.driven + now.driven);
-  power_ = now;
+  report.dissipated += 0.5 * clock.dt * (balance_.lost + now.lost);
+  report.losses.viscous += 0.5 * clock.dt * (balance_.lost + now.lost);
+  report.work += 0.5 * clock.dt * (balance_.driven + now.driven);
+  balance_ = now;
 }
 
 /// The impulses change v_k to v_k+1 together with those of contacts: what they do is by the mean of both velocities.
 void SpringForces::act_rigid(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
-  Power unused;
+  Balance unused;
   pulls_.assign(springs_.size(), {});
   pushes_.linear.assign(world.size(), Vec3::Zero());
   pushes_.angular.assign(world.rotates() ? world.size() : 0, Vec3::Zero());
@@ -266,7 +267,7 @@ class SpringOperator {
     }
   }
 
-  /// By power iteration: after n steps on vectors of m entries the quotient is below the eigenvalue by log(m)/2n at
+  /// By balance iteration: after n steps on vectors of m entries the quotient is below the eigenvalue by log(m)/2n at
   /// most.
   double largest(bool damping) const {
     constexpr int most_iterations = 300;

@@ -412,17 +412,17 @@ TEST_CASE("margins of spheres at rest grow where these end lists early, and shri
     for (int k = 0; k < steps; ++k) scene.world.time += 1.0, broad->find_pairs(scene.world, list);
   };
   wait(2);
-  CHECK(2.0 / list.hurry[0] == Approx(0.06 * 0.5));
+  CHECK(2.0 / list.inverse_half_margin[0] == Approx(0.06 * 0.5));
   for (int k = 0; k < 12; ++k) {
-    scene.world.position[0].x() -= 1.2 / list.hurry[0];  // a jump past half its margin, from rest
+    scene.world.position[0].x() -= 1.2 / list.inverse_half_margin[0];  // a jump past half its margin, from rest
     wait(3);
     for (const Pair& p : close_pairs(scene)) CHECK(std::binary_search(list.pairs.begin(), list.pairs.end(), p));
   }
-  CHECK(2.0 / list.hurry[0] == Approx(0.16 * 0.5));
+  CHECK(2.0 / list.inverse_half_margin[0] == Approx(0.16 * 0.5));
   wait(400);
-  scene.world.position[0].x() += 1.2 / list.hurry[0];
+  scene.world.position[0].x() += 1.2 / list.inverse_half_margin[0];
   wait(1);
-  CHECK(2.0 / list.hurry[0] == Approx(0.16 * 0.5 / 1.4));
+  CHECK(2.0 / list.inverse_half_margin[0] == Approx(0.16 * 0.5 / 1.4));
 }
 
 TEST_CASE("without balls the ways of bodies are little more than they are, never less", "[detection][broad][scale]") {
@@ -438,14 +438,16 @@ TEST_CASE("without balls the ways of bodies are little more than they are, never
     Random random(5, 1);
     std::vector<Vec3> at(scene.world.size());
     for (std::size_t s = 0; s < at.size(); ++s)
-      at[s] = exact.position(s) + random_point(random, 1.0) * (s % 3 == 0 ? 1e-6 : 0.6) / double{exact.hurry[s]};
+      at[s] = exact.position(s) +
+              random_point(random, 1.0) * (s % 3 == 0 ? 1e-6 : 0.6) / double{exact.inverse_half_margin[s]};
     for (std::size_t s = 0; s < at.size(); ++s) {
       const auto now = [&](std::size_t i) -> const Vec3& { return at[i]; };
-      const double way = exact.wear(s, s + 1, now, {}).most, known = coarse.wear(s, s + 1, now, {}).most;
+      const double way = exact.used_margin(s, s + 1, now, {}).most, known = coarse.used_margin(s, s + 1, now, {}).most;
       CHECK(known >= way * (1.0 - 1e-12));
-      CHECK(known <= way + 2.3e-7 * edge * double{exact.hurry[s]});  // 2^-23 + sqrt(3) 2^-24 of what a group extends
+      CHECK(known <= way + 2.3e-7 * edge *
+                               double{exact.inverse_half_margin[s]});  // 2^-23 + sqrt(3) 2^-24 of what a group extends
     }
-    scene.world.position[7].x() += 1.01 / double{exact.hurry[7]};
+    scene.world.position[7].x() += 1.01 / double{exact.inverse_half_margin[7]};
     CHECK(coarse.worn(scene.world).out);
   }
 }

@@ -10,9 +10,9 @@ using testing::upright;
 namespace {
 
 template <class S>
-MovingBody moving(const S& s, const Pose& start, const Vec3& drift, const Vec3& turn = Vec3::Zero()) {
+MovingBody moving(const S& s, const Pose& start, const Vec3& travel, const Vec3& turn = Vec3::Zero()) {
   const ConvexRef core = ConvexRef::to(s);
-  return {core, s.rounding(), core.radius, {start, drift, turn}};
+  return {core, s.rounding(), core.radius, {start, travel, turn}};
 }
 
 /// A world of one thing in the way and one flagged body that has made its way in one step of 1 s.
@@ -50,7 +50,7 @@ TEST_CASE("a shot of 300 m/s reaches a plate of 0.1 mm at the time of its distan
                                 moving(plate, {}, Vec3::Zero()), 0.0, 1e-12);
   REQUIRE(i.hits);
   CHECK(i.share * 0.01 == Approx(0.995 / 300).epsilon(1e-10));
-  CHECK(i.iterations <= 3);  // drift alone: Newton on a plane
+  CHECK(i.iterations <= 3);  // travel alone: Newton on a plane
 }
 
 TEST_CASE("a spinning rod reaches the edge of a plate after a third of pi", "[detection][continuous]") {

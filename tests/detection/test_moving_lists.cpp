@@ -164,7 +164,7 @@ TEST_CASE("lists of cells that strain hold beside the flow, held and fast bodies
   }
 }
 
-TEST_CASE("what a cell carries along does not wear its list", "[detection][broad][cell]") {
+TEST_CASE("what a cell carries along does not used_margin its list", "[detection][broad][cell]") {
   BroadScene scene;
   scene.world = World({.periodic = true});
   scene.setup.shapes = &scene.shapes;

@@ -158,7 +158,7 @@ TriangleSurface cells_surface(int n, const F& is_solid) {
 
 }  // namespace
 
-TEST_CASE("a bracket, a tray and a hollow box are cut to as few parts in single precision, turned",
+TEST_CASE("a bracket, a accumulator and a hollow box are cut to as few parts in single precision, turned",
           "[physics][solids]") {
   struct Kind {
     const char* name;
@@ -167,7 +167,7 @@ TEST_CASE("a bracket, a tray and a hollow box are cut to as few parts in single 
   };
   const std::array<Kind, 3> kinds{
       {{"bracket", 2, [](int i, int j, int) { return i < 2 || j < 2; }},
-       {"tray", 5, [](int i, int j, int k) { return k < 2 || i % 5 == 0 || j % 5 == 0; }},
+       {"accumulator", 5, [](int i, int j, int k) { return k < 2 || i % 5 == 0 || j % 5 == 0; }},
        {"hollow box", 6, [](int i, int j, int k) { return i % 5 == 0 || j % 5 == 0 || k % 5 == 0; }}}};
   Random random(29, 0);
   for (int run = 0; run < 6; ++run) {

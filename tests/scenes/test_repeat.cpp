@@ -1,4 +1,5 @@
-// `repeat` of springs and measures: copies as they would be written one by one. Drift seen from a body that moves.
+// `repeat` of springs and measures: copies as they would be written one by one. CommonMotion seen from a body that
+// moves.
 #include <cmath>
 
 #include "scenes/full_registry.h"

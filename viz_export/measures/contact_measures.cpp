@@ -182,7 +182,7 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   values = {all.a > 0 ? all.b / all.a : 0.0, left.a > 0 ? left.b / left.a : 0.0, all.a - left.a};
   if (w.size() >= many_bodies) {
     touched = {};
-    let_go(degree);
+    release(degree);
   }
 }
 

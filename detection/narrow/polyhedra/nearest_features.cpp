@@ -134,7 +134,7 @@ bool on_vertices(const PolyhedronPair& pair, const NearestFeatures& at, Polyhedr
 }
 
 /// The distinct vertices of a body in GJK's simplex.
-struct Corners {
+struct NearestCorners {
   std::array<std::uint32_t, 4> vertex{};
   std::uint32_t count = 0;
   void add(std::uint32_t v) {
@@ -152,7 +152,7 @@ bool find_edge(const PolyhedronView& p, std::uint32_t v, std::uint32_t w, std::u
   return false;
 }
 
-bool find_face(const PolyhedronView& p, const Corners& c, std::uint32_t& out) {
+bool find_face(const PolyhedronView& p, const NearestCorners& c, std::uint32_t& out) {
   const auto around = [&](std::uint32_t v, std::uint32_t f) {
     for (std::uint32_t k = p.fan_begin[v]; k < p.fan_begin[v + 1]; ++k)
       if (p.fans[k] == f) return true;
@@ -166,7 +166,7 @@ bool find_face(const PolyhedronView& p, const Corners& c, std::uint32_t& out) {
 }
 
 /// The features spanned by the simplex itself: nearly always those that certify.
-NearestFeatures features_of(const PolyhedronPair& pair, const Corners& a, const Corners& b) {
+NearestFeatures features_of(const PolyhedronPair& pair, const NearestCorners& a, const NearestCorners& b) {
   NearestFeatures f{NearestKind::none, a.vertex[0], b.vertex[0]};
   if (a.count == 1 && b.count == 1) f.kind = NearestKind::vertices;
   if (a.count == 1 && b.count == 2 && find_edge(pair.b, b.vertex[0], b.vertex[1], f.b))
@@ -245,7 +245,7 @@ bool certify(const PolyhedronPair& pair, const NearestFeatures& at, PolyhedronDi
 
 bool find_nearest_features(const PolyhedronPair& pair, const GjkResult& g, NearestFeatures& features,
                            PolyhedronDistance& out) {
-  Corners a, b;
+  NearestCorners a, b;
   for (int k = 0; k < g.simplex.count; ++k) {
     const MinkowskiVertex& v = g.simplex.vertex[static_cast<std::size_t>(k)];
     a.add(v.index_a), b.add(v.index_b);

@@ -90,34 +90,34 @@ class FusedModel final : public FusedSpheres {
   const char* name() const override { return "fused spheres"; }
   std::size_t block_size() const override { return blocks_.block_size(); }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
-  void make_way() override {
-    hurry_ = {};
-    if (blocks_.bodies() >= many_bodies) blocks_.make_way();
+  void release_lists() override {
+    inverse_half_margin_ = {};
+    if (blocks_.bodies() >= many_bodies) blocks_.release_lists();
   }
-  void lend(SpherePairs& list) override { lent_ = &list; }
-  void expect(const Drift& drift) override { drift_ = drift, since_drift_ = 0.0; }
+  void use_room_of(SpherePairs& list) override { room_of_ = &list; }
+  void expect(const CommonMotion& drift) override { drift_ = drift, since_drift_ = 0.0; }
   void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
 
   void set_pairs(const World& world, const SphereList& list) override {
-    hurry_ = list.hurry, tells_forces_ = list.others || hurry_.empty();
+    inverse_half_margin_ = list.inverse_half_margin, tells_forces_ = list.others || inverse_half_margin_.empty();
     if (!radius_.empty()) find_materials(world);
     blocks_.rebuild(world, list);
-    SpherePairs* const lent = std::exchange(lent_, nullptr);
+    SpherePairs* const lent = std::exchange(room_of_, nullptr);
     if (lent == nullptr) return;
-    let_go(lent->first), let_go(lent->partner), let_go(lent->image);
+    release(lent->first), release(lent->partner), release(lent->image);
   }
 
   bool move(World& world, const StepClock& clock) override {
     if (!clock.scheme->has_ranges()) return ways_.clear(), false;
-    if (blocks_.laid_out() && world.size() > blocks_.bodies()) blocks_.welcome(world), hurry_ = {};
+    if (blocks_.laid_out() && world.size() > blocks_.bodies()) blocks_.welcome(world), inverse_half_margin_ = {};
     if (blocks_.bodies() != world.size()) return ways_.clear(), false;
     predicted_ = true;
     if (std::exchange(ahead_, false)) return true;
     extents_.assign((world.size() + blocks_.block_size() - 1) / blocks_.block_size(), Extent{});
-    most_hurry_.assign(extents_.size(), Vec3::Zero());
+    largest_inverse_half_margin_.assign(extents_.size(), Vec3::Zero());
     const auto loop = best_loop<FirstHalf>();
     parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t i) {
-      loop({pass(world, clock, begin, end, 0, extents_[i]), most_hurry_[i]});
+      loop({pass(world, clock, begin, end, 0, extents_[i]), largest_inverse_half_margin_[i]});
     });
     find_ways(clock.dt);
     // 48 bytes a sphere that nobody reads before they are written again
@@ -131,7 +131,7 @@ class FusedModel final : public FusedSpheres {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     if (std::exchange(published_, false) && world.size() >= many_bodies) contacts.give_back();
     const bool others = contacts.size() > 0 || others_;
-    if (!radius_.empty()) blocks_.set_constants(world, radius_), let_go(radius_);
+    if (!radius_.empty()) blocks_.set_constants(world, radius_), release(radius_);
     // reads the force of the last step: before the generic loop writes
     if (!predicted_)
       parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -163,7 +163,7 @@ class FusedModel final : public FusedSpheres {
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
     publisher_.add(world, blocks_, loads(world), contacts);
-    if (world.size() >= many_bodies) publisher_.let_go();
+    if (world.size() >= many_bodies) publisher_.release();
     published_ = true;
   }
 
@@ -200,21 +200,21 @@ class FusedModel final : public FusedSpheres {
 
  private:
   static_assert(TouchedBodies::block_size == SphereBlocks::largest_block, "threads share the same bodies out in both");
-  static constexpr std::size_t most_trays = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
+  static constexpr std::size_t most_accumulators = 64;  ///< of a thread; of two, 15 were in use in a bed of 100 000
 
   /// Later than the velocities of the world by this are those the dampers see [s].
   double lag(const StepClock& clock) const { return laws_.damped ? clock.velocity_lag * clock.dt : 0.0; }
 
-  BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t tray,
+  BodyPass pass(World& world, const StepClock& clock, std::size_t begin, std::size_t end, std::size_t accumulator,
                 Extent& extent) {
     return {world,
             world.states().data(),
             blocks_.late_spins(),
-            blocks_.sums(tray),
-            blocks_.moments(tray),
+            blocks_.sums(accumulator),
+            blocks_.moments(accumulator),
             blocks_.plain(),
             touched(),
-            knows_ways() ? hurry_.data() : nullptr,
+            knows_ways() ? inverse_half_margin_.data() : nullptr,
             tells_forces_,
             drift_.velocity_at(since_drift_ + 0.5 * clock.dt),
             *clock.scheme,
@@ -226,13 +226,13 @@ class FusedModel final : public FusedSpheres {
             extent};
   }
 
-  bool knows_ways() const { return !hurry_.empty(); }
+  bool knows_ways() const { return !inverse_half_margin_.empty(); }
   const std::uint8_t* touched() const { return is_touched_.empty() ? nullptr : is_touched_.data(); }
 
   void find_ways(double dt) {
     since_drift_ += dt;
-    ways_.resize(knows_ways() ? most_hurry_.size() : 0);
-    for (std::size_t i = 0; i < ways_.size(); ++i) ways_[i] = dt * std::sqrt(most_hurry_[i].sum());
+    ways_.resize(knows_ways() ? largest_inverse_half_margin_.size() : 0);
+    for (std::size_t i = 0; i < ways_.size(); ++i) ways_[i] = dt * std::sqrt(largest_inverse_half_margin_[i].sum());
   }
 
   /// Whether one material is that of all spheres.
@@ -277,36 +277,39 @@ class FusedModel final : public FusedSpheres {
     const auto loop = laws_.needs.remembers() ? find_loop<true>() : find_loop<false>();
     const SphereArrays arrays = arrays_of(world, clock, !onward);  // onward: nobody looks at this step
     const auto threads = static_cast<std::size_t>(thread_count());
-    const std::size_t trays = threads == 1 ? 1 : std::min(most_trays, all.size() / threads + 1);
-    blocks_.set_trays(threads * trays);
-    const auto find = [&](std::size_t i, std::size_t tray) {
-      blocks_.clear_tray(tray);
+    const std::size_t accumulators = threads == 1 ? 1 : std::min(most_accumulators, all.size() / threads + 1);
+    blocks_.set_accumulators(threads * accumulators);
+    const auto find = [&](std::size_t i, std::size_t accumulator) {
+      blocks_.clear_accumulator(accumulator);
       SphereArrays mine = arrays;
       const std::size_t first = i * blocks_.block_size();
-      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(tray)) - first * sizeof(SphereSum);
+      mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(accumulator)) - first * sizeof(SphereSum);
       mine.nowhere = SpherePlace(static_cast<Slot>(first + blocks_.block_size()));
-      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(tray)) - first * sizeof(Lanes);
+      mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(accumulator)) - first * sizeof(Lanes);
       loop(FindCall{all[i], mine});
     };
-    next_extents_.resize(onward ? all.size() : 1), most_hurry_.resize(next_extents_.size());
+    next_extents_.resize(onward ? all.size() : 1), largest_inverse_half_margin_.resize(next_extents_.size());
     const auto second_half = best_loop<SecondHalf<false>>();
     const auto run_on = best_loop<SecondHalf<true>>();
-    const auto finish = [&](std::size_t i, std::size_t tray, std::size_t next) {
-      blocks_.receive(i, tray);
+    const auto finish = [&](std::size_t i, std::size_t accumulator, std::size_t next) {
+      blocks_.receive(i, accumulator);
       const std::size_t begin = i * blocks_.block_size();
       const std::size_t end = std::min(world.size(), begin + blocks_.block_size());
       if (!clock.scheme)
-        unpack_bodies(world, blocks_.sums(tray), blocks_.moments(tray), touched(), begin, end);
+        unpack_bodies(world, blocks_.sums(accumulator), blocks_.moments(accumulator), touched(), begin, end);
       else if (onward)
-        run_on({pass(world, clock, begin, end, tray, extents_[i]),
-                {next_extents_[i] = {}, most_hurry_[i] = Vec3::Zero()},
+        run_on({pass(world, clock, begin, end, accumulator, extents_[i]),
+                {next_extents_[i] = {}, largest_inverse_half_margin_[i] = Vec3::Zero()},
                 world.states().data() + next * blocks_.block_size()});
       else
-        second_half({pass(world, clock, begin, end, tray, extents_[i]), {next_extents_[0], most_hurry_[0]}, {}});
+        second_half({pass(world, clock, begin, end, accumulator, extents_[i]),
+                     {next_extents_[0], largest_inverse_half_margin_[0]},
+                     {}});
     };
     // records go to later blocks only, and no block reads bodies of an earlier one
     parallel_wavefront(
-        all.size(), trays, blocks_.order(), [&](std::size_t i) -> const auto& { return all[i].sources; }, find, finish);
+        all.size(), accumulators, blocks_.order(), [&](std::size_t i) -> const auto& { return all[i].sources; }, find,
+        finish);
   }
 
   /// Adds what the blocks found to the report of the generic loop.
@@ -413,12 +416,12 @@ class FusedModel final : public FusedSpheres {
   bool others_ = false;
   bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
   UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
-  Drift drift_;                                 ///< beside which ways are counted
+  CommonMotion drift_;                          ///< beside which ways are counted
   double since_drift_ = 0.0;                    ///< it began so long ago [s]
-  std::span<const float> hurry_;                ///< as SphereList::hurry
-  SpherePairs* lent_ = nullptr;                 ///< 18 bytes a sphere that nobody reads again
+  std::span<const float> inverse_half_margin_;  ///< as SphereList::inverse_half_margin
+  SpherePairs* room_of_ = nullptr;              ///< 18 bytes a sphere that nobody reads again
   bool tells_forces_ = true;                    ///< in every step; else in those that somebody looks at only
-  std::vector<Vec3> most_hurry_;                ///< by block: largest squares of velocity times that [1/s^2]
+  std::vector<Vec3> largest_inverse_half_margin_;  ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
   bool ahead_ = false;                          ///< the first half of the next step is done
   std::vector<std::uint8_t> is_touched_;        ///< by slot: with forces of the generic loop; empty: none is

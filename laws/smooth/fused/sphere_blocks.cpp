@@ -140,9 +140,9 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     Kept* const kept = kept_.springs.data();
     if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
   });
-  let_go(kept_.springs), laid_out_ = true;
+  release(kept_.springs), laid_out_ = true;
   see_rows(pairs, grown);
-  kept_.each_more(needs_, [](auto& column, const char*) { let_go(column); });
+  kept_.each_more(needs_, [](auto& column, const char*) { release(column); });
   list_sources();
 }
 
@@ -160,7 +160,7 @@ bool SphereBlocks::keeps_rows(std::size_t index, std::size_t end, const SpherePa
 void SphereBlocks::see_rows(const SpherePairs& pairs, bool grown) {
   const bool wanted = (grown || !rows_.first.empty()) && bodies_ < many_bodies && pairs.image.empty();
   laid_bodies_ = bodies_;
-  if (!wanted) return let_go(rows_.first), let_go(rows_.partner);
+  if (!wanted) return release(rows_.first), release(rows_.partner);
   rows_.first.assign(pairs.first.begin(), pairs.first.begin() + static_cast<std::ptrdiff_t>(bodies_ + 1));
   rows_.partner.assign(pairs.partner.begin(), pairs.partner.begin() + rows_.first.back());
 }
@@ -283,8 +283,8 @@ void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
   if (rolls) grow(record_moments);
 }
 
-void SphereBlocks::make_way() {
-  for (Block& block : blocks_) let_go(block.records), let_go(block.record_places), let_go(block.record_moments);
+void SphereBlocks::release_lists() {
+  for (Block& block : blocks_) release(block.records), release(block.record_places), release(block.record_moments);
 }
 
 // --- springs on their way from one layout to the next
@@ -368,7 +368,7 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t, std::size_t) {
     if (many) give_back_heap();
   });
-  if (many) blocks_.clear(), make_way(), give_back_heap();
+  if (many) blocks_.clear(), release_lists(), give_back_heap();
 }
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.

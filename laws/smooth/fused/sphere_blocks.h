@@ -44,7 +44,8 @@ struct SpherePlane {
 struct SphereList {
   const SpherePairs& pairs;
   std::vector<SpherePlane> planes;  ///< of pairs.planes
-  std::span<const float> hurry;     ///< as PairList::hurry; empty: others move too, or the list has none
+  std::span<const float>
+      inverse_half_margin;          ///< as PairList::inverse_half_margin; empty: others move too, or the list has none
   bool others = false;              ///< the scene has other pairs
 };
 
@@ -129,13 +130,13 @@ class SphereBlocks {
   /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
   void rebuild(const World& world, const SphereList& list);
   /// Records go until the next step.
-  void make_way();
+  void release_lists();
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
 
-  /// Adds what other blocks found for the bodies of block i to the sums of its tray.
-  void receive(std::size_t i, std::size_t tray);
+  /// Adds what other blocks found for the bodies of block i to the sums of its accumulator.
+  void receive(std::size_t i, std::size_t accumulator);
   /// What of the bodies' states is ours and stays, and which bodies are plain; radius: by slot, of free spheres [m].
   void set_constants(World& world, std::span<const double> radius);
   /// Bodies that came since the last layout, behind the others: as those without contacts until the next one.
@@ -162,15 +163,17 @@ class SphereBlocks {
   /// By four bodies: laws/smooth/fused/body_pass.h may take them together.
   const std::uint8_t* plain() const { return plain_.data(); }
   /// How many sums of a block there are at once.
-  void set_trays(std::size_t trays);
-  /// Of the first slot of the block that has this tray, and one behind the last that nobody reads; all zero before
-  /// its first contact.
-  SphereSum* sums(std::size_t tray) { return sums_.data() + tray * (block_size_ + 1); }
-  void clear_tray(std::size_t tray);
+  void set_accumulators(std::size_t accumulators);
+  /// Of the first slot of the block that has this accumulator, and one behind the last that nobody reads; all zero
+  /// before its first contact.
+  SphereSum* sums(std::size_t accumulator) { return sums_.data() + accumulator * (block_size_ + 1); }
+  void clear_accumulator(std::size_t accumulator);
   /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.
   Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
   /// Moments against rolling beside the sums [N m].
-  Lanes* moments(std::size_t tray) { return moments_.empty() ? nullptr : moments_.data() + tray * block_size_; }
+  Lanes* moments(std::size_t accumulator) {
+    return moments_.empty() ? nullptr : moments_.data() + accumulator * block_size_;
+  }
   std::size_t pairs() const { return pairs_; }
   /// False where springs wait for a rebuild: at the start, after a reordering, after a state was saved or loaded.
   bool laid_out() const { return laid_out_; }
@@ -226,7 +229,7 @@ class SphereBlocks {
   UnwrittenColumn<SphereSum> sums_;
   LargeColumn<Lanes> late_spins_;
   UnwrittenColumn<Lanes> moments_;
-  std::vector<std::uint8_t> is_clear_;  ///< by tray: its sums are zero
+  std::vector<std::uint8_t> is_clear_;  ///< by accumulator: its sums are zero
   std::vector<std::uint8_t> plain_;
   KeptSprings kept_;                         ///< while the layout waits
   std::vector<std::uint32_t> kept_begin_;    ///< by block, once they are grouped

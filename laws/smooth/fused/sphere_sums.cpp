@@ -8,21 +8,21 @@
 
 namespace epafi {
 
-void SphereBlocks::set_trays(std::size_t trays) {
-  if (is_clear_.size() == trays) return;
-  let_go(sums_), let_go(moments_);
-  sums_.resize(trays * (block_size_ + 1)), moments_.resize(needs_.rolling ? trays * block_size_ : 0);
-  is_clear_.assign(trays, 0);
+void SphereBlocks::set_accumulators(std::size_t accumulators) {
+  if (is_clear_.size() == accumulators) return;
+  release(sums_), release(moments_);
+  sums_.resize(accumulators * (block_size_ + 1)), moments_.resize(needs_.rolling ? accumulators * block_size_ : 0);
+  is_clear_.assign(accumulators, 0);
 }
 
-void SphereBlocks::clear_tray(std::size_t tray) {
-  if (std::exchange(is_clear_[tray], std::uint8_t{1}) != 0) return;  // as the pass over the bodies leaves it
-  std::fill_n(sums(tray), block_size_, SphereSum{});
-  if (needs_.rolling) std::fill_n(moments(tray), block_size_, Lanes{});
+void SphereBlocks::clear_accumulator(std::size_t accumulator) {
+  if (std::exchange(is_clear_[accumulator], std::uint8_t{1}) != 0) return;  // as the pass over the bodies leaves it
+  std::fill_n(sums(accumulator), block_size_, SphereSum{});
+  if (needs_.rolling) std::fill_n(moments(accumulator), block_size_, Lanes{});
 }
 
-void SphereBlocks::receive(std::size_t i, std::size_t tray) {
-  SphereSum* const mine = sums(tray);
+void SphereBlocks::receive(std::size_t i, std::size_t accumulator) {
+  SphereSum* const mine = sums(accumulator);
   const auto& sources = blocks_[i].sources;
   for (auto source = sources.rbegin(); source != sources.rend(); ++source) {
     const Block& from = blocks_[*source];
@@ -35,7 +35,7 @@ void SphereBlocks::receive(std::size_t i, std::size_t tray) {
       std::memcpy(&first, found.first, sizeof first);
       mine[slot].first += first;
       for (int l = 0; l < 2; ++l) mine[slot].second[l] += found.second[l];
-      if (needs_.rolling) moments(tray)[slot] += from.record_moments[k];
+      if (needs_.rolling) moments(accumulator)[slot] += from.record_moments[k];
     }
   }
 }

@@ -1,16 +1,17 @@
-/// @file drift.h  What bodies have in common of their motion, as it is foreseen: those that fall together stay together.
+/// @file common_motion.h  What bodies have in common of their motion, as it is foreseen: those that fall together stay
+/// together.
 #pragma once
 #include "engine/state/types.h"
 
 namespace epafi {
 
 /// A frame that moves; nothing moves in it where all bodies fall side by side.
-struct Drift {
+struct CommonMotion {
   Vec3 velocity = Vec3::Zero();      ///< at first [m/s]
   Vec3 acceleration = Vec3::Zero();  ///< [m/s^2]
   Vec3 velocity_at(double time) const { return velocity + time * acceleration; }
   /// Since the beginning [m].
-  Vec3 way(double time) const { return time * velocity_at(0.5 * time); }
+  Vec3 displacement(double time) const { return time * velocity_at(0.5 * time); }
 };
 
 }  // namespace epafi
