@@ -72,12 +72,17 @@ class CorpusReader {
     const std::size_t vertices_a = get<std::uint8_t>(), vertices_b = get<std::uint8_t>();
     const std::size_t triangles_a = get<std::uint8_t>(), triangles_b = get<std::uint8_t>();
     get<std::uint16_t>();  // padding
-    p.a.centre = vec(), p.b.centre = vec();
+    p.a.centre = vec();
+    p.b.centre = vec();
     for (std::size_t k = 0; k < vertices_a; ++k) p.a.vertices.push_back(vec());
     for (std::size_t k = 0; k < vertices_b; ++k) p.b.vertices.push_back(vec());
-    read_faces(triangles_a, p.a), read_faces(triangles_b, p.b);
-    p.size = get<double>(), p.distance = get<double>();
-    p.normal = vec(), p.witness_a = vec(), p.witness_b = vec();
+    read_faces(triangles_a, p.a);
+    read_faces(triangles_b, p.b);
+    p.size = get<double>();
+    p.distance = get<double>();
+    p.normal = vec();
+    p.witness_a = vec();
+    p.witness_b = vec();
     return p;
   }
   std::string bytes_, path_;

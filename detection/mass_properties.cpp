@@ -38,7 +38,9 @@ Mat3 nearest_naming(const Mat3& axes, std::array<int, 3>& order) {
       for (int j = 0; j < 3; ++j)
         named.col(j) = (signs >> j & 1 ? -1.0 : 1.0) * axes.col(permutations[k][static_cast<std::size_t>(j)]);
       if (named.trace() <= best_trace + 1e-12) continue;  // ties go to the first
-      best = named, best_trace = named.trace(), order = permutations[k];
+      best = named;
+      best_trace = named.trace();
+      order = permutations[k];
     }
   }
   return best;

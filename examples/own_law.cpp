@@ -53,8 +53,11 @@ int main() {
   Body floor, ball;
   floor.shape = shapes.add(HalfSpace{Vec3::UnitZ()}).packed;
   ball.shape = shapes.add(Sphere{radius}).packed;
-  ball.position = Vec3(0, 0, radius + h), ball.mass = mass, ball.inertia = Vec3::Constant(0.4 * mass * radius * radius);
-  world.add(floor), world.add(ball);
+  ball.position = Vec3(0, 0, radius + h);
+  ball.mass = mass;
+  ball.inertia = Vec3::Constant(0.4 * mass * radius * radius);
+  world.add(floor);
+  world.add(ball);
 
   MaterialTable materials{1, std::vector<MaterialPair>(1)};
   materials.pairs[0].restitution = 1.0;

@@ -18,7 +18,8 @@ class ForceHistogram final : public epafi::Observer {
     for (const auto& f : view.contacts.force) {
       const auto bin = static_cast<std::size_t>(2.0 * f.norm() / mean);
       if (bin >= bins.size()) bins.resize(bin + 1);
-      ++bins[bin], ++count;
+      ++bins[bin];
+      ++count;
     }
   }
   std::vector<std::size_t> bins;  ///< of half the mean force each
@@ -28,7 +29,10 @@ class ForceHistogram final : public epafi::Observer {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) return std::puts("usage: watch SCENE.toml"), 2;
+  if (argc < 2) {
+    std::puts("usage: watch SCENE.toml");
+    return 2;
+  }
   auto assembly = epafi::load(argv[1]);
   auto observer = std::make_unique<ForceHistogram>();
   const ForceHistogram& seen = *observer;

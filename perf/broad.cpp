@@ -94,7 +94,10 @@ class Packer {
         x = position[b] + (radius[b] + radius[i] * random_.uniform(1, 4)) * direction();
       }
       const double q = freedom(radius[i], x);
-      if (q > most) most = q, best = x;
+      if (q > most) {
+        most = q;
+        best = x;
+      }
     }
     position.push_back(best);
     const int l = static_cast<int>(std::ceil(std::log2(2 * radius[i])));
@@ -117,7 +120,9 @@ Pack make_pack(const char* kind, int n) {
     do d = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
     while (d.norm() < 0.1 || d.norm() > 1);
     Body body;
-    body.position = packed.position[i], body.mass = r * r * r, body.shape = shape[r];
+    body.position = packed.position[i];
+    body.mass = r * r * r;
+    body.shape = shape[r];
     body.velocity = 0.01 * r * d.normalized();
     pack.world.add(body);
   }

@@ -74,7 +74,8 @@ struct Errors {
   void add(const char* test, double at_100, double at_4000) {
     const auto t = static_cast<std::size_t>(std::atoi(test));
     const double x = static_cast<double>(t) + std::min(0.8, 0.03 * rows[t]++);
-    coarse.points.push_back({x, std::max(at_100, 1e-10)}), fine.points.push_back({x, std::max(at_4000, 1e-10)});
+    coarse.points.push_back({x, std::max(at_100, 1e-10)});
+    fine.points.push_back({x, std::max(at_4000, 1e-10)});
   }
 };
 

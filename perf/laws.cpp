@@ -35,7 +35,8 @@ void lattice(Rig& rig, ContactSet& contacts, int n, double radius, bool curvatur
       c.gap = pitch - 2 * radius;
       c.normal = Vec3::Unit(axis);
       c.arm = 0.5 * pitch * c.normal;
-      c.effective_radius = 0.5 * radius, c.area = pi * radius * radius * 5e-4;
+      c.effective_radius = 0.5 * radius;
+      c.area = pi * radius * radius * 5e-4;
       contacts.append(static_cast<Slot>(k), static_cast<Slot>(k + step[axis]), c);
     }
 }
@@ -107,15 +108,19 @@ struct NeedRow {
 /// Prints ns per contact without and with each need, and draws them.
 void measure_needs(const std::vector<NeedRow>& rows, const char* folder) {
   KindMap map;
-  map.title = "Smooth contact: what a declared need costs", map.x_label = "processor time per contact [ns]";
-  map.log_x = true, map.kinds = {"without", "with"};
+  map.title = "Smooth contact: what a declared need costs";
+  map.x_label = "processor time per contact [ns]";
+  map.log_x = true;
+  map.kinds = {"without", "with"};
   std::printf("\n%-38s %10s %10s %10s\n", "need", "without", "with", "cost [ns]");
   for (const NeedRow& row : rows) {
     const double a = cost_of(setup_of(row.without, {glass}), row.rotates_without).best,
                  b = cost_of(setup_of(row.with, {glass}), row.rotates_with).best;
     std::printf("%-38s %10.1f %10.1f %10.1f\n", row.need, a, b, b - a);
     const auto y = static_cast<double>(map.y_names.size());
-    map.y_names.push_back(row.need), map.cells.push_back({a, y, 0}), map.cells.push_back({b, y, 1});
+    map.y_names.push_back(row.need);
+    map.cells.push_back({a, y, 0});
+    map.cells.push_back({b, y, 1});
   }
   if (folder) draw(map, std::string(folder) + "/needs");
 }
@@ -126,7 +131,8 @@ const Parameters k = parameters_of({{"stiffness", 1e4}}), v = parameters_of({{"r
 
 ContactChoice with_tangential(const char* law, const char* tangential, double mu_r = 0.0, const char* rolling = "") {
   ContactChoice c{law, 0.8, 0.3, mu_r};
-  c.tangential = tangential, c.rolling = rolling;
+  c.tangential = tangential;
+  c.rolling = rolling;
   return c;
 }
 

@@ -30,7 +30,8 @@ void measure(const char* name, ShapeStore& shapes, ShapeRef floor, ShapeRef shap
   World world(Columns{.rotation = true});
   world.add({.shape = floor.packed});
   PairList list;
-  list.margin = 0.01, list.generation = 1;
+  list.margin = 0.01;
+  list.generation = 1;
   Random random(1, 0);
   constexpr Slot bodies = 1000;
   for (Slot k = 1; k <= bodies; ++k) {
@@ -78,11 +79,16 @@ void measure_trees() {
     for (int repeat = 0; repeat < 9; ++repeat) {
       candidates = 0;
       const auto begin = std::chrono::steady_clock::now();
-      for (const Pose& pose : poses) found.clear(), mesh->find_near(rod, pose, 1e-3, found), candidates += found.size();
+      for (const Pose& pose : poses) {
+        found.clear();
+        mesh->find_near(rod, pose, 1e-3, found);
+        candidates += found.size();
+      }
       best = std::min(best, std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count());
     }
     for (const Pose& pose : poses) {
-      found.clear(), mesh->find_near(rod, pose, 1e-3, found);
+      found.clear();
+      mesh->find_near(rod, pose, 1e-3, found);
       for (std::uint32_t t = 0; t < mesh->triangles.size(); ++t) {
         const auto c = mesh->corners(t);
         const Vec3 middle = pose.to_local((c[0] + c[1] + c[2]) / 3.0);

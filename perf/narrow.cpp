@@ -22,9 +22,17 @@ struct Row {
   int pairs = 0, refused = 0, wrong = 0, off = 0, intervals = 0;
   double cold = 0.0, fresh = 0.0, warm = 0.0, distance = 0.0, regret = 0.0, witness = 0.0;
   void add(const Row& o) {
-    pairs += o.pairs, refused += o.refused, wrong += o.wrong, off += o.off, intervals += o.intervals;
-    cold += o.cold, fresh += o.fresh, warm += o.warm, distance = std::max(distance, o.distance);
-    regret = std::max(regret, o.regret), witness = std::max(witness, o.witness);
+    pairs += o.pairs;
+    refused += o.refused;
+    wrong += o.wrong;
+    off += o.off;
+    intervals += o.intervals;
+    cold += o.cold;
+    fresh += o.fresh;
+    warm += o.warm;
+    distance = std::max(distance, o.distance);
+    regret = std::max(regret, o.regret);
+    witness = std::max(witness, o.witness);
   }
   void print(const std::string& name) const {
     std::printf(
@@ -132,10 +140,13 @@ int corpus(const char* path) {
   Row whole;
   for (const auto& p : pairs) {
     const Row row = measure(p, ConvexMethod::automatic, {}, true);
-    rows[p.category].add(row), whole.add(row);
+    rows[p.category].add(row);
+    whole.add(row);
   }
-  for (const auto& [name, time] : fresh_times(pairs, ConvexMethod::automatic))
-    rows[name].fresh = time, whole.fresh += time;
+  for (const auto& [name, time] : fresh_times(pairs, ConvexMethod::automatic)) {
+    rows[name].fresh = time;
+    whole.fresh += time;
+  }
   for (const auto& [name, row] : rows) row.print(name);
   whole.print("all");
   const auto total = [&](const std::string& name, ConvexMethod method, const Placing& at, bool timed) {
@@ -169,7 +180,8 @@ int spheres() {
   ShapeStore shapes;
   World world;
   Body body;
-  body.mass = 1.0, body.shape = shapes.add(Sphere{0.5}).packed;
+  body.mass = 1.0;
+  body.shape = shapes.add(Sphere{0.5}).packed;
   PairList list{{}, 0.0, 1};
   for (std::uint32_t s = 0; s < side * side * side; ++s) {
     const std::uint32_t i = s % side, j = s / side % side, k = s / side / side;

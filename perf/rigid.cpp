@@ -53,9 +53,13 @@ void look_at_overlap(const Assembly& a, bool pile, Figures& f) {
   for (std::size_t i = 0; i < c.size(); ++i) {
     if (!(c.gap[i] < 0.0)) continue;
     const double size = pile ? radius(c.a[i]) + radius(c.b[i]) : 1.0;
-    deepest = std::max(deepest, -c.gap[i] / size), sum -= c.gap[i] / size, ++overlapping;
+    deepest = std::max(deepest, -c.gap[i] / size);
+    sum -= c.gap[i] / size;
+    ++overlapping;
   }
-  f.worst = std::max(f.worst, deepest), f.at_end = deepest, f.points = c.size();
+  f.worst = std::max(f.worst, deepest);
+  f.at_end = deepest;
+  f.points = c.size();
   f.mean = overlapping > 0 ? sum / static_cast<double>(overlapping) : 0.0;
 }
 
@@ -64,7 +68,8 @@ void look_at_places(const World& world, const std::vector<Vec3>& start, Figures&
   for (Slot s = 0; s < world.size(); ++s) {
     if (!world.is_movable(s)) continue;
     const Vec3 moved = world.position[s] - start[static_cast<std::size_t>(world.id[s])];
-    f.drift = std::max(f.drift, moved.head<2>().norm()), f.sag = std::max(f.sag, -moved.z());
+    f.drift = std::max(f.drift, moved.head<2>().norm());
+    f.sag = std::max(f.sag, -moved.z());
     const double tilt =
         world.has_orientation() ? std::acos(std::min(1.0, (world.orientation[s] * Vec3::UnitZ()).z())) : 0.0;
     f.stands = f.stands && tilt < std::numbers::pi / 12 && f.drift < 0.25 && f.sag < 0.5;
@@ -84,7 +89,8 @@ void row(const Workload& w, const std::string& solver, int iterations, double to
   set.push_back("contact.nonsmooth.solver=" + solver);
   set.push_back(fmt::format("contact.nonsmooth.iterations={}", iterations));
   set.push_back(fmt::format("contact.nonsmooth.tolerance={}", tolerance));
-  set.push_back(fmt::format("run.time_step={}", w.dt)), set.push_back(fmt::format("run.duration={}", w.duration));
+  set.push_back(fmt::format("run.time_step={}", w.dt));
+  set.push_back(fmt::format("run.duration={}", w.duration));
   const auto assembly = prepared(w.scene, set);
   Simulation& sim = *assembly->simulation;
   std::vector<Vec3> start(sim.world.size());
@@ -172,7 +178,9 @@ void bounce(double e, const std::string& law, double dt) {
   double h[3] = {height(), height(), height()};
   for (int found = 0; found < 3 && world.time < 10.0;) {
     if (a->simulation->advance(false)) return;
-    h[0] = h[1], h[1] = h[2], h[2] = height();
+    h[0] = h[1];
+    h[1] = h[2];
+    h[2] = height();
     if (world.time < 0.4 || h[1] < h[0] || h[1] <= h[2]) continue;
     const double curve = 0.5 * (h[2] - 2.0 * h[1] + h[0]), slope = 0.5 * (h[2] - h[0]);
     fmt::print(" {:+.1e}", (h[1] - 0.25 * slope * slope / curve) / std::pow(e, 2 * ++found) - 1.0);

@@ -29,7 +29,8 @@ double cpu_seconds() {
 
 void row(const char* name, const ContactProblem& problem, const SolverEntry& entry, int sweeps) {
   Parameters parameters;
-  parameters.set("iterations", static_cast<double>(sweeps)), parameters.set("tolerance", 0.0);
+  parameters.set("iterations", static_cast<double>(sweeps));
+  parameters.set("tolerance", 0.0);
   const auto solver = entry.make(parameters);
   std::array<double, 5> seconds{};
   Impulses r;
@@ -71,11 +72,14 @@ void mass_row(const std::string& name, const ContactProblem& problem) {
   Impulses r;
   const double sweeps = least_seconds([&] {
     ConeSweep<PgsRule> sweep;
-    sweep.load(blocks), r.assign(problem.size(), Vec3::Zero()), sweep.start(r);
+    sweep.load(blocks);
+    r.assign(problem.size(), Vec3::Zero());
+    sweep.start(r);
     for (int k = 0; k < 200; ++k) sweep.run(PgsRule{}, r);
   });
   Parameters strict;
-  strict.set("iterations", 500.0), strict.set("tolerance", 1e-8);
+  strict.set("iterations", 500.0);
+  strict.set("tolerance", 1e-8);
   const auto solver = newton_entry().make(strict);
   SolverReport report;
   const double solution =
@@ -100,7 +104,10 @@ int main(int argc, char** argv) {
   const int sweeps = argc > 1 ? std::atoi(argv[1]) : 100;
   const std::string only = argc > 2 ? argv[2] : "";
   set_thread_count(1);
-  if (argc > 1 && std::string(argv[1]) == "mass") return mass_ratios(), 0;
+  if (argc > 1 && std::string(argv[1]) == "mass") {
+    mass_ratios();
+    return 0;
+  }
   fmt::print("{:>20} {:>6} {:>9} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9} {:>10} {:>10}\n", "problem", "solver", "contacts",
              "pairs", "colours", "rounds", "ms", "M/s", "best M/s", "residual", "pen. rate");
   const std::pair<const char*, ContactProblem> problems[] = {

@@ -161,8 +161,14 @@ void one(const char* side, double shift, const char* model) {
 
 int main(int count, char** words) {
   set_thread_count(1);
-  if (count > 4 && std::strcmp(words[1], "whole") == 0) return one(words[2], std::atof(words[3]), words[4]), 0;
-  if (count > 1 && std::strcmp(words[1], "whole") == 0) return whole(), 0;
+  if (count > 4 && std::strcmp(words[1], "whole") == 0) {
+    one(words[2], std::atof(words[3]), words[4]);
+    return 0;
+  }
+  if (count > 1 && std::strcmp(words[1], "whole") == 0) {
+    whole();
+    return 0;
+  }
   normal();
   std::printf("%-20s %-28s %12s %10s\n", "creepage", "law", "seconds", "error/muN");
   laws();

@@ -77,10 +77,12 @@ void set_broad_phase(Assembly& a) {
   std::string name = a.scene.detection.broad_phase.value;
   a.plan.broad_phase_reason = "named in the scene";
   if (name == "auto" && !a.sources.empty()) {
-    name = "spatial-hash", a.plan.broad_phase_reason = "bodies are poured in";
+    name = "spatial-hash";
+    a.plan.broad_phase_reason = "bodies are poured in";
   } else if (name == "auto") {
     const BroadChoice choice = choose_broad_phase(world, setup);
-    name = choice.name, a.plan.broad_phase_reason = choice.reason;
+    name = choice.name;
+    a.plan.broad_phase_reason = choice.reason;
   }
   a.plan.broad_phase = name;
   std::unique_ptr<BroadPhase> broad_phase = make_broad_phase(name, setup, world);
@@ -133,7 +135,10 @@ void warn_of_distance(Assembly& a) {
     if (s == no_slot || !(world.inverse_mass[s] > 0.0)) continue;
     smallest = std::min(smallest, a.shapes->bounding_radius({world.shape[s]}));
     const double distance = world.position[s].cwiseAbs().maxCoeff();
-    if (distance > farthest) farthest = distance, place = a.scene.groups[a.scene.bodies[k].group].place;
+    if (distance > farthest) {
+      farthest = distance;
+      place = a.scene.groups[a.scene.bodies[k].group].place;
+    }
   }
   const double known = std::nextafter(farthest, infinity) - farthest;
   constexpr double enough = 1e-11;  // of the radius: bodies at rest overlap by 1e-6 and more of it

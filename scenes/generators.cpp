@@ -207,7 +207,8 @@ void draw_velocities(const FillSpec& fill, const std::vector<FillShape>& shapes,
     Random random(fill.seed, velocities | k);
     for (double& v : b.velocity) v = fill.velocity_deviation * draw_normal(random);
     const double m = shapes[b.shape].mass * b.size * b.size * b.size;
-    momentum += m * b.velocity, mass += m;
+    momentum += m * b.velocity;
+    mass += m;
   }
   for (FillBody& b : bodies) b.velocity -= momentum / mass;
 }
@@ -241,7 +242,8 @@ double most_bodies_of(const FillSpec& fill, const std::vector<FillShape>& shapes
     Random random(fill.seed, n);
     const FillBody body = draw(fill, shapes, random);
     const double radius = shapes[body.shape].radius * body.size;
-    mass += mass_of(body, shapes) / samples, ball += 4.0 / 3.0 * M_PI * radius * radius * radius / samples;
+    mass += mass_of(body, shapes) / samples;
+    ball += 4.0 / 3.0 * M_PI * radius * radius * radius / samples;
   }
   const double wanted = fill.mass ? *fill.mass / mass : infinity;
   if (fill.method == FillSpec::Method::pour) return wanted;

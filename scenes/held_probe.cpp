@@ -64,7 +64,8 @@ void HeldProbe::list_pairs(const Aabb& box) {
 
 bool HeldProbe::meets(const Body& body) {
   if (sees_nothing()) return false;
-  world_.position[0] = body.position, world_.orientation[0] = body.orientation.normalized();
+  world_.position[0] = body.position;
+  world_.orientation[0] = body.orientation.normalized();
   world_.shape[0] = body.shape;
   list_pairs(shapes_.bounding_box({body.shape}, world_.pose(0)));
   if (pairs_.pairs.empty()) return false;

@@ -64,12 +64,17 @@ std::size_t bytes_of(const std::vector<T>& column) {
 
 MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan, std::size_t bodies) {
   MemoryPlan out;
-  out.body = World(plan.columns).bytes_per_body(), out.list = list_bytes(plan, bodies);
+  out.body = World(plan.columns).bytes_per_body();
+  out.list = list_bytes(plan, bodies);
   ContactSet contacts;
-  contacts.with_curvature = plan.needs.curvature, contacts.with_area = plan.needs.area,
+  contacts.with_curvature = plan.needs.curvature;
+  contacts.with_area = plan.needs.area;
   contacts.with_moment = plan.needs.contact_moment;
   out.in_set = contacts.bytes_per_contact();
-  if (plan.fused_spheres) return plan_spheres(scene, bodies, out), out;
+  if (plan.fused_spheres) {
+    plan_spheres(scene, bodies, out);
+    return out;
+  }
   const bool smooth = scene.contact.method.value == Method::smooth;
   // found by blocks, then put in one set
   out.contact = 2 * out.in_set - sizeof(Vec3) + model_bytes(plan, smooth);

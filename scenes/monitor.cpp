@@ -14,8 +14,10 @@ struct OverlapSum {
   double max = 0.0, max_relative = 0.0, sum = 0.0;
   std::size_t pairs = 0;
   OverlapSum& operator+=(const OverlapSum& o) {
-    max = std::max(max, o.max), max_relative = std::max(max_relative, o.max_relative);
-    sum += o.sum, pairs += o.pairs;
+    max = std::max(max, o.max);
+    max_relative = std::max(max_relative, o.max_relative);
+    sum += o.sum;
+    pairs += o.pairs;
     return *this;
   }
 };
@@ -72,13 +74,15 @@ RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bod
 void RunMonitor::observe(const StepView& view) {
   if (view.step > 0) {
     energy_.note(view.report);
-    totals_.steps += 1, totals_.contacts += static_cast<double>(view.report.touching);
+    totals_.steps += 1;
+    totals_.contacts += static_cast<double>(view.report.touching);
     totals_.body_steps += static_cast<double>(view.movable);
     if (view.report.has_solver) {
       const SolverReport& s = view.report.solver;
-      totals_.residual += s.residual, totals_.residual_max = std::max(totals_.residual_max, s.residual);
-      totals_.iterations += s.iterations,
-          totals_.iterations_max = std::max(totals_.iterations_max, double(s.iterations));
+      totals_.residual += s.residual;
+      totals_.residual_max = std::max(totals_.residual_max, s.residual);
+      totals_.iterations += s.iterations;
+      totals_.iterations_max = std::max(totals_.iterations_max, double(s.iterations));
       totals_.not_converged += s.converged ? 0 : 1;
       watch_solver(view);
     }
@@ -128,7 +132,8 @@ void RunMonitor::note_overlap(const StepView& view) {
 void RunMonitor::look(const StepView& view) {
   last_overlap_ = measure_overlap(view.world, view.pieces(), shapes_);
   if (view.last || view.step * 10 >= steps_ * 9) {
-    totals_.overlap_mean += last_overlap_.mean, totals_.overlap_looks += 1;
+    totals_.overlap_mean += last_overlap_.mean;
+    totals_.overlap_looks += 1;
   }
   look_at_momentum(view);
   watch_energy(view);
@@ -265,7 +270,8 @@ Overlap RunMonitor::overlap() const {
 }
 
 void RunMonitor::visit(StateVisitor& v) {
-  v.value("monitor/totals", totals_), v.value("monitor/momentum", momentum_);
+  v.value("monitor/totals", totals_);
+  v.value("monitor/momentum", momentum_);
   energy_.visit(v);
   if (momentum_.started != 0) momentum_error_ = momentum_.error;
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
@@ -273,8 +279,9 @@ void RunMonitor::visit(StateVisitor& v) {
     const std::string full = name + "/" + checks_[i].name;  // in another stage it may be another bound
     if (v.has(full + "/value")) name = full;
     if (bounds_[i].quantity == "measure") v.value(name + "/since", left_since_[i]);
-    v.value(name + "/value", checks_[i].value), v.value(name + "/ok", checks_[i].ok),
-        v.column(name + "/start", bound_start_[i]);
+    v.value(name + "/value", checks_[i].value);
+    v.value(name + "/ok", checks_[i].ok);
+    v.column(name + "/start", bound_start_[i]);
   }
 }
 

@@ -22,14 +22,18 @@ double density(const Scene& scene, std::size_t material, const Place& place) {
 /// The body of a shape that may do what it is asked to.
 Body make_body(const Assembly& a, const BuiltShape& shape, const BodySpec& spec, const Place& place) {
   Body body;
-  body.position = spec.position, body.velocity = spec.velocity, body.angular_velocity = spec.angular_velocity;
-  body.shape = shape.ref.packed, body.material = static_cast<std::uint16_t>(spec.material);
+  body.position = spec.position;
+  body.velocity = spec.velocity;
+  body.angular_velocity = spec.angular_velocity;
+  body.shape = shape.ref.packed;
+  body.material = static_cast<std::uint16_t>(spec.material);
   body.orientation = spec.orientation * shape.frame.orientation;
   if (spec.as_drawn) body.position += spec.orientation * shape.frame.centre;
   if (spec.force) body.external_force = *spec.force;
   if (!spec.moves()) return body;
   const double rho = shape.mass > 0 ? 1.0 : density(a.scene, spec.material, place);
-  body.mass = shape.mass > 0 ? shape.mass : rho * shape.volume, body.inertia = rho * shape.frame.moments;
+  body.mass = shape.mass > 0 ? shape.mass : rho * shape.volume;
+  body.inertia = rho * shape.frame.moments;
   return body;
 }
 
@@ -152,8 +156,11 @@ void require_memory(const Assembly& a, const FillSpec& fill, const std::vector<F
 
 BodySpec spec_of(const FillSpec& fill, const FillBody& f, std::size_t k) {
   BodySpec spec;
-  spec.shape = fill.shapes[f.shape], spec.size = f.size, spec.material = fill.material;
-  spec.position = f.position, spec.orientation = f.orientation;
+  spec.shape = fill.shapes[f.shape];
+  spec.size = f.size;
+  spec.material = fill.material;
+  spec.position = f.position;
+  spec.orientation = f.orientation;
   spec.velocity = fill.velocity + f.velocity;
   for (const BodyChange& change : fill.changes)
     if (!change.one || *change.one == k) apply(change, spec);

@@ -68,7 +68,8 @@ void plan_rotation(const Scene& scene, const std::vector<BuiltShape>& shapes, co
   for (std::size_t s : use.free) {
     if (!shapes[s].is_sphere) {
       const std::string why = "free bodies of shape '" + scene.shapes[s].type + "' turn";
-      pay(why, scene.shapes[s].place), stand(why, scene.shapes[s].place);
+      pay(why, scene.shapes[s].place);
+      stand(why, scene.shapes[s].place);
       plan.columns.free_turn = true;
     }
     if (is_isotropic(shapes[s].frame.moments) || plan.columns.anisotropy) continue;

@@ -26,7 +26,8 @@ std::string clock_text(double seconds) {
 
 void Progress::enter(const std::string& stage, std::uint64_t first_step, std::uint64_t last_step) {
   stage_ = stage.empty() ? "" : "stage '" + stage + "' ";
-  begin_ = first_step, steps_ = last_step;
+  begin_ = first_step;
+  steps_ = last_step;
 }
 
 std::string Progress::line(const Simulation& sim, const RunMonitor& monitor) const {

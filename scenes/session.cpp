@@ -77,7 +77,10 @@ std::string scene_hash(const Scene& scene) {
     if (!shape.parameters.has("vertices")) continue;
     for (const Vec3& v : shape.parameters.vectors("vertices")) hash.add(v.data(), 3);
   }
-  for (const auto& body : scene.bodies) hash.add(body.position.data(), 3), hash.add(body.velocity.data(), 3);
+  for (const auto& body : scene.bodies) {
+    hash.add(body.position.data(), 3);
+    hash.add(body.velocity.data(), 3);
+  }
   return hash.hex();
 }
 
@@ -386,7 +389,8 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   Simulation& sim = *assembly_->simulation;
   if (ending_ == Ending::stopped) end_record("condition");
   record_.stages.back().until = sim.world.time;
-  wall_ = elapsed(), cpu_ = process_seconds() - first_cpu;
+  wall_ = elapsed();
+  cpu_ = process_seconds() - first_cpu;
   // Saved before anything is looked at: measuring the energy extends what its error is relative to, and a run that goes
   // on must not tell that it was cut off.
   const bool is_cut = !is_done() && ending_ != Ending::failed && ending_ != Ending::bound_violated;
@@ -399,9 +403,10 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
     const bool at_end = is_final() && sim.steps() >= last_step();
     if (frames_ && !at_end && !frames_->is_due(sim.steps())) sim.show(*frames_);
   }
-  if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt)
-    ending_ = fail(*failure), save_checkpoint_now();
-  else if (is_cut) {
+  if (const auto failure = is_cut ? sim.look_at_energy() : std::nullopt) {
+    ending_ = fail(*failure);
+    save_checkpoint_now();
+  } else if (is_cut) {
     LastLook look(*monitor_);
     sim.show(look);
   }
@@ -427,7 +432,10 @@ RunSummary Session::summary() const {
   const Scene& scene = assembly_->scene;
   const bool smooth = scene.contact.method.value == Method::smooth;
   RunSummary s;
-  s.epafi = EPAFI_VERSION, s.scene = scene.file, s.scene_hash = scene_hash_, s.failure = trouble_;
+  s.epafi = EPAFI_VERSION;
+  s.scene = scene.file;
+  s.scene_hash = scene_hash_;
+  s.failure = trouble_;
   const bool well = ending_ == Ending::completed || ending_ == Ending::until || ending_ == Ending::stopped;
   s.status = well                                ? "completed"
              : ending_ == Ending::bound_violated ? "bound_violated"
@@ -437,9 +445,13 @@ RunSummary Session::summary() const {
   s.stop_reason = stop_reason_;
   for (const StageRecord& r : record_.stages)
     if (has_record()) s.stages.push_back({r.name, r.from, r.until, r.ended});
-  s.bodies = sim.world.size(), s.bodies_lost = lost_;
+  s.bodies = sim.world.size();
+  s.bodies_lost = lost_;
   s.bodies_removed = sim.bodies_removed();
-  s.steps = sim.steps(), s.time_step = sim.time_step, s.simulated_time = sim.world.time, s.wall_time = wall_,
+  s.steps = sim.steps();
+  s.time_step = sim.time_step;
+  s.simulated_time = sim.world.time;
+  s.wall_time = wall_;
   s.threads = thread_count();
   s.cpu_time = cpu_;
   if (sim.remote) s.ranks = sim.remote->figures();

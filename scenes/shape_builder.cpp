@@ -133,9 +133,11 @@ BuiltShape ShapeBuilder::build_clump(const ShapeSpec& spec, double size) {
 BuiltShape ShapeBuilder::build_wheels(const ShapeSpec& spec) {
   auto wheelset = std::make_shared<Wheelset>(*build_wheelset(spec.parameters, spec.name).value);
   BuiltShape out;
-  out.mass = wheelset->mass, out.frame.moments = wheelset->inertia;
+  out.mass = wheelset->mass;
+  out.frame.moments = wheelset->inertia;
   const WheelProfile shape{std::move(wheelset)};
-  out.radius = shape.bounding_radius(), out.is_solid = out.mass > 0;
+  out.radius = shape.bounding_radius();
+  out.is_solid = out.mass > 0;
   out.ref = store_.add(shape);
   return out;
 }

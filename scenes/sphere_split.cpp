@@ -15,7 +15,8 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
     if (FusedSpheres* const m = model()) m->release_lists();
     list_->renew_pairs(world, pairs, used_up_.by_slow);
   }
-  used_up_ = {}, used_margin_.clear();
+  used_up_ = {};
+  used_margin_.clear();
   const bool fresh = pairs.generation != before;
   if (fresh && world.size() >= many_bodies && model()) model()->use_room_of(pairs.spheres);
   if (!fresh && !ways_known_ && !grown) return;  // what the list has gone through is not known then
@@ -34,7 +35,10 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
 /// the ways out with it.
 bool WornPairs::goes_on(const World& world) {
   if (!world.cell) return true;
-  if (wraps_ != world.wraps) return wraps_ = world.wraps, false;
+  if (wraps_ != world.wraps) {
+    wraps_ = world.wraps;
+    return false;
+  }
   const Vec3 before = std::exchange(cell_size_, world.cell->size);
   if (before == world.cell->size) return true;
   if (before.isZero()) return false;
@@ -48,9 +52,13 @@ bool WornPairs::keeps_pairs(const World& world) {
   const std::span<const double> ways = model() ? model()->largest_ways() : std::span<const double>{};
   ways_known_ = !ways.empty() && list_->bodies().bodies() == world.size();
   const bool known = goes_on(world);
-  if (!known || !ways_known_ || used_margin_.size() != ways.size()) return used_margin_.clear(), false;
+  if (!known || !ways_known_ || used_margin_.size() != ways.size()) {
+    used_margin_.clear();
+    return false;
+  }
   constexpr double nearly = 1.0 - 1e-6;  // sums are rounded
-  used_up_ = {}, doubtful_.clear();
+  used_up_ = {};
+  doubtful_.clear();
   const FatBodies& bodies = list_->bodies();
   const ListFrame now = bodies.frame(world);
   // what the cell flows past: ways of bodies that are held, and of a frame that drifts
@@ -71,7 +79,10 @@ bool WornPairs::keeps_pairs(const World& world) {
   const double planes = bodies.plane_use(world, now);
   used_up_.out = planes > 1.0;
   bool keeps = planes < nearly;
-  for (const MarginUse& w : found) used_up_ += w.used_up, keeps = keeps && w.most < nearly;
+  for (const MarginUse& w : found) {
+    used_up_ += w.used_up;
+    keeps = keeps && w.most < nearly;
+  }
   return keeps;
 }
 
@@ -90,7 +101,9 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
   if (!known_ || bodies_ != world.size()) read_bodies(world);
   if (alone_) list.inverse_half_margin = pairs.inverse_half_margin;
   model_.set_pairs(world, list);
-  known_ = true, generation_ = pairs.generation, bodies_ = world.size();
+  known_ = true;
+  generation_ = pairs.generation;
+  bodies_ = world.size();
 }
 
 void SphereSplit::read_bodies(const World& world) {

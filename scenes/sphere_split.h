@@ -22,7 +22,8 @@ class WornPairs final : public BroadPhase {
   void find_pairs(const World& world, PairList& pairs) override;
   bool keeps_pairs(const World& world) override;
   void reorder(const Reordering& change) override {
-    used_margin_.clear(), list_->reorder(change);
+    used_margin_.clear();
+    list_->reorder(change);
     if (FusedSpheres* const m = model()) m->release_lists();
   }
   void visit(StateVisitor& visitor) override { used_margin_.clear(), list_->visit(visitor); }

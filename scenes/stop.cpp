@@ -39,13 +39,16 @@ std::optional<double> parse_duration(const std::string& text) {
     const double value = std::strtod(p, &end);
     if (end == p || !(value >= 0) || value > 1e12) return std::nullopt;
     p = end;
-    if (*p == 'h')
-      total += 3600 * value, ++p;
-    else if (*p == 'm')
-      total += 60 * value, ++p;
-    else if (*p == 's')
-      total += value, ++p;
-    else if (*p == '\0')
+    if (*p == 'h') {
+      total += 3600 * value;
+      ++p;
+    } else if (*p == 'm') {
+      total += 60 * value;
+      ++p;
+    } else if (*p == 's') {
+      total += value;
+      ++p;
+    } else if (*p == '\0')
       total += value;
     else
       return std::nullopt;

@@ -52,7 +52,8 @@ void look_at(Survey& out, const Assembly& a, const Body& body, const Vec3& at) {
   ++out.free_bodies;
   auto& smallest = out.free[material];
   const double radius = a.shapes->bounding_radius({shape});
-  smallest.mass = std::min(smallest.mass, mass), smallest.radius = std::min(smallest.radius, radius);
+  smallest.mass = std::min(smallest.mass, mass);
+  smallest.radius = std::min(smallest.radius, radius);
   smallest.points = std::max(smallest.points, points_of(ShapeRef{shape}));
   smallest.round = smallest.round && ShapeRef{shape}.type() == ShapeStore::type_of<Sphere>();
   out.diameter = std::min(out.diameter, 2 * radius);
@@ -89,7 +90,8 @@ Survey survey(const Assembly& a) {
           fmt::format("{}: a speed of {:g} m/s has no finite energy", body_name(a, w.id[s]), v.stableNorm()));
     fastest = std::max(fastest, w.velocity[s].norm());
     if (!w.is_movable(s)) {
-      out.held[w.material[s]] = true, ++out.held_bodies;
+      out.held[w.material[s]] = true;
+      ++out.held_bodies;
       continue;
     }
     Body body;
@@ -100,7 +102,8 @@ Survey survey(const Assembly& a) {
     if (w.columns().external_force) body.external_force = w.external_force[s];
     look_at(out, a, body, w.position[s]);
     const double depth = w.position[s].dot(down);
-    low = std::min(low, depth - a.shapes->bounding_radius({w.shape[s]})), high = std::max(high, depth);
+    low = std::min(low, depth - a.shapes->bounding_radius({w.shape[s]}));
+    high = std::max(high, depth);
   }
   for (const auto* source : a.sources) {
     for (const auto& b : source->setup().bodies) {
@@ -110,7 +113,8 @@ Survey survey(const Assembly& a) {
     for (const Vec3& corner : {source->setup().low, source->setup().high}) {
       out.low = out.low.cwiseMin(corner);
       out.high = out.high.cwiseMax(corner);
-      low = std::min(low, corner.dot(down)), high = std::max(high, corner.dot(down));
+      low = std::min(low, corner.dot(down));
+      high = std::max(high, corner.dot(down));
     }
     for (Slot s = 0; s < w.size(); ++s)  // what is poured falls onto what is there
       if (std::isfinite(a.shapes->bounding_radius({w.shape[s]}))) high = std::max(high, w.position[s].dot(down));
@@ -253,7 +257,10 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     // at rest and without gravity: a thousandth of the sound speed, far above what a quiet scene sees
     c.speed = s.speed > 0 ? s.speed : 1e-3 * std::sqrt(pair.a.youngs_modulus / pair.a.density);
     const StepLimit limit = critical_step(setup, pair, c);
-    if (limit.auto_step < shortest.auto_step) shortest = limit, between = pair.a.name + "-" + pair.b.name;
+    if (limit.auto_step < shortest.auto_step) {
+      shortest = limit;
+      between = pair.a.name + "-" + pair.b.name;
+    }
     estimate.look(i, p, j, q, limit.impact.largest_overlap, pair.restitution);
   };
   for (const auto& [i, p] : s.free) {
@@ -262,7 +269,10 @@ TimeStep smooth_step(const Assembly& a, const Survey& s) {
     for (const auto& [j, unused] : s.held) look(i, p, j, nullptr);
   }
   TimeStep step{shortest.auto_step, infinity, fmt::format("contact {}: {}", between, shortest.reason)};
-  if (estimate.chosen < step.value) step.value = estimate.chosen, step.reason = estimate.reason;
+  if (estimate.chosen < step.value) {
+    step.value = estimate.chosen;
+    step.reason = estimate.reason;
+  }
   step.limit = estimate.limit;
   step.limit_reason = estimate.limit_reason;
   return step;
@@ -290,7 +300,10 @@ TimeStep choose_time_step(const Assembly& a) {
   if (s.free_bodies > 0 && s.free_bodies + s.held_bodies > 1) step = smooth ? smooth_step(a, s) : nonsmooth_step(a);
   if (const TimeStep railway = railway_step(a); railway.value < infinity) {
     const bool only = smooth && (s.free_bodies == 0 || s.free_bodies + s.held_bodies < 2);
-    if (only || railway.value < step.value) step.value = railway.value, step.reason = railway.reason;
+    if (only || railway.value < step.value) {
+      step.value = railway.value;
+      step.reason = railway.reason;
+    }
     if (railway.limit < step.limit) step.limit_reason = railway.reason;
     step.limit = std::min(step.limit, railway.limit);
   }

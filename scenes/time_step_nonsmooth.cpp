@@ -54,7 +54,10 @@ struct FreeBodies {
   }
   void add_place(const Vec3& at, const Vec3& down, double radius) {
     const double depth = at.dot(down) + radius;
-    if (depth < top) top = depth, highest = at + radius * down;
+    if (depth < top) {
+      top = depth;
+      highest = at + radius * down;
+    }
     deepest = std::max(deepest, depth);
   }
 };

@@ -52,7 +52,8 @@ def without_literals(line):
 
 
 def outer_commas(statement):
-    """Commas outside of all brackets."""
+    """Commas outside of all brackets and template arguments."""
+    statement = re.sub(r"\w<[^<>;()]*>", "x", statement)
     depth = 0
     count = 0
     for character in statement:

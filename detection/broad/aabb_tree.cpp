@@ -21,7 +21,8 @@ double half_surface(const Aabb& b) {
 
 void AabbTree::build(const FatBodies& bodies) {
   slot_ = bodies.ordinary;
-  node_.clear(), leaf_.clear();
+  node_.clear();
+  leaf_.clear();
   if (!slot_.empty()) split(bodies, 0, static_cast<std::uint32_t>(slot_.size()));
   ++builds_;
 }
@@ -31,7 +32,8 @@ std::uint32_t AabbTree::partition(const FatBodies& bodies, std::uint32_t first, 
   double least = infinity, most = 0.0;
   Aabb centres;
   for (auto s = begin; s != end; ++s) {
-    least = std::min(least, bodies.half_of(*s)), most = std::max(most, bodies.half_of(*s));
+    least = std::min(least, bodies.half_of(*s));
+    most = std::max(most, bodies.half_of(*s));
     centres.include(bodies.position(*s));
   }
   if (most > mixed_sizes * least) {
@@ -64,16 +66,19 @@ void AabbTree::split(const FatBodies& bodies, std::uint32_t first, std::uint32_t
 
 void AabbTree::refit(const FatBodies& bodies) {
   const std::size_t n = slot_.size();
-  box_.resize(n), ball_.resize(n);
+  box_.resize(n);
+  ball_.resize(n);
   parallel_for(n, [&](std::size_t k) {
     const Slot s = slot_[k];
-    box_[k] = bodies.box(s), ball_[k] = bodies.ball[s];
+    box_[k] = bodies.box(s);
+    ball_[k] = bodies.ball[s];
   });
   for (std::size_t i = node_.size(); i-- > 0;) {  // children stand behind their parents
     Node& node = node_[i];
     node.box = {};
     if (node.right != 0) {
-      node.box.include(node_[i + 1].box), node.box.include(node_[node.right].box);
+      node.box.include(node_[i + 1].box);
+      node.box.include(node_[node.right].box);
       continue;
     }
     for (std::uint32_t k = node.first; k < node.first + node.count; ++k) node.box.include(box_[k]);
@@ -94,7 +99,10 @@ void AabbTree::find_leaves(const Aabb& box, Scratch& scratch) const {
     const Node& node = node_[i];
     if (!node.box.overlaps(box)) continue;
     if (node.right == 0) leaves.push_back(i);
-    else stack.push_back(node.right), stack.push_back(i + 1);
+    else {
+      stack.push_back(node.right);
+      stack.push_back(i + 1);
+    }
   }
 }
 

@@ -34,9 +34,11 @@ BroadChoice choose_broad_phase(const World& world, const BroadSetup& setup) {
   double least = infinity, most = 0.0;
   for (std::size_t s = 0; s < world.size(); ++s) {
     const double r = radius(s);
-    if (r <= largest)
-      ++n, least = std::min(least, r), most = std::max(most, r);
-    else
+    if (r <= largest) {
+      ++n;
+      least = std::min(least, r);
+      most = std::max(most, r);
+    } else
       ++apart;
   }
   const std::string count = std::to_string(n);

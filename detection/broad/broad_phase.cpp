@@ -30,7 +30,7 @@ bool ListBroadPhase::take_in(const World& world, PairList& pairs) {
   if (!valid_ || world.size() <= old || world.size() > old + most_taken_in) return false;
   if (!bodies_.take_in(world, setup_, step_time_)) return false;
   collector_.add_behind(old, pairs);
-  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(),
+  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin();
   pairs.inverse_half_margin = bodies_.inverse_half_margin;
   ++pairs.generation;
   return true;
@@ -44,13 +44,23 @@ void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
 void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool used_up_by_slow) {
   if (valid_) bodies_.learn(world, step_time_, used_up_by_slow);
   const bool many = world.size() >= many_bodies;
-  if (many) pairs.give_back(), give_back_heap();  // with what the loop over spheres let go of: 14 bytes of 410
+  if (many) {  // with what the loop over spheres let go of: 14 bytes of 410
+    pairs.give_back();
+    give_back_heap();
+  }
   bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
   const bool lean = many && bodies_.only_spheres;
-  if (lean) bodies_.rest_names(), known_ = false;
+  if (lean) {
+    bodies_.rest_names();
+    known_ = false;
+  }
   collect(bodies_, collector_);
   if (many) rest();
-  if (lean) give_back_heap(), bodies_.rest_balls(), give_back_heap();
+  if (lean) {
+    give_back_heap();
+    bodies_.rest_balls();
+    give_back_heap();
+  }
   if (world.cell) {
     collector_.finish(found_);
     name_images(world, bodies_.images, found_, pairs.pairs);
@@ -60,7 +70,7 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool used_
     collector_.finish(pairs.pairs);
     if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
   }
-  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin(),
+  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin();
   pairs.inverse_half_margin = bodies_.inverse_half_margin;
   ++pairs.generation;
   valid_ = true;

@@ -18,7 +18,8 @@ class CoarsePlaces {
   /// position(s) [m] of slots 0 to count.
   template <class Position>
   void take(std::size_t count, const Position& position) {
-    offsets_.resize(count), groups_.resize((count + group_size - 1) / group_size);
+    offsets_.resize(count);
+    groups_.resize((count + group_size - 1) / group_size);
     parallel_blocks(count, group_size, [&](std::size_t begin, std::size_t end, std::size_t g) {
       const Vec3 first = position(begin), origin = first.allFinite() ? first : Vec3(Vec3::Zero());
       double most = 0.0;

@@ -79,7 +79,10 @@ void FatBodies::learn(const World& world, double step_time, bool used_up_by_slow
 void FatBodies::update(const World& world, const BroadSetup& setup, double step_time, bool same_bodies) {
   const double since = world.time - std::exchange(taken_at_, world.time);
   images.clear();
-  if (!same_bodies) read_shapes(world, setup), median_radius_ = median_radius(world, *setup.shapes);
+  if (!same_bodies) {
+    read_shapes(world, setup);
+    median_radius_ = median_radius(world, *setup.shapes);
+  }
   if (world.cell) cell_size_ = world.cell->size;
   if (loose_planes_) look_around(world, *setup.shapes);
   const double steps = steps_ = choose_drift(world, setup, step_time, since);
@@ -103,11 +106,21 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
   const auto grow = [n](auto& column) {
     if (!column.empty()) column.resize(n);
   };
-  grow(boxes), grow(half), grow(radius), grow(role), grow(orientation);
-  ball.resize(n), inverse_half_margin.resize(n), slow_.resize(n), id.resize(n), type.resize(n), immovable.resize(n);
+  grow(boxes);
+  grow(half);
+  grow(radius);
+  grow(role);
+  grow(orientation);
+  ball.resize(n);
+  inverse_half_margin.resize(n);
+  slow_.resize(n);
+  id.resize(n);
+  type.resize(n);
+  immovable.resize(n);
   for (std::size_t i = old; i < n; ++i) {
     const auto s = static_cast<Slot>(i);
-    id[i] = static_cast<std::uint32_t>(world.id[s]), immovable[i] = 0;
+    id[i] = static_cast<std::uint32_t>(world.id[s]);
+    immovable[i] = 0;
     type[i] = static_cast<std::uint8_t>(ShapeStore::type_of<Sphere>());
     if (!role.empty()) role[i] = SphereRole::sphere;
     const double r = setup.shapes->bounding_radius({world.shape[i]});
@@ -121,10 +134,22 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
 
 void FatBodies::rest() {
   release(images);
-  release(boxes), release(ball), release(half), release(radius), release(inverse_half_margin), release(id),
-      release(type);
-  release(immovable), release(role), release(orientation), release(ordinary), release(apart), release(plane);
-  release(sphere_planes), release(slow_), places_ = {};
+  release(boxes);
+  release(ball);
+  release(half);
+  release(radius);
+  release(inverse_half_margin);
+  release(id);
+  release(type);
+  release(immovable);
+  release(role);
+  release(orientation);
+  release(ordinary);
+  release(apart);
+  release(plane);
+  release(sphere_planes);
+  release(slow_);
+  places_ = {};
   complete_ = false;
 }
 
@@ -141,10 +166,16 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);
   places_ = {};
-  ball.clear(), ball.reserve(n), ball.resize(n);  // no more than that: a large page is taken as a whole
-  inverse_half_margin.resize(n), slow_.resize(n);
+  ball.clear();  // no more than that: a large page is taken as a whole
+  ball.reserve(n);
+  ball.resize(n);
+  inverse_half_margin.resize(n);
+  slow_.resize(n);
   // with images pairs of spheres are told from the others once they are named
-  id.resize(n), type.resize(n), immovable.resize(n), role.resize(setup.spheres.wanted && !world.cell ? n : 0);
+  id.resize(n);
+  type.resize(n);
+  immovable.resize(n);
+  role.resize(setup.spheres.wanted && !world.cell ? n : 0);
   parallel_for(n, [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
     id[i] = static_cast<std::uint32_t>(world.id[s]);
@@ -155,7 +186,8 @@ void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   round_ = block_max<char>(n, 0, [&](std::size_t i) {
              return static_cast<char>(!is_sphere(i) && type[i] != ShapeStore::type_of<HalfSpace>());
            }) == 0;
-  half.resize(round_ ? 0 : n), radius.resize(round_ ? 0 : n);
+  half.resize(round_ ? 0 : n);
+  radius.resize(round_ ? 0 : n);
   parallel_for(radius.size(), [&](std::size_t i) { radius[i] = setup.shapes->bounding_radius({world.shape[i]}); });
   const auto any = [&](const auto& is) {
     return block_max<char>(n, 0, [&](std::size_t i) { return static_cast<char>(is(i)); }) != 0;
@@ -187,14 +219,20 @@ double FatBodies::choose_drift(const World& world, const BroadSetup& setup, doub
   };
   common_motion_ = {};
   const double motion = setup.margin > 0.0 ? 0.0 : mean_motion(world, setup, step_time);
-  if (!(motion > 0.0)) return knows_mean_ = false, best_steps(motion);
+  if (!(motion > 0.0)) {
+    knows_mean_ = false;
+    return best_steps(motion);
+  }
   const Vec3 mean = mean_velocity(world, immovable);
   const bool has_last = std::exchange(knows_mean_, true) && since > 0.0;
   const Vec3 last = std::exchange(mean_velocity_, mean);
   if (!(step_time * mean.norm() > least_common * motion * median_radius_)) return best_steps(motion);
   common_motion_ = {mean, has_last ? Vec3((mean - last) / since) : Vec3::Zero()};
   const double rest = mean_motion(world, setup, step_time);
-  if (!(rest < 0.5 * motion)) return common_motion_ = {}, best_steps(motion);
+  if (!(rest < 0.5 * motion)) {
+    common_motion_ = {};
+    return best_steps(motion);
+  }
   double steps = best_steps(rest);
   while (steps > least_steps &&
          common_motion_.displacement(headroom * steps * step_time).norm() > most_common_motion * median_radius_)
@@ -249,17 +287,20 @@ void FatBodies::fatten_one(const World& world, const BroadSetup& setup, Slot s, 
   ball[s] = {x.x(), x.y(), x.z(), r + fat};
   if (round_) return;
   if (!std::isfinite(r)) {
-    half[s] = fat, boxes[s] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
+    half[s] = fat;
+    boxes[s] = {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
     return;
   }
   const Vec3 shift = x - world.position[s];
   boxes[s] = setup.shapes->bounding_box(world, s).fattened(fat);
-  boxes[s].min += shift, boxes[s].max += shift;
+  boxes[s].min += shift;
+  boxes[s].max += shift;
   half[s] = std::max((boxes[s].max - x).maxCoeff(), (x - boxes[s].min).maxCoeff());
 }
 
 void FatBodies::fatten(const World& world, const BroadSetup& setup, double step_time, double steps) {
-  boxes.resize(round_ ? 0 : world.size()), orientation.resize(world.has_orientation() ? world.size() : 0);
+  boxes.resize(round_ ? 0 : world.size());
+  orientation.resize(world.has_orientation() ? world.size() : 0);
   see_strays(world, setup, step_time, steps);
   parallel_for(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
@@ -295,12 +336,14 @@ void FatBodies::set_apart(const World& world, const ShapeStore& shapes, bool sam
 }
 
 void FatBodies::set_planes(const World& world, const BroadSetup& setup, double step_time, double steps) {
-  plane.clear(), sphere_planes.clear();
+  plane.clear();
+  sphere_planes.clear();
   for (const Slot s : apart) {
     ApartPlane& p = plane.emplace_back();
     if (type[s] != ShapeStore::type_of<HalfSpace>()) continue;
     p.normal = world.pose(s).orientation * setup.shapes->of<HalfSpace>()[ShapeRef{world.shape[s]}.index()].normal;
-    p.point = position(s), p.reach = fattening(world, s, setup, margin_of(world, s, setup, step_time, steps));
+    p.point = position(s);
+    p.reach = fattening(world, s, setup, margin_of(world, s, setup, step_time, steps));
     p.loose = is_loose_plane(s);
     if (role.empty() || role[s] != SphereRole::plane) continue;
     p.place = SpherePairs::plane | static_cast<Slot>(sphere_planes.size());

@@ -65,7 +65,8 @@ struct ListState {
   bool out = false, by_slow = false;  ///< by_slow: one of the slow ones, whose margin is the least, is beyond it
   void see(bool beyond, bool slow) { out = out || beyond, by_slow = by_slow || (beyond && slow); }
   ListState& operator+=(const ListState& o) {
-    out = out || o.out, by_slow = by_slow || o.by_slow;
+    out = out || o.out;
+    by_slow = by_slow || o.by_slow;
     return *this;
   }
 };

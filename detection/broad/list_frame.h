@@ -32,7 +32,8 @@ struct ListFrame {
   void take_cell(const PeriodicCell& cell, const Vec3& size_then) {
     for (int k = 0; k < 3; ++k)
       if (cell.repeats[static_cast<std::size_t>(k)]) stretch[k] = cell.size[k] / size_then[k];
-    strain = (stretch - Vec3::Ones()).cwiseAbs().maxCoeff(), low = cell.low;
+    strain = (stretch - Vec3::Ones()).cwiseAbs().maxCoeff();
+    low = cell.low;
   }
 };
 

@@ -47,7 +47,12 @@ void PairCollector::begin(std::size_t blocks, bool in_order) {
   in_order_ = in_order;
   sort_apart();
   if (blocks_.size() < blocks + 1) blocks_.resize(blocks + 1);
-  for (Block& b : blocks_) b.own.clear(), b.rest.clear(), b.spheres.clear(), b.begin = no_slot;
+  for (Block& b : blocks_) {
+    b.own.clear();
+    b.rest.clear();
+    b.spheres.clear();
+    b.begin = no_slot;
+  }
   run_.clear();
   if (in_order_) parallel_fill(first_, bodies_.size() + 1, 0);
   if (bodies_.only_spheres) return;  // those apart are half-spaces that stay
@@ -88,8 +93,12 @@ void PairCollector::sort_apart() {
     }
     FourPlanes& four = planes_[n / 4];
     const std::size_t l = n++ % 4;
-    four.normal.x[l] = p.normal.x(), four.normal.y[l] = p.normal.y(), four.normal.z[l] = p.normal.z();
-    four.point.x[l] = p.point.x(), four.point.y[l] = p.point.y(), four.point.z[l] = p.point.z(),
+    four.normal.x[l] = p.normal.x();
+    four.normal.y[l] = p.normal.y();
+    four.normal.z[l] = p.normal.z();
+    four.point.x[l] = p.point.x();
+    four.point.y[l] = p.point.y();
+    four.point.z[l] = p.point.z();
     four.reach[l] = p.reach;
   }
 }
@@ -127,7 +136,10 @@ void PairCollector::add_higher(Block& block, Slot i, std::span<const Slot> candi
   const std::size_t begin = block.spheres.size();
   block.spheres.resize(begin + candidates.size());
   Slot *const first = block.spheres.data() + begin, *out = first;
-  for (Slot j : candidates) *out = j, out += static_cast<int>(j > i);
+  for (Slot j : candidates) {
+    *out = j;
+    out += static_cast<int>(j > i);
+  }
   sort_run(first, out);
   block.spheres.resize(begin + static_cast<std::size_t>(out - first));
 }
@@ -149,9 +161,10 @@ void PairCollector::add(std::size_t block, Slot i, std::span<const Slot> candida
     }
   }
   add_apart(mine, i);
-  if (in_order_)
-    mine.begin = std::min(mine.begin, i), first_[i + 1] = static_cast<std::uint32_t>(mine.spheres.size() - head);
-  else if (sphere)
+  if (in_order_) {
+    mine.begin = std::min(mine.begin, i);
+    first_[i + 1] = static_cast<std::uint32_t>(mine.spheres.size() - head);
+  } else if (sphere)
     mine.spheres[head + 1] = static_cast<Slot>(mine.spheres.size() - head - 2);
   if (bodies_.only_spheres) return;
   sort_run(mine.own.data() + begin, mine.own.data() + mine.own.size());
@@ -214,7 +227,8 @@ void PairCollector::finish(PairColumn& pairs) {
   const std::size_t n = bodies_.size();
   begin_.resize(n + 1);
   parallel_for(n, [&](std::size_t s) { begin_[s + 1] = run_[s].size + (rest_begin_[s + 1] - rest_begin_[s]); });
-  begin_[0] = 0, running_sums(begin_);
+  begin_[0] = 0;
+  running_sums(begin_);
   const std::size_t total = begin_[n];
   renew(pairs, total);
   parallel_for(n, [&](std::size_t s) {
@@ -250,7 +264,8 @@ void insert(const std::vector<std::pair<Slot, Slot>>& entries, std::size_t rows,
     while (more > 0 && entries[more - 1].first == row) {
       const Slot partner = entries[more - 1].second;
       while (from > begin && list.partner[from - 1] > partner) list.partner[--to] = list.partner[--from];
-      list.partner[--to] = partner, --more;
+      list.partner[--to] = partner;
+      --more;
     }
     while (from > begin && more > 0) list.partner[--to] = list.partner[--from];
     behind = begin;

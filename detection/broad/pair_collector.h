@@ -28,7 +28,12 @@ class PairCollector {
   void add_behind(std::size_t old, PairList& pairs) const;
   /// Lets go of what it has gathered.
   void rest() {
-    release(blocks_), release(run_), release(rest_begin_), release(begin_), release(rest_), release(first_);
+    release(blocks_);
+    release(run_);
+    release(rest_begin_);
+    release(begin_);
+    release(rest_);
+    release(first_);
   }
 
  private:

@@ -62,8 +62,14 @@ void FatBodies::add_images(const World& world) {
   });
   for (const auto& part : parts) images.insert(images.end(), part.begin(), part.end());
   const std::size_t all = size();
-  ball.resize(all), id.resize(all), type.resize(all), immovable.resize(all);
-  if (!boxes.empty()) boxes.resize(all), half.resize(all);
+  ball.resize(all);
+  id.resize(all);
+  type.resize(all);
+  immovable.resize(all);
+  if (!boxes.empty()) {
+    boxes.resize(all);
+    half.resize(all);
+  }
   parallel_for(images.size(), [&](std::size_t k) {
     const CellImage& image = images[k];
     const std::size_t at = n + k;
@@ -71,10 +77,13 @@ void FatBodies::add_images(const World& world) {
     const double rounded = 0x1p-50 * (shift.cwiseAbs() + position(image.of).cwiseAbs()).maxCoeff();
     const Ball& b = ball[image.of];
     ball[at] = {b.x + shift.x(), b.y + shift.y(), b.z + shift.z(), b.r + rounded};
-    id[at] = static_cast<std::uint32_t>(world.ids_given() + k), type[at] = type[image.of], immovable[at] = 1;
+    id[at] = static_cast<std::uint32_t>(world.ids_given() + k);
+    type[at] = type[image.of];
+    immovable[at] = 1;
     if (boxes.empty()) return;
     const Aabb& box = boxes[image.of];
-    boxes[at] = Aabb{box.min + shift, box.max + shift}.fattened(rounded), half[at] = half[image.of] + 2.0 * rounded;
+    boxes[at] = Aabb{box.min + shift, box.max + shift}.fattened(rounded);
+    half[at] = half[image.of] + 2.0 * rounded;
   });
   for (std::size_t k = 0; k < images.size(); ++k) {
     const bool is_apart = std::ranges::binary_search(apart, images[k].of);

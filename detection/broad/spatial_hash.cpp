@@ -45,7 +45,8 @@ void SpatialHash::set_levels(const FatBodies& bodies) {
       while (bodies.half_of(s) <= below[l]) ++l;
       level_of_[k] = static_cast<std::uint8_t>(l);
       Level& level = parts[b].level[l];
-      ++level.count, level.half = std::max(level.half, bodies.half_of(s));
+      ++level.count;
+      level.half = std::max(level.half, bodies.half_of(s));
       parts[b].centres[l].include(bodies.position(s));
     }
   });
@@ -56,13 +57,15 @@ void SpatialHash::set_levels(const FatBodies& bodies) {
     for (std::size_t l = 0; l < most_levels; ++l) {
       if (part.level[l].count == 0) continue;
       levels_ = std::max(levels_, l + 1);
-      level_[l].count += part.level[l].count, level_[l].half = std::max(level_[l].half, part.level[l].half);
+      level_[l].count += part.level[l].count;
+      level_[l].half = std::max(level_[l].half, part.level[l].half);
       centres[l].include(part.centres[l]);
     }
   std::uint32_t first = 0;
   std::size_t table = 0;
   for (std::size_t l = 0; l < levels_; ++l) {
-    level_[l].first = first, level_[l].table = table;
+    level_[l].first = first;
+    level_[l].table = table;
     first += level_[l].count;
     if (level_[l].count > 0) set_grid(level_[l], centres[l].min, centres[l].max);
     std::size_t cells = 1;
@@ -80,7 +83,8 @@ void SpatialHash::set_grid(Level& level, const Vec3& low, const Vec3& high) {
   double most = 0.0;
   for (int k = 0; k < 3; ++k) {
     Axis& a = level.axis[static_cast<std::size_t>(k)];
-    a.origin = low[k], a.inverse_cell = 1.0 / cell;
+    a.origin = low[k];
+    a.inverse_cell = 1.0 / cell;
     most = std::max(most, (high[k] - low[k]) / cell);
     a.last = std::min(std::floor((high[k] - low[k]) / cell), most_cells);
     cells[static_cast<std::size_t>(k)] = a.last + 1.0;
@@ -100,7 +104,8 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
   const auto& all = bodies.ordinary;
   cell_of_.resize(all.size());
   stride_ = all.size() + most_lanes;
-  sorted_.resize(4 * stride_), slot_.resize(stride_);
+  sorted_.resize(4 * stride_);
+  slot_.resize(stride_);
   parallel_for(all.size(), [&](std::size_t k) {
     const Level& level = level_[level_of_[k]];
     const Vec3 x = bodies.position(all[k]);
@@ -121,14 +126,25 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
         const Ball& b = bodies.ball[s];
         const auto& axis = level_[level_at(place)].axis;
         float* const x = sorted_.data() + place;
-        x[0] = axis[0].place(b.x), x[stride_] = axis[1].place(b.y), x[2 * stride_] = axis[2].place(b.z);
-        x[3 * stride_] = static_cast<float>(b.r * axis[0].inverse_cell), slot_[place] = s;
+        x[0] = axis[0].place(b.x);
+        x[stride_] = axis[1].place(b.y);
+        x[2 * stride_] = axis[2].place(b.z);
+        x[3 * stride_] = static_cast<float>(b.r * axis[0].inverse_cell);
+        slot_[place] = s;
       });
-  if (all.size() >= many_bodies) release(cell_of_), release(level_of_);
+  if (all.size() >= many_bodies) {
+    release(cell_of_);
+    release(level_of_);
+  }
 }
 
 void SpatialHash::rest() {
-  release(level_of_), release(cell_of_), release(start_), release(slot_), release(found_), release(sorted_);
+  release(level_of_);
+  release(cell_of_);
+  release(start_);
+  release(slot_);
+  release(found_);
+  release(sorted_);
 }
 
 template <int n>
@@ -143,8 +159,12 @@ EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball
   for (std::size_t d = 0; d < 3; ++d) {
     const Axis& a = level.axis[d];
     x[d] = V{} + a.place(centre[d]);
-    from[d] = a.cell(centre[d] - reach), to[d] = a.cell(centre[d] + reach);
-    if (to[d] - from[d] >= a.mask) from[d] = 0, to[d] = a.mask;  // the whole folded axis, each cell once
+    from[d] = a.cell(centre[d] - reach);
+    to[d] = a.cell(centre[d] + reach);
+    if (to[d] - from[d] >= a.mask) {  // the whole folded axis, each cell once
+      from[d] = 0;
+      to[d] = a.mask;
+    }
   }
   const V r = V{} + static_cast<float>(ball.r * level.axis[0].inverse_cell), none{};
   const auto at = [](const float* column, std::uint32_t k) EPAFI_INLINED {
@@ -176,8 +196,10 @@ EPAFI_LANES std::size_t SpatialHash::search(const Level& level, const Ball& ball
       const std::uint32_t* row = start_.data() + level.table + ((k & mz) * (my + 1) + (j & my)) * (mx + 1);
       if (x0 <= x1)
         scan(row[x0], row[x1 + 1]);
-      else
-        scan(row[0], row[x1 + 1]), scan(row[x0], row[mx + 1]);
+      else {
+        scan(row[0], row[x1 + 1]);
+        scan(row[x0], row[mx + 1]);
+      }
     }
   return count;
 }

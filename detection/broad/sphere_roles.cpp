@@ -12,8 +12,10 @@ namespace {
 void sort_run(Slot* partner, std::uint32_t* image, std::size_t n) {
   const auto key = [](Slot b, std::uint32_t i) { return std::pair(b, i >> 8); };
   for (std::size_t k = 1; k < n; ++k)
-    for (std::size_t l = k; l > 0 && key(partner[l], image[l]) < key(partner[l - 1], image[l - 1]); --l)
-      std::swap(partner[l], partner[l - 1]), std::swap(image[l], image[l - 1]);
+    for (std::size_t l = k; l > 0 && key(partner[l], image[l]) < key(partner[l - 1], image[l - 1]); --l) {
+      std::swap(partner[l], partner[l - 1]);
+      std::swap(image[l], image[l - 1]);
+    }
 }
 }  // namespace
 

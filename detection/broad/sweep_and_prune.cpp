@@ -42,7 +42,8 @@ void SweepAndPrune::sort_intervals(const FatBodies& bodies) {
   parallel_for(interval_.size(), [&](std::size_t k) {
     Interval& i = interval_[k];
     const Aabb box = bodies.box(i.slot);
-    i.min = box.min[axis_], i.max = box.max[axis_];
+    i.min = box.min[axis_];
+    i.max = box.max[axis_];
   });
   std::size_t exchanges = 0;
   for (std::size_t k = 1; known && k < interval_.size(); ++k) {
@@ -72,7 +73,9 @@ void SweepAndPrune::make_rows(const FatBodies& bodies) {
       block_sum<double>(n, [&](std::size_t k) { return interval_[k].max - interval_[k].min; }) / static_cast<double>(n);
   if (!((2.0 * mean + longest_) * width < mean * (last - first))) width = 0.0;
   const auto rows = static_cast<std::size_t>(width > 0.0 ? (last - first) / width : 0.0) + 1;
-  row_.resize(n), swept_.resize(n), row_begin_.reserve(n + 4);  // the next list may have more rows
+  row_.resize(n);  // the next list may have more rows
+  swept_.resize(n);
+  row_begin_.reserve(n + 4);
   row_begin_.assign(rows + 2, 0);
   for (std::size_t k = 0; k < n; ++k) {
     row_[k] = static_cast<std::uint32_t>(width > 0.0 ? (low(k) - first) / width : 0.0);

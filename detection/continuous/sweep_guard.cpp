@@ -31,7 +31,8 @@ MovingBody moving_body(const ShapeStore& shapes, ShapeRef ref, const BodyPath& p
     MovingBody body;
     body.path = path;
     if constexpr (ConvexShape<std::decay_t<decltype(s)>>) {
-      body.core = ConvexRef::to(s), body.sweep = s.rounding();
+      body.core = ConvexRef::to(s);
+      body.sweep = s.rounding();
       body.turning_radius = body.core.radius;  // the sphere swept over the core turns in place
     }
     return body;

@@ -36,12 +36,21 @@ Impact advance(const Measure& measure, const BodyPath& a, const BodyPath& b, dou
   double share = 0.0;
   for (impact.iterations = 1; impact.iterations <= toi_cap; ++impact.iterations) {
     const Separation s = measure(share);
-    impact.share = share, impact.gap = s.gap, impact.normal = s.normal;
-    if (s.gap <= target + tolerance) return impact.hits = true, impact;
+    impact.share = share;
+    impact.gap = s.gap;
+    impact.normal = s.normal;
+    if (s.gap <= target + tolerance) {
+      impact.hits = true;
+      return impact;
+    }
     share += safe_share(s.gap - target, s.normal, a, b, turning);
-    if (share > 1.0) return impact.share = 1.0, impact;
+    if (share > 1.0) {
+      impact.share = 1.0;
+      return impact;
+    }
   }
-  return impact.converged = false, impact;
+  impact.converged = false;
+  return impact;
 }
 
 }  // namespace

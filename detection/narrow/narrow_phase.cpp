@@ -29,7 +29,10 @@ void BatchNarrowPhase::join_walls() { seams_ = std::make_unique<Seams>(shapes_);
 
 void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& block, std::size_t begin,
                                std::size_t end) {
-  block.pairs.clear(), block.runs.clear(), block.triangle_begin.clear(), block.triangles.clear();
+  block.pairs.clear();
+  block.runs.clear();
+  block.triangle_begin.clear();
+  block.triangles.clear();
   block.meshes.clear();
   const PairTable& table = pair_table();
   const BatchInput input{shapes_, world, reach_, curvature_, {}, {}, {}};
@@ -48,17 +51,22 @@ void BatchNarrowPhase::prepare(const World& world, const PairList& list, Block& 
     const std::size_t k = block.pairs.size();
     if (block.runs.empty() || block.runs.back().cell != cell) block.runs.push_back({k, k, cell});
     block.runs.back().end = k + 1;
-    block.pairs.push_back(p), block.triangle_begin.push_back(static_cast<std::uint32_t>(first));
-    remembers = remembers || cell->remembers, parts = parts || cell->parts;
+    block.pairs.push_back(p);
+    block.triangle_begin.push_back(static_cast<std::uint32_t>(first));
+    remembers = remembers || cell->remembers;
+    parts = parts || cell->parts;
   }
   block.triangle_begin.push_back(static_cast<std::uint32_t>(block.triangles.size()));
   Memory& memory = block.memory;
   memory.known.clear();
   if (remembers)
     for (const Pair& p : block.pairs) memory.known.push_back({p, world.shape[p.a], world.shape[p.b]});
-  memory.caches.clear(), memory.caches.resize(memory.known.size());
-  memory.resting.clear(), memory.resting.resize(seconds_ > 0.0 ? memory.known.size() : 0);
-  memory.parts.clear(), memory.parts.resize(parts ? memory.known.size() : 0);
+  memory.caches.clear();
+  memory.caches.resize(memory.known.size());
+  memory.resting.clear();
+  memory.resting.resize(seconds_ > 0.0 ? memory.known.size() : 0);
+  memory.parts.clear();
+  memory.parts.resize(parts ? memory.known.size() : 0);
   find_memory(memory);
 }
 
@@ -82,7 +90,10 @@ void BatchNarrowPhase::find_memory(Memory& memory) {
   std::size_t at = 0;
   for (std::size_t k = 0; k < memory.known.size(); ++k) {
     while (old != old_.end() && old->known[at].pair < memory.known[k].pair)
-      if (++at == old->known.size()) ++old, at = 0;
+      if (++at == old->known.size()) {
+        ++old;
+        at = 0;
+      }
     if (old == old_.end()) return;
     if (!(old->known[at] == memory.known[k])) continue;
     memory.caches[k] = std::move(old->caches[at]);
@@ -93,7 +104,8 @@ void BatchNarrowPhase::find_memory(Memory& memory) {
 
 void BatchNarrowPhase::collide_block(const World& world, Block& block) {
   block.contacts.clear();
-  block.contacts.with_curvature = curvature_, block.contacts.with_area = area_;
+  block.contacts.with_curvature = curvature_;
+  block.contacts.with_area = area_;
   ContactSink sink(block.contacts);
   for (const Run& run : block.runs) {
     if (!run.cell->batch) continue;
@@ -120,11 +132,15 @@ void BatchNarrowPhase::join(ContactSet& out) {
   std::size_t total = 0;
   degenerate_ = 0;
   for (Block& block : blocks_) {
-    block.first = total, total += block.contacts.size();
+    block.first = total;
+    total += block.contacts.size();
     degenerate_ += block.degenerate;
   }
-  out.with_curvature = curvature_, out.with_area = area_;
-  out.renew(total), out.force.clear(), out.moment.clear();
+  out.with_curvature = curvature_;
+  out.with_area = area_;
+  out.renew(total);
+  out.force.clear();
+  out.moment.clear();
   if (total == 0) return;
   parallel_for(
       blocks_.size(),
@@ -134,9 +150,14 @@ void BatchNarrowPhase::join(ContactSet& out) {
           if (!source.empty())
             std::copy(source.begin(), source.end(), target.begin() + at);  // else no column to point into
         };
-        place(from.a, out.a), place(from.b, out.b), place(from.feature, out.feature);
-        place(from.gap, out.gap), place(from.normal, out.normal), place(from.arm, out.arm);
-        place(from.effective_radius, out.effective_radius), place(from.area, out.area);
+        place(from.a, out.a);
+        place(from.b, out.b);
+        place(from.feature, out.feature);
+        place(from.gap, out.gap);
+        place(from.normal, out.normal);
+        place(from.arm, out.arm);
+        place(from.effective_radius, out.effective_radius);
+        place(from.area, out.area);
       },
       1);
 }
@@ -160,7 +181,9 @@ void BatchNarrowPhase::collide(const World& world, const PairList& list, Contact
     keep_memory();
     if (seams_) seams_->find(world);
     blocks_.resize((n + block_size - 1) / block_size);
-    generation_ = list.generation, pairs_ = n, known_ = true;
+    generation_ = list.generation;
+    pairs_ = n;
+    known_ = true;
   }
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t b) {
     if (fresh) prepare(world, list, blocks_[b], begin, end);
@@ -178,22 +201,27 @@ void BatchNarrowPhase::visit(StateVisitor& visitor) {
   std::vector<RestingPatch> resting;
   const auto add = [&](const Memory& memory) {
     for (std::size_t k = 0; k < memory.resting.size(); ++k)
-      if (const RestingPatch* patch = memory.resting[k].get(); patch && patch->count > 0)
-        pairs.push_back(memory.known[k]), resting.push_back(*patch);
+      if (const RestingPatch* patch = memory.resting[k].get(); patch && patch->count > 0) {
+        pairs.push_back(memory.known[k]);
+        resting.push_back(*patch);
+      }
   };
   if (restored_ && !old_.empty()) add(old_.front());
   for (const Block& block : known_ ? std::span<const Block>(blocks_) : std::span<const Block>()) add(block.memory);
   const std::vector<Known> pairs_here = pairs;
   const std::vector<RestingPatch> resting_here = resting;
-  visitor.column("narrow_phase/pair", pairs), visitor.column("narrow_phase/resting", resting);
+  visitor.column("narrow_phase/pair", pairs);
+  visitor.column("narrow_phase/resting", resting);
   if (same_bytes(pairs, pairs_here) && same_bytes(resting, resting_here)) return;  // it was saved, or nothing is new
   old_.clear();
   if (!pairs.empty()) {
     Memory& old = old_.emplace_back();
-    old.caches.resize(pairs.size()), old.known = std::move(pairs);
+    old.caches.resize(pairs.size());
+    old.known = std::move(pairs);
     for (const RestingPatch& patch : resting) old.resting.push_back(std::make_unique<RestingPatch>(patch));
   }
-  restored_ = true, known_ = false;
+  restored_ = true;
+  known_ = false;
 }
 
 }  // namespace epafi

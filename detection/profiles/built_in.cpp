@@ -49,7 +49,8 @@ ProfilePoints make_s1002() {
   for (const double x : s) {
     // a joint a hair from a point of the lattice would make the spline stiff there
     if (!p.y.empty() && x * mm - p.y.back() < 0.01 * mm) continue;
-    p.y.push_back(x * mm), p.z.push_back(s1002(x) * mm);
+    p.y.push_back(x * mm);
+    p.z.push_back(s1002(x) * mm);
   }
   return p;
 }
@@ -78,9 +79,16 @@ ProfilePoints make_rail(double y1, double y2) {
   const auto [ey, ez] = half.back();
   for (int k = 1; k <= 28; ++k) half.emplace_back(ey + (30.0 - ez) / 20.0 * k / 28.0, ez + (30.0 - ez) * k / 28.0);
   ProfilePoints p;
-  for (std::size_t k = half.size(); k-- > 0;) p.y.push_back(-half[k].first * mm), p.z.push_back(half[k].second * mm);
-  p.y.push_back(0.0), p.z.push_back(0.0);
-  for (const auto& [y, z] : half) p.y.push_back(y * mm), p.z.push_back(z * mm);
+  for (std::size_t k = half.size(); k-- > 0;) {
+    p.y.push_back(-half[k].first * mm);
+    p.z.push_back(half[k].second * mm);
+  }
+  p.y.push_back(0.0);
+  p.z.push_back(0.0);
+  for (const auto& [y, z] : half) {
+    p.y.push_back(y * mm);
+    p.z.push_back(z * mm);
+  }
   return p;
 }
 
@@ -97,7 +105,10 @@ ProfilePoints cone_profile(double conicity) {
   const auto [ey, ez] = p.back();
   for (int k = 1; k <= 30; ++k) p.emplace_back(ey - 0.5 * k / std::tan(to), ez + 0.5 * k);
   ProfilePoints out;
-  for (std::size_t k = p.size(); k-- > 0;) out.y.push_back(p[k].first * mm), out.z.push_back(p[k].second * mm);
+  for (std::size_t k = p.size(); k-- > 0;) {
+    out.y.push_back(p[k].first * mm);
+    out.z.push_back(p[k].second * mm);
+  }
   return out;
 }
 

@@ -42,34 +42,54 @@ MeasuredFile read_irregularity(const std::string& text) {
       const auto at = std::find(words.begin(), words.end(), "unit:");
       if (at == words.end() || at + 1 == words.end()) continue;
       const QuantityResult q = read_quantity("1 " + *(at + 1), "m");
-      if (!q.value) return out.problem = "unit '" + *(at + 1) + "': " + q.problem, out;
+      if (!q.value) {
+        out.problem = "unit '" + *(at + 1) + "': " + q.problem;
+        return out;
+      }
       unit = *q.value;
       continue;
     }
-    if (unit == 0.0) return out.problem = "the first line must state the unit, as in '# unit: mm'; s is in m", out;
+    if (unit == 0.0) {
+      out.problem = "the first line must state the unit, as in '# unit: mm'; s is in m";
+      return out;
+    }
     if (columns.empty()) {
       for (const auto& w : words) {
         columns.push_back(column(out.track, w));
-        if (!columns.back())
-          return out.problem = "unknown column '" + w + "'; s, lateral, vertical, cross_level, gauge", out;
+        if (!columns.back()) {
+          out.problem = "unknown column '" + w + "'; s, lateral, vertical, cross_level, gauge";
+          return out;
+        }
       }
-      if (columns[0] != &out.track.distance) return out.problem = "the first column must be s", out;
+      if (columns[0] != &out.track.distance) {
+        out.problem = "the first column must be s";
+        return out;
+      }
       continue;
     }
-    if (words.size() != columns.size())
-      return out.problem =
-                 "expected " + std::to_string(columns.size()) + " numbers, found " + std::to_string(words.size()),
-             out;
+    if (words.size() != columns.size()) {
+      out.problem = "expected " + std::to_string(columns.size()) + " numbers, found " + std::to_string(words.size());
+      return out;
+    }
     for (std::size_t k = 0; k < words.size(); ++k) {
       char* end = nullptr;
       const double v = std::strtod(words[k].c_str(), &end);
-      if (*end != '\0' || !std::isfinite(v)) return out.problem = "'" + words[k] + "' is not a number", out;
+      if (*end != '\0' || !std::isfinite(v)) {
+        out.problem = "'" + words[k] + "' is not a number";
+        return out;
+      }
       columns[k]->push_back(k == 0 ? v : v * unit);
     }
     const auto& s = out.track.distance;
-    if (s.size() > 1 && !(s.back() > s[s.size() - 2])) return out.problem = "s does not increase", out;
+    if (s.size() > 1 && !(s.back() > s[s.size() - 2])) {
+      out.problem = "s does not increase";
+      return out;
+    }
   }
-  if (out.track.distance.size() < 2) return out.problem = "a measured track has at least 2 lines of numbers", out;
+  if (out.track.distance.size() < 2) {
+    out.problem = "a measured track has at least 2 lines of numbers";
+    return out;
+  }
   out.line = 0;
   return out;
 }

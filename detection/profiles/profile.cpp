@@ -23,7 +23,10 @@ struct Pentadiagonal {
       // d_i holds the pivot; rows i + 1 and i + 2 are cleared
       l1[i] = i + 1 < n ? e[i] / d[i] : 0.0;
       l2[i] = i + 2 < n ? f[i] / d[i] : 0.0;
-      if (i + 1 < n) d[i + 1] -= l1[i] * e[i], e[i + 1] -= i + 2 < n ? l1[i] * f[i] : 0.0;
+      if (i + 1 < n) {
+        d[i + 1] -= l1[i] * e[i];
+        e[i + 1] -= i + 2 < n ? l1[i] * f[i] : 0.0;
+      }
       if (i + 2 < n) d[i + 2] -= l2[i] * f[i];
     }
     for (std::size_t i = 0; i < n; ++i) {
@@ -100,13 +103,15 @@ Profile::Profile(const ProfilePoints& points, double tolerance) : y_(points.y) {
     for (int k = 0; k < 60; ++k) {
       const double middle = 0.5 * (low + high);
       Fit trial = fit(points, std::exp(middle), share);
-      if (trial.rms <= tolerance)
-        low = middle, best = std::move(trial);
-      else
+      if (trial.rms <= tolerance) {
+        low = middle;
+        best = std::move(trial);
+      } else
         high = middle;
     }
   }
-  z_ = std::move(best.value), second_ = std::move(best.second);
+  z_ = std::move(best.value);
+  second_ = std::move(best.second);
   make_index();
 }
 
@@ -213,23 +218,28 @@ ProfileFile read_profile(const std::string& text) {
       if (const double stated = unit_of_comment(line, out.problem); stated > 0.0) unit = stated;
       if (!out.problem.empty()) return out;
     } else if (unit == 0.0) {
-      return out.problem = "the first line must state the unit, as in '# unit: mm'", out;
+      out.problem = "the first line must state the unit, as in '# unit: mm'";
+      return out;
     } else if (const auto row = row_of(line)) {
       points.emplace_back(row->y * unit, row->z * unit);
       rows.push_back(*row);
     } else if (header && points.empty()) {
       header = false;  // one line of column names
     } else {
-      return out.problem = "expected two numbers y, z, found '" + line + "'", out;
+      out.problem = "expected two numbers y, z, found '" + line + "'";
+      return out;
     }
   }
-  if (counts_rows(rows))
-    return out.problem =
-               "the first column numbers the points; the first two columns are y and z: leave the numbers out",
-           out;
+  if (counts_rows(rows)) {
+    out.problem = "the first column numbers the points; the first two columns are y and z: leave the numbers out";
+    return out;
+  }
   out.problem = sort_out(points);
   if (!out.problem.empty()) return out;
-  for (const auto& [at, height] : points) out.points.y.push_back(at), out.points.z.push_back(height);
+  for (const auto& [at, height] : points) {
+    out.points.y.push_back(at);
+    out.points.z.push_back(height);
+  }
   out.line = 0;
   return out;
 }
@@ -260,7 +270,8 @@ ProfilePoints canted_rail(ProfilePoints p, double cant) {
   const double c = std::cos(cant), s = std::sin(cant);
   for (std::size_t k = 0; k < p.y.size(); ++k) {
     const double y = p.y[k], z = p.z[k];
-    p.y[k] = c * y - s * z, p.z[k] = s * y + c * z;
+    p.y[k] = c * y - s * z;
+    p.z[k] = s * y + c * z;
   }
   if (cant != 0.0) p = without_overhang(p);
   if (p.y.size() < 4) return p;

@@ -3,8 +3,11 @@
 namespace epafi {
 
 void RollingSearch::split(const World& world, const PairList& pairs) {
-  rest_.pairs.clear(), rolling_.clear();
-  rest_.margin = pairs.margin, rest_.inverse_half_margin = pairs.inverse_half_margin, ++rest_.generation;
+  rest_.pairs.clear();
+  rolling_.clear();
+  rest_.margin = pairs.margin;
+  rest_.inverse_half_margin = pairs.inverse_half_margin;
+  ++rest_.generation;
   const auto type = [&](Slot s) { return ShapeRef{world.shape[s]}.type(); };
   constexpr auto wheel = ShapeStore::type_of<WheelProfile>(), rail = ShapeStore::type_of<RailProfile>();
   for (const Pair& p : pairs.pairs) {
@@ -21,7 +24,8 @@ void RollingSearch::split(const World& world, const PairList& pairs) {
     searches_[{a.packed, b.packed}].emplace_back(*shapes_.of<WheelProfile>()[a.index()].wheelset,
                                                  *shapes_.of<RailProfile>()[b.index()].track);
   }
-  known_ = true, generation_ = pairs.generation;
+  known_ = true;
+  generation_ = pairs.generation;
 }
 
 void RollingSearch::collide(const World& world, const PairList& pairs, ContactSet& contacts) {
@@ -33,7 +37,10 @@ void RollingSearch::collide(const World& world, const PairList& pairs, ContactSe
     const std::pair key{world.shape[w], world.shape[t]};
     const std::size_t first = regions_.all.size();
     searches_[key][used[key]++].find(world.pose(w), world.pose(t), 0.0, true, regions_.all);
-    for (std::size_t k = first; k < regions_.all.size(); ++k) regions_.all[k].wheelset = w, regions_.all[k].track = t;
+    for (std::size_t k = first; k < regions_.all.size(); ++k) {
+      regions_.all[k].wheelset = w;
+      regions_.all[k].track = t;
+    }
   }
 }
 

@@ -23,7 +23,8 @@ class Standing {
   bool at_rails(double shift) {
     for (int k = 0; k < 40; ++k) {
       p_.lateral_shift = shift + p_.roll * radius_;
-      left_.place(p_), right_.place(p_);
+      left_.place(p_);
+      right_.place(p_);
       const double gl = left_.clearance(), gr = right_.clearance();
       if (!std::isfinite(gl) || !std::isfinite(gr)) return false;
       p_.height += 0.5 * (gl + gr);
@@ -61,7 +62,8 @@ class Standing {
   }
 
   WheelsetGeometry found() {
-    left_.place(p_), right_.place(p_);
+    left_.place(p_);
+    right_.place(p_);
     const auto left = left_.deepest(), right = right_.deepest();
     if (!left || !right) return {p_, {}, {}, false};
     return {p_, *left, *right};

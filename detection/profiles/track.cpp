@@ -88,7 +88,8 @@ RailShift Track::shift(double s, bool right) const {
   const double side = right ? 1.0 : -1.0;
   if (wave.lateral != 0.0 || wave.vertical != 0.0 || wave.cross_level != 0.0) {
     const double sine = std::sin(2.0 * std::numbers::pi * s / wave.wavelength);
-    out.y += wave.lateral * sine, out.z += (wave.vertical + 0.5 * side * wave.cross_level) * sine;
+    out.y += wave.lateral * sine;
+    out.z += (wave.vertical + 0.5 * side * wave.cross_level) * sine;
   }
   const MeasuredTrack& m = measured;
   if (m.distance.empty()) return out;

@@ -114,11 +114,13 @@ double WheelRailPair::refine(double y) const {
     const double middle = (f_low * high - f_high * low) / (f_low - f_high), f = locus(middle).slope;
     if (f == 0.0 || middle <= low || middle >= high) return middle;
     if (f < 0.0) {
-      low = middle, f_low = f;
+      low = middle;
+      f_low = f;
       if (side == -1) f_high *= 0.5;
       side = -1;
     } else {
-      high = middle, f_high = f;
+      high = middle;
+      f_high = f;
       if (side == 1) f_low *= 0.5;
       side = 1;
     }
@@ -167,10 +169,12 @@ ContactRegion WheelRailPair::region_at(double y, double deepest) const {
   const double c = std::cos(out.angle),
                wheel_angle = std::atan(w.slope + std::tan(std::atan2(turn_(2, 1), turn_(1, 1))));
   out.offset = (at.gap - deepest) * c;
-  out.y_wheel = y, out.y_rail = axis_ - at.point.y();
+  out.y_wheel = y;
+  out.y_rail = axis_ - at.point.y();
   out.rolling_radius = track_.radius + w.z;
   // z down: the wheel is convex where its radius curves down across the tread, the rail where it falls away
-  out.wheel_curvature = -w.second * std::pow(std::cos(wheel_angle), 3), out.rail_curvature = r.second * c * c * c;
+  out.wheel_curvature = -w.second * std::pow(std::cos(wheel_angle), 3);
+  out.rail_curvature = r.second * c * c * c;
   out.curvature_y = out.wheel_curvature + out.rail_curvature;
   out.curvature_x = std::cos(wheel_angle) / out.rolling_radius;
   return out;
@@ -228,7 +232,9 @@ bool WheelRailPair::sample(const Plane& plane, std::size_t k, Sample& here, GapP
   zw = std::abs(step) < parabola ? zw + 0.5 * curvature * step * step : wheel_height(plane, x, s, zw);
   if (std::isnan(zw)) return false;
   here = {zr, zw, x};
-  g.curvature_x[k] = curvature, g.centre_x[k] = x, g.gap[k] = zr - zw + depth_ * n.z();
+  g.curvature_x[k] = curvature;
+  g.centre_x[k] = x;
+  g.gap[k] = zr - zw + depth_ * n.z();
   return true;
 }
 
@@ -236,8 +242,11 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
   const Plane plane = plane_of(region);
   GapProfile& g = region.profile;
   const auto count = static_cast<std::size_t>(2.0 * sampling_.reach / sampling_.step) + 1;
-  g.start = -sampling_.reach, g.step = sampling_.step;
-  g.gap.resize(count), g.curvature_x.resize(count), g.centre_x.resize(count);
+  g.start = -sampling_.reach;
+  g.step = sampling_.step;
+  g.gap.resize(count);
+  g.curvature_x.resize(count);
+  g.centre_x.resize(count);
   // walk both ways from the middle: a parabola through the last three heights is a good guess of the next
   const std::size_t middle = count / 2;
   for (const int way : {1, -1}) {
@@ -248,14 +257,17 @@ void WheelRailPair::add_profile(ContactRegion& region) const {
       if (m == 0) last = before = here;
       const Sample next{3.0 * (here.rail - last.rail) + before.rail, 3.0 * (here.wheel - last.wheel) + before.wheel,
                         3.0 * (here.x - last.x) + before.x};
-      before = last, last = here, ++m;
+      before = last;
+      last = here;
+      ++m;
       if (m > 2) here = next;
     }
     // from there on it goes on as it was, opening
     for (std::size_t rest = m; rest <= middle; ++rest) {
       const std::size_t q = place(rest), from = place(rest > 0 ? rest - 1 : 0);
       if (rest == m && g.gap[q] >= sampling_.until) continue;
-      g.gap[q] = 1.1 * std::max(g.gap[from], sampling_.step), g.curvature_x[q] = g.curvature_x[from],
+      g.gap[q] = 1.1 * std::max(g.gap[from], sampling_.step);
+      g.curvature_x[q] = g.curvature_x[from];
       g.centre_x[q] = g.centre_x[from];
     }
   }
@@ -299,7 +311,8 @@ std::vector<ContactRegion> WheelRailPair::regions_at(const std::vector<std::pair
   for (const auto& [gap, y] : minima) {
     if (gap > minima.front().first + reach) break;
     out.push_back(region_at(y, minima.front().first));
-    out.back().point.y() *= mirror_, out.back().angle *= mirror_;
+    out.back().point.y() *= mirror_;
+    out.back().angle *= mirror_;
   }
   return out;
 }
@@ -330,8 +343,13 @@ double WheelRailPair::touch(double reach, std::vector<ContactRegion>& regions) {
 GapField WheelRailPair::field(const ContactRegion& region, double cx, double cy, double dx, double dy, std::size_t nx,
                               std::size_t ny) const {
   GapField f;
-  f.dx = dx, f.dy = dy, f.nx = nx, f.ny = ny, f.origin = region.point;
-  f.curvature_x = region.curvature_x, f.curvature_y = region.curvature_y;
+  f.dx = dx;
+  f.dy = dy;
+  f.nx = nx;
+  f.ny = ny;
+  f.origin = region.point;
+  f.curvature_x = region.curvature_x;
+  f.curvature_y = region.curvature_y;
   f.gap.assign(nx * ny, nowhere);
   const Plane plane = plane_of(region);
   // rows from the one nearest to the origin outwards, cells likewise: the last heights are good guesses
@@ -397,7 +415,8 @@ ContactRegion WheelRailPair::place_at(const ContactRegion& region, double y, dou
   }
   const Vec3 q = turn_.transpose() * (p - centre_);
   out.point = Vec3(p.x(), mirror_ * p.y(), p.z());
-  out.y_rail = axis_ - p.y(), out.y_wheel = q.y() - tape_;
+  out.y_rail = axis_ - p.y();
+  out.y_wheel = q.y() - tape_;
   out.angle = angle;
   out.rolling_radius = track_.radius + wheel_.at(out.y_wheel).z;
   return out;

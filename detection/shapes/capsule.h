@@ -51,7 +51,8 @@ struct Capsule {
   FlatSide facing(const Vec3& d) const {
     FlatSide side;
     if (!(d.z() * d.z() < facing_sine * facing_sine * d.squaredNorm())) return side;
-    side.corner[0] = {0.0, 0.0, -half_length()}, side.corner[1] = {0.0, 0.0, half_length()};
+    side.corner[0] = {0.0, 0.0, -half_length()};
+    side.corner[1] = {0.0, 0.0, half_length()};
     side.count = 2;
     return side;
   }

@@ -41,7 +41,8 @@ struct Clump {
     Aabb box{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
     for (const PlacedBall& p : parts) {
       const Vec3 x = pose.to_world(p.centre), r = Vec3::Constant(p.radius);
-      box.min = box.min.cwiseMin(x - r), box.max = box.max.cwiseMax(x + r);
+      box.min = box.min.cwiseMin(x - r);
+      box.max = box.max.cwiseMax(x + r);
     }
     return box;
   }

@@ -126,7 +126,10 @@ std::string find_planes(ConvexHull& hull, const Faces& faces, double tolerance) 
     for (std::uint32_t v : face) own = std::max(own, n.dot(hull.vertices[v]));
     std::size_t worst = 0;
     for (std::size_t v = 0; v < hull.vertices.size(); ++v) {
-      if (n.dot(hull.vertices[v]) > all) all = n.dot(hull.vertices[v]), worst = v;
+      if (n.dot(hull.vertices[v]) > all) {
+        all = n.dot(hull.vertices[v]);
+        worst = v;
+      }
     }
     if (all > own + convex_tolerance * hull.radius + tolerance) {
       return fmt::format("not convex: vertex {} lies {:.3g} outside a face", worst, all - own);
@@ -163,8 +166,10 @@ void find_topology(ConvexHull& hull, const Faces& faces, const DirectedEdges& ed
     if (!fans[from].empty()) continue;
     std::uint32_t next = to, face = first;
     do {
-      neighbours[from].push_back(next), fans[from].push_back(face);
-      next = before(from, face), face = edges.at({from, next});
+      neighbours[from].push_back(next);
+      fans[from].push_back(face);
+      next = before(from, face);
+      face = edges.at({from, next});
     } while (next != to);
   }
   flatten(neighbours, hull.neighbour_begin, hull.neighbours);
@@ -223,8 +228,8 @@ void find_starts(ConvexHull& hull) {
         Vec3 d;
         const int axis = side / 2;
         d[axis] = side % 2 ? 1.0 : -1.0;
-        d[(axis + 1) % 3] = (static_cast<double>(i) + 0.5) * cell - 1.0,
-                       d[(axis + 2) % 3] = (static_cast<double>(j) + 0.5) * cell - 1.0;
+        d[(axis + 1) % 3] = (static_cast<double>(i) + 0.5) * cell - 1.0;
+        d[(axis + 2) % 3] = (static_cast<double>(j) + 0.5) * cell - 1.0;
         hull.starts.push_back(near = ConvexHull::climb(hull.view(), d, near));
       }
     }
@@ -311,7 +316,10 @@ void ConvexHull::prefetch() const {
   constexpr std::size_t small_hull = 40;  // vertices: these columns of more would fill over a fifth of the first cache
   if (vertices.size() > small_hull) return;
   const auto all = [](const auto& column) { epafi::prefetch(column.data(), column.size() * sizeof(column[0])); };
-  all(lanes.faces), all(lanes.vertices), all(vertices), all(face_normals);
+  all(lanes.faces);
+  all(lanes.vertices);
+  all(vertices);
+  all(face_normals);
 }
 
 PolyhedronView ConvexHull::view() const {
@@ -353,7 +361,11 @@ std::uint32_t ConvexHull::climb(const PolyhedronView& p, const Vec3& d, std::uin
     climbed = false;
     for (std::uint32_t k = p.neighbour_begin[best], end = p.neighbour_begin[best + 1]; k < end; ++k) {
       const double h = d.dot(p.vertices[p.neighbours[k]]);
-      if (h > height) height = h, best = p.neighbours[k], climbed = true;
+      if (h > height) {
+        height = h;
+        best = p.neighbours[k];
+        climbed = true;
+      }
     }
   }
   return best;

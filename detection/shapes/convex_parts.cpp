@@ -209,7 +209,8 @@ std::optional<ConvexPart> hull_of(std::span<const Vec3> points, double precision
   try {
     ConvexPart part{hull_from_points(points, {}, precision)};
     const MassProperties whole = surface_mass_properties(part.surface.vertices, triangles_of(part.surface));
-    part.volume = whole.mass, part.centre = whole.centre;
+    part.volume = whole.mass;
+    part.centre = whole.centre;
     if (part.volume > least) return part;
   } catch (const SceneError&) {
   }  // flat: thinner than rounding

@@ -64,7 +64,8 @@ struct Cylinder {
       side.count = 8;
     } else if (d.z() * d.z() < limit) {
       const double across = std::sqrt(across2), x = radius * (d.x() / across), y = radius * (d.y() / across);
-      side.corner[0] = {x, y, -half_length()}, side.corner[1] = {x, y, half_length()};
+      side.corner[0] = {x, y, -half_length()};
+      side.corner[1] = {x, y, half_length()};
       side.count = 2;
     }
     return side;

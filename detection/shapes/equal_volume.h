@@ -11,7 +11,10 @@ inline double cube_root(double x) {
   if (!(x > 0.0)) return 0.0;
   int exponent = 0;
   double fraction = std::frexp(x, &exponent);  // exact
-  while (exponent % 3 != 0) fraction *= 0.5, ++exponent;
+  while (exponent % 3 != 0) {
+    fraction *= 0.5;
+    ++exponent;
+  }
   double y = 0.75;
   for (int k = 0; k < 8; ++k)
     y -= (y * y * y - fraction) / (3.0 * y * y);  // quadratic: 8 steps from within a factor 1.6

@@ -212,8 +212,10 @@ void put(Lanes3& v, std::size_t k, const Vec3& x) { v.x[k] = x.x(), v.y[k] = x.y
 }  // namespace
 
 void ArcLanes::set(std::size_t k, const Arc& arc) {
-  put(from, k, arc.from), put(along, k, arc.along);
-  put(left, k, arc.left), put(right, k, arc.right);
+  put(from, k, arc.from);
+  put(along, k, arc.along);
+  put(left, k, arc.left);
+  put(right, k, arc.right);
 }
 
 VertexLanes vertex_lanes(std::span<const Vec3> vertices, std::size_t first) {
@@ -225,8 +227,10 @@ VertexLanes vertex_lanes(std::span<const Vec3> vertices, std::size_t first) {
 FaceLanes face_lanes(std::span<const Vec3> normals, std::span<const double> offsets, std::size_t first) {
   FaceLanes out{};
   out.offset = lanes(INFINITY);
-  for (std::size_t k = 0; k < lane_count && first + k < normals.size(); ++k)
-    put(out.normal, k, normals[first + k]), out.offset[k] = offsets[first + k];
+  for (std::size_t k = 0; k < lane_count && first + k < normals.size(); ++k) {
+    put(out.normal, k, normals[first + k]);
+    out.offset[k] = offsets[first + k];
+  }
   return out;
 }
 
@@ -234,7 +238,8 @@ EdgeLanes edge_lanes(std::span<const HullEdge> edges, std::span<const Vec3> norm
   EdgeLanes out{};
   for (std::size_t k = 0; k < lane_count; ++k) {
     const HullEdge& e = edges[std::min(first + k, edges.size() - 1)];
-    out.left[k] = e.left, out.right[k] = e.right;
+    out.left[k] = e.left;
+    out.right[k] = e.right;
     out.cosine[k] = normals[e.left].dot(normals[e.right]);
   }
   return out;

@@ -111,14 +111,22 @@ std::vector<Vec3> ascii_corners(MeshText& text) {
     }
     if (!MeshText::same_word(first, "facet"))
       text.fail(fmt::format("expected 'facet' or 'endsolid', found {}", MeshText::named(first)));
-    line("outer loop"), text.expect("outer"), text.expect("loop"), text.expect_end();
+    line("outer loop");
+    text.expect("outer");
+    text.expect("loop");
+    text.expect_end();
     for (int k = 0; k < 3; ++k) {
-      line("vertex"), text.expect("vertex");
+      line("vertex");
+      text.expect("vertex");
       corners.push_back(text.point() + Vec3::Zero());
       text.expect_end();
     }
-    line("endloop"), text.expect("endloop"), text.expect_end();
-    line("endfacet"), text.expect("endfacet"), text.expect_end();
+    line("endloop");
+    text.expect("endloop");
+    text.expect_end();
+    line("endfacet");
+    text.expect("endfacet");
+    text.expect_end();
   }
   text.fail("the file ends where 'endsolid' is expected");
 }

@@ -55,11 +55,13 @@ Property read_property(MeshText& text) {
   if (word == "list") {
     const Property length = type_named(text.word());
     if (length.bytes == 0 || length.real) text.fail("expected an integer type for the length of a list");
-    count_bytes = length.bytes, word = text.word();
+    count_bytes = length.bytes;
+    word = text.word();
   }
   Property p = type_named(word);
   if (p.bytes == 0) text.fail(fmt::format("unknown type {}", MeshText::named(word)));
-  p.count_bytes = count_bytes, p.name = std::string(text.word());
+  p.count_bytes = count_bytes;
+  p.name = std::string(text.word());
   return p;
 }
 
@@ -82,7 +84,8 @@ Header read_header(std::string_view bytes, const std::string& file) {
   MeshText text(bytes, file);
   Header header;
   bool has_format = false;
-  text.next_line(), text.expect("ply");
+  text.next_line();
+  text.expect("ply");
   while (text.next_line()) {
     ++header.lines;
     const auto first = text.word();

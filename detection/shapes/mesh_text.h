@@ -30,7 +30,9 @@ class MeshText {
     line_ = text_.substr(at_, end - at_);
     if (comments_) line_ = line_.substr(0, line_.find('#'));
     const bool two = end + 1 < text_.size() && text_[end] == '\r' && text_[end + 1] == '\n';
-    at_ = end + (two ? 2 : 1), column_ = 0, ++number_;
+    at_ = end + (two ? 2 : 1);
+    column_ = 0;
+    ++number_;
     return true;
   }
   /// The next word of the line, "" at its end.

@@ -20,13 +20,15 @@ OrientedBox box_of(std::span<const Vec3> vertices, std::span<const Triangle> tri
                c = vertices[triangles[t][2]] - origin;
     const double weight = (b - a).cross(c - a).norm();
     const Vec3 sum = a + b + c;
-    area += weight, first += weight / 3.0 * sum;
+    area += weight;
+    first += weight / 3.0 * sum;
     second += weight / 12.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
   }
   const Vec3 mean = first / area;
   const Eigen::SelfAdjointEigenSolver<Mat3> principal(second / area - mean * mean.transpose());
   OrientedBox box;
-  box.axes.col(0) = principal.eigenvectors().col(2), box.axes.col(1) = principal.eigenvectors().col(1);
+  box.axes.col(0) = principal.eigenvectors().col(2);
+  box.axes.col(1) = principal.eigenvectors().col(1);
   box.axes.col(2) = box.axes.col(0).cross(box.axes.col(1));
   Aabb extent;
   for (const std::uint32_t t : members)

@@ -14,7 +14,8 @@ Aabb SolidParts::bounding_box(const Pose& pose) const {
   Aabb box{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const Aabb one = parts[k].hull.bounding_box(part_pose(k, pose));
-    box.min = box.min.cwiseMin(one.min), box.max = box.max.cwiseMax(one.max);
+    box.min = box.min.cwiseMin(one.min);
+    box.max = box.max.cwiseMax(one.max);
   }
   return box;
 }

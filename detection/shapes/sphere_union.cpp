@@ -30,8 +30,11 @@ void add_arc(const Disc& d, double from, double to, PlaneMoments& m) {
       const double t = middle + half * rule.node[k], c = std::cos(t), s = std::sin(t);
       const double x = d.x + d.r * c, y = d.y + d.r * s, w = half * rule.weight[k] * d.r, dy = w * c, dx = -w * s;
       m.one += 0.5 * (x * dy - y * dx);
-      m.x += 0.5 * x * x * dy, m.y -= 0.5 * y * y * dx;
-      m.xx += x * x * x * dy / 3, m.yy -= y * y * y * dx / 3, m.xy += 0.5 * x * x * y * dy;
+      m.x += 0.5 * x * x * dy;
+      m.y -= 0.5 * y * y * dx;
+      m.xx += x * x * x * dy / 3;
+      m.yy -= y * y * y * dx / 3;
+      m.xy += 0.5 * x * x * y * dy;
     }
   }
 }
@@ -57,8 +60,14 @@ PlaneMoments union_moments(const std::vector<Disc>& discs) {
       const double cosine = (d.r * d.r + distance * distance - o.r * o.r) / (2 * d.r * distance);
       const double half = std::acos(std::clamp(cosine, -1.0, 1.0));
       double from = towards - half, to = towards + half;
-      if (from < -pi) covered.push_back({from + 2 * pi, pi}), from = -pi;
-      if (to > pi) covered.push_back({-pi, to - 2 * pi}), to = pi;
+      if (from < -pi) {
+        covered.push_back({from + 2 * pi, pi});
+        from = -pi;
+      }
+      if (to > pi) {
+        covered.push_back({-pi, to - 2 * pi});
+        to = pi;
+      }
       covered.push_back({from, to});
     }
     if (inside) continue;
@@ -84,7 +93,8 @@ void add_triple_points(const PlacedBall& p, const PlacedBall& q, const PlacedBal
   const double left = p.radius * p.radius - foot.squaredNorm();
   if (left < 0) return;
   const double rise = std::sqrt(left / area2) * n.z(), z = p.centre.z() + foot.z();
-  heights.push_back(z - rise), heights.push_back(z + rise);
+  heights.push_back(z - rise);
+  heights.push_back(z + rise);
 }
 
 std::vector<double> heights_of_change(std::span<const PlacedBall> balls) {
@@ -92,7 +102,8 @@ std::vector<double> heights_of_change(std::span<const PlacedBall> balls) {
   std::vector<std::vector<std::size_t>> meets(balls.size());
   for (std::size_t i = 0; i < balls.size(); ++i) {
     const PlacedBall& p = balls[i];
-    z.push_back(p.centre.z() - p.radius), z.push_back(p.centre.z() + p.radius);
+    z.push_back(p.centre.z() - p.radius);
+    z.push_back(p.centre.z() + p.radius);
     for (std::size_t j = i + 1; j < balls.size(); ++j) {
       const PlacedBall& q = balls[j];
       const Vec3 d = q.centre - p.centre;
@@ -103,7 +114,8 @@ std::vector<double> heights_of_change(std::span<const PlacedBall> balls) {
       const double circle = std::sqrt(std::max(0.0, p.radius * p.radius - share * share * l2));
       const double middle = p.centre.z() + share * d.z(),
                    rise = circle * std::sqrt(std::max(0.0, 1 - d.z() * d.z() / l2));
-      z.push_back(middle - rise), z.push_back(middle + rise);
+      z.push_back(middle - rise);
+      z.push_back(middle + rise);
     }
     for (std::size_t j : meets[i])
       for (std::size_t k : meets[i])
@@ -127,7 +139,8 @@ GaussRule gauss_rule(int points) {
       x -= change;
       if (std::abs(change) < 1e-16) break;
     }
-    rule.node.push_back(x), rule.weight.push_back(2 / ((1 - x * x) * slope * slope));
+    rule.node.push_back(x);
+    rule.weight.push_back(2 / ((1 - x * x) * slope * slope));
   }
   return rule;
 }

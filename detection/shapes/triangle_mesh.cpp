@@ -120,7 +120,10 @@ EdgeKind TriangleMesh::kind_of(const EdgeUse& p, const EdgeUse& q) const {
 std::uint32_t TriangleMesh::build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) {
   const auto self = static_cast<std::uint32_t>(nodes_.size());
   Aabb box, centres;
-  for (std::uint32_t k = begin; k < end; ++k) box.include(boxes_[order[k]]), centres.include(boxes_[order[k]].centre());
+  for (std::uint32_t k = begin; k < end; ++k) {
+    box.include(boxes_[order[k]]);
+    centres.include(boxes_[order[k]].centre());
+  }
   nodes_.push_back({box, 0, begin, end - begin <= mesh_leaf ? end - begin : 0});
   if (end - begin > mesh_leaf) {
     Eigen::Index axis = 0;

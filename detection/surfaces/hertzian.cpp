@@ -23,7 +23,8 @@ PrincipalCurvatures principal(const Mat2& form, const Tangents& t, const Vec3& n
   const double shear = 0.5 * (form(0, 1) + form(1, 0)), radius = std::hypot(difference, shear);
   const double angle = radius > 0.0 ? 0.5 * std::atan2(shear, difference) : 0.0;
   PrincipalCurvatures p;
-  p.larger = mean + radius, p.smaller = mean - radius;
+  p.larger = mean + radius;
+  p.smaller = mean - radius;
   p.direction_larger = std::cos(angle) * t.col(0) + std::sin(angle) * t.col(1);
   p.direction_smaller = normal.cross(p.direction_larger);
   return p;
@@ -100,11 +101,15 @@ Eigen::Vector4d newton_step(const State& s) {
   const Mat3 carried = Mat3::Identity() + s.gap * s.a.turning;  // d x_b / d x_a
   Eigen::Matrix4d jacobian;
   Eigen::Vector4d rest;
-  jacobian.row(0) << s.a.f.gradient.transpose(), 0.0;
-  jacobian.row(1) << s.b.f.gradient.transpose() * carried, s.b.f.gradient.dot(s.a.normal);
-  jacobian.bottomRows<2>() << t.transpose() * (s.b.turning * carried + s.a.turning),
-      t.transpose() * s.b.turning * s.a.normal;
-  rest << s.a.f.value, s.b.f.value, t.transpose() * (s.a.normal + s.b.normal);
+  jacobian.row(0) << s.a.f.gradient.transpose();
+  0.0;
+  jacobian.row(1) << s.b.f.gradient.transpose() * carried;
+  s.b.f.gradient.dot(s.a.normal);
+  jacobian.bottomRows<2>() << t.transpose() * (s.b.turning * carried + s.a.turning);
+  t.transpose() * s.b.turning* s.a.normal;
+  rest << s.a.f.value;
+  s.b.f.value;
+  t.transpose() * (s.a.normal + s.b.normal);
   return jacobian.fullPivLu().solve(rest);
 }
 
@@ -112,8 +117,12 @@ HertzianPoints describe(const State& s, const Vec3& between, double size) {
   HertzianPoints out;
   const Tangents t = tangents_of(s.a.normal);
   const Mat2 form_a = form_of(s.a, t), form_b = form_of(s.b, t);
-  out.gap = s.gap, out.normal = s.a.normal, out.point_a = s.x, out.point_b = s.x + s.gap * s.a.normal - between;
-  out.a = principal(form_a, t, s.a.normal), out.b = principal(form_b, t, s.b.normal);
+  out.gap = s.gap;
+  out.normal = s.a.normal;
+  out.point_a = s.x;
+  out.point_b = s.x + s.gap * s.a.normal - between;
+  out.a = principal(form_a, t, s.a.normal);
+  out.b = principal(form_b, t, s.b.normal);
   out.relative = principal(form_a + form_b, t, s.a.normal);
   // The distance is smallest where B touches the surface parallel to A at that distance from outside: the curvature of
   // the parallel surface, S (1 + gap S)^-1, and that of B open a gap on all sides.

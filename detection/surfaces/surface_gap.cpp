@@ -17,10 +17,17 @@ double angle_at(std::span<const Vec3> x, const Triangle& t, std::size_t k) {
 /// Appends a candidate: the slave's nodes with their weights, the master's with the negative of theirs.
 void append(GapRows& out, const ProjectionSurface::Projection& p, const Triangle& master,
             std::span<const std::uint32_t> slave, std::span<const double> weight) {
-  out.gap.push_back(p.gap), out.normal.push_back(p.normal);
-  for (std::size_t k = 0; k < slave.size(); ++k) out.node.push_back(slave[k]), out.weight.push_back(weight[k]);
+  out.gap.push_back(p.gap);
+  out.normal.push_back(p.normal);
+  for (std::size_t k = 0; k < slave.size(); ++k) {
+    out.node.push_back(slave[k]);
+    out.weight.push_back(weight[k]);
+  }
   for (std::size_t k = 0; k < 3; ++k)
-    if (p.weight[k] != 0.0) out.node.push_back(master[k]), out.weight.push_back(-p.weight[k]);
+    if (p.weight[k] != 0.0) {
+      out.node.push_back(master[k]);
+      out.weight.push_back(-p.weight[k]);
+    }
   out.begin.push_back(static_cast<std::uint32_t>(out.node.size()));
 }
 

@@ -35,7 +35,8 @@ void SurfaceTree::build(std::span<const Vec3> centres, std::uint32_t begin, std:
                      [&](std::uint32_t a, std::uint32_t b) {
                        return std::pair(centres[a][axis], a) < std::pair(centres[b][axis], b);
                      });
-    build(centres, begin, middle), build(centres, middle, end);
+    build(centres, begin, middle);
+    build(centres, middle, end);
   }
   nodes_[self].skip = static_cast<std::uint32_t>(nodes_.size());
 }
@@ -47,8 +48,10 @@ void SurfaceTree::refit(std::span<const Vec3> positions) {
     for (std::uint32_t i = node.begin; i < node.begin + node.count; ++i)
       for (const std::uint32_t v : triangles_[order_[i]]) node.box.include(positions[v]);
     if (node.count > 0) continue;
-    for (const std::size_t child : {k + 1, static_cast<std::size_t>(nodes_[k + 1].skip)})
-      node.box.include(nodes_[child].box.min), node.box.include(nodes_[child].box.max);
+    for (const std::size_t child : {k + 1, static_cast<std::size_t>(nodes_[k + 1].skip)}) {
+      node.box.include(nodes_[child].box.min);
+      node.box.include(nodes_[child].box.max);
+    }
   }
 }
 
@@ -66,7 +69,8 @@ NearestOnSurface SurfaceTree::nearest(std::span<const Vec3> positions, const Vec
     if (node.count == 0) {  // the nearer child first
       std::uint32_t near = k + 1, far = nodes_[k + 1].skip;
       if (square_distance(nodes_[far].box, x) < square_distance(nodes_[near].box, x)) std::swap(near, far);
-      stack[depth++] = far, stack[depth++] = near;
+      stack[depth++] = far;
+      stack[depth++] = near;
       continue;
     }
     for (std::uint32_t i = node.begin; i < node.begin + node.count; ++i) {

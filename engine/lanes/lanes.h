@@ -62,8 +62,10 @@ EPAFI_LANES double min(double a, double b) { return b < a ? b : a; }
 EPAFI_LANES void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes p = __builtin_shufflevector(a, b, 0, 4, 2, 6), q = __builtin_shufflevector(a, b, 1, 5, 3, 7);
   const Lanes r = __builtin_shufflevector(c, d, 0, 4, 2, 6), s = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-  a = __builtin_shufflevector(p, r, 0, 1, 4, 5), c = __builtin_shufflevector(p, r, 2, 3, 6, 7);
-  b = __builtin_shufflevector(q, s, 0, 1, 4, 5), d = __builtin_shufflevector(q, s, 2, 3, 6, 7);
+  a = __builtin_shufflevector(p, r, 0, 1, 4, 5);
+  c = __builtin_shufflevector(p, r, 2, 3, 6, 7);
+  b = __builtin_shufflevector(q, s, 0, 1, 4, 5);
+  d = __builtin_shufflevector(q, s, 2, 3, 6, 7);
 }
 
 /// Vectors of as many contacts as V has lanes.

@@ -25,8 +25,16 @@ void permute(const std::vector<std::uint32_t>& order, Column&... columns) {
 }  // namespace
 
 void ContactSet::clear() {
-  a.clear(), b.clear(), feature.clear(), gap.clear(), normal.clear(), arm.clear();
-  effective_radius.clear(), area.clear(), force.clear(), moment.clear();
+  a.clear();
+  b.clear();
+  feature.clear();
+  gap.clear();
+  normal.clear();
+  arm.clear();
+  effective_radius.clear();
+  area.clear();
+  force.clear();
+  moment.clear();
 }
 
 void ContactSet::give_back() {
@@ -34,35 +42,65 @@ void ContactSet::give_back() {
     constexpr std::size_t spare = 1 << 16;  // contacts: 7 MB in all columns
     if (column.capacity() > 2 * column.size() + spare) column.shrink_to_fit();
   };
-  trim(a), trim(b), trim(feature), trim(gap), trim(normal), trim(arm);
-  trim(effective_radius), trim(area), trim(force), trim(moment);
+  trim(a);
+  trim(b);
+  trim(feature);
+  trim(gap);
+  trim(normal);
+  trim(arm);
+  trim(effective_radius);
+  trim(area);
+  trim(force);
+  trim(moment);
 }
 
 /// Flattened: GCC leaves columns of names and numbers to calls, 2 % of a step of stones.
 [[gnu::flatten]] void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
-  a.push_back(slot_a), b.push_back(slot_b), feature.push_back(c.feature);
-  gap.push_back(c.gap), normal.push_back(c.normal), arm.push_back(c.arm);
+  a.push_back(slot_a);
+  b.push_back(slot_b);
+  feature.push_back(c.feature);
+  gap.push_back(c.gap);
+  normal.push_back(c.normal);
+  arm.push_back(c.arm);
   if (with_curvature) effective_radius.push_back(c.effective_radius);
   if (with_area) area.push_back(c.area);
 }
 
 void ContactSet::append(const ContactSet& other) {
   const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  join(a, other.a), join(b, other.b), join(feature, other.feature), join(gap, other.gap);
-  join(normal, other.normal), join(arm, other.arm), join(effective_radius, other.effective_radius),
-      join(area, other.area);
+  join(a, other.a);
+  join(b, other.b);
+  join(feature, other.feature);
+  join(gap, other.gap);
+  join(normal, other.normal);
+  join(arm, other.arm);
+  join(effective_radius, other.effective_radius);
+  join(area, other.area);
 }
 
 void ContactSet::renew(std::size_t size) {
   const auto make = [size](auto& column, bool is_filled = true) { epafi::renew(column, is_filled ? size : 0); };
-  make(a), make(b), make(feature), make(gap), make(normal), make(arm), make(force);
-  make(effective_radius, with_curvature), make(area, with_area), make(moment, with_moment);
+  make(a);
+  make(b);
+  make(feature);
+  make(gap);
+  make(normal);
+  make(arm);
+  make(force);
+  make(effective_radius, with_curvature);
+  make(area, with_area);
+  make(moment, with_moment);
 }
 
 void ContactSet::put(std::size_t i, Slot slot_a, Slot slot_b, const ContactPoint& c, const Vec3& on_a,
                      const Vec3& moment_on_a) {
-  a[i] = slot_a, b[i] = slot_b, feature[i] = c.feature;
-  gap[i] = c.gap, normal[i] = c.normal, arm[i] = c.arm, force[i] = on_a;
+  a[i] = slot_a;
+  b[i] = slot_b;
+  feature[i] = c.feature;
+  gap[i] = c.gap;
+  normal[i] = c.normal;
+  arm[i] = c.arm;
+  force[i] = on_a;
   if (with_curvature) effective_radius[i] = c.effective_radius;
   if (with_area) area[i] = c.area;
   if (with_moment) moment[i] = moment_on_a;
@@ -182,13 +220,16 @@ void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>
       if (const std::uint32_t left = left_for(contacts, i, is_empty); left != none) previous[i] = left;
     }
   });
-  a_ = contacts.a, b_ = contacts.b, feature_ = contacts.feature;
+  a_ = contacts.a;
+  b_ = contacts.b;
+  feature_ = contacts.feature;
 }
 
 std::vector<std::uint32_t> ContactMemory::reorder(const Reordering& change) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t k = 0; k < a_.size(); ++k) {
-    a_[k] = change.new_slot[a_[k]], b_[k] = change.new_slot[b_[k]];
+    a_[k] = change.new_slot[a_[k]];
+    b_[k] = change.new_slot[b_[k]];
     if (a_[k] != no_slot && b_[k] != no_slot) order.push_back(k);
   }
   const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };

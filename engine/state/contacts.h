@@ -48,8 +48,11 @@ struct PairList {
   SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
   /// Until the next list is made.
   void give_back() {
-    release(pairs), inverse_half_margin = {};
-    release(spheres.first), release(spheres.partner), release(spheres.image);
+    release(pairs);
+    inverse_half_margin = {};
+    release(spheres.first);
+    release(spheres.partner);
+    release(spheres.image);
   }
   /// By how much the bodies of a pair may come closer while the list lasts [m].
   double margin_of(const Pair& p) const {

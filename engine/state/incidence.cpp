@@ -53,7 +53,8 @@ class OrderFreeVectors {
 template <class Each>
 void gather_held(const ContactSet& contacts, Slot s, World& world, const Each& each) {
   thread_local OrderFreeVectors forces, torques;
-  forces.clear(), torques.clear();
+  forces.clear();
+  torques.clear();
   each([&](std::uint32_t k, double sign) {
     forces.add(sign * contacts.force[k]);
     if (world.rotates()) torques.add(torque_of(contacts, k, sign, world));

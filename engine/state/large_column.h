@@ -101,8 +101,12 @@ void release(Column& column) {
 template <class T, class Pages>
 void renew(std::vector<T, Pages>& column, std::size_t size, std::size_t share = 4) {
   static_assert(std::is_base_of_v<UnwrittenPages<T>, Pages>);
-  if (size > column.capacity()) release(column), column.reserve(size + size / share);
-  column.clear(), column.resize(size);
+  if (size > column.capacity()) {
+    release(column);
+    column.reserve(size + size / share);
+  }
+  column.clear();
+  column.resize(size);
 }
 
 }  // namespace epafi

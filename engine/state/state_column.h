@@ -41,7 +41,8 @@ class StateColumn {
     Iterator& operator++() { return at_ += stride_, *this; }
     Iterator operator++(int) {
       Iterator before = *this;
-      return ++*this, before;
+      ++*this;
+      return before;
     }
     bool operator==(const Iterator& o) const { return at_ == o.at_; }
 
@@ -78,19 +79,31 @@ class StateColumn {
 
   /// In records, as resize: they have the room, and are as many, already.
   void reserve(std::size_t n) {
-    if (!in_records_) own_.reserve(n), stand_alone();
+    if (!in_records_) {
+      own_.reserve(n);
+      stand_alone();
+    }
   }
   void resize(std::size_t n) {
-    if (!in_records_) own_.resize(n), stand_alone();
+    if (!in_records_) {
+      own_.resize(n);
+      stand_alone();
+    }
   }
   /// Is part of so many records from now on; first: its place in the first one.
   void join(void* first, std::size_t stride, std::size_t size) {
-    in_records_ = true, first_ = static_cast<std::byte*>(first), stride_ = stride, size_ = size;
+    in_records_ = true;
+    first_ = static_cast<std::byte*>(first);
+    stride_ = stride;
+    size_ = size;
   }
   /// f(vector of all elements), which may change them and, in no records, their number.
   template <class F>
   void as_vector(const F& f) {
-    if (!in_records_) return f(own_), stand_alone();
+    if (!in_records_) {
+      f(own_);
+      return stand_alone();
+    }
     LargeColumn<T> all(begin(), end());
     f(all);
     const std::size_t n = std::min(size_, all.size());

@@ -30,7 +30,8 @@ class StateSnapshot {
     Saver saver(*this);
     walk(saver);
     if (file_ != nullptr && failed_) {  // no room on the disk: memory has to do
-      scratch_.clear(), begin(size.total);
+      scratch_.clear();
+      begin(size.total);
       walk(saver);
     }
     saved_ = true;
@@ -84,7 +85,8 @@ class StateSnapshot {
 };
 
 inline void StateSnapshot::begin(std::size_t bytes) {
-  written_ = 0, failed_ = false;
+  written_ = 0;
+  failed_ = false;
   if (bytes > most_in_memory && !scratch_.empty()) {
     if (file_ == nullptr) {
       file_.reset(std::fopen(scratch_.c_str(), "wb+"));

@@ -36,7 +36,8 @@ class TouchedBodies {
   void build(const ContactSet& contacts, const World& world, const F& f) {
     group(contacts, world);
     parallel_blocks(blocks(), 1, [&](std::size_t b, std::size_t, std::size_t) {
-      sort(b), each_of(b, [&](Slot s, std::span<const Entry>) { f(s); });
+      sort(b);
+      each_of(b, [&](Slot s, std::span<const Entry>) { f(s); });
     });
   }
   /// f(body, its contacts) for each by all threads.

@@ -26,8 +26,12 @@ std::size_t bytes_of_one(const StateColumn<T>& column) {
 
 template <class F>
 void World::each_column(F&& f) {
-  f("world/id", id), f("world/shape", shape), f("world/material", material), f("world/inverse_mass", inverse_mass);
-  f("world/position", position), f("world/velocity", velocity);
+  f("world/id", id);
+  f("world/shape", shape);
+  f("world/material", material);
+  f("world/inverse_mass", inverse_mass);
+  f("world/position", position);
+  f("world/velocity", velocity);
   if (columns_.force) f("world/force", force);
   if (columns_.external_force) f("world/external_force", external_force);
   if (columns_.external_torque) f("world/external_torque", external_torque);
@@ -37,9 +41,10 @@ void World::each_column(F&& f) {
   if (columns_.orientation) f("world/orientation", orientation);
   f("world/angular_velocity", angular_velocity);
   if (columns_.force) f("world/torque", torque);
-  if (columns_.anisotropy)
-    f("world/inverse_inertia", inverse_inertia), f("world/angular_momentum", angular_momentum);
-  else
+  if (columns_.anisotropy) {
+    f("world/inverse_inertia", inverse_inertia);
+    f("world/angular_momentum", angular_momentum);
+  } else
     f("world/inverse_moment", inverse_moment);
 }
 
@@ -80,9 +85,12 @@ void World::add(const Body& body, BodyId new_id) {
   const auto s = static_cast<Slot>(size());
   resize_states(s + 1);
   each_column([&](const char*, auto& column) { column.resize(s + 1); });
-  id.back() = new_id, shape.back() = body.shape, material.back() = body.material;
+  id.back() = new_id;
+  shape.back() = body.shape;
+  material.back() = body.material;
   inverse_mass[s] = free ? 1.0 / body.mass : 0.0;
-  position[s] = body.position, velocity[s] = body.velocity;
+  position[s] = body.position;
+  velocity[s] = body.velocity;
   if (columns_.force) force.back().setZero();
   if (columns_.external_force) external_force.back() = body.external_force;
   if (columns_.external_torque) external_torque.back().setZero();
@@ -92,9 +100,10 @@ void World::add(const Body& body, BodyId new_id) {
     if (columns_.orientation) orientation.back() = body.orientation.normalized();
     if (columns_.force) torque.back().setZero();
     const Vec3 inverse = free ? Vec3(body.inertia.cwiseInverse()) : Vec3(0, 0, 0);
-    if (columns_.anisotropy)
-      inverse_inertia.back() = inverse, angular_momentum.back().setZero();
-    else
+    if (columns_.anisotropy) {
+      inverse_inertia.back() = inverse;
+      angular_momentum.back().setZero();
+    } else
       inverse_moment[s] = inverse.x();
     set_angular_velocity(s, body.angular_velocity);
   }
@@ -151,7 +160,10 @@ void World::visit(StateVisitor& visitor) {
 
 void World::reserve(std::size_t bodies) {
   slot_of_.reserve(bodies);
-  if (columns_.states) states_.reserve(bodies + 1), place_states();
+  if (columns_.states) {
+    states_.reserve(bodies + 1);
+    place_states();
+  }
   each_column([&](const char*, auto& column) { column.reserve(bodies); });
 }
 
@@ -169,7 +181,8 @@ void World::place_states() {
     void* const first = states_.empty() ? nullptr : reinterpret_cast<double*>(&(states_[0].*part)) + at;
     column.join(first, sizeof(BodyState), state_count());
   };
-  join(position, &BodyState::position, 0), join(velocity, &BodyState::velocity, 0);
+  join(position, &BodyState::position, 0);
+  join(velocity, &BodyState::velocity, 0);
   join(inverse_mass, &BodyState::velocity, 3);
   if (!columns_.rotation) return;
   join(angular_velocity, &BodyState::spin, 0);
@@ -201,7 +214,10 @@ std::vector<Slot> morton_order(const World& world) {
   std::iota(order.begin(), order.end(), Slot{0});
   if (world.size() < 2) return order;
   Vec3 low = world.position[0], high = low;
-  for (const Vec3& x : world.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  for (const Vec3& x : world.position) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
   const double extent = std::max((high - low).maxCoeff(), 1e-300);
   std::vector<std::uint64_t> code(world.size());
   for (std::size_t s = 0; s < code.size(); ++s) {
@@ -220,13 +236,15 @@ std::string state_hash(const World& world) {
   for (std::uint32_t b = 0; b < world.ids_given(); ++b) {
     const Slot soon = b + ahead < world.ids_given() ? world.slot_of(static_cast<BodyId>(b + ahead)) : no_slot;
     if (soon != no_slot) {
-      prefetch(&world.position[soon], sizeof(Vec3)), prefetch(&world.velocity[soon], sizeof(Vec3));
+      prefetch(&world.position[soon], sizeof(Vec3));
+      prefetch(&world.velocity[soon], sizeof(Vec3));
       if (world.rotates()) prefetch(&world.angular_velocity[soon], sizeof(Vec3));
     }
     const Slot s = world.slot_of(static_cast<BodyId>(b));
     if (s == no_slot) continue;
     hash.add(b);
-    hash.add(world.position[s].data(), 3), hash.add(world.velocity[s].data(), 3);
+    hash.add(world.position[s].data(), 3);
+    hash.add(world.velocity[s].data(), 3);
     if (!world.rotates()) continue;
     if (world.has_orientation()) hash.add(world.orientation[s].coeffs().data(), 4);
     hash.add(world.angular_velocity[s].data(), 3);

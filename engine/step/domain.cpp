@@ -35,8 +35,10 @@ bool all_finite(const StateColumn<Vec3>& column) {
            std::size_t k = 0;
            for (; k + 2 * lane_count <= n; k += 2 * lane_count) {
              Lanes a, b;
-             std::memcpy(&a, x + k, sizeof a), std::memcpy(&b, x + k + lane_count, sizeof b);
-             sum += 0.0 * a, other += 0.0 * b;
+             std::memcpy(&a, x + k, sizeof a);
+             std::memcpy(&b, x + k + lane_count, sizeof b);
+             sum += 0.0 * a;
+             other += 0.0 * b;
            }
            double rest = 0.0;
            for (; k < n; ++k) rest += 0.0 * x[k];

@@ -32,7 +32,9 @@ struct Extent {
   bool finite = true;
 
   Extent& operator+=(const Extent& o) {
-    low = low.cwiseMin(o.low), high = high.cwiseMax(o.high), finite = finite && o.finite;
+    low = low.cwiseMin(o.low);
+    high = high.cwiseMax(o.high);
+    finite = finite && o.finite;
     return *this;
   }
   /// No body can be astray.

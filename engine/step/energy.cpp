@@ -70,14 +70,17 @@ void EnergyLedger::accept_jump(const World& world, double stored_before) {
   // the spread is that of the bodies' motion: a body that is taken out does not widen it
   const double potential = potential_energy(world);
   const double change = potential - now_.potential;
-  lowest_potential_ += change, highest_potential_ += change;
+  lowest_potential_ += change;
+  highest_potential_ += change;
   now_.potential = potential;
 }
 
 void EnergyLedger::accept_bodies(double kinetic, double potential) {
   now_.work += kinetic + potential;
-  lowest_potential_ += potential, highest_potential_ += potential;
-  now_.kinetic += kinetic, now_.potential += potential;
+  lowest_potential_ += potential;
+  highest_potential_ += potential;
+  now_.kinetic += kinetic;
+  now_.potential += potential;
 }
 
 Energy EnergyLedger::measure(const World& world) {
@@ -109,9 +112,13 @@ double EnergyLedger::relative(double error) const {
 }
 
 void EnergyLedger::visit(StateVisitor& v) {
-  v.value("energy/now", now_), v.value("energy/start", start_), v.value("energy/largest_inner", largest_inner_);
-  v.value("energy/mass", mass_), v.value("energy/fall", fall_);
-  v.value("energy/lowest_potential", lowest_potential_), v.value("energy/highest_potential", highest_potential_);
+  v.value("energy/now", now_);
+  v.value("energy/start", start_);
+  v.value("energy/largest_inner", largest_inner_);
+  v.value("energy/mass", mass_);
+  v.value("energy/fall", fall_);
+  v.value("energy/lowest_potential", lowest_potential_);
+  v.value("energy/highest_potential", highest_potential_);
 }
 
 }  // namespace epafi

@@ -122,7 +122,10 @@ struct Pipeline {
 
   template <class F>
   void each_stage(F&& f) {
-    f(*scheme), f(*broad_phase), f(*narrow_phase), f(*contact_model);
+    f(*scheme);
+    f(*broad_phase);
+    f(*narrow_phase);
+    f(*contact_model);
     if (guard) f(*guard);
   }
 };

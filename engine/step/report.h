@@ -51,7 +51,8 @@ class StageTimer {
     const double shared = SharedOut::seconds(), all = std::chrono::duration<double>(now - last_).count();
     seconds_[stage] += all;
     seconds_.serial[static_cast<std::size_t>(stage)] += all - (shared - shared_);
-    last_ = now, shared_ = shared;
+    last_ = now;
+    shared_ = shared;
   }
 
  private:
@@ -65,7 +66,10 @@ class StageTimer {
 struct Losses {
   double viscous = 0.0, frictional = 0.0, plastic = 0.0, adhesive = 0.0;
   Losses& operator+=(const Losses& o) {
-    viscous += o.viscous, frictional += o.frictional, plastic += o.plastic, adhesive += o.adhesive;
+    viscous += o.viscous;
+    frictional += o.frictional;
+    plastic += o.plastic;
+    adhesive += o.adhesive;
     return *this;
   }
 };

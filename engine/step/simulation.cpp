@@ -22,7 +22,10 @@ std::string suspect_of(const World& world, const ContactSet& contacts, Slot slot
     if (contacts.a[i] != slot && contacts.b[i] != slot) continue;
     const bool sound = std::isfinite(contacts.gap[i]) && (i >= contacts.force.size() || contacts.force[i].allFinite());
     const double bad = sound ? -contacts.gap[i] : std::numeric_limits<double>::infinity();
-    if (count++ == 0 || bad > badness) worst = i, badness = bad;
+    if (count++ == 0 || bad > badness) {
+      worst = i;
+      badness = bad;
+    }
   }
   if (count == 0) return "; no contact";
   const Slot other = contacts.a[worst] == slot ? contacts.b[worst] : contacts.a[worst];
@@ -162,7 +165,9 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort) {
   away_.home = false;
   away_.stepped = true;
   const bool sound = remote->step(dt, watched(), work.report);
-  world.time += dt, world.clock += dt, world.fallen += dt * world.gravity;
+  world.time += dt;
+  world.clock += dt;
+  world.fallen += dt * world.gravity;
   ledger.add(work.report, dt * world.gravity.norm());
   if (sound) return std::nullopt;
   come_home();
@@ -179,8 +184,10 @@ void Simulation::come_home() {
 /// Bodies from slot `before` on came in: their energy is work done on the scene.
 void Simulation::welcome(std::size_t before) {
   double kinetic = 0.0, potential = 0.0;
-  for (std::size_t s = before; s < world.size(); ++s)
-    kinetic += kinetic_energy(world, static_cast<Slot>(s)), potential += potential_energy(world, static_cast<Slot>(s));
+  for (std::size_t s = before; s < world.size(); ++s) {
+    kinetic += kinetic_energy(world, static_cast<Slot>(s));
+    potential += potential_energy(world, static_cast<Slot>(s));
+  }
   ledger.accept_bodies(kinetic, potential);
   count_movable();
   for (const auto& o : observers) o->bodies_come(world, before);
@@ -222,7 +229,8 @@ void Simulation::drop_contacts() {
   }
   const auto force = world.force, torque = world.torque;
   evaluate_forces(world, pipeline, work);
-  world.force = force, world.torque = torque;
+  world.force = force;
+  world.torque = torque;
   ledger.take_elastic(work.report);
 }
 
@@ -285,7 +293,8 @@ void Simulation::observe(bool last) {
   ContactView contacts = ContactView::none;
   for (const auto& o : observers) {
     if (!last && !o->is_due(steps_)) continue;
-    any = true, energy = energy || last || o->wants_energy(steps_);
+    any = true;
+    energy = energy || last || o->wants_energy(steps_);
     bodies = bodies || last || o->wants_bodies(steps_);
     contacts = std::max(contacts, o->wants_contacts(steps_, last));
   }
@@ -301,7 +310,10 @@ void Simulation::observe(bool last) {
 void Simulation::show_contacts(ContactView needed, bool last, const std::function<void(const StepView&)>& show) {
   const ContactModel* model = pipeline.contact_model.get();
   if (away_.stepped) {
-    if (needed != ContactView::none) come_home(), remote->fetch_contacts(*this);
+    if (needed != ContactView::none) {
+      come_home();
+      remote->fetch_contacts(*this);
+    }
     model = nullptr;  // all are in the set
   } else if (needed == ContactView::all) {
     pipeline.contact_model->publish(world, work.contacts);
@@ -324,7 +336,8 @@ void Simulation::visit(StateVisitor& visitor) {
   come_home();
   away_.sent = away_.rest = false;  // it may be another state that comes in
   make_room();
-  visitor.value("simulation/steps", steps_), visitor.value("simulation/removed", removed_);
+  visitor.value("simulation/steps", steps_);
+  visitor.value("simulation/removed", removed_);
   if (visitor.has("simulation/steps_before")) visitor.value("simulation/steps_before", before_);
   if (parts_of_step || step_watch) visitor.value("simulation/parts", parts_made_);
   if (step_watch) step_watch->visit(visitor);
@@ -332,7 +345,8 @@ void Simulation::visit(StateVisitor& visitor) {
   pipeline.each_stage([&](auto& stage) { stage.visit(visitor); });  // first: many springs take less room after it
   world.visit(visitor);
   ledger.visit(visitor);
-  visitor.value("simulation/elastic", work.report.elastic), visitor.value("simulation/movable", movable_);
+  visitor.value("simulation/elastic", work.report.elastic);
+  visitor.value("simulation/movable", movable_);
   warnings.visit(visitor);
   for (auto& event : events) event->visit(visitor);
   for (auto& observer : observers) observer->visit(visitor);

@@ -55,15 +55,19 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
       balls.push_back({body.position, waiting.radius});
     }
     if (!placed) {
-      ++tried_;
-      return;
+      {
+        ++tried_;
+        return;
+      }
+      ++next_;
+      tried_ = 0;
     }
-    ++next_, tried_ = 0;
   }
 }
 
 void PourBodies::visit(StateVisitor& visitor) {
-  visitor.value("pour/" + setup_.name + "/next", next_), visitor.value("pour/" + setup_.name + "/tried", tried_);
+  visitor.value("pour/" + setup_.name + "/next", next_);
+  visitor.value("pour/" + setup_.name + "/tried", tried_);
 }
 
 void Outlet::before_step(World& world, double, std::vector<BodyId>& leaving) {
@@ -81,7 +85,8 @@ void Outlet::before_step(World& world, double, std::vector<BodyId>& leaving) {
 }
 
 void Outlet::visit(StateVisitor& visitor) {
-  visitor.value("outlet/" + name_ + "/count", tally_.count), visitor.value("outlet/" + name_ + "/mass", tally_.mass);
+  visitor.value("outlet/" + name_ + "/count", tally_.count);
+  visitor.value("outlet/" + name_ + "/mass", tally_.mass);
 }
 
 }  // namespace epafi

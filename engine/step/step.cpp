@@ -7,7 +7,10 @@ namespace {
 /// Half a step of the scheme, its drift watched where the scene asks for it.
 template <class Half>
 double watched(World& world, Pipeline& stage, double dt, const Half& half) {
-  if (!stage.guard) return half(), 0.0;
+  if (!stage.guard) {
+    half();
+    return 0.0;
+  }
   stage.guard->remember(world);
   half();
   return stage.guard->hold_back(world, 0.5 * dt);
@@ -33,7 +36,9 @@ void step(World& world, Pipeline& stage, Workspace& work, double dt, const RunOn
   timer.lap(Stage::contact);
   if (!clock.scheme) held += watched(world, stage, dt, [&] { stage.scheme->second_half(world, dt); });
   work.report.correction += held;
-  world.time += dt, world.clock += dt, world.fallen += dt * world.gravity;
+  world.time += dt;
+  world.clock += dt;
+  world.fallen += dt * world.gravity;
   timer.lap(Stage::integrate);
 }
 

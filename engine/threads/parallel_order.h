@@ -17,7 +17,10 @@ inline constexpr std::size_t fill_grain = std::max<std::size_t>(64, 16384 / size
 /// and it grows by a quarter more than asked for, which takes no memory before it is written.
 template <class T>
 void renew(std::vector<T>& column, std::size_t size) {
-  if (size > column.capacity()) column.clear(), column.reserve(size + size / 4);
+  if (size > column.capacity()) {
+    column.clear();
+    column.reserve(size + size / 4);
+  }
   column.resize(size);
 }
 

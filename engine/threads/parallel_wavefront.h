@@ -13,7 +13,8 @@ namespace parallel_detail {
 class Waiting {
  public:
   Waiting(std::size_t first, std::size_t trays) : free_(kept_free()), parts_(kept_parts()) {
-    free_.resize(trays), parts_.clear();
+    free_.resize(trays);
+    parts_.clear();
     std::iota(free_.rbegin(), free_.rend(), first);  // the lowest first: those it had in the last call
   }
   std::size_t size() const { return parts_.size(); }
@@ -27,7 +28,8 @@ class Waiting {
     const std::size_t before = size();
     std::erase_if(parts_, [&](Part& p) {
       if (!ready(p.part, p.seen)) return false;
-      finish(p.part, p.tray), free_.push_back(p.tray);
+      finish(p.part, p.tray);
+      free_.push_back(p.tray);
       return true;
     });
     return size() < before;
@@ -96,7 +98,8 @@ template <class Sources>
 void order_wavefront(std::size_t n, std::size_t threads, const Sources& sources, std::vector<std::uint32_t>& order) {
   enum : unsigned char { waited_for, neither, waits };
   std::vector<unsigned char> rank(n, neither);
-  order.resize(n), std::iota(order.begin(), order.end(), 0u);
+  order.resize(n);
+  std::iota(order.begin(), order.end(), 0u);
   const auto each_run = [&](const auto& f) {
     for (std::size_t run = 0; run < threads; ++run) f(n * run / threads, n * (run + 1) / threads);
   };
@@ -127,7 +130,10 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
   const SharedOut meter(n > 1);
   const std::size_t threads = n < 2 ? 1 : team_size();
   if (threads == 1) {
-    for (std::size_t i = 0; i < n; ++i) find(i, std::size_t{0}), finish(i, std::size_t{0}, i + 1 < n ? i + 1 : i);
+    for (std::size_t i = 0; i < n; ++i) {
+      find(i, std::size_t{0});
+      finish(i, std::size_t{0}, i + 1 < n ? i + 1 : i);
+    }
     return;
   }
   parallel_detail::Finds finds(n, std::min(n, threads));
@@ -157,7 +163,8 @@ void parallel_wavefront(std::size_t n, std::size_t trays, std::span<const std::u
     runs.each(thread, [&](std::size_t place) {
       if (!goes_on) return;
       const std::size_t i = part_at(place);
-      find(i, waiting.tray()), waiting.add(i);
+      find(i, waiting.tray());
+      waiting.add(i);
       finds.add(thread, i);
       goes_on = finish_until(trays - 1);
     });

@@ -11,10 +11,16 @@ class SharedOut {
  public:
   /// pays: the loop is long enough to be shared out; others count as serial.
   explicit SharedOut(bool pays) : outermost_(pays && !counting_) {
-    if (outermost_) counting_ = true, begin_ = Clock::now();
+    if (outermost_) {
+      counting_ = true;
+      begin_ = Clock::now();
+    }
   }
   ~SharedOut() {
-    if (outermost_) counting_ = false, seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count();
+    if (outermost_) {
+      counting_ = false;
+      seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count();
+    }
   }
   SharedOut(const SharedOut&) = delete;
   SharedOut& operator=(const SharedOut&) = delete;

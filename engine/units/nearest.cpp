@@ -27,7 +27,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
       row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0u : 1u)});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
     }
-    before.swap(last), last.swap(row);
+    before.swap(last);
+    last.swap(row);
   }
   return last[b.size()];
 }

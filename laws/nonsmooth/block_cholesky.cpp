@@ -58,8 +58,13 @@ void solve_upper(const Eigen::Matrix<double, N, N>& l, Eigen::Matrix<double, N, 
 template <int N>
 void BlockCholesky<N>::analyse(std::size_t n, const std::vector<BlockPattern::Edge>& edges) {
   pattern_.analyse(n, edges);
-  diagonal.resize(n), off_diagonal.resize(edges.size());
-  l_.resize(pattern_.blocks() + 1), pivot_.resize(n), row_.resize(n), place_.resize(n), y_.resize(n);
+  diagonal.resize(n);
+  off_diagonal.resize(edges.size());
+  l_.resize(pattern_.blocks() + 1);
+  pivot_.resize(n);
+  row_.resize(n);
+  place_.resize(n);
+  y_.resize(n);
 }
 
 /// Columns of A on and below the diagonal, into the panel.

@@ -10,9 +10,15 @@ namespace epafi {
 template <int N>
 void BlockLu<N>::analyse(std::size_t n, const std::vector<BlockPattern::Edge>& edges) {
   pattern_.analyse(n, edges);
-  diagonal.resize(n), lower.resize(edges.size()), upper.resize(edges.size());
-  l_.resize(pattern_.blocks() + 1), u_.resize(pattern_.blocks() + 1), pivot_.resize(n), y_.resize(n);
-  row_.resize(n), place_.resize(n);
+  diagonal.resize(n);
+  lower.resize(edges.size());
+  upper.resize(edges.size());
+  l_.resize(pattern_.blocks() + 1);
+  u_.resize(pattern_.blocks() + 1);
+  pivot_.resize(n);
+  y_.resize(n);
+  row_.resize(n);
+  place_.resize(n);
 }
 
 /// Columns of A on and below the diagonal and rows right of it, into the panel.
@@ -20,8 +26,8 @@ template <int N>
 void BlockLu<N>::gather(const BlockPattern::Supernode& panel) {
   const std::uint32_t* rows = pattern_.row.data() + panel.rows;
   Block *l = l_.data() + panel.blocks, *u = u_.data() + panel.blocks;
-  std::fill_n(l->data(), panel.height() * panel.width * N * N, 0.0),
-      std::fill_n(u->data(), panel.height() * panel.width * N * N, 0.0);
+  std::fill_n(l->data(), panel.height() * panel.width * N * N, 0.0);
+  std::fill_n(u->data(), panel.height() * panel.width * N * N, 0.0);
   for (std::uint32_t i = 0; i < panel.height(); ++i) row_[rows[i]] = i;
   for (std::uint32_t i = 0; i < panel.width; ++i) l[i * panel.width + i] = diagonal[pattern_.at[panel.first + i]];
   for (std::size_t k = panel.edges; k < panel.edges_end; ++k) {

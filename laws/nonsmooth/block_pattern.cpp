@@ -34,7 +34,8 @@ void BlockPattern::order(std::size_t n) {
   graph.setFromTriplets(triplets.begin(), triplets.end());
   Eigen::AMDOrdering<int>::PermutationType permutation;
   Eigen::AMDOrdering<int>()(graph, permutation);
-  at.resize(n), place.resize(n);
+  at.resize(n);
+  place.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
     at[k] = static_cast<std::uint32_t>(permutation.indices()[static_cast<Eigen::Index>(k)]);
     place[at[k]] = static_cast<std::uint32_t>(k);
@@ -62,7 +63,10 @@ BlockPattern::Columns BlockPattern::fill(std::size_t n) const {
 
 /// Column j joins the panel before it if it is its parent in the tree and few zeros are stored for it.
 void BlockPattern::merge(const Columns& columns) {
-  supernodes.clear(), row.clear(), blocks_ = 0, products = 0.0;
+  supernodes.clear();
+  row.clear();
+  blocks_ = 0;
+  products = 0.0;
   std::size_t entries = 0;  // of the panel, on and below the diagonal
   for (std::uint32_t j = 0; j < columns.size(); ++j) {
     const std::size_t below = columns[j].size();
@@ -70,14 +74,17 @@ void BlockPattern::merge(const Columns& columns) {
     if (j > 0 && !columns[j - 1].empty() && columns[j - 1].front() == j) {
       const std::size_t width = supernodes.back().width + 1u, dense = width * (width + 1) / 2 + width * below;
       if (static_cast<double>(dense - entries - below - 1) <= most_zeros * static_cast<double>(dense)) {
-        supernodes.back().width += 1, entries += below + 1;
+        supernodes.back().width += 1;
+        entries += below + 1;
         continue;
       }
     }
-    supernodes.emplace_back().first = j, entries = below + 1;
+    supernodes.emplace_back().first = j;
+    entries = below + 1;
   }
   for (Supernode& s : supernodes) {
-    s.rows = row.size(), s.blocks = blocks_;
+    s.rows = row.size();
+    s.blocks = blocks_;
     for (std::uint32_t j = s.first; j < s.first + s.width; ++j) row.push_back(j);
     const auto& last = columns[s.first + s.width - 1];
     row.insert(row.end(), last.begin(), last.end());

@@ -35,7 +35,10 @@ typedef double Two __attribute__((vector_size(16), aligned(8), may_alias));   //
     const Four a4 = *reinterpret_cast<const Four*>(a + 6 * k);
     const Two a2 = *reinterpret_cast<const Two*>(a + 6 * k + 4);
 #pragma GCC unroll 6
-    for (std::size_t j = 0; j < 6; ++j) high[j] -= a4 * b[6 * k + j], low[j] -= a2 * b[6 * k + j];
+    for (std::size_t j = 0; j < 6; ++j) {
+      high[j] -= a4 * b[6 * k + j];
+      low[j] -= a2 * b[6 * k + j];
+    }
   }
   for (int j = 0; j < 6; ++j) {
     *reinterpret_cast<Four*>(c + 6 * j) = high[j];
@@ -56,14 +59,19 @@ typedef double Two __attribute__((vector_size(16), aligned(8), may_alias));   //
   };
   for (std::size_t half = 0; half < 2; ++half, c += 18, d += 18, b += 3) {
     Four first[3], second[3], rest[3];
-    for (int j = 0; j < 3; ++j)
-      first[j] = four(c + 6 * j), second[j] = four(d + 6 * j), rest[j] = halves(c + 6 * j + 4, d + 6 * j + 4);
+    for (int j = 0; j < 3; ++j) {
+      first[j] = four(c + 6 * j);
+      second[j] = four(d + 6 * j);
+      rest[j] = halves(c + 6 * j + 4, d + 6 * j + 4);
+    }
     for (std::size_t k = 0; k < depth; ++k) {
       const Four a4 = four(a + 6 * k), e4 = four(e + 6 * k), ae = halves(a + 6 * k + 4, e + 6 * k + 4);
 #pragma GCC unroll 3
       for (std::size_t j = 0; j < 3; ++j) {
         const double f = b[6 * k + j];
-        first[j] -= a4 * f, second[j] -= e4 * f, rest[j] -= ae * f;
+        first[j] -= a4 * f;
+        second[j] -= e4 * f;
+        rest[j] -= ae * f;
       }
     }
     for (int j = 0; j < 3; ++j) {

@@ -46,13 +46,15 @@ void Coloring::find_groups(std::span<const Slot> a, std::span<const Slot> b) {
 /// True where they are the ones of the last call.
 bool Coloring::find_bodies(const Bodies& bodies) {
   const std::size_t n = bodies.inverse_mass.size();
-  free_found_.resize(n), id_found_.resize(n);
+  free_found_.resize(n);
+  id_found_.resize(n);
   parallel_for(n, [&](std::size_t s) {
     free_found_[s] = bodies.inverse_mass[s] > 0.0;
     id_found_[s] = bodies.id.empty() ? static_cast<BodyId>(s) : bodies.id[s];
   });
   const bool same = free_found_ == free_ && id_found_ == id_;
-  free_.swap(free_found_), id_.swap(id_found_);
+  free_.swap(free_found_);
+  id_.swap(id_found_);
   return same;
 }
 
@@ -92,7 +94,8 @@ std::size_t Coloring::color_of(const Hashed& pair) {
 void Coloring::paint() {
   sort_by_hash();
   at_.assign(free_.size(), {});
-  color_.resize(canonical_.size()), rounds_ = 0;
+  color_.resize(canonical_.size());
+  rounds_ = 0;
   std::array<std::size_t, max_colors + 1> count{};
   for (const Hashed& pair : hashed_) {
     const std::size_t color = color_of(pair);

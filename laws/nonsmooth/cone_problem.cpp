@@ -54,8 +54,10 @@ double ConeProblem::penetration_rate(const std::vector<Vec3>& u) const {
 void ConeProblem::load(const ContactProblem& p) {
   EPAFI_REQUIRE(p.diagonal.size() == p.size(), "the blocks W_ii are loaded before a solver reads them");
   reference = 0.0;
-  friction.assign(p.friction.begin(), p.friction.end()), diagonal = p.diagonal;
-  q.resize(p.size()), rows.resize(p.size());
+  friction.assign(p.friction.begin(), p.friction.end());
+  diagonal = p.diagonal;
+  q.resize(p.size());
+  rows.resize(p.size());
   body_of_.assign(p.inverse_mass.size(), no_body);
   mass.clear();
   for (Slot s = 0; s < p.inverse_mass.size(); ++s) {
@@ -75,7 +77,8 @@ void ConeProblem::load(const ContactProblem& p) {
       const Slot slot = s == 0 ? p.a[i] : p.b[i];
       const double sign = s == 0 ? -1.0 : 1.0;
       row.body[s] = body_of_[slot];
-      row.jacobian[s].setZero(), row.response[s].setZero();
+      row.jacobian[s].setZero();
+      row.response[s].setZero();
       if (row.body[s] == no_body) continue;
       row.jacobian[s].topRows<3>() = sign * axes;
       row.response[s].topRows<3>() = (sign * p.inverse_mass[slot]) * axes;

@@ -39,8 +39,10 @@ Groups find_bodies(const Sparse& m) {
     const bool joins = !g.count.empty() && g.count.back() + size <= 6 && g.first.back() % 6 == 0;
     if (joins)
       g.count.back() += size;
-    else
-      g.first.push_back(begin), g.count.push_back(size);
+    else {
+      g.first.push_back(begin);
+      g.count.push_back(size);
+    }
     for (Index k = begin; k <= end; ++k)
       g.of_row[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(g.first.size() - 1);
     begin = end + 1;
@@ -71,7 +73,9 @@ ConeProblem from_w(const Sparse& w, const Eigen::VectorXd& q, const Eigen::Vecto
   ConeProblem p;
   const auto n = static_cast<std::size_t>(mu.size());
   p.friction.assign(mu.data(), mu.data() + n);
-  p.q.resize(n), p.diagonal.assign(n, Mat3::Zero()), p.begin.assign(1, 0);
+  p.q.resize(n);
+  p.diagonal.assign(n, Mat3::Zero());
+  p.begin.assign(1, 0);
   std::vector<std::uint32_t> seen;
   std::vector<Mat3> sum(n, Mat3::Zero());
   std::vector<char> marked(n, 0);
@@ -81,13 +85,18 @@ ConeProblem from_w(const Sparse& w, const Eigen::VectorXd& q, const Eigen::Vecto
     for (int k = 0; k < 3; ++k)
       for (Sparse::InnerIterator it(w, 3 * static_cast<Index>(i) + k); it; ++it) {
         const auto j = static_cast<std::uint32_t>(it.row() / 3);
-        if (!marked[j]) marked[j] = 1, seen.push_back(j), sum[j].setZero();
+        if (!marked[j]) {
+          marked[j] = 1;
+          seen.push_back(j);
+          sum[j].setZero();
+        }
         sum[j](k, it.row() % 3) += it.value();
       }
     std::sort(seen.begin(), seen.end());
     for (const std::uint32_t j : seen) {
       marked[j] = 0;
-      p.column.push_back(j), p.block.push_back(sum[j]);
+      p.column.push_back(j);
+      p.block.push_back(sum[j]);
       if (j == i) p.diagonal[i] = sum[j];
     }
     p.begin.push_back(p.column.size());
@@ -122,7 +131,8 @@ ConeProblem ConeProblem::from(const GlobalForm& form) {
     free[b].head(count) = form.f.segment(first, count);
     free[b] = inverse[b] * free[b];
   }
-  p.q.resize(n), p.diagonal.assign(n, Mat3::Zero());
+  p.q.resize(n);
+  p.diagonal.assign(n, Mat3::Zero());
   for (std::size_t i = 0; i < n; ++i) {
     Row& row = p.rows[i];
     for (std::size_t s = 0; s < 2; ++s) {

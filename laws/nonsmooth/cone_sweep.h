@@ -12,7 +12,8 @@ class ConeSweep {
  public:
   void load(const ConeProblem& problem) {
     problem_ = &problem;
-    data_.resize(problem.size()), moving_.clear();
+    data_.resize(problem.size());
+    moving_.clear();
     for (std::uint32_t i = 0; i < problem.size(); ++i) {
       data_[i] = Rule::pack(problem.diagonal[i]);
       if (problem.moves(i)) moving_.push_back(i);

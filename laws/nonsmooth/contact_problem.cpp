@@ -45,17 +45,29 @@ Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
   const Vec3 at_n = times(n), at_t1 = times(t1);
   const double n1 = t1.dot(at_n), n2 = t2.dot(at_n), t12 = t2.dot(at_t1);
   Mat3 block;
-  block << n.dot(at_n), n1, n2, n1, t1.dot(at_t1), t12, n2, t12, t2.dot(times(t2));
+  block << n.dot(at_n);
+  n1;
+  n2;
+  n1;
+  t1.dot(at_t1);
+  t12;
+  n2;
+  t12;
+  t2.dot(times(t2));
   return block;
 }
 
 }  // namespace
 
 void ContactProblem::load_bodies(const World& world, double dt, const Pushes* pushes) {
-  rotates = world.rotates(), guides.clear();
+  rotates = world.rotates();
+  guides.clear();
   const std::size_t n = world.size();
-  parallel_copy(world.inverse_mass, inverse_mass), parallel_copy(world.id, id);
-  renew(free.linear, n), renew(free.angular, rotates ? n : 0), renew(inverse_inertia, rotates ? n : 0);
+  parallel_copy(world.inverse_mass, inverse_mass);
+  parallel_copy(world.id, id);
+  renew(free.linear, n);
+  renew(free.angular, rotates ? n : 0);
+  renew(inverse_inertia, rotates ? n : 0);
   parallel_for(n, [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);
     free.linear[k] = world.velocity[k] + dt * world.free_acceleration(s);
@@ -88,12 +100,22 @@ void ContactProblem::guide(Slot s, const Vec3& direction, const Vec3& driven, do
 
 void ContactProblem::load_contacts(const World& world, const ContactSet& contacts) {
   const std::size_t n = contacts.size();
-  parallel_copy(contacts.a, a), parallel_copy(contacts.b, b);
-  renew(frame, n), renew(mobility, n), renew(arm_a, rotates ? n : 0), renew(arm_b, rotates ? n : 0), diagonal.clear();
-  parallel_fill(friction, n, 0.0), parallel_fill(offset, n, 0.0), lag.clear();
+  parallel_copy(contacts.a, a);
+  parallel_copy(contacts.b, b);
+  renew(frame, n);
+  renew(mobility, n);
+  renew(arm_a, rotates ? n : 0);
+  renew(arm_b, rotates ? n : 0);
+  diagonal.clear();
+  parallel_fill(friction, n, 0.0);
+  parallel_fill(offset, n, 0.0);
+  lag.clear();
   parallel_for(n, [&](std::size_t i) {
     frame[i] = contact_frame(contacts.normal[i]);
-    if (rotates) arm_a[i] = contacts.arm[i], arm_b[i] = contacts.arm_b(i, world);
+    if (rotates) {
+      arm_a[i] = contacts.arm[i];
+      arm_b[i] = contacts.arm_b(i, world);
+    }
     for (const Guide& g : guides) {
       if (a[i] == g.slot) arm_a[i] = g.arm();
       if (b[i] == g.slot) arm_b[i] = g.arm();
@@ -119,7 +141,8 @@ Mat3 ContactProblem::diagonal_of(std::size_t i) const { return diagonal_block(*t
 
 void ContactProblem::push(BodyVelocities& v, std::size_t i, const Vec3& r) const {
   const Vec3 p = to_world(i, r);
-  v.linear[a[i]] -= inverse_mass[a[i]] * p, v.linear[b[i]] += inverse_mass[b[i]] * p;
+  v.linear[a[i]] -= inverse_mass[a[i]] * p;
+  v.linear[b[i]] += inverse_mass[b[i]] * p;
   if (!rotates) return;
   v.angular[a[i]] -= inverse_inertia[a[i]] * arm_a[i].cross(p);
   v.angular[b[i]] += inverse_inertia[b[i]] * arm_b[i].cross(p);
@@ -137,7 +160,8 @@ ContactProblem::BodyImpulse ContactProblem::impulse_on(Slot s, const Impulses& r
 
 void ContactProblem::velocities(const Impulses& r, BodyVelocities& out, std::vector<Vec3>* moments) const {
   EPAFI_REQUIRE(r.size() == size(), "one impulse per contact");
-  renew(out.linear, free.linear.size()), renew(out.angular, free.angular.size());
+  renew(out.linear, free.linear.size());
+  renew(out.angular, free.angular.size());
   if (moments) renew(*moments, free.angular.size());
   parallel_for(free.linear.size(), [&](std::size_t k) {
     const auto s = static_cast<Slot>(k);

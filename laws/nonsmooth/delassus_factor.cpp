@@ -21,7 +21,8 @@ bool joins_two(const ConeProblem::Row& row) {
 
 void DelassusFactor::attach(const ConeProblem& problem) {
   problem_ = &problem;
-  edges_.clear(), edge_.clear();
+  edges_.clear();
+  edge_.clear();
   const std::size_t n = problem.size();
   if (problem.has_bodies()) {
     for (const auto& row : problem.rows)
@@ -53,7 +54,8 @@ double DelassusFactor::work() const {
 }
 
 bool DelassusFactor::factor(const std::vector<Mat3>& d, bool symmetric) {
-  d_ = d, symmetric_ = symmetric;
+  d_ = d;
+  symmetric_ = symmetric;
   if (!problem_->has_bodies()) return factor_contacts();
   return symmetric ? factor_bodies(bodies_) : factor_bodies(bodies_lu_);
 }
@@ -66,9 +68,10 @@ bool DelassusFactor::factor_bodies(Factor& factor) {
     for (Mat6& block : blocks) block.setZero();
   };
   std::copy(problem_->mass.begin(), problem_->mass.end(), factor.diagonal.begin());
-  if constexpr (full)
-    clear(factor.lower), clear(factor.upper);
-  else
+  if constexpr (full) {
+    clear(factor.lower);
+    clear(factor.upper);
+  } else
     clear(factor.off_diagonal);
   for (std::size_t i = 0; i < problem_->size(); ++i) {
     if (d_[i].isZero(0.0)) continue;
@@ -113,7 +116,8 @@ bool DelassusFactor::factor_contacts() {
 
 void DelassusFactor::solve(const std::vector<Vec3>& b, std::vector<Vec3>& x, std::vector<Vec3>& w_x) {
   const ConeProblem& p = *problem_;
-  x.resize(p.size()), w_x.resize(p.size());
+  x.resize(p.size());
+  w_x.resize(p.size());
   if (p.has_bodies()) {
     y_.assign(p.bodies(), Vec6::Zero());
     for (std::size_t i = 0; i < p.size(); ++i)

@@ -15,7 +15,8 @@ bool moves_by_itself(const World& world, Slot s) {
 }  // namespace
 
 void DrivenMotion::look(const World& world) {
-  linear_.clear(), angular_.clear();
+  linear_.clear();
+  angular_.clear();
   const auto note = [&](Slot s, const Vec3& linear, const Vec3& angular) {
     if (linear.isZero(0.0) && angular.isZero(0.0)) return;
     if (linear_.empty()) {
@@ -34,18 +35,22 @@ void DrivenMotion::look(const World& world) {
 }
 
 void DrivenMotion::remember(const World& world) {
-  body_.clear(), velocity_.clear(), spin_.clear();
+  body_.clear();
+  velocity_.clear();
+  spin_.clear();
   for (Slot s = 0; s < world.size(); ++s)
     if (moves_by_itself(world, s)) body_.push_back(world.id[s]);
   std::sort(body_.begin(), body_.end());
   for (const BodyId body : body_) {
     const Slot s = world.slot_of(body);
-    velocity_.push_back(world.velocity[s]), spin_.push_back(spin_of(world, s));
+    velocity_.push_back(world.velocity[s]);
+    spin_.push_back(spin_of(world, s));
   }
 }
 
 void DrivenMotion::visit(StateVisitor& visitor) {
-  visitor.column("driven/body", body_), visitor.column("driven/velocity", velocity_);
+  visitor.column("driven/body", body_);
+  visitor.column("driven/velocity", velocity_);
   visitor.column("driven/spin", spin_);
 }
 

@@ -25,10 +25,12 @@ ImpactLaw impact_law(const Parameters& parameters) {
 /// Approaches at the middle, and whether there is an impact.
 bool Impacts::find(const ContactProblem& problem, const Step& step) {
   const std::size_t n = problem.size();
-  approach_.resize(n), pull_.resize(n);
+  approach_.resize(n);
+  pull_.resize(n);
   parallel_for(n, [&](std::size_t i) {
     const double last = -problem.relative_velocity(i, problem.free).x();
-    approach_[i] = 0.5 * (last - problem.relative_velocity(i, step.before).x()), pull_[i] = last - approach_[i];
+    approach_[i] = 0.5 * (last - problem.relative_velocity(i, step.before).x());
+    pull_[i] = last - approach_[i];
   });
   bool any = false;
   fastest_ = 0.0;
@@ -121,12 +123,14 @@ void Impacts::sequential(const Step& step) {
     const Vec3 r = NsgsRule::solve(NsgsRule::pack(impact_.diagonal[i]), impact_.friction[i], q);
     impact_.push(v, i, r);
     impact_.push(shift_, i, -event.time * r);
-    r_[i] += r, ++done;
+    r_[i] += r;
+    ++done;
     for (const Slot s : {impact_.a[i], impact_.b[i]}) {
       if (!impact_.is_free(s)) continue;
       impact_.incidence.for_each(s, [&](std::uint32_t k, double) {
         const double passed = event.time - since[k];
-        gap[k] -= (approach_[k] + 0.5 * gravity(k) * passed) * passed, since[k] = event.time;
+        gap[k] -= (approach_[k] + 0.5 * gravity(k) * passed) * passed;
+        since[k] = event.time;
         if (k == i) gap[k] = std::min(gap[k], 0.0);  // closed, whatever rounding says
         approach_[k] = -impact_.relative_velocity(k, v).x() + gravity(k) * event.time;
         ++stamp[k];
@@ -144,7 +148,8 @@ bool Impacts::apply(ContactProblem& problem, const Step& step, ContactSolver& so
   const auto middle = [](std::vector<Vec3>& free, const std::vector<Vec3>& before) {
     for (std::size_t s = 0; s < free.size(); ++s) free[s] = 0.5 * (free[s] + before[s]);
   };
-  middle(impact_.free.linear, step.before.linear), middle(impact_.free.angular, step.before.angular);
+  middle(impact_.free.linear, step.before.linear);
+  middle(impact_.free.angular, step.before.angular);
   impact_.offset.assign(problem.size(), 0.0);
   r_.assign(problem.size(), Vec3::Zero());
   shift_.linear.assign(problem.free.linear.size(), Vec3::Zero());

@@ -65,10 +65,12 @@ void ImpactBalance::advance(Search& search, const Island& island, double toleran
   const bool good = excess >= -tolerance;
   const bool last = search.solves++ >= most_solves;
   if (good) {
-    search.low = search.s, search.at_low = std::max(excess, 0.0);
+    search.low = search.s;
+    search.at_low = std::max(excess, 0.0);
     search.at_high *= 0.5;
   } else {
-    search.high = search.s, search.at_high = excess;
+    search.high = search.s;
+    search.at_high = excess;
     search.at_low *= search.at_low > 0.0 ? 0.5 : 1.0;
   }
   search.settled = last || (good && (search.s == 1.0 || excess <= close_enough)) || search.s == 0.0;

@@ -20,7 +20,8 @@ void Islands::find(const ConeProblem& p) {
   parent_.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) parent_[i] = i;
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
+    a = root(a);
+    b = root(b);
     parent_[std::max(a, b)] = std::min(a, b);  // the root is the first contact
   };
   if (p.has_bodies()) {
@@ -37,7 +38,10 @@ void Islands::find(const ConeProblem& p) {
     for (std::uint32_t i = 0; i < n; ++i)
       for (std::size_t k = p.begin[i]; k < p.begin[i + 1]; ++k) join(i, p.column[k]);
   }
-  island_.resize(n), order_.resize(n), place_.resize(n), body_place_.assign(p.bodies(), no_body);
+  island_.resize(n);
+  order_.resize(n);
+  place_.resize(n);
+  body_place_.assign(p.bodies(), no_body);
   begin_.assign(1, 0);
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t r = root(i);
@@ -56,16 +60,26 @@ void Islands::find(const ConeProblem& p) {
 void Islands::extract(const ConeProblem& p, std::size_t k, ConeProblem& out) const {
   const auto chosen = contacts(k);
   const std::size_t n = chosen.size();
-  out.friction.resize(n), out.q.resize(n), out.diagonal.resize(n), out.rows.resize(p.has_bodies() ? n : 0);
-  out.mass.clear(), out.begin.assign(1, 0), out.column.clear(), out.block.clear();
+  out.friction.resize(n);
+  out.q.resize(n);
+  out.diagonal.resize(n);
+  out.rows.resize(p.has_bodies() ? n : 0);
+  out.mass.clear();
+  out.begin.assign(1, 0);
+  out.column.clear();
+  out.block.clear();
   out.scale = p.scale;
   out.reference = norm_ * std::sqrt(static_cast<double>(n) / static_cast<double>(p.size()));
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t from = chosen[i];
-    out.friction[i] = p.friction[from], out.q[i] = p.q[from], out.diagonal[i] = p.diagonal[from];
+    out.friction[i] = p.friction[from];
+    out.q[i] = p.q[from];
+    out.diagonal[i] = p.diagonal[from];
     if (!p.has_bodies()) {
-      for (std::size_t b = p.begin[from]; b < p.begin[from + 1]; ++b)
-        out.column.push_back(place_[p.column[b]]), out.block.push_back(p.block[b]);
+      for (std::size_t b = p.begin[from]; b < p.begin[from + 1]; ++b) {
+        out.column.push_back(place_[p.column[b]]);
+        out.block.push_back(p.block[b]);
+      }
       out.begin.push_back(out.column.size());
       continue;
     }

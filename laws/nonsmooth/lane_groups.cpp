@@ -12,10 +12,14 @@ constexpr std::uint32_t most_sorted = 8;  // points of a pair: with more it goes
 
 LaneGroup group_of(std::span<const ContactGroup* const> pairs, Slot none) {
   LaneGroup group{};
-  group.a.fill(none), group.b.fill(none);
+  group.a.fill(none);
+  group.b.fill(none);
   for (std::size_t lane = 0; lane < pairs.size(); ++lane) {
     const ContactGroup& pair = *pairs[lane];
-    group.a[lane] = pair.a, group.b[lane] = pair.b, group.first[lane] = pair.first, group.count[lane] = pair.count;
+    group.a[lane] = pair.a;
+    group.b[lane] = pair.b;
+    group.first[lane] = pair.first;
+    group.count[lane] = pair.count;
   }
   return group;
 }
@@ -34,7 +38,8 @@ void LaneGroups::form(const Coloring& coloring, Slot none) {
     color_begin_[c + 1] = color_begin_[c] + (pairs + lanes - 1) / lanes;
   }
   find_stages(coloring);
-  renew(groups_, color_begin_.back()), renew(row_end_, color_begin_.back());
+  renew(groups_, color_begin_.back());
+  renew(row_end_, color_begin_.back());
   if (groups_.size() < 8 * grain)
     for (std::size_t c = 0; c < colors; ++c) form_color(coloring, c, none);
   else  // the first colours are the largest
@@ -45,11 +50,16 @@ void LaneGroups::form(const Coloring& coloring, Slot none) {
 }
 
 void LaneGroups::find_stages(const Coloring& coloring) {
-  begin_.assign(1, 0), is_shared_.clear(), shared_ = 0;
+  begin_.assign(1, 0);
+  is_shared_.clear();
+  shared_ = 0;
   for (std::size_t c = 0; c < coloring.colors(); ++c) {
     const std::size_t groups = color_begin_[c + 1] - color_begin_[c];
     const bool shared = groups > grain && !coloring.in_sequence(c);
-    if (shared || is_shared_.empty() || is_shared_.back()) begin_.push_back(0), is_shared_.push_back(shared);
+    if (shared || is_shared_.empty() || is_shared_.back()) {
+      begin_.push_back(0);
+      is_shared_.push_back(shared);
+    }
     begin_.back() = color_begin_[c + 1];
     if (shared) shared_ += groups;
   }

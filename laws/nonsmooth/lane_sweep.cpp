@@ -36,7 +36,10 @@ struct FourBodies {
   }
   EPAFI_LANES static void load(Lanes p, Lanes q, Lanes m, Lanes n, Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
     transpose(p, q, m, n);
-    a = p, b = q, c = m, d = n;
+    a = p;
+    b = q;
+    c = m;
+    d = n;
   }
 
   /// Bodies that cannot move are shared by the pairs of a colour and never written.
@@ -45,7 +48,9 @@ struct FourBodies {
     transpose(v[0], v[1], v[2], v[3]);
     Lanes w[lane_count] = {};
     if constexpr (Rotates) {
-      w[0] = angular_velocity.x, w[1] = angular_velocity.y, w[2] = angular_velocity.z;
+      w[0] = angular_velocity.x;
+      w[1] = angular_velocity.y;
+      w[2] = angular_velocity.z;
       transpose(w[0], w[1], w[2], w[3]);
     }
     for (std::size_t l = 0; l < lane_count; ++l) {
@@ -88,7 +93,8 @@ struct NaturalMapTask {
     double* to = out;
     for (const auto* group = begin; group != end; ++group) {
       FourBodies<Rotates, Rule> a, b;
-      a.gather(bodies, group->a), b.gather(bodies, group->b);
+      a.gather(bodies, group->a);
+      b.gather(bodies, group->b);
       Lanes sum{};
       for (std::uint32_t k = group->begin; k < group->end; ++k) sum += of_row(rows[k], a, b);
       std::memcpy(to, &sum, sizeof sum);
@@ -143,10 +149,12 @@ struct ColorTask {
 
   EPAFI_LANES Lanes update(const LaneGroup& group) const {
     FourBodies<Rotates, Rule> a, b;
-    a.gather(bodies, group.a), b.gather(bodies, group.b);
+    a.gather(bodies, group.a);
+    b.gather(bodies, group.b);
     Lanes sum{};
     for (std::uint32_t k = group.begin; k < group.end; ++k) update(rows[k], a, b, sum);
-    a.scatter(bodies, group.a), b.scatter(bodies, group.b);
+    a.scatter(bodies, group.a);
+    b.scatter(bodies, group.b);
     return sum;
   }
 
@@ -164,7 +172,10 @@ struct ColorTask {
       sum += d * d;
     }
     const Lanes3 *arm_a = nullptr, *arm_b = nullptr;
-    if constexpr (Rotates) arm_a = &row.arm_a, arm_b = &row.arm_b;
+    if constexpr (Rotates) {
+      arm_a = &row.arm_a;
+      arm_b = &row.arm_b;
+    }
     a.apply(-impulse, arm_a);
     b.apply(impulse, arm_b);
   }
@@ -183,7 +194,10 @@ void load_lane(const ContactProblem& problem, std::size_t i, double offset, cons
   }
   row.friction[lane] = problem.friction[i];
   Rule::pack(problem, i, row.data, lane);
-  if constexpr (requires { row.arm_a; }) set(row.arm_a, lane, problem.arm_a[i]), set(row.arm_b, lane, problem.arm_b[i]);
+  if constexpr (requires { row.arm_a; }) {
+    set(row.arm_a, lane, problem.arm_a[i]);
+    set(row.arm_b, lane, problem.arm_b[i]);
+  }
 }
 
 }  // namespace
@@ -193,7 +207,8 @@ void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, std::span<con
                                     std::span<const Vec3> lag, const Impulses& r, const BodyVelocities& v) {
   load_bodies(problem, v);
   groups_ = &problem.lane_groups();
-  renew(rows_, groups_->rows()), renew(change_, lane_count * groups_->size());
+  renew(rows_, groups_->rows());
+  renew(change_, lane_count * groups_->size());
   groups_->each(pays(), [&](const LaneGroup& group) {
     for (std::uint32_t k = group.begin; k < group.end; ++k) {
       if (const auto least = *std::min_element(group.count.begin(), group.count.end()); k - group.begin >= least)

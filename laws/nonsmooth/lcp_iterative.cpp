@@ -39,11 +39,13 @@ VectorXd newton_step(const LcpProblem& p, const VectorXd& z, const VectorXd& w, 
   for (Index i = 0; i < n; ++i) {
     double a = 1.0, b = 0.0;
     if (minimum) {
-      a = z[i] <= w[i] ? 1.0 : 0.0, b = 1.0 - a;
+      a = z[i] <= w[i] ? 1.0 : 0.0;
+      b = 1.0 - a;
       f[i] = std::min(z[i], w[i]);
     } else {
       const double norm = std::hypot(z[i], w[i]);
-      a = norm > 0.0 ? 1.0 - z[i] / norm : 1.0 - M_SQRT1_2, b = norm > 0.0 ? 1.0 - w[i] / norm : 1.0 - M_SQRT1_2;
+      a = norm > 0.0 ? 1.0 - z[i] / norm : 1.0 - M_SQRT1_2;
+      b = norm > 0.0 ? 1.0 - w[i] / norm : 1.0 - M_SQRT1_2;
       f[i] = z[i] + w[i] - norm;
     }
     jacobian.row(i) = b * p.M.row(i);
@@ -111,12 +113,14 @@ LcpReport projected_gradient(const LcpProblem& p, const LcpSettings& s, VectorXd
     if (z.cwiseMin(g).cwiseAbs().maxCoeff() <= s.tolerance * scale_of(p)) break;
     VectorXd next = (z - step * g).cwiseMax(0.0), g_next = p.M * next + p.q;
     if (value(next, g_next) > recent) {  // the long step went up: the safe one
-      next = (z - g / largest).cwiseMax(0.0), g_next = p.M * next + p.q;
+      next = (z - g / largest).cwiseMax(0.0);
+      g_next = p.M * next + p.q;
     }
     const VectorXd dz = next - z, dg = g_next - g;
     const double curvature = dz.dot(dg);
     step = curvature > 0.0 ? std::max(dz.squaredNorm() / curvature, 1.0 / largest) : 1.0 / largest;
-    z = next, g = g_next;
+    z = next;
+    g = g_next;
     if (k % 10 == 9) recent = value(z, g);  // monotone over windows of ten
   }
   return report_of(p, s, k, z, k >= s.iterations || late(s));
@@ -134,22 +138,29 @@ LcpReport conjugate_projected_gradient(const LcpProblem& p, const LcpSettings& s
     if (z.cwiseMin(g).cwiseAbs().maxCoeff() <= s.tolerance * scale_of(p)) break;
     const VectorXd free = on_face(g);
     if (chopped().squaredNorm() > free.cwiseMin(z / safe).squaredNorm()) {  // the face is wrong: open it
-      z = (z - safe * g).cwiseMax(0.0), g = p.M * z + p.q, direction = on_face(g);
+      z = (z - safe * g).cwiseMax(0.0);
+      g = p.M * z + p.q;
+      direction = on_face(g);
       continue;
     }
     const VectorXd md = p.M * direction;
     const double curvature = direction.dot(md);
     if (!(curvature > 0.0)) {
-      z = (z - safe * g).cwiseMax(0.0), g = p.M * z + p.q, direction = on_face(g);
+      z = (z - safe * g).cwiseMax(0.0);
+      g = p.M * z + p.q;
+      direction = on_face(g);
       continue;
     }
     const double full = g.dot(direction) / curvature;
     double feasible = full;
     for (Index i = 0; i < z.size(); ++i)
       if (direction[i] > 0.0) feasible = std::min(feasible, z[i] / direction[i]);
-    z -= feasible * direction, g -= feasible * md;
+    z -= feasible * direction;
+    g -= feasible * md;
     if (feasible < full) {  // ran into the wall: project and start anew
-      z = (z - safe * on_face(g)).cwiseMax(0.0), g = p.M * z + p.q, direction = on_face(g);
+      z = (z - safe * on_face(g)).cwiseMax(0.0);
+      g = p.M * z + p.q;
+      direction = on_face(g);
     } else {
       const VectorXd next = on_face(g);
       direction = next - next.dot(md) / curvature * direction;

@@ -150,7 +150,11 @@ struct Principal {
     Index blocking = -1;
     bool leaves = false;
     const auto block = [&](double t, Index j, bool out) {
-      if (step < 0.0 || t < step) step = t, blocking = j, leaves = out;
+      if (step < 0.0 || t < step) {
+        step = t;
+        blocking = j;
+        leaves = out;
+      }
     };
     for (const Index j : basic)
       if (dz[j] < -1e-14) block(std::max(0.0, -z[j] / dz[j]), j, true);
@@ -159,7 +163,8 @@ struct Principal {
           std::find(basic.begin(), basic.end(), j) == basic.end())
         block(std::max(0.0, -w[j] / dw[j]), j, false);
     if (step < 0.0) return false;
-    z += step * dz, w += step * dw;
+    z += step * dz;
+    w += step * dw;
     if (blocking < 0) {
       w[i] = 0.0;
       basic.push_back(i);

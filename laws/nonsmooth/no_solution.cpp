@@ -159,7 +159,10 @@ std::optional<NoSolution> find_no_solution(const ConeProblem& p, const std::vect
       if (p.q[i].x() < 0.0) return NoSolution{true, {i}, -p.q[i].x()};
       continue;
     }
-    if (!any || u[i].x() < u[worst].x()) worst = i, any = true;
+    if (!any || u[i].x() < u[worst].x()) {
+      worst = i;
+      any = true;
+    }
   }
   if (!any) return std::nullopt;
   const std::vector<std::uint32_t> chosen = contacts_around(p, worst, most);

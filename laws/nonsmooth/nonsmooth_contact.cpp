@@ -35,10 +35,12 @@ void NonsmoothContact::guide(const World& world) {
 void NonsmoothContact::load(const World& world, const ContactSet& contacts, const StepClock& clock) {
   const double dt = clock.dt;
   problem_.load_bodies(world, dt, clock.pushes);
-  parallel_copy(world.velocity, before_.linear), parallel_copy(world.angular_velocity, before_.angular);
+  parallel_copy(world.velocity, before_.linear);
+  parallel_copy(world.angular_velocity, before_.angular);
   guide(world);
   problem_.load_contacts(world, contacts);
-  renew(u_before_, contacts.size()), renew(restitution_, contacts.size());
+  renew(u_before_, contacts.size());
+  renew(restitution_, contacts.size());
   const double threshold = impact_threshold * world.gravity.norm() * dt;
   if (balances_) balance_.begin(contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
@@ -111,7 +113,8 @@ bool NonsmoothContact::release_induced(const World& world, const ContactSet& con
     const bool rests = u_before_[i].x() <= threshold && contacts.gap[i] <= threshold * dt;
     if (rests || contacts.gap[i] <= touching_share * dt * stopped) return 0;
     if (materials_.of(world.material[contacts.a[i]], world.material[contacts.b[i]]).restitution <= 0.0) return 0;
-    problem_.leave_out(i), r_[i].setZero();  // out of this step's problem
+    problem_.leave_out(i);  // out of this step's problem
+    r_[i].setZero();
     return 1;
   };
   return block_max<char>(contacts.size(), 0, released) != 0;
@@ -125,7 +128,8 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
     foresee(contacts, dt);
     free_motion_ = measure_free_motion(problem_);
     report.residual = measure_residual(problem_, r_, u_, rho_, free_motion_).value;
-    parallel_copy(r_, start_), parallel_copy(u_after_, u_start_);
+    parallel_copy(r_, start_);
+    parallel_copy(u_after_, u_start_);
   }
   start_residual_ = report.residual;
   solved_ = start_residual_ > good;
@@ -134,8 +138,14 @@ SolverReport NonsmoothContact::solve(const World& world, const ContactSet& conta
     report.iterations += solver_->solve(problem_, r_).iterations;
   };
   if (solved_) solve();
-  for (int pass = 0; pass < 3 && release_induced(world, contacts, dt); ++pass) solve(), solved_ = true;
-  if (balances_ && balance_.any()) balance(contacts, dt, solve), solved_ = true;
+  for (int pass = 0; pass < 3 && release_induced(world, contacts, dt); ++pass) {
+    solve();
+    solved_ = true;
+  }
+  if (balances_ && balance_.any()) {
+    balance(contacts, dt, solve);
+    solved_ = true;
+  }
   if (solved_) {
     foresee(contacts, dt);
     free_motion_ = measure_free_motion(problem_);  // without the contacts that were released
@@ -269,7 +279,9 @@ void NonsmoothContact::move_walls(World& world, double dt) const {
 /// v_{k+1}, u_{k+1}, with w what the solver sees of it, and by it the gaps at the next detection.
 void NonsmoothContact::foresee(const ContactSet& contacts, double dt) {
   problem_.velocities(r_, after_, &moments_);
-  renew(u_, contacts.size()), renew(u_after_, contacts.size()), renew(next_gap_, contacts.size());
+  renew(u_, contacts.size());
+  renew(u_after_, contacts.size());
+  renew(next_gap_, contacts.size());
   parallel_for(contacts.size(), [&](std::size_t i) {
     u_after_[i] = problem_.relative_velocity(i, after_);
     u_[i] = problem_.with_offset(i, u_after_[i]);

@@ -37,7 +37,8 @@ class NonsmoothContact final : public ContactModel {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override;
   void reorder(const Reordering& change) override { memory_.reorder(change), solver_->forget(); }
   void visit(StateVisitor& visitor) override {
-    memory_.visit(visitor), driven_.visit(visitor);
+    memory_.visit(visitor);
+    driven_.visit(visitor);
     visitor.value("nonsmooth/unconverged", unconverged_);
     solver_->visit(visitor);
   }

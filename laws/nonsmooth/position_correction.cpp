@@ -39,7 +39,8 @@ bool PositionCorrection::demand(const ContactSet& contacts, std::span<const doub
 template <class S>
 double PositionCorrection::move(S& sweep, const ContactProblem& problem, World& world) {
   const Vec3 zero = Vec3::Zero();
-  parallel_fill(nothing_, problem.size(), zero), parallel_fill(moved_.linear, world.size(), zero);
+  parallel_fill(nothing_, problem.size(), zero);
+  parallel_fill(moved_.linear, world.size(), zero);
   parallel_fill(moved_.angular, problem.free.angular.size(), zero);
   sweep.load(problem, demand_, {}, nothing_, moved_);
   double total = 0.0;  // sum of squared impulses so far: the last change is measured against it

@@ -26,7 +26,8 @@ class Sweep {
     coloring_ = &problem.coloring();
     load_bodies(problem, v);
     const auto groups = coloring_->groups();
-    groups_.resize(groups.size()), change_.resize(groups.size());
+    groups_.resize(groups.size());
+    change_.resize(groups.size());
     std::uint32_t next = 0;
     for (std::size_t g = 0; g < groups.size(); ++g) {
       groups_[g] = {groups[g].a, groups[g].b, next, next + groups[g].count, groups[g].first};
@@ -95,7 +96,8 @@ class Sweep {
     bodies_.resize(problem.inverse_mass.size());
     parallel_for(bodies_.size(), [&](std::size_t s) {
       PackedBody& body = bodies_[s];
-      body.velocity = v.linear[s], body.inverse_mass = problem.inverse_mass[s];
+      body.velocity = v.linear[s];
+      body.inverse_mass = problem.inverse_mass[s];
       if constexpr (Rotates) {
         const Mat3& j = problem.inverse_inertia[s];
         body.angular_velocity = v.angular[s];
@@ -106,11 +108,16 @@ class Sweep {
   }
 
   static void load_row(const ContactProblem& problem, std::size_t i, const Impulses& r, Row& row) {
-    row.frame = problem.frame[i], row.friction = problem.friction[i];
+    row.frame = problem.frame[i];
+    row.friction = problem.friction[i];
     row.offset =
         problem.lag.empty() ? Vec3(problem.offset[i], 0, 0) : Vec3(problem.lag[i] + Vec3(problem.offset[i], 0, 0));
-    row.r = r[i], row.data = Rule::pack(problem.diagonal[i]);
-    if constexpr (Rotates) row.arm_a = problem.arm_a[i], row.arm_b = problem.arm_b[i];
+    row.r = r[i];
+    row.data = Rule::pack(problem.diagonal[i]);
+    if constexpr (Rotates) {
+      row.arm_a = problem.arm_a[i];
+      row.arm_b = problem.arm_b[i];
+    }
   }
 
   /// body += sign * M^-1 (impulse at arm).
@@ -139,12 +146,16 @@ class Sweep {
       row.r = r;
       const Vec3 impulse = f.normal * d.x() + f.tangent1 * d.y() + f.tangent2 * d.z();
       const Vec3 *arm_a = nullptr, *arm_b = nullptr;
-      if constexpr (Rotates) arm_a = &row.arm_a, arm_b = &row.arm_b;
+      if constexpr (Rotates) {
+        arm_a = &row.arm_a;
+        arm_b = &row.arm_b;
+      }
       apply(a, impulse, -1.0, arm_a);
       apply(b, impulse, 1.0, arm_b);
       change += d.squaredNorm();
     }
-    store_body(group.a, a), store_body(group.b, b);
+    store_body(group.a, a);
+    store_body(group.b, b);
     return change;
   }
 

@@ -57,7 +57,10 @@ void WarmStart::match_run(const World& world, const ContactSet& contacts, Run ru
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t k = first; k < last; ++k) {
       const double distance = (arm_[k] - arm).squaredNorm();
-      if (distance < nearest && !taken(k)) nearest = distance, previous_[i] = static_cast<std::uint32_t>(k);
+      if (distance < nearest && !taken(k)) {
+        nearest = distance;
+        previous_[i] = static_cast<std::uint32_t>(k);
+      }
     }
   }
 }
@@ -67,7 +70,8 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
     return i == 0 || contacts.a[i] != contacts.a[i - 1] || contacts.b[i] != contacts.b[i - 1];
   };
   parallel_select(contacts.size(), begins, [](std::size_t i) { return static_cast<std::uint32_t>(i); }, runs_);
-  renew(previous_, contacts.size()), renew(r, contacts.size());
+  renew(previous_, contacts.size());
+  renew(r, contacts.size());
   parallel_fill(by_name_, contacts.size(), std::uint8_t{1});
   parallel_for(runs_.size(), [&](std::size_t k) {
     const Run run{runs_[k], k + 1 < runs_.size() ? runs_[k + 1] : static_cast<std::uint32_t>(contacts.size())};
@@ -82,10 +86,18 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
 void WarmStart::remember(const World& world, const ContactSet& contacts, const ContactProblem& problem,
                          const Impulses& r, std::span<const double> next_gap, const std::vector<Vec3>& u) {
   const std::size_t n = contacts.size();
-  renew(a_, n), renew(b_, n), renew(feature_, n), renew(gap_, n);
-  renew(arm_, n), renew(impulse_, n), renew(slip_, n);
+  renew(a_, n);
+  renew(b_, n);
+  renew(feature_, n);
+  renew(gap_, n);
+  renew(arm_, n);
+  renew(impulse_, n);
+  renew(slip_, n);
   parallel_for(n, [&](std::size_t i) {
-    a_[i] = contacts.a[i], b_[i] = contacts.b[i], feature_[i] = contacts.feature[i], gap_[i] = next_gap[i];
+    a_[i] = contacts.a[i];
+    b_[i] = contacts.b[i];
+    feature_[i] = contacts.feature[i];
+    gap_[i] = next_gap[i];
     arm_[i] = body_axes(world, a_[i], contacts.arm[i]);
     impulse_[i] = problem.to_world(i, r[i]);
     slip_[i] = problem.to_world(i, {0.0, u[i].y(), u[i].z()});
@@ -112,7 +124,8 @@ std::optional<Vec3> WarmStart::slip(std::size_t i) const {
 void WarmStart::reorder(const Reordering& change) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t k = 0; k < a_.size(); ++k) {
-    a_[k] = change.new_slot[a_[k]], b_[k] = change.new_slot[b_[k]];
+    a_[k] = change.new_slot[a_[k]];
+    b_[k] = change.new_slot[b_[k]];
     if (a_[k] != no_slot && b_[k] != no_slot) order.push_back(k);
   }
   const auto key = [&](std::uint32_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };
@@ -123,14 +136,23 @@ void WarmStart::reorder(const Reordering& change) {
     for (const std::uint32_t k : order) sorted.push_back(column[k]);
     column.swap(sorted);
   };
-  permute(a_), permute(b_), permute(feature_), permute(arm_), permute(impulse_), permute(gap_), permute(slip_);
+  permute(a_);
+  permute(b_);
+  permute(feature_);
+  permute(arm_);
+  permute(impulse_);
+  permute(gap_);
+  permute(slip_);
 }
 
 void WarmStart::visit(StateVisitor& visitor) {
-  visitor.column("warm_start/a", a_), visitor.column("warm_start/b", b_);
+  visitor.column("warm_start/a", a_);
+  visitor.column("warm_start/b", b_);
   visitor.column("warm_start/feature", feature_);
-  visitor.column("warm_start/arm", arm_), visitor.column("warm_start/impulse", impulse_);
-  visitor.column("warm_start/gap", gap_), visitor.column("warm_start/slip", slip_);
+  visitor.column("warm_start/arm", arm_);
+  visitor.column("warm_start/impulse", impulse_);
+  visitor.column("warm_start/gap", gap_);
+  visitor.column("warm_start/slip", slip_);
 }
 
 }  // namespace epafi

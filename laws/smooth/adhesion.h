@@ -48,7 +48,8 @@ struct Dmt {
   EPAFI_LANES static ResponseOf<Real> respond(const ParametersOf<Real>& p, const KinematicsOf<Real>& c) {
     ResponseOf<Real> out = Hertz::respond(Hertz::ParametersOf<Real>{p.modulus, p.damping}, c);
     out.adhesion = 6.283185307179586 * p.work * c.effective_radius;
-    out.force -= out.adhesion, out.elastic_force -= out.adhesion;
+    out.force -= out.adhesion;
+    out.elastic_force -= out.adhesion;
     out.energy -= out.adhesion * c.overlap;
     return out;
   }

@@ -13,14 +13,16 @@ void merge(Bristles& b) {
     const std::size_t k = 2 * static_cast<std::size_t>(i);
     b.load[static_cast<std::size_t>(i)] = 2 * i + 1 < Bristles::count ? Vec3(b.load[k] + b.load[k + 1]) : Vec3(0, 0, 0);
   }
-  b.width *= 2.0, b.share *= 0.5;
+  b.width *= 2.0;
+  b.share *= 0.5;
 }
 
 /// Twice as many, half as wide: the same energy. Only where the outer half is idle.
 void split(Bristles& b) {
   for (int i = Bristles::count - 1; i >= 0; --i)
     b.load[static_cast<std::size_t>(i)] = 0.5 * b.load[static_cast<std::size_t>(i / 2)];
-  b.width *= 0.5, b.share *= 2.0;
+  b.width *= 0.5;
+  b.share *= 2.0;
 }
 
 /// Part of bristle i inside the contact radius, in its width.
@@ -51,7 +53,8 @@ FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double li
   }
   if (!(now.width > 0.0)) {
     now.load.fill(Vec3(0, 0, 0));
-    now.width = stiffness / (0.75 * Bristles::count), now.share = 0.0;
+    now.width = stiffness / (0.75 * Bristles::count);
+    now.share = 0.0;
   }
   while (stiffness > now.width * Bristles::count) merge(now);
   while (stiffness < 0.25 * now.width * Bristles::count && now.share <= 0.5 * Bristles::count) split(now);
@@ -60,7 +63,10 @@ FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double li
   for (int i = 0; i < Bristles::count; ++i) {
     Vec3& load = now.load[static_cast<std::size_t>(i)];
     const double was = covered(now.share, i), is = covered(share, i);
-    if (was > 0.0) load = turn_load(load, step.normal, step.twist), load_before += load;
+    if (was > 0.0) {
+      load = turn_load(load, step.normal, step.twist);
+      load_before += load;
+    }
     if (!(is > 0.0)) {
       load.setZero();
       continue;
@@ -68,7 +74,8 @@ FrictionResponse pull_bristles(const SlipStep& step, double stiffness, double li
     const Spring spring =
         extend({load, now.width * was}, load, now.width * is, step.displacement, limit * load_part(share, i, is));
     load = spring.load;
-    out.load += load, out.energy += spring.energy();
+    out.load += load;
+    out.energy += spring.energy();
   }
   now.share = share;
   out.work = 0.5 * (load_before + out.load).dot(step.displacement);

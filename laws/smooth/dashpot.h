@@ -23,7 +23,7 @@ struct SpringDashpot : CoulombSpring {
 
   static Entry entry() {
     Entry e = CoulombSpring::entry();
-    e.name = name,
+    e.name = name;
     e.summary = "tangential spring of fixed ratio to the normal stiffness with a dashpot, sliding at mu N";
     e.fields.push_back(tangential_damping_field());
     return e;
@@ -45,7 +45,8 @@ struct MindlinDashpot : SpringDashpot {
 
   static Entry entry() {
     Entry e = Mindlin::entry();
-    e.name = name, e.summary = "no-slip stiffness of Mindlin with a dashpot, sliding at mu N";
+    e.name = name;
+    e.summary = "no-slip stiffness of Mindlin with a dashpot, sliding at mu N";
     e.fields.push_back(tangential_damping_field());
     e.source += "; dashpot: Tsuji, Tanaka and Ishida 1992";
     return e;

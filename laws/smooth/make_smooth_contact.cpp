@@ -145,7 +145,8 @@ const std::vector<Entry>& all_smooth_laws() {
     for (const NamedLaw& law : named_laws) {
       const auto entry = [](auto l) { return decltype(l)::type::entry(); };
       Entry e = with_law(NormalLaws{}, law.normal, entry);
-      e.name = law.name, e.summary = law.summary;
+      e.name = law.name;
+      e.summary = law.summary;
       for (const Entry& part :
            {with_law(TangentialLaws{}, law.tangential, entry), MindlinDashpot::entry(), RollingSpring::entry()})
         e.fields.insert(e.fields.end(), part.fields.begin(), part.fields.end());

@@ -47,7 +47,8 @@ struct PowerLaw {
     double top = 0.0, bottom = 0.0;
     for (std::size_t i = 0; i < overlap.size(); ++i) {
       const double power = std::pow(overlap[i], exponent);
-      top += force[i] * power, bottom += power * power;
+      top += force[i] * power;
+      bottom += power * power;
     }
     return top / bottom;
   }

@@ -29,8 +29,13 @@ struct SmoothSums {
   double lost = 0.0;           ///< to plastic deformation and adhesion during the step [J]
 
   SmoothSums& operator+=(const SmoothSums& o) {
-    touching += o.touching, elastic += o.elastic, spring_energy += o.spring_energy, spring_work += o.spring_work;
-    viscous_power += o.viscous_power, driven_power += o.driven_power, lost += o.lost;
+    touching += o.touching;
+    elastic += o.elastic;
+    spring_energy += o.spring_energy;
+    spring_work += o.spring_work;
+    viscous_power += o.viscous_power;
+    driven_power += o.driven_power;
+    lost += o.lost;
     return *this;
   }
 };

@@ -27,8 +27,10 @@ class SpringForces final : public ContactLayer {
   void visit(StateVisitor& visitor) override {
     ContactLayer::visit(visitor);
     attached_ = false;  // it may be another state that comes in
-    visitor.column("springs/relaxed", relaxed_), visitor.column("springs/start", start_);
-    visitor.value("springs/lost_power", balance_.lost), visitor.value("springs/driven_power", balance_.driven);
+    visitor.column("springs/relaxed", relaxed_);
+    visitor.column("springs/start", start_);
+    visitor.value("springs/lost_power", balance_.lost);
+    visitor.value("springs/driven_power", balance_.driven);
   }
 
  private:
@@ -128,7 +130,8 @@ SpringForces::Pull SpringForces::pull(const World& world, std::size_t k, const S
   const Vec3 stretch = p.far.axes.transpose() * (p.far.point - near),
              rate = p.far.axes.transpose() * (p.far.velocity - m.velocity - m.angular_velocity.cross(p.arm));
   const Vec3 damper = s.damping.cwiseProduct(rate);
-  p.damper = p.far.axes * damper, p.rate = p.far.axes * rate;
+  p.damper = p.far.axes * damper;
+  p.rate = p.far.axes * rate;
   p.force = p.far.axes * s.stiffness.cwiseProduct(stretch) + p.damper;
   if (s.to) p.far_arm = near - world.position[world.slot_of(*s.to)];
   balance.elastic += 0.5 * stretch.dot(s.stiffness.cwiseProduct(stretch));
@@ -228,7 +231,8 @@ void SpringForces::act_rigid(World& world, ContactSet& contacts, const StepClock
     const Pull& p = pulls_[k];
     const double lost = 0.5 * clock.dt * p.damper.dot(p.rate + rate_now(world, k, p));
     report.elastic += stored(world, k, 0.5 * clock.dt);
-    report.dissipated += lost, report.losses.viscous += lost;
+    report.dissipated += lost;
+    report.losses.viscous += lost;
     const bool driven = !springs_[k].to || !world.is_movable(world.slot_of(*springs_[k].to));
     if (driven) report.work += clock.dt * p.force.dot(p.far.velocity);
   }
@@ -279,7 +283,10 @@ class SpringOperator {
     for (int k = 0; k < most_iterations; ++k) {
       apply(x, damping, y);
       double size = 0.0, along = 0.0;
-      for (std::size_t s = 0; s < x.size(); ++s) size += x[s].squaredNorm(), along += x[s].dot(y[s]);
+      for (std::size_t s = 0; s < x.size(); ++s) {
+        size += x[s].squaredNorm();
+        along += x[s].dot(y[s]);
+      }
       if (!(size > 0.0) || !(along > 0.0)) return value;
       value = along / size;
       for (Vec6& v : y) v /= value;
@@ -309,7 +316,8 @@ class SpringOperator {
       return roots_[s].linear * x[s].head<3>() + Vec3(roots_[s].angular * x[s].tail<3>()).cross(arm);
     };
     const auto push = [&](Slot s, const Vec3& arm, const Vec3& force) {
-      y[s].head<3>() += roots_[s].linear * force, y[s].tail<3>() += roots_[s].angular * arm.cross(force);
+      y[s].head<3>() += roots_[s].linear * force;
+      y[s].tail<3>() += roots_[s].angular * arm.cross(force);
     };
     for (const End& e : ends_) {
       Vec3 rate = velocity(e.a, e.arm_a);

@@ -73,9 +73,14 @@ PatchPlace place_of_patch(const GapSource& source, const ContactRegion& region, 
     const double angle = source.angle_at(region, y), rise = std::cos(angle - region.angle) / std::cos(angle);
     const double along_z = depth * rise, width = (1.0 + lean * opening) / rise;
     const double one = along_z * along_z * std::sqrt(along_z / g.curvature_x[k]) * width;
-    w += one, wy += one * y, wa += one * angle;
+    w += one;
+    wy += one * y;
+    wa += one * angle;
   }
-  if (w > 0.0) out.y = wy / w, out.angle = wa / w;
+  if (w > 0.0) {
+    out.y = wy / w;
+    out.angle = wa / w;
+  }
   return out;
 }
 

@@ -37,7 +37,10 @@ struct RollingForce {
 /// The patch of a wheel that rolls the other way: turned by half a turn about its normal.
 void turn_round(NormalPatch& p) {
   std::reverse(p.pressure.begin(), p.pressure.end());
-  p.grid_x = -p.grid_x, p.grid_y = -p.grid_y, p.centre_x = -p.centre_x, p.centre_y = -p.centre_y;
+  p.grid_x = -p.grid_x;
+  p.grid_y = -p.grid_y;
+  p.centre_x = -p.centre_x;
+  p.centre_y = -p.centre_y;
 }
 
 class RollingContact final : public ContactLayer {
@@ -55,7 +58,8 @@ class RollingContact final : public ContactLayer {
   void reorder(const Reordering& change) override;
   void visit(StateVisitor& visitor) override {
     ContactLayer::visit(visitor);
-    visitor.column("rolling/strips", records_), visitor.value("rolling/lost_power", lost_power_);
+    visitor.column("rolling/strips", records_);
+    visitor.value("rolling/lost_power", lost_power_);
   }
   void publish(const World& world, ContactSet& contacts) const override;
   std::size_t own_parts() const override { return ContactLayer::own_parts() + (published_ ? 0 : 1); }
@@ -114,12 +118,26 @@ NormalPatch RollingContact::patch_of(const RollingRegion& r, const ElasticPair& 
 /// On the rail, in the axes of the region; y as on the track.
 PatchForce RollingContact::creep_force(const RollingRegion& r, NormalPatch& patch, const ElasticPair& elastic,
                                        double friction, Creepage c, bool backwards) const {
-  if (r.mirrored) c.lateral = -c.lateral, c.spin = -c.spin;
-  if (backwards) turn_round(patch), c.longitudinal = -c.longitudinal, c.lateral = -c.lateral;
+  if (r.mirrored) {
+    c.lateral = -c.lateral;
+    c.spin = -c.spin;
+  }
+  if (backwards) {
+    turn_round(patch);
+    c.longitudinal = -c.longitudinal;
+    c.lateral = -c.lateral;
+  }
   const PatchGrid cells{static_cast<std::size_t>(setup_.along), static_cast<std::size_t>(setup_.across), 0.0, 0.0};
   PatchForce f = tangential_->solve({patch, elastic, friction, c, cells}).force;
-  if (backwards) turn_round(patch), f.fx = -f.fx, f.fy = -f.fy;
-  if (r.mirrored) f.fy = -f.fy, f.mz = -f.mz;
+  if (backwards) {
+    turn_round(patch);
+    f.fx = -f.fx;
+    f.fy = -f.fy;
+  }
+  if (r.mirrored) {
+    f.fy = -f.fy;
+    f.mz = -f.mz;
+  }
   return f;
 }
 
@@ -162,7 +180,8 @@ RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r
     force += creep;
     out.lost = -creep.dot(motion.velocity + motion.angular_velocity.cross(at)) + f.mz * spin;
   }
-  out.force = force, out.point = centre;
+  out.force = force;
+  out.point = centre;
   out.elastic = 0.4 * patch.normal_force * r.approach;
   return out;
 }
@@ -170,7 +189,8 @@ RollingForce RollingContact::evaluate(const World& world, const RollingRegion& r
 void RollingContact::act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) {
   const std::vector<RollingRegion>& regions = regions_.all;
   const std::size_t n = regions.size();
-  motions_.resize(n), forces_.assign(n, {});
+  motions_.resize(n);
+  forces_.assign(n, {});
   for (std::size_t k = 0; k < n; ++k) motions_[k] = motion_at_detection(world, regions[k].wheelset, clock);
   below_->act(world, contacts, clock, report);
   published_ = false;
@@ -187,10 +207,13 @@ void RollingContact::act(World& world, ContactSet& contacts, const StepClock& cl
   for (std::size_t k = 0; k < n; ++k) {
     const RollingForce& f = forces_[k];
     if (!f.touches) continue;
-    world.force[regions[k].wheelset] += f.force, world.torque[regions[k].wheelset] += f.moment;
+    world.force[regions[k].wheelset] += f.force;
+    world.torque[regions[k].wheelset] += f.moment;
     if (world.columns().held_force) world.force[regions[k].track] -= f.force;
-    report.elastic += f.elastic, lost += f.lost;
-    ++report.contacts, ++report.touching;
+    report.elastic += f.elastic;
+    lost += f.lost;
+    ++report.contacts;
+    ++report.touching;
   }
   if (clock.dt > 0.0) {
     report.dissipated += 0.5 * clock.dt * (lost_power_ + lost);

@@ -146,7 +146,10 @@ TangentialOutcome solve_coulomb(const TangentialInput& in) {
 TractionMap map_of_strips(const StripPatch& p, const StripSolution& s) {
   TractionMap map;
   for (const Strip& strip : p.strips) {
-    for (std::uint32_t k = 0; k < strip.count; ++k) map.x.push_back(strip.x(k)), map.y.push_back(strip.y);
+    for (std::uint32_t k = 0; k < strip.count; ++k) {
+      map.x.push_back(strip.x(k));
+      map.y.push_back(strip.y);
+    }
   }
   map.pressure = p.pressure;
   map.traction_x = s.traction_x;

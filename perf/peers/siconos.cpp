@@ -92,12 +92,14 @@ Answer by_epafi(const ConeProblem& problem, const char* name, double tolerance) 
     if (s.entry.name != name) continue;
     for (int k = 0; k < repeats; ++k) {
       Parameters parameters;
-      parameters.set("tolerance", tolerance), parameters.set("iterations", 1e6);
+      parameters.set("tolerance", tolerance);
+      parameters.set("iterations", 1e6);
       const auto solver = s.make(parameters);
       Impulses r(problem.size(), Vec3::Zero());
       const double begin = processor_ms();
       solver->solve(problem, r);
-      best.ms = std::min(best.ms, processor_ms() - begin), best.residual = residual_of(problem, r);
+      best.ms = std::min(best.ms, processor_ms() - begin);
+      best.residual = residual_of(problem, r);
     }
   }
   return best;
@@ -127,7 +129,8 @@ Answer by_siconos(const ConeProblem& problem, const Method& method, double toler
     for (const Vec3& x : problem.q) q.insert(q.end(), {x.x(), x.y(), x.z()});
     FrictionContactProblem* asked = frictionContactProblem_new_with_data(3, n, w, q.data(), mu.data());
     SolverOptions* options = solver_options_create(method.id);
-    options->dparam[SICONOS_DPARAM_TOL] = tolerance, options->iparam[SICONOS_IPARAM_MAX_ITER] = method.iterations;
+    options->dparam[SICONOS_DPARAM_TOL] = tolerance;
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = method.iterations;
     const double begin = processor_ms();
     fc3d_driver(asked, r.data(), u.data(), options);
     best.ms = std::min(best.ms, processor_ms() - begin);
@@ -149,7 +152,10 @@ void row(const std::string& path, double wanted) {
       const auto a = apart([&] { return by_siconos(problem, m, tolerance); });
       if (!a) break;  // out of time or crashed: finer ones too
       if (a->residual > wanted) continue;
-      if (a->ms < best.ms) best = *a, best_name = m.name;
+      if (a->ms < best.ms) {
+        best = *a;
+        best_name = m.name;
+      }
       break;
     }
   const bool solved = ours && ours->residual <= wanted;
@@ -166,9 +172,15 @@ int main(int argc, char** argv) {
   if (argc > 1) {
     char* end = nullptr;
     const double value = std::strtod(argv[1], &end);
-    if (*end == 0 && value > 0) wanted = value, first = 2;
+    if (*end == 0 && value > 0) {
+      wanted = value;
+      first = 2;
+    }
   }
-  if (first >= argc) return std::puts("usage: perf_siconos [RESIDUAL] FILE..."), 2;
+  if (first >= argc) {
+    std::puts("usage: perf_siconos [RESIDUAL] FILE...");
+    return 2;
+  }
   std::printf("| problem, residual %g | Epafi, auto | Siconos, best of six | which |\n|---|---|---|---|\n", wanted);
   for (int k = first; k < argc; ++k) row(argv[k], wanted);
 }

@@ -154,7 +154,8 @@ void note_thinned(const Assembly& assembly) {
 
 /// This process follows another one: its part of the steps until the run ends.
 int follow(const Assembly& part) {
-  std::signal(SIGINT, SIG_IGN), std::signal(SIGTERM, SIG_IGN);  // whoever leads writes a checkpoint and ends the run
+  std::signal(SIGINT, SIG_IGN);  // whoever leads writes a checkpoint and ends the run
+  std::signal(SIGTERM, SIG_IGN);
   return RankTeam::of_program()->follow(*part.simulation, part_setup(part));
 }
 
@@ -309,7 +310,10 @@ int command_explain(const CommonOptions& common) {
 }
 
 int command_list(const std::string& kind) {
-  if (kind == "scenes") return print(list_scenes()), exit_done;
+  if (kind == "scenes") {
+    print(list_scenes());
+    return exit_done;
+  }
   print(list_text(full_registry(), kind));
   return exit_done;
 }
@@ -361,9 +365,11 @@ int guarded(const std::function<int()>& command) {
     say(std::string("epafi: ") + e.what());
     return exit_file;
   } catch (const std::bad_alloc&) {
-    return std::fputs(memory_message, stderr), exit_file;
+    std::fputs(memory_message, stderr);
+    return exit_file;
   } catch (const std::length_error&) {  // more than any memory holds
-    return std::fputs(memory_message, stderr), exit_file;
+    std::fputs(memory_message, stderr);
+    return exit_file;
   }
 }
 

@@ -90,7 +90,9 @@ int command_narrow(const NarrowOptions& options) {
   std::size_t asked = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const PairRow row = ask_pair(pairs[k], *method, random);
-    asked += !row.refused, cold += row.cold, warm += row.warm;
+    asked += !row.refused;
+    cold += row.cold;
+    warm += row.warm;
     text += options.json ? json_line(k, row) + (k + 1 < pairs.size() ? ",\n" : "\n") : csv_line(k, row);
   }
   const double n = static_cast<double>(std::max<std::size_t>(asked, 1));

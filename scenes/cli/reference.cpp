@@ -100,9 +100,13 @@ std::string needs_text(const Needs& n) {
   const auto add = [&](bool has, const char* name) {
     if (has) out += (out.empty() ? "" : ", ") + std::string(name);
   };
-  add(n.rotation, "rotation"), add(n.slip_velocity, "slip velocity"), add(n.memory, "memory of each contact");
-  add(n.curvature, "curvature"), add(n.manifold, "several points per pair"), add(n.contact_moment, "contact moment"),
-      add(n.area, "overlap area");
+  add(n.rotation, "rotation");
+  add(n.slip_velocity, "slip velocity");
+  add(n.memory, "memory of each contact");
+  add(n.curvature, "curvature");
+  add(n.manifold, "several points per pair");
+  add(n.contact_moment, "contact moment");
+  add(n.area, "overlap area");
   return out;
 }
 
@@ -118,7 +122,10 @@ std::string entries(const std::vector<Entry>& list, bool shapes = false) {
 
 std::string pair_matrix(const std::vector<Entry>& shapes) {
   std::string head = "| |", line = "|---|", rows;
-  for (const Entry& b : shapes) head += " " + b.name + " |", line += "---|";
+  for (const Entry& b : shapes) {
+    head += " " + b.name + " |";
+    line += "---|";
+  }
   for (const Entry& a : shapes) {
     rows += "| **" + a.name + "** |";
     for (const Entry& b : shapes) rows += std::string(" ") + pair_method(a.name, b.name) + " |";

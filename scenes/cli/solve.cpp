@@ -59,7 +59,8 @@ ConeProblem blocks_of(const ProblemFile& file) {
 double sweep_ms(const ConeProblem& problem) {
   ConeSweep<PgsRule> sweep;
   Impulses r(problem.size(), Vec3::Zero());
-  sweep.load(problem), sweep.start(r);
+  sweep.load(problem);
+  sweep.start(r);
   double least = infinity;
   for (int trial = 0; trial < 5; ++trial) {
     int count = 0;
@@ -67,7 +68,8 @@ double sweep_ms(const ConeProblem& problem) {
     double now;
     do {
       for (int k = 0; k < 16; ++k) sweep.run(PgsRule{}, r);
-      count += 16, now = cpu_seconds();
+      count += 16;
+      now = cpu_seconds();
     } while (now - start < 2e-4);  // 200 readings of the clock
     least = std::min(least, 1e3 * (now - start) / count);
   }
@@ -128,7 +130,8 @@ Row solve_one(const ConeProblem& problem, const SolverEntry& entry, const SolveO
   std::vector<Vec6> v;
   std::vector<Vec3> u;
   problem.relative_velocities(r, v, u);
-  row.residual = problem.residual(r, u), row.penetration_rate = problem.penetration_rate(u);
+  row.residual = problem.residual(r, u);
+  row.penetration_rate = problem.penetration_rate(u);
   judge(row, problem, r, u, {report, o.tolerance, o.max_iterations, late});
   return row;
 }
@@ -189,7 +192,8 @@ int command_solve(const SolveOptions& o) {
       rows.back().problem = file.name;
       if (to_stdout) {
         const std::string line = csv({rows.back()});
-        print(line.substr(line.find('\n') + 1)), flush_printed();
+        print(line.substr(line.find('\n') + 1));
+        flush_printed();
       }
       const std::string name = solvers.size() > 1 ? file.name + "/" + entry->entry.name : file.name;
       if (solution) write_reaction(*solution, name + "/reaction", r);

@@ -103,11 +103,15 @@ namespace {
 /// The script, into the folder of the cases and on stdout.
 int write_slurm_job(const StudyOptions& o, const SweepOptions& s, const SweepPlan& sweep, const fs::path& folder) {
   const std::string text = slurm_script(sweep, {fs::read_symlink("/proc/self/exe").string(), folder, s.threads});
-  if (text.empty()) return say("every case is finished: there is nothing to send"), exit_done;
+  if (text.empty()) {
+    say("every case is finished: there is nothing to send");
+    return exit_done;
+  }
   fs::create_directories(folder);
   write_whole_file(folder / "sweep.sbatch", {text});
   if (!o.quiet) say(fmt::format("written; send it with\n  bash {}", (folder / "sweep.sbatch").string()));
-  return print(text), exit_done;
+  print(text);
+  return exit_done;
 }
 }  // namespace
 
@@ -116,8 +120,14 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
   const fs::path folder = folder_of(o, scene, "-sweep");
   const SweepPlan sweep = plan_sweep(scene, o.overrides, folder);
   if (s.slurm) return write_slurm_job(o, s, sweep, folder);
-  if (s.list) return print(list_sweep(sweep)), exit_done;
-  if (s.collect) return print(collect_sweep(sweep)), exit_done;
+  if (s.list) {
+    print(list_sweep(sweep));
+    return exit_done;
+  }
+  if (s.collect) {
+    print(collect_sweep(sweep));
+    return exit_done;
+  }
   std::vector<Case> todo;
   std::vector<std::size_t> number;
   if (s.one >= static_cast<int>(sweep.cases.size()))
@@ -125,7 +135,8 @@ int command_sweep(const StudyOptions& o, const SweepOptions& s) {
   for (std::size_t k = 0; k < sweep.cases.size(); ++k) {
     if (s.one >= 0 && static_cast<std::size_t>(s.one) != k) continue;
     if (!o.force && finished_case(sweep.cases[k], sweep.hashes[k])) continue;
-    todo.push_back(sweep.cases[k]), number.push_back(k);
+    todo.push_back(sweep.cases[k]);
+    number.push_back(k);
   }
   int worst = exit_done;
   const auto tell = speaker(o);
@@ -146,7 +157,8 @@ int command_bench(const StudyOptions& o, const BenchOptions& b) {
     const std::string scene = existing_scene_file(name);
     const fs::path folder = fs::temp_directory_path() / fmt::format("epafi-bench-{}", getpid());
     run_bench({scene, o.overrides, b.threads, b.repeats, folder, b.copies}, [&](const std::string& row) {
-      print(row), flush_printed();
+      print(row);
+      flush_printed();
       if (!row.starts_with("#")) csv += row;
     });
     fs::remove_all(folder);

@@ -35,7 +35,8 @@ PatchGrid cells_of(const PatchCase& c, const Ellipse& e) {
   PatchGrid g;
   g.nx = c.dx > 0.0 ? count(2.0 * e.a, c.dx, 4096) : count(2.0 * e.a, shorter, 256);
   g.ny = c.dy > 0.0 ? count(2.0 * e.b, c.dy, 4096) : count(2.0 * e.b, shorter, 256);
-  g.dx = 2.0 * e.a / static_cast<double>(g.nx), g.dy = 2.0 * e.b / static_cast<double>(g.ny);
+  g.dx = 2.0 * e.a / static_cast<double>(g.nx);
+  g.dy = 2.0 * e.b / static_cast<double>(g.ny);
   return g;
 }
 
@@ -49,14 +50,21 @@ void add_normal(PatchResult& out, const RegionPatch& rp, const std::vector<Conta
   const NormalPatch& p = rp.patch;
   PatchContact c;
   if (rp.region < regions.size()) {
-    c.y_wheel = regions[rp.region].y_wheel, c.y_rail = regions[rp.region].y_rail, c.point = regions[rp.region].point,
+    c.y_wheel = regions[rp.region].y_wheel;
+    c.y_rail = regions[rp.region].y_rail;
+    c.point = regions[rp.region].point;
     c.angle = regions[rp.region].angle;
   }
-  c.semi_axes = p.ellipse, c.area = p.area, c.max_pressure = p.max_pressure, c.normal_force = p.normal_force;
+  c.semi_axes = p.ellipse;
+  c.area = p.area;
+  c.max_pressure = p.max_pressure;
+  c.normal_force = p.normal_force;
   c.stress = p.stress;
   out.contacts.push_back(c);
-  out.normal_force += p.normal_force, out.area += p.area;
-  out.max_pressure = std::max(out.max_pressure, p.max_pressure), out.approach = std::max(out.approach, p.approach);
+  out.normal_force += p.normal_force;
+  out.area += p.area;
+  out.max_pressure = std::max(out.max_pressure, p.max_pressure);
+  out.approach = std::max(out.approach, p.approach);
   out.error_estimate = std::max(out.error_estimate, p.error_estimate);
   add_reasons(out.reasons, p.reasons);
 }
@@ -76,7 +84,8 @@ void check_ends(const ProfileCase& p, PatchResult& out) {
 
 /// Patches of the left wheel are those of its mirror image: lateral quantities change their sign on the way in and out.
 TangentialOutcome mirrored(TangentialOutcome t) {
-  t.force.fy = -t.force.fy, t.force.mz = -t.force.mz;
+  t.force.fy = -t.force.fy;
+  t.force.mz = -t.force.mz;
   for (auto* column : {&t.map.y, &t.map.traction_y, &t.map.slip_y})
     for (double& v : *column) v = -v;
   return t;
@@ -92,7 +101,9 @@ void add_tangential(PatchResult& out, const PatchCase& c, const Creepage& creepa
   PatchContact& contact = out.contacts.back();
   contact.force = t.force;
   contact.map = t.map;
-  out.force.fx += t.force.fx, out.force.fy += t.force.fy, out.force.mz += t.force.mz;
+  out.force.fx += t.force.fx;
+  out.force.fy += t.force.fy;
+  out.force.mz += t.force.mz;
   out.wear_number += t.wear_number;
   // stick by area over all patches; unknown if one does not know
   const double share = rp.patch.area * t.stick_share;
@@ -126,7 +137,9 @@ void add_damage(PatchResult& out, const PatchCase& c) {
 PatchResult evaluate_pair(const PatchCase& c, const PatchContactSolver& solver, const std::string& normal,
                           const std::string& tangential, const std::vector<RegionPatch>& patches, bool maps) {
   PatchResult out;
-  out.normal = normal, out.tangential = tangential, out.friction = !tangential.empty();
+  out.normal = normal;
+  out.tangential = tangential;
+  out.friction = !tangential.empty();
   const auto& regions = solver.places(normal);
   for (const RegionPatch& rp : patches) {
     add_normal(out, rp, regions);

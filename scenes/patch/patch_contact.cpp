@@ -24,8 +24,10 @@ class QuadraticGap final : public GapSource {
   QuadraticGap(double A, double B, double y1, double y2) : A_(A), B_(B), y1_(y1), y2_(y2) {}
   std::vector<ContactRegion> regions() const override {
     ContactRegion r;
-    r.curvature_x = 2.0 * A_, r.curvature_y = 2.0 * B_;
-    r.wheel_curvature = 1.0 / y1_, r.rail_curvature = 1.0 / y2_;
+    r.curvature_x = 2.0 * A_;
+    r.curvature_y = 2.0 * B_;
+    r.wheel_curvature = 1.0 / y1_;
+    r.rail_curvature = 1.0 / y2_;
     return {r};
   }
   ContactRegion moved(const ContactRegion& region, double, double) const override { return region; }
@@ -33,8 +35,12 @@ class QuadraticGap final : public GapSource {
   GapField field(const ContactRegion&, double cx, double cy, double dx, double dy, std::size_t nx,
                  std::size_t ny) const override {
     GapField f;
-    f.dx = dx, f.dy = dy, f.nx = nx, f.ny = ny;
-    f.curvature_x = 2.0 * A_, f.curvature_y = 2.0 * B_;
+    f.dx = dx;
+    f.dy = dy;
+    f.nx = nx;
+    f.ny = ny;
+    f.curvature_x = 2.0 * A_;
+    f.curvature_y = 2.0 * B_;
     f.gap.resize(nx * ny);
     for (std::size_t j = 0; j < ny; ++j) {
       for (std::size_t i = 0; i < nx; ++i) {

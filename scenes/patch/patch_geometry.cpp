@@ -28,7 +28,8 @@ PatchGeometry patch_geometry(const PatchCase& c) {
   const ProfileCase& p = *c.profiles;
   for (int k = 0; k <= 8; ++k) {
     WheelsetPosition position;
-    position.lateral_shift = 1e-3 * k, position.yaw = p.position.yaw;
+    position.lateral_shift = 1e-3 * k;
+    position.yaw = p.position.yaw;
     const WheelsetGeometry g = stand_on_rails(p.wheel, p.rail, p.track, position);
     geometry.standing += g.stands ? 1 : 0;
     geometry.shifts += 1;

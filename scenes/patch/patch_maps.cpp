@@ -49,7 +49,8 @@ Image image_of(const TractionMap& m) {
   }
   g.dx = g.nx > 1 ? (*right - *left) / static_cast<double>(g.nx - 1) : 1e-6;
   g.dy = g.ny > 1 ? (rows.back() - rows.front()) / static_cast<double>(g.ny - 1) : g.dx;
-  g.x0 = *left - 0.5 * g.dx, g.y0 = rows.front() - 0.5 * g.dy;
+  g.x0 = *left - 0.5 * g.dx;
+  g.y0 = rows.front() - 0.5 * g.dy;
   g.source.assign(g.nx * g.ny, -1);
   for (std::size_t j = 0; j < g.ny; ++j) {
     const auto& row = by_row[j];

@@ -158,11 +158,15 @@ void set_profiles(Reading& reading, const TableValues& patch, PatchCase& out) {
                     "[patch] without radii and semi_axes needs a wheel_profile and a rail_profile under [shape.*]");
     return;
   }
-  c.wheel = std::move(*wheel), c.rail = std::move(*rail);
-  c.track.gauge = patch.number("gauge"), c.track.flange_back = patch.number("flange_back"),
+  c.wheel = std::move(*wheel);
+  c.rail = std::move(*rail);
+  c.track.gauge = patch.number("gauge");
+  c.track.flange_back = patch.number("flange_back");
   c.track.tape_circle = patch.number("tape_circle");
-  c.position.lateral_shift = patch.number_or("lateral_shift", 0.0), c.position.yaw = patch.number_or("yaw", 0.0);
-  c.position.roll = patch.number_or("roll", 0.0), c.roll_given = patch.has("roll");
+  c.position.lateral_shift = patch.number_or("lateral_shift", 0.0);
+  c.position.yaw = patch.number_or("yaw", 0.0);
+  c.position.roll = patch.number_or("roll", 0.0);
+  c.roll_given = patch.has("roll");
   c.rolling_radius = patch.optional_number("rolling_radius");
   c.right = patch.text("side") == "right";
   c.creepage_given = patch.written("creepage");
@@ -245,10 +249,12 @@ PatchReading read_document(Document document, const std::string& file) {
                       v.number_or("creepage.spin", 0.0)};
       if (v.has("normal")) out.normal = v.texts("normal");
       if (v.has("tangential")) out.tangential = v.texts("tangential");
-      out.dx = v.number_or("grid.dx", 0.0), out.dy = v.number_or("grid.dy", 0.0);
+      out.dx = v.number_or("grid.dx", 0.0);
+      out.dy = v.number_or("grid.dy", 0.0);
       out.influence = {v.number_or("influence.full", out.influence.full),
                        v.number_or("influence.none", out.influence.none)};
-      out.penalty = v.number_or("penalty", out.penalty), out.distance = v.number_or("distance", 0.0);
+      out.penalty = v.number_or("penalty", out.penalty);
+      out.distance = v.number_or("distance", 0.0);
       if (out.influence.none < out.influence.full)
         reading.error(v.place_of("influence"), "[patch] influence: none must not be smaller than full");
       set_materials(reading, v, out);

@@ -96,9 +96,12 @@ class Run {
     Simulation& sim = simulation();
     const Energy e = sim.ledger.measure(sim.world);
     py::dict out;
-    out["kinetic"] = e.kinetic, out["potential"] = e.potential, out["elastic"] = e.elastic,
+    out["kinetic"] = e.kinetic;
+    out["potential"] = e.potential;
+    out["elastic"] = e.elastic;
     out["dissipated"] = e.dissipated;
-    out["work"] = e.work, out["relative_error"] = sim.ledger.relative_error();
+    out["work"] = e.work;
+    out["relative_error"] = sim.ledger.relative_error();
     return out;
   }
   py::dict measures() const {
@@ -107,7 +110,9 @@ class Run {
       py::dict components;
       for (const auto& [name, v] : r->summary()) {
         py::dict c;
-        c["last"] = v.last, c["min"] = v.min, c["max"] = v.max;
+        c["last"] = v.last;
+        c["min"] = v.min;
+        c["max"] = v.max;
         components[py::str(name)] = c;
       }
       out[py::str(r->name())] = components;
@@ -256,7 +261,7 @@ PYBIND11_MODULE(epafi, m) {
           "contact_bodies",
           of_contacts<std::uint32_t>(2,
                                      [](const World& w, const ContactSet& c, std::size_t k, std::uint32_t* to) {
-                                       to[0] = static_cast<std::uint32_t>(w.id[c.a[k]]),
+                                       to[0] = static_cast<std::uint32_t>(w.id[c.a[k]]);
                                        to[1] = static_cast<std::uint32_t>(w.id[c.b[k]]);
                                      }),
           "(n, 2) ids of A and B; contacts of the last step, a copy as the next three")

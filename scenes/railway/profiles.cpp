@@ -46,7 +46,8 @@ Built<ProfilePoints> points_of(const Parameters& p, bool is_wheel, const std::st
 
 void set_defect(const Parameters& p, const std::string& group, WheelDefect& out) {
   const std::string& wheel = p.text(group + ".wheel");
-  out.left = wheel != "right", out.right = wheel != "left";
+  out.left = wheel != "right";
+  out.right = wheel != "left";
 }
 
 }  // namespace
@@ -82,11 +83,15 @@ Built<Wheelset> build_wheelset(const Parameters& p, const std::string& label) {
     out.doubts = std::move(profile.doubts);
     return out;
   };
-  w.geometry.radius = p.number("radius"), w.geometry.flange_back = p.number("flange_back"),
+  w.geometry.radius = p.number("radius");
+  w.geometry.flange_back = p.number("flange_back");
   w.geometry.tape_circle = p.number("tape_circle");
   if (p.has("mass") != p.has("inertia"))
     return {{}, label + ": mass and inertia are given together or not at all", p.has("mass") ? "mass" : "inertia"};
-  if (p.has("mass")) w.mass = p.number("mass"), w.inertia = p.vec3("inertia");
+  if (p.has("mass")) {
+    w.mass = p.number("mass");
+    w.inertia = p.vec3("inertia");
+  }
   if (p.has("mass") && !(w.inertia.minCoeff() > 0.0 && 2.0 * w.inertia.maxCoeff() <= w.inertia.sum()))
     return {{}, label + ": moments of inertia are positive, none larger than the sum of the others", "inertia"};
   const bool flat = p.has("flat.wheel"), oval = p.has("out_of_round.wheel");
@@ -95,11 +100,12 @@ Built<Wheelset> build_wheelset(const Parameters& p, const std::string& label) {
   if (oval && !p.has("out_of_round.amplitude"))
     return {{}, label + " out_of_round: needs its amplitude (m)", "out_of_round"};
   if (flat) {
-    w.defect.flat_length = p.number("flat.length"), w.defect.flat_angle = degree * p.number("flat.angle_deg");
+    w.defect.flat_length = p.number("flat.length");
+    w.defect.flat_angle = degree * p.number("flat.angle_deg");
     set_defect(p, "flat", w.defect);
   }
   if (oval) {
-    w.defect.amplitude = p.number("out_of_round.amplitude"),
+    w.defect.amplitude = p.number("out_of_round.amplitude");
     w.defect.order = static_cast<int>(p.integer("out_of_round.order"));
     set_defect(p, "out_of_round", w.defect);
   }

@@ -57,9 +57,12 @@ std::vector<SpringElement> springs_of(const Assembly& a) {
 RollingSetup rolling_setup(const Scene& scene) {
   const Parameters& p = scene.contact.wheel_rail;
   RollingSetup setup;
-  setup.normal = p.text("normal"), setup.tangential = p.text("tangential");
-  setup.along = static_cast<int>(p.integer("along")), setup.across = static_cast<int>(p.integer("across"));
-  setup.friction_limit = p.number("friction_limit"), setup.friction_decay = p.number("friction_decay"),
+  setup.normal = p.text("normal");
+  setup.tangential = p.text("tangential");
+  setup.along = static_cast<int>(p.integer("along"));
+  setup.across = static_cast<int>(p.integer("across"));
+  setup.friction_limit = p.number("friction_limit");
+  setup.friction_decay = p.number("friction_decay");
   setup.slowest = p.number("slowest");
   setup.materials = material_table(scene);
   return setup;
@@ -124,7 +127,8 @@ TimeStep railway_step(const Assembly& a) {
         const double up = 2.0 * l.stiffness * std::max(w.inverse_mass[s], half * half * i.x());
         const double creep = 2.0 * l.damping * creep_mobility(w.inverse_mass[s], i, r, half);
         if (up > square || creep > damping) what = "wheel on rail";
-        square = std::max(square, up + springs.square), damping = std::max(damping, creep + springs.damping);
+        square = std::max(square, up + springs.square);
+        damping = std::max(damping, creep + springs.damping);
       }
     }
   }

@@ -35,13 +35,21 @@ struct Loader {
 
 bool read_whole(const std::string& path, std::string& text, std::string& problem) {
   std::error_code failure;
-  if (!fs::is_regular_file(path, failure))
-    return problem = fs::exists(path, failure) ? "is not a file" : "does not exist", false;
-  if (fs::file_size(path, failure) > largest_file) return problem = "is larger than 64 MiB", false;
+  if (!fs::is_regular_file(path, failure)) {
+    problem = fs::exists(path, failure) ? "is not a file" : "does not exist";
+    return false;
+  }
+  if (fs::file_size(path, failure) > largest_file) {
+    problem = "is larger than 64 MiB";
+    return false;
+  }
   std::ifstream in(path, std::ios::binary);
   std::ostringstream all;
   all << in.rdbuf();
-  if (!in) return problem = "cannot be read", false;
+  if (!in) {
+    problem = "cannot be read";
+    return false;
+  }
   text = all.str();
   return true;
 }

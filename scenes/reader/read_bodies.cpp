@@ -57,13 +57,15 @@ std::optional<BodySpec> make_body(Draft& draft, const BodyTable& table, const Ta
   if (!shape || !material) return std::nullopt;
   BodySpec body;
   body.group = table.group;
-  body.shape = *shape, body.material = *material;
+  body.shape = *shape;
+  body.material = *material;
   const auto vec3 = [&](const char* key) { return v.has(key) ? v.vec3(key) : Vec3(Vec3::Zero()); };
   body.fixed = v.has("fixed") && v.boolean("fixed");
   body.continuous = v.has("continuous") && v.boolean("continuous");
   body.on_rails = v.has("on_rails") && v.boolean("on_rails");
   body.as_drawn = v.has("place") && v.text("place") == "as-drawn";
-  body.position = vec3("position"), body.velocity = vec3("velocity");
+  body.position = vec3("position");
+  body.velocity = vec3("velocity");
   body.angular_velocity = vec3("angular_velocity");
   body.orientation = read_orientation(reading, v, table.label);
   if (v.written("angular_velocity")) body.spin_place = v.place_of("angular_velocity");

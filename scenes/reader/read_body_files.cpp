@@ -151,7 +151,9 @@ std::optional<BodySpec> Rows::body() {
   body.fixed = fixed;
   body.as_drawn = as_drawn;
   if (!own_shape || !own_material) return std::nullopt;
-  body.shape = *own_shape, body.size = own_size, body.material = *own_material;
+  body.shape = *own_shape;
+  body.size = own_size;
+  body.material = *own_material;
   return body;
 }
 

@@ -175,8 +175,10 @@ std::vector<Census> count_bodies(const Scene& scene) {
     ++count[body.material].all;
     if (body.moves()) ++count[body.material].free;
   }
-  for (const auto& fill : scene.fills)
-    count[fill.material].all += 2, count[fill.material].free += 2;  // two stand for many
+  for (const auto& fill : scene.fills) {  // two stand for many
+    count[fill.material].all += 2;
+    count[fill.material].free += 2;
+  }
   return count;
 }
 
@@ -284,7 +286,8 @@ MaterialTable material_table(const Scene& scene) {
       const PairSpec* own = find_pair(scene, std::min(i, j), std::max(i, j));
       const auto value = [&](const std::optional<double>& of_pair, double common) { return of_pair.value_or(common); };
       MaterialPair& pair = table.pairs[i * n + j];
-      pair.a = scene.materials[i].material, pair.b = scene.materials[j].material;
+      pair.a = scene.materials[i].material;
+      pair.b = scene.materials[j].material;
       pair.restitution = value(own ? own->restitution : std::nullopt, contact.restitution.value);
       pair.friction = value(own ? own->friction : std::nullopt, contact.friction.value);
       pair.rolling_friction = value(own ? own->rolling_friction : std::nullopt, contact.rolling_friction.value);

@@ -58,7 +58,8 @@ void read_size(Reading& reading, const TableValues& v, const std::string& label,
   const Place place = v.place_of("size");
   if (size.distribution == "table") {
     if (!wants({"values", "shares"})) return;
-    size.values = v.numbers("size.values"), size.shares = v.numbers("size.shares");
+    size.values = v.numbers("size.values");
+    size.shares = v.numbers("size.shares");
     if (size.values.empty() || size.values.size() != size.shares.size())
       return reading.error(place, label + " size: values and shares have the same length, at least 1");
     size.min = *std::min_element(size.values.begin(), size.values.end());
@@ -66,12 +67,15 @@ void read_size(Reading& reading, const TableValues& v, const std::string& label,
     shares_of_number(v, size);
   } else if (size.distribution == "uniform") {
     if (!wants({"min", "max"})) return;
-    size.min = v.number("size.min"), size.max = v.number("size.max");
+    size.min = v.number("size.min");
+    size.max = v.number("size.max");
   } else {
     if (!wants({"deviation"})) return;
-    size.mean = v.number_or("size.mean", 1.0), size.deviation = v.number("size.deviation");
+    size.mean = v.number_or("size.mean", 1.0);
+    size.deviation = v.number("size.deviation");
     const SizeBounds bounds = natural_bounds(size);
-    size.min = v.number_or("size.min", bounds.min), size.max = v.number_or("size.max", bounds.max);
+    size.min = v.number_or("size.min", bounds.min);
+    size.max = v.number_or("size.max", bounds.max);
     if (!(size.min > 0.0))
       return reading.error(place, label + " size: three deviations below the mean is no size; write min");
     if (size.min > size.mean || size.max < size.mean)
@@ -86,7 +90,8 @@ void read_pouring(Reading& reading, const TableValues& v, const std::string& lab
   for (const char* key : {"rate", "mass_rate", "from"})
     if (!pours && v.written(key)) reading.warning(v.place_of(key), label + ": " + key + " is not used by this method");
   if (!pours) return;
-  fill.rate = v.number_or("rate", 0.0), fill.mass_rate = v.number_or("mass_rate", 0.0),
+  fill.rate = v.number_or("rate", 0.0);
+  fill.mass_rate = v.number_or("mass_rate", 0.0);
   fill.from = v.number_or("from", 0.0);
   if (v.written("rate") + v.written("mass_rate") != 1)
     reading.error(v.place, label + ": method 'pour' needs rate (1/s) or mass_rate (kg/s)");

@@ -59,9 +59,11 @@ void read_polyset(Draft& draft, const BodyFile& file) {
     if (!starts_with(lines.text, "b") || body.empty()) return fail("a body 'b' with 13 numbers");
     if (!(body[0] >= 4 && body[0] <= 1e6 && body[1] >= 0 && body[1] <= 1e7)) return fail("4 to 1e6 vertices");
     ShapeSpec shape;
-    shape.type = "polyhedron", shape.place = lines.place();
+    shape.type = "polyhedron";
+    shape.place = lines.place();
     BodySpec spec;
-    spec.position = Vec3(body[6], body[7], body[8]), spec.orientation = Quat(body[9], body[10], body[11], body[12]);
+    spec.position = Vec3(body[6], body[7], body[8]);
+    spec.orientation = Quat(body[9], body[10], body[11], body[12]);
     if (!(spec.orientation.norm() > 0)) return fail("a quaternion that is not 0");
     spec.orientation.normalize();
     std::vector<Vec3> vertices;
@@ -74,9 +76,12 @@ void read_polyset(Draft& draft, const BodyFile& file) {
     for (auto k = static_cast<long>(body[1]); k > 0; --k)
       if (!lines.next() || !starts_with(lines.text, "f")) return fail("a triangle 'f a b c'");
     shape.parameters.set("vertices", std::move(vertices));
-    spec.shape = scene.shapes.size(), spec.material = file.material, spec.fixed = file.fixed;
+    spec.shape = scene.shapes.size();
+    spec.material = file.material;
+    spec.fixed = file.fixed;
     spec.group = scene.groups.size() - 1;
-    scene.shapes.push_back(std::move(shape)), scene.bodies.push_back(std::move(spec));
+    scene.shapes.push_back(std::move(shape));
+    scene.bodies.push_back(std::move(spec));
     ++scene.groups.back().count;
   }
 }

@@ -74,7 +74,8 @@ void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
   }
   CellSpec spec;
   spec.place = v.place_of("domain.periodic");
-  spec.cell.low = domain.min, spec.cell.size = domain.max - domain.min;
+  spec.cell.low = domain.min;
+  spec.cell.size = domain.max - domain.min;
   for (const std::string& axis : v.texts("domain.periodic"))
     spec.cell.repeats[static_cast<std::size_t>(axis[0] - 'x')] = true;
   if (rate && pressure)
@@ -94,7 +95,10 @@ void read_cell(Draft& draft, const TableValues& v, Domain& domain) {
   for (int k = 0; k < 3; ++k) {
     const bool repeats = spec.cell.repeats[static_cast<std::size_t>(k)];
     all = all && repeats;
-    if (repeats) domain.min[k] = -infinity, domain.max[k] = infinity;
+    if (repeats) {
+      domain.min[k] = -infinity;
+      domain.max[k] = infinity;
+    }
     if (!repeats && spec.control.strain_rate[k] != 0.0)
       reading.error(v.place_of("domain.strain_rate"),
                     label + " strain_rate: the domain is not periodic along " + "xyz"[k]);

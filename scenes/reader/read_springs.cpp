@@ -22,7 +22,8 @@ void read_spring(Draft& draft, const Node& item) {
   const TableValues v = read_table(item, label, reading.schema.at("spring").fields, reading);
   if (reading.errors() != errors) return;
   SpringSpec s;
-  s.place = v.place, s.name = v.has("name") ? v.text("name") : "spring";
+  s.place = v.place;
+  s.name = v.has("name") ? v.text("name") : "spring";
   const auto body = one_body(draft, v, "body", label);
   if (!body) return;
   s.body = *body;
@@ -35,7 +36,9 @@ void read_spring(Draft& draft, const Node& item) {
       reading.error(v.place_of("speed"), label + ": speed is that of a frame; leave out `to` or speed");
   }
   s.speed = v.number_or("speed", 0.0);
-  s.attachment = v.vec3("attachment"), s.stiffness = v.vec3("stiffness"), s.damping = v.vec3("damping"),
+  s.attachment = v.vec3("attachment");
+  s.stiffness = v.vec3("stiffness");
+  s.damping = v.vec3("damping");
   s.preload = v.vec3("preload");
   for (int i = 0; i < 3; ++i) {
     if (s.stiffness[i] < 0.0 || s.damping[i] < 0.0)

@@ -237,8 +237,10 @@ std::optional<Servo> read_servo_of(Reading& reading, const TableValues& v, const
     if (gains.size() != 2 || gains[0] < 0.0 || gains[1] < 0.0 || gains[0] + gains[1] <= 0.0)
       reading.error(v.place_of("servo.gains"),
                     label + " motion servo gains: expected [proportional, integral], not negative");
-    else
-      servo.proportional = gains[0], servo.integral = gains[1];
+    else {
+      servo.proportional = gains[0];
+      servo.integral = gains[1];
+    }
   } else if (!v.has("servo.mass")) {
     reading.error(place,
                   label + " motion servo: write mass, the inertia of the wall, or gains = [proportional, integral]");
@@ -333,11 +335,16 @@ TimedVector read_time_vector(Reading& reading, const Node& node, const std::stri
   TimedVector out;
   if (node.type == Node::Type::table) {
     Field table, file, columns, of_unit, scale;
-    table.name = "table", table.kind = Kind::rows;
-    file.name = "file", file.kind = Kind::text;
-    columns.name = "columns", columns.kind = Kind::texts;
-    of_unit.name = "unit", of_unit.kind = Kind::text;
-    scale.name = "scale", scale.default_value = Value(1.0);
+    table.name = "table";
+    table.kind = Kind::rows;
+    file.name = "file";
+    file.kind = Kind::text;
+    columns.name = "columns";
+    columns.kind = Kind::texts;
+    of_unit.name = "unit";
+    of_unit.kind = Kind::text;
+    scale.name = "scale";
+    scale.default_value = Value(1.0);
     const auto v = read_table(node, label, as_optional({table, file, columns, of_unit, scale}), reading);
     if (auto rows = read_time_rows(reading, node, v, unit, label)) out.loose = interpolation(std::move(*rows));
     return out;

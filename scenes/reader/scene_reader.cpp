@@ -79,8 +79,11 @@ std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::ve
   const bool whole = own.empty();
   reading.problems = std::move(own);
   Draft draft{reading, {}, {}};
-  draft.stages = &from.stages, draft.stage = stage, draft.body_changes = std::move(merged.bodies);
-  draft.start_run = from.options.start_run, draft.made = &from.made;
+  draft.stages = &from.stages;
+  draft.stage = stage;
+  draft.body_changes = std::move(merged.bodies);
+  draft.start_run = from.options.start_run;
+  draft.made = &from.made;
   draft.scene.file = from.file;
   draft.scene.text = from.text;
   for (std::size_t k = 0; k <= stage && k < from.stages.size(); ++k)

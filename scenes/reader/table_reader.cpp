@@ -50,7 +50,10 @@ std::optional<double> read_integer(const Node& node, const Key& key) {
 /// Every element by `read_one`; empty if one of them failed.
 template <class T, class F>
 std::optional<std::vector<T>> read_list(const Node& node, const Key& key, const std::string& expected, F&& read_one) {
-  if (node.type != Node::Type::array) return wrong_type(node, key, expected), std::nullopt;
+  if (node.type != Node::Type::array) {
+    wrong_type(node, key, expected);
+    return std::nullopt;
+  }
   std::vector<T> values;
   values.reserve(node.items.size());
   for (const auto& item : node.items)
@@ -110,10 +113,16 @@ bool is_text(const Node& node) {
 }
 
 std::optional<std::string> read_word(const Node& node, const Key& key) {
-  if (!is_text(node)) return wrong_type(node, key, "a text"), std::nullopt;
+  if (!is_text(node)) {
+    wrong_type(node, key, "a text");
+    return std::nullopt;
+  }
   const auto& choices = key.field.choices;
   if (choices.empty() && !node.text.empty()) return node.text;
-  if (node.text.empty()) return key.reading.error(node.place, key.label + " is empty"), std::nullopt;
+  if (node.text.empty()) {
+    key.reading.error(node.place, key.label + " is empty");
+    return std::nullopt;
+  }
   if (std::find(choices.begin(), choices.end(), node.text) != choices.end()) return node.text;
   const std::size_t space = key.label.rfind(' ');
   key.reading.error(node.place, fmt::format("unknown {} '{}' in {}{}", key.field.name, node.text,

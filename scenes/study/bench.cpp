@@ -24,7 +24,10 @@ std::vector<std::vector<std::string>> sizes_of(const Scene& scene) {
   for (const auto& v : scene.benchmark->sizes) {
     std::vector<std::vector<std::string>> longer;
     for (const auto& before : all)
-      for (const auto& value : v.values) longer.push_back(before), longer.back().push_back(v.key + "=" + value);
+      for (const auto& value : v.values) {
+        longer.push_back(before);
+        longer.back().push_back(v.key + "=" + value);
+      }
     all = std::move(longer);
   }
   return all;
@@ -191,7 +194,10 @@ void run_bench(const BenchSetup& setup, const std::function<void(const std::stri
   for (const auto& overrides : sizes_of(*read.scene)) {
     Size size(setup, overrides);
     Machine machine(setup.threads);
-    for (int round = 0; round < setup.repeats; ++round) size.run_round(), machine.look(size);
+    for (int round = 0; round < setup.repeats; ++round) {
+      size.run_round();
+      machine.look(size);
+    }
     const std::vector<const CaseResult*> medians = size.medians();
     for (std::size_t k = 0; k < medians.size(); ++k)
       print(row(setup.scene, size.label, setup.threads[k], error, *medians[k], size.cases[k].folder));

@@ -51,7 +51,10 @@ std::vector<std::size_t> front_of(const Chart& chart, std::size_t measure) {
   });
   double best = INFINITY;
   for (const std::size_t k : good)
-    if (error(k) < best) front.push_back(k), best = error(k);
+    if (error(k) < best) {
+      front.push_back(k);
+      best = error(k);
+    }
   return front;
 }
 

@@ -135,7 +135,8 @@ ScatterPlot error_over_time(const Chart& chart, std::size_t measure) {
   };
   ScatterPlot plot;
   plot.joined = chart.one_question;
-  plot.x_label = chart.time_label, plot.y_label = (measure == 0 ? study.error : study.more_errors[measure - 1]).axis_label();
+  plot.x_label = chart.time_label;
+  plot.y_label = (measure == 0 ? study.error : study.more_errors[measure - 1]).axis_label();
   double least = INFINITY;
   for (const auto& p : chart.points)
     if (has_error(p) && error(p) > 0) least = std::min(least, error(p));
@@ -144,10 +145,10 @@ ScatterPlot error_over_time(const Chart& chart, std::size_t measure) {
     auto line =
         std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == p.method.name; });
     if (line == plot.lines.end()) line = plot.lines.insert(plot.lines.end(), PlotLine{p.method.name, {}, {}, {}});
-    if (has_error(p))
-      line->points.push_back({p.time, std::max(error(p), floor)}),
-          line->bars.push_back({p.least_time, p.least_time + p.time_spread});
-    else if (p.status != "not_run")
+    if (has_error(p)) {
+      line->points.push_back({p.time, std::max(error(p), floor)});
+      line->bars.push_back({p.least_time, p.least_time + p.time_spread});
+    } else if (p.status != "not_run")
       line->failed.push_back(p.time);
   }
   if (chart.one_question)
@@ -164,7 +165,8 @@ ScatterPlot error_over_time(const Chart& chart, std::size_t measure) {
 /// Time over the study's axis, a line per method.
 ScatterPlot time_over_axis(const Chart& chart) {
   ScatterPlot plot;
-  plot.x_label = chart.study.axis_label, plot.y_label = chart.time_label;
+  plot.x_label = chart.study.axis_label;
+  plot.y_label = chart.time_label;
   for (const auto& p : chart.points) {
     auto line =
         std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == p.method.name; });

@@ -37,10 +37,14 @@ std::vector<double> coarse_to_fine(const std::vector<double>& values) {
   std::vector<double> out;
   std::vector<bool> taken(values.size(), false);
   const auto take = [&](std::size_t k) {
-    if (!taken[k]) out.push_back(values[k]), taken[k] = true;
+    if (!taken[k]) {
+      out.push_back(values[k]);
+      taken[k] = true;
+    }
   };
   if (values.empty()) return out;
-  take(0), take(values.size() - 1);
+  take(0);
+  take(values.size() - 1);
   for (std::size_t stride = values.size() / 2; stride > 0; stride /= 2)
     for (std::size_t k = stride; k < values.size(); k += stride) take(k);
   return out;
@@ -107,8 +111,10 @@ struct Seeker {
       if (!read.scene) throw SceneError(read.problems);
       if (const auto old = finished_case(wanted, scene_hash(*read.scene)))
         out[i] = judge(asked[i].first, asked[i].second, *old);
-      else
-        todo.push_back(wanted), index.push_back(i);
+      else {
+        todo.push_back(wanted);
+        index.push_back(i);
+      }
     }
     CaseLimits cut = limits;
     cut.seconds = std::min(limits.seconds, left());
@@ -156,22 +162,28 @@ struct Seeker {
       const LimitCase& c = answers.front();
       if (c.kind.empty())
         s.good = c.at.back();
-      else
-        s.bad = c.at.back(), s.limit.kind = c.kind;
-      s.limit.last_good = s.good, s.limit.first_failing = s.bad;
+      else {
+        s.bad = c.at.back();
+        s.limit.kind = c.kind;
+      }
+      s.limit.last_good = s.good;
+      s.limit.first_failing = s.bad;
       return;
     }
     const LimitCase &low = answers[0], &high = answers[1];
     s.ended = low.kind.empty() == high.kind.empty();
     const bool falling = !low.kind.empty();  // fails at the lower end, works at the upper
-    s.good = falling ? high.at.back() : low.at.back(), s.bad = falling ? low.at.back() : high.at.back();
+    s.good = falling ? high.at.back() : low.at.back();
+    s.bad = falling ? low.at.back() : high.at.back();
     s.limit.kind = falling ? low.kind : high.kind;
     if (s.ended && falling)
       s.limit.first_failing = low.at.back();
     else if (s.ended)
       s.limit.last_good = high.at.back();
-    else
-      s.limit.last_good = s.good, s.limit.first_failing = s.bad;
+    else {
+      s.limit.last_good = s.good;
+      s.limit.first_failing = s.bad;
+    }
   }
 
   /// The limit that a scan has shown: the last value before its first failure.
@@ -179,7 +191,8 @@ struct Seeker {
     std::sort(s.answers.begin(), s.answers.end(), [](const LimitCase& a, const LimitCase& b) { return a.at < b.at; });
     for (const LimitCase& c : s.answers) {
       if (!c.kind.empty()) {
-        s.limit.first_failing = c.at.back(), s.limit.kind = c.kind;
+        s.limit.first_failing = c.at.back();
+        s.limit.kind = c.kind;
         return;
       }
       s.limit.last_good = c.at.back();
@@ -212,7 +225,10 @@ struct Seeker {
     for (std::size_t k = 0; k < searches.size(); at += count[k++]) {
       std::vector<LimitCase> own;
       for (std::size_t i = at; i < at + count[k]; ++i)
-        if (answers[i]) own.push_back(*answers[i]), map.cases.push_back(*answers[i]);
+        if (answers[i]) {
+          own.push_back(*answers[i]);
+          map.cases.push_back(*answers[i]);
+        }
       map.whole = map.whole && own.size() == count[k];
       const bool all_there = own.size() == count[k] && count[k] > 0;
       if (all_there || (!study.parameters.back().bisect && !own.empty()))

@@ -76,9 +76,9 @@ void draw_limits(const LimitMap& map, const std::filesystem::path& folder) {
     KindMap picture;
     picture.title = (study.title.empty() ? std::filesystem::path(study.file).stem().string() : study.title) +
                     (two && many ? ": " + study.methods[m].name : "");
-    picture.x_label = two ? study.parameters.front().label : study.parameters.back().label,
+    picture.x_label = two ? study.parameters.front().label : study.parameters.back().label;
     picture.y_label = two ? study.parameters.back().label : "method";
-    picture.log_x = two ? study.parameters.front().log : study.parameters.back().log,
+    picture.log_x = two ? study.parameters.front().log : study.parameters.back().log;
     picture.log_y = two && study.parameters.back().log;
     picture.kinds = {"ok"};
     for (const auto& c : map.cases) {

@@ -48,13 +48,19 @@ double round_trip() try {
   alignas(64) std::atomic<int> word{0};
   const auto wait_for = [&word](int value) {
     for (int spins = 0; word.load(std::memory_order_acquire) != value; ++spins)
-      if (spins > 10000) std::this_thread::yield(), spins = 0;  // both on one processor
+      if (spins > 10000) {  // both on one processor
+        std::this_thread::yield();
+        spins = 0;
+      }
   };
   double best = std::numeric_limits<double>::infinity();
   for (int repeat = 0; repeat < 2; ++repeat) {
     word = 0;
     std::thread other([&] {
-      for (int k = 0; k < trips; ++k) wait_for(2 * k + 1), word.store(2 * k + 2, std::memory_order_release);
+      for (int k = 0; k < trips; ++k) {
+        wait_for(2 * k + 1);
+        word.store(2 * k + 2, std::memory_order_release);
+      }
     });
     const auto there_and_back = [&](int k) { word.store(2 * k + 1, std::memory_order_release), wait_for(2 * k + 2); };
     there_and_back(0);  // it has started then

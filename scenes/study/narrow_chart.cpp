@@ -52,7 +52,9 @@ double ask_all(const std::vector<Question>& all, ConvexMethod method, ChartPoint
   for (std::size_t k = 0; k < all.size(); ++k)
     answers[k] = ask(method, all[k].a.view(), all[k].b.view(), all[k].pose_a, all[k].pose_b);
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &end);
-  point.error = finest, point.status = "completed", point.trouble.clear();
+  point.error = finest;
+  point.status = "completed";
+  point.trouble.clear();
   std::size_t wrong = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const CorpusPair& p = *all[k].pair;
@@ -60,8 +62,10 @@ double ask_all(const std::vector<Question>& all, ConvexMethod method, ChartPoint
     point.error = std::max(point.error, std::abs(answers[k].distance - p.distance) * 1e-12 / p.resolution());
     wrong += std::abs(p.distance) > p.resolution() && (answers[k].distance < 0) != (p.distance < 0);
   }
-  if (wrong > 0)
-    point.status = "wrong_class", point.trouble = fmt::format("{} pairs on the wrong side of touching", wrong);
+  if (wrong > 0) {
+    point.status = "wrong_class";
+    point.trouble = fmt::format("{} pairs on the wrong side of touching", wrong);
+  }
   const double seconds =
       static_cast<double>(end.tv_sec - begin.tv_sec) + 1e-9 * static_cast<double>(end.tv_nsec - begin.tv_nsec);
   return seconds / static_cast<double>(all.size());

@@ -85,7 +85,8 @@ LimitCase judge_patch_case(const Study& study, std::size_t method, const std::ve
     const double error = error_of(f.quantity, r, truth);
     c.detail = fmt::format("{} = {:.3g}", f.quantity, error);
     if (!(error > f.limit)) continue;
-    c.status = "failed", c.kind = r.reasons.empty() ? "wrong in silence" : "wrong but said so";
+    c.status = "failed";
+    c.kind = r.reasons.empty() ? "wrong in silence" : "wrong but said so";
     break;
   }
   return c;
@@ -115,7 +116,10 @@ Chart run_patch_chart(const Study& study, const std::function<void(const std::st
     for (const std::size_t k : order_of_turns(study)) {
       ChartPoint& p = chart.points[k];
       if (spent()) {
-        if (round == 0) p.status = "not_run", p.trouble = "the budget of the study was spent";
+        if (round == 0) {
+          p.status = "not_run";
+          p.trouble = "the budget of the study was spent";
+        }
         continue;
       }
       const PatchResult r = single(study, study.methods[k].overrides);
@@ -123,7 +127,8 @@ Chart run_patch_chart(const Study& study, const std::function<void(const std::st
       if (round > 0) continue;
       p.status = r.reasons.empty() ? "completed" : "outside_its_range";
       p.trouble = join(r.reasons);
-      p.error = error_of(study.error.name, r, reference), p.error_spread = chart.reference_error;
+      p.error = error_of(study.error.name, r, reference);
+      p.error_spread = chart.reference_error;
       p.is_reference = p.method.overrides == study.reference;
       p.accurate = !study.accuracy || p.error <= *study.accuracy;
       say(fmt::format("{}/{} {} [{}]: {}, {:.3g} ms, error {:.3g}", k + 1, study.methods.size(), p.method.name,

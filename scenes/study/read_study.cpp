@@ -133,7 +133,10 @@ struct StudyReader {
     Field key = field("key", Kind::text, "");
     key.optional = false;
     const TableValues v = read_table(node, "axis", {key, field("label", Kind::text, "")}, reading);
-    if (v.has("key")) study.axis = v.text("key"), study.axis_label = v.text(v.has("label") ? "label" : "key");
+    if (v.has("key")) {
+      study.axis = v.text("key");
+      study.axis_label = v.text(v.has("label") ? "label" : "key");
+    }
   }
 
   void read_parameter(const Node& node) {
@@ -143,7 +146,8 @@ struct StudyReader {
     key.optional = false;
     Field scale = field("scale", Kind::text, "", Value(std::string("linear"))),
           search = field("search", Kind::text, "", Value(std::string("scan")));
-    scale.choices = {"linear", "log"}, search.choices = {"scan", "bisect"};
+    scale.choices = {"linear", "log"};
+    search.choices = {"scan", "bisect"};
     Field count = field("count", Kind::integer, "", Value(10.0));
     count.range = {2, 1000};
     const TableValues v =
@@ -191,7 +195,8 @@ struct StudyReader {
     scene.optional = false;
     Field repeats = field("repeats", Kind::integer, "", Value(3.0)),
           threads = field("threads", Kind::integer, "", Value(1.0));
-    repeats.range = {1, 100}, threads.range = {1, 4096};
+    repeats.range = {1, 100};
+    threads.range = {1, 4096};
     Field cost = field("cost", Kind::text, "", Value(std::string("run")));
     cost.choices = {"run", "broad-phase"};
     const TableValues v = read_table(
@@ -203,10 +208,13 @@ struct StudyReader {
     if (!v.has("scene")) return;
     study.scene = resolve_path(v.text("scene"), v.place_of("scene"), study.file);
     const auto text = [&](const char* key) { return v.has(key) ? v.text(key) : std::string{}; };
-    study.title = text("title"), study.theory = text("theory"), study.theory_label = text("theory_label");
+    study.title = text("title");
+    study.theory = text("theory");
+    study.theory_label = text("theory_label");
     study.accuracy = v.optional_number("accuracy");
     study.cost = v.text("cost") == "run" ? Study::Cost::run : Study::Cost::broad_phase;
-    study.repeats = static_cast<int>(v.integer("repeats")), study.threads = static_cast<int>(v.integer("threads"));
+    study.repeats = static_cast<int>(v.integer("repeats"));
+    study.threads = static_cast<int>(v.integer("threads"));
     if (const auto limit = parse_duration(v.text("time_limit")))
       study.time_limit = *limit;
     else
@@ -215,8 +223,14 @@ struct StudyReader {
     for (const auto& [key, place, value] : root.members) {
       if (key == "error") read_errors(value);
       if (key == "axis") read_axis(value);
-      if (key == "again") study.again = overrides_of(value), study.has_again = true;
-      if (key == "reference") study.reference = overrides_of(value), study.has_reference = true;
+      if (key == "again") {
+        study.again = overrides_of(value);
+        study.has_again = true;
+      }
+      if (key == "reference") {
+        study.reference = overrides_of(value);
+        study.has_reference = true;
+      }
       if (key == "set") study.fixed = overrides_of(value);
       if (key == "fails_when") read_failures(value);
       if (key == "parameter") read_parameter(value);

@@ -128,7 +128,8 @@ struct Runner {
 
   /// Errors and whether they are small enough, from the first run of a point.
   void judge(ChartPoint& p, const Case& wanted, const CaseResult& r, const Truth& truth) const {
-    p.residual = r.summary.number("residual.max"), p.energy_error = r.summary.number("energy.relative_error"),
+    p.residual = r.summary.number("residual.max");
+    p.energy_error = r.summary.number("energy.relative_error");
     p.overlap_relative = r.summary.number("overlap.max_relative");
     p.error_spread = truth.own_errors[0];
     p.more_errors.clear();
@@ -151,10 +152,14 @@ struct Runner {
   void add(ChartPoint& p, const Case& wanted, const CaseResult& r, std::vector<double>& times) const {
     const std::string hash = r.summary.text("state_hash");
     const bool first = times.empty();
-    if (first)
-      p.status = r.status, p.trouble = r.trouble, p.state_hash = hash;
-    else if (p.good() && (r.status != p.status || hash != p.state_hash))
-      p.status = "differs", p.trouble = "repeats ended in different states";
+    if (first) {
+      p.status = r.status;
+      p.trouble = r.trouble;
+      p.state_hash = hash;
+    } else if (p.good() && (r.status != p.status || hash != p.state_hash)) {
+      p.status = "differs";
+      p.trouble = "repeats ended in different states";
+    }
     times.push_back(time_of(r));
     const double ns = r.number("ns_per_body_step", 0.0);
     p.ns_per_body_step = first ? ns : std::min(p.ns_per_body_step, ns);
@@ -185,9 +190,12 @@ struct Runner {
     const Case wanted{joined(joined(study.fixed, best.method.overrides), study.again), folder / "again"};
     const CaseResult r = run_case(study.scene, wanted, limits);
     ChartPoint p;
-    p.status = r.status, p.trouble = r.trouble;
+    p.status = r.status;
+    p.trouble = r.trouble;
     judge(p, wanted, r, truth);
-    opinion.holds = p.good() && p.accurate, opinion.error = p.error, opinion.trouble = p.trouble;
+    opinion.holds = p.good() && p.accurate;
+    opinion.error = p.error;
+    opinion.trouble = p.trouble;
     if (p.good() && !p.accurate) opinion.trouble = "outside [accuracy]";
     return opinion;
   }
@@ -208,7 +216,10 @@ void run_rounds(Runner& runner, Chart& chart, const std::vector<Case>& cases, co
       if (limits.seconds > 0) r = run_case(study.scene, cases[k], limits);
       if (r.status == "interrupted") throw FileError("interrupted");
       if (limits.seconds < runner.limits.seconds && (r.status.empty() || r.status == "over_budget")) {
-        if (round == 0) p.status = "not_run", p.trouble = "the budget of the study was spent";
+        if (round == 0) {
+          p.status = "not_run";
+          p.trouble = "the budget of the study was spent";
+        }
         continue;
       }
       runner.add(p, cases[k], r, times[k]);
@@ -231,7 +242,9 @@ Chart run_chart(const Study& study, const fs::path& folder, const std::function<
   if (study.cost == Study::Cost::broad_phase) chart.time_label = "broad phase: seconds per body and step";
   const auto begin = std::chrono::steady_clock::now();
   CaseLimits limits;
-  limits.program = study.program, limits.threads = study.threads, limits.seconds = study.time_limit;
+  limits.program = study.program;
+  limits.threads = study.threads;
+  limits.seconds = study.time_limit;
   Runner runner{study, folder, limits, say, {}};
   runner.find_truths();
   const std::vector<double>& own = runner.truths.begin()->second.own_errors;

@@ -38,7 +38,8 @@ std::optional<double> distance(const std::filesystem::path& run, const std::file
   for (std::size_t i = 0; i < x.bodies.size(); ++i) {
     if (x.bodies[i].id != y.bodies[i].id) return std::nullopt;
     if (x.bodies[i].is_wall()) continue;
-    sum += (x.bodies[i].pose.position - y.bodies[i].pose.position).squaredNorm(), ++moving;
+    sum += (x.bodies[i].pose.position - y.bodies[i].pose.position).squaredNorm();
+    ++moving;
   }
   return moving > 0 ? std::optional(std::sqrt(sum / static_cast<double>(moving))) : std::nullopt;
 }
@@ -56,7 +57,8 @@ std::optional<double> study_error(const ErrorSpec& error, const CaseResult& resu
       if (at == yardstick.values.end()) return std::nullopt;
       target = at->second;
     }
-    sum += (value - target) * (value - target), scale += target * target;
+    sum += (value - target) * (value - target);
+    scale += target * target;
   }
   return error.relative && scale > 0 ? std::sqrt(sum / scale) : std::sqrt(sum);
 }

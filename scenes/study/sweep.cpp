@@ -32,7 +32,10 @@ SweepPlan plan_sweep(const std::string& path, const std::vector<std::string>& ov
     sweep.keys.push_back(v.key);
     std::vector<std::vector<std::string>> longer;
     for (const auto& before : sweep.values)
-      for (const auto& value : v.values) longer.push_back(before), longer.back().push_back(value);
+      for (const auto& value : v.values) {
+        longer.push_back(before);
+        longer.back().push_back(value);
+      }
     sweep.values = std::move(longer);
     if (sweep.values.size() > most_sweep_cases) throw SceneError(path + ": [sweep] has more than 100000 cases");
   }

@@ -19,13 +19,17 @@ struct BroadScene {
 
   BodyId add_sphere(const Vec3& x, double r, const Vec3& v = Vec3::Zero(), bool free = true) {
     Body b;
-    b.position = x, b.velocity = v, b.mass = free ? r * r * r : 0.0, b.inertia = Vec3::Constant(r * r * r * r * r);
+    b.position = x;
+    b.velocity = v;
+    b.mass = free ? r * r * r : 0.0;
+    b.inertia = Vec3::Constant(r * r * r * r * r);
     b.shape = shapes.add(Sphere{r}).packed;
     return world.add(b);
   }
   BodyId add_plane(const Vec3& x, const Vec3& n) {
     Body b;
-    b.position = x, b.shape = shapes.add(HalfSpace{n.normalized()}).packed;
+    b.position = x;
+    b.shape = shapes.add(HalfSpace{n.normalized()}).packed;
     return world.add(b);
   }
 };

@@ -14,10 +14,13 @@ inline TriangleSurface floor_surface(Random& random, std::uint32_t n, Joints joi
   TriangleSurface s;
   const double cell = 2.0 / n;
   const auto quad = [&](const std::array<std::uint32_t, 4>& q) {
-    if (random.bits() & 1u)
-      s.triangles.push_back({q[0], q[1], q[2]}), s.triangles.push_back({q[0], q[2], q[3]});
-    else
-      s.triangles.push_back({q[1], q[2], q[3]}), s.triangles.push_back({q[1], q[3], q[0]});
+    if (random.bits() & 1u) {
+      s.triangles.push_back({q[0], q[1], q[2]});
+      s.triangles.push_back({q[0], q[2], q[3]});
+    } else {
+      s.triangles.push_back({q[1], q[2], q[3]});
+      s.triangles.push_back({q[1], q[3], q[0]});
+    }
   };
   if (joints == Joints::staggered) {
     for (std::uint32_t j = 0; j < n; ++j)

@@ -44,7 +44,8 @@ TEST_CASE("a start of any age changes no bit of the axis nor of the distance", "
       const PolyhedronDistance d = polyhedron_distance(pair);
       PairMemory memory;
       memory.kind = static_cast<std::uint8_t>(before.kind);
-      memory.feature_a = before.feature_a, memory.feature_b = before.feature_b;
+      memory.feature_a = before.feature_a;
+      memory.feature_b = before.feature_b;
       CHECK(same_bits(polyhedron_distance(pair, infinity, &memory), d));
       overlapping += d.axis.gap < 0.0;
       before = d.axis;
@@ -83,7 +84,8 @@ TEST_CASE("contacts are the same bits with the memory of a pair and without", "[
     pose.orientation = Quat(Eigen::AngleAxisd(3e-3, testing::random_direction(random))) * pose.orientation;
     ContactSet with, without;
     ContactSink sink_with(with), sink_without(without);
-    sink_with.begin(0, 1), sink_without.begin(0, 1);
+    sink_with.begin(0, 1);
+    sink_without.begin(0, 1);
     PairQuery q{{}, pose, 0.01, false, &cache};
     collide(box, hull, q, sink_with);
     q.cache = nullptr;

@@ -19,7 +19,8 @@ void drift(World& world, double dt = 1.0) {
 /// Pairs of spheres closer than reach, by brute force.
 PairColumn close_pairs(const BroadScene& scene) {
   BroadScene tight;
-  tight.shapes = scene.shapes, tight.setup.reach = scene.setup.reach;
+  tight.shapes = scene.shapes;
+  tight.setup.reach = scene.setup.reach;
   return pairs_by_definition(tight, scene.world);
 }
 
@@ -37,7 +38,8 @@ TEST_CASE("every method lists the pairs of the definition, sorted", "[detection]
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         INFO(kind << " " << entry.entry.name << " seed " << seed);
         BroadScene scene = random_scene(kind, 700, seed);
-        scene.setup.margin = 0.11, scene.setup.reach = 0.03;
+        scene.setup.margin = 0.11;
+        scene.setup.reach = 0.03;
         const auto broad = entry.make(scene.setup);
         PairList list;
         broad->find_pairs(scene.world, list);
@@ -69,7 +71,8 @@ TEST_CASE("distances a hair's breadth from the sum of the radii are told apart a
     for (const double far : {1.0, 1e4, 1e20}) {  // clusters so far apart, of which one is at the origin
       INFO("unit " << unit << ", clusters " << far << " apart");
       BroadScene scene;
-      scene.setup.shapes = &scene.shapes, scene.setup.margin = 0.1 * unit;
+      scene.setup.shapes = &scene.shapes;
+      scene.setup.margin = 0.1 * unit;
       Random random(11, 0);
       for (int i = 0; i < 600; ++i) {
         const Vec3 x = random_point(random, 8.0) + far * Vec3(i % 3 == 0, i % 3 == 1, 0.0);
@@ -91,7 +94,8 @@ TEST_CASE("over many steps no close pair is missing, all methods agree, and list
     for (double margin : {0.0, 0.2}) {
       INFO(kind << " margin " << margin);
       BroadScene scene = random_scene(kind, 500, 4);
-      scene.setup.margin = margin, scene.setup.reach = 0.02;
+      scene.setup.margin = margin;
+      scene.setup.reach = 0.02;
       std::vector<std::unique_ptr<BroadPhase>> methods;
       for (const auto& e : all_broad_phases()) methods.push_back(e.make(scene.setup));
       std::vector<PairList> lists(methods.size());
@@ -264,7 +268,9 @@ TEST_CASE("a spinning needle is listed before its tip arrives", "[detection][bro
     scene.world = World({.rotation = true, .anisotropy = true});
     scene.setup.shapes = &scene.shapes;
     Body needle;
-    needle.mass = 1.0, needle.inertia = Vec3(1, 10, 10), needle.angular_velocity = Vec3(0, 0, 1);
+    needle.mass = 1.0;
+    needle.inertia = Vec3(1, 10, 10);
+    needle.angular_velocity = Vec3(0, 0, 1);
     needle.shape = scene.shapes.add(Box{Vec3(2.0, 0.01, 0.01)}).packed;
     scene.world.add(needle);
     scene.add_sphere({0, 1.9, 0}, 0.05);
@@ -390,8 +396,10 @@ TEST_CASE("what falls side by side keeps its list, and meets what does not fall"
     const auto broad = entry.make(scene.setup);
     PairList list;
     for (int k = 0; k < 1200; ++k) {  // 7.2 m, 14 radii; 18 lists, 62 of ways without a common frame
-      for (Slot s = 0; s < 64; ++s)
-        scene.world.velocity[s].z() -= g * dt, scene.world.position[s] += dt * scene.world.velocity[s];
+      for (Slot s = 0; s < 64; ++s) {
+        scene.world.velocity[s].z() -= g * dt;
+        scene.world.position[s] += dt * scene.world.velocity[s];
+      }
       scene.world.time += dt;
       broad->find_pairs(scene.world, list);
       const auto close = close_pairs(scene);
@@ -409,7 +417,10 @@ TEST_CASE("margins of spheres at rest grow where these end lists early, and shri
   const auto broad = make_broad_phase("spatial-hash", scene.setup, scene.world);
   PairList list;
   const auto wait = [&](int steps) {
-    for (int k = 0; k < steps; ++k) scene.world.time += 1.0, broad->find_pairs(scene.world, list);
+    for (int k = 0; k < steps; ++k) {
+      scene.world.time += 1.0;
+      broad->find_pairs(scene.world, list);
+    }
   };
   wait(2);
   CHECK(2.0 / list.inverse_half_margin[0] == Approx(0.06 * 0.5));
@@ -431,7 +442,8 @@ TEST_CASE("without balls the ways of bodies are little more than they are, never
     scene.world.reorder(morton_order(scene.world));
     const double edge = 1.2 * std::cbrt(3000.0);
     FatBodies exact, coarse;
-    exact.update(scene.world, scene.setup, 1e-3, false), coarse.update(scene.world, scene.setup, 1e-3, false);
+    exact.update(scene.world, scene.setup, 1e-3, false);
+    coarse.update(scene.world, scene.setup, 1e-3, false);
     coarse.rest_balls();
     CHECK(coarse.size() == exact.size());
     CHECK_FALSE(coarse.worn(scene.world).out);

@@ -24,8 +24,12 @@ struct Shot {
   template <class S>
   Slot add(const S& shape, const Pose& pose, const Vec3& velocity, bool flag) {
     Body body;
-    body.shape = shapes.add(shape).packed, body.position = pose.position, body.orientation = pose.orientation;
-    body.velocity = velocity, body.mass = velocity.squaredNorm() > 0.0 ? 1.0 : 0.0, body.inertia = Vec3::Ones();
+    body.shape = shapes.add(shape).packed;
+    body.position = pose.position;
+    body.orientation = pose.orientation;
+    body.velocity = velocity;
+    body.mass = velocity.squaredNorm() > 0.0 ? 1.0 : 0.0;
+    body.inertia = Vec3::Ones();
     const BodyId id = world.add(body);
     if (flag) flagged.push_back(id);
     return world.slot_of(id);
@@ -117,7 +121,8 @@ TEST_CASE("no body of 10000 passes a plate, a wall of triangles or a plane", "[d
     const double size = std::pow(10.0, -random.uniform(1, 3)), speed = size * std::pow(10.0, random.uniform(0.5, 3));
     const Vec3 aim(random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8), 0.0);
     Vec3 direction = testing::random_direction(random);
-    direction.z() = -std::abs(direction.z()) - 0.1, direction.normalize();
+    direction.z() = -std::abs(direction.z()) - 0.1;
+    direction.normalize();
     const Pose start{aim - random.uniform(0.05, 0.9) * speed * direction + Vec3(0, 0, size),
                      testing::random_turn(random)};
     Slot s = 0;

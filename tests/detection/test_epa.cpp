@@ -98,7 +98,8 @@ TEST_CASE("the deepest points are a tip and its foot wherever the tip stands on 
   std::vector<std::vector<std::uint32_t>> faces;
   for (std::uint32_t k = 0; k < 6; ++k) {
     points.emplace_back(0.4 * std::cos(k * std::acos(0.5)), 0.4 * std::sin(k * std::acos(0.5)), 0.0);
-    faces.push_back({2 + k, 2 + (k + 1) % 6, 1}), faces.push_back({2 + (k + 1) % 6, 2 + k, 0});
+    faces.push_back({2 + k, 2 + (k + 1) % 6, 1});
+    faces.push_back({2 + (k + 1) % 6, 2 + k, 0});
   }
   const ConvexHull tip = ConvexHull::from_faces(points, faces).hull;
   REQUIRE(tip.vertices.size() == 8);

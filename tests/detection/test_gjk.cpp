@@ -57,7 +57,8 @@ TEST_CASE("the sub-distance agrees with sampling of barycentric coordinates", "[
       double sum = 0.0;
       for (std::size_t v = 0; v < 4; ++v) {
         const double w = random.uniform() * random.uniform();
-        p += w * whole.vertex[v].y, sum += w;
+        p += w * whole.vertex[v].y;
+        sum += w;
       }
       CHECK((p / sum).norm() >= closest.norm() - 1e-12);
     }

@@ -94,8 +94,10 @@ TEST_CASE("order, duplicates and points inside do not change a hull", "[detectio
   for (int k = 0; k < 40; ++k) points.push_back(random_direction(random));
   const HullSurface hull = hull_from_points(points);
   auto more = points;
-  for (int k = 0; k < 40; ++k)
-    more.push_back(points[static_cast<std::size_t>(k)]), more.push_back(0.3 * random_direction(random));
+  for (int k = 0; k < 40; ++k) {
+    more.push_back(points[static_cast<std::size_t>(k)]);
+    more.push_back(0.3 * random_direction(random));
+  }
   std::reverse(more.begin(), more.end());
   const HullSurface again = hull_from_points(more);
   CHECK(again.vertices == hull.vertices);
@@ -219,7 +221,8 @@ TEST_CASE("sets without a volume are refused with what is wrong", "[detection][h
   Random random(26, 0);
   for (int k = 0; k < 20; ++k) {
     const double x = random.uniform(), y = random.uniform();
-    flat.push_back({x, y, 1.0 - x + 0.5 * y}), line.push_back({x, 2 * x, -x});
+    flat.push_back({x, y, 1.0 - x + 0.5 * y});
+    line.push_back({x, 2 * x, -x});
   }
   CHECK_THROWS_WITH(hull_from_points(flat),
                     Equals("error: the vertices of the polyhedron lie on one plane: they enclose no volume"));

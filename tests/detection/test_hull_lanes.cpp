@@ -82,7 +82,8 @@ TEST_CASE("points below all faces but some are told from others on every instruc
       const std::size_t own = static_cast<std::size_t>(k % 4);
       const double next = height[order[own]];
       for (const double least : {next, std::nextafter(next, infinity)}) {
-        ++tried, below += least > next;
+        ++tried;
+        below += least > next;
         for (const HullKernels& loops : all_hull_kernels()) {
           INFO(loops.name);
           CHECK(loops.all_below(h.lanes.faces, points, least, {order.data(), own}) == (least > next));
@@ -118,7 +119,8 @@ TEST_CASE("faces and edges let through are those of plain loops on every instruc
         if (needed > 0.0 && !ends && !between) continue;
         edges.push_back(e);
       }
-      let += edges.size(), held += h.edges.size() - edges.size();
+      let += edges.size();
+      held += h.edges.size() - edges.size();
       for (const HullKernels& loops : all_hull_kernels()) {
         INFO(loops.name);
         std::vector<std::uint32_t> found(faces);

@@ -193,7 +193,8 @@ TEST_CASE("a needle, all its sides too steep to carry a point, pricks midway bet
 
 TEST_CASE("swept boxes touch at their skins with the same four points", "[detection][manifold]") {
   Box floor(Vec3(2, 2, 0.5)), box(Vec3::Constant(0.5));
-  floor.hull.sweep = 0.05, box.hull.sweep = 0.02;
+  floor.hull.sweep = 0.05;
+  box.hull.sweep = 0.02;
   const Patch p = patch_of(floor.hull, {}, box.hull, {{0, 0, 1.06}, upright});
   REQUIRE(p.count == 4);
   for (const auto& c : p.point) {

@@ -101,7 +101,8 @@ TEST_CASE("through the narrow phase the mesh may be A or B, and remembered candi
   const auto detect = [&](bool mesh_first) {
     const World world = build(mesh_first);
     PairList list;
-    list.margin = 0.01, list.generation = 1;
+    list.margin = 0.01;
+    list.generation = 1;
     if (mesh_first)
       list.pairs = {{0, 1}, {0, 2}};
     else

@@ -45,9 +45,11 @@ Found held(int count) {
     const A a = support::random_shape<A>(random);
     const ConvexHull hull = support::random_hull(random, 6 + random.bits() % 20);
     Body body;
-    body.shape = shapes.add(a).packed, body.orientation = testing::random_turn(random);
+    body.shape = shapes.add(a).packed;
+    body.orientation = testing::random_turn(random);
     world.add(body);
-    body.shape = shapes.add(support::surface_of(hull)).packed, body.orientation = testing::random_turn(random);
+    body.shape = shapes.add(support::surface_of(hull)).packed;
+    body.orientation = testing::random_turn(random);
     body.position = (a.bounding_radius() + hull.bounding_radius()) * testing::random_direction(random);
     world.add(body);
     // twice: from apart along the normal to touch, and a little in
@@ -58,7 +60,9 @@ Found held(int count) {
     }
     const double exact = hull_answer(a, world.pose(0), hull, world.pose(1)).gap;
     const double gap = deepest<A>(shapes, world, 1e-3 * size);
-    ++out.pairs, out.missed += gap == infinity, out.too_deep += gap < exact - 1e-6 * size;
+    ++out.pairs;
+    out.missed += gap == infinity;
+    out.too_deep += gap < exact - 1e-6 * size;
     out.off += std::abs(gap - exact) > 1e-6 * size;
   }
   return out;
@@ -111,7 +115,8 @@ Found laid(const A& a, int count, std::uint64_t stream) {
     body.position = turn * at;
     world.add(body);
     body.shape = shapes.add(TriangleMesh::from_surface(table_surface(half, 1 + random.bits() % 4, random))).packed;
-    body.orientation = turn, body.position = Vec3::Zero();
+    body.orientation = turn;
+    body.position = Vec3::Zero();
     world.add(body);
     const double size = a.bounding_radius();
     const double depth = std::pow(10.0, random.uniform(-7, -3)) * size;
@@ -121,7 +126,9 @@ Found laid(const A& a, int count, std::uint64_t stream) {
     }
     const double exact = hull_answer(a, world.pose(0), solid, world.pose(1)).gap;
     const double gap = deepest<A>(shapes, world, 1e-3 * size);
-    ++out.pairs, out.missed += gap == infinity, out.too_deep += gap < exact - 1e-6 * size;
+    ++out.pairs;
+    out.missed += gap == infinity;
+    out.too_deep += gap < exact - 1e-6 * size;
     out.off += std::abs(gap - exact) > 1e-6 * size;
   }
   return out;
@@ -242,7 +249,8 @@ Found notched(const A& a, int count, std::uint64_t stream) {
                             Vec3(0, 0, random.uniform(0.2, 1.0) * size));
     world.add(body);
     body.shape = shapes.add(TriangleMesh::from_surface(surface_of(plate, random))).packed;
-    body.orientation = turn, body.position = Vec3::Zero();
+    body.orientation = turn;
+    body.position = Vec3::Zero();
     world.add(body);
     const double depth = std::pow(10.0, random.uniform(-7, -3)) * size;
     Way now{0, Vec3::Zero()};
@@ -253,7 +261,9 @@ Found notched(const A& a, int count, std::uint64_t stream) {
     }
     if (!(std::abs(now.gap + depth) < 1e-9 * size)) continue;
     const double gap = deepest<A>(shapes, world, 1e-3 * size);
-    ++out.pairs, out.missed += gap == infinity, out.too_deep += gap < now.gap - 1e-6 * size;
+    ++out.pairs;
+    out.missed += gap == infinity;
+    out.too_deep += gap < now.gap - 1e-6 * size;
     out.off += std::abs(gap - now.gap) > 1e-6 * size;
   }
   return out;

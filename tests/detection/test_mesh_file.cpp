@@ -38,10 +38,11 @@ std::string ascii_stl(const TriangleSurface& s) {
   char line[160];
   for (const auto& t : s.triangles) {
     text += " facet normal 0 0 0\n  outer loop\n";
-    for (const auto v : t)
+    for (const auto v : t) {
       std::snprintf(line, sizeof line, "   vertex %.17g %.17g %.17g\n", s.vertices[v].x(), s.vertices[v].y(),
-                    s.vertices[v].z()),
-          text += line;
+                    s.vertices[v].z());
+      text += line;
+    }
     text += "  endloop\n endfacet\n";
   }
   return text + "endsolid box\n";
@@ -69,9 +70,14 @@ std::string ply_header(const TriangleSurface& s, const std::string& format, cons
 std::string ply_text(const TriangleSurface& s) {
   std::string text = ply_header(s, "ascii", "double");
   char line[160];
-  for (const Vec3& v : s.vertices)
-    std::snprintf(line, sizeof line, "%.17g %.17g %.17g\n", v.x(), v.y(), v.z()), text += line;
-  for (const auto& t : s.triangles) std::snprintf(line, sizeof line, "3 %u %u %u\n", t[0], t[1], t[2]), text += line;
+  for (const Vec3& v : s.vertices) {
+    std::snprintf(line, sizeof line, "%.17g %.17g %.17g\n", v.x(), v.y(), v.z());
+    text += line;
+  }
+  for (const auto& t : s.triangles) {
+    std::snprintf(line, sizeof line, "3 %u %u %u\n", t[0], t[1], t[2]);
+    text += line;
+  }
   return text;
 }
 std::string binary_ply(const TriangleSurface& s, bool big) {

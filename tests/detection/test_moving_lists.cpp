@@ -77,7 +77,8 @@ TEST_CASE("turning, shaking and pushing half-spaces keep their lists and miss no
       INFO(name << " seed " << seed);
       BroadScene scene;
       scene.world = World({.rotation = true});
-      scene.setup.shapes = &scene.shapes, scene.setup.reach = 0.01;
+      scene.setup.shapes = &scene.shapes;
+      scene.setup.reach = 0.01;
       Random random(seed, 3);
       const double edge = 4.0, dt = 1e-3;
       for (int i = 0; i < 150; ++i)
@@ -121,12 +122,15 @@ TEST_CASE("lists of cells that strain hold beside the flow, held and fast bodies
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     BroadScene scene;
     scene.world = World({.periodic = true});
-    scene.setup.shapes = &scene.shapes, scene.setup.reach = 0.005;
+    scene.setup.shapes = &scene.shapes;
+    scene.setup.reach = 0.005;
     Random random(seed, 5);
     const bool walled = seed % 4 == 3;  // z does not repeat: planes and held spheres stand in the flow
     const double dt = 1e-3;
     PeriodicCell cell;
-    cell.size = Vec3(3.0, 3.5, 4.0), cell.low = test::random_point(random, 2.0), cell.repeats = {true, true, !walled};
+    cell.size = Vec3(3.0, 3.5, 4.0);
+    cell.low = test::random_point(random, 2.0);
+    cell.repeats = {true, true, !walled};
     scene.world.cell = cell;
     const auto place = [&] {
       return Vec3(cell.low + cell.size.cwiseProduct(test::random_point(random, 0.5) + Vec3::Constant(0.5)));
@@ -147,7 +151,8 @@ TEST_CASE("lists of cells that strain hold beside the flow, held and fast bodies
     std::set<std::uint32_t> images;
     constexpr int steps = 300;
     for (int k = 0; k < steps; ++k) {
-      deform.before_step(scene.world, dt, nobody), wrap.before_step(scene.world, dt, nobody);
+      deform.before_step(scene.world, dt, nobody);
+      wrap.before_step(scene.world, dt, nobody);
       for (Slot s = 0; s < scene.world.size(); ++s)
         if (scene.world.is_movable(s)) scene.world.position[s] += dt * scene.world.velocity[s];
       scene.world.time += dt;
@@ -169,7 +174,8 @@ TEST_CASE("what a cell carries along does not used_margin its list", "[detection
   scene.world = World({.periodic = true});
   scene.setup.shapes = &scene.shapes;
   PeriodicCell cell;
-  cell.size = Vec3::Constant(10.0), cell.repeats = {true, true, true};
+  cell.size = Vec3::Constant(10.0);
+  cell.repeats = {true, true, true};
   scene.world.cell = cell;
   for (int i = 0; i < 1000; ++i) scene.add_sphere(Vec3(0.5 + i % 10, 0.5 + i / 10 % 10, 0.5 + i / 100), 0.48);
   CellControl control;
@@ -191,12 +197,14 @@ TEST_CASE("what a cell carries along does not used_margin its list", "[detection
 TEST_CASE("bodies that come are taken into a list that goes on, and miss nobody", "[detection][broad][sources]") {
   for (const bool apart : {false, true}) {
     BroadScene scene;
-    scene.setup.shapes = &scene.shapes, scene.setup.reach = 0.01;
+    scene.setup.shapes = &scene.shapes;
+    scene.setup.reach = 0.01;
     Random random(7, 2);
     const double dt = 1e-3;
     std::vector<BodyId> reserved;  // ids need not rise with the slots
     for (int i = 0; i < 200; ++i) reserved.push_back(scene.world.reserve());
-    scene.setup.spheres.fixed.assign(200, false), scene.setup.spheres.fixed.push_back(true);
+    scene.setup.spheres.fixed.assign(200, false);
+    scene.setup.spheres.fixed.push_back(true);
     scene.add_plane({0, 0, -3}, Vec3::UnitZ());
     for (int i = 0; i < 60; ++i) scene.add_sphere(test::random_point(random, 2.5), random.uniform(0.2, 0.3));
     scene.setup.spheres.wanted = apart;
@@ -209,12 +217,15 @@ TEST_CASE("bodies that come are taken into a list that goes on, and miss nobody"
       if (comes) {
         Body b;
         const double r = random.uniform(0.2, 0.3);
-        b.position = test::random_point(random, 2.5), b.mass = r * r * r, b.inertia = Vec3::Constant(r * r * r * r * r);
+        b.position = test::random_point(random, 2.5);
+        b.mass = r * r * r;
+        b.inertia = Vec3::Constant(r * r * r * r * r);
         b.velocity =
             Vec3(0, 0, -1) + 0.2 * test::random_point(random, 1.0);  // they fall together: the list has a drift
         b.shape = scene.shapes.add(Sphere{r}).packed;
         scene.world.add(b, reserved.back());
-        reserved.pop_back(), ++births;
+        reserved.pop_back();
+        ++births;
       }
       move_spheres(scene, dt, 2.8);
       scene.world.time += dt;

@@ -21,7 +21,10 @@ struct Scene {
   template <class S>
   Slot add(S shape, const Vec3& position, const Quat& turn = Quat(1, 0, 0, 0)) {
     Body body;
-    body.position = position, body.orientation = turn, body.mass = 1.0, body.inertia = Vec3::Ones();
+    body.position = position;
+    body.orientation = turn;
+    body.mass = 1.0;
+    body.inertia = Vec3::Ones();
     body.shape = shapes.add(std::move(shape)).packed;
     return world.slot_of(world.add(body));
   }
@@ -85,7 +88,8 @@ bool same_bits(const ContactSet& x, const ContactSet& y) {
 
 TEST_CASE("two spheres: gap, normal, point and R* as written", "[detection][narrow]") {
   Scene s;
-  s.add(Sphere{1}, {1, 0, 0}), s.add(Sphere{2}, {1, 0, 2.5});
+  s.add(Sphere{1}, {1, 0, 0});
+  s.add(Sphere{2}, {1, 0, 2.5});
   const auto c = s.contacts();
   REQUIRE(c.size() == 1);
   CHECK(c.gap[0] == -0.5);
@@ -97,7 +101,8 @@ TEST_CASE("two spheres: gap, normal, point and R* as written", "[detection][narr
   // position.
   Scene tiny;
   const double z = 1.0 + 1e-6 - 1e-9;
-  tiny.add(Sphere{1}, {0, 0, 0}), tiny.add(Sphere{1e-6}, {0, 0, z});
+  tiny.add(Sphere{1}, {0, 0, 0});
+  tiny.add(Sphere{1e-6}, {0, 0, z});
   const auto t = tiny.contacts();
   REQUIRE(t.size() == 1);
   CHECK(std::abs(t.gap[0] + 1e-9) < 3e-16);
@@ -108,7 +113,8 @@ TEST_CASE("a plane touches every body at its lowest points", "[detection][narrow
   // the point lies in the middle of the overlap, on a sphere or a capsule at its pole
   const auto lowest = [&](auto shape, const Quat& turn, std::size_t points, double depth, double share = 0.5) {
     Scene s;
-    s.add(ground, {0, 0, 0}), s.add(shape, {3, 4, z}, turn);
+    s.add(ground, {0, 0, 0});
+    s.add(shape, {3, 4, z}, turn);
     const auto c = s.contacts();
     REQUIRE(c.size() == points);
     double deepest = 0.0;
@@ -133,7 +139,8 @@ TEST_CASE("sphere against box and hull: outside, at an edge, inside", "[detectio
   const Box box(Vec3(1, 2, 3));
   const auto gap = [&](const auto& shape, const Vec3& x) {
     Scene s;
-    s.add(shape, {0, 0, 0}), s.add(Sphere{0.5}, x);
+    s.add(shape, {0, 0, 0});
+    s.add(Sphere{0.5}, x);
     const auto c = s.contacts(10.0);
     REQUIRE(c.size() == 1);
     CHECK(std::abs(c.normal[0].norm() - 1.0) < 1e-15);
@@ -150,7 +157,8 @@ TEST_CASE("capsules: crossed, parallel, end to end", "[detection][narrow]") {
   const Quat along_x(Eigen::AngleAxisd(2 * std::atan(1.0), Vec3::UnitY()));
   const auto contacts = [&](const Vec3& x, const Quat& turn) {
     Scene s;
-    s.add(Capsule(0.5, 2), {0, 0, 0}), s.add(Capsule(0.25, 2), x, turn);
+    s.add(Capsule(0.5, 2), {0, 0, 0});
+    s.add(Capsule(0.25, 2), x, turn);
     return s.contacts(1.0);
   };
   const auto crossed = contacts({0.3, 0.7, 0.2}, along_x);
@@ -182,8 +190,12 @@ TEST_CASE("capsules agree with GJK on their axes", "[detection][narrow]") {
     ContactSet closed, general;
     ContactSink closed_sink(closed), general_sink(general);
     const PairQuery q{pa, pb, 10.0, false, nullptr};
-    closed_sink.begin(0, 1), collide_closed(a, b, q, closed_sink), closed_sink.end();
-    general_sink.begin(0, 1), collide(a, b, q, general_sink), general_sink.end();
+    closed_sink.begin(0, 1);
+    collide_closed(a, b, q, closed_sink);
+    closed_sink.end();
+    general_sink.begin(0, 1);
+    collide(a, b, q, general_sink);
+    general_sink.end();
     REQUIRE(closed.size() == 1);
     REQUIRE(general.size() == 1);
     CHECK(std::abs(closed.gap[0] - general.gap[0]) < 1e-12);
@@ -197,7 +209,9 @@ TEST_CASE("exchanging the bodies turns the normal and keeps gap and point", "[de
     t.shapes = s.shapes;
     for (Slot b = static_cast<Slot>(s.world.size()); b-- > 0;) {  // the same bodies in reversed order
       Body body;
-      body.position = s.world.position[b], body.orientation = s.world.orientation[b], body.mass = 1.0,
+      body.position = s.world.position[b];
+      body.orientation = s.world.orientation[b];
+      body.mass = 1.0;
       body.inertia = Vec3::Ones();
       body.shape = s.world.shape[b];
       t.world.add(body);
@@ -258,7 +272,8 @@ TEST_CASE("a crowd that moves has the contacts of a search from nothing, over ne
   const PairColumn all = s.pairs.pairs;
   for (int step = 0; step < 12; ++step) {
     if (step % 3 == 0) {  // a list that has lost some of its pairs and found others again
-      s.pairs.pairs.clear(), ++s.pairs.generation;
+      s.pairs.pairs.clear();
+      ++s.pairs.generation;
       for (const Pair& p : all)
         if (random.uniform() < 0.8) s.pairs.pairs.push_back(p);
     }
@@ -297,7 +312,10 @@ TEST_CASE("a world without rotation needs no orientations", "[detection][narrow]
   Body body;
   body.mass = 1.0;
   body.shape = shapes.add(Sphere{0.5}).packed;
-  for (int k = 0; k < 3; ++k) body.position = Vec3(0.9 * k, 0, 0), world.add(body);
+  for (int k = 0; k < 3; ++k) {
+    body.position = Vec3(0.9 * k, 0, 0);
+    world.add(body);
+  }
   PairList pairs{{{0, 1}, {0, 2}, {1, 2}}, 0.0, 1};
   BatchNarrowPhase narrow(shapes, 0.0, false);
   ContactSet contacts;

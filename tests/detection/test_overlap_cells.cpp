@@ -31,7 +31,8 @@ std::pair<Vec3, Vec3> load_on_b(const ContactSet& set, const Vec3& centre) {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   for (std::size_t i = 0; i < set.size(); ++i) {
     const Vec3 f = -set.gap[i] * set.area[i] * set.normal[i];
-    force += f, moment += (set.arm[i] - centre).cross(f);
+    force += f;
+    moment += (set.arm[i] - centre).cross(f);
   }
   return {force, moment};
 }
@@ -57,10 +58,12 @@ std::pair<Vec3, Vec3> load_by_cutting(const PolyhedronPair& pair) {
       const Volume v = left ? solid.volume() : Volume{};
       if (!(v.volume > 0.0)) continue;
       const Vec3 f = 0.5 * side * v.volume * own.normal;
-      force += f, moment += v.centroid().cross(f);
+      force += f;
+      moment += v.centroid().cross(f);
     }
   };
-  add(of_a, 1.0), add(of_b, -1.0);
+  add(of_a, 1.0);
+  add(of_b, -1.0);
   return {force, moment};
 }
 

@@ -61,7 +61,10 @@ Volume cell_by_cutting(const PolyhedronPair& pair, const OverlapCell& cell) {
 
 void check_cells(const PolyhedronPair& pair, const std::vector<OverlapCell>& cells, double depth) {
   double whole = 0.0, of_a = 0.0;
-  for (const OverlapCell& c : cells) whole += 0.5 * c.volume, of_a += c.of_a ? c.volume : 0.0;
+  for (const OverlapCell& c : cells) {
+    whole += 0.5 * c.volume;
+    of_a += c.of_a ? c.volume : 0.0;
+  }
   CHECK(of_a == Approx(whole).epsilon(3e-14 / depth));  // both fields fill the overlap
   for (const OverlapCell& c : cells) {
     const Volume reference = cell_by_cutting(pair, c);
@@ -254,7 +257,8 @@ TEST_CASE("a form is found from the faces that bound an overlap, where its axis 
     ContactSet set, again;
     for (ContactSet* s : {&set, &again}) s->with_area = s->with_curvature = true;
     ContactSink sink(set), sink_again(again);
-    sink.begin(0, 1), sink_again.begin(0, 1);
+    sink.begin(0, 1);
+    sink_again.begin(0, 1);
     const OverlapForm found = collide_volumes(pair, axis, {1.0, Mat3::Identity()}, sink);
     const OverlapForm found_again = collide_volumes(pair, other, {1.0, Mat3::Identity()}, sink_again);
     CHECK((found.kind == found_again.kind && found.a == found_again.a && found.b == found_again.b));

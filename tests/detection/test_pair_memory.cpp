@@ -39,7 +39,8 @@ void follow(const ConvexHull& a, const ConvexHull& b, const Pose& pa, const Pose
     count.recalled += certify(pair, memory.nearest, certified);
     const PolyhedronDistance warm = polyhedron_distance(pair, limit, &memory);
     count.recalled += memory.uses > uses;
-    ++count.asked, count.overlapping += cold.axis.gap < 0.0;
+    ++count.asked;
+    count.overlapping += cold.axis.gap < 0.0;
     count.differ += !(cold.beyond && warm.beyond) && !support::same_bits(cold, warm);
     pb = moved(start, pb, step, size, random);
   }
@@ -107,9 +108,11 @@ TEST_CASE("stones that roll on each other in one direction are remembered withou
       const PolyhedronPair pair(a.view(), b.view(), {}, pb);
       const auto uses = memory.uses;
       const PolyhedronDistance warm = polyhedron_distance(pair, infinity, &memory);
-      ++asked, recalled += memory.uses > uses;
+      ++asked;
+      recalled += memory.uses > uses;
       differ += !support::same_bits(polyhedron_distance(pair), warm);
-      pb.position += glide, pb.orientation = roll * pb.orientation;
+      pb.position += glide;
+      pb.orientation = roll * pb.orientation;
     }
   }
   CHECK(differ == 0);
@@ -138,8 +141,8 @@ TEST_CASE("features that do not hold the closest points are refused", "[detectio
     };
     const int before = passed;
     any(Kind::vertices, a.vertices.size(), b.vertices.size());
-    any(Kind::vertex_edge, a.vertices.size(), b.edges.size()),
-        any(Kind::edge_vertex, a.edges.size(), b.vertices.size());
+    any(Kind::vertex_edge, a.vertices.size(), b.edges.size());
+    any(Kind::edge_vertex, a.edges.size(), b.vertices.size());
     any(Kind::edges, a.edges.size(), b.edges.size());
     any(Kind::face_vertex, a.face_normals.size(), b.vertices.size());
     any(Kind::vertex_face, a.vertices.size(), b.face_normals.size());
@@ -163,7 +166,9 @@ TEST_CASE("a memory of anything at all changes no bit", "[detection][memory]") {
     };
     memory.nearest = {static_cast<NearestFeatures::Kind>(draw(7)), draw(6), draw(6)};
     memory.kind = static_cast<std::uint8_t>(draw(5));
-    memory.feature_a = draw(6), memory.feature_b = draw(6), memory.normal = testing::random_direction(random);
+    memory.feature_a = draw(6);
+    memory.feature_b = draw(6);
+    memory.normal = testing::random_direction(random);
     differ += !support::same_bits(polyhedron_distance(pair, infinity, &memory), polyhedron_distance(pair));
   }
   CHECK(differ == 0);

@@ -94,7 +94,8 @@ std::size_t wander(const A& a, const B& b, double reach, bool area, std::uint64_
     const Vec3 turn = random_vector(random, 0.02);
     q.b.orientation = (Quat(1, turn.x(), turn.y(), turn.z()).normalized() * q.b.orientation).normalized();
     const ContactSet found = by_part_pairs(a, b, q), all = by_all(a, b, q);
-    touching += all.size() > 0, differ += !same(found, all);
+    touching += all.size() > 0;
+    differ += !same(found, all);
   }
   CHECK(differ == 0);
   return touching;

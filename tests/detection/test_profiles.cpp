@@ -51,8 +51,10 @@ TEST_CASE("a spline through a cubic has its slope and curvature; a smoothed one 
   ProfilePoints p, noisy;
   for (int k = 0; k <= 200; ++k) {
     const double y = 1e-3 * (k - 100), z = 3.0 * y * y * y - y * y;
-    p.y.push_back(y), p.z.push_back(z);
-    noisy.y.push_back(y), noisy.z.push_back(z + 1e-6 * std::sin(37.0 * k * k));
+    p.y.push_back(y);
+    p.z.push_back(z);
+    noisy.y.push_back(y);
+    noisy.z.push_back(z + 1e-6 * std::sin(37.0 * k * k));
   }
   const Profile through(p), rough(noisy), smooth(noisy, 0.7e-6);
   // the natural end, where the second derivative is made 0, fades over a few points
@@ -120,8 +122,10 @@ TEST_CASE("a centred wheelset is symmetric, a shifted one mirrors", "[detection]
   CHECK(centred.rolling_radius_difference() == Approx(0.0).margin(1e-9));
   CHECK(centred.right.y_wheel == Approx(3.25e-3).margin(0.01e-3));  // 3.252 mm by an independent calculation
   WheelsetPosition a, b;
-  a.lateral_shift = 2e-3, a.yaw = 0.005;
-  b.lateral_shift = -2e-3, b.yaw = -0.005;
+  a.lateral_shift = 2e-3;
+  a.yaw = 0.005;
+  b.lateral_shift = -2e-3;
+  b.yaw = -0.005;
   const WheelsetGeometry ga = stand_on_rails(s1002(), uic60(), track, a),
                          gb = stand_on_rails(s1002(), uic60(), track, b);
   CHECK(ga.right.point.y() == Approx(-gb.left.point.y()).epsilon(1e-9));
@@ -134,7 +138,8 @@ TEST_CASE("the gap around a contact is that of its curvatures and grows from it"
   WheelRailPair right(s1002(), uic60(), track, true);
   for (const double y : {1e-3, 3e-3, 7e-3}) {
     WheelsetPosition p;
-    p.lateral_shift = y, p.yaw = 2.4 * y;
+    p.lateral_shift = y;
+    p.yaw = 2.4 * y;
     p.roll = stand_on_rails(s1002(), uic60(), track, p).position.roll;
     right.place(p);
     right.touch();
@@ -152,11 +157,14 @@ TEST_CASE("the gap around a contact is that of its curvatures and grows from it"
 
 TEST_CASE("cones on sharp rails have the conicity of the cone", "[detection][wheel_rail]") {
   ProfilePoints cone, rail;
-  for (int k = -60; k <= 60; ++k) cone.y.push_back(1e-3 * k), cone.z.push_back(-0.05 * 1e-3 * k);
+  for (int k = -60; k <= 60; ++k) {
+    cone.y.push_back(1e-3 * k);
+    cone.z.push_back(-0.05 * 1e-3 * k);
+  }
   for (int k = -300; k <= 300; ++k) {
     const double y = 1e-4 * k, R = 0.05;  // round head of 50 mm, down to 14 mm and beyond
-    rail.y.push_back(y),
-        rail.z.push_back(R - std::sqrt(R * R - y * y) + (std::abs(y) > 0.029 ? 20.0 * (std::abs(y) - 0.029) : 0.0));
+    rail.y.push_back(y);
+    rail.z.push_back(R - std::sqrt(R * R - y * y) + (std::abs(y) > 0.029 ? 20.0 * (std::abs(y) - 0.029) : 0.0));
   }
   CHECK(equivalent_conicity(Profile(cone), Profile(rail), TrackGeometry{}, 3e-3) == Approx(0.05).epsilon(5e-3));
 }

@@ -29,10 +29,15 @@ Touch touch(const A& a, const Pose& pose_a, const B& b, const Pose& pose_b, doub
   ShapeStore shapes;
   World world(Columns{.rotation = true, .force = false});
   Body body;
-  body.mass = 1.0, body.inertia = Vec3::Ones();
-  body.shape = shapes.add(a).packed, body.position = pose_a.position, body.orientation = pose_a.orientation;
+  body.mass = 1.0;
+  body.inertia = Vec3::Ones();
+  body.shape = shapes.add(a).packed;
+  body.position = pose_a.position;
+  body.orientation = pose_a.orientation;
   world.add(body);
-  body.shape = shapes.add(b).packed, body.position = pose_b.position, body.orientation = pose_b.orientation;
+  body.shape = shapes.add(b).packed;
+  body.position = pose_b.position;
+  body.orientation = pose_b.orientation;
   world.add(body);
   BatchNarrowPhase narrow(shapes, reach, false);
   const PairList pairs{{{0, 1}}, 0.0, 1};

@@ -29,7 +29,11 @@ Quat onto_largest_face(const ConvexHull& h, double& height) {
       const Vec3& first = h.vertices[h.face_vertices[h.face_begin[f]]];
       area += (h.vertices[h.face_vertices[k]] - first).cross(h.vertices[h.face_vertices[k + 1]] - first);
     }
-    if (area.norm() > largest) largest = area.norm(), down = h.face_normals[f], height = h.face_offsets[f];
+    if (area.norm() > largest) {
+      largest = area.norm();
+      down = h.face_normals[f];
+      height = h.face_offsets[f];
+    }
   }
   return Quat::FromTwoVectors(down, -Vec3::UnitZ());
 }
@@ -66,7 +70,8 @@ TriangleMesh floor_mesh(int n, double irregular) {
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       const auto k = static_cast<std::uint32_t>(j * (n + 1) + i), row = static_cast<std::uint32_t>(n + 1);
-      s.triangles.push_back({k, k + 1, k + row + 1}), s.triangles.push_back({k, k + row + 1, k + row});
+      s.triangles.push_back({k, k + 1, k + row + 1});
+      s.triangles.push_back({k, k + row + 1, k + row});
     }
   return TriangleMesh::from_surface(s);
 }
@@ -93,7 +98,11 @@ void tremble(World& world, ShapeStore& shapes, std::size_t points) {
 
 Body body_of(ShapeRef shape, const Vec3& position, const Quat& turn) {
   Body b;
-  b.position = position, b.orientation = turn, b.mass = 1.0, b.inertia = Vec3::Ones(), b.shape = shape.packed;
+  b.position = position;
+  b.orientation = turn;
+  b.mass = 1.0;
+  b.inertia = Vec3::Ones();
+  b.shape = shape.packed;
   return b;
 }
 

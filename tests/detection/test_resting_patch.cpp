@@ -45,7 +45,8 @@ void compare(const A& a, const B& b, Pose pose, double way, Random& random, Diff
   const auto placed = [&] {
     return Pose{q.a.to_world(pose.position), (q.a.orientation * pose.orientation).normalized()};
   };
-  q.b = placed(), q.resting = &resting;
+  q.b = placed();
+  q.resting = &resting;
   contacts_of(a, b, q);
   pose.position += 0.5 * way * testing::random_direction(random);
   pose.orientation = Quat(Eigen::AngleAxisd(0.5 * way, testing::random_direction(random))) * pose.orientation;
@@ -117,7 +118,8 @@ TEST_CASE("a patch that does not rest is asked for anew", "[detection][resting]"
   q.b.position.z() -= 0.5e-6;
   CHECK(depth() == Approx(-1.010e-4).epsilon(1e-9));
   CHECK(resting->offset != asked);
-  q.b.position.z() += 0.5e-6, q.reach = 0.02;  // farther points are wanted than were asked for
+  q.b.position.z() += 0.5e-6;  // farther points are wanted than were asked for
+  q.reach = 0.02;
   const Vec3 again = resting->offset;
   CHECK(depth() == Approx(-1.005e-4).epsilon(1e-9));
   CHECK(resting->offset != again);

@@ -18,7 +18,10 @@ MassProperties by_sampling(const Vec3& half, int n, Inside&& inside) {
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k) {
         const Vec3 p = -half + cell.cwiseProduct(Vec3(i + 0.5, j + 0.5, k + 0.5));
-        if (inside(p)) volume += 1, second += p.cwiseProduct(p);
+        if (inside(p)) {
+          volume += 1;
+          second += p.cwiseProduct(p);
+        }
       }
   const double dv = cell.prod();
   const Mat3 inertia = Vec3(dv * (Vec3::Constant(second.sum()) - second)).asDiagonal();
@@ -125,7 +128,9 @@ TEST_CASE("the contact radius is that of the sphere of equal volume", "[detectio
   const auto check = [](const auto& shape) {
     CHECK(4.0 / 3.0 * pi * std::pow(shape.contact_radius(), 3) == Approx(shape.mass_properties().mass).epsilon(1e-14));
   };
-  check(Cylinder(0.2, 1.1)), check(Ellipsoid({1e-3, 2e-3, 5e-3})), check(Box(Vec3(1, 2, 3)));
+  check(Cylinder(0.2, 1.1));
+  check(Ellipsoid({1e-3, 2e-3, 5e-3}));
+  check(Box(Vec3(1, 2, 3)));
 }
 
 TEST_CASE("bounding boxes are exact: each side touches the support point", "[detection][shapes]") {

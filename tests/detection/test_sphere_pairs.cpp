@@ -11,7 +11,8 @@ namespace {
 /// Free spheres among planes (one of which is driven), and, as asked, a held sphere, a box and a free giant.
 BroadScene spheres_and(bool held, bool box, bool giant, std::uint64_t seed) {
   BroadScene scene = random_scene(seed % 2 == 0 ? "lognormal" : "mono", 1500, seed);
-  scene.setup.margin = 0.11, scene.setup.reach = 0.03;
+  scene.setup.margin = 0.11;
+  scene.setup.reach = 0.03;
   const double edge = 6.0;
   std::vector<BodyId> fixed;
   for (int k = 0; k < 6; ++k) {
@@ -22,7 +23,9 @@ BroadScene spheres_and(bool held, bool box, bool giant, std::uint64_t seed) {
   if (giant) scene.add_sphere(Vec3(0, 0, -20), 18.0);
   if (box) {
     Body b;
-    b.position = Vec3(0, 1, 0), b.mass = 1.0, b.inertia = Vec3::Ones();
+    b.position = Vec3(0, 1, 0);
+    b.mass = 1.0;
+    b.inertia = Vec3::Ones();
     b.shape = scene.shapes.add(Box{Vec3(0.5, 0.8, 0.4)}).packed;
     scene.world.add(b);
   }

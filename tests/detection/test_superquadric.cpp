@@ -69,7 +69,8 @@ TEST_CASE("mass and inertia: exponents of 2 give the ellipsoid, large ones appro
       for (int k = 0; k < cells; ++k) {
         const Vec3 x = Vec3((i + 0.5) / cells, (j + 0.5) / cells, (k + 0.5) / cells).cwiseProduct(abc);
         if (level(s, x) > 1.0) continue;
-        volume += 1.0, second += x.cwiseProduct(x);
+        volume += 1.0;
+        second += x.cwiseProduct(x);
       }
   const double cell = 8 * abc.prod() / (cells * cells * cells);
   const MassProperties mass = s.mass_properties();

@@ -64,8 +64,10 @@ double worst_derivative(const GapOperator& op, const Nodes& nodes, Random& rando
   double worst = 0.0;
   for (std::size_t c = 0; c < rows.gap.size(); ++c) {
     double dg = 0.0, sum = 0.0;
-    for (std::uint32_t r = rows.begin[c]; r < rows.begin[c + 1]; ++r)
-      dg += rows.weight[r] * rows.normal[c].dot(step[rows.node[r]]), sum += rows.weight[r];
+    for (std::uint32_t r = rows.begin[c]; r < rows.begin[c + 1]; ++r) {
+      dg += rows.weight[r] * rows.normal[c].dot(step[rows.node[r]]);
+      sum += rows.weight[r];
+    }
     CHECK(std::abs(sum) < 1e-12);  // a common shift opens nothing: forces along the rows balance
     worst = std::max(worst, std::abs((moved.gap[c] - rows.gap[c]) / h - dg));
   }

@@ -60,14 +60,18 @@ TEST_CASE("oriented boxes find every triangle that a turned body touches, and fe
       const Box rod(Vec3(0.4, 0.02, 0.02));
       const Pose pose{random_point(random), random_turn(random)};
       std::vector<std::uint32_t> plain, found(1, 7u);
-      mesh.find_near(rod, pose, 0.0, plain), oriented.find_near(rod, pose, 0.0, found);
+      mesh.find_near(rod, pose, 0.0, plain);
+      oriented.find_near(rod, pose, 0.0, found);
       REQUIRE(found.front() == 7u);  // what was there stays
       CHECK(std::is_sorted(found.begin() + 1, found.end()));
       for (const std::uint32_t t : plain) {
         bool touches = false;  // corners and points of the triangle inside the rod
         for (int i = 0; i < 40 && !touches; ++i) {
           double u = random.uniform(), v = random.uniform();
-          if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+          if (u + v > 1.0) {
+            u = 1.0 - u;
+            v = 1.0 - v;
+          }
           const auto c = mesh.corners(t);
           touches = (pose.to_local(c[0] + u * (c[1] - c[0]) + v * (c[2] - c[0])).cwiseAbs().array() <=
                      Vec3(0.4, 0.02, 0.02).array())
@@ -75,7 +79,8 @@ TEST_CASE("oriented boxes find every triangle that a turned body touches, and fe
         }
         if (touches) CHECK(std::binary_search(found.begin() + 1, found.end(), t));
       }
-      by_axes += plain.size(), by_sides += found.size() - 1;
+      by_axes += plain.size();
+      by_sides += found.size() - 1;
     }
   }
   INFO(by_axes << " candidates by boxes along the axes, " << by_sides << " by oriented ones");
@@ -131,7 +136,10 @@ TEST_CASE("edges of a closed box are convex, its diagonals flat, from inside con
   const TriangleMesh box = TriangleMesh::from_surface(s);
   int flat = 0, convex = 0;
   for (const auto& kinds : box.edge_kinds)
-    for (const auto kind : kinds) flat += kind == EdgeKind::flat, convex += kind == EdgeKind::convex;
+    for (const auto kind : kinds) {
+      flat += kind == EdgeKind::flat;
+      convex += kind == EdgeKind::convex;
+    }
   CHECK(flat == 12);    // 6 diagonals, seen twice
   CHECK(convex == 24);  // 12 edges, seen twice
   for (auto& t : s.triangles) std::swap(t[1], t[2]);

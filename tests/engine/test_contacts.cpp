@@ -85,7 +85,10 @@ TEST_CASE("contact memory follows renamed and removed bodies", "[engine][contact
     std::vector<Key> renamed;
     std::size_t i = 0;
     bool same = true;
-    for (const auto& [key, old] : expected) same = same && kept[i++] == old, renamed.push_back(key);
+    for (const auto& [key, old] : expected) {
+      same = same && kept[i++] == old;
+      renamed.push_back(key);
+    }
     CHECK(same);
     memory.match(set_of(renamed), previous);  // all are found where reorder put them
     for (std::uint32_t k = 0; k < previous.size(); ++k) same = same && previous[k] == k;
@@ -131,14 +134,17 @@ TEST_CASE("features of different words differ and keep their order", "[engine][c
 TEST_CASE("arms of A and B meet in the contact point; joined sets keep their columns in step", "[engine][contacts]") {
   World world;
   Body body;
-  body.position = Vec3(1, 2, 3), body.mass = 1;
+  body.position = Vec3(1, 2, 3);
+  body.mass = 1;
   world.add(body);
   body.position = Vec3(4, 2, 3);
   world.add(body);
   ContactSet set, other;
   set.with_curvature = other.with_curvature = true;
   ContactPoint c;
-  c.arm = Vec3(1.5, 0.25, 0), c.gap = -0.1, c.effective_radius = 0.7;
+  c.arm = Vec3(1.5, 0.25, 0);
+  c.gap = -0.1;
+  c.effective_radius = 0.7;
   set.append(0, 1, c);
   c.gap = -0.2;
   other.append(1, 0, c);

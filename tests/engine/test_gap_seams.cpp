@@ -13,7 +13,8 @@ namespace {
 GapField paraboloid_on_plane(double radius, double delta, double l, std::size_t n) {
   GapField field;
   field.frame = contact_frame(Vec3::UnitZ());
-  field.nx = field.ny = n, field.dx = field.dy = 2 * l / static_cast<double>(n);
+  field.nx = field.ny = n;
+  field.dx = field.dy = 2 * l / static_cast<double>(n);
   field.curvature_x = field.curvature_y = 1 / radius;
   for (std::size_t j = 0; j < n; ++j)
     for (std::size_t i = 0; i < n; ++i)
@@ -34,8 +35,11 @@ class NodesOnPlane final : public GapOperator {
   void evaluate(std::span<const Vec3> positions, GapRows& out) const override {
     out.clear();
     for (std::uint32_t i = 0; i < positions.size(); ++i) {
-      out.gap.push_back(positions[i].z()), out.normal.push_back(Vec3::UnitZ());
-      out.node.push_back(i), out.weight.push_back(1.0), out.begin.push_back(i + 1);
+      out.gap.push_back(positions[i].z());
+      out.normal.push_back(Vec3::UnitZ());
+      out.node.push_back(i);
+      out.weight.push_back(1.0);
+      out.begin.push_back(i + 1);
     }
   }
 };

@@ -33,8 +33,10 @@ TEST_CASE("a hash depends on the values, their order and their number", "[engine
 
 TEST_CASE("texts are told apart where their joins are equal", "[engine][hash]") {
   Hash a, b;
-  a.add(std::string_view("ab")), a.add(std::string_view("c"));
-  b.add(std::string_view("a")), b.add(std::string_view("bc"));
+  a.add(std::string_view("ab"));
+  a.add(std::string_view("c"));
+  b.add(std::string_view("a"));
+  b.add(std::string_view("bc"));
   CHECK(a.value() != b.value());
   const std::string hex = a.hex();
   CHECK(hex.size() == 16);

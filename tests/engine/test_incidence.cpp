@@ -21,7 +21,9 @@ Case random_case(std::uint64_t seed, Slot bodies) {
   const auto vec = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
   for (Slot s = 0; s < bodies; ++s) {
     Body b;
-    b.position = vec(), b.mass = s % 9 == 4 ? 0.0 : 1.0, b.inertia = Vec3(1, 1, 1);
+    b.position = vec();
+    b.mass = s % 9 == 4 ? 0.0 : 1.0;
+    b.inertia = Vec3(1, 1, 1);
     c.world.add(b);
   }
   c.contacts.with_moment = seed % 2 == 1;
@@ -70,7 +72,8 @@ TEST_CASE("gathered forces and torques are the direct sums; fixed bodies take no
       const Slot a = c.contacts.a[k], b = c.contacts.b[k];
       const Vec3 f = c.contacts.force[k], point = c.world.position[a] + c.contacts.arm[k];
       const Vec3 moment = c.contacts.with_moment ? c.contacts.moment[k] : Vec3(Vec3::Zero());
-      force[a] += f, force[b] -= f;
+      force[a] += f;
+      force[b] -= f;
       torque[a] += (point - c.world.position[a]).cross(f) + moment;
       torque[b] -= (point - c.world.position[b]).cross(f) + moment;
     }
@@ -92,8 +95,8 @@ TEST_CASE("gathered sums are the same bits for every thread count", "[engine][in
     Incidence incidence;
     incidence.build(c.contacts, 1500);
     gather_forces(c.contacts, incidence, c.world);
-    parallel_copy(c.world.force, c.world.velocity),
-        parallel_copy(c.world.torque, c.world.angular_velocity);  // for the hash
+    parallel_copy(c.world.force, c.world.velocity);  // for the hash
+    parallel_copy(c.world.torque, c.world.angular_velocity);
     if (threads == 1) reference = state_hash(c.world);
     CHECK(state_hash(c.world) == reference);
   }

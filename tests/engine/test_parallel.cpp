@@ -203,14 +203,18 @@ TEST_CASE("a wavefront finishes each part once, by its finder and after all its 
             [&](std::size_t i, std::size_t tray) {
               double work = 1.0;  // uneven, so that threads overtake each other
               for (std::size_t k = 0; k < 2000 * (i % 5); ++k) work = std::sqrt(work + 1.0);
-              taken[i] = std::exchange(busy[tray], 1), tray_of[i] = tray;
-              finder[i] = thread_number(), found[i] = work > 0.0;
+              taken[i] = std::exchange(busy[tray], 1);
+              tray_of[i] = tray;
+              finder[i] = thread_number();
+              found[i] = work > 0.0;
             },
             [&](std::size_t i, std::size_t tray, std::size_t next) {
               next_of[i] = next;
               for (std::size_t k : sources[i]) early[i] += found[k] != 1;
-              busy[tray] = 0, tray_then[i] = tray;
-              finisher[i] = thread_number(), ++finished[i];
+              busy[tray] = 0;
+              tray_then[i] = tray;
+              finisher[i] = thread_number();
+              ++finished[i];
             });
         CHECK(std::count(finished.begin(), finished.end(), 1) == static_cast<std::ptrdiff_t>(n));
         CHECK(std::count(early.begin(), early.end(), 0) == static_cast<std::ptrdiff_t>(n));
@@ -267,9 +271,11 @@ TEST_CASE("sums and maxima are the same bits for every thread count", "[engine][
     CHECK(t.a == 100001.0);
     CHECK(t.b == s);
     CHECK(m == *std::max_element(x.begin(), x.end()));
-    if (threads == 1)
-      sum = std::bit_cast<std::uint64_t>(s), most = std::bit_cast<std::uint64_t>(m),
+    if (threads == 1) {
+      sum = std::bit_cast<std::uint64_t>(s);
+      most = std::bit_cast<std::uint64_t>(m);
       third = std::bit_cast<std::uint64_t>(t.c);
+    }
     CHECK(std::bit_cast<std::uint64_t>(s) == sum);
     CHECK(std::bit_cast<std::uint64_t>(m) == most);
     CHECK(std::bit_cast<std::uint64_t>(t.c) == third);

@@ -26,7 +26,9 @@ TEST_CASE("uniform draws have the moments of the uniform distribution and stay f
   for (int i = 0; i < n; ++i) {
     const double u = random.uniform();
     inside = inside && u >= 0 && u < 1;
-    m1 += u, m2 += u * u, lag += (u - 0.5) * (last - 0.5);
+    m1 += u;
+    m2 += u * u;
+    lag += (u - 0.5) * (last - 0.5);
     last = u;
   }
   CHECK(inside);

@@ -23,7 +23,9 @@ struct Top {
   Vec3 inertia, momentum;
   Top(const Vec3& i, const Vec3& w) : inertia(i), momentum(i.cwiseProduct(w)) {
     Body body;
-    body.mass = 1.0, body.inertia = i, body.angular_velocity = w;
+    body.mass = 1.0;
+    body.inertia = i;
+    body.angular_velocity = w;
     world.add(body);
   }
   void step(double dt) { world.rotate(0, dt); }

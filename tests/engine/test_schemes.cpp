@@ -47,7 +47,8 @@ struct Run {
 
   Run(const SchemeEntry& scheme, double k, double c, double step_size) : dt(step_size) {
     stage.scheme = scheme.make();
-    stage.broad_phase = std::make_unique<NoPairs>(), stage.narrow_phase = std::make_unique<NoContacts>();
+    stage.broad_phase = std::make_unique<NoPairs>();
+    stage.narrow_phase = std::make_unique<NoContacts>();
     stage.contact_model = std::make_unique<Spring>(k, c, !scheme.smooth);
   }
   void advance(int steps) {
@@ -58,7 +59,9 @@ struct Run {
 
 Body unit_body(double x, double v) {
   Body b;
-  b.position.x() = x, b.velocity.x() = v, b.mass = 2.0;
+  b.position.x() = x;
+  b.velocity.x() = v;
+  b.mass = 2.0;
   return b;
 }
 
@@ -104,7 +107,8 @@ TEST_CASE("energy of an undamped oscillator stays bounded for 1e5 periods' worth
     for (int k = 0; k < 100000; ++k) {
       run.advance(1);
       const double x = run.world.position[0].x(), v = run.world.velocity[0].x(), energy = 4.0 * x * x + v * v;
-      least = std::min(least, energy), most = std::max(most, energy);
+      least = std::min(least, energy);
+      most = std::max(most, energy);
     }
     // a modified energy is kept exactly: the energy swings by omega dt (first order) or (omega dt)^2/4 (second order)
     const double swing = s.entry.name == "symplectic-euler" ? 0.11 : 0.0026;

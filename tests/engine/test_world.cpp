@@ -13,9 +13,14 @@ namespace {
 /// Body k carries k in all its columns, so that a mixed-up column shows.
 Body numbered(int k) {
   Body b;
-  b.position = Vec3(k, 2 * k, 3 * k), b.velocity = Vec3(-k, 0, k), b.angular_velocity = Vec3(0, k, 0);
-  b.mass = 1.0 + k, b.inertia = Vec3(1 + k, 2 + k, 3 + k), b.external_force = Vec3(k, k, k);
-  b.shape = static_cast<std::uint32_t>(100 + k), b.material = static_cast<std::uint16_t>(k % 7);
+  b.position = Vec3(k, 2 * k, 3 * k);
+  b.velocity = Vec3(-k, 0, k);
+  b.angular_velocity = Vec3(0, k, 0);
+  b.mass = 1.0 + k;
+  b.inertia = Vec3(1 + k, 2 + k, 3 + k);
+  b.external_force = Vec3(k, k, k);
+  b.shape = static_cast<std::uint32_t>(100 + k);
+  b.material = static_cast<std::uint16_t>(k % 7);
   return b;
 }
 
@@ -102,7 +107,8 @@ TEST_CASE("columns and handles follow bodies through random sorting and removal"
 TEST_CASE("a world pays for the columns it declares", "[engine][world]") {
   World lean({.rotation = false, .force = false});
   World full({.rotation = true, .anisotropy = true, .force = true, .external_force = true});
-  lean.add(numbered(1)), full.add(numbered(1));
+  lean.add(numbered(1));
+  full.add(numbered(1));
   // id, shape, slot 4 each, material 2, inverse mass 8, position and velocity 24 each
   CHECK(lean.bytes_per_body() == 4 + 4 + 4 + 2 + 8 + 48);
   // + force, external force, torque, angular velocity and momentum, inverse inertia 24 each, orientation 32
@@ -164,7 +170,10 @@ TEST_CASE("Morton order is that of interleaved cell indices, ties by id", "[engi
   }
   const auto order = morton_order(world);
   Vec3 low = world.position[0], high = low;
-  for (const Vec3& x : world.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  for (const Vec3& x : world.position) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
   const double extent = (high - low).maxCoeff();
   const auto code = [&](Slot s) {  // bit by bit, from the definition
     unsigned long long c = 0;

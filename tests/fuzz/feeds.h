@@ -130,7 +130,10 @@ inline bool feed_run(std::string_view bytes) {
   const bool is_run = accepted(name, [&] {
     const StoredRun run(file.path());
     for (std::size_t k = 0; k < std::min<std::size_t>(run.snapshots(), 20); ++k) (void)run.snapshot(k);
-    (void)run.measures(), (void)run.title(), (void)run.scene_text(), (void)run.overrides();
+    (void)run.measures();
+    (void)run.title();
+    (void)run.scene_text();
+    (void)run.overrides();
   });
   if (!is_run) return accepted(name, [&] { (void)read_checkpoint_header(file.path()); });
   accepted(name, [&] {

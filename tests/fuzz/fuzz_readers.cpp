@@ -45,7 +45,8 @@ const Words& words() {
     }
     const auto take = [&](const std::vector<Entry>& entries) {
       for (const auto& e : entries) {
-        w.values.push_back("\"" + e.name + "\""), w.keys.push_back(e.name);
+        w.values.push_back("\"" + e.name + "\"");
+        w.keys.push_back(e.name);
         for (const auto& f : e.fields) w.keys.push_back(f.name);
       }
     };
@@ -134,8 +135,10 @@ void change_binary(std::uint8_t* data, std::size_t size, std::mt19937& random) {
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned seed) {
   std::mt19937 random(seed);
-  if ((reader() == Reader::run || reader() == Reader::problem) && size > 0 && random() % 4 != 0)
-    return change_binary(data, size, random), size;
+  if ((reader() == Reader::run || reader() == Reader::problem) && size > 0 && random() % 4 != 0) {
+    change_binary(data, size, random);
+    return size;
+  }
   if (reader() != Reader::scene || random() % 4 == 0) return LLVMFuzzerMutate(data, size, max_size);
   Lines lines = split({reinterpret_cast<const char*>(data), size});
   for (unsigned n = 1 + static_cast<unsigned>(random() % 3); n > 0; --n) change(lines, random);
@@ -150,13 +153,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   switch (reader()) {
     case Reader::scene:
-      return (void)fuzz::feed_scene(bytes), 0;
+      (void)fuzz::feed_scene(bytes);
+      return 0;
     case Reader::mesh:
-      return (void)fuzz::feed_mesh(bytes), 0;
+      (void)fuzz::feed_mesh(bytes);
+      return 0;
     case Reader::problem:
-      return (void)fuzz::feed_problem(bytes), 0;
+      (void)fuzz::feed_problem(bytes);
+      return 0;
     case Reader::run:
-      return (void)fuzz::feed_run(bytes), 0;
+      (void)fuzz::feed_run(bytes);
+      return 0;
   }
   return 0;
 }

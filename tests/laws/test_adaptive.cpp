@@ -54,7 +54,8 @@ TEST_CASE("the default is `adaptive`; it holds 1:1000 and 50 boxes within its to
 
 TEST_CASE("a large pile gets the sweeps of pgs and nothing else: the same bits", "[laws][nonsmooth][adaptive]") {
   RigidExperiment swept = pile(7, "pgs"), chosen = pile(7, "adaptive");
-  swept.run(8), chosen.run(8);
+  swept.run(8);
+  chosen.run(8);
   CHECK(swept.worst_residual > 1e-6);
   for (Slot s = 0; s < swept.world.size(); ++s) REQUIRE(swept.world.position[s] == chosen.world.position[s]);
 }

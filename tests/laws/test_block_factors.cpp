@@ -51,22 +51,26 @@ void check_factors(std::uint32_t n, const std::vector<BlockPattern::Edge>& edges
   Random random(N, n);
   BlockCholesky<N> cholesky;
   BlockLu<N> lu;
-  cholesky.analyse(n, edges), lu.analyse(n, edges);
+  cholesky.analyse(n, edges);
+  lu.analyse(n, edges);
   const Eigen::Index size = N * static_cast<Eigen::Index>(n);
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size, size), c = a;
   for (std::uint32_t i = 0; i < n; ++i) {
     const auto m = random_block<N>(random);
     cholesky.diagonal[i] = m * m.transpose() + 4.0 * N * Eigen::Matrix<double, N, N>::Identity();
     lu.diagonal[i] = cholesky.diagonal[i] + m;
-    a.block<N, N>(N * i, N * i) = cholesky.diagonal[i], c.block<N, N>(N * i, N * i) = lu.diagonal[i];
+    a.block<N, N>(N * i, N * i) = cholesky.diagonal[i];
+    c.block<N, N>(N * i, N * i) = lu.diagonal[i];
   }
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto [p, q] = edges[e];
     cholesky.off_diagonal[e] = random_block<N>(random);
-    lu.lower[e] = random_block<N>(random), lu.upper[e] = random_block<N>(random);
+    lu.lower[e] = random_block<N>(random);
+    lu.upper[e] = random_block<N>(random);
     a.block<N, N>(N * p, N * q) = cholesky.off_diagonal[e];
     a.block<N, N>(N * q, N * p) = cholesky.off_diagonal[e].transpose();
-    c.block<N, N>(N * p, N * q) = lu.lower[e], c.block<N, N>(N * q, N * p) = lu.upper[e];
+    c.block<N, N>(N * p, N * q) = lu.lower[e];
+    c.block<N, N>(N * q, N * p) = lu.upper[e];
   }
   Eigen::VectorXd b(size);
   for (double& x : b) x = random.uniform(-1, 1);
@@ -75,10 +79,12 @@ void check_factors(std::uint32_t n, const std::vector<BlockPattern::Edge>& edges
     for (std::uint32_t i = 0; i < n; ++i) x[i] = b.segment<N>(N * i);
   };
   REQUIRE(cholesky.factor());
-  fill(), cholesky.solve(x);
+  fill();
+  cholesky.solve(x);
   CHECK(error<N>(a, x, b) < 1e-13);  // condition numbers below 10: a few hundred ulp
   REQUIRE(lu.factor());
-  fill(), lu.solve(x);
+  fill();
+  lu.solve(x);
   CHECK(error<N>(c, x, b) < 1e-13);
 }
 
@@ -100,8 +106,12 @@ TEST_CASE("a lattice's factor is stored in few wide panels, each row of L once",
 }
 
 TEST_CASE("block Cholesky and LU solve what the dense matrix says", "[laws][factor]") {
-  for (const std::uint32_t n : {3u, 20u, 61u}) check_factors<6>(n, ring(n)), check_factors<3>(n, ring(n));
-  check_factors<6>(64, lattice(4)), check_factors<3>(125, lattice(5));
+  for (const std::uint32_t n : {3u, 20u, 61u}) {
+    check_factors<6>(n, ring(n));
+    check_factors<3>(n, ring(n));
+  }
+  check_factors<6>(64, lattice(4));
+  check_factors<3>(125, lattice(5));
 }
 
 TEST_CASE("a matrix that is not positive definite is refused, a singular one too", "[laws][factor]") {

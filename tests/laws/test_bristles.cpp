@@ -13,9 +13,11 @@ TEST_CASE("bristles that stick keep load and energy of those left where a shrink
   FrictionResponse r = pull_bristles(step, 1.0, never, row, next);
   CHECK(r.load.x() == Approx(d).epsilon(1e-13));
   step.displacement.setZero();
-  row = next, r = pull_bristles(step, 12.0 / 36.0, never, row, next);
+  row = next;
+  r = pull_bristles(step, 12.0 / 36.0, never, row, next);
   CHECK(r.load.x() == Approx(12.0 / 36.0 * d).epsilon(1e-13));
-  row = next, r = pull_bristles(step, 0.33, never, row, next);
+  row = next;
+  r = pull_bristles(step, 0.33, never, row, next);
   CHECK(next.width == Approx(0.5 / 36.0).epsilon(1e-14));  // it was split
   CHECK(r.load.x() == Approx(0.33 * d).epsilon(1e-13));    // 48 sums of numbers of one sign
   CHECK(r.energy == Approx(0.5 * 0.33 * d * d).epsilon(1e-13));

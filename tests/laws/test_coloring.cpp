@@ -39,7 +39,8 @@ ContactProblem star(int n) {
   for (Slot b = 1; b <= static_cast<Slot>(n); ++b) contacts.append(0, b, {.gap = 0.0});
   ContactProblem p;
   p.load_bodies(world, 0.1);
-  p.load_contacts(world, contacts), p.load_diagonal();
+  p.load_contacts(world, contacts);
+  p.load_diagonal();
   return p;
 }
 }  // namespace
@@ -139,7 +140,8 @@ ContactProblem turned_heap(std::size_t turn) {
   for (const Meeting& m : all) contacts.append(m.a, m.b, m.point);
   ContactProblem p;
   p.load_bodies(world, 0.01);
-  p.load_contacts(world, contacts), p.load_diagonal();
+  p.load_contacts(world, contacts);
+  p.load_diagonal();
   p.friction.assign(p.size(), 0.4);
   return p;
 }
@@ -160,7 +162,8 @@ TEST_CASE("colours and what sweeps make of them do not depend on the slots of th
   const ContactProblem straight = turned_heap(1);
   const auto solved = [](const ContactProblem& p, const SolverEntry& entry) {
     Parameters parameters;
-    parameters.set("iterations", 20.0), parameters.set("tolerance", 1e-30);
+    parameters.set("iterations", 20.0);
+    parameters.set("tolerance", 1e-30);
     Impulses r(p.size(), Vec3::Zero());
     (void)entry.make(parameters)->solve(p, r);
     std::map<std::tuple<BodyId, BodyId, std::size_t>, std::array<double, 3>> out;

@@ -188,7 +188,8 @@ TEST_CASE("JKR: pull-off force and range of the closed form, DMT: constant attra
     r = Jkr::respond(p, {delta, 0, 1, R}, state, next);
     state = next;
     if (!Jkr::holds(state)) break;
-    lowest = std::min(lowest, r.force), last = delta;
+    lowest = std::min(lowest, r.force);
+    last = delta;
   }
   CHECK(lowest == Approx(-1.5 * pi * w * R).epsilon(1e-6));
   CHECK(last == Approx(-Jkr::reach(p, R)).epsilon(2e-4));

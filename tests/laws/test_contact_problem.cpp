@@ -59,7 +59,8 @@ TEST_CASE("impulses between free bodies leave momentum and angular momentum alon
     if (!p.is_free(s)) continue;
     const auto sum = p.impulse_on(s, r);
     const Vec3 at(static_cast<int>(s - 1) % 3, static_cast<int>(s - 1) / 3 % 3, 0.5 + static_cast<int>(s - 1) / 9);
-    linear += sum.linear, angular += sum.angular + at.cross(sum.linear);
+    linear += sum.linear;
+    angular += sum.angular + at.cross(sum.linear);
   }
   CHECK(linear.norm() < 1e-13 * static_cast<double>(p.size()));
   CHECK(angular.norm() < 1e-12 * static_cast<double>(p.size()));

@@ -245,7 +245,8 @@ TEST_CASE("strip theory on one strip is Carter's solution", "[laws][wheel_rail]"
 TEST_CASE("mirrored creepages give mirrored forces", "[laws][wheel_rail]") {
   const RollingCase c{{5e-3, 7e-3}, 6e4, {80e9, 0.27, 0.0}, 0.35, {8e-4, -5e-4, 0.3}};
   RollingCase m = c;
-  m.creepage.lateral = -c.creepage.lateral, m.creepage.spin = -c.creepage.spin;
+  m.creepage.lateral = -c.creepage.lateral;
+  m.creepage.spin = -c.creepage.spin;
   const auto strips = strips_of_ellipse(c.ellipse, c.normal_force, 40, 40, Bound::elliptic);
   const PatchForce pairs[][2] = {
       {fastrip(strips, c, coefficients(c), false).force, fastrip(strips, m, coefficients(m), false).force},

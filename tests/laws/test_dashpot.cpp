@@ -32,7 +32,8 @@ std::vector<double> swings(const std::string& law, const std::string& tangential
     const double slip = rig.world.velocity[0].x() - radius * rig.world.angular_velocity[0].y();
     if (i > 5 && last > before && last > slip && last > 0.0)  // by the parabola through three points
       largest.push_back(last + 0.125 * (slip - before) * (slip - before) / (2.0 * last - slip - before));
-    before = last, last = slip;
+    before = last;
+    last = slip;
     rig.step(dt);
   }
   return largest;
@@ -108,7 +109,8 @@ TEST_CASE("friction by spring and dashpot together stays below mu N and never ad
 
 TEST_CASE("a dashpot asked for and not there is refused, with the law that has it", "[laws][friction][errors]") {
   const auto message = [](ContactChoice choice) {
-    choice.friction = 0.3, choice.parameters = parameters_of({{"stiffness", 1e5}, {"tangential_damping", 0.2}});
+    choice.friction = 0.3;
+    choice.parameters = parameters_of({{"stiffness", 1e5}, {"tangential_damping", 0.2}});
     try {
       make_smooth_contact(setup_of(choice, {Material{"glass", 2500, 1e8, 0.25}}));
     } catch (const SceneError& error) {

@@ -12,7 +12,15 @@ namespace {
 /// W of a point of a body: 1/m 1 + S^T I^-1 S, S x = arm cross x, in the frame (n, t1, t2).
 Mat3 response_at(double mass, const Vec3& inverse_inertia, const Vec3& arm) {
   Mat3 s;
-  s << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+  s << 0;
+  -arm.z();
+  arm.y();
+  arm.z();
+  0;
+  -arm.x();
+  -arm.y();
+  arm.x();
+  0;
   return Mat3(Mat3::Identity() / mass + s.transpose() * inverse_inertia.asDiagonal() * s);
 }
 
@@ -20,7 +28,9 @@ Mat3 response_at(double mass, const Vec3& inverse_inertia, const Vec3& arm) {
 Mat3 rod(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   Mat3 w = Mat3::Identity();
-  w(0, 0) = 1 + 3 * c * c, w(1, 1) = 1 + 3 * s * s, w(0, 1) = w(1, 0) = -3 * s * c;
+  w(0, 0) = 1 + 3 * c * c;
+  w(1, 1) = 1 + 3 * s * s;
+  w(0, 1) = w(1, 0) = -3 * s * c;
   return w;
 }
 
@@ -96,7 +106,9 @@ TEST_CASE("tumbling boxes gain no energy in any step, whatever e and mu", "[laws
       for (const double mu : {0.0, 0.3, 1.0})
         for (const double turn : {0.2, 0.4, 0.9, 1.3}) {
           RigidSettings s{.friction = mu, .restitution = e, .dt = 1e-3, .solver = "newton"};
-          s.parameters.set("impact", law), s.parameters.set("tolerance", 1e-9), s.parameters.set("iterations", 200.0);
+          s.parameters.set("impact", law);
+          s.parameters.set("tolerance", 1e-9);
+          s.parameters.set("iterations", 200.0);
           RigidExperiment run(s);
           run.plane(Vec3::Zero(), Vec3::UnitZ());
           const Quat turned(Eigen::AngleAxisd(turn, Vec3(1, 2, 0.5).normalized()));

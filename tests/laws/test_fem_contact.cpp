@@ -81,7 +81,8 @@ TEST_CASE("a ball on a block of hexahedra comes within 2 % of Hertz and nearer o
       const double r2 =
           (std::pow(c.mesh.candidate_x(i), 2) + std::pow(c.mesh.candidate_y(i), 2)) / (h.ellipse.a * h.ellipse.a);
       const double p = r2 < 1.0 ? h.max_pressure * std::sqrt(1.0 - r2) : 0.0, w = c.tributary[k];
-      error += w * std::pow(s.p[k] / w - p, 2), size += w * p * p;
+      error += w * std::pow(s.p[k] / w - p, 2);
+      size += w * p * p;
     }
     error = std::sqrt(error / size);
     CHECK(error < last);
@@ -110,8 +111,15 @@ TEST_CASE("the approach of a ball converges to Hertz with the second order of tr
     const SurfaceContact s = solve_surface_contact(p, {true, N}, Enforcement::lagrange, 0.0);
     const double error = s.approach / h.approach - 1.0, cell = 2.5 / n;
     const double x = std::log(cell), y = std::log(std::abs(error)), square = cell * cell;
-    sx += x, sy += y, sxx += x * x, sxy += x * y, count += 1.0;
-    q += square, qq += square * square, e += error, qe += square * error;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+    count += 1.0;
+    q += square;
+    qq += square * square;
+    e += error;
+    qe += square * error;
     const Eigen::VectorXd tributary = surface_mass(mesh).rowwise().sum();
     if (n == 10) peak = s.p.cwiseQuotient(tributary).maxCoeff();
   }
@@ -148,10 +156,15 @@ TEST_CASE("pressures on hexahedra converge to Hertz with the first order of thei
     double error = 0.0, size = 0.0;
     for (Eigen::Index k = 0; k < s.p.size(); ++k) {
       const double exact = h.max_pressure * std::sqrt(std::max(0.0, 1.0 - r2(k) / (a * a))), w = tributary[k];
-      error += w * std::pow(s.p[k] / w - exact, 2), size += w * exact * exact;
+      error += w * std::pow(s.p[k] / w - exact, 2);
+      size += w * exact * exact;
     }
     const double x = -std::log(cells), y = 0.5 * std::log(error / size);
-    sx += x, sy += y, sxx += x * x, sxy += x * y, count += 1.0;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+    count += 1.0;
   }
   const double order = (count * sxy - sx * sy) / (count * sxx - sx * sx);
   WARN("order " << order);

@@ -40,8 +40,10 @@ TEST_CASE("the transform of eight lines is the sum of its definition", "[laws][w
     for (std::size_t k = 0; k < n; ++k)
       in[k] = {std::sin(1.0 + 7.0 * static_cast<double>(k)), std::cos(3.0 * static_cast<double>(k * k))};
     for (std::size_t k = 0; k < n; ++k)
-      for (std::size_t l = 0; l < Fft::lanes; ++l)
-        work[k * 8 + l] = in[k].real() + static_cast<double>(l), work[(n + k) * 8 + l] = in[k].imag();
+      for (std::size_t l = 0; l < Fft::lanes; ++l) {
+        work[k * 8 + l] = in[k].real() + static_cast<double>(l);
+        work[(n + k) * 8 + l] = in[k].imag();
+      }
     const double* out = work.data() + fft.transform(work.data(), false);
     for (std::size_t m = 0; m < n; ++m) {
       std::complex<double> sum = 0.0;
@@ -59,9 +61,11 @@ TEST_CASE("convolutions by transform equal the plain double sum", "[laws][wheel_
   const PatchGrid g{7, 5, 1.1e-3, 0.7e-3};
   std::vector<double> p(g.size()), u(g.size());
   TangentialField q(g.size()), v(g.size());
-  for (std::size_t k = 0; k < p.size(); ++k)
-    p[k] = std::sin(1.0 + 5.0 * static_cast<double>(k)), q.x[k] = std::cos(2.0 * static_cast<double>(k)),
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    p[k] = std::sin(1.0 + 5.0 * static_cast<double>(k));
+    q.x[k] = std::cos(2.0 * static_cast<double>(k));
     q.y[k] = p[k] * p[k];
+  }
   PressureKernel normal(g, half_spaces);
   normal.apply(p, u);
   TractionKernel difference(g, half_spaces, KernelKind::difference);
@@ -124,7 +128,8 @@ TEST_CASE("regions apart press on each other with the share of their distance", 
   };
   std::vector<double> gap(g.size()), first(g.size()), second(g.size());
   for (std::size_t k = 0; k < gap.size(); ++k) {
-    first[k] = ball(k, -5e-3, 0.0), second[k] = ball(k, 5e-3, 4e-6);
+    first[k] = ball(k, -5e-3, 0.0);
+    second[k] = ball(k, 5e-3, 4e-6);
     gap[k] = std::min(first[k], second[k]);
     (g.y(k / g.nx) < 0.0 ? second : first)[k] = 1.0;
   }
@@ -164,7 +169,10 @@ TEST_CASE("regions apart press on each other with the share of their distance", 
     }
   }
   double difference = 0.0, sum = 0.0;
-  for (std::size_t k = 0; k < p.size(); ++k) difference += std::abs(p[k] - part.pressure[k]), sum += p[k];
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    difference += std::abs(p[k] - part.pressure[k]);
+    sum += p[k];
+  }
   CHECK(difference < 1e-6 * sum);
   CHECK(part.normal_force < alone);
   CHECK(part.normal_force > whole.normal_force);

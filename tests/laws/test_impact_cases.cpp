@@ -13,7 +13,8 @@ namespace {
 /// A bounce comes up to v dt early and with a lever longer by half of that: dt = 0.5 us makes it 1e-6 of the radius.
 RigidSettings weightless(double friction, double restitution) {
   RigidSettings s{.friction = friction, .restitution = restitution, .dt = 5e-7, .gravity = Vec3::Zero()};
-  s.parameters.set("tolerance", 1e-12), s.parameters.set("iterations", 10000.0);
+  s.parameters.set("tolerance", 1e-12);
+  s.parameters.set("iterations", 10000.0);
   return s;
 }
 }  // namespace
@@ -75,7 +76,8 @@ namespace {
 /// Peaks of a rocking block over alpha after 1, 2 ... impacts; the first passage through upright at `upright`.
 std::vector<double> rocking_peaks(double dt, std::size_t count, double& upright) {
   RigidSettings settings{.friction = 5.0, .restitution = 0.0, .dt = dt, .reach = 1e-3, .solver = "nsgs"};
-  settings.parameters.set("tolerance", 1e-11), settings.parameters.set("iterations", 20000.0);
+  settings.parameters.set("tolerance", 1e-11);
+  settings.parameters.set("iterations", 20000.0);
   settings.parameters.set("correction", 0.0);
   RigidExperiment run(settings);
   run.plane(Vec3::Zero(), Vec3::UnitZ());
@@ -89,7 +91,8 @@ std::vector<double> rocking_peaks(double dt, std::size_t count, double& upright)
   int zeros = 0;
   while (peaks.size() < count && run.world.time < 20.0) {
     run.run(1);
-    last = tilt, tilt = 2.0 * std::asin(run.world.orientation[s].y());
+    last = tilt;
+    tilt = 2.0 * std::asin(run.world.orientation[s].y());
     if (last * tilt < 0.0) {
       if (++zeros == 1)
         upright = run.world.time;
@@ -131,13 +134,16 @@ TEST_CASE("A27: the dragged rod always gets an admissible impulse, in the parado
         const double t = degrees * M_PI / 180.0, c = std::cos(t), s = std::sin(t);
         ConeProblem p;
         Eigen::SparseMatrix<double> w(3, 3);
-        w.insert(0, 0) = 1 + 3 * c * c, w.insert(0, 1) = w.insert(1, 0) = -3 * s * c, w.insert(1, 1) = 1 + 3 * s * s;
+        w.insert(0, 0) = 1 + 3 * c * c;
+        w.insert(0, 1) = w.insert(1, 0) = -3 * s * c;
+        w.insert(1, 1) = 1 + 3 * s * s;
         w.insert(2, 2) = 1.0;
         const Eigen::Vector3d q(1e-2 * (spin * spin * s - 9.81), 1.0, 0.0);  // sliding with 1 m/s
         p = ConeProblem::from(LocalForm{w, q, Eigen::VectorXd::Constant(1, mu)});
         for (const SolverEntry& entry : {nsgs_entry(), auto_entry(), proximal_entry()}) {
           Parameters parameters;
-          parameters.set("tolerance", 1e-9), parameters.set("iterations", 2000.0);
+          parameters.set("tolerance", 1e-9);
+          parameters.set("iterations", 2000.0);
           Impulses r(1, Vec3::Zero());
           entry.make(parameters)->solve(p, r);
           std::vector<Vec6> v;

@@ -10,7 +10,8 @@ namespace {
 RigidSettings settings(const std::string& impact, double restitution, double dt, double friction = 0.0) {
   RigidSettings s{.friction = friction, .restitution = restitution, .dt = dt, .gravity = Vec3::Zero()};
   s.parameters.set("impact", impact);
-  s.parameters.set("tolerance", 1e-13), s.parameters.set("iterations", 100000.0);
+  s.parameters.set("tolerance", 1e-13);
+  s.parameters.set("iterations", 100000.0);
   s.parameters.set("correction", 0.0);
   return s;
 }

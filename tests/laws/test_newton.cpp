@@ -16,7 +16,8 @@ namespace {
 SolverReport solve(const SolverEntry& entry, const ContactProblem& p, Impulses& r, double tolerance,
                    double limit = 500) {
   Parameters parameters;
-  parameters.set("iterations", limit), parameters.set("tolerance", tolerance);
+  parameters.set("iterations", limit);
+  parameters.set("tolerance", tolerance);
   r.assign(p.size(), Vec3::Zero());
   return entry.make(parameters)->solve(p, r);
 }
@@ -40,7 +41,8 @@ ContactProblem two_stacks(int low, int high) {
     }
   ContactProblem p;
   p.load_bodies(world, 1.0 / 240);
-  p.load_contacts(world, contacts), p.load_diagonal();
+  p.load_contacts(world, contacts);
+  p.load_diagonal();
   p.friction.assign(p.size(), 0.5);
   return p;
 }

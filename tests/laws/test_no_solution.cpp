@@ -16,7 +16,8 @@ ConeProblem normal_problem(const Eigen::MatrixXd& a, const Eigen::VectorXd& q) {
   const Eigen::Index n = q.size();
   LocalForm form;
   form.W.resize(3 * n, 3 * n);
-  form.q = Eigen::VectorXd::Zero(3 * n), form.mu = Eigen::VectorXd::Zero(n);
+  form.q = Eigen::VectorXd::Zero(3 * n);
+  form.mu = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index k = 0; k < n; ++k) form.W.insert(3 * i, 3 * k) = w(i, k);
     form.W.insert(3 * i + 1, 3 * i + 1) = form.W.insert(3 * i + 2, 3 * i + 2) = 1.0;
@@ -53,9 +54,11 @@ TEST_CASE("a null vector that all contacts oppose decides: 200 random problems a
   for (int k = 0; k < 200; ++k) {
     const Eigen::Index n = 2 + k % 9;
     Eigen::MatrixXd a(n + 2, n);
-    Eigen::VectorXd d(n), q(n);
+    Eigen::VectorXd d(n);
+    q(n);
     for (Eigen::Index j = 0; j < n; ++j) {
-      d(j) = in(0.1, 2), q(j) = in(-1, 1);
+      d(j) = in(0.1, 2);
+      q(j) = in(-1, 1);
       for (Eigen::Index i = 0; i < a.rows(); ++i) a(i, j) = in(-1, 1);
     }
     a -= (a * d) * d.transpose() / d.squaredNorm();  // A d = 0
@@ -73,7 +76,8 @@ TEST_CASE("a ball squeezed between two driven walls is told by every solver", "[
   for (const SolverEntry& solver : all_solvers()) {
     INFO(solver.entry.name);
     RigidSettings s{.gravity = Vec3::Zero(), .solver = solver.entry.name};
-    s.parameters.set("tolerance", 1e-8), s.parameters.set("iterations", 200.0);
+    s.parameters.set("tolerance", 1e-8);
+    s.parameters.set("iterations", 200.0);
     RigidExperiment run(s);
     run.plane(Vec3::Zero(), Vec3::UnitZ(), Vec3(0, 0, 0.3));
     run.plane(Vec3(0, 0, 0.2), -Vec3::UnitZ(), Vec3(0, 0, -0.2));
@@ -114,7 +118,8 @@ TEST_CASE("a contact that is left for its own impact is no contact without solut
   // off to the next step, and sweeps that stop early leave this one unsolved
   for (const double gap : {2.2, 2.5, 2.8}) {
     RigidSettings s{.restitution = 0.9, .gravity = Vec3(0, 0, -10), .solver = "pgs"};
-    s.parameters.set("tolerance", 1e-14), s.parameters.set("iterations", 1.0);
+    s.parameters.set("tolerance", 1e-14);
+    s.parameters.set("iterations", 1.0);
     RigidExperiment run(s);
     const double fall = 10.0 * s.dt, low = 0.1 + gap * fall * s.dt;
     run.plane(Vec3::Zero(), Vec3::UnitZ());

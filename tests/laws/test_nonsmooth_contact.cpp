@@ -42,7 +42,10 @@ TEST_CASE("A14: a sliding sphere rolls after 2 v0 / (7 mu g) with 5/7 of its spe
   for (int k = 0; k < 400; ++k) {
     x.run(1);
     const double slip = x.world.velocity[ball].x() - 0.05 * x.world.angular_velocity[ball].y();
-    if (slip > 1e-9) rolling_since = x.world.time, distance = x.world.position[ball].x();
+    if (slip > 1e-9) {
+      rolling_since = x.world.time;
+      distance = x.world.position[ball].x();
+    }
   }
   CHECK(rolling_since == Approx(0.291248).margin(1e-3));                // one step
   CHECK(x.world.velocity[ball].x() == Approx(1.428571).epsilon(1e-6));  // angular momentum is exact
@@ -80,7 +83,8 @@ TEST_CASE("A15: the threshold mu = tan(theta) is decided to 1e-3", "[laws][nonsm
   const double theta = 25 * degree;
   for (const double factor : {0.999, 1.001}) {
     Parameters p;
-    p.set("tolerance", 1e-9), p.set("iterations", 500.0);  // 1e-6 of g over 2 s would leave 4e-5 m/s
+    p.set("tolerance", 1e-9);  // 1e-6 of g over 2 s would leave 4e-5 m/s
+    p.set("iterations", 500.0);
     auto x = block_on_plane({.friction = factor * std::tan(theta), .gravity = tilted(theta), .parameters = p});
     x.run_for(2.0);
     const double a = 9.81 * std::sin(theta) * std::max(0.0, 1.0 - factor);  // g (sin - mu cos)
@@ -106,7 +110,10 @@ TEST_CASE("A16: friction has no preferred direction", "[laws][nonsmooth]") {
     const Vec3 along(std::cos(heading * degree), std::sin(heading * degree), 0);
     auto x = block_on_plane({.friction = 0.5}, 3.0 * along);
     double stop = 0.0;
-    while (x.world.velocity[1].norm() > 1e-7 && x.world.time < 1.0) x.run(1), stop = x.world.time;
+    while (x.world.velocity[1].norm() > 1e-7 && x.world.time < 1.0) {
+      x.run(1);
+      stop = x.world.time;
+    }
     const Vec3 path = x.world.position[1] - Vec3(0, 0, 0.05);
     CHECK(path.dot(along) == Approx(0.917431).epsilon(1e-3));
     CHECK(stop == Approx(0.611621).margin(2e-3));  // the step of the stop and one that ends it
@@ -164,7 +171,8 @@ TEST_CASE("B04: a sliding box keeps no gap under exact Coulomb friction", "[laws
   for (const char* solver : {"pgs", "nsgs", "newton", "proximal", "auto", "admm", "apgd"}) {
     INFO(solver);
     Parameters p;
-    p.set("tolerance", 1e-10), p.set("iterations", 5000.0);
+    p.set("tolerance", 1e-10);
+    p.set("iterations", 5000.0);
     auto x = block_on_plane({.friction = 0.5, .dt = 0.01, .solver = solver, .parameters = p}, Vec3(1, 0, 0));
     x.run_for(0.15);
     CHECK(x.world.velocity[1].x() == Approx(1.0 - 0.5 * 9.81 * 0.15).epsilon(1e-8));
@@ -176,7 +184,9 @@ TEST_CASE("B04: a sliding box keeps no gap under exact Coulomb friction", "[laws
 TEST_CASE("B04: the convex relaxation lifts a sliding box at mu v, and its residual says so", "[laws][nonsmooth]") {
   for (const double dt : {0.01, 0.001}) {
     Parameters p;
-    p.set("tolerance", 1e-10), p.set("iterations", 5000.0), p.set("cone", std::string("relaxed"));
+    p.set("tolerance", 1e-10);
+    p.set("iterations", 5000.0);
+    p.set("cone", std::string("relaxed"));
     auto x = block_on_plane({.friction = 0.5, .dt = dt, .solver = "apgd", .parameters = p}, Vec3(1, 0, 0));
     x.run(1);
     const Vec3& v = x.world.velocity[1];
@@ -193,13 +203,16 @@ TEST_CASE("a pyramid of m sides has friction between mu cos(pi/m) and mu", "[law
     for (int k = 0; k < 24; ++k) {  // all ways between two generators of the coarsest, and on
       const double turn = k * 2.0 * std::numbers::pi / 48.0;
       Parameters p;
-      p.set("tolerance", 1e-10), p.set("iterations", 2000.0), p.set("cone", std::string("pyramid")),
-          p.set("sides", sides);
+      p.set("tolerance", 1e-10);
+      p.set("iterations", 2000.0);
+      p.set("cone", std::string("pyramid"));
+      p.set("sides", sides);
       auto x = block_on_plane({.friction = 0.5, .dt = 0.01, .solver = "pgs", .parameters = p},
                               Vec3(std::cos(turn), std::sin(turn), 0));
       x.run_for(0.1);
       const double lost = 1.0 - Vec3(std::cos(turn), std::sin(turn), 0).dot(x.world.velocity[1]);
-      least = std::min(least, lost / (0.5 * 9.81 * 0.1)), most = std::max(most, lost / (0.5 * 9.81 * 0.1));
+      least = std::min(least, lost / (0.5 * 9.81 * 0.1));
+      most = std::max(most, lost / (0.5 * 9.81 * 0.1));
     }
     INFO(sides << " sides: " << least << " to " << most);
     CHECK(most == Approx(1.0).epsilon(2e-3));
@@ -299,7 +312,10 @@ TEST_CASE("a stack of ten boxes stands for ten seconds", "[laws][nonsmooth]") {
     auto x = stack(10, jitter, {.friction = 0.5, .dt = 1.0 / 240, .reach = 1e-2});
     const Vec3 start = x.world.position[10];
     double overlap = 0.0;
-    for (int k = 0; k < 2400; ++k) x.run(1), overlap = std::max(overlap, x.deepest());
+    for (int k = 0; k < 2400; ++k) {
+      x.run(1);
+      overlap = std::max(overlap, x.deepest());
+    }
     const Vec3 moved = x.world.position[10] - start;
     INFO("drift " << std::hypot(moved.x(), moved.y()) << " sag " << -moved.z() << " overlap " << overlap << " residual "
                   << x.work.report.solver.residual);
@@ -312,7 +328,8 @@ TEST_CASE("B05: the resultant of hyperstatic supports is the weight, the velocit
   // a box of 4 corners on the plane; a table of 16 and of 100 legs is the same box resting on fixed boxes below it
   for (const int side : {2, 4, 10}) {
     Parameters p;
-    p.set("tolerance", 1e-11), p.set("iterations", 20000.0);
+    p.set("tolerance", 1e-11);
+    p.set("iterations", 20000.0);
     RigidExperiment x({.friction = 0.5, .reach = 1e-3, .parameters = p});
     for (int k = 0; k < side * side; ++k) {
       const double pitch = 2.0 / side;
@@ -373,7 +390,10 @@ TEST_CASE("an overlap is taken out without kinetic energy, and the ledger shows 
   x.world.position[1].z() -= 5e-3;
   const double e0 = x.potential();
   double fastest = 0.0;
-  for (int k = 0; k < 100; ++k) x.run(1), fastest = std::max(fastest, x.world.velocity[1].norm());
+  for (int k = 0; k < 100; ++k) {
+    x.run(1);
+    fastest = std::max(fastest, x.world.velocity[1].norm());
+  }
   CHECK(fastest < 1e-6);                                            // tolerance of the solver, no push
   CHECK(x.deepest() < 1.1e-4 * Vec3(0.1, 0.1, 0.05).norm());        // slop, relative to the arm
   CHECK(x.correction == Approx(x.potential() - e0).epsilon(1e-6));  // all of the lift is in the ledger
@@ -385,7 +405,9 @@ TEST_CASE("both solvers and the warm start come to the same state", "[laws][nons
   for (const char* solver : {"pgs", "nsgs"})
     for (const bool warm : {true, false}) {
       Parameters p;
-      p.set("tolerance", 1e-9), p.set("iterations", 5000.0), p.set("warm_start", warm);
+      p.set("tolerance", 1e-9);
+      p.set("iterations", 5000.0);
+      p.set("warm_start", warm);
       auto x = stack(3, 0.0, {.friction = 0.5, .dt = 1.0 / 240, .reach = 1e-2, .solver = solver, .parameters = p});
       x.run(100);
       CHECK(x.work.report.solver.converged);

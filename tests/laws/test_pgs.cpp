@@ -16,7 +16,8 @@ using namespace epafi::test;
 namespace {
 std::unique_ptr<ContactSolver> solver(const std::string& name, double iterations, double tolerance) {
   Parameters p;
-  p.set("iterations", iterations), p.set("tolerance", tolerance);
+  p.set("iterations", iterations);
+  p.set("tolerance", tolerance);
   for (const SolverEntry& s : all_solvers())
     if (s.entry.name == name) return s.make(p);
   return nullptr;
@@ -168,10 +169,15 @@ TEST_CASE("contacts four at a time are those one at a time", "[laws][pgs]") {
     p.velocities(r, v);
     const PgsRule rule;
     const auto compare = [&](auto one, auto four) {
-      one.load(p, r, v), four.load(p, r, v);
+      one.load(p, r, v);
+      four.load(p, r, v);
       double change = 0.0, four_change = 0.0;
-      for (int k = 0; k < 20; ++k) change = one.run(rule), four_change = four.run(rule);
-      one.store(r), four.store(lanes_r);
+      for (int k = 0; k < 20; ++k) {
+        change = one.run(rule);
+        four_change = four.run(rule);
+      }
+      one.store(r);
+      four.store(lanes_r);
       CHECK(four_change == Approx(change).epsilon(1e-9));
       double largest = 0.0;
       for (const Vec3& x : r) largest = std::max(largest, x.norm());

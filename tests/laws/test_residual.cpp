@@ -20,9 +20,14 @@ ContactProblem rearranged(const ContactProblem& p, const std::vector<std::size_t
   ContactProblem out = p;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const std::size_t i = contacts[k];
-    out.a[k] = p.a[i], out.b[k] = p.b[i];
-    out.frame[k] = p.frame[i], out.arm_a[k] = p.arm_a[i], out.arm_b[k] = p.arm_b[i];
-    out.friction[k] = p.friction[i], out.offset[k] = p.offset[i], out.mobility[k] = p.mobility[i];
+    out.a[k] = p.a[i];
+    out.b[k] = p.b[i];
+    out.frame[k] = p.frame[i];
+    out.arm_a[k] = p.arm_a[i];
+    out.arm_b[k] = p.arm_b[i];
+    out.friction[k] = p.friction[i];
+    out.offset[k] = p.offset[i];
+    out.mobility[k] = p.mobility[i];
   }
   return out;
 }
@@ -88,7 +93,10 @@ TEST_CASE("residual and effective mass are the same bits in every order of the c
     const ContactProblem other = rearranged(p, order);
     Impulses other_r(r.size());
     std::vector<Vec3> other_u(u.size());
-    for (std::size_t i = 0; i < order.size(); ++i) other_r[i] = r[order[i]], other_u[i] = u[order[i]];
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      other_r[i] = r[order[i]];
+      other_u[i] = u[order[i]];
+    }
     CHECK(other.mean_effective_mass() == mass);
     CHECK(measure_free_motion(other).norm == q.norm);
     CHECK(measure_residual(other, other_r, other_u, mass, q).value == first);

@@ -164,10 +164,15 @@ TEST_CASE("viscoelastic spheres return a restitution that falls with the speed (
 TEST_CASE("a power law fitted to a Hertzian force-overlap curve is that law", "[laws][power-law]") {
   const double k = 4.0 / 3.0 * 1e9 / 0.91 * std::sqrt(radius);
   std::vector<double> overlap, force;
-  for (int i = 1; i <= 20; ++i) overlap.push_back(i * 1e-6), force.push_back(k * std::pow(i * 1e-6, 1.5));
+  for (int i = 1; i <= 20; ++i) {
+    overlap.push_back(i * 1e-6);
+    force.push_back(k * std::pow(i * 1e-6, 1.5));
+  }
   CHECK(PowerLaw::fit(overlap, force, 1.5) == Approx(k).epsilon(1e-12));
   Parameters given;
-  given.set("exponent", 1.5), given.set("calibration_overlap", overlap), given.set("calibration_force", force);
+  given.set("exponent", 1.5);
+  given.set("calibration_overlap", overlap);
+  given.set("calibration_force", force);
   const Material m{"m", 4000, 1e9, 0.3};
   const MaterialPair pair{m, rigid, 0.7, 0, 0, given}, hertz{m, rigid, 0.7};
   for (double v : {-1.0, 0.0, 1.0}) {

@@ -31,7 +31,9 @@ TEST_CASE("a step of a settled stack allocates nothing, by sweeps, by newton and
     for (const char* impact : {"newton", "sequential"}) {
       INFO(solver << " with the law of impact " << impact);
       RigidSettings s{.friction = 0.5, .restitution = 0.3, .dt = 1.0 / 240, .reach = 1e-2, .solver = solver};
-      s.parameters.set("tolerance", 1e-8), s.parameters.set("iterations", 500.0), s.parameters.set("impact", impact);
+      s.parameters.set("tolerance", 1e-8);
+      s.parameters.set("iterations", 500.0);
+      s.parameters.set("impact", impact);
       RigidExperiment x(s);
       x.plane(Vec3::Zero(), Vec3::UnitZ());
       for (int i = 0; i < 6; ++i) x.box(Vec3::Constant(0.5), 1000.0, Vec3(1e-3 * (i % 3), 0, 0.5 + i - 2e-4 * (i + 1)));

@@ -52,10 +52,12 @@ Wave solitary_wave(double v, int beads) {
       if (last[i] > before[i] && last[i] >= now[i] &&
           last[i] > largest[i]) {  // vertex of the parabola through three samples
         const double a = 0.5 * (now[i] + before[i]) - last[i], b = 0.5 * (now[i] - before[i]);
-        largest[i] = last[i] - b * b / (4 * a), time[i] = (k - 1 - b / (2 * a)) * dt;
+        largest[i] = last[i] - b * b / (4 * a);
+        time[i] = (k - 1 - b / (2 * a)) * dt;
       }
     }
-    before.swap(last), last.swap(now);
+    before.swap(last);
+    last.swap(now);
   }
   const std::size_t from = 30, to = n - 15;
   return {largest[to], static_cast<double>(to - from) / (time[to] - time[from]), peak[to] / v,
@@ -124,7 +126,9 @@ double leaves_dome(bool rolls, double modulus) {
   rig.add_sphere(r, 2500, (reach - overlap) * Vec3(std::sin(start), 0, std::cos(start)),
                  v * Vec3(std::cos(start), 0, -std::sin(start)), {0, rolls ? v / r : 0.0, 0});
   rig.add_sphere(R, 2500, {0, 0, 0}, {0, 0, 0});
-  rig.world.inverse_mass[1] = 0.0, rig.world.inverse_moment[1] = 0.0, rig.world.material[1] = 1;
+  rig.world.inverse_mass[1] = 0.0;
+  rig.world.inverse_moment[1] = 0.0;
+  rig.world.material[1] = 1;
   rig.world.gravity = {0, 0, -g};
   rig.start();
   const double dt = 2e-5 * std::cbrt(1e9 / modulus);  // as the period of the contact

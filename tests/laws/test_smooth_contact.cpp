@@ -32,8 +32,10 @@ Rig heap(const ContactChoice& choice, int n, double spacing = 0.0125, std::uint6
   rig.wall_material = 1;
   const double low = -0.007, high = spacing * side;
   rig.add_plane(Vec3::UnitZ());
-  rig.add_plane(Vec3::UnitX(), {low, 0, 0}), rig.add_plane(-Vec3::UnitX(), {high, 0, 0});
-  rig.add_plane(Vec3::UnitY(), {0, low, 0}), rig.add_plane(-Vec3::UnitY(), {0, high, 0});
+  rig.add_plane(Vec3::UnitX(), {low, 0, 0});
+  rig.add_plane(-Vec3::UnitX(), {high, 0, 0});
+  rig.add_plane(Vec3::UnitY(), {0, low, 0});
+  rig.add_plane(-Vec3::UnitY(), {0, high, 0});
   rig.detection->reach = 5e-4;  // contacts with a positive gap are in the list and must stay silent
   return rig;
 }
@@ -148,12 +150,17 @@ TEST_CASE("the same bits at every thread count", "[laws][smooth][determinism]") 
 TEST_CASE("springs and powers survive a restart", "[laws][smooth][determinism]") {
   for (const ContactChoice& choice : {full_law(), ContactChoice{"hertz", 0.7}}) {
     Rig straight = heap(choice, 30), first = heap(choice, 30), second = heap(choice, 30);
-    straight.start(), first.start();
+    straight.start();
+    first.start();
     run_hash(first, 400, 2e-5);
     Copier copier;
-    first.world.visit(copier), first.stage.contact_model->visit(copier), first.ledger.visit(copier);
+    first.world.visit(copier);
+    first.stage.contact_model->visit(copier);
+    first.ledger.visit(copier);
     copier.loading = true;
-    second.world.visit(copier), second.stage.contact_model->visit(copier), second.ledger.visit(copier);
+    second.world.visit(copier);
+    second.stage.contact_model->visit(copier);
+    second.ledger.visit(copier);
     CHECK(run_hash(straight, 800, 2e-5) == run_hash(second, 400, 2e-5));
     CHECK(straight.ledger.last().dissipated == second.ledger.last().dissipated);
   }
@@ -161,8 +168,10 @@ TEST_CASE("springs and powers survive a restart", "[laws][smooth][determinism]")
 
 TEST_CASE("springs follow their bodies when slots are sorted or removed", "[laws][smooth][long]") {
   Rig plain = heap(full_law(), 40), sorted = heap(full_law(), 40);  // and 5 planes
-  plain.start(), sorted.start();
-  run_hash(plain, 20000, 2e-5), run_hash(sorted, 20000, 2e-5);
+  plain.start();
+  sorted.start();
+  run_hash(plain, 20000, 2e-5);
+  run_hash(sorted, 20000, 2e-5);
   REQUIRE(plain.work.report.touching > 40);
   std::vector<Slot> order(sorted.world.size());
   for (Slot s = 0; s < order.size(); ++s)
@@ -171,7 +180,8 @@ TEST_CASE("springs follow their bodies when slots are sorted or removed", "[laws
   sorted.stage.each_stage([&](StepStage& stage) { stage.reorder(change); });
   const double scale = plain.work.report.elastic;
   for (int k = 0; k < 200; ++k) {
-    plain.step(2e-5), sorted.step(2e-5);
+    plain.step(2e-5);
+    sorted.step(2e-5);
     // sums of a body run in another order: rounding only, grown by 200 steps
     REQUIRE(sorted.work.report.elastic == Approx(plain.work.report.elastic).epsilon(1e-9));
     CHECK(std::abs(sorted.work.report.dissipated - plain.work.report.dissipated) < 1e-9 * scale);

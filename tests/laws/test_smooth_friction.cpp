@@ -42,7 +42,8 @@ TEST_CASE("a sliding sphere comes to roll at 5/7 of its speed and then keeps it 
   while (rolls_at == 0.0 && rig.world.time < 0.5) {
     rig.step(dt);
     if (rig.world.velocity[0].x() - radius * rig.world.angular_velocity[0].y() > 0) continue;
-    rolls_at = rig.world.time, distance = rig.world.position[0].x() - start;
+    rolls_at = rig.world.time;
+    distance = rig.world.position[0].x() - start;
   }
   CHECK(rolls_at == Approx(0.291248).epsilon(2e-3));
   CHECK(distance == Approx(0.499282).epsilon(2e-3));

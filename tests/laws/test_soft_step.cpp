@@ -69,7 +69,10 @@ TEST_CASE("free flight, sliding and rebound are not those of the spring", "[laws
   bounce.plane(Vec3::Zero(), Vec3::UnitZ());
   bounce.sphere(0.5, 1000.0, Vec3(0, 0, 1.5));
   double fastest = 0.0;
-  while (bounce.world.time < 0.6) bounce.run(1), fastest = std::max(fastest, bounce.world.velocity[1].z());
+  while (bounce.world.time < 0.6) {
+    bounce.run(1);
+    fastest = std::max(fastest, bounce.world.velocity[1].z());
+  }
   CHECK(fastest == Approx(0.8 * std::sqrt(2 * 9.81)).epsilon(0.03));
 }
 

@@ -10,7 +10,11 @@ TEST_CASE("two and six numbers a contact come out of columns as rows, whatever t
   VectorsOf<LanesOf<8>::Real> a, b;
   for (int l = 0; l < 8; ++l) {
     const double first = 10.0 * l;
-    a.x[l] = first + 1, a.y[l] = first + 2, a.z[l] = first + 3, b.x[l] = first + 4, b.y[l] = first + 5,
+    a.x[l] = first + 1;
+    a.y[l] = first + 2;
+    a.z[l] = first + 3;
+    b.x[l] = first + 4;
+    b.y[l] = first + 5;
     b.z[l] = first + 6;
   }
   LanesOf<8>::Real rows[8];

@@ -34,13 +34,15 @@ TEST_CASE("a box pulled by a spring below its friction stays: step, stiffness, a
       for (const Vec3& pull : {Vec3(2, 0, 0), Vec3(-1, 1.5, 0), Vec3(2, 0, 3), Vec3(2, -1, -4)})
         for (const bool warm : {true, false}) {
           RigidSettings s{.friction = 0.5, .dt = dt, .solver = warm ? "newton" : "nsgs"};
-          s.parameters.set("tolerance", 1e-11), s.parameters.set("iterations", 500.0),
-              s.parameters.set("warm_start", warm);
+          s.parameters.set("tolerance", 1e-11);
+          s.parameters.set("iterations", 500.0);
+          s.parameters.set("warm_start", warm);
           RigidExperiment run(s);
           run.plane(Vec3::Zero(), Vec3::UnitZ());
           const Slot box = run.box(Vec3::Constant(0.05), 1000, Vec3(0, 0, 0.05));
           SpringElement e = spring_on(run, box, stiffness);
-          e.attachment = Vec3(0, 0, -0.05), e.preload = pull;
+          e.attachment = Vec3(0, 0, -0.05);
+          e.preload = pull;
           hang(run, {e});
           run.run(100);
           INFO("dt " << dt << " k " << stiffness << " pull " << pull.transpose() << " warm " << warm);
@@ -52,7 +54,8 @@ TEST_CASE("a box pulled by a spring below its friction stays: step, stiffness, a
 TEST_CASE("a box on a table that is shaken sideways goes with it while friction holds", "[laws][nonsmooth]") {
   // 0.4 g of acceleration, mu = 0.5: the slip is that of rounding
   RigidSettings s{.friction = 0.5, .dt = 1e-3, .solver = "newton"};
-  s.parameters.set("tolerance", 1e-11), s.parameters.set("iterations", 500.0);
+  s.parameters.set("tolerance", 1e-11);
+  s.parameters.set("iterations", 500.0);
   RigidExperiment run(s);
   const Slot table = run.plane(Vec3::Zero(), Vec3::UnitZ());
   const Slot box = run.box(Vec3(0.05, 0.05, 0.02), 1000, Vec3(0, 0, 0.02));
@@ -122,7 +125,8 @@ TEST_CASE("the largest rate of springs counts arms, both ends and chains as they
                            Quat(Eigen::AngleAxisd(0.4, Vec3::UnitY())));
   SpringElement e = spring_on(run, a, 1e6);
   CHECK(rates(run, {e}) == Approx(1e6).epsilon(1e-6));
-  e.to = run.world.id[b], e.attachment = Vec3(0.5, 0, 0);
+  e.to = run.world.id[b];
+  e.attachment = Vec3(0.5, 0, 0);
   const double arm = 0.25 * (6.0 / 0.01 + 6.0 / 0.04);  // both half a metre off, I = m a^2/6 with a = 0.1 m
   CHECK(rates(run, {e}) == Approx(1e6 * (1.0 + 0.25 + arm)).epsilon(1e-3));
   SpringElement pivot =
@@ -133,7 +137,8 @@ TEST_CASE("the largest rate of springs counts arms, both ends and chains as they
   RigidExperiment row(RigidSettings{});
   for (int k = 0; k < 3; ++k) row.sphere(std::cbrt(0.75e-3 / std::numbers::pi), 1000, Vec3(0, 0, k));
   SpringElement first = spring_on(row, 0, 500.0), second = spring_on(row, 1, 500.0);
-  first.to = row.world.id[1], second.to = row.world.id[2];
+  first.to = row.world.id[1];
+  second.to = row.world.id[2];
   first.stiffness = second.stiffness = Vec3(0, 0, 500.0);
   CHECK(rates(row, {first, second}) == Approx(1500.0).epsilon(1e-3));
 }

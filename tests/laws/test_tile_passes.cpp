@@ -15,13 +15,17 @@ namespace {
 /// Four pairs of materials with the numbers of `law`.
 TileLaws tile_laws_of(const std::string& law, bool locate) {
   SmoothSetup setup;
-  setup.law = law, setup.locate = locate;
+  setup.law = law;
+  setup.locate = locate;
   setup.materials = {2, std::vector<MaterialPair>(4)};
   for (std::size_t i = 0; i < 4; ++i) {
     MaterialPair& pair = setup.materials.pairs[i];
-    pair.a.youngs_modulus = 5e6 * static_cast<double>(1 + i), pair.a.poissons_ratio = 0.3;
-    pair.b = pair.a, pair.occurs = true;
-    pair.restitution = 0.3 + 0.1 * static_cast<double>(i), pair.friction = 0.0;
+    pair.a.youngs_modulus = 5e6 * static_cast<double>(1 + i);
+    pair.a.poissons_ratio = 0.3;
+    pair.b = pair.a;
+    pair.occurs = true;
+    pair.restitution = 0.3 + 0.1 * static_cast<double>(i);
+    pair.friction = 0.0;
     pair.parameters.set("stiffness", 1e4 * static_cast<double>(1 + i));
     pair.parameters.set("exponent", 1.0 + 0.4 * static_cast<double>(i));
     pair.parameters.set("reference_speed", 1.0);
@@ -36,7 +40,8 @@ template <int n>
 void check_tile(const TileLaws& laws, bool one_row) {
   auto tile = std::make_unique<SphereTile<n>>();
   SphereTile<n>& t = *tile;
-  t.count = t.most, t.groups = t.size;
+  t.count = t.most;
+  t.groups = t.size;
   std::mt19937_64 random(n);
   const auto between = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
@@ -49,11 +54,14 @@ void check_tile(const TileLaws& laws, bool one_row) {
     const bool held = k % 2 == 1;
     t.overlap[k] = laws.holds_on && held ? between(-2e-5, 5e-4) : between(1e-7, 5e-4);
     t.row[k] = static_cast<std::uint32_t>(k % 4);
-    c.approach[k % n] = between(-3, 3), c.inverse_mass[k % n] = between(1e2, 1e4);
-    c.radius[k % n] = between(1e-3, 5e-3), c.middle[k % n] = between(-3, 3);
+    c.approach[k % n] = between(-3, 3);
+    c.inverse_mass[k % n] = between(1e2, 1e4);
+    c.radius[k % n] = between(1e-3, 5e-3);
+    c.middle[k % n] = between(-3, 3);
     before[k] = !held ? 0.0 : laws.holds_on ? between(0.02, 0.04) : between(1e-4, 6e-4);
     contacts[k] = {t.overlap[k], c.approach[k % n], 1.0 / c.inverse_mass[k % n], c.radius[k % n]};
-    contacts[k].middle_velocity = c.middle[k % n], contacts[k].step = {dt, lag * c.inverse_mass[k % n]};
+    contacts[k].middle_velocity = c.middle[k % n];
+    contacts[k].step = {dt, lag * c.inverse_mass[k % n]};
   }
   const PairRow* rows = laws.rows.data();
   laws.normal().tile({{tile.get(), rows, one_row, dt}, before, now, lag, true, laws.locates});
@@ -82,7 +90,8 @@ TEST_CASE("a normal law answers a tile with the bits of one contact at a time", 
     INFO(law.name << (locate ? ", located" : ""));
     const TileLaws laws = tile_laws_of(law.name, locate);
     for (const bool one_row : {true, false}) {
-      limit_target(Target::baseline), check_tile<2>(laws, one_row);
+      limit_target(Target::baseline);
+      check_tile<2>(laws, one_row);
       limit_target(Target::avx2);
       if (target() == Target::avx2) check_tile<4>(laws, one_row);
       limit_target(Target::avx512);

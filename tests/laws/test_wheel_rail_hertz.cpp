@@ -93,7 +93,8 @@ TEST_CASE("elliptic integrals meet Legendre's relation and their quadrature", "[
     double K = 0.0, D = 0.0;
     for (int k = 0; k < 400; ++k) {
       const double s = std::sin((k + 0.5) * pi / 800.0), w = 1.0 / std::sqrt(1.0 - (1.0 - ratio * ratio) * s * s);
-      K += w, D += s * s * w;
+      K += w;
+      D += s * s * w;
     }
     CHECK(I.K == Approx(K * pi / 800.0).epsilon(1e-12));
     CHECK(I.D == Approx(D * pi / 800.0).epsilon(1e-12));

@@ -20,7 +20,8 @@ struct Caps {
   std::vector<Triangle> first, second;
 
   Caps(const GapField& field, double radius_first, double radius_second, double w, int n) {
-    add(field, -radius_first, w, n, first), add(field, radius_second, w, n, second);
+    add(field, -radius_first, w, n, first);
+    add(field, radius_second, w, n, second);
   }
 
  private:
@@ -40,15 +41,18 @@ struct Caps {
     for (std::uint32_t j = 0; j + 1 < row; ++j)
       for (std::uint32_t i = 0; i + 1 < row; ++i) {
         const std::uint32_t k = begin + j * row + i;
-        triangle(k, k + 1, k + row + 1), triangle(k, k + row + 1, k + row);
+        triangle(k, k + 1, k + row + 1);
+        triangle(k, k + row + 1, k + row);
       }
   }
 };
 
 GapField plane_at(const Vec3& origin, const Vec3& normal) {
   GapField f;
-  f.origin = origin, f.frame = contact_frame(normal);
-  f.nx = f.ny = 40, f.dx = f.dy = 2.6 * patch / 40;
+  f.origin = origin;
+  f.frame = contact_frame(normal);
+  f.nx = f.ny = 40;
+  f.dx = f.dy = 2.6 * patch / 40;
   return f;
 }
 

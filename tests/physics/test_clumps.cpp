@@ -67,7 +67,11 @@ TEST_CASE("many balls at once agree with counting points", "[physics][clump]") {
     const Vec3 x = Vec3(i % n + 0.5, i / n % n + 0.5, i / n / n + 0.5) * (2.4 / n) - Vec3::Constant(0.7);
     bool in = false;
     for (const PlacedBall& b : balls) in = in || (x - b.centre).squaredNorm() < b.radius * b.radius;
-    if (in) count += 1, first += x, second += x * x.transpose();
+    if (in) {
+      count += 1;
+      first += x;
+      second += x * x.transpose();
+    }
   }
   const double cell = std::pow(2.4 / n, 3);
   const Vec3 centre = first / count;
@@ -89,7 +93,10 @@ TEST_CASE("a clump of one ball is the ball", "[physics][clump]") {
     const World& w = run.simulation().world;
     std::vector<double> out;
     for (Slot s : {w.slot_of(Assembly::body_id(0)), w.slot_of(Assembly::body_id(1))})
-      for (int k = 0; k < 3; ++k) out.push_back(w.velocity[s][k]), out.push_back(0.01 * w.angular_velocity[s][k]);
+      for (int k = 0; k < 3; ++k) {
+        out.push_back(w.velocity[s][k]);
+        out.push_back(0.01 * w.angular_velocity[s][k]);
+      }
     return out;
   };
   const auto ball = fly("{ sphere = { radius = 0.01 } }");

@@ -119,7 +119,8 @@ TEST_CASE("bodies in one place part along a defined line without non-finite numb
         "[[body]]\nname = \"twin\"\nrepeat = 2\nmaterial = \"bead\"\nposition = [0, 0, 0.1]\nshape = " + shape;
     const std::vector<std::string> overrides{method(name), "run.time_step=2e-6", "run.duration=0.002"};
     SceneRun run = start_text(text, overrides), again = start_text(text, overrides);
-    run.advance_to(0), again.advance_to(0);
+    run.advance_to(0);
+    again.advance_to(0);
     CHECK(run.failure.empty());
     check_finite(run);
     const World& w = run.simulation().world;

@@ -22,7 +22,10 @@ class Paraboloid final : public GapSource {
   GapField field(const ContactRegion&, double cx, double cy, double dx, double dy, std::size_t nx,
                  std::size_t ny) const override {
     GapField f;
-    f.dx = dx, f.dy = dy, f.nx = nx, f.ny = ny;
+    f.dx = dx;
+    f.dy = dy;
+    f.nx = nx;
+    f.ny = ny;
     for (std::size_t j = 0; j < ny; ++j)
       for (std::size_t i = 0; i < nx; ++i) {
         const double x = cx + f.x(i), y = cy + f.y(j);

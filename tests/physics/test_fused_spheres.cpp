@@ -114,8 +114,10 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
   SceneRun settled = run_scene(c.scene, c.overrides, c.steps);
   REQUIRE(settled.assembly->plan.fused_spheres);
   SceneRun fused = prepare_scene(library(c.scene), c.overrides), generic = generic_run(c.scene, c.overrides);
-  copy_state(settled, fused), copy_state(settled, generic);
-  fused.simulation().start(), generic.simulation().start();
+  copy_state(settled, fused);
+  copy_state(settled, generic);
+  fused.simulation().start();
+  generic.simulation().start();
   REQUIRE(generic.simulation().work.report.touching > c.touching);
   CHECK(compare(fused, generic).force < 1e-12);  // sums of some ten terms, each to a few ulp of the largest
   for (int k = 0; k < 20; ++k) {
@@ -173,10 +175,13 @@ TEST_CASE("thousands of contacts that begin in one step are those of the generic
   for (Slot s = 0; s < world.size(); ++s)
     if (world.is_movable(s)) {  // apart, and back again within 2e-4 s
       const Vec3 from = world.position[s] - Vec3(0.03, 0.03, 0.03);
-      world.position[s] += 0.08 * from, world.velocity[s] = -500.0 * from;
+      world.position[s] += 0.08 * from;
+      world.velocity[s] = -500.0 * from;
     }
-  copy_state(settled, fused), copy_state(settled, generic);
-  fused.simulation().start(), generic.simulation().start();
+  copy_state(settled, fused);
+  copy_state(settled, generic);
+  fused.simulation().start();
+  generic.simulation().start();
   std::size_t most = 0;
   for (int k = 0; k < (rolls ? 14 : 6); ++k) {
     const std::size_t before = fused.simulation().work.report.touching;
@@ -268,7 +273,8 @@ TEST_CASE("the bits do not depend on how many bodies a block of the fused loop h
   for (const std::size_t block_size : {1024, 384}) {
     SceneRun run = with_blocks(c, block_size);
     REQUIRE(run.assembly->plan.fused_spheres);
-    run.simulation().start(), run.advance_to(c.steps);
+    run.simulation().start();
+    run.advance_to(c.steps);
     CHECK(run.simulation().world.size() > 1024);
     CHECK(run.simulation().work.report.touching > c.touching);
     hashes.push_back(run.hash());
@@ -307,8 +313,10 @@ TEST_CASE("spheres of two materials on planes of a third take the fused loop, wi
   settled.advance_to(7500);
   SceneRun fused = prepare(read_scene_text(text, "scene.toml", {}, full_registry()));
   SceneRun generic = unfused(prepare(read_scene_text(text, "scene.toml", {}, full_registry())));
-  copy_state(settled, fused), copy_state(settled, generic);
-  fused.simulation().start(), generic.simulation().start();
+  copy_state(settled, fused);
+  copy_state(settled, generic);
+  fused.simulation().start();
+  generic.simulation().start();
   CHECK(generic.simulation().work.report.touching > 700);
   CHECK(compare(fused, generic).force < 1e-12);
   for (int k = 0; k < 20; ++k) {
@@ -436,7 +444,8 @@ TEST_CASE("spheres whose centres coincide push each other along z, in the fused 
     World& world = run.simulation().world;
     const Slot a = world.slot_of(static_cast<BodyId>(world.ids_given() - 1)),
                b = world.slot_of(static_cast<BodyId>(world.ids_given() - 2));
-    world.position[a] = world.position[b] = Vec3(0, 0, 1), world.velocity[a] = world.velocity[b] = Vec3::Zero();
+    world.position[a] = world.position[b] = Vec3(0, 0, 1);
+    world.velocity[a] = world.velocity[b] = Vec3::Zero();
     run.simulation().start();
     return world.force[a];
   };

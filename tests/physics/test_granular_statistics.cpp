@@ -22,8 +22,11 @@ Line fit(const std::vector<double>& x, const std::vector<double>& y) {
   const auto n = static_cast<double>(x.size());
   const double mx = std::accumulate(x.begin(), x.end(), 0.0) / n, my = std::accumulate(y.begin(), y.end(), 0.0) / n;
   double xx = 0, xy = 0, yy = 0;
-  for (std::size_t k = 0; k < x.size(); ++k)
-    xx += (x[k] - mx) * (x[k] - mx), xy += (x[k] - mx) * (y[k] - my), yy += (y[k] - my) * (y[k] - my);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    xx += (x[k] - mx) * (x[k] - mx);
+    xy += (x[k] - mx) * (y[k] - my);
+    yy += (y[k] - my) * (y[k] - my);
+  }
   return {xy / xx, my - xy / xx * mx, xy * xy / (xx * yy)};
 }
 
@@ -100,14 +103,18 @@ SiloLoad lift_silo(const std::string& fill) {
   for (double t = end - 4.5; t < end - 2.0; t += 0.01) {
     run.advance_to(static_cast<std::uint64_t>(t / dt));
     REQUIRE(run.failure.empty());
-    moving -= run.last("on_floor", "z"), samples += 1;
+    moving -= run.last("on_floor", "z");
+    samples += 1;
   }
   run.advance_to(0);
   REQUIRE(run.failure.empty());
   const World& w = run.simulation().world;
   double mass = 0, moment = 0, middle = 0;
   for (Slot s = 0; s < w.size(); ++s)
-    if (w.is_movable(s)) mass += 1 / w.inverse_mass[s], moment += w.position[s].z() / w.inverse_mass[s];
+    if (w.is_movable(s)) {
+      mass += 1 / w.inverse_mass[s];
+      moment += w.position[s].z() / w.inverse_mass[s];
+    }
   const double height = 2 * moment / mass;
   for (Slot s = 0; s < w.size(); ++s)
     if (w.is_movable(s) && std::abs(w.position[s].z() - 0.5 * height) < 0.25 * height) middle += 1 / w.inverse_mass[s];
@@ -154,16 +161,22 @@ FlowProfile fit_bagnold(const std::vector<double>& u, const std::vector<double>&
   if (density[top] < 0.9 * core) h += density[top] / core - 1.0;
   const std::size_t end = top - 3;
   double mean = 0.0, square = 0.0;
-  for (std::size_t k = from; k < end; ++k)
-    mean += density[k] / static_cast<double>(end - from),
-        square += density[k] * density[k] / static_cast<double>(end - from);
+  for (std::size_t k = from; k < end; ++k) {
+    mean += density[k] / static_cast<double>(end - from);
+    square += density[k] * density[k] / static_cast<double>(end - from);
+  }
   Line best{0, 0, 0};
   double surface = 0.0;
   for (double us = 1.001 * u[end - 1]; us < 1.5 * u[end - 1]; us *= 1.001) {
     std::vector<double> depth, drop;
-    for (std::size_t k = from; k < end; ++k)
-      depth.push_back(std::log(h - static_cast<double>(k) - 0.5)), drop.push_back(std::log(us - u[k]));
-    if (const Line line = fit(depth, drop); line.r2 > best.r2) best = line, surface = us;
+    for (std::size_t k = from; k < end; ++k) {
+      depth.push_back(std::log(h - static_cast<double>(k) - 0.5));
+      drop.push_back(std::log(us - u[k]));
+    }
+    if (const Line line = fit(depth, drop); line.r2 > best.r2) {
+      best = line;
+      surface = us;
+    }
   }
   return {best.slope, best.r2, speed / surface, std::sqrt(square / (mean * mean) - 1.0), speed, h};
 }
@@ -184,9 +197,13 @@ FlowProfile flow_profile(const std::vector<std::string>& overrides, double from)
       density[k] += run.last("layers", "density_" + std::to_string(k));
       u[k] += std::isfinite(v) ? v : 0.0;
     }
-    speed += run.last("speed", "x"), samples += 1.0;
+    speed += run.last("speed", "x");
+    samples += 1.0;
   }
-  for (std::size_t k = 0; k < layers; ++k) u[k] /= samples, density[k] /= samples;
+  for (std::size_t k = 0; k < layers; ++k) {
+    u[k] /= samples;
+    density[k] /= samples;
+  }
   return fit_bagnold(u, density, speed / samples);
 }
 
@@ -248,7 +265,9 @@ TEST_CASE("spheres with friction jam looser, with fewer contacts (case A35)", "[
     const Packing rough = compress(
         "granular/jammed_spheres.toml",
         {"params.mu=0.3", "params.first=1e-5", "params.ramp=1", "run.duration=16", "run.seed=" + std::to_string(seed)});
-    pressure += rough.pressure / cells, fraction += rough.fraction / cells, contacts += rough.contacts / cells;
+    pressure += rough.pressure / cells;
+    fraction += rough.fraction / cells;
+    contacts += rough.contacts / cells;
   }
   CHECK(pressure == Approx(1.0).epsilon(1e-3));
   CHECK(fraction == Approx(0.593).margin(0.01));
@@ -274,7 +293,8 @@ TEST_CASE("the floor of a silo carries what Janssen said, whatever stands above 
   double density = 0;
   for (const char* fill : {"0.5", "1", "2", "4.5", "6"}) {  // diameters of the tube; lambda is 0.9 of them
     const SiloLoad load = lift_silo(fill);
-    above.push_back(load.above), stress.push_back(load.moving);
+    above.push_back(load.above);
+    stress.push_back(load.moving);
     density = load.density;
     UNSCOPED_INFO("fill " << fill << " D, weight " << load.above << " Pa, on the floor " << load.moving
                           << " Pa, at rest floor and wall over weight - 1: " << load.imbalance);
@@ -300,14 +320,17 @@ TEST_CASE("discharge through a hole goes like (D - k d)^2.5 (case A38)", "[physi
     const auto [mean, change] =
         discharge(std::to_string(hole.size), hole.from, hole.to, {"material.grain.youngs_modulus=\"10 MPa\""});
     UNSCOPED_INFO("hole of " << hole.size << " d: " << mean << " kg/s, in the second half " << change << " more");
-    size.push_back(hole.size), rate.push_back(mean);
+    size.push_back(hole.size);
+    rate.push_back(mean);
     if (hole.size == 10) CHECK(std::abs(change) < 0.02);  // whatever the depth, 27 d to 16 d
   }
   // the k whose power 5/2 meets all rates best, by ratios; W = C rho_b sqrt(g) ((D - k) d)^2.5
   const auto against = [&](double k) {
     std::vector<double> x, y;
-    for (std::size_t i = 0; i < size.size(); ++i)
-      x.push_back(std::log(0.003 * (size[i] - k))), y.push_back(std::log(rate[i]));
+    for (std::size_t i = 0; i < size.size(); ++i) {
+      x.push_back(std::log(0.003 * (size[i] - k)));
+      y.push_back(std::log(rate[i]));
+    }
     return std::pair(x, y);
   };
   double best = 0.0, least = infinity, factor = 0.0;
@@ -316,7 +339,11 @@ TEST_CASE("discharge through a hole goes like (D - k d)^2.5 (case A38)", "[physi
     double mean = 0.0, square = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) mean += (y[i] - 2.5 * x[i]) / static_cast<double>(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) square += std::pow(y[i] - 2.5 * x[i] - mean, 2);
-    if (square < least) least = square, best = k, factor = std::exp(mean) / (1500 * std::sqrt(9.81));
+    if (square < least) {
+      least = square;
+      best = k;
+      factor = std::exp(mean) / (1500 * std::sqrt(9.81));
+    }
   }
   const auto [x, y] = against(best);
   INFO("k " << best << ", C " << factor << ", free exponent " << fit(x, y).slope << ", W(10)/W(6) "
@@ -347,7 +374,8 @@ TEST_CASE("a collapsing column runs out as far as its aspect ratio says and rest
     const double reach = (front(run, 0.005, 3) - 16) / 16;
     INFO("a " << a << ", run-out " << reach);
     CHECK(reach == Approx(1.9 * std::pow(a, 2.0 / 3)).epsilon(0.2));
-    log_a.push_back(std::log(a)), log_reach.push_back(std::log(reach));
+    log_a.push_back(std::log(a));
+    log_reach.push_back(std::log(reach));
     CHECK(run.last("energy", "kinetic") < 1e-4 * run.largest("energy", "kinetic"));
   }
   CHECK(fit(log_a, log_reach).slope == Approx(2.0 / 3).margin(0.08));

@@ -97,7 +97,9 @@ std::vector<double> apexes(double e, const std::string& law, const std::string& 
   double h[3] = {height(), height(), height()};
   while (found.size() < 3 && sim.world.time < 5.0) {
     REQUIRE(!sim.advance(false));
-    h[0] = h[1], h[1] = h[2], h[2] = height();
+    h[0] = h[1];
+    h[1] = h[2];
+    h[2] = height();
     const bool fell = sim.world.time > 0.4;  // the first apex is the start
     if (fell && h[1] >= h[0] && h[1] > h[2]) {
       const double a = 0.5 * (h[2] - 2.0 * h[1] + h[0]), b = 0.5 * (h[2] - h[0]);

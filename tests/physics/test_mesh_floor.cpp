@@ -61,7 +61,8 @@ Course run(const std::string& scene) {
   while (sim.simulation().steps() < sim.assembly->steps) {
     REQUIRE_FALSE(sim.simulation().advance().has_value());
     const Slot s = world.slot_of(BodyId{1});
-    track.velocity.push_back(world.velocity[s]), track.angular_velocity.push_back(world.angular_velocity[s]);
+    track.velocity.push_back(world.velocity[s]);
+    track.angular_velocity.push_back(world.angular_velocity[s]);
     track.position.push_back(world.position[s]);
   }
   return track;

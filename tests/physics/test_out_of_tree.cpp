@@ -102,8 +102,11 @@ World corner_on_floor(bool smooth, double height) {
   world.gravity = Vec3(0, 0, -10);
   Body floor, body;
   floor.position = Vec3(0, 0, -1);
-  body.position = Vec3(0, 0, 0.5 + height), body.mass = 2.0, body.inertia = Vec3::Constant(0.1);
-  world.add(floor), world.add(body);
+  body.position = Vec3(0, 0, 0.5 + height);
+  body.mass = 2.0;
+  body.inertia = Vec3::Constant(0.1);
+  world.add(floor);
+  world.add(body);
   return world;
 }
 

@@ -42,7 +42,10 @@ std::vector<double> impact(const std::string& method, const std::string& shape, 
   for (std::size_t body = 0; body < w.ids_given(); ++body) {
     const Slot s = w.slot_of(Assembly::body_id(body));
     if (w.cell) CHECK((w.position[s].array() > -0.2).all());  // put back when they leave
-    for (int k = 0; k < 3; ++k) out.push_back(w.velocity[s][k]), out.push_back(w.angular_velocity[s][k]);
+    for (int k = 0; k < 3; ++k) {
+      out.push_back(w.velocity[s][k]);
+      out.push_back(w.angular_velocity[s][k]);
+    }
   }
   return out;
 }

@@ -43,7 +43,8 @@ struct Drawn {
 std::vector<Drawn> drawn_shapes(Random& random) {
   Drawn hull, clump, box{"", {}, 0.0}, capsule{"", {}, 0.3};
   const Vec3 offset = random_vector(random, -1, 1), size = random_vector(random, 0.2, 1.0);
-  hull.shape = "{ polyhedron = { vertices = [", clump.shape = "{ clump = { spheres = [";
+  hull.shape = "{ polyhedron = { vertices = [";
+  clump.shape = "{ clump = { spheres = [";
   for (int k = 0; k < 9; ++k) {
     hull.points.push_back(offset + random_vector(random, -1, 1).cwiseProduct(Vec3(1, 0.6, 0.3)));
     hull.shape += (k > 0 ? ", " : "") + triple(hull.points.back());
@@ -54,7 +55,8 @@ std::vector<Drawn> drawn_shapes(Random& random) {
     const Vec3& c = clump.points.back();
     clump.shape += fmt::format("{}[{:.17g}, {:.17g}, {:.17g}, 0.2]", k > 0 ? ", " : "", c.x(), c.y(), c.z());
   }
-  hull.shape += "] } }", clump.shape += "] } }";
+  hull.shape += "] } }";
+  clump.shape += "] } }";
   box.shape = "{ box = { size = " + triple(size) + " } }";
   for (int k = 0; k < 8; ++k)
     box.points.emplace_back(0.5 * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).cwiseProduct(size));
@@ -67,7 +69,8 @@ Aabb box_of(const Drawn& d, const Vec3& at, const Quat& turn) {
   Aabb box{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
   for (const Vec3& p : d.points) {
     const Vec3 x = at + turn * p;
-    box.min = box.min.cwiseMin(Vec3(x.array() - d.radius)), box.max = box.max.cwiseMax(Vec3(x.array() + d.radius));
+    box.min = box.min.cwiseMin(Vec3(x.array() - d.radius));
+    box.max = box.max.cwiseMax(Vec3(x.array() + d.radius));
   }
   return box;
 }
@@ -184,7 +187,8 @@ TEST_CASE("a place is put inside its cell, wherever it was", "[physics][placing]
   cell.repeats = {true, false, true};
   Random random(3, 0);
   for (int k = 0; k < 2000; ++k) {
-    cell.low = random_vector(random, -3, 3), cell.size = random_vector(random, 0.1, 3);
+    cell.low = random_vector(random, -3, 3);
+    cell.size = random_vector(random, 0.1, 3);
     const Vec3 x = random_vector(random, -20, 20), y = cell.inside(x);
     for (const int axis : {0, 2}) {
       CHECK((y[axis] >= cell.low[axis] && y[axis] < cell.low[axis] + cell.size[axis]));
@@ -193,7 +197,8 @@ TEST_CASE("a place is put inside its cell, wherever it was", "[physics][placing]
     }
     CHECK(y.y() == x.y());
   }
-  cell.low = Vec3::Zero(), cell.size = Vec3::Constant(1);
+  cell.low = Vec3::Zero();
+  cell.size = Vec3::Constant(1);
   CHECK(cell.inside(Vec3(-1e-20, 0, 1)) == Vec3(0, 0, 0));  // -1e-20 + 1 is the far face
 }
 

@@ -82,7 +82,10 @@ TEST_CASE("contacts of the fused loop are published in canonical order, the same
   sim.pipeline.contact_model->publish(sim.world, sim.work.contacts);
   const ContactSet& c = sim.work.contacts;
   std::vector<Vec3> sum(sim.world.size(), Vec3::Zero());  // what contacts say the bodies feel
-  for (std::size_t i = 0; i < c.size(); ++i) sum[c.a[i]] += c.force[i], sum[c.b[i]] -= c.force[i];
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    sum[c.a[i]] += c.force[i];
+    sum[c.b[i]] -= c.force[i];
+  }
   double worst = 0.0, most = 0.0;
   for (Slot s = 0; s < sim.world.size(); ++s) {
     if (!sim.world.is_movable(s)) continue;

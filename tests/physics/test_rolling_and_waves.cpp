@@ -53,13 +53,16 @@ std::pair<double, double> disk_errors(double alpha, double duration) {
   while (sim.steps() < run.assembly->steps) {
     if (sim.advance(false)) return {infinity, infinity};
     const double now = heading();
-    turned += std::remainder(now - last, 2.0 * M_PI), last = now;
-    tilt += std::acos(axis().z()), ++steps;
+    turned += std::remainder(now - last, 2.0 * M_PI);
+    last = now;
+    tilt += std::acos(axis().z());
+    ++steps;
     worst_energy = std::max(worst_energy, std::abs(energy() / first - 1.0));
     if (steps < 5000) continue;
     window = std::abs(turned) / (steps * sim.time_step);
     worst = std::max(worst, std::abs(window * window * std::sin(tilt / steps) / (4.0 * 9.81 / 0.0375) - 1.0));
-    turned = tilt = 0.0, steps = 0;
+    turned = tilt = 0.0;
+    steps = 0;
   }
   return {worst, worst_energy};
 }

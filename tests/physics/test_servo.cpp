@@ -166,7 +166,8 @@ TEST_CASE("an adaptive time step resolves slow impacts as well as fast ones at l
   // the present speed counts twice (head-on): 0.2 of 20 m/s, contact times go like v^(-1/5)
   CHECK(adaptive.assembly->time_step.value ==
         Approx(fixed.assembly->time_step.value * std::pow(1e3, 0.2)).epsilon(0.02));
-  adaptive.advance_to(0), fixed.advance_to(0);
+  adaptive.advance_to(0);
+  fixed.advance_to(0);
   const auto out = [](SceneRun& r) {
     const World& w = r.simulation().world;
     return w.velocity[w.slot_of(Assembly::body_id(2))].x() - w.velocity[w.slot_of(Assembly::body_id(1))].x();

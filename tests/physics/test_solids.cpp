@@ -25,7 +25,8 @@ TriangleSurface angle_bracket() {
     for (const auto& p : ring) s.vertices.emplace_back(p[0], p[1], z);
   for (std::uint32_t k = 0; k < 6; ++k) {
     const std::uint32_t next = (k + 1) % 6;
-    s.triangles.push_back({k, next, next + 6}), s.triangles.push_back({k, next + 6, k + 6});
+    s.triangles.push_back({k, next, next + 6});
+    s.triangles.push_back({k, next + 6, k + 6});
   }
   for (const Triangle& t : std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
     s.triangles.push_back({t[0], t[2], t[1]});
@@ -72,7 +73,9 @@ TEST_CASE("an angle bracket has the mass properties of its three cubes and two c
   double about_z = 0, about_x = 0, product = 0;
   for (const Vec3& c : {Vec3(0.5, 0.5, 0.5), Vec3(1.5, 0.5, 0.5), Vec3(0.5, 1.5, 0.5)}) {
     const Vec3 d = c - Vec3(5.0 / 6, 5.0 / 6, 0.5);
-    about_z += 1.0 / 6 + d.x() * d.x() + d.y() * d.y(), about_x += 1.0 / 6 + d.y() * d.y(), product -= d.x() * d.y();
+    about_z += 1.0 / 6 + d.x() * d.x() + d.y() * d.y();
+    about_x += 1.0 / 6 + d.y() * d.y();
+    product -= d.x() * d.y();
   }
   // in the plane the principal axes are the diagonals: about_x +- product
   Vec3 moments = l.frame.moments;
@@ -95,7 +98,8 @@ TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass prop
     Mat3 inertia = Mat3::Zero();
     for (const auto& part : solid.parts) {
       const double m = part.hull.volume;
-      volume += m, first += m * part.centre;
+      volume += m;
+      first += m * part.centre;
       inertia += part.hull.inertia + m * (part.centre.squaredNorm() * Mat3::Identity() - part.centre * part.centre.transpose());
     }
     CHECK(volume == Approx(solid.volume).epsilon(1e-12));  // the parts come from exact cuts, rounded once to double
@@ -106,11 +110,15 @@ TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass prop
     int inside = 0, differ = 0;
     constexpr int points = 10000;
     Vec3 low = Vec3::Constant(infinity), high = -low;
-    for (const Vec3& v : solid.surface.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    for (const Vec3& v : solid.surface.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
     for (int k = 0; k < points; ++k) {
       const Vec3 x(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()), random.uniform(low.z(), high.z()));
       const bool by_ray = is_inside(solid.surface, x);
-      inside += by_ray, differ += by_ray != is_inside(solid, x);
+      inside += by_ray;
+      differ += by_ray != is_inside(solid, x);
     }
     CHECK(differ == 0);
     const double share = inside / double(points), box = (high - low).prod();
@@ -146,7 +154,8 @@ TriangleSurface cells_surface(int n, const F& is_solid) {
         a[axis] += side;
         const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
         auto b = a, d = a;
-        b[u] += 1, d[v] += 1;
+        b[u] += 1;
+        d[v] += 1;
         auto e = b;
         e[v] += 1;
         if (side == 0) std::swap(b, d);

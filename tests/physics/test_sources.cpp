@@ -16,7 +16,11 @@ namespace {
 std::vector<double> sizes_of(const FillSpec::Size& size, std::uint64_t n, std::uint64_t seed = 1) {
   FillSpec fill;
   fill.seed = seed;
-  fill.method = FillSpec::Method::pour, fill.shapes = {0}, fill.weights = {1.0}, fill.size = size, fill.count = n;
+  fill.method = FillSpec::Method::pour;
+  fill.shapes = {0};
+  fill.weights = {1.0};
+  fill.size = size;
+  fill.count = n;
   std::vector<double> sizes;
   for (const FillBody& b : generate(fill, {{1.0, 1.0, true}}).bodies) sizes.push_back(b.size);
   std::sort(sizes.begin(), sizes.end());
@@ -76,7 +80,10 @@ TEST_CASE("sizes of a fill follow their distribution", "[physics][fill]") {
 
 TEST_CASE("own velocities of a fill are normal, independent, and leave the places as they are", "[physics][fill]") {
   FillSpec fill;
-  fill.method = FillSpec::Method::random, fill.shapes = {0}, fill.weights = {1.0}, fill.count = 4000;
+  fill.method = FillSpec::Method::random;
+  fill.shapes = {0};
+  fill.weights = {1.0};
+  fill.count = 4000;
   fill.region = {Vec3::Zero(), Vec3::Constant(60)};
   const std::vector<FillShape> ball{{1.0, 1.0, true}};
   const auto still = generate(fill, ball).bodies;
@@ -90,7 +97,9 @@ TEST_CASE("own velocities of a fill are normal, independent, and leave the place
     REQUIRE(moving[k].position == still[k].position);
     REQUIRE(still[k].velocity == Vec3::Zero());
     const Vec3 v = moving[k].velocity / 0.25;
-    mean += v / n, product += v * v.transpose() / n, fourth += v.array().pow(4).sum() / (3 * n);
+    mean += v / n;
+    product += v * v.transpose() / n;
+    fourth += v.array().pow(4).sum() / (3 * n);
   }
   CHECK(mean.cwiseAbs().maxCoeff() < 1e-12);  // no momentum
   // four deviations of each mean

@@ -110,7 +110,8 @@ constexpr std::uint64_t middle = 5, steps = 12;
 std::string hash_of(const std::string& text, Target widest) {
   limit_target(widest);
   SceneRun first = prepare_text(text);
-  first.simulation().start(), first.advance_to(middle);
+  first.simulation().start();
+  first.advance_to(middle);
   StateSnapshot state;
   state.save([&](StateVisitor& v) { first.simulation().visit(v); });
   SceneRun second = prepare_text(text);
@@ -124,9 +125,11 @@ std::string hash_of(const std::string& text, Target widest) {
 void check_law(const std::string& text, Target narrow) {
   SceneRun fused = prepare_text(text), generic = unfused(prepare_text(text));
   REQUIRE(fused.assembly->plan.fused_spheres);
-  fused.simulation().start(), generic.simulation().start();
+  fused.simulation().start();
+  generic.simulation().start();
   CHECK(compare(fused, generic).force < 1e-12);  // sums of some ten terms, each to a few ulp of the largest
-  fused.advance_to(steps), generic.advance_to(steps);
+  fused.advance_to(steps);
+  generic.advance_to(steps);
   REQUIRE((fused.failure.empty() && generic.failure.empty()));
   const Difference after = compare(fused, generic);
   CHECK(after.force < 1e-9);  // a gap of 1e-5 radii is known to 1e-11 of itself

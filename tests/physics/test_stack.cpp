@@ -55,7 +55,8 @@ TEST_CASE("a pyramid at rest needs no iterations, and a restart amid them gives 
       if (sim.steps() == 200) half.save([&](StateVisitor& v) { sim.visit(v); });
       REQUIRE(!sim.advance(false));
       const SolverReport& report = sim.work.report.solver;
-      iterations += report.iterations, worst = std::max(worst, report.residual);
+      iterations += report.iterations;
+      worst = std::max(worst, report.residual);
       if (report.residual < 0.5 * start && report.iterations == 0) ++calmed;  // the last factor took velocities out
       start = report.residual;
     }

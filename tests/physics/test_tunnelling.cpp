@@ -33,7 +33,8 @@ Body end_of(const std::string& scene) {
   const World& world = run.simulation().world;
   const Slot s = world.slot_of(BodyId{1});  // the ball
   Body ball;
-  ball.position = world.position[s], ball.velocity = world.velocity[s];
+  ball.position = world.position[s];
+  ball.velocity = world.velocity[s];
   return ball;
 }
 

@@ -25,7 +25,9 @@ void write_mesh_box(const std::string& path) {
       for (int i = 0; i <= 10; ++i)
         for (int j = 0; j <= 10; ++j) {
           Vec3 x = Vec3::Zero();
-          x[axis] = side * half[axis], x[p] = (i / 5.0 - 1) * half[p], x[q] = (j / 5.0 - 1) * half[q];
+          x[axis] = side * half[axis];
+          x[p] = (i / 5.0 - 1) * half[p];
+          x[q] = (j / 5.0 - 1) * half[q];
           out << "v " << x.x() << " " << x.y() << " " << x.z() << "\n";
         }
       for (int i = 0; i < 10; ++i)

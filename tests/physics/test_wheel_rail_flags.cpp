@@ -61,7 +61,9 @@ TEST_CASE("normal models: no peak off by more than 3.2 % in silence, few alarms 
                        approach = std::abs(q->approach / truth.approach - 1.0),
                        area = std::abs(q->area / truth.area - 1.0);
           if (q->reasons.empty()) {
-            ++c.silent, c.worst = std::max(c.worst, peak), c.beyond = std::max(c.beyond, peak - q->error_estimate);
+            ++c.silent;
+            c.worst = std::max(c.worst, peak);
+            c.beyond = std::max(c.beyond, peak - q->error_estimate);
             CHECK(peak < 0.032);
             CHECK(peak < q->error_estimate + 0.005);
             CHECK(approach < 0.03);
@@ -112,11 +114,14 @@ TEST_CASE("creep laws: none off by more than 0.09 mu N in silence, few alarms wi
           Count& c = table[q->tangential];
           const double off = std::hypot(q->force.fx - truth.fx, q->force.fy - truth.fy) / (0.3 * 82e3);
           if (q->reasons.empty()) {
-            ++c.silent, c.worst = std::max(c.worst, off), c.beyond = std::max(c.beyond, off - q->error_estimate);
+            ++c.silent;
+            c.worst = std::max(c.worst, off);
+            c.beyond = std::max(c.beyond, off - q->error_estimate);
             CHECK(off < 0.09);
             CHECK(off < q->error_estimate + 0.012);
           } else {
-            ++c.flagged, c.idle += off < 0.02;
+            ++c.flagged;
+            c.idle += off < 0.02;
           }
         }
       }

@@ -136,7 +136,9 @@ TEST_CASE("where two hills of pressure part, strips are within 1 % of boundary e
   r.side = "right";
   for (const double shift : {0.2, 0.3, 0.4, 0.5, 0.6, 0.75}) {
     INFO(shift << " mm");
-    r.shift = shift, r.yaw = 2.4e-3 * shift, r.roll = -4.6e-5 * shift;
+    r.shift = shift;
+    r.yaw = 2.4e-3 * shift;
+    r.roll = -4.6e-5 * shift;
     const PatchResult truth = evaluate(r, "half-space", "coulomb"), q = evaluate(r, "semi-hertz", "coulomb");
     CHECK(q.max_pressure == Approx(truth.max_pressure).epsilon(0.01));
     CHECK(q.approach == Approx(truth.approach).epsilon(0.003));
@@ -151,7 +153,9 @@ TEST_CASE("strips settle at every place and load", "[physics][wheel_rail]") {
     for (const double load : {1e3, 1e4, 4e4, 1e5}) {
       for (const double shift : {0.0, 0.1, 0.2, 0.3, 0.5, 1.0, 3.0, 5.0, 6.0, 7.0}) {
         INFO(side << " " << shift << " mm " << load << " N");
-        r.shift = shift, r.yaw = 2.4e-3 * shift, r.roll = shift < 6.5 ? -6e-5 * shift : -0.0064;
+        r.shift = shift;
+        r.yaw = 2.4e-3 * shift;
+        r.roll = shift < 6.5 ? -6e-5 * shift : -0.0064;
         for (const std::string& reason : evaluate(r, "semi-hertz", "", "", 2e-4, load).reasons)
           CHECK(reason.find("conformal") != std::string::npos);
       }
@@ -182,7 +186,9 @@ TEST_CASE("analyn knows its error: silent within 1.5 %, said where it is more", 
     for (const double load : {1e3, 1e4, 4e4, 1e5}) {
       for (const double shift : {0.0, 0.2, 0.5, 1.0, 2.0, 4.0}) {
         INFO(side << " " << shift << " mm " << load << " N");
-        r.shift = shift, r.yaw = 2.4e-3 * shift, r.roll = -5.6e-5 * shift;
+        r.shift = shift;
+        r.yaw = 2.4e-3 * shift;
+        r.roll = -5.6e-5 * shift;
         const double truth = evaluate(r, "semi-hertz", "", "", 2e-4, load).max_pressure;
         const PatchResult q = evaluate(r, "analyn", "", "", 2e-4, load);
         const double error = std::abs(q.max_pressure / truth - 1.0);
@@ -359,12 +365,15 @@ TEST_CASE("a gap whose samples all stay open carries nothing", "[physics][wheel_
   const Nowhere source;
   std::vector<ContactRegion> regions(1);
   ContactRegion& r = regions[0];
-  r.curvature_x = 2.0, r.curvature_y = 3.0;
-  r.profile.start = -2e-3, r.profile.step = 1e-4;
+  r.curvature_x = 2.0;
+  r.curvature_y = 3.0;
+  r.profile.start = -2e-3;
+  r.profile.step = 1e-4;
   for (std::size_t k = 0; k < 41; ++k) {
     const double y = r.profile.y(k);
-    r.profile.gap.push_back(2e-9 + 1.5 * y * y), r.profile.curvature_x.push_back(2.0),
-        r.profile.centre_x.push_back(0.0);
+    r.profile.gap.push_back(2e-9 + 1.5 * y * y);
+    r.profile.curvature_x.push_back(2.0);
+    r.profile.centre_x.push_back(0.0);
   }
   const ElasticPair steel{82e9, 0.28, 0.0};
   for (const NormalModel& model : all_normal_models()) {

@@ -31,7 +31,8 @@ double elastic_difference(SceneRun& run, double y, Eigen::Matrix<double, 5, 1>& 
   const auto rest = [&](const Five& u) {
     w.position[s] = x0 + u[0] * Vec3::UnitZ();
     w.orientation[s] = Quat(Eigen::AngleAxisd(u[1], Vec3::UnitX()));
-    w.velocity[s] = Vec3(speed, u[2], 0.0), w.angular_velocity[s] = Vec3(0.0, turning.y() + u[3], u[4]);
+    w.velocity[s] = Vec3(speed, u[2], 0.0);
+    w.angular_velocity[s] = Vec3(0.0, turning.y() + u[3], u[4]);
     const auto a = accelerations(sim, s);
     return Five(a[0], a[1], a[2], a[3], a[5]);
   };
@@ -70,8 +71,10 @@ double conicity_at(const WheelsetCase& c, double axle, bool elastic) {
   SceneRun run = start_text(text_of(still));
   run.advance_to(200);  // it has come to rest on its springs nearly; the rest is solved for
   Eigen::Matrix<double, 5, 1> start = Eigen::Matrix<double, 5, 1>::Zero();
-  for (int k = 0; k <= n; ++k)
-    difference[n + k] = elastic_difference(run, axle * k / n, start), difference[n - k] = -difference[n + k];
+  for (int k = 0; k <= n; ++k) {
+    difference[n + k] = elastic_difference(run, axle * k / n, start);
+    difference[n - k] = -difference[n + k];
+  }
   return conicity_of(difference, at_rails, {});
 }
 
@@ -79,14 +82,21 @@ void check_klingel(std::initializer_list<KlingelRow> rows) {
   // L = 2 pi sqrt(r0 s / (2 lambda)), lambda the equivalent conicity at the wave's amplitude
   for (const KlingelRow& row : rows) {
     WheelsetCase c;
-    c.wheel = fmt::format("name = \"{}\"", row.name), c.normal = row.normal, c.start = row.start,
-    c.duration = row.duration, c.scale = row.scale, c.dt = row.dt;
+    c.wheel = fmt::format("name = \"{}\"", row.name);
+    c.normal = row.normal;
+    c.start = row.start;
+    c.duration = row.duration;
+    c.scale = row.scale;
+    c.dt = row.dt;
     Trace t = trace_of(c);
     const auto x = crossings(t);
     REQUIRE(x.size() > 2);
     double high = -1.0, low = 1.0;
     for (std::size_t k = 0; k < t.time.size(); ++k)
-      if (t.time[k] > x[0] && t.time[k] < x[2]) high = std::max(high, t.lateral[k]), low = std::min(low, t.lateral[k]);
+      if (t.time[k] > x[0] && t.time[k] < x[2]) {
+        high = std::max(high, t.lateral[k]);
+        low = std::min(low, t.lateral[k]);
+      }
     const double axle = 0.5 * (high - low), lambda = conicity_at(c, axle, row.elastic);
     const double wave = c.speed * (x[2] - x[0]), klingel = 2.0 * pi * std::sqrt(r0 * 1.5 / (2.0 * lambda));
     INFO(row.name << " " << row.normal << " amplitude " << axle << ": wave " << wave << " m, Klingel " << klingel
@@ -126,7 +136,8 @@ TEST_CASE("a cone's wave is that of its elastic contact and of its eigenvalues",
   WheelsetCase c;
   const double lambda = conicity_at(c, 0.2e-3, true), wave = 2.0 * pi * std::sqrt(r0 * 1.5 / (2.0 * lambda));
   CHECK(wave == Approx(2.0 * pi * std::sqrt(r0 * 1.5 / (2.0 * conicity_at(c, 0.2e-3, false)))).epsilon(0.005));
-  c.start = 0.0, c.duration = 0.5;
+  c.start = 0.0;
+  c.duration = 0.5;
   SceneRun run = start_text(text_of(c));
   run.advance_to(0);
   const Eigen::EigenSolver<Eigen::Matrix<double, 12, 12>> modes(linearised(run));
@@ -148,7 +159,9 @@ TEST_CASE("hunting begins where the linear analysis of the same model says", "[p
   INFO("linear critical speed " << critical << " m/s");
   for (const double factor : {0.97, 1.03}) {
     WheelsetCase c = hunting();
-    c.speed = factor * critical, c.start = 5e-5, c.duration = 4.0;
+    c.speed = factor * critical;
+    c.start = 5e-5;
+    c.duration = 4.0;
     const double rate = growth(trace_of(c), 1.0), expected = linear(c.speed);
     INFO("at " << c.speed << " m/s: " << rate << " /s, linear " << expected << " /s");
     CHECK((factor < 1.0 ? rate < 0.0 : rate > 0.0));
@@ -161,7 +174,10 @@ TEST_CASE("the critical speed is the same for two time steps", "[physics][wheels
   for (const double dt : {2e-4, 1e-4}) {
     found.push_back(critical_speed(48.0, 54.0, 0.05, [&](double v) {
       WheelsetCase c = hunting();
-      c.speed = v, c.dt = dt, c.start = 5e-5, c.duration = 5.0;
+      c.speed = v;
+      c.dt = dt;
+      c.start = 5e-5;
+      c.duration = 5.0;
       return growth(trace_of(c), 1.0);
     }));
   }
@@ -191,11 +207,15 @@ TEST_CASE("above the critical speed the wheelset swings in a limit cycle", "[phy
       REQUIRE_FALSE(sim.advance());
       const double y = sim.world.position[sim.world.slot_of(BodyId{1})].y();
       if (sim.world.time > 8.0 && sim.world.time < 10.0) early = std::max(early, y);
-      if (sim.world.time >= 10.0) right = std::max(right, y), left = std::max(left, -y);
+      if (sim.world.time >= 10.0) {
+        right = std::max(right, y);
+        left = std::max(left, -y);
+      }
     }
     CHECK(right == Approx(early).epsilon(1e-3));
     CHECK(right == Approx(left).epsilon(1e-3));
-    widest[k][0] = right, widest[k][1] = left;
+    widest[k][0] = right;
+    widest[k][1] = left;
   }
   WARN(fmt::format("limit cycle at 40 m/s: {:.4f} and {:.4f} mm", 1e3 * widest[0][0], 1e3 * widest[1][0]));
   CHECK(widest[0][0] == Approx(widest[1][0]).epsilon(1e-3));
@@ -206,7 +226,10 @@ TEST_CASE("in a curve a cone moves outwards until both wheels roll", "[physics][
   // delta_r = 2 lambda y = r0 s / R: y = r0 s / (2 lambda R)
   const double R = 2000.0;
   WheelsetCase c;
-  c.speed = 20.0, c.start = 0.0, c.duration = 9.0, c.dt = 4e-4;
+  c.speed = 20.0;
+  c.start = 0.0;
+  c.duration = 9.0;
+  c.dt = 4e-4;
   std::string text = text_of(c);
   const std::string rail = "cant = \"= atan(1/40)\"";
   text.replace(text.find(rail), rail.size(),
@@ -227,7 +250,8 @@ TEST_CASE("in a curve a cone moves outwards until both wheels roll", "[physics][
     while (sim.steps() < run.assembly->steps) {
       REQUIRE_FALSE(sim.advance());
       if (sim.world.time < c.duration - wave) continue;
-      sum += run.last("run", "lateral") - r0 * run.last("run", "roll"), n += 1.0;  // at the rails
+      sum += run.last("run", "lateral") - r0 * run.last("run", "roll");  // at the rails
+      n += 1.0;
     }
     return sum / n;
   };
@@ -250,8 +274,12 @@ TEST_CASE("a flat strikes with the speed of its edges", "[physics][wheelset][slo
   // first edge starts is small: its speed is v / (l omega) = 0.7 % of dv.
   const double v = 0.5, l = 0.06;
   WheelsetCase c;
-  c.wheel = "name = \"cone\", flat = { length = 0.06, angle_deg = 20 }", c.speed = v, c.start = 0.0, c.dt = 1e-5,
-  c.duration = 0.36, c.tangential = "none";
+  c.wheel = "name = \"cone\", flat = { length = 0.06, angle_deg = 20 }";
+  c.speed = v;
+  c.start = 0.0;
+  c.dt = 1e-5;
+  c.duration = 0.36;
+  c.tangential = "none";
   std::string text = text_of(c);
   text.replace(text.find("[950, 120, 950]"), 15, "[9500, 12000, 9500]");
   SceneRun run = start_text(text);
@@ -261,7 +289,10 @@ TEST_CASE("a flat strikes with the speed of its edges", "[physics][wheelset][slo
   while (sim.steps() < run.assembly->steps) {
     REQUIRE_FALSE(sim.advance());
     const double N = -run.last("run", "left_z");
-    if (sim.world.time < reached - 0.06) before = N, delta = run.assembly->rolling->all.front().approach;
+    if (sim.world.time < reached - 0.06) {
+      before = N;
+      delta = run.assembly->rolling->all.front().approach;
+    }
     if (sim.world.time > reached - 1e-3) peak = std::max(peak, N);
   }
   CHECK(before == Approx(wheel_load).epsilon(0.02));
@@ -297,7 +328,10 @@ TEST_CASE("a cylinder that slides rolls on with two thirds of its speed", "[phys
       REQUIRE_FALSE(sim.advance());
       const Slot s = sim.world.slot_of(BodyId{1});
       const double v = sim.world.velocity[s].x(), turning = sim.world.angular_velocity[s].y();
-      if (sim.world.time > 1.5 * stop) sum += v, count += 1.0;
+      if (sim.world.time > 1.5 * stop) {
+        sum += v;
+        count += 1.0;
+      }
       if (sim.steps() % 1000 == 0) CHECK(v + 0.5 * r * turning == Approx(v0).epsilon(1e-4));
     }
     CHECK(sum / count == Approx(2.0 / 3.0 * v0).epsilon(1e-3));
@@ -309,7 +343,10 @@ TEST_CASE("a cylinder that slides rolls on with two thirds of its speed", "[phys
 TEST_CASE("a wheelset of two cylinders that slides rolls on by the same balance", "[physics][wheelset]") {
   // whatever the creep law: the rails' forces act at the tread
   WheelsetCase c;
-  c.wheel = "name = \"cone\", conicity = 0", c.tangential = "shen-hedrick-elkins", c.start = 0.0, c.duration = 0.6;
+  c.wheel = "name = \"cone\", conicity = 0";
+  c.tangential = "shen-hedrick-elkins";
+  c.start = 0.0;
+  c.duration = 0.6;
   std::string text = text_of(c);
   const std::string turning = fmt::format("angular_velocity = [0, {:.17g}, 0]", -c.speed / r0);
   text.replace(text.find(turning), turning.size(), "angular_velocity = [0, 0, 0]");
@@ -348,8 +385,13 @@ TEST_CASE("any pair of models runs in the step", "[physics][wheelset][long]") {
   // on a cone all normal models see the same parabola, all tangential ones the same small creepage: forces agree
   const auto run_with = [](const char* normal, const char* tangential, double duration) {
     WheelsetCase c;
-    c.normal = normal, c.tangential = tangential, c.duration = duration, c.start = 2e-3, c.yaw = 1e-4;
-    c.kx = 1e6, c.ky = 5e5;  // pulls to the middle with 1 kN a wheel
+    c.normal = normal;
+    c.tangential = tangential;
+    c.duration = duration;
+    c.start = 2e-3;
+    c.yaw = 1e-4;
+    c.kx = 1e6;  // pulls to the middle with 1 kN a wheel
+    c.ky = 5e5;
     SceneRun run = start_text(text_of(c));
     run.advance_to(0);
     REQUIRE(run.failure.empty());

@@ -90,7 +90,11 @@ TEST_CASE("a starter scene is printed, checked, explained and run by the program
     CHECK_THAT(check.out, Catch::Contains("time step") && Catch::Contains("memory"));
     CHECK_THAT(captured([&] { return command_explain({file.string(), {}}); }).out, Catch::Contains("broad phase"));
     RunOptions few;
-    few.out = (folder / kind).string(), few.steps = 5, few.quiet = true, few.json = true, few.threads = 1;
+    few.out = (folder / kind).string();
+    few.steps = 5;
+    few.quiet = true;
+    few.json = true;
+    few.threads = 1;
     const Captured run = run_of(file, few);
     CHECK(run.code == exit_done);
     CHECK_THAT(run.out, Catch::Contains("\"steps\": 5"));
@@ -191,7 +195,10 @@ TEST_CASE("more bodies than memory holds are refused before they take it", "[sce
 TEST_CASE("a run that ends early tells the overlap it was left with", "[scenes][commands]") {
   const TemporaryFolder folder;
   RunOptions o;
-  o.out = (folder / "out").string(), o.threads = 1, o.steps = 5, o.quiet = true;
+  o.out = (folder / "out").string();
+  o.threads = 1;
+  o.steps = 5;
+  o.quiet = true;
   const Captured run = run_of(ball_in(folder), o,
                               {"contact.method=smooth", "run.time_step=1e-5", "run.output_interval=1e-5",
                                "body.ball.position=[0, 0, 0.01]", "body.ball.velocity=[0, 0, -1]"});
@@ -206,7 +213,10 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
   RunOptions o;
-  o.out = (folder / "out").string(), o.threads = 1, o.steps = 40, o.verbose = true;
+  o.out = (folder / "out").string();
+  o.threads = 1;
+  o.steps = 40;
+  o.verbose = true;
   const Captured first = run_of(scene, o);
   CHECK(first.code == exit_done);
   CHECK_THAT(first.err, Catch::Contains("time step 0.001 s: as written") && Catch::Contains("40 steps, t = 0.04 s"));
@@ -215,7 +225,9 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   const Captured resumed = captured([&] { return guarded([&] { return command_resume(o.out, rest); }); });
   CHECK(resumed.code == exit_done);
   RunOptions whole;
-  whole.out = (folder / "whole").string(), whole.threads = 1, whole.quiet = true;
+  whole.out = (folder / "whole").string();
+  whole.threads = 1;
+  whole.quiet = true;
   CHECK(run_of(scene, whole).code == exit_done);
   const auto hash = [&](const std::string& run) {
     return read_json(fs::path(run) / "summary.json").text("state_hash");
@@ -239,9 +251,11 @@ TEST_CASE("a run ends with the code of what ended it, and goes on from there", "
   CHECK(read_json(fs::path(o.out) / "summary.json").number("steps") == 107.0);
 
   CHECK(run_of(scene, whole).code == exit_usage);  // the folder is not empty
-  whole.force = true, whole.time_limit = "never";
+  whole.force = true;
+  whole.time_limit = "never";
   CHECK_THAT(run_of(scene, whole).err, Catch::Contains("--time-limit 'never' is no duration"));
-  whole.time_limit = "", whole.cpu_limit = "0.001s";
+  whole.time_limit = "";
+  whole.cpu_limit = "0.001s";
   CHECK(run_of(scene, whole, {"run.duration=1e4", "run.output_interval=1e3"}).code == exit_time_limit);
   whole.cpu_limit = "";
   CHECK(run_of(ball_in(folder, "[bounds]\noverlap_relative = -1.0\n"), whole).code == exit_usage);
@@ -264,7 +278,10 @@ TEST_CASE("a folder that a run writes into is refused to others until it has end
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
   RunOptions o;
-  o.out = (folder / "out").string(), o.threads = 1, o.steps = 40, o.quiet = o.force = true;
+  o.out = (folder / "out").string();
+  o.threads = 1;
+  o.steps = 40;
+  o.quiet = o.force = true;
   REQUIRE(run_of(scene, o).code == exit_done);
   std::ofstream(folder / "out" / "frames" / "notes.txt") << "kept";  // neither is it taken with the frames
   std::ofstream(folder / "out" / "frames" / "bodies_999999.vtp") << "gone";
@@ -273,7 +290,8 @@ TEST_CASE("a folder that a run writes into is refused to others until it has end
   CHECK_FALSE(fs::exists(folder / "out" / "frames" / "bodies_999999.vtp"));
   const std::string before = support::read_text(folder / "out" / "summary.json");
   RunOptions rest;
-  rest.threads = 1, rest.quiet = true;
+  rest.threads = 1;
+  rest.quiet = true;
   const auto resumed = [&] { return captured([&] { return guarded([&] { return command_resume(o.out, rest); }); }); };
   {
     const FolderLock other(o.out);
@@ -290,7 +308,9 @@ TEST_CASE("numbers whose steps or energies no number holds are refused", "[scene
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
   RunOptions o;
-  o.out = (folder / "out").string(), o.threads = 1, o.quiet = true;
+  o.out = (folder / "out").string();
+  o.threads = 1;
+  o.quiet = true;
   const auto refused = [&](const std::string& override) {
     const Captured c = run_of(scene, o, {override});
     CHECK(c.code == exit_usage);
@@ -316,7 +336,9 @@ TEST_CASE("numbers whose steps or energies no number holds are refused", "[scene
 TEST_CASE("results are exported and reported by the program", "[scenes][commands]") {
   const TemporaryFolder folder;
   RunOptions o;
-  o.out = (folder / "out").string(), o.threads = 1, o.quiet = true;
+  o.out = (folder / "out").string();
+  o.threads = 1;
+  o.quiet = true;
   REQUIRE(run_of(ball_in(folder), o).code == exit_done);
   const Captured csv = captured([&] { return command_export(o.out, "csv"); });
   CHECK_THAT(csv.err, Catch::Contains("3 snapshots") && Catch::Contains("not what contacts remember"));

@@ -69,8 +69,10 @@ double figure_of(const fs::path& folder, const std::string& place) {
   std::string file = place.substr(0, colon);
   const std::string name = place.substr(colon + 2);
   int row = 0;
-  if (const auto bracket = file.find('['); bracket != file.npos)
-    row = std::stoi(file.substr(bracket + 1)), file = file.substr(0, bracket);
+  if (const auto bracket = file.find('['); bracket != file.npos) {
+    row = std::stoi(file.substr(bracket + 1));
+    file = file.substr(0, bracket);
+  }
   INFO(folder / file);
   REQUIRE(fs::exists(folder / file));
   if (fs::path(file).extension() == ".csv") return from_csv(folder / file, row, name);
@@ -174,14 +176,18 @@ PageRun run_page(const std::string& path, bool slow) {
     if (language == "sh") {
       if (rest == "elsewhere" || (rest == "slow" && !slow)) continue;
       REQUIRE((rest.empty() || rest == "slow"));
-      run_block(folder, page, block), run.commands += commands_in(block.text);
+      run_block(folder, page, block);
+      run.commands += commands_in(block.text);
     } else if (!rest.empty()) {
       INFO(page.path << ":" << block.line << ": is not what stands in " << rest);
       CHECK(read_text(fs::path(EPAFI_SOURCE_DIR) / rest).find(block.text) != std::string::npos);
       ++run.listings;
     }
   }
-  for (const TableRow& row : page.figures) check_figure(folder, page, row), ++run.figures;
+  for (const TableRow& row : page.figures) {
+    check_figure(folder, page, row);
+    ++run.figures;
+  }
   fs::remove_all(folder);
   return run;
 }

@@ -24,7 +24,8 @@ Count replay(const std::string& reader, bool (*feed)(std::string_view)) {
     std::ifstream in(file, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(in)), {});
     INFO(file.filename().string());
-    ++count.files, count.accepted += feed(bytes);
+    ++count.files;
+    count.accepted += feed(bytes);
   }
   return count;
 }

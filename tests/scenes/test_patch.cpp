@@ -215,7 +215,9 @@ TEST_CASE("maps of a patch hold its force, and its picture the cells that stick"
     double v[8] = {};
     char comma;
     for (double& value : v) words >> value >> comma;
-    ++cells, stick += v[7] == 1.0, fy += v[4];
+    ++cells;
+    stick += v[7] == 1.0;
+    fy += v[4];
     worst = std::max(worst, std::hypot(v[3], v[4]) / (0.3 * v[2]));
   }
   CHECK(cells == results[0].contacts[0].map.x.size());

@@ -56,7 +56,8 @@ TEST_CASE("expressions know the seed of the run, and jitter displaces bodies of 
   REQUIRE(written.size() == 1000);
   double largest = 0.0, sum = 0.0;
   for (std::size_t k = 0; k < written.size(); ++k) {
-    largest = std::max(largest, (some[k] - written[k]).cwiseAbs().maxCoeff()), sum += (some[k] - written[k]).sum();
+    largest = std::max(largest, (some[k] - written[k]).cwiseAbs().maxCoeff());
+    sum += (some[k] - written[k]).sum();
     CHECK(some[k] != other[k]);
     CHECK((named[k] - written[k]).cwiseAbs().maxCoeff() <= 0.02);
   }

@@ -47,7 +47,8 @@ TEST_CASE("solve prints a row per problem and method, and writes impulses that o
           "[scenes][solve][long]") {
   const TemporaryFolder folder;
   SolveOptions o = solving({"stack_h010_mu05.hdf5", "arch_21_mu06.hdf5"}, {"newton", "nsgs"});
-  o.tolerance = 1e-8, o.solution = (folder / "reactions.h5").string();
+  o.tolerance = 1e-8;
+  o.solution = (folder / "reactions.h5").string();
   o.time_limit = "300s";  // on an instrumented program 10 s were not enough
   const Captured run = captured([&] { return command_solve(o); });
   CHECK(run.code == exit_done);
@@ -80,12 +81,15 @@ TEST_CASE("solve prints a row per problem and method, and writes impulses that o
 
 TEST_CASE("solve says why a problem was left: iterations, time, a method that does not apply", "[scenes][solve]") {
   SolveOptions o = solving({"stack_h050_mu05.hdf5"}, {"pgs"});
-  o.max_iterations = 5, o.json = true;
+  o.max_iterations = 5;
+  o.json = true;
   const Captured few = captured([&] { return command_solve(o); });
   CHECK_THAT(few.out, Catch::Contains("\"status\": \"iteration_limit\"") && Catch::Contains("\"iterations\": 5"));
   const TemporaryFolder folder;
   o = solving({"stack_h050_mu05.hdf5"}, {"pgs"});
-  o.tolerance = 1e-14, o.time_limit = "0.001s", o.out = (folder / "rows.csv").string();
+  o.tolerance = 1e-14;
+  o.time_limit = "0.001s";
+  o.out = (folder / "rows.csv").string();
   CHECK(captured([&] { return command_solve(o); }).out.empty());
   std::ifstream in(o.out);
   const auto rows = rows_of(std::string(std::istreambuf_iterator<char>(in), {}));
@@ -112,7 +116,8 @@ TEST_CASE("solve names problems without solution, whatever the method says, and 
 
 TEST_CASE("solve with all methods tries each, on both forms of files", "[scenes][solve][long]") {
   SolveOptions o = solving({"stack_h005_mu05.hdf5", "OneObject-i100000-316.hdf5.dat"}, {"all"});
-  o.tolerance = 1e-4, o.time_limit = "0.3s";
+  o.tolerance = 1e-4;
+  o.time_limit = "0.3s";
   const auto rows = rows_of(captured([&] { return command_solve(o); }).out);
   std::map<std::string, int> solved;
   for (std::size_t k = 1; k < rows.size(); ++k) solved[rows[k][0]] += rows[k][2] == "solved";

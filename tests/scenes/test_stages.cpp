@@ -313,7 +313,10 @@ TEST_CASE("the file of a run holds the shapes of all its stages", "[scenes][stag
   for (const BodyRecord& b : run.bodies()) {
     if (b.surface == nullptr || b.mass == 0.0) continue;
     Vec3 low = b.surface->points.front(), high = low;
-    for (const Vec3& x : b.surface->points) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    for (const Vec3& x : b.surface->points) {
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    }
     Vec3 size = high - low;
     std::sort(size.data(), size.data() + 3);
     blocks += (size - Vec3(0.02, 0.02, 0.02)).norm() < 1e-12;
@@ -419,7 +422,9 @@ TEST_CASE("a condition ends a stage when it has held so long, else the longest t
 
 TEST_CASE("what a record holds comes back from its text", "[scenes][stages]") {
   RunRecord r;
-  r.stage = 2, r.scenes = 1, r.start_run = "some where/checkpoint-1.h5";
+  r.stage = 2;
+  r.scenes = 1;
+  r.start_run = "some where/checkpoint-1.h5";
   r.stages = {{"a b", 0.0, 0.1, 0.1, 0, "duration"}, {"", 0.1, 0.30000000000000004, 0.2, 77, ""}};
   r.inserted = {{0, 0.25, 0.01, {"contact.friction=0.2", "x=\"a b: c\""}}};
   r.time_step = TimeStep{1e-5, infinity, "contact m-m: as written", "of the load", AdaptiveStep{1, 2, 3, 4, 5}};

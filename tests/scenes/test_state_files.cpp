@@ -128,7 +128,8 @@ TEST_CASE("every body that ever came has its row in run.h5, the axes are those o
     Aabb drawn{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
     for (const Vec3& p : b.surface->points) {
       const Vec3 x = b.pose.position + b.pose.orientation * p;
-      drawn.min = drawn.min.cwiseMin(x), drawn.max = drawn.max.cwiseMax(x);
+      drawn.min = drawn.min.cwiseMin(x);
+      drawn.max = drawn.max.cwiseMax(x);
     }
     const bool is_round = stored.words(b).shape == "clump";  // drawn with flat facets
     CHECK((drawn.min - box.min).norm() + (drawn.max - box.max).norm() < (is_round ? 0.1 : 1e-12) * b.radius);
@@ -144,7 +145,8 @@ TEST_CASE("a hull without orientation is exported without one", "[scenes][export
   export_run(folder / "out", ExportFormat::csv);
   std::ifstream in(folder / "out/bodies.csv");
   std::string header, row;
-  std::getline(in, header), std::getline(in, row);
+  std::getline(in, header);
+  std::getline(in, row);
   CHECK_THAT(header, Catch::StartsWith("x,y,z,vx,vy,vz,qw,qx,qy,qz"));
   std::vector<double> values;
   for (std::size_t at = 0, k = 0; k < 10; ++k, at = row.find(',', at) + 1) values.push_back(std::stod(row.substr(at)));

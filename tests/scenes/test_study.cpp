@@ -218,7 +218,8 @@ TEST_CASE("every broad phase finds the pairs that looking at all of them finds, 
 TEST_CASE("a budget ends a study coarse, and says so", "[scenes][study]") {
   const TemporaryFolder folder;
   Study study = read_study(library + "studies/stack_height_iterations.toml", {"parameters.0.values=[5]"});
-  study.program = program, study.budget = 1e-6;
+  study.program = program;
+  study.budget = 1e-6;
   const LimitMap map = run_limits(study, folder.path(), 1, silent);
   CHECK_FALSE(map.whole);
   CHECK(map.cases.empty());
@@ -367,7 +368,9 @@ TEST_CASE("an atlas tells what has moved against its stored tables", "[scenes][s
   const auto replace = [&](const std::string& from, const std::string& to) {
     text.replace(text.find(from), from.size(), to);
   };
-  replace("../limits", library + "limits"), replace("[1e3, 1e4, 1e5, 1e6, 1e7]", "[1e6]"), replace("0.005 }", "0.2 }");
+  replace("../limits", library + "limits");
+  replace("[1e3, 1e4, 1e5, 1e6, 1e7]", "[1e6]");
+  replace("0.005 }", "0.2 }");
   write_whole_file(folder / "studies/step.toml", {text});
   std::vector<std::string> said;
   AtlasOrder order{folder / "studies", folder / "atlas", folder / "work", 60.0, 1};

@@ -36,8 +36,10 @@ class Browser {
     if (::pipe2(to, O_CLOEXEC) != 0 || ::pipe2(from, O_CLOEXEC) != 0) throw std::runtime_error("no pipes");
     process_ = ::fork();
     if (process_ == 0) become_browser(to[0], from[1], width, height);
-    ::close(to[0]), ::close(from[1]);
-    to_ = to[1], from_ = from[0];
+    ::close(to[0]);
+    ::close(from[1]);
+    to_ = to[1];
+    from_ = from[0];
     const FlatJson target = call("Target.createTarget", R"({"url":"about:blank"})");
     const FlatJson attached = call("Target.attachToTarget",
                                    R"({"flatten":true,"targetId":)" + json_text(target.text("result.targetId")) + "}");
@@ -45,7 +47,8 @@ class Browser {
     for (const char* domain : {"Runtime.enable", "Log.enable", "Page.enable"}) call(domain, "{}");
   }
   ~Browser() {
-    ::close(to_), ::close(from_);
+    ::close(to_);
+    ::close(from_);
     ::kill(process_, SIGTERM);
     ::waitpid(process_, nullptr, 0);
     // its helpers write into the profile until they have ended too
@@ -123,7 +126,10 @@ class Browser {
     ::setpgid(0, 0);
     const std::string profile = "--user-data-dir=" + (profile_ / "profile").string();
     const std::string size = "--window-size=" + std::to_string(width) + "," + std::to_string(height);
-    ::dup2(in, 13), ::dup2(out, 14), ::dup2(13, 3), ::dup2(14, 4);
+    ::dup2(in, 13);
+    ::dup2(out, 14);
+    ::dup2(13, 3);
+    ::dup2(14, 4);
     const int nowhere = ::open("/dev/null", O_WRONLY);
     ::dup2(nowhere, 2);
     ::execl(browser.c_str(), browser.c_str(), "--headless=new", "--no-sandbox", "--remote-debugging-pipe",

@@ -24,12 +24,14 @@ inline Captured captured(const std::function<int()>& command) {
     std::fflush(stream);
     const int kept = ::dup(::fileno(stream)),
               file = ::open((folder / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    ::dup2(file, ::fileno(stream)), ::close(file);
+    ::dup2(file, ::fileno(stream));
+    ::close(file);
     return kept;
   };
   const auto restore = [](std::FILE* stream, int kept) {
     std::fflush(stream);
-    ::dup2(kept, ::fileno(stream)), ::close(kept);
+    ::dup2(kept, ::fileno(stream));
+    ::close(kept);
   };
   const auto text = [&](const char* name) {
     std::ifstream in(folder / name);
@@ -40,10 +42,12 @@ inline Captured captured(const std::function<int()>& command) {
   try {
     code = command();
   } catch (...) {  // what is said of it must be seen
-    restore(stdout, out), restore(stderr, err);
+    restore(stdout, out);
+    restore(stderr, err);
     throw;
   }
-  restore(stdout, out), restore(stderr, err);
+  restore(stdout, out);
+  restore(stderr, err);
   return {code, text("out"), text("err")};
 }
 

@@ -24,7 +24,8 @@ ContactProblem stack_of(int n, double mu, double dt, const Mass& mass) {
     }
   ContactProblem p;
   p.load_bodies(world, dt);
-  p.load_contacts(world, contacts), p.load_diagonal();
+  p.load_contacts(world, contacts);
+  p.load_diagonal();
   p.friction.assign(p.size(), mu);
   return p;
 }
@@ -53,7 +54,8 @@ inline ContactProblem random_problem(int n, std::uint64_t seed, bool rotates, do
         contacts.append(a, b, {.gap = 0.0, .normal = vec(1.0).normalized(), .arm = vec(0.5), .feature = k});
   ContactProblem p;
   p.load_bodies(world, 0.01);
-  p.load_contacts(world, contacts), p.load_diagonal();
+  p.load_contacts(world, contacts);
+  p.load_diagonal();
   p.friction.assign(p.size(), mu);
   for (double& w : p.offset) w = random.uniform(-0.1, 0.1);
   return p;
@@ -83,7 +85,8 @@ inline ContactProblem lattice_problem(int n, double mu, int points = 1) {
   }
   ContactProblem p;
   p.load_bodies(world, 1.0 / 240);
-  p.load_contacts(world, contacts), p.load_diagonal();
+  p.load_contacts(world, contacts);
+  p.load_diagonal();
   p.friction.assign(p.size(), mu);
   return p;
 }

@@ -46,7 +46,9 @@ class CornerContacts final : public NarrowPhase {
            std::uint32_t feature, ContactSet& contacts) const {
     if (gap >= reach_) return;
     ContactPoint c;
-    c.gap = gap, c.normal = below_is_a ? normal : Vec3(-normal), c.feature = feature;
+    c.gap = gap;
+    c.normal = below_is_a ? normal : Vec3(-normal);
+    c.feature = feature;
     c.arm = tip - 0.5 * gap * normal - world.position[a];
     contacts.append(a, b, c);
   }

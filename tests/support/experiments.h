@@ -96,12 +96,16 @@ struct Rig {
     Body body;
     body.mass = 4.0 / 3.0 * pi * radius * radius * radius * density;
     body.inertia = Vec3::Constant(0.4 * body.mass * radius * radius);
-    body.position = position, body.velocity = velocity, body.angular_velocity = spin;
+    body.position = position;
+    body.velocity = velocity;
+    body.angular_velocity = spin;
     return add(body, {.radius = radius});
   }
   BodyId add_plane(const Vec3& normal, const Vec3& point = Vec3::Zero(), const Vec3& velocity = Vec3::Zero()) {
     Body body;
-    body.position = point, body.velocity = velocity, body.material = wall_material;
+    body.position = point;
+    body.velocity = velocity;
+    body.material = wall_material;
     return add(body, {0.0, normal});
   }
   void start() {

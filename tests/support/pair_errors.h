@@ -84,7 +84,10 @@ double climb(const A& a, const Pose& pa, const B& b, const Pose& pb, Vec3& n, Ra
   double best = separation_along(a, pa, b, pb, n);
   for (double step = 0.3; step > 1e-9; step *= 0.9) {
     const Vec3 tried = (n + step * testing::random_direction(random)).normalized();
-    if (const double s = separation_along(a, pa, b, pb, tried); s > best) best = s, n = tried;
+    if (const double s = separation_along(a, pa, b, pb, tried); s > best) {
+      best = s;
+      n = tried;
+    }
   }
   return best;
 }
@@ -116,7 +119,8 @@ template <class A, class B>
 std::size_t ask_cell(const ShapeStore& shapes, const World& world, double reach, ContactSet& contacts) {
   static const PairCell& cell = pair_table()[ShapeStore::type_of<A>()][ShapeStore::type_of<B>()];
   static std::vector<std::uint32_t> triangles, begin{0, 0};  // keep their size
-  contacts.clear(), triangles.clear();
+  contacts.clear();
+  triangles.clear();
   ContactSink sink(contacts);
   BatchInput in{.shapes = shapes,
                 .world = world,
@@ -129,7 +133,8 @@ std::size_t ask_cell(const ShapeStore& shapes, const World& world, double reach,
   if constexpr (MeshShape<A> || MeshShape<B>) {
     cell.candidates(in, pair, 0.0, triangles);
     begin[1] = static_cast<std::uint32_t>(triangles.size());
-    in.triangles = triangles, in.triangle_begin = begin;
+    in.triangles = triangles;
+    in.triangle_begin = begin;
   }
   cell.batch(in, {&pair, 1}, sink);
   return sink.degenerate();
@@ -148,10 +153,11 @@ PairError measure_cell(Random& random, int count, bool timed) {
     const double ra = std::isfinite(a.bounding_radius()) ? a.bounding_radius() : 0.0,
                  rb = std::isfinite(b.bounding_radius()) ? b.bounding_radius() : 0.0;
     Body body;
-    body.shape = shapes.add(a).packed, body.position = testing::random_point(random),
+    body.shape = shapes.add(a).packed;
+    body.position = testing::random_point(random);
     body.orientation = testing::random_turn(random);
     world.add(body);
-    body.shape = shapes.add(b).packed,
+    body.shape = shapes.add(b).packed;
     body.position += random.uniform(0.2, 1.2) * (ra + rb) * testing::random_direction(random);
     body.orientation = testing::random_turn(random);
     world.add(body);

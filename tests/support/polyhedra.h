@@ -45,8 +45,14 @@ inline double brute_force_distance(const ConvexHull& a, const Pose& pose_a, cons
     if (!(length > 1e-12L)) return;
     const Long3 n = direction / length;
     long double max_a = -std::numeric_limits<long double>::infinity(), min_a = -max_a, max_b = max_a, min_b = min_a;
-    for (const Long3& v : va) max_a = std::max(max_a, n.dot(v)), min_a = std::min(min_a, n.dot(v));
-    for (const Long3& v : vb) max_b = std::max(max_b, n.dot(v)), min_b = std::min(min_b, n.dot(v));
+    for (const Long3& v : va) {
+      max_a = std::max(max_a, n.dot(v));
+      min_a = std::min(min_a, n.dot(v));
+    }
+    for (const Long3& v : vb) {
+      max_b = std::max(max_b, n.dot(v));
+      min_b = std::min(min_b, n.dot(v));
+    }
     best = std::max({best, min_b - max_a, min_a - max_b});
   };
   const auto normals = [&](const ConvexHull& h, const std::vector<Long3>& v) {
@@ -56,7 +62,8 @@ inline double brute_force_distance(const ConvexHull& a, const Pose& pose_a, cons
       attempt((q - p).cross(r - p));
     }
   };
-  normals(a, va), normals(b, vb);
+  normals(a, va);
+  normals(b, vb);
   for (const auto& ea : a.edges) {
     for (const auto& eb : b.edges) attempt((va[ea.to] - va[ea.from]).cross(vb[eb.to] - vb[eb.from]));
   }
@@ -70,7 +77,8 @@ inline double brute_force_distance(const ConvexHull& a, const Pose& pose_a, cons
       for (const Long3& q : others) attempt((q - v[e.from]) - u * u.dot(q - v[e.from]));
     }
   };
-  perpendiculars(a, va, vb), perpendiculars(b, vb, va);
+  perpendiculars(a, va, vb);
+  perpendiculars(b, vb, va);
   return static_cast<double>(best);
 }
 

@@ -24,7 +24,8 @@ inline MaterialTable one_material(double friction, double restitution) {
   MaterialTable table;
   table.materials = 1;
   table.pairs.resize(1);
-  table.pairs[0].friction = friction, table.pairs[0].restitution = restitution;
+  table.pairs[0].friction = friction;
+  table.pairs[0].restitution = restitution;
   return table;
 }
 
@@ -67,7 +68,9 @@ class RigidExperiment {
     if (!pipeline.scheme) build();
     for (int k = 0; k < steps; ++k) {
       step(world, pipeline, work, settings.dt);
-      dissipated += work.report.dissipated, work_done += work.report.work, correction += work.report.correction;
+      dissipated += work.report.dissipated;
+      work_done += work.report.work;
+      correction += work.report.correction;
       most_iterations = std::max(most_iterations, work.report.solver.iterations);
       worst_residual = std::max(worst_residual, work.report.solver.residual);
     }

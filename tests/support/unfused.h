@@ -24,7 +24,8 @@ inline void copy_state(SceneRun& from, SceneRun& to) {
   World &a = from.simulation().world, &b = to.simulation().world;
   for (std::uint32_t id = 0; id < a.ids_given(); ++id) {
     const Slot s = a.slot_of(static_cast<BodyId>(id)), t = b.slot_of(static_cast<BodyId>(id));
-    b.position[t] = a.position[s], b.velocity[t] = a.velocity[s];
+    b.position[t] = a.position[s];
+    b.velocity[t] = a.velocity[s];
     if (a.cell) b.wraps[t] = a.wraps[s];
     if (a.rotates()) b.angular_velocity[t] = a.angular_velocity[s];
   }
@@ -41,12 +42,13 @@ inline Difference compare(SceneRun& x, SceneRun& y) {
   for (std::uint32_t id = 0; id < a.ids_given(); ++id) {
     const Slot s = a.slot_of(static_cast<BodyId>(id)), t = b.slot_of(static_cast<BodyId>(id));
     if (!a.is_movable(s)) continue;
-    worst.force = std::max(worst.force, (a.force[s] - b.force[t]).norm()),
+    worst.force = std::max(worst.force, (a.force[s] - b.force[t]).norm());
     scale.force = std::max(scale.force, a.force[s].norm());
-    if (a.rotates())
-      worst.torque = std::max(worst.torque, (a.torque[s] - b.torque[t]).norm()),
+    if (a.rotates()) {
+      worst.torque = std::max(worst.torque, (a.torque[s] - b.torque[t]).norm());
       scale.torque = std::max(scale.torque, a.torque[s].norm());
-    worst.velocity = std::max(worst.velocity, (a.velocity[s] - b.velocity[t]).norm()),
+    }
+    worst.velocity = std::max(worst.velocity, (a.velocity[s] - b.velocity[t]).norm());
     scale.velocity = std::max(scale.velocity, a.velocity[s].norm());
   }
   return {worst.force / scale.force, a.rotates() ? worst.torque / scale.torque : 0.0, worst.velocity / scale.velocity};

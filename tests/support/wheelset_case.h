@@ -77,8 +77,9 @@ inline Trace trace_of(const WheelsetCase& c) {
   Simulation& sim = t.run.simulation();
   while (sim.steps() < t.run.assembly->steps) {
     REQUIRE_FALSE(sim.advance());
-    t.time.push_back(sim.world.time), t.lateral.push_back(t.run.last("run", "lateral")),
-        t.yaw.push_back(t.run.last("run", "yaw"));
+    t.time.push_back(sim.world.time);
+    t.lateral.push_back(t.run.last("run", "lateral"));
+    t.yaw.push_back(t.run.last("run", "yaw"));
   }
   return t;
 }
@@ -105,12 +106,18 @@ inline double growth(const Trace& t, double from) {
     const double y = std::abs(t.lateral[k]);
     if (t.time[k] < from || !(y > std::abs(t.lateral[k - 1])) || !(y >= std::abs(t.lateral[k + 1]))) continue;
     if (!when.empty() && t.time[k] - when.back() < 0.05) continue;  // vibrations on top of the swing
-    when.push_back(t.time[k]), size.push_back(std::log(y));
+    when.push_back(t.time[k]);
+    size.push_back(std::log(y));
   }
   REQUIRE(when.size() > 3);
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (std::size_t k = 0; k < when.size(); ++k)
-    n += 1, x += when[k], y += size[k], xx += when[k] * when[k], xy += when[k] * size[k];
+  for (std::size_t k = 0; k < when.size(); ++k) {
+    n += 1;
+    x += when[k];
+    y += size[k];
+    xx += when[k] * when[k];
+    xy += when[k] * size[k];
+  }
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
@@ -122,7 +129,8 @@ inline Eigen::Matrix<double, 6, 1> accelerations(Simulation& sim, Slot s) {
              I = R * w.inverse_inertia_of(s).cwiseInverse().asDiagonal() * R.transpose();
   const Vec3 turn = w.angular_velocity[s];
   Eigen::Matrix<double, 6, 1> a;
-  a << w.acceleration(s), I.inverse() * (w.torque[s] - turn.cross(I * turn));
+  a << w.acceleration(s);
+  I.inverse() * (w.torque[s] - turn.cross(I * turn));
   return a;
 }
 
@@ -149,15 +157,29 @@ inline Eigen::Matrix<double, 12, 12> linearised(SceneRun& run) {
     }
     A.block<6, 1>(6, k) = (side[1] - side[0]) / (2.0 * h);
   }
-  w.position[s] = x0, w.velocity[s] = v0, w.orientation[s] = q0, w.angular_velocity[s] = w0;
-  A.block<3, 3>(0, 6).setIdentity(), A.block<3, 3>(3, 9).setIdentity();
-  A.block<3, 3>(3, 3) << 0, -w0.z(), w0.y(), w0.z(), 0, -w0.x(), -w0.y(), w0.x(), 0;
+  w.position[s] = x0;
+  w.velocity[s] = v0;
+  w.orientation[s] = q0;
+  w.angular_velocity[s] = w0;
+  A.block<3, 3>(0, 6).setIdentity();
+  A.block<3, 3>(3, 9).setIdentity();
+  A.block<3, 3>(3, 3) << 0;
+  -w0.z();
+  w0.y();
+  w0.z();
+  0;
+  -w0.x();
+  -w0.y();
+  w0.x();
+  0;
   return A;
 }
 
 /// Growth rate of the least damped oscillation slower than 10 Hz: the kinematic mode of hunting.
 inline double linear_growth(WheelsetCase c) {
-  c.start = 0.0, c.yaw = 0.0, c.duration = 1.0;
+  c.start = 0.0;
+  c.yaw = 0.0;
+  c.duration = 1.0;
   SceneRun run = start_text(text_of(c));
   run.advance_to(0);  // settled on the rails
   const Eigen::EigenSolver<Eigen::Matrix<double, 12, 12>> modes(linearised(run));
@@ -186,7 +208,10 @@ inline double critical_speed(double low, double high, double tolerance, const F&
 /// Springs that let a cone hunt at a speed of railways.
 inline WheelsetCase hunting() {
   WheelsetCase c;
-  c.kx = 2e5, c.ky = 2e5, c.duration = 6.0, c.start = 2e-4;
+  c.kx = 2e5;
+  c.ky = 2e5;
+  c.duration = 6.0;
+  c.start = 2e-4;
   return c;
 }
 

@@ -32,8 +32,8 @@ struct Cloud {
     setup.shapes = &shapes;
     setup.bodies.resize(2);
     setup.bodies[0].add(BodyId{0}, world.size());
-    setup.parameters.set("plane.point", Value(Vec3(0, 0, 0))),
-        setup.parameters.set("plane.normal", Value(Vec3(0, 0, -2)));
+    setup.parameters.set("plane.point", Value(Vec3(0, 0, 0)));
+    setup.parameters.set("plane.normal", Value(Vec3(0, 0, -2)));
     setup.parameters.set("window", Value(1.0));
     setup.parameters.set("region.box.min", Value(Vec3(-2, -2, -2)));
     setup.parameters.set("region.box.max", Value(Vec3(2, 2, 2)));

@@ -30,7 +30,9 @@ World some_world(std::uint64_t seed, int bodies) {
     body.position = any();
     body.orientation = Quat(1, v.x(), v.y(), v.z());
     body.velocity = any();
-    body.angular_velocity = any(), body.mass = 2.0, body.inertia = {1, 2, 3},
+    body.angular_velocity = any();
+    body.mass = 2.0;
+    body.inertia = {1, 2, 3};
     body.material = static_cast<std::uint16_t>(k);
     const BodyId id = world.add(body);
     if (k % 7 == 3) leaving.push_back(id);

@@ -22,19 +22,28 @@ class Polytope {
   /// Tetrahedron from extreme points along three axes; false when the difference is flat, with the direction across it
   /// in `normal`.
   bool start(const Mat3& axes, Vec3& normal) {
-    count_ = horizon_count_ = free_count_ = 0, facets_count_ = 0;
+    count_ = horizon_count_ = free_count_ = 0;
+    facets_count_ = 0;
     const double flat = 1e-13 * difference_.size();
     Vec3 e = Vec3::Zero();  // the longest of three spans along the axes
     for (int k = 0; k < 3; ++k) {
       const Vec3 d = axes.col(k);
       const MinkowskiVertex high = difference_.support(d), low = difference_.support(-d);
       if (!((low.y - high.y).squaredNorm() > e.squaredNorm())) continue;
-      points_[0] = high, points_[1] = low, e = low.y - high.y;
+      points_[0] = high;
+      points_[1] = low;
+      e = low.y - high.y;
     }
-    if (!(e.norm() > flat)) return normal = Vec3::UnitZ(), false;
+    if (!(e.norm() > flat)) {
+      normal = Vec3::UnitZ();
+      return false;
+    }
     e.normalize();
     const Vec3 side = any_orthogonal(e);
-    if (!add_across(2, side, e, flat) && !add_across(2, e.cross(side), e, flat)) return normal = side, false;
+    if (!add_across(2, side, e, flat) && !add_across(2, e.cross(side), e, flat)) {
+      normal = side;
+      return false;
+    }
     normal = (points_[1].y - points_[0].y).cross(points_[2].y - points_[0].y).normalized();
     if (!add_across(3, normal, Vec3::Zero(), flat)) return false;
     count_ = 4;
@@ -43,7 +52,9 @@ class Polytope {
     if (!set_facet(0, 0, 1, 2) || !set_facet(1, 0, 3, 1) || !set_facet(2, 1, 3, 2) || !set_facet(3, 2, 3, 0))
       return false;
     facets_[0].beyond = {1, 2, 3};
-    facets_[1].beyond = {3, 2, 0}, facets_[2].beyond = {1, 3, 0}, facets_[3].beyond = {2, 1, 0};
+    facets_[1].beyond = {3, 2, 0};
+    facets_[2].beyond = {1, 3, 0};
+    facets_[3].beyond = {2, 1, 0};
     facets_count_ = 4;
     return true;
   }
@@ -102,7 +113,11 @@ class Polytope {
       const MinkowskiVertex w = difference_.support(sign * d);
       const Vec3 v = w.y - points_[0].y;
       const double away = e.squaredNorm() > 0.0 ? (v - e * e.dot(v)).norm() : std::abs(d.dot(v));
-      if (away > farthest) farthest = away, points_[k] = w, found = true;
+      if (away > farthest) {
+        farthest = away;
+        points_[k] = w;
+        found = true;
+      }
     }
     return found;
   }
@@ -187,7 +202,8 @@ void push_apart(const MinkowskiDifference& difference, Penetration& p) {
   apart.offset += push;
   const GjkResult g = gjk(apart, {infinity, 1e-15, p.normal});
   if (g.status == GjkResult::Status::overlapping) return;
-  p.witness_a = g.witness_a, p.witness_b = g.witness_b - push;
+  p.witness_a = g.witness_a;
+  p.witness_b = g.witness_b - push;
 }
 
 /// A difference without volume holds the origin in its plane: it is left across the plane at once.
@@ -210,7 +226,10 @@ bool grow(const MinkowskiDifference& difference, double tolerance, const Mat3& a
           Penetration& out) {
   Vec3 across;
   const double allowed = tolerance * difference.size();
-  if (!polytope.start(axes, across)) return out = across_flat(difference, across), false;
+  if (!polytope.start(axes, across)) {
+    out = across_flat(difference, across);
+    return false;
+  }
   bool on_facet = false;
   out.upper = infinity;
   for (out.iterations = 1; !polytope.is_full(); ++out.iterations) {
@@ -219,13 +238,19 @@ bool grow(const MinkowskiDifference& difference, double tolerance, const Mat3& a
     out.lower = facet.distance;
     const MinkowskiVertex w = difference.support(facet.normal);
     const double height = facet.normal.dot(w.y);
-    if (height < out.upper) out.upper = height, out.normal = facet.normal;
+    if (height < out.upper) {
+      out.upper = height;
+      out.normal = facet.normal;
+    }
     const bool closed = out.upper - out.lower <= allowed;
     if (closed) {
       out.status = Penetration::Status::converged;
       // of several equally near facets the one that closes the interval may be another than the one that gave `upper`
       on_facet = height - facet.distance <= allowed && polytope.witnesses(facet, out.witness_a, out.witness_b);
-      if (on_facet) out.upper = height, out.normal = facet.normal;
+      if (on_facet) {
+        out.upper = height;
+        out.normal = facet.normal;
+      }
     }
     if (closed || !polytope.expand(f, w)) break;
   }
@@ -254,7 +279,8 @@ Penetration epa(const MinkowskiDifference& difference, double tolerance) {
     if (k == 0 || p.upper < best.upper || !stuck) best = p;
     if (!stuck) break;
     if (best.upper - lower <= tolerance * difference.size()) {
-      best.lower = lower, best.status = Penetration::Status::converged;
+      best.lower = lower;
+      best.status = Penetration::Status::converged;
       break;
     }
     axes = axes * Eigen::AngleAxisd(1.0, Vec3(0.36, 0.48, 0.8)).toRotationMatrix();

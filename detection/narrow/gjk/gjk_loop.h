@@ -79,7 +79,8 @@ inline Closest on_tetrahedron(const Simplex& s, bool& inside) {
 }
 
 inline void find_witnesses(GjkResult& r) {
-  r.witness_a.setZero(), r.witness_b.setZero();
+  r.witness_a.setZero();
+  r.witness_b.setZero();
   for (int k = 0; k < r.simplex.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     r.witness_a += r.simplex.weight[i] * r.simplex.vertex[i].a;
@@ -106,7 +107,10 @@ void polish_normal(const Difference& difference, const Vec3& v, GjkResult& r) {
   const auto take = [&](const Vec3& d) -> Vec3 {
     const MinkowskiVertex w = difference.support(d);
     const double bound = -d.dot(w.y);
-    if (bound > r.lower) r.lower = bound, r.normal = d;
+    if (bound > r.lower) {
+      r.lower = bound;
+      r.normal = d;
+    }
     return w.y;
   };
   const Vec3 third = take(n = n.normalized());
@@ -172,10 +176,15 @@ bool close_by_newton(const Difference& difference, double allowed, GjkResult& r)
     const Vec3 beside = y.y + bound * n;
     if (!(beside.norm() < 0.5 * before) || !(bound > 0.0)) return false;
     before = beside.norm();
-    if (bound > r.lower) r.lower = bound, r.normal = n;
+    if (bound > r.lower) {
+      r.lower = bound;
+      r.normal = n;
+    }
     if (length <= r.upper) {
       r.upper = length;
-      r.simplex.vertex[0] = y, r.simplex.weight[0] = 1.0, r.simplex.count = 1;
+      r.simplex.vertex[0] = y;
+      r.simplex.weight[0] = 1.0;
+      r.simplex.count = 1;
     }
     if (r.upper - r.lower <= allowed) return r.simplex.count == 1;
     const ContactFrame frame = contact_frame(n);
@@ -222,7 +231,8 @@ GjkResult run(const Difference& difference, const GjkOptions& options) {
   r.simplex.weight[0] = 1.0;
   r.simplex.count = 1;
   Vec3 v = r.simplex.vertex[0].y;
-  r.lower = -infinity, r.upper = infinity;
+  r.lower = -infinity;
+  r.upper = infinity;
   bool inside = false;
   for (r.iterations = 1; r.iterations <= gjk_cap; ++r.iterations) {
     const double distance = v.norm();
@@ -234,7 +244,10 @@ GjkResult run(const Difference& difference, const GjkOptions& options) {
     r.upper = std::min(r.upper, length);
     const MinkowskiVertex w = difference.support(-v);
     const double bound = v.dot(w.y) / distance;
-    if (bound > r.lower) r.lower = bound, r.normal = -v / distance;
+    if (bound > r.lower) {
+      r.lower = bound;
+      r.normal = -v / distance;
+    }
     if (r.lower > options.limit) {
       r.status = Status::beyond;
       return r;

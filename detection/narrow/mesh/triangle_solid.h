@@ -16,7 +16,8 @@ class TriangleSolid {
     const double offset = normal.dot(vertices_[0]);
     normals_ = {normal, -normal};
     offsets_ = {offset, -offset};
-    vertex_lanes_[0] = vertex_lanes(vertices_, 0), face_lanes_[0] = face_lanes(normals_, offsets_, 0);
+    vertex_lanes_[0] = vertex_lanes(vertices_, 0);
+    face_lanes_[0] = face_lanes(normals_, offsets_, 0);
   }
   TriangleSolid(const TriangleSolid&) = delete;  // views point into it
   TriangleSolid& operator=(const TriangleSolid&) = delete;

@@ -80,7 +80,10 @@ bool find_nearest(const CorePair& cores, const MinkowskiDifference& difference, 
   double uncertainty = g.upper - g.lower;
   if (g.status == GjkResult::Status::overlapping) {
     const Penetration p = epa(difference);
-    core = -p.upper, n = p.normal, on_a = p.witness_a, on_b = p.witness_b;
+    core = -p.upper;
+    n = p.normal;
+    on_a = p.witness_a;
+    on_b = p.witness_b;
     uncertainty = p.upper - p.lower;
   }
   if (uncertainty > certain * size) sink.mark_degenerate();
@@ -195,8 +198,10 @@ void collide_polyhedra(const PolyhedronView& a, const PolyhedronView& b, const R
   const PolyhedronDistance d = polyhedron_distance(pair, limit, memory);
   if (d.beyond)
     remember(q, d.axis.normal);
-  else if (q.cache)
-    q.cache->axis.setZero(), q.cache->made();
+  else if (q.cache) {
+    q.cache->axis.setZero();
+    q.cache->made();
+  }
   if (d.beyond) return;
   if (q.area) {
     const OverlapForm form = collide_volumes(pair, d.axis, {radius, q.a.orientation.toRotationMatrix()}, sink);

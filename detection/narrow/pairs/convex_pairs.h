@@ -73,8 +73,10 @@ struct CorePair {
   template <class A, class B>
   static CorePair of(const A& a, const B& b) {
     CorePair pair{ConvexRef::to(a), ConvexRef::to(b), quick_distance<A, B>()};
-    if constexpr (quick_distance<A, B>() == nullptr && (RoundShape<A> || RoundShape<B>))
-      pair.peeled_a = PeeledCore::of(a), pair.peeled_b = PeeledCore::of(b);
+    if constexpr (quick_distance<A, B>() == nullptr && (RoundShape<A> || RoundShape<B>)) {
+      pair.peeled_a = PeeledCore::of(a);
+      pair.peeled_b = PeeledCore::of(b);
+    }
     return pair;
   }
 };

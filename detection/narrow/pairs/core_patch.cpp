@@ -21,7 +21,8 @@ Patch core_patch(const CoreAndPolyhedron& pair, const NearestPoint& nearest, dou
                  double sweep_core) {
   static thread_local std::vector<SidePoint> side;  // keep their size
   static thread_local std::vector<PatchPoint> points;
-  side.clear(), points.clear();
+  side.clear();
+  points.clear();
   const PolyhedronView& p = pair.polyhedron;
   const Vec3& n = nearest.normal;
   const std::uint32_t face = face_along(p, n);

@@ -31,7 +31,8 @@ void clip_to_segment(const FlatSide& a, double tolerance, std::vector<SidePoint>
   for (SidePoint& p : side) {
     const double t = (p.x - a.corner[0]).dot(along), end = std::clamp(t, 0.0, length);
     if (std::abs(end - t) <= tolerance) continue;
-    p.x = start + (end - from) / (to - from) * way, p.cut = end > 0.0 ? 2 : 1;
+    p.x = start + (end - from) / (to - from) * way;
+    p.cut = end > 0.0 ? 2 : 1;
   }
 }
 
@@ -40,7 +41,8 @@ void clip_to_segment(const FlatSide& a, double tolerance, std::vector<SidePoint>
 Patch flat_patch(const FlatPair& pair, const NearestPoint& nearest, double reach) {
   static thread_local std::vector<SidePoint> side;  // keep their size
   static thread_local std::vector<PatchPoint> points;
-  side.clear(), points.clear();
+  side.clear();
+  points.clear();
   const Vec3& n = nearest.normal;
   // the end with more corners is the table, the other side's points lie on it
   const bool table_is_b = pair.b.count > pair.a.count;

@@ -86,7 +86,9 @@ class ContactSink {
   /// image: of the contact's key, in a periodic cell.
   void begin(Slot a, Slot b, std::uint32_t image = 0) {
     a_ = a, b_ = b, first_ = out_.size(), flipped_ = false, image_ = Feature{image} << 56;
-    part_ = 0, depth_ = 0, offset_.setZero();
+    part_ = 0;
+    depth_ = 0;
+    offset_.setZero();
   }
   /// The next points are those of part k of a body; offset: of the part from A's centre where it is A's, else 0 [m].
   /// The number stands in bits 48 to 55 of the feature, that of a part within a part in the eight below.
@@ -95,7 +97,8 @@ class ContactSink {
     offset_ += offset;
   }
   void leave_part(const Vec3& offset) {
-    part_ &= ~(Feature{0xff} << (56 - 8 * depth_)), depth_ -= 1;
+    part_ &= ~(Feature{0xff} << (56 - 8 * depth_));
+    depth_ -= 1;
     offset_ -= offset;
   }
   /// The next points come from a function that has the bodies the other way round: normals turn, arms are taken from A.
@@ -123,8 +126,10 @@ class ContactSink {
   void sort() {  // insertion: at most a few points, mostly in order
     for (std::size_t i = first_ + 1; i < out_.size(); ++i) {
       for (std::size_t j = i; j > first_ && out_.feature[j] < out_.feature[j - 1]; --j) {
-        std::swap(out_.feature[j], out_.feature[j - 1]), std::swap(out_.gap[j], out_.gap[j - 1]);
-        std::swap(out_.normal[j], out_.normal[j - 1]), std::swap(out_.arm[j], out_.arm[j - 1]);
+        std::swap(out_.feature[j], out_.feature[j - 1]);
+        std::swap(out_.gap[j], out_.gap[j - 1]);
+        std::swap(out_.normal[j], out_.normal[j - 1]);
+        std::swap(out_.arm[j], out_.arm[j - 1]);
         if (out_.with_curvature) std::swap(out_.effective_radius[j], out_.effective_radius[j - 1]);
         if (out_.with_area) std::swap(out_.area[j], out_.area[j - 1]);
       }

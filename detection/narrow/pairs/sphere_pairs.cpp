@@ -13,7 +13,10 @@ void collide_closed(const Sphere& a, const ConvexHull& b, const PairQuery& q, Co
   Vec3 outward = Vec3::UnitZ();
   for (std::size_t f = 0; f < b.face_normals.size(); ++f) {
     const double h = b.face_normals[f].dot(c) - b.face_offsets[f];
-    if (h > distance) distance = h, outward = b.face_normals[f];
+    if (h > distance) {
+      distance = h;
+      outward = b.face_normals[f];
+    }
   }
   if (!(distance < reach)) return;
   if (distance > 0.0) {
@@ -22,7 +25,10 @@ void collide_closed(const Sphere& a, const ConvexHull& b, const PairQuery& q, Co
     const MinkowskiDifference difference(ConvexRef::to(b), ConvexRef::to(point), Mat3::Identity(), c);
     const GjkResult g = gjk(difference, {reach + 1e-12 * b.radius, 1e-15, outward});
     if (g.status == GjkResult::Status::beyond) return;
-    if (g.status != GjkResult::Status::overlapping && g.lower > distance) distance = g.lower, outward = g.normal;
+    if (g.status != GjkResult::Status::overlapping && g.lower > distance) {
+      distance = g.lower;
+      outward = g.normal;
+    }
   }
   const double gap = distance - a.radius - b.sweep;
   if (!(gap < q.reach)) return;

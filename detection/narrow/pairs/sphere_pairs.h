@@ -48,7 +48,10 @@ inline void collide_closed(const Sphere& a, const Box& b, const PairQuery& q, Co
     int axis = 0;
     distance = -infinity;
     for (int k = 0; k < 3; ++k) {
-      if (const double h = std::abs(c[k]) - b.half[k]; h > distance) distance = h, axis = k;
+      if (const double h = std::abs(c[k]) - b.half[k]; h > distance) {
+        distance = h;
+        axis = k;
+      }
     }
     outward[axis] = c[axis] < 0.0 ? -1.0 : 1.0;
   }

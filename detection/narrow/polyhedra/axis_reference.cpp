@@ -129,9 +129,13 @@ void AxisSearch::keep(double range, AxisReference& out) {
   const auto fits = [](const PolyhedronView& p) { return p.vertices.size() + p.edges.size() < largest_index; };
   if (!(best().gap < 0.0) || !fits(pair_.a) || !fits(pair_.b)) return;
   look_at_deepest();
-  side_a_.look_at_centre(), side_b_.look_at_centre();
-  out.threshold = threshold, out.turn = range / std::max(pair_.a.radius, pair_.b.radius);
-  out.rotation = pair_.rotation, out.offset = pair_.offset, out.offset_b = pair_.rotation.transpose() * pair_.offset;
+  side_a_.look_at_centre();
+  side_b_.look_at_centre();
+  out.threshold = threshold;
+  out.turn = range / std::max(pair_.a.radius, pair_.b.radius);
+  out.rotation = pair_.rotation;
+  out.offset = pair_.offset;
+  out.offset_b = pair_.rotation.transpose() * pair_.offset;
   out.known = keep_faces(threshold, out) && keep_crossings(threshold, out);
 }
 

@@ -18,7 +18,11 @@ std::array<FaceArrays, 2>& face_arrays() {
 
 void FaceArrays::fit(const PolyhedronView& body) {
   const std::size_t faces = lane_count * body.face_lanes.size(), edges = lane_count * body.edge_lanes.size();
-  if (point.size() < faces) point.resize(faces), centre.resize(faces), deepest.resize(faces);
+  if (point.size() < faces) {
+    point.resize(faces);
+    centre.resize(faces);
+    deepest.resize(faces);
+  }
   if (chosen.size() < std::max(faces, edges)) chosen.resize(std::max(faces, edges));
   std::fill_n(deepest.begin(), body.face_normals.size(), FaceHeights::unknown);
 }
@@ -66,7 +70,8 @@ AxisSearch::AxisSearch(const PolyhedronPair& pair)
       side_a_{pair.a, pair.offset, pair.b.inner_radius, face_arrays()[0]},
       side_b_{pair.b, -(pair.rotation.transpose() * pair.offset), pair.a.inner_radius, face_arrays()[1]},
       tried_(pair) {
-  side_a_.face.fit(pair.a), side_b_.face.fit(pair.b);
+  side_a_.face.fit(pair.a);
+  side_b_.face.fit(pair.b);
 }
 
 void AxisSearch::start_from(const SeparatingAxis& axis) {
@@ -102,7 +107,8 @@ void AxisSearch::look_at_deepest() {
     case AxisKind::edges: {
       Vec3 on_a, on_b;
       edge_points(pair_, axis.feature_a, axis.feature_b, axis.normal, on_a, on_b);
-      side_a_.look_at(on_b), side_b_.look_at(from_b(on_a));
+      side_a_.look_at(on_b);
+      side_b_.look_at(from_b(on_a));
       return;
     }
     case AxisKind::face_a:  // B's vertex is a point of A as well where it is inside, a better one than A's own farthest
@@ -130,7 +136,8 @@ void AxisSearch::try_face_b(std::uint32_t f) {
 }
 
 void AxisSearch::try_faces() {
-  side_a_.look_at_centre(), side_b_.look_at_centre();
+  side_a_.look_at_centre();
+  side_b_.look_at_centre();
   const auto threshold = [&] {
     const double margin = tried_.margin();
     return std::max(floor_, std::max(tried_.face().gap, tried_.edge().gap - margin)) - margin;

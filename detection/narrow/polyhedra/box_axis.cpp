@@ -19,7 +19,8 @@ struct TwoLargest {
   void meet(double gap, int which) {
     const bool larger = gap > best;
     second = larger ? best : std::max(second, gap);
-    best = larger ? gap : best, axis = larger ? which : axis;
+    best = larger ? gap : best;
+    axis = larger ? which : axis;
   }
 };
 
@@ -32,11 +33,16 @@ struct BoxPair {
   BoxPair(const PolyhedronPair& pair, const BoxFrame& a, const BoxFrame& b)
       : between(pair.rotation * b.centre + pair.offset - a.centre) {
     for (std::size_t k = 0; k < 3; ++k) {
-      u[k] = pair.a.face_normals[a.face[k][1]], v[k] = pair.rotation * pair.b.face_normals[b.face[k][1]];
-      t[static_cast<int>(k)] = between.dot(u[k]), tb[static_cast<int>(k)] = between.dot(v[k]);
+      u[k] = pair.a.face_normals[a.face[k][1]];
+      v[k] = pair.rotation * pair.b.face_normals[b.face[k][1]];
+      t[static_cast<int>(k)] = between.dot(u[k]);
+      tb[static_cast<int>(k)] = between.dot(v[k]);
     }
     for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) r[i][j] = u[i].dot(v[j]), size[i][j] = std::abs(r[i][j]);
+      for (std::size_t j = 0; j < 3; ++j) {
+        r[i][j] = u[i].dot(v[j]);
+        size[i][j] = std::abs(r[i][j]);
+      }
   }
   /// False where two axes are so parallel that what lies across them is left out.
   bool meet_all(const Vec3& a, const Vec3& b, TwoLargest& found) const;

@@ -28,20 +28,31 @@ EPAFI_LANES Two load(const double* p) {
 void PlaneColumns::append(const Plane& p) {
   if (count_ + 2 > x_.size())
     for (std::vector<double>* column : {&x_, &y_, &z_, &offset_}) column->resize(2 * count_ + 16);
-  x_[count_] = p.normal.x(), y_[count_] = p.normal.y(), z_[count_] = p.normal.z(), offset_[count_] = p.offset;
+  x_[count_] = p.normal.x();
+  y_[count_] = p.normal.y();
+  z_[count_] = p.normal.z();
+  offset_[count_] = p.offset;
   ++count_;
-  x_[count_] = y_[count_] = z_[count_] = 0.0, offset_[count_] = infinity;
+  x_[count_] = y_[count_] = z_[count_] = 0.0;
+  offset_[count_] = infinity;
 }
 
 /// For the surface that is made next.
 void ClippedSolid::make_room(std::size_t points, std::size_t faces, std::size_t corners) {
-  at_least(next_.x, points), at_least(next_.y, points), at_least(next_.z, points);
-  at_least(next_.begin, faces + 1), at_least(next_.corners, corners);
-  next_count_ = 0, next_faces_ = 0, next_.begin[0] = 0;
+  at_least(next_.x, points);
+  at_least(next_.y, points);
+  at_least(next_.z, points);
+  at_least(next_.begin, faces + 1);
+  at_least(next_.corners, corners);
+  next_count_ = 0;
+  next_faces_ = 0;
+  next_.begin[0] = 0;
 }
 
 void ClippedSolid::append(const Vec3& x) {
-  next_.x[next_count_] = x.x(), next_.y[next_count_] = x.y(), next_.z[next_count_] = x.z();
+  next_.x[next_count_] = x.x();
+  next_.y[next_count_] = x.y();
+  next_.z[next_count_] = x.z();
   ++next_count_;
 }
 
@@ -85,7 +96,9 @@ void ClippedSolid::assign(const ClippedSolid& other) {
   std::copy_n(from.z.begin(), other.count_, next_.z.begin());
   std::copy_n(from.begin.begin(), other.faces_ + 1, next_.begin.begin());
   std::copy_n(from.corners.begin(), corners, next_.corners.begin());
-  std::swap(now_, next_), count_ = other.count_, faces_ = other.faces_;
+  std::swap(now_, next_);
+  count_ = other.count_;
+  faces_ = other.faces_;
 }
 
 /// Where the edge leaves; each edge is met from both of its faces and gets one point.
@@ -97,7 +110,8 @@ std::uint32_t ClippedSolid::crossing(std::uint32_t inside, std::uint32_t outside
   const double p = above_[inside], q = above_[outside];  // p <= 0 < q
   const Vec3 from = point(inside);
   append(from + p / (p - q) * (point(outside) - from));
-  crossings_[known] = edge, cap_next_[known] = unnamed;
+  crossings_[known] = edge;
+  cap_next_[known] = unnamed;
   return static_cast<std::uint32_t>(next_count_ - 1);
 }
 
@@ -116,11 +130,14 @@ std::uint32_t* ClippedSolid::cut_face(const std::uint32_t* begin, const std::uin
         open_exit = cut;
       else if (open_exit == unnamed)
         first_entry = cut;
-      else
-        cap_next_[cut - kept_] = open_exit, open_exit = unnamed;
+      else {
+        cap_next_[cut - kept_] = open_exit;
+        open_exit = unnamed;
+      }
     }
     if (in) *out++ = name;
-    last = corner, last_in = in;
+    last = corner;
+    last_in = in;
   }
   if (first_entry != unnamed) cap_next_[first_entry - kept_] = open_exit;
   return out;
@@ -147,16 +164,19 @@ std::uint32_t* ClippedSolid::close_cuts(std::uint32_t* out) {
 
 void ClippedSolid::ranges(const PlaneColumns& planes, std::vector<double>& low, std::vector<double>& high) const {
   const std::size_t count = planes.size();
-  at_least(low, count + 1), at_least(high, count + 1);
+  at_least(low, count + 1);
+  at_least(high, count + 1);
   for (std::size_t k = 0; k < count; k += 2) {
     const Two x = load(&planes.x_[k]), y = load(&planes.y_[k]), z = load(&planes.z_[k]),
               offset = load(&planes.offset_[k]);
     Two least{infinity, infinity}, most{-infinity, -infinity};
     for (std::size_t i = 0; i < count_; ++i) {
       const Two h = x * now_.x[i] + y * now_.y[i] + z * now_.z[i] - offset;
-      least = min(least, h), most = max(most, h);
+      least = min(least, h);
+      most = max(most, h);
     }
-    std::memcpy(&low[k], &least, sizeof least), std::memcpy(&high[k], &most, sizeof most);
+    std::memcpy(&low[k], &least, sizeof least);
+    std::memcpy(&high[k], &most, sizeof most);
   }
 }
 
@@ -176,18 +196,23 @@ void ClippedSolid::assign_tetrahedron(const std::array<Vec3, 4>& x) {
 void ClippedSolid::keep_inside() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    next_.x[kept] = now_.x[i], next_.y[kept] = now_.y[i], next_.z[kept] = now_.z[i];
+    next_.x[kept] = now_.x[i];
+    next_.y[kept] = now_.y[i];
+    next_.z[kept] = now_.z[i];
     const bool in = !(above_[i] > 0.0);
     new_name_[i] = in ? static_cast<std::uint32_t>(kept) : unnamed;
     kept += in;
   }
-  next_count_ = kept, kept_ = static_cast<std::uint32_t>(kept);
+  next_count_ = kept;
+  kept_ = static_cast<std::uint32_t>(kept);
 }
 
 void ClippedSolid::cut() {
   const std::size_t corners = now_.begin[faces_];
   make_room(count_ + corners, 2 * faces_ + 1, 4 * corners);  // each corner may add a cut to its face and one to the cap
-  at_least(new_name_, count_), at_least(crossings_, corners), at_least(cap_next_, corners);
+  at_least(new_name_, count_);
+  at_least(crossings_, corners);
+  at_least(cap_next_, corners);
   keep_inside();
   std::uint32_t* out = next_.corners.data();
   for (std::size_t f = 0; f < faces_; ++f) {
@@ -204,7 +229,8 @@ bool ClippedSolid::clip(const Plane& plane) {
   double low = infinity, high = -infinity;
   for (std::size_t i = 0; i < count_; ++i) {
     above_[i] = plane.above(point(i));
-    low = std::min(low, above_[i]), high = std::max(high, above_[i]);
+    low = std::min(low, above_[i]);
+    high = std::max(high, above_[i]);
   }
   if (!(low < 0.0)) return false;
   if (high > 0.0) cut();

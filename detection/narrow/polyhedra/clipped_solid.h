@@ -104,7 +104,8 @@ void Volume::add_cone(const Corners& corners, const Place& place) {
   for (std::size_t k = 2; k < corners.size(); ++k) {
     const Vec3 r = place(corners[k]) - origin;
     const double of_tetrahedron = p.dot(q.cross(r)) / 6.0;
-    volume += of_tetrahedron, moment += 0.25 * of_tetrahedron * (p + q + r);
+    volume += of_tetrahedron;
+    moment += 0.25 * of_tetrahedron * (p + q + r);
     q = r;
   }
 }

@@ -11,7 +11,8 @@ bool CornerCone::take_faces(const PolyhedronView& view, std::uint32_t vertex) {
   face_count_ = ray_count_ = view.fan_begin[vertex + 1] - begin;
   if (face_count_ > most_faces) return false;
   for (std::size_t i = 0; i < face_count_; ++i) {
-    face_[i] = view.fans[begin + i], normal_[i] = view.face_normals[face_[i]];
+    face_[i] = view.fans[begin + i];
+    normal_[i] = view.face_normals[face_[i]];
     rays_[i] = {view.vertices[view.neighbours[begin + i]] - view.vertices[vertex], 0.0};
   }
   return true;
@@ -38,7 +39,8 @@ void CornerCone::add(std::size_t part, std::size_t p, std::size_t q) {
 /// up to the edge between them.
 void CornerCone::split(std::size_t i, std::size_t j, std::size_t outer) {
   if (j == i + 1) {
-    add(i, j, outer), add(j, outer, j);
+    add(i, j, outer);
+    add(j, outer, j);
     return;
   }
   const Vec3 ij = normal_[j].cross(normal_[i]);
@@ -48,11 +50,16 @@ void CornerCone::split(std::size_t i, std::size_t j, std::size_t outer) {
   std::size_t third = i + 1;
   Vec3 outward = toward(third);
   for (std::size_t m = i + 2; m < j; ++m)
-    if ((normal_[m] - normal_[i]).dot(outward) < 0.0) third = m, outward = toward(m);
+    if ((normal_[m] - normal_[i]).dot(outward) < 0.0) {
+      third = m;
+      outward = toward(m);
+    }
   const std::size_t inner = ray_count_++;
   rays_[inner] = {-outward, normal_[i].dot(outward)};
-  add(i, inner, outer), add(j, outer, inner);
-  split(i, third, inner), split(third, j, inner);
+  add(i, inner, outer);
+  add(j, outer, inner);
+  split(i, third, inner);
+  split(third, j, inner);
 }
 
 }  // namespace epafi

@@ -50,7 +50,8 @@ struct Buffers {
 void project_face(const PolyhedronView& p, std::uint32_t face, const Vec3& tangent1, const Vec3& tangent2,
                   const Eigen::Vector2d& at, bool reversed, Corners& out) {
   const std::uint32_t begin = p.face_begin[face], end = p.face_begin[face + 1];
-  out.clear(), out.make_room(end - begin);
+  out.clear();
+  out.make_room(end - begin);
   for (std::uint32_t k = begin; k < end; ++k) {
     // A face that looks against the normal runs clockwise in the plane: take it backwards.
     const Vec3& v = p.vertices[p.face_vertices[reversed ? begin + end - 1 - k : k]];
@@ -79,7 +80,8 @@ const Corners& clip(Buffers& buf, double tolerance) {
     const double outside = -tolerance * std::sqrt(ex * ex + ey * ey);
     if (!(outside < 0.0) || least >= outside) continue;
     Corners& next = left == &buf.first ? buf.second : buf.first;
-    next.clear(), next.make_room(2 * count);
+    next.clear();
+    next.make_room(2 * count);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t j = i + 1 < count ? i + 1 : 0;
       const Corner &from = (*left)[i], &to = (*left)[j];
@@ -90,7 +92,10 @@ const Corners& clip(Buffers& buf, double tolerance) {
       const double t = std::clamp(d0 / (d0 - d1), 0.0, 1.0);
       Corner cross{
           from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.source, from.edge_of_a, k, from.source};
-      if (in0) cross.source = k, cross.edge_of_a = true;  // leaving: the polygon goes on along A's edge
+      if (in0) {  // leaving: the polygon goes on along A's edge
+        cross.source = k;
+        cross.edge_of_a = true;
+      }
       next.add(cross);
     }
     left = &next;
@@ -104,7 +109,10 @@ std::uint32_t facing_face(const PolyhedronView& p, std::uint32_t vertex, const V
   double cosine = -2.0;
   for (std::uint32_t k = p.fan_begin[vertex]; k < p.fan_begin[vertex + 1]; ++k) {
     const double c = p.face_normals[p.fans[k]].dot(direction);
-    if (c > cosine) cosine = c, best = p.fans[k];
+    if (c > cosine) {
+      cosine = c;
+      best = p.fans[k];
+    }
   }
   return best;
 }
@@ -158,7 +166,8 @@ void single_point(const PolyhedronPair& pair, const PolyhedronDistance& d, doubl
   if (d.axis.kind == Kind::face_b) feature = make_feature(FeatureKind::vertex_a, pair.support_a(d.axis.normal), 0);
   const Vec3 middle = 0.5 * (d.witness_a + d.witness_b) + 0.5 * (sweep_a - sweep_b) * d.axis.normal;
   out.point[0] = {middle, d.axis.gap - sweep_a - sweep_b, feature};
-  out.count = 1, out.alone = true;
+  out.count = 1;
+  out.alone = true;
 }
 
 /// Lowers all points alike until the deepest is at `gap`: were it the deepest alone, the moment would jump where with a
@@ -224,7 +233,8 @@ Patch contact_patch(const PolyhedronPair& pair, const PolyhedronDistance& d, dou
   static thread_local Buffers buf;
   const Vec3& n = d.axis.normal;
   const FacingFaces f = facing_faces(pair, d.axis);
-  out.face_a = f.a, out.face_b = f.b;
+  out.face_a = f.a;
+  out.face_b = f.b;
   const Vec3 &na = pair.a.face_normals[f.a], nb = pair.rotation * pair.b.face_normals[f.b];
   const double cosine_a = na.dot(n), cosine_b = nb.dot(n);
   buf.points.clear();

@@ -52,7 +52,8 @@ bool on_face_a(const PolyhedronPair& pair, const NearestFeatures& at, Polyhedron
   if (!(gap > apart * size_of(pair)) || !in_cone(pair.b, at.b, -(pair.rotation.transpose() * n))) return false;
   if (!over_face(pair.a, at.a, x)) return false;
   out.axis = {SeparatingAxis::Kind::face_a, gap, n, at.a, at.b};
-  out.witness_b = x, out.witness_a = x - gap * n;
+  out.witness_b = x;
+  out.witness_a = x - gap * n;
   return true;
 }
 
@@ -63,7 +64,8 @@ bool on_face_b(const PolyhedronPair& pair, const NearestFeatures& at, Polyhedron
   const Vec3 n = -(pair.rotation * m);
   if (!(gap > apart * size_of(pair)) || !in_cone(pair.a, at.a, n) || !over_face(pair.b, at.b, x)) return false;
   out.axis = {SeparatingAxis::Kind::face_b, gap, n, at.a, at.b};
-  out.witness_a = pair.a.vertices[at.a], out.witness_b = out.witness_a + gap * n;
+  out.witness_a = pair.a.vertices[at.a];
+  out.witness_b = out.witness_a + gap * n;
   return true;
 }
 
@@ -83,7 +85,8 @@ bool on_edges(const PolyhedronPair& pair, const NearestFeatures& at, PolyhedronD
   if (!inside(s) || !inside(t)) return false;
   if (!in_cone(pair.a, ea, n) || !in_cone(pair.b, eb, -(pair.rotation.transpose() * n))) return false;
   out.axis = {SeparatingAxis::Kind::edges, gap, n, at.a, at.b};
-  out.witness_a = p + s * u, out.witness_b = out.witness_a + gap * n;
+  out.witness_a = p + s * u;
+  out.witness_b = out.witness_a + gap * n;
   return true;
 }
 
@@ -117,7 +120,8 @@ bool on_edge_and_vertex(const PolyhedronPair& pair, const NearestFeatures& at, P
     return false;
   const Vec3 foot = from + along * e;
   out.axis = {SeparatingAxis::Kind::points, gap, n, 0, 0};
-  out.witness_a = edge_of_b ? x : foot, out.witness_b = edge_of_b ? foot : x;
+  out.witness_a = edge_of_b ? x : foot;
+  out.witness_b = edge_of_b ? foot : x;
   return true;
 }
 
@@ -129,7 +133,8 @@ bool on_vertices(const PolyhedronPair& pair, const NearestFeatures& at, Polyhedr
   n /= gap;
   if (!in_cone(pair.a, at.a, n) || !in_cone(pair.b, at.b, -(pair.rotation.transpose() * n))) return false;
   out.axis = {SeparatingAxis::Kind::points, gap, n, 0, 0};
-  out.witness_a = x, out.witness_b = y;
+  out.witness_a = x;
+  out.witness_b = y;
   return true;
 }
 
@@ -186,11 +191,17 @@ struct Near {
   std::vector<std::uint32_t> vertices, edges, faces;
   std::vector<char> near;
   void find(const PolyhedronView& p, const Vec3& d, double slack) {
-    vertices.clear(), edges.clear(), faces.clear(), near.assign(p.vertices.size(), 0);
+    vertices.clear();
+    edges.clear();
+    faces.clear();
+    near.assign(p.vertices.size(), 0);
     double top = -infinity;
     for (const Vec3& x : p.vertices) top = std::max(top, d.dot(x));
     for (std::uint32_t v = 0; v < p.vertices.size(); ++v)
-      if (d.dot(p.vertices[v]) >= top - slack) near[v] = 1, vertices.push_back(v);
+      if (d.dot(p.vertices[v]) >= top - slack) {
+        near[v] = 1;
+        vertices.push_back(v);
+      }
     for (std::uint32_t e = 0; e < p.edges.size(); ++e)
       if (near[p.edges[e].from] && near[p.edges[e].to]) edges.push_back(e);
     for (std::uint32_t f = 0; f + 1 < p.face_begin.size(); ++f) {
@@ -225,7 +236,8 @@ bool search_near(const PolyhedronPair& pair, const GjkResult& g, NearestFeatures
 }  // namespace
 
 bool certify(const PolyhedronPair& pair, const NearestFeatures& at, PolyhedronDistance& out) {
-  out.beyond = false, out.uncertainty = 0.0;
+  out.beyond = false;
+  out.uncertainty = 0.0;
   switch (at.kind) {
     case NearestKind::face_vertex:
       return on_face_a(pair, at, out);
@@ -248,7 +260,8 @@ bool find_nearest_features(const PolyhedronPair& pair, const GjkResult& g, Neare
   NearestCorners a, b;
   for (int k = 0; k < g.simplex.count; ++k) {
     const MinkowskiVertex& v = g.simplex.vertex[static_cast<std::size_t>(k)];
-    a.add(v.index_a), b.add(v.index_b);
+    a.add(v.index_a);
+    b.add(v.index_b);
   }
   features = features_of(pair, a, b);
   return certify(pair, features, out) || search_near(pair, g, features, out);

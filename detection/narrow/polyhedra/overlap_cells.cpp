@@ -34,10 +34,14 @@ Scratch& scratch() {
 /// their largest depth: a plane that is deeper than that everywhere has no cell.
 void keep_near(const Layer& layer, Scratch& s) {
   double bound = infinity;
-  s.near.clear(), s.face.clear();
+  s.near.clear();
+  s.face.clear();
   for (std::size_t k = 0; k < layer.faces.size(); ++k) bound = std::min(bound, std::max(0.0, -layer.low[k]));
   for (std::size_t k = 0; k < layer.faces.size(); ++k)
-    if (-layer.high[k] < bound) s.near.push_back(layer.planes[k]), s.face.push_back(layer.faces[k]);
+    if (-layer.high[k] < bound) {
+      s.near.push_back(layer.planes[k]);
+      s.face.push_back(layer.faces[k]);
+    }
 }
 
 /// Above it plane j is nearer than plane i.
@@ -64,7 +68,8 @@ void clip(const Plane& plane, Polygon& polygon, Polygon& scratch) {
     const double above = plane.above(x);
     if ((above > 0.0) != (last_above > 0.0)) scratch.push_back(last + last_above / (last_above - above) * (x - last));
     if (!(above > 0.0)) scratch.push_back(x);
-    last = x, last_above = above;
+    last = x;
+    last_above = above;
   }
   polygon.swap(scratch);
 }
@@ -83,7 +88,8 @@ class Rest {
   explicit Rest(const Volume& whole) : whole_(whole), left_(whole) {}
   void take(const Volume& cell) {
     const Volume there = cell.about(left_.origin);
-    left_.volume -= there.volume, left_.moment -= there.moment;
+    left_.volume -= there.volume;
+    left_.moment -= there.moment;
   }
   bool is_sure() const { return left_.volume > least_rest * whole_.volume; }
   const Volume& left() const { return left_; }
@@ -168,8 +174,8 @@ OverlapForm cut_cells(const PolyhedronPair& pair, const SeparatingAxis& axis, Sc
   s.cells.clear();
   if (!intersect(pair, axis, s.overlap)) return {};
   const double size = pair.a.radius + pair.b.radius;
-  find_bounds(s.overlap.a, thinnest_cell * size, s.bounds_a),
-      find_bounds(s.overlap.b, thinnest_cell * size, s.bounds_b);
+  find_bounds(s.overlap.a, thinnest_cell * size, s.bounds_a);
+  find_bounds(s.overlap.b, thinnest_cell * size, s.bounds_b);
   OverlapForm form = form_of(pair, s.bounds_a, s.bounds_b);
   if (find_cells(pair, form, s.cells)) return form;
   s.points.clear();
@@ -178,7 +184,8 @@ OverlapForm cut_cells(const PolyhedronPair& pair, const SeparatingAxis& axis, Sc
   if (find_cells(pair, form, s.cells)) return form;
   s.cells.clear();
   s.whole = s.overlap.solid.volume();
-  find_cells(s.overlap.a, true, 4e-15 * size, s), find_cells(s.overlap.b, false, 4e-15 * size, s);
+  find_cells(s.overlap.a, true, 4e-15 * size, s);
+  find_cells(s.overlap.b, false, 4e-15 * size, s);
   return {};
 }
 

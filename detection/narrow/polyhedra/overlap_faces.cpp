@@ -22,7 +22,8 @@ struct SmallPolygon {
   std::size_t size() const { return count; }
   const Vec3& operator[](std::size_t k) const { return corner[k]; }
   void assign(const SmallPolygon& from) {
-    count = from.count, own = from.own;
+    count = from.count;
+    own = from.own;
     std::copy_n(from.corner.begin(), count, corner.begin());
   }
 };
@@ -33,10 +34,12 @@ const SmallPolygon* cut(const Plane& plane, const SmallPolygon* from, SmallPolyg
   double lowest = infinity, highest = -infinity;
   for (std::size_t k = 0; k < from->count; ++k) {
     above[k] = plane.above(from->corner[k]);
-    lowest = std::min(lowest, above[k]), highest = std::max(highest, above[k]);
+    lowest = std::min(lowest, above[k]);
+    highest = std::max(highest, above[k]);
   }
   if (!(highest > 0.0)) return from;
-  other.count = 0, other.own = 0;
+  other.count = 0;
+  other.own = 0;
   if (!(lowest < 0.0)) return &other;
   std::size_t last = from->count - 1;
   for (std::size_t k = 0; k < from->count; last = k++) {
@@ -109,9 +112,10 @@ bool find_apex(const PolyhedronView& p, Side& side) {
   for (std::uint32_t k = p.face_begin[first]; k < p.face_begin[first + 1]; ++k) {
     const Vec3& x = p.vertices[p.face_vertices[k]];
     if (!shared(p.face_vertices[k])) continue;
-    if (found++ == 0)
-      side.apex = x, side.along.setZero();
-    else
+    if (found++ == 0) {
+      side.apex = x;
+      side.along.setZero();
+    } else
       side.along = (x - side.apex).normalized();
   }
   return found > 0;
@@ -129,7 +133,8 @@ bool take_faces(const PolyhedronView& p, std::span<const std::uint16_t> faces, c
     if (count > SmallPolygon::most_of_facet) return false;
     const Vec3 normal = turn(p.face_normals[f]);
     SmallPolygon& polygon = side.facet[i];
-    polygon.count = count, polygon.own = (1u << count) - 1;
+    polygon.count = count;
+    polygon.own = (1u << count) - 1;
     for (std::uint32_t k = 0; k < count; ++k) polygon.corner[k] = place(p.vertices[p.face_vertices[begin + k]]);
     side.plane[i] = {normal, p.face_offsets[f] + normal.dot(place(Vec3::Zero()))};
   }
@@ -160,9 +165,11 @@ bool are_near(const PolyhedronView& view, const Side& side, std::span<const Vec3
     double low = infinity, high = -infinity;
     for (const Vec3& x : corners) {
       const double above = side.plane[i].above(x);
-      low = std::min(low, above), high = std::max(high, above);
+      low = std::min(low, above);
+      high = std::max(high, above);
     }
-    nearest[i] = -high, bound = std::min(bound, -low);
+    nearest[i] = -high;
+    bound = std::min(bound, -low);
   }
   if (!(bound > least)) return false;
   for (std::size_t i = 0; i < side.count; ++i)
@@ -282,9 +289,11 @@ bool collect_near(const PolyhedronView& p, std::span<const Vec3> corners, FaceSc
     double low = infinity, high = -infinity;
     for (const Vec3& x : corners) {
       const double above = p.face_normals[f].dot(x) - p.face_offsets[f];
-      low = std::min(low, above), high = std::max(high, above);
+      low = std::min(low, above);
+      high = std::max(high, above);
     }
-    bound = std::min(bound, -low), s.highest.push_back(high);
+    bound = std::min(bound, -low);
+    s.highest.push_back(high);
   }
   count = 0;
   for (std::size_t f = 0; f < p.face_normals.size(); ++f) {
@@ -319,10 +328,13 @@ bool find_cells(const PolyhedronPair& pair, const NearFaces& near, std::vector<O
   if (!take_faces(pair.a, {near.a.data(), near.count_a}, same, same, s.a)) return false;
   if (!take_faces(pair.b, {near.b.data(), near.count_b}, place, turn, s.b)) return false;
   if (!find_apex(pair.a, s.a) || !find_apex(pair.b, s.b)) return false;
-  s.b.apex = place(s.b.apex), s.b.along = turn(s.b.along);
-  s.corners.clear(), s.in_b.clear();
+  s.b.apex = place(s.b.apex);
+  s.b.along = turn(s.b.along);
+  s.corners.clear();
+  s.in_b.clear();
   const bool fewer_of_a = s.a.count < s.b.count;
-  cut_facets(s.a, s.b, fewer_of_a, s), cut_facets(s.b, s.a, !fewer_of_a, s);
+  cut_facets(s.a, s.b, fewer_of_a, s);
+  cut_facets(s.b, s.a, !fewer_of_a, s);
   if (s.corners.empty()) return false;
   for (const Vec3& x : s.corners) s.in_b.push_back(back * (x - pair.offset));
   const double least = thinnest_cell * (pair.a.radius + pair.b.radius);

@@ -46,8 +46,12 @@ class Pyramid {
       const double rise = up.dot(rays[k].along);
       if (!(rise > 0.0)) return false;
       const double s = -height / rise;
-      point_[k] = s * rays[k].along, depth_[k] = s * rays[k].depth;
-      if (k < faces()) corners_[k] = apex + point_[k], square = std::max(square, point_[k].squaredNorm());
+      point_[k] = s * rays[k].along;
+      depth_[k] = s * rays[k].depth;
+      if (k < faces()) {
+        corners_[k] = apex + point_[k];
+        square = std::max(square, point_[k].squaredNorm());
+      }
     }
     extent_ = std::sqrt(square);
     return true;
@@ -127,7 +131,8 @@ bool corner_in_face(const PolyhedronView& tip, std::uint32_t vertex, const Polyh
     const Part& p = pyramid.parts()[k];
     const double scale = 0.25 / p.volume, depth = scale * p.depth;
     out.push_back({tip_is_a, pyramid.faces_around()[k], p.volume, depth, in_a(scale * p.moment)});
-    whole.volume += p.volume, whole.moment += p.moment;
+    whole.volume += p.volume;
+    whole.moment += p.moment;
     thick = thick && depth > least;
   }
   const Vec3 centroid = 0.25 / whole.volume * whole.moment;
@@ -147,8 +152,10 @@ struct CrossingEdge {
   /// apart: from a point of the other edge to `from`. False where the edge does not run through the other's wedge.
   bool cross(const CrossingEdge& other, const Vec3& apart) {
     const double left_slope = other.left_normal.dot(along), right_slope = other.right_normal.dot(along);
-    at_left = -other.left_normal.dot(apart) / left_slope, at_right = -other.right_normal.dot(apart) / right_slope;
-    below_left = left_slope * (at_left - at_right), below_right = right_slope * (at_right - at_left);
+    at_left = -other.left_normal.dot(apart) / left_slope;
+    at_right = -other.right_normal.dot(apart) / right_slope;
+    below_left = left_slope * (at_left - at_right);
+    below_right = right_slope * (at_right - at_left);
     return below_left > 0.0 && below_right > 0.0;
   }
   Vec3 at(double s) const { return from + s * along; }
@@ -183,7 +190,8 @@ bool between_edges(const PolyhedronPair& pair, std::uint32_t edge_a, std::uint32
   if (!a.cross(b, apart) || !b.cross(a, -apart)) return false;
   const double volume =
       std::abs((a.at_right - a.at_left) * (b.at_right - b.at_left) * a.along.cross(b.along).dot(apart)) / 6.0;
-  add_halves(a, b, volume, true, out), add_halves(b, a, volume, false, out);
+  add_halves(a, b, volume, true, out);
+  add_halves(b, a, volume, false, out);
   const double least = thinnest(pair.a, pair.b);
   if (!(out[0].depth > least && out[2].depth > least)) return false;
   const double depth_a = std::min(b.below_left, b.below_right), depth_b = std::min(a.below_left, a.below_right);
@@ -281,7 +289,10 @@ Volume corner_below(const PolyhedronView& view, std::uint32_t vertex, const Vec3
   if (!pyramid.assign(view, vertex, up, height)) return out;
   if (!pyramid.is_all_of(view, 0.0)) return out;
   pyramid.measure();
-  for (const Part& p : pyramid.parts()) out.volume += p.volume, out.moment += 0.25 * p.moment;
+  for (const Part& p : pyramid.parts()) {
+    out.volume += p.volume;
+    out.moment += 0.25 * p.moment;
+  }
   return out;
 }
 

@@ -26,11 +26,13 @@ void find_layer(const PolyhedronView& p, const Vec3& d, double least, const Plan
     }
   }
   layer.bits[0] = first;
-  layer.faces.clear(), layer.planes.clear();
+  layer.faces.clear();
+  layer.planes.clear();
   for (std::size_t w = 0; w < layer.bits.size(); ++w) {
     for (std::uint64_t rest = layer.bits[w]; rest != 0; rest &= rest - 1) {
       const auto f = static_cast<std::uint32_t>(64 * w + static_cast<std::size_t>(std::countr_zero(rest)));
-      layer.faces.push_back(f), layer.planes.append(plane(f));
+      layer.faces.push_back(f);
+      layer.planes.append(plane(f));
     }
   }
   layer.done.assign(layer.faces.size(), 0);
@@ -46,7 +48,10 @@ bool clip_by(Layer& layer, ClippedSolid& solid) {
     double highest = 0.0;
     for (std::size_t k = 0; k < layer.faces.size(); ++k) {
       if (!(layer.low[k] < 0.0)) return false;
-      if (!layer.done[k] && layer.high[k] > highest) highest = layer.high[k], first = k;
+      if (!layer.done[k] && layer.high[k] > highest) {
+        highest = layer.high[k];
+        first = k;
+      }
     }
     if (first == layer.faces.size()) return true;
     layer.done[first] = 1;
@@ -82,8 +87,10 @@ bool between_edges(const PolyhedronPair& pair, const SeparatingAxis& axis, Overl
   for (const Vec3& p : x) encloses = encloses && p.squaredNorm() < 4.0 * pair.a.radius * pair.a.radius;
   if (encloses)
     out.solid.assign_tetrahedron(x);
-  else
-    std::ranges::fill(out.a.done, 0), std::ranges::fill(out.b.done, 0);
+  else {
+    std::ranges::fill(out.a.done, 0);
+    std::ranges::fill(out.b.done, 0);
+  }
   return encloses;
 }
 
@@ -95,7 +102,10 @@ bool close(const Plane& cap, Layer& other, ClippedSolid& solid) {
   double most = -infinity;
   for (std::size_t k = 0; k < other.faces.size(); ++k) {
     const double along = cap.normal.dot(other.planes[k].normal);
-    if (along > most) most = along, first = k;
+    if (along > most) {
+      most = along;
+      first = k;
+    }
   }
   const Plane face = other.planes[first];
   for (std::size_t i = 0; i < solid.points(); ++i)
@@ -134,7 +144,10 @@ bool intersect(const PolyhedronPair& pair, const SeparatingAxis& axis, OverlapSo
   const bool left = axis.kind == SeparatingAxis::Kind::edges && between_edges(pair, axis, out)
                         ? clip_by(out.a, out.solid) && clip_by(out.b, out.solid)
                         : cut_one_by_other(pair, n, top_a - cap, bottom_b + cap, out);
-  if (left) measure(out.solid, out.a), measure(out.solid, out.b);
+  if (left) {
+    measure(out.solid, out.a);
+    measure(out.solid, out.b);
+  }
   return left;
 }
 

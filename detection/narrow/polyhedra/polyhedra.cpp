@@ -88,7 +88,8 @@ void push_apart(const PolyhedronPair& pair, PolyhedronDistance& d) {
   apart.offset += (1e-3 * pair.size() - d.axis.gap) * d.axis.normal;
   const GjkResult g = gjk_detail::run(PolyhedraDifference{apart, apart.offset}, {infinity, 1e-15, d.axis.normal});
   if (g.status == GjkResult::Status::overlapping) return;
-  d.witness_a = g.witness_a, d.witness_b = g.witness_a + d.axis.gap * d.axis.normal;
+  d.witness_a = g.witness_a;
+  d.witness_b = g.witness_a + d.axis.gap * d.axis.normal;
 }
 
 PolyhedronDistance at_axis(const PolyhedronPair& pair, const SeparatingAxis& axis, double limit) {
@@ -156,7 +157,9 @@ void make_reference(const PolyhedronPair& pair, const SeparatingAxis& axis, Pair
   constexpr int worth = 4, longest = 31;
   const bool useless = memory.tried && memory.uses < worth;
   memory.patience = static_cast<std::uint8_t>(useless ? std::min(2 * memory.patience + 1, longest) : 0);
-  memory.wait = memory.patience, memory.uses = 0, memory.tried = true;
+  memory.wait = memory.patience;
+  memory.uses = 0;
+  memory.tried = true;
   // Of the smaller body: a reference lasts for relative motion of half its range. The narrower one has fewer features.
   for (const double range : {0.02, 0.006}) {
     AxisSearch search(pair);
@@ -169,7 +172,8 @@ void make_reference(const PolyhedronPair& pair, const SeparatingAxis& axis, Pair
 void remember(const PolyhedronPair& pair, const PolyhedronDistance& d, PairMemory& memory) {
   const bool seen = memory.kind != 0;
   memory.kind = static_cast<std::uint8_t>(d.axis.kind);
-  memory.feature_a = d.axis.feature_a, memory.feature_b = d.axis.feature_b;
+  memory.feature_a = d.axis.feature_a;
+  memory.feature_b = d.axis.feature_b;
   memory.normal = d.axis.normal;
   if (seen && d.axis.gap < certain_overlap(pair) && d.axis.kind != AxisKind::points)
     make_reference(pair, d.axis, memory);
@@ -186,7 +190,8 @@ PolyhedronDistance distance_by_gjk(const PolyhedronPair& pair, double limit, con
   d.uncertainty = g.upper - g.lower;
   d.beyond = g.status == GjkResult::Status::beyond;
   if (d.beyond) return d;
-  d.witness_a = g.witness_a, d.witness_b = g.witness_b;
+  d.witness_a = g.witness_a;
+  d.witness_b = g.witness_b;
   const bool separated = g.status == GjkResult::Status::separated, apart = g.status == GjkResult::Status::capped;
   PolyhedronDistance certified;
   if ((separated || apart) && find_nearest_features(pair, g, nearest, certified)) {
@@ -240,7 +245,8 @@ PolyhedronDistance search_distance(const PolyhedronPair& pair, double limit, con
   // A pair that was apart asks GJK first, any other the features. Both orders end alike: GJK certifies a distance
   // exactly where no search finds an overlap.
   if (!searched && first.gap < 0.0 && start.kind != AxisKind::points) {
-    found = search.run(), searched = true;
+    found = search.run();
+    searched = true;
     if (found.gap < certain) return at_axis(pair, found, limit);
   }
   return distance_by_gjk(pair, limit, first.normal, nearest, [&] { return searched ? found : search.run(); });
@@ -257,7 +263,8 @@ PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit,
   if (recall(pair, limit, *memory, d) || follow(pair, limit, *memory, d)) return d;
   SeparatingAxis start;
   start.kind = static_cast<AxisKind>(memory->kind);
-  start.feature_a = memory->feature_a, start.feature_b = memory->feature_b;
+  start.feature_a = memory->feature_a;
+  start.feature_b = memory->feature_b;
   d = search_distance(pair, limit, start, nearest);
   if (nearest.kind != NearestFeatures::Kind::none) memory->nearest = nearest;
   remember(pair, d, *memory);

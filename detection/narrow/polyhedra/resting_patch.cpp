@@ -36,8 +36,10 @@ struct Crossing {
 void place_on_edges(const PolyhedronView& a, const PolyhedronView& b, const Edge& ea, const Edge& eb,
                     RestingPatch::Point& p) {
   if (a.vertices.size() > 0xffff || b.vertices.size() > 0xffff) return;
-  for (std::size_t k = 0; k < 2; ++k)
-    p.edge[k] = static_cast<std::uint16_t>(ea[k]), p.edge[2 + k] = static_cast<std::uint16_t>(eb[k]);
+  for (std::size_t k = 0; k < 2; ++k) {
+    p.edge[k] = static_cast<std::uint16_t>(ea[k]);
+    p.edge[2 + k] = static_cast<std::uint16_t>(eb[k]);
+  }
 }
 
 Vec3 normal_now(const PolyhedronPair& pair, const RestingPatch& resting) {
@@ -51,7 +53,8 @@ Vec3 normal_now(const PolyhedronPair& pair, const RestingPatch& resting) {
 
 /// Where the pair's nearest point lies; false where parallel faces have it beside the axis' vertex.
 bool place_alone(const PolyhedronPair& pair, const SeparatingAxis& axis, RestingPatch::Point& p) {
-  p.on_a = axis.kind == AxisKind::face_b, p.on_b = axis.kind == AxisKind::face_a;
+  p.on_a = axis.kind == AxisKind::face_b;
+  p.on_b = axis.kind == AxisKind::face_a;
   if (axis.kind != AxisKind::edges) {
     const Vec3 x = p.on_a ? pair.a.vertices[axis.feature_a] : pair.vertex_b(axis.feature_b);
     return axis.normal.cross(p.position - x).norm() < 1e-9 * pair.size();
@@ -66,7 +69,8 @@ void place_corner(const PolyhedronPair& pair, const Patch& patch, const Vec3& n,
   const Vec3 &na = pair.a.face_normals[patch.face_a], nb = pair.rotation * pair.b.face_normals[patch.face_b];
   const Vec3 over_a = na / na.dot(n), over_b = nb / nb.dot(n);
   const FeatureKind kind = feature_kind(p.feature);
-  p.on_a = kind == FeatureKind::vertex_a, p.on_b = kind == FeatureKind::vertex_b;
+  p.on_a = kind == FeatureKind::vertex_a;
+  p.on_b = kind == FeatureKind::vertex_b;
   p.slope = p.on_b ? over_a : over_b;
   if (kind != FeatureKind::edges) return;
   place_on_edges(pair.a, pair.b, edge_from(pair.a, patch.face_a, feature_vertex_a(p.feature), false),
@@ -81,12 +85,20 @@ void keep_resting(const PolyhedronPair& pair, const SeparatingAxis& axis, const 
                   RestingPatch& out) {
   out.count = 0;
   if (axis.kind == AxisKind::none || axis.kind == AxisKind::points) return;
-  out.kind = static_cast<std::uint32_t>(axis.kind), out.feature_a = axis.feature_a, out.feature_b = axis.feature_b;
-  out.reach = reach, out.rotation = pair.rotation, out.offset = pair.offset, out.normal = axis.normal;
+  out.kind = static_cast<std::uint32_t>(axis.kind);
+  out.feature_a = axis.feature_a;
+  out.feature_b = axis.feature_b;
+  out.reach = reach;
+  out.rotation = pair.rotation;
+  out.offset = pair.offset;
+  out.normal = axis.normal;
   for (; out.count < static_cast<std::uint32_t>(patch.count); ++out.count) {
     const PatchPoint& from = patch.point[out.count];
     RestingPatch::Point& p = out.point[out.count] = {};
-    p.position = from.position, p.slope = axis.normal, p.gap = from.gap, p.feature = from.feature;
+    p.position = from.position;
+    p.slope = axis.normal;
+    p.gap = from.gap;
+    p.feature = from.feature;
     if (!patch.alone)
       place_corner(pair, patch, axis.normal, p);
     else if (!place_alone(pair, axis, p))

@@ -33,7 +33,8 @@ void ActiveSet::assemble(const ConeProblem& p, const Impulses& r) {
     if (state_[i] == State::open) {
       b_[i] = -r[i];
     } else if (state_[i] == State::stick) {
-      d_[i] = k * Mat3::Identity(), b_[i] = -k * u_[i];
+      d_[i] = k * Mat3::Identity();
+      b_[i] = -k * u_[i];
     } else {
       const Vec3 e = p.friction[i] * direction_[i];
       d_[i].col(0) = k * (Vec3::UnitX() + e);
@@ -50,7 +51,10 @@ SolverReport ActiveSet::solve(const ConeProblem& problem, Impulses& r) {
   best_ = r;
   factor_.attach(problem);
   contact_weights(problem, weight_);
-  state_.assign(n, State::open), direction_.resize(n), d_.resize(n), b_.resize(n);
+  state_.assign(n, State::open);
+  direction_.resize(n);
+  d_.resize(n);
+  b_.resize(n);
   int unchanged = 0;
   while (report.residual > aim(report) && report.iterations < iterations_ && unchanged < 5 && !stop()) {
     unchanged = choose(problem, r) == 0 ? unchanged + 1 : 0;
@@ -61,7 +65,10 @@ SolverReport ActiveSet::solve(const ConeProblem& problem, Impulses& r) {
     for (std::size_t i = 0; i < n; ++i) r[i] = project_cone(r[i] + step_[i], problem.friction[i]);
     problem.relative_velocities(r, v_, u_);
     const double residual = problem.residual(r, u_);
-    if (residual < report.residual) report.residual = residual, best_ = r;
+    if (residual < report.residual) {
+      report.residual = residual;
+      best_ = r;
+    }
   }
   r = best_;
   report.converged = report.residual <= tolerance_;
@@ -83,7 +90,11 @@ SolverReport Penalty::solve(const ConeProblem& problem, Impulses& r) {
   factor_.attach(problem);
   contact_weights(problem, weight_);
   problem.relative_velocities(r, v_, u_);
-  f_.resize(n), f_try_.resize(n), r_try_.resize(n), u_try_.resize(n), d_.resize(n);
+  f_.resize(n);
+  f_try_.resize(n);
+  r_try_.resize(n);
+  u_try_.resize(n);
+  d_.resize(n);
   SolverReport report{false, 0, 0.0};
   double norm = defect(problem, r, u_, f_);
   const double enough = 1e-12 * norm;
@@ -95,12 +106,18 @@ SolverReport Penalty::solve(const ConeProblem& problem, Impulses& r) {
     factor_.solve(f_, step_, du_);
     double t = 1.0, trial = 0.0;
     for (int k = 0; k < 12; ++k, t *= 0.5) {
-      for (std::size_t i = 0; i < n; ++i) r_try_[i] = r[i] + t * step_[i], u_try_[i] = u_[i] + t * du_[i];
+      for (std::size_t i = 0; i < n; ++i) {
+        r_try_[i] = r[i] + t * step_[i];
+        u_try_[i] = u_[i] + t * du_[i];
+      }
       trial = defect(problem, r_try_, u_try_, f_try_);
       if (trial < (1.0 - 0.01 * t) * norm) break;
     }
     if (!(trial < norm)) break;
-    r.swap(r_try_), u_.swap(u_try_), f_.swap(f_try_), norm = trial;
+    r.swap(r_try_);
+    u_.swap(u_try_);
+    f_.swap(f_try_);
+    norm = trial;
   }
   for (std::size_t i = 0; i < n; ++i) r[i] = project_cone(r[i], problem.friction[i]);
   problem.relative_velocities(r, v_, u_);

@@ -75,9 +75,12 @@ SolverReport Adaptive::solve(const ConeProblem& problem, Impulses& r) {
 
 void Adaptive::visit(StateVisitor& visitor) {
   direct_.visit(visitor);
-  visitor.value("adaptive/credit", credit_), visitor.value("adaptive/started", started_);
-  visitor.value("adaptive/pause", pause_), visitor.value("adaptive/next_pause", next_pause_);
-  visitor.value("adaptive/direct", direct_was_right_), visitor.value("adaptive/solved", solved_);
+  visitor.value("adaptive/credit", credit_);
+  visitor.value("adaptive/started", started_);
+  visitor.value("adaptive/pause", pause_);
+  visitor.value("adaptive/next_pause", next_pause_);
+  visitor.value("adaptive/direct", direct_was_right_);
+  visitor.value("adaptive/solved", solved_);
 }
 
 SolverEntry adaptive_entry() {

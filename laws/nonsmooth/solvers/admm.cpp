@@ -34,8 +34,10 @@ void Admm::iterate(const ConeProblem& problem, Impulses& r, double& primal, doub
     if (k <= 0.0) continue;
     const Vec3 t = r[i] - k * (u_[i] + Vec3(shift, 0.0, 0.0));
     const Vec3 next = project_cone(t, problem.friction[i]), y = (next - t) / k;
-    primal += (next - r[i]).squaredNorm() / weight_[i], dual += (k * k) * (y - y_[i]).squaredNorm() / weight_[i];
-    r[i] = next, y_[i] = y;
+    primal += (next - r[i]).squaredNorm() / weight_[i];
+    dual += (k * k) * (y - y_[i]).squaredNorm() / weight_[i];
+    r[i] = next;
+    y_[i] = y;
   }
 }
 
@@ -45,7 +47,9 @@ SolverReport Admm::solve(const ConeProblem& problem, Impulses& r) {
   SolverReport report{false, 0, problem.residual(r, u_)};
   best_ = r;
   contact_weights(problem, weight_);
-  d_.resize(n), b_.resize(n), y_.assign(n, Vec3::Zero());
+  d_.resize(n);
+  b_.resize(n);
+  y_.assign(n, Vec3::Zero());
   for (std::size_t i = 0; i < n; ++i)
     y_[i] = project_dual_cone(de_saxce(u_[i], problem.friction[i]), problem.friction[i]);
   rho_ = first_rho;
@@ -57,7 +61,10 @@ SolverReport Admm::solve(const ConeProblem& problem, Impulses& r) {
     ++report.iterations;
     problem.relative_velocities(r, v_, true_u_);
     const double residual = problem.residual(r, true_u_);
-    if (residual < report.residual) report.residual = residual, best_ = r;
+    if (residual < report.residual) {
+      report.residual = residual;
+      best_ = r;
+    }
     if (report.iterations % balance_every != 0) continue;
     const double ratio = std::sqrt(primal / std::max(dual, 1e-300));
     if (ratio > balance || ratio < 1.0 / balance) {

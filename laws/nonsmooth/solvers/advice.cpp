@@ -37,7 +37,8 @@ std::string solver_that_would_do(const ConeProblem& problem, double tolerance) {
   for (const SolverTrial& trial : trials) {
     if (trial.iterations * trial.work > most_work) continue;
     Parameters parameters;
-    parameters.set("tolerance", tolerance), parameters.set("iterations", trial.iterations);
+    parameters.set("tolerance", tolerance);
+    parameters.set("iterations", trial.iterations);
     Impulses r(problem.size(), Vec3::Zero());
     const SolverReport report = listed_solver(trial.solver).make(parameters)->solve(problem, r);
     std::vector<Vec6> v;

@@ -34,7 +34,11 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
   const std::size_t n = problem.size();
   contact_weights(problem, weight_);
   problem.relative_velocities(r, v_, u_);
-  y_ = r, u_y_ = u_, best_ = r, r_next_.resize(n), g_.resize(n);
+  y_ = r;
+  u_y_ = u_;
+  best_ = r;
+  r_next_.resize(n);
+  g_.resize(n);
   lipschitz_ = 1.0;
   double momentum = 1.0;
   SolverReport report{false, 0, problem.residual(r, u_)};
@@ -54,10 +58,14 @@ SolverReport ProjectedGradient::solve(const ConeProblem& problem, Impulses& r) {
       y_[i] = r_next_[i] + beta * (r_next_[i] - r[i]);
       u_y_[i] = u_next_[i] + beta * (u_next_[i] - u_[i]);
     }
-    r.swap(r_next_), u_.swap(u_next_);
+    r.swap(r_next_);
+    u_.swap(u_next_);
     lipschitz_ *= 0.95;
     const double residual = problem.residual(r, u_);
-    if (residual < report.residual || relaxed_) report.residual = residual, best_ = r;
+    if (residual < report.residual || relaxed_) {
+      report.residual = residual;
+      best_ = r;
+    }
     if (relaxed_ && is_stationary(problem, r)) break;
   }
   r = best_;

@@ -32,7 +32,8 @@ double sweep_work(const ConeProblem& problem) {
 
 void Auto::make_parts(std::size_t count) {
   while (parts_.size() < count) parts_.push_back(std::make_unique<Part>(iterations_, tolerance_));
-  kept_.resize(count, Kept::nothing), spent_.resize(count, 0);
+  kept_.resize(count, Kept::nothing);
+  spent_.resize(count, 0);
 }
 
 /// A newton that took many factorisations is right for the next step unless such a guess has failed lately.
@@ -238,9 +239,12 @@ void Auto::calm(const std::vector<Vec3>& change, Impulses& r) {
         if (kept_[k] != Kept::factor) return;
         Part& part = *parts_[k];
         const auto contacts = islands_.contacts(k);
-        part.change.resize(contacts.size()), part.r.resize(contacts.size());
-        for (std::size_t i = 0; i < contacts.size(); ++i)
-          part.change[i] = change[contacts[i]], part.r[i] = r[contacts[i]];
+        part.change.resize(contacts.size());
+        part.r.resize(contacts.size());
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+          part.change[i] = change[contacts[i]];
+          part.r[i] = r[contacts[i]];
+        }
         part.newton.calm(part.change, part.r);
         if (!part.newton.calms()) kept_[k] = Kept::method;  // its matrix could not be factored again
         for (std::size_t i = 0; i < contacts.size(); ++i) r[contacts[i]] = part.r[i];
@@ -288,10 +292,12 @@ void Auto::visit(StateVisitor& visitor) {
   if (blocks.size() != islands_.contact_count()) drop_factors();  // of another problem than a step's
   std::vector<Mat3> all = derivative();
   visit_factor(visitor, blocks, all);
-  visitor.column("auto/kept", kept_), visitor.column("auto/spent", spent_);
+  visitor.column("auto/kept", kept_);
+  visitor.column("auto/spent", spent_);
   make_parts(kept_.size());
   if (all.empty()) return;
-  blocks.q.assign(all.size(), Vec3::Zero()), blocks.diagonal.assign(all.size(), Mat3::Zero());
+  blocks.q.assign(all.size(), Vec3::Zero());
+  blocks.diagonal.assign(all.size(), Mat3::Zero());
   resume(blocks, all);
 }
 

@@ -56,11 +56,15 @@ SolverReport BodyDescent::solve(const ConeProblem& problem, Impulses& r) {
   const std::size_t n = problem.size();
   contact_weights(problem, weight_);
   list_contacts(problem);
-  k_.resize(n), shift_.resize(n), lambda_ = r;
+  k_.resize(n);
+  shift_.resize(n);
+  lambda_ = r;
   problem.body_velocities(r, v_);
   problem.relative_velocities(r, work_, u_);
-  for (std::size_t i = 0; i < n; ++i)
-    k_[i] = first_k * weight_[i], shift_[i] = problem.friction[i] * tangential_norm(u_[i]);
+  for (std::size_t i = 0; i < n; ++i) {
+    k_[i] = first_k * weight_[i];
+    shift_[i] = problem.friction[i] * tangential_norm(u_[i]);
+  }
   SolverReport report{false, 0, problem.residual(r, u_)};
   bound_ = largest_k;
   int judged = 0;
@@ -70,9 +74,14 @@ SolverReport BodyDescent::solve(const ConeProblem& problem, Impulses& r) {
     raise(problem);
     problem.relative_velocities(lambda_, work_, u_);
     const double residual = problem.residual(lambda_, u_);
-    if (residual < report.residual) report.residual = residual, r = lambda_, judged = report.iterations;
+    if (residual < report.residual) {
+      report.residual = residual;
+      r = lambda_;
+      judged = report.iterations;
+    }
     if (report.iterations - judged < judging_interval || residual < 4.0 * report.residual) continue;
-    bound_ = std::max(1.0, 0.5 * bound_), judged = report.iterations;  // the multipliers overshoot: back to the best
+    bound_ = std::max(1.0, 0.5 * bound_);  // the multipliers overshoot: back to the best
+    judged = report.iterations;
     for (std::size_t i = 0; i < n; ++i) k_[i] = std::min(k_[i], bound_ * weight_[i]);
     lambda_ = r;
     problem.body_velocities(r, v_);

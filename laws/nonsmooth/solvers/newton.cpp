@@ -51,10 +51,15 @@ double Newton::line_search() const {
     t = k % 3 == 2 || !(f_high > f_low) ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
     const double f = slope(t);
     if (std::abs(f) <= accept) break;
-    if (f < 0.0)
-      low = t, f_low = f, f_high *= 0.5;
-    else
-      high = t, f_high = f, f_low *= 0.5;
+    if (f < 0.0) {
+      low = t;
+      f_low = f;
+      f_high *= 0.5;
+    } else {
+      high = t;
+      f_high = f;
+      f_low *= 0.5;
+    }
   }
   return t;
 }
@@ -72,7 +77,10 @@ bool Newton::minimise(SolverReport& report) {
     if (!factored_) return false;
     factor_.solve(g_, step_, du_);
     const double t = line_search();
-    for (std::size_t i = 0; i < n; ++i) lambda_[i] += t * step_[i], u_[i] += t * du_[i];
+    for (std::size_t i = 0; i < n; ++i) {
+      lambda_[i] += t * step_[i];
+      u_[i] += t * du_[i];
+    }
   }
   return false;
 }
@@ -86,7 +94,8 @@ void Newton::next_multipliers() {
 }
 
 SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
-  problem_ = &problem, factored_ = stale_ = false;
+  problem_ = &problem;
+  factored_ = stale_ = false;
   const std::size_t n = problem.size();
   problem.relative_velocities(r, v_, u_);
   residual_ = problem.residual(r, u_);
@@ -95,15 +104,24 @@ SolverReport Newton::solve(const ConeProblem& problem, Impulses& r) {
   near_ = residual_ <= tolerance_;
   factor_.attach(problem);
   contact_weights(problem, weight_);
-  shift_.resize(n), g_.resize(n), d_.resize(n), z_ = r, lambda_ = r, best_ = r;
-  rho_ = augmentation_ > 0.0 ? augmentation_ : first_augmentation, scale_ = problem.scale * problem.q_norm();
+  shift_.resize(n);
+  g_.resize(n);
+  d_.resize(n);
+  z_ = r;
+  lambda_ = r;
+  best_ = r;
+  rho_ = augmentation_ > 0.0 ? augmentation_ : first_augmentation;
+  scale_ = problem.scale * problem.q_norm();
   double share = 1.0;  // of the new shift: halved where the outer steps overshoot
   for (std::size_t i = 0; i < n; ++i) shift_[i] = wanted_shift(i);
   while (report.residual > aim(report) && !gives_up(report) && !stop()) {
     const double last = residual_;
     const bool found = minimise(report);
     next_multipliers();
-    if (residual_ < report.residual) report.residual = residual_, best_ = z_;
+    if (residual_ < report.residual) {
+      report.residual = residual_;
+      best_ = z_;
+    }
     share = residual_ > last ? std::max(0.5 * share, 0.05) : std::min(1.0, 1.5 * share);
     for (std::size_t i = 0; i < n; ++i) shift_[i] += share * (wanted_shift(i) - shift_[i]);
     if (!found)
@@ -133,20 +151,33 @@ void Newton::calm(const std::vector<Vec3>& change, Impulses& r) {
 void visit_factor(StateVisitor& visitor, ConeProblem& blocks, std::vector<Mat3>& derivative) {
   std::vector<std::uint32_t> body;
   std::vector<Mat63> jacobian;
-  if (derivative.empty()) blocks.mass.clear(), blocks.friction.clear(), blocks.rows.clear();
+  if (derivative.empty()) {
+    blocks.mass.clear();
+    blocks.friction.clear();
+    blocks.rows.clear();
+  }
   for (const ConeProblem::Row& row : blocks.rows)
-    for (std::size_t s = 0; s < 2; ++s) body.push_back(row.body[s]), jacobian.push_back(row.jacobian[s]);
-  visitor.column("newton/body", body), visitor.column("newton/jacobian", jacobian);
-  visitor.column("newton/mass", blocks.mass), visitor.column("newton/friction", blocks.friction);
+    for (std::size_t s = 0; s < 2; ++s) {
+      body.push_back(row.body[s]);
+      jacobian.push_back(row.jacobian[s]);
+    }
+  visitor.column("newton/body", body);
+  visitor.column("newton/jacobian", jacobian);
+  visitor.column("newton/mass", blocks.mass);
+  visitor.column("newton/friction", blocks.friction);
   visitor.column("newton/derivative", derivative);
   blocks.rows.resize(body.size() / 2);
-  for (std::size_t k = 0; k < body.size(); ++k)
-    blocks.rows[k / 2].body[k % 2] = body[k], blocks.rows[k / 2].jacobian[k % 2] = jacobian[k];
+  for (std::size_t k = 0; k < body.size(); ++k) {
+    blocks.rows[k / 2].body[k % 2] = body[k];
+    blocks.rows[k / 2].jacobian[k % 2] = jacobian[k];
+  }
 }
 
 void Newton::resume(const ConeProblem& problem, std::vector<Mat3> derivative) {
-  d_ = std::move(derivative), g_.resize(d_.size());
-  problem_ = &problem, factored_ = stale_ = !d_.empty();
+  d_ = std::move(derivative);
+  g_.resize(d_.size());
+  problem_ = &problem;
+  factored_ = stale_ = !d_.empty();
 }
 
 /// The matrix of the last factor while calm() may need it; a restart factors it again. Saved, it is factored again as

@@ -35,7 +35,9 @@ class Newton final : public ConeSolver {
 
   /// At most so many factorisations; ends after `patience` of them while the residual is above `behind`.
   void limit(int iterations, int patience, double behind) {
-    iterations_ = iterations, patience_ = patience, behind_ = behind;
+    iterations_ = iterations;
+    patience_ = patience;
+    behind_ = behind;
   }
   /// Multiplications of one factorisation of this problem.
   double work(const ConeProblem& problem) {

@@ -33,7 +33,10 @@ struct NsgsRule {
     double low = 0.0, excess_low = excess(r);
     if (excess_low <= 0.0) return r;
     double high = std::max(d.s11 + d.s22, 1e-12 * d.nn);  // scale of S; grows until it brackets
-    while (excess(at(high)) > 0.0) low = high, high *= 4.0;
+    while (excess(at(high)) > 0.0) {
+      low = high;
+      high *= 4.0;
+    }
     return slip(at, excess, low, high, mu);
   }
   Vec3 update(const Data& d, double mu, const Vec3& r, const Vec3& u) const {
@@ -59,9 +62,13 @@ struct NsgsRule {
       const double f = excess(r);
       if (std::abs(f) <= 1e-16 * std::abs(r.x())) break;
       if (f > 0.0) {
-        low = mid, f_low = f, f_high *= 0.5;
+        low = mid;
+        f_low = f;
+        f_high *= 0.5;
       } else {
-        high = mid, f_high = f, f_low *= 0.5;
+        high = mid;
+        f_high = f;
+        f_low *= 0.5;
       }
     }
     return project_disk(r, mu * std::max(0.0, r.x()));

@@ -36,8 +36,10 @@ struct PgsRule {
   };
   static void pack(const ContactProblem& problem, std::size_t i, LaneData& data, std::size_t lane) {
     const Data d = pack(problem.diagonal[i]);
-    data.step_n[lane] = d.step_n, data.step_t[lane] = d.step_t;
-    data.coupling1[lane] = d.coupling1, data.coupling2[lane] = d.coupling2;
+    data.step_n[lane] = d.step_n;
+    data.step_t[lane] = d.step_t;
+    data.coupling1[lane] = d.coupling1;
+    data.coupling2[lane] = d.coupling2;
   }
   EPAFI_LANES void update(const LaneData& d, Lanes mu, Lanes (&r)[3], const Lanes (&u)[3]) const {
     const Lanes normal = max(Lanes{}, r[0] - relaxation * d.step_n * u[0]);
@@ -45,10 +47,13 @@ struct PgsRule {
     const Lanes t1 = r[1] - step * (u[1] + d.coupling1 * change), t2 = r[2] - step * (u[2] + d.coupling2 * change);
     const Lanes radius = mu * normal, length2 = t1 * t1 + t2 * t2;
     const LaneMask slides = length2 > radius * radius;
-    r[0] = normal, r[1] = t1, r[2] = t2;
+    r[0] = normal;
+    r[1] = t1;
+    r[2] = t2;
     if (!any(slides)) return;
     const Lanes scale = select(slides, radius / sqrt(length2), lanes(1.0));
-    r[1] = scale * t1, r[2] = scale * t2;
+    r[1] = scale * t1;
+    r[2] = scale * t2;
   }
 };
 

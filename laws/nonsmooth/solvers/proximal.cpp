@@ -27,10 +27,15 @@ double Proximal::defect(const std::vector<Vec3>& r, const std::vector<Vec3>& u, 
 bool Proximal::advance(double& norm) {
   double t = 1.0;
   for (int k = 0; k < halvings; ++k, t *= 0.5) {
-    for (std::size_t i = 0; i < r_.size(); ++i) r_try_[i] = r_[i] + t * step_[i], u_try_[i] = u_[i] + t * du_[i];
+    for (std::size_t i = 0; i < r_.size(); ++i) {
+      r_try_[i] = r_[i] + t * step_[i];
+      u_try_[i] = u_[i] + t * du_[i];
+    }
     const double trial = defect(r_try_, u_try_, f_try_);
     if (!(trial <= (1.0 - 0.1 * t) * norm)) continue;
-    r_.swap(r_try_), u_.swap(u_try_), f_.swap(f_try_);
+    r_.swap(r_try_);
+    u_.swap(u_try_);
+    f_.swap(f_try_);
     norm = trial;
     return true;
   }
@@ -61,7 +66,8 @@ Proximal::Inner Proximal::solve_inner(SolverReport& report, int& steps) {
 void Proximal::smooth(int sweeps) {
   problem_->relative_velocities(z_, v_, u_);
   const double before = problem_->residual(z_, u_);
-  r_try_ = z_, u_try_ = u_;
+  r_try_ = z_;
+  u_try_ = u_;
   sweep_.start(z_);
   for (int k = 0; k < sweeps; ++k) {
     sweep_.run(PgsRule{}, z_);
@@ -70,7 +76,9 @@ void Proximal::smooth(int sweeps) {
   problem_->relative_velocities(z_, v_, u_);
   residual_ = problem_->residual(z_, u_);
   if (residual_ <= 3.0 * before) return;  // a rise that Newton undoes: piles need it
-  z_.swap(r_try_), u_.swap(u_try_), residual_ = before;
+  z_.swap(r_try_);
+  u_.swap(u_try_);
+  residual_ = before;
 }
 
 void Proximal::load(const ConeProblem& problem) {
@@ -79,7 +87,11 @@ void Proximal::load(const ConeProblem& problem) {
   sweep_.load(problem);
   contact_weights(problem, weight_);
   const std::size_t n = problem.size();
-  f_.resize(n), f_try_.resize(n), r_try_.resize(n), u_try_.resize(n), d_.resize(n);
+  f_.resize(n);
+  f_try_.resize(n);
+  r_try_.resize(n);
+  u_try_.resize(n);
+  d_.resize(n);
   // a contact update costs about 80 multiplications in body form; assembly of its D about 700
   const double sweep =
       problem.has_bodies() ? 80.0 * static_cast<double>(n) : 9.0 * static_cast<double>(problem.column.size());
@@ -89,15 +101,22 @@ void Proximal::load(const ConeProblem& problem) {
 
 SolverReport Proximal::solve(const ConeProblem& problem, Impulses& r) {
   load(problem);
-  z_ = r, rho_ = first_weight;
+  z_ = r;
+  rho_ = first_weight;
   problem.relative_velocities(r, v_, u_);
   residual_ = problem.residual(r, u_);
   SolverReport report{false, 0, residual_};
   best_ = r;
   const auto keep = [&] {
-    if (residual_ < report.residual) report.residual = residual_, best_ = z_;
+    if (residual_ < report.residual) {
+      report.residual = residual_;
+      best_ = z_;
+    }
   };
-  if (report.residual > aim(report)) smooth(sweeps_), keep();
+  if (report.residual > aim(report)) {
+    smooth(sweeps_);
+    keep();
+  }
   while (report.residual > aim(report) && report.iterations < iterations_ && !stop()) {
     int steps = 0;
     const Inner inner = solve_inner(report, steps);

@@ -19,27 +19,34 @@ constexpr double farthest_push =
 
 void SoftRule::pack(const ContactProblem& problem, std::size_t i, LaneData& data, std::size_t lane) {
   const PgsRule::Data d = PgsRule::pack(problem.diagonal[i]);
-  data.step_n[lane] = d.step_n, data.step_t[lane] = d.step_t;
-  data.coupling1[lane] = d.coupling1, data.coupling2[lane] = d.coupling2;
+  data.step_n[lane] = d.step_n;
+  data.step_t[lane] = d.step_t;
+  data.coupling1[lane] = d.coupling1;
+  data.coupling2[lane] = d.coupling2;
   data.first_gap[lane] = data.gap[lane] = 0.0;
   data.rebound[lane] = std::min(0.0, problem.offset[i]);
   for (Lanes& b : data.base) b[lane] = 0.0;
 }
 
 void SoftStep::see(const World& world, const BodyVelocities& before, const ContactSet& contacts, double dt) {
-  seen_ = true, dt_ = dt;
+  seen_ = true;
+  dt_ = dt;
   parallel_copy(contacts.gap, gap_);
   const double shortest = -block_max<double>(contacts.size(), -infinity, [&](std::size_t i) {
     const double a = world.is_movable(contacts.a[i]) ? contacts.arm[i].squaredNorm() : infinity;
     return -std::min(a, world.is_movable(contacts.b[i]) ? contacts.arm_b(i, world).squaredNorm() : infinity);
   });
   fastest_ = farthest_push * std::sqrt(shortest) / dt;
-  parallel_copy(before.linear, before_.linear), parallel_copy(before.angular, before_.angular);
+  parallel_copy(before.linear, before_.linear);
+  parallel_copy(before.angular, before_.angular);
 }
 
 SolverReport SoftStep::solve(const ContactProblem& problem, Impulses& r) {
   if (!seen_) {  // a problem alone: gaps that close in 1 s as it asks, gravity has acted already
-    gap_ = problem.offset, before_ = problem.free, dt_ = 1.0, fastest_ = infinity;
+    gap_ = problem.offset;
+    before_ = problem.free;
+    dt_ = 1.0;
+    fastest_ = infinity;
   }
   seen_ = false;
   if (problem.rotates)
@@ -57,8 +64,10 @@ void SoftStep::take_parts(S& sweep, const ContactProblem& problem, Impulses& r) 
   const double a1 = 2.0 * damping_ + h * w, a2 = h * w * a1;
   const std::size_t n = problem.inverse_mass.size(), turning = problem.free.angular.size();
   const Vec3 zero = Vec3::Zero();
-  for (BodyVelocities* v : {&still_, &moved_, &gained_})
-    parallel_fill(v->linear, n, zero), parallel_fill(v->angular, turning, zero);
+  for (BodyVelocities* v : {&still_, &moved_, &gained_}) {
+    parallel_fill(v->linear, n, zero);
+    parallel_fill(v->angular, turning, zero);
+  }
   renew(first_, problem.size());
   parallel_for(n, [&](std::size_t s) { gained_.linear[s] = (problem.free.linear[s] - before_.linear[s]) / parts_; });
   for (const Guide& g : problem.guides)

@@ -101,7 +101,8 @@ EPAFI_LANES void SoftRule::solve(const LaneData& d, Lanes mu, Lanes velocity, La
   const Lanes scale = select(length2 > radius * radius, radius / sqrt(max(length2, lanes(1e-300))), lanes(1.0));
   const LaneMask all = whole ? rebounds : ~(open & ~open);
   r[0] = select(all, from[0] + normal, r[0]);
-  r[1] = select(all, from[1] + scale * t1, r[1]), r[2] = select(all, from[2] + scale * t2, r[2]);
+  r[1] = select(all, from[1] + scale * t1, r[1]);
+  r[2] = select(all, from[2] + scale * t2, r[2]);
 }
 
 }  // namespace epafi

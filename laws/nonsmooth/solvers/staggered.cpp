@@ -44,7 +44,10 @@ SolverReport Staggered::solve(const ConeProblem& problem, Impulses& r) {
     for (int k = 0; k < tangential_sweeps && friction; ++k) sweep_.run({}, r);
     problem.relative_velocities(r, v_, u_);
     const double residual = problem.residual(r, u_);
-    if (residual < report.residual) report.residual = residual, best_ = r;
+    if (residual < report.residual) {
+      report.residual = residual;
+      best_ = r;
+    }
     if (!friction || lcp.status == LcpStatus::ray) break;
   }
   r = best_;

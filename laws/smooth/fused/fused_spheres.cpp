@@ -45,7 +45,9 @@ struct BlockTask {
       block.deepest = std::max(block.deepest, double{total.deepest[l]});
       block.deepest_relative = std::max(block.deepest_relative, double{total.deepest_relative[l]});
     }
-    block.touching = total.touching, block.viscous = total.viscous.total(), block.lost = total.lost.total();
+    block.touching = total.touching;
+    block.viscous = total.viscous.total();
+    block.lost = total.lost.total();
     if (arrays.tells_energy) block.elastic = total.elastic.total() + 0.5 * total.twice_stored.total();
     block.slipped = 0.5 * total.twice_slipped.total() + total.released;
     if (!block.images.empty()) block.virial = total.virial.sums();
@@ -99,18 +101,30 @@ class FusedModel final : public FusedSpheres {
   void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
 
   void set_pairs(const World& world, const SphereList& list) override {
-    inverse_half_margin_ = list.inverse_half_margin, tells_forces_ = list.others || inverse_half_margin_.empty();
+    inverse_half_margin_ = list.inverse_half_margin;
+    tells_forces_ = list.others || inverse_half_margin_.empty();
     if (!radius_.empty()) find_materials(world);
     blocks_.rebuild(world, list);
     SpherePairs* const lent = std::exchange(room_of_, nullptr);
     if (lent == nullptr) return;
-    release(lent->first), release(lent->partner), release(lent->image);
+    release(lent->first);
+    release(lent->partner);
+    release(lent->image);
   }
 
   bool move(World& world, const StepClock& clock) override {
-    if (!clock.scheme->has_ranges()) return ways_.clear(), false;
-    if (blocks_.laid_out() && world.size() > blocks_.bodies()) blocks_.welcome(world), inverse_half_margin_ = {};
-    if (blocks_.bodies() != world.size()) return ways_.clear(), false;
+    if (!clock.scheme->has_ranges()) {
+      ways_.clear();
+      return false;
+    }
+    if (blocks_.laid_out() && world.size() > blocks_.bodies()) {
+      blocks_.welcome(world);
+      inverse_half_margin_ = {};
+    }
+    if (blocks_.bodies() != world.size()) {
+      ways_.clear();
+      return false;
+    }
     predicted_ = true;
     if (std::exchange(ahead_, false)) return true;
     extents_.assign((world.size() + blocks_.block_size() - 1) / blocks_.block_size(), Extent{});
@@ -131,20 +145,26 @@ class FusedModel final : public FusedSpheres {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     if (std::exchange(published_, false) && world.size() >= many_bodies) contacts.give_back();
     const bool others = contacts.size() > 0 || others_;
-    if (!radius_.empty()) blocks_.set_constants(world, radius_), release(radius_);
+    if (!radius_.empty()) {
+      blocks_.set_constants(world, radius_);
+      release(radius_);
+    }
     // reads the force of the last step: before the generic loop writes
     if (!predicted_)
       parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t) {
         predict_bodies(world, lag(clock), blocks_.late_spins(), begin, end);
       });
-    has_extent_ = predicted_ && clock.scheme, predicted_ = false;
+    has_extent_ = predicted_ && clock.scheme;
+    predicted_ = false;
     is_touched_.assign(others ? world.size() : 0, 0);
     if (others) {
       StepClock some = clock;
       some.touched = &is_touched_;
       generic_->act(world, contacts, some, report);
     } else {
-      report.contacts = report.touching = 0, report.elastic = report.work = report.dissipated = 0.0, report.losses = {},
+      report.contacts = report.touching = 0;
+      report.elastic = report.work = report.dissipated = 0.0;
+      report.losses = {};
       report.has_solver = false;
     }
     others_ = contacts.size() > 0;  // one more call after the last contact has opened lets its spring go
@@ -154,7 +174,8 @@ class FusedModel final : public FusedSpheres {
     if (world.cell) deform(*world.cell, others, clock.dt, report);
     extent_ = seen();
     if (!onward) return;
-    extents_.swap(next_extents_), ahead_ = true;
+    extents_.swap(next_extents_);
+    ahead_ = true;
     find_ways(clock.dt);
   }
 
@@ -175,7 +196,8 @@ class FusedModel final : public FusedSpheres {
     const auto make_room = [&](std::size_t size) { gaps.a.resize(size), gaps.b.resize(size), gaps.gap.resize(size); };
     make_room(at + blocks_.blocks()[part].size);
     all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
-      gaps.a[at] = all.first(c), gaps.b[at] = all.second(c);
+      gaps.a[at] = all.first(c);
+      gaps.b[at] = all.second(c);
       gaps.gap[at++] = all.gap(c);
     });
     make_room(at);
@@ -185,14 +207,16 @@ class FusedModel final : public FusedSpheres {
     const SphereContacts::LoadOf load = loads(world);
     all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
       const NamedContact n = all.named(c, load);
-      contacts.append(n.a, n.b, n.point), contacts.force.push_back(n.on_a.force);
+      contacts.append(n.a, n.b, n.point);
+      contacts.force.push_back(n.on_a.force);
     });
   }
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
   void visit(StateVisitor& visitor) override {
     ahead_ = false;  // it may be another state that comes in
-    generic_->visit(visitor), blocks_.visit(visitor);
+    generic_->visit(visitor);
+    blocks_.visit(visitor);
     visitor.share("spheres/others", others_);
     visitor.share("spheres/viscous_power", viscous_power_);
     visitor.share("spheres/driven_power", driven_power_);
@@ -258,9 +282,13 @@ class FusedModel final : public FusedSpheres {
     SphereArrays arrays{
         blocks_.planes().data(), world.states().data(), 0, clock.dt, lag(clock), laws_.damped, tells_energy};
     arrays.owner = world.owner.empty() ? nullptr : world.owner.data();
-    arrays.passes = &passes_, arrays.rows = laws_.rows.data(), arrays.reach = reach_;
+    arrays.passes = &passes_;
+    arrays.rows = laws_.rows.data();
+    arrays.reach = reach_;
     arrays.material = own_ < laws_.materials ? nullptr : world.material.data();
-    arrays.materials = laws_.materials, arrays.own = own_, arrays.late_spins = blocks_.late_spins();
+    arrays.materials = laws_.materials;
+    arrays.own = own_;
+    arrays.late_spins = blocks_.late_spins();
     if (world.cell) {
       const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
@@ -273,7 +301,9 @@ class FusedModel final : public FusedSpheres {
   /// `onward` the first half of the next one too: nobody reads the bodies of a block any more when its turn has come.
   void run_blocks(World& world, const StepClock& clock, bool onward) {
     auto& all = blocks_.blocks();
-    passes_ = laws_.passes(), dt_ = clock.dt, lag_ = lag(clock);
+    passes_ = laws_.passes();
+    dt_ = clock.dt;
+    lag_ = lag(clock);
     const auto loop = laws_.needs.remembers() ? find_loop<true>() : find_loop<false>();
     const SphereArrays arrays = arrays_of(world, clock, !onward);  // onward: nobody looks at this step
     const auto threads = static_cast<std::size_t>(thread_count());
@@ -288,7 +318,8 @@ class FusedModel final : public FusedSpheres {
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(accumulator)) - first * sizeof(Lanes);
       loop(FindCall{all[i], mine});
     };
-    next_extents_.resize(onward ? all.size() : 1), largest_inverse_half_margin_.resize(next_extents_.size());
+    next_extents_.resize(onward ? all.size() : 1);
+    largest_inverse_half_margin_.resize(next_extents_.size());
     const auto second_half = best_loop<SecondHalf<false>>();
     const auto run_on = best_loop<SecondHalf<true>>();
     const auto finish = [&](std::size_t i, std::size_t accumulator, std::size_t next) {
@@ -321,9 +352,13 @@ class FusedModel final : public FusedSpheres {
     for (const auto& block : blocks_.blocks()) {
       report.deepest = std::max(report.deepest, block.deepest);
       report.deepest_relative = std::max(report.deepest_relative, block.deepest_relative);
-      report.touching += block.touching, report.elastic += block.elastic;
+      report.touching += block.touching;
+      report.elastic += block.elastic;
       viscous_power += block.viscous;
-      if (dt > 0.0) lost.frictional += block.slipped, (laws_.holds_on ? lost.adhesive : lost.plastic) += block.lost;
+      if (dt > 0.0) {
+        lost.frictional += block.slipped;
+        (laws_.holds_on ? lost.adhesive : lost.plastic) += block.lost;
+      }
     }
     lost.viscous = 0.5 * dt * (viscous_power_ + viscous_power);
     viscous_power_ = viscous_power;
@@ -355,9 +390,10 @@ class FusedModel final : public FusedSpheres {
     SphereLoad load{-normal_force(world, c) * normal, Vec3::Zero()};
     const SphereSprings& springs = blocks_.blocks()[c.block].springs;
     const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
-    if (laws_.needs.rolling)
-      load.force += xyz(springs.loads(c.rank).friction), load.moment = xyz(springs.loads(c.rank).moment);
-    else if (laws_.needs.friction)
+    if (laws_.needs.rolling) {
+      load.force += xyz(springs.loads(c.rank).friction);
+      load.moment = xyz(springs.loads(c.rank).moment);
+    } else if (laws_.needs.friction)
       load.force += xyz(springs.friction(c.rank).load);
     return load;
   }
@@ -382,7 +418,8 @@ class FusedModel final : public FusedSpheres {
       at.overlap = radius_a - plane.normal.dot(xyz(a.position) - plane.point);
       at.approach_velocity = -plane.normal.dot(xyz(a.predicted));
       at.middle_velocity = -plane.normal.dot(middle_velocity(world, slot_a));
-      at.effective_mass = 1.0 / a.velocity[3], at.effective_radius = radius_a;
+      at.effective_mass = 1.0 / a.velocity[3];
+      at.effective_radius = radius_a;
     } else {
       Vec3 d = xyz(b.position - a.position), later = xyz(b.predicted - a.predicted);
       Vec3 middle = middle_velocity(world, slot_b) - middle_velocity(world, slot_a);
@@ -395,7 +432,8 @@ class FusedModel final : public FusedSpheres {
       const Vec3 normal = distance > 0.0 ? Vec3(d / distance) : Vec3::UnitZ();
       at.overlap = radius_a + radius_b - distance;
       if (reach_ == 0.0) at.overlap = std::max(0.0, at.overlap);
-      at.approach_velocity = -later.dot(normal), at.middle_velocity = -middle.dot(normal);
+      at.approach_velocity = -later.dot(normal);
+      at.middle_velocity = -middle.dot(normal);
       at.effective_mass = 1.0 / (a.velocity[3] + b.velocity[3]);
       at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
     }

@@ -23,17 +23,22 @@ class Carried {
 
   /// planes: those of the block's layout.
   void take(const Block& block, const std::vector<SpherePlane>& planes) {
-    runs_.clear(), contacts_.clear();
+    runs_.clear();
+    contacts_.clear();
     const SphereBlocks::Run* last = nullptr;
     SphereBlocks::each_touching(block, [&](const SphereBlocks::Run& run, std::uint32_t k, std::uint32_t rank) {
-      if (last != &run) runs_.push_back({rank, rank, plane_slot(run, planes), run.across}), last = &run;
+      if (last != &run) {
+        runs_.push_back({rank, rank, plane_slot(run, planes), run.across});
+        last = &run;
+      }
       contacts_.push_back({block.pairs[k], block.images.empty() ? 0u : block.images[k].key});
       runs_.back().end = rank + 1;
     });
   }
   /// Finds them among the pairs of the next layout, which has them in the same order.
   void give(Block& block, const std::vector<SpherePlane>& planes, std::size_t block_size) {
-    from_.clear(), block_size_ = block_size;
+    from_.clear();
+    block_size_ = block_size;
     for (const SphereBlocks::Run& run : block.runs) {
       const Slot plane = plane_slot(run, planes);
       for (const Run& old : runs_)
@@ -140,7 +145,8 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
     Kept* const kept = kept_.springs.data();
     if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
   });
-  release(kept_.springs), laid_out_ = true;
+  release(kept_.springs);
+  laid_out_ = true;
   see_rows(pairs, grown);
   kept_.each_more(needs_, [](auto& column, const char*) { release(column); });
   list_sources();
@@ -160,7 +166,10 @@ bool SphereBlocks::keeps_rows(std::size_t index, std::size_t end, const SpherePa
 void SphereBlocks::see_rows(const SpherePairs& pairs, bool grown) {
   const bool wanted = (grown || !rows_.first.empty()) && bodies_ < many_bodies && pairs.image.empty();
   laid_bodies_ = bodies_;
-  if (!wanted) return release(rows_.first), release(rows_.partner);
+  if (!wanted) {
+    release(rows_.first);
+    return release(rows_.partner);
+  }
   rows_.first.assign(pairs.first.begin(), pairs.first.begin() + static_cast<std::ptrdiff_t>(bodies_ + 1));
   rows_.partner.assign(pairs.partner.begin(), pairs.partner.begin() + rows_.first.back());
 }
@@ -200,8 +209,11 @@ void SphereBlocks::make_runs(Block& block, std::size_t end, std::span<const Slot
                              std::vector<std::uint32_t>& place) const {
   const std::size_t inside = planes_.size(), across = inside + 1;
   thread_local std::vector<std::uint32_t> count_for;  // by later block, all 0 but within this call
-  place.assign(across + 1, 0), count_for.resize(blocks_.size());
-  block.runs.clear(), block.targets.clear(), block.size = 0;
+  place.assign(across + 1, 0);
+  count_for.resize(blocks_.size());
+  block.runs.clear();
+  block.targets.clear();
+  block.size = 0;
   for (const Slot b : partners) {
     const std::size_t run = run_of(b, end);
     ++place[run];
@@ -219,7 +231,10 @@ void SphereBlocks::make_runs(Block& block, std::size_t end, std::span<const Slot
   }
   std::ranges::sort(block.targets, std::ranges::greater{}, &Target::block);
   std::uint32_t next = place[across];
-  for (Target& t : block.targets) t.pairs_end = next, next += std::exchange(count_for[t.block], 0u);
+  for (Target& t : block.targets) {
+    t.pairs_end = next;
+    next += std::exchange(count_for[t.block], 0u);
+  }
 }
 
 /// Pairs go to their runs in the order of their bodies, those across blocks by the block of their B.
@@ -279,12 +294,17 @@ void SphereBlocks::list_sources() {
 
 void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
   const auto grow = [room = size + size / 16](auto& column) { column.reserve(room), column.resize(room); };
-  grow(records), grow(record_places);
+  grow(records);
+  grow(record_places);
   if (rolls) grow(record_moments);
 }
 
 void SphereBlocks::release_lists() {
-  for (Block& block : blocks_) release(block.records), release(block.record_places), release(block.record_moments);
+  for (Block& block : blocks_) {
+    release(block.records);
+    release(block.record_places);
+    release(block.record_moments);
+  }
 }
 
 // --- springs on their way from one layout to the next
@@ -353,7 +373,8 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
     const SphereSprings& springs = blocks_[i].springs;
     if (needs_.remembers())
       each_touching(blocks_[i], [&](const Run& run, std::uint32_t k, std::uint32_t rank) {
-        kept_.springs[at] = kept_of(blocks_[i], run, k, rank, planes), kept_.springs[at].more = at;
+        kept_.springs[at] = kept_of(blocks_[i], run, k, rank, planes);
+        kept_.springs[at].more = at;
         if (needs_.normal) kept_.normal[at] = springs.normal(rank);
         if (needs_.bristles) kept_.bristles[at] = springs.bristles(rank);
         if (needs_.rolling) std::memcpy(kept_.rolling[at].data(), &springs.rolling(rank).load, sizeof(Load));
@@ -361,14 +382,21 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
       });
     if (many)
       blocks_[i] = Block(needs_);
-    else
-      blocks_[i].runs.clear(), blocks_[i].springs = SphereSprings(needs_);
+    else {
+      blocks_[i].runs.clear();
+      blocks_[i].springs = SphereSprings(needs_);
+    }
   };
-  laid_out_ = false, grouped_ = true;
+  laid_out_ = false;
+  grouped_ = true;
   by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t, std::size_t) {
     if (many) give_back_heap();
   });
-  if (many) blocks_.clear(), release_lists(), give_back_heap();
+  if (many) {
+    blocks_.clear();
+    release_lists();
+    give_back_heap();
+  }
 }
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.
@@ -403,13 +431,16 @@ void SphereBlocks::group_kept(std::size_t count) {
 
 void SphereBlocks::reorder(const Reordering& change) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});
-  take_out(planes_), grouped_ = false;
+  take_out(planes_);
+  grouped_ = false;
   for (SpherePlane& p : planes_) p.slot = change.new_slot[p.slot];
   for (Kept& s : kept_.springs) {
-    s.a = change.new_slot[s.a], s.b = change.new_slot[s.b];
+    s.a = change.new_slot[s.a];
+    s.b = change.new_slot[s.b];
     // planes are not known yet where a state has just come in
     if (s.a == no_slot || s.b == no_slot || (s.key & Kept::of_plane) != 0 || s.a < s.b) continue;
-    std::swap(s.a, s.b), s.key = opposite_image(s.key << 8) >> 8;  // the load is that on the lower slot
+    std::swap(s.a, s.b);  // the load is that on the lower slot
+    s.key = opposite_image(s.key << 8) >> 8;
     for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
     for (std::size_t k = 0; needs_.rolling && k < 3; ++k) kept_.rolling[s.more][k] *= -1.0;
     if (needs_.bristles)
@@ -420,7 +451,8 @@ void SphereBlocks::reorder(const Reordering& change) {
 
 void SphereBlocks::visit(StateVisitor& visitor) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
-  take_out(planes_), grouped_ = false;
+  take_out(planes_);
+  grouped_ = false;
   // what else is remembered comes in the order of the springs that are left: some have gone since
   kept_.each_more(needs_, [&]<class T>(UnwrittenColumn<T>& column, const char*) {
     UnwrittenColumn<T> left;

@@ -30,7 +30,8 @@ EPAFI_LANES void find_radii(SphereTile<n>& t, std::size_t g, const SphereArrays&
     c.smaller = min(radius_a, radius_b);
     c.lever = 1.0 - t.column(t.overlap, g) * curvature;
   } else {
-    c.radius = c.smaller = radius_a, c.lever = filled<n>(1.0);
+    c.radius = c.smaller = radius_a;
+    c.lever = filled<n>(1.0);
   }
   if constexpr (remembers) {
     c.twist = 0.5 * with.dt * normal.dot(spin_a + spin_b);
@@ -54,7 +55,8 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
                  velocity.x, velocity.y, velocity.z, inverse_mass);
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(bodies[l].a).predicted); }, later.x, later.y,
                  later.z, none);
-    opening = velocity.dot(normal), c.approach = later.dot(normal);
+    opening = velocity.dot(normal);
+    c.approach = later.dot(normal);
   } else {
     // the flow of a deforming cell comes on top
     const auto flow = [&](int l) EPAFI_INLINED {
@@ -88,7 +90,8 @@ EPAFI_LANES void find_motion(SphereTile<n>& t, std::size_t g, const SphereBlocks
       c.approach = -opening;
     }
   }
-  c.middle = -opening, c.inverse_mass = inverse_mass;
+  c.middle = -opening;
+  c.inverse_mass = inverse_mass;
   find_radii<n, remembers, wall>(t, g, with, velocity, opening);
 }
 
@@ -105,7 +108,8 @@ struct SumRow {
     if constexpr (remembers) second_of(sum) += second;
   }
   EPAFI_LANES void write(SphereRecord& to) const {
-    std::memcpy(to.first, &first, sizeof to.first), std::memcpy(to.second, &second, sizeof to.second);
+    std::memcpy(to.first, &first, sizeof to.first);
+    std::memcpy(to.second, &second, sizeof to.second);
   }
 };
 /// All in one register.
@@ -121,7 +125,8 @@ struct SumRow<8, remembers> {
   EPAFI_LANES void write(SphereRecord& to) const {
     const LanesOf<4>::Real first = __builtin_shufflevector(all, all, 0, 1, 2, 3);
     const LanesOf<2>::Real second = __builtin_shufflevector(all, all, 4, 5);
-    std::memcpy(to.first, &first, sizeof to.first), std::memcpy(to.second, &second, sizeof to.second);
+    std::memcpy(to.first, &first, sizeof to.first);
+    std::memcpy(to.second, &second, sizeof to.second);
   }
 };
 
@@ -148,10 +153,14 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays&
   using V = typename LanesOf<n>::Real;
   const VectorsOf<V> normal = t.normal(g), &load = t.group[g].load;
   VectorsOf<V> f = -(t.group[g].force * normal), moment{};
-  if constexpr (remembers) f = f + load, moment = t.group[g].lever * normal.cross(load);
+  if constexpr (remembers) {
+    f = f + load;
+    moment = t.group[g].lever * normal.cross(load);
+  }
   if constexpr (periodic && !wall) {
     const V arm = t.column(t.distance, g);
-    t.group[g].virial_x = arm * normal.x * f.x, t.group[g].virial_y = arm * normal.y * f.y;
+    t.group[g].virial_x = arm * normal.x * f.x;
+    t.group[g].virial_y = arm * normal.y * f.y;
     t.group[g].virial_z = arm * normal.z * f.z;
   }
   SumRow<n, remembers> rows[n];
@@ -160,9 +169,10 @@ EPAFI_LANES void add_forces(SphereTile<n>& t, std::size_t g, const SphereArrays&
   for (int l = 0; l < n; ++l) {  // lane by lane, A and B: the order of a body's sum is not that of groups
     rows[l].add_to(with.sum(bodies[l].a));
     if constexpr (!wall && !across) rows[l].turned().add_to(with.sum(bodies[l].b));
-    if constexpr (across)
-      rows[l].turned().write(records[g * n + static_cast<std::size_t>(l)]),
-          record_places[g * n + static_cast<std::size_t>(l)] = bodies[l].b;
+    if constexpr (across) {
+      rows[l].turned().write(records[g * n + static_cast<std::size_t>(l)]);
+      record_places[g * n + static_cast<std::size_t>(l)] = bodies[l].b;
+    }
   }
 }
 
@@ -201,7 +211,8 @@ struct SphereSweep {
       const unsigned before = touched[k / eight], now = all.eight_from(t, k, with, before);
       const std::uint32_t read = at.read;
       if constexpr (remembers) {
-        t.find_springs(begin, before, now, read), at.read += bit_places.count[before];
+        t.find_springs(begin, before, now, read);
+        at.read += bit_places.count[before];
         ask_for(springs + at.read);
       }
       if constexpr (across)
@@ -216,7 +227,10 @@ struct SphereSweep {
       }
       if (t.count < full) continue;
       const std::size_t found = t.count;
-      if constexpr (remembers) keep_unread(t, at, begin, read, with), springs = block.springs.friction();
+      if constexpr (remembers) {
+        keep_unread(t, at, begin, read, with);
+        springs = block.springs.friction();
+      }
       t.count = full;
       evaluate(t, at, at.read - static_cast<std::uint32_t>(found), with);
       t.count = found - full;

@@ -42,19 +42,23 @@ EPAFI_LANES std::size_t look(SphereTile<n>& t, std::size_t at, const SpherePlace
     distance = sqrt(square);
     const V both = distance * (1.0 / (square * radii));  // over both; neither root nor division waits for the other
     d = (radii * both) * d;
-    overlap = radii - distance, curvature = distance * both;
+    overlap = radii - distance;
+    curvature = distance * both;
   }
   for (int l = 0; l < n; ++l) {  // A's lines are those of the pair before
     const BodyState& soon = with.state(pair[SphereBlocks::pairs_ahead + l].b);
-    __builtin_prefetch(&soon.position), __builtin_prefetch(&soon.spin);
+    __builtin_prefetch(&soon.position);
+    __builtin_prefetch(&soon.spin);
   }
   const ChosenLanes<n> chosen(bits);
   using Tile = SphereTile<n>;
   char* const to = t.row_from(at);
   compress<n>(overlap, chosen, to + offsetof(Tile, overlap));
   if constexpr (!wall) {  // the normal of a wall stands there already
-    compress<n>(d.x, chosen, to + offsetof(Tile, x)), compress<n>(d.y, chosen, to + offsetof(Tile, y));
-    compress<n>(d.z, chosen, to + offsetof(Tile, z)), compress<n>(curvature, chosen, to + offsetof(Tile, curvature));
+    compress<n>(d.x, chosen, to + offsetof(Tile, x));
+    compress<n>(d.y, chosen, to + offsetof(Tile, y));
+    compress<n>(d.z, chosen, to + offsetof(Tile, z));
+    compress<n>(curvature, chosen, to + offsetof(Tile, curvature));
   }
   if constexpr (periodic && !wall) compress<n>(distance, chosen, to + offsetof(Tile, distance));
   V places;

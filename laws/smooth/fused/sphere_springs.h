@@ -72,7 +72,10 @@ class SphereSprings {
   template <class F>
   void each_column(const F& f) {
     f(friction_);
-    if (needs_.rolling) f(rolling_), f(loads_);
+    if (needs_.rolling) {
+      f(rolling_);
+      f(loads_);
+    }
     if (needs_.normal) f(normal_);
     if (needs_.bristles) f(bristles_);
   }

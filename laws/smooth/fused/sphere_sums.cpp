@@ -10,8 +10,10 @@ namespace epafi {
 
 void SphereBlocks::set_accumulators(std::size_t accumulators) {
   if (is_clear_.size() == accumulators) return;
-  release(sums_), release(moments_);
-  sums_.resize(accumulators * (block_size_ + 1)), moments_.resize(needs_.rolling ? accumulators * block_size_ : 0);
+  release(sums_);
+  release(moments_);
+  sums_.resize(accumulators * (block_size_ + 1));
+  moments_.resize(needs_.rolling ? accumulators * block_size_ : 0);
   is_clear_.assign(accumulators, 0);
 }
 

@@ -107,14 +107,22 @@ struct SphereTile {
     return row;
   }
   EPAFI_LANES void set_normal(const Vec3& all) {
-    std::fill_n(x, room, all.x()), std::fill_n(y, room, all.y()), std::fill_n(z, room, all.z());
+    std::fill_n(x, room, all.x());
+    std::fill_n(y, room, all.y());
+    std::fill_n(z, room, all.z());
   }
   EPAFI_LANES V3 normal(std::size_t g) const { return {column(x, g), column(y, g), column(z, g)}; }
   /// A contact once more, before it is in a group.
   EPAFI_LANES void copy(std::size_t from, std::size_t to) {
-    x[to] = x[from], y[to] = y[from], z[to] = z[from];
-    overlap[to] = overlap[from], curvature[to] = curvature[from], distance[to] = distance[from];
-    bodies[to] = bodies[from], pair[to] = pair[from], spring[to] = spring[from];
+    x[to] = x[from];
+    y[to] = y[from];
+    z[to] = z[from];
+    overlap[to] = overlap[from];
+    curvature[to] = curvature[from];
+    distance[to] = distance[from];
+    bodies[to] = bodies[from];
+    pair[to] = pair[from];
+    spring[to] = spring[from];
   }
   /// The springs of the contacts from `begin` on: of `eight` pairs those that touch `now` did so `before` or have none
   /// yet; read: place of the first one of these pairs.
@@ -154,7 +162,10 @@ struct SphereTile {
   }
   /// No friction.
   EPAFI_LANES void rest_springs() {
-    for (std::size_t g = 0; g < groups; ++g) group[g].load = V3{}, group[g].twice_stored = group[g].twice_slipped = V{};
+    for (std::size_t g = 0; g < groups; ++g) {
+      group[g].load = V3{};
+      group[g].twice_stored = group[g].twice_slipped = V{};
+    }
   }
   /// Lanes of the last group that hold a contact; all those of others do.
   EPAFI_LANES MaskOf<V> used() const {
@@ -182,7 +193,8 @@ EPAFI_LANES void turn_springs(SphereTile<n>& t, std::size_t g, const SphereSprin
                old.y, old.z, compliance);
   const VectorsOf<V> load = old + t.group[g].twist * normal.cross(old);
   t.group[g].start = load - normal.dot(load) * normal;
-  t.group[g].before = old.dot(old), t.group[g].square = t.group[g].start.dot(t.group[g].start);
+  t.group[g].before = old.dot(old);
+  t.group[g].square = t.group[g].start.dot(t.group[g].start);
   t.group[g].energy = t.group[g].before * compliance;
   t.group[g].compliance = compliance;
 }
@@ -263,7 +275,8 @@ EPAFI_LANES void note_depths(const SphereTile<n>& t, SphereTotals<n>& total) {
     if (less_bits<n>(slack * relative * smaller, overlap) != 0) [[unlikely]]
       relative = max(relative, overlap / smaller);
   }
-  total.deepest = deepest, total.deepest_relative = relative;
+  total.deepest = deepest;
+  total.deepest_relative = relative;
 }
 
 /// Contacts that another process counts come to nothing here.

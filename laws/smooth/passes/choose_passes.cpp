@@ -34,7 +34,8 @@ void fill_normal(const SmoothSetup& setup, TileLaws& laws) {
 
 template <class Law>
 void fill_tangential(const SmoothSetup& setup, TileLaws& laws) {
-  laws.needs.friction = Law::is_present, laws.needs.bristles = std::same_as<typename Law::Memory, Bristles>;
+  laws.needs.friction = Law::is_present;
+  laws.needs.bristles = std::same_as<typename Law::Memory, Bristles>;
   if constexpr (Law::is_present)
     fill_rows(setup.materials, laws.rows, [&](PairRow& row, const MaterialPair& pair) {
       const typename Law::Parameters p = Law::parameters(pair);
@@ -50,7 +51,8 @@ void fill_rolling(const SmoothSetup& setup, TileLaws& laws) {
     laws.needs.rolling = true;
     fill_rows(setup.materials, laws.rows, [&](PairRow& row, const MaterialPair& pair) {
       const AnyRolling::Parameters p = Law::parameters(pair);
-      row.rolling = Lanes{p.friction, p.damping, 0.0, 0.0}, laws.rolling = p.type;
+      row.rolling = Lanes{p.friction, p.damping, 0.0, 0.0};
+      laws.rolling = p.type;
     });
   }
 }
@@ -59,7 +61,10 @@ void fill_rolling(const SmoothSetup& setup, TileLaws& laws) {
 
 Passes TileLaws::passes() const {
   Passes out;
-  out.normal = normal().tile, out.type = rolling, out.needs = needs, out.locates = locates;
+  out.normal = normal().tile;
+  out.type = rolling;
+  out.needs = needs;
+  out.locates = locates;
   if (needs.friction) out.tangential = needs.bristles ? bristle_pass() : coulomb_pass();
   if (needs.rolling) out.rolling = rolling_pass();
   return out;
@@ -74,7 +79,8 @@ std::string without_tiles(const SmoothSetup& setup) {
 TileLaws tile_laws(const SmoothSetup& setup) {
   const SmoothParts parts = smooth_parts(setup);
   TileLaws laws;
-  laws.materials = static_cast<std::uint32_t>(setup.materials.materials), laws.locates = parts.locate;
+  laws.materials = static_cast<std::uint32_t>(setup.materials.materials);
+  laws.locates = parts.locate;
   with_law(NormalLaws{}, parts.normal, [&](auto n) {
     if constexpr (fits_tiles<typename decltype(n)::type>) fill_normal<typename decltype(n)::type>(setup, laws);
   });

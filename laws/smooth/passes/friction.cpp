@@ -18,7 +18,8 @@ struct CoulombPass {
     each_group<n>(t, call, &PairRow::tangential, [&](std::size_t g, const V(&numbers)[PairRow::most]) EPAFI_INLINED {
       const auto p = parameters_from<CoulombSpring::ParametersOf<V>>(numbers);
       typename SphereTile<n>::Group& c = t.group[g];
-      c.stiffness = CoulombSpring::stiffness(p, c.normal_stiffness), c.limit = p.friction * c.grip;
+      c.stiffness = CoulombSpring::stiffness(p, c.normal_stiffness);
+      c.limit = p.friction * c.grip;
       pull<n>(t, g, call.before, dt);
     });
     finish_pull<n>(t, dt);
@@ -57,8 +58,11 @@ struct BristlePass {
     const FrictionResponse out = MindlinDeresiewicz::pull(p, step, before, now);
     c.stiffness[l] = MindlinDeresiewicz::stiffness(p, step.normal_stiffness);
     c.limit[l] = p.friction * step.normal_force;
-    c.load.x[l] = out.load.x(), c.load.y[l] = out.load.y(), c.load.z[l] = out.load.z();
-    c.twice_stored[l] = 2.0 * out.energy, c.twice_slipped[l] = 2.0 * (out.work - (out.energy - stored));
+    c.load.x[l] = out.load.x();
+    c.load.y[l] = out.load.y();
+    c.load.z[l] = out.load.z();
+    c.twice_stored[l] = 2.0 * out.energy;
+    c.twice_slipped[l] = 2.0 * (out.work - (out.energy - stored));
     if (!(call.dt > 0.0)) {  // no time passes: a contact that begins remembers how many bristles it has
       if (!(before.width > 0.0) && t.spring[k] != SphereSprings::unloaded) call.bristles_now[t.spring[k]].get() = now;
       return;

@@ -35,15 +35,23 @@ struct NormalPass {
     each_group<n>(t, call, &PairRow::normal, [&](std::size_t g, const V(&p)[PairRow::most]) EPAFI_INLINED {
       typename SphereTile<n>::Group& c = t.group[g];
       KinematicsOf<V> at;
-      at.overlap = t.column(t.overlap, g), at.approach_velocity = c.approach;
-      at.effective_mass = 1.0 / c.inverse_mass, at.effective_radius = c.radius;
-      at.middle_velocity = c.middle, at.step = {call.dt, call.lag * c.inverse_mass};
+      at.overlap = t.column(t.overlap, g);
+      at.approach_velocity = c.approach;
+      at.effective_mass = 1.0 / c.inverse_mass;
+      at.effective_radius = c.radius;
+      at.middle_velocity = c.middle;
+      at.step = {call.dt, call.lag * c.inverse_mass};
       V old{}, now{};
       if constexpr (RemembersNormal<Law>) std::memcpy(&old, call.before + g * n, sizeof old);
       const ResponseOf<V> r = !LaneLaw<Law> || (PowerParts<Law> && call.locates) ? lane_by_lane<n>(p, at, old, now)
                                                                                  : together<n>(p, at, old, now);
-      if constexpr (RemembersNormal<Law>) std::memcpy(call.now + g * n, &now, sizeof now), c.lost = r.lost;
-      c.force = r.force, c.normal_stiffness = r.stiffness, c.grip = at_least<n>(r.force + r.adhesion, 0.0);
+      if constexpr (RemembersNormal<Law>) {
+        std::memcpy(call.now + g * n, &now, sizeof now);
+        c.lost = r.lost;
+      }
+      c.force = r.force;
+      c.normal_stiffness = r.stiffness;
+      c.grip = at_least<n>(r.force + r.adhesion, 0.0);
       c.viscous = (r.force - r.elastic_force) * at.approach_velocity;
       if (call.tells_energy) c.elastic = r.energy;
     });
@@ -72,11 +80,17 @@ struct NormalPass {
     for (std::size_t l = 0; l < n; ++l) {
       const double numbers[PairRow::most] = {p[0][l], p[1][l], p[2][l], p[3][l]};
       ContactKinematics c{at.overlap[l], at.approach_velocity[l], at.effective_mass[l], at.effective_radius[l]};
-      c.middle_velocity = at.middle_velocity[l], c.step = {at.step.dt, at.step.half_mobility[l]};
+      c.middle_velocity = at.middle_velocity[l];
+      c.step = {at.step.dt, at.step.half_mobility[l]};
       double next = 0.0;
       const NormalResponse r = respond_to<Law>(numbers, c, old[l], next, call.locates ? &call.dt : nullptr);
-      out.force[l] = r.force, out.elastic_force[l] = r.elastic_force, out.stiffness[l] = r.stiffness;
-      out.energy[l] = r.energy, out.adhesion[l] = r.adhesion, out.lost[l] = r.lost, now[l] = next;
+      out.force[l] = r.force;
+      out.elastic_force[l] = r.elastic_force;
+      out.stiffness[l] = r.stiffness;
+      out.energy[l] = r.energy;
+      out.adhesion[l] = r.adhesion;
+      out.lost[l] = r.lost;
+      now[l] = next;
     }
     return out;
   }

@@ -112,7 +112,8 @@ EPAFI_LANES void add_moments(const SphereTile<n>& t, const SphereRolling<n>& r, 
       store<n>(b, row<n>(b) - rows[l]);
     }
     SphereLoads& now = loads[with.dt > 0.0 ? at.write + g * n + l : t.spring[g * n + l]];
-    store<n>(now.friction, pulls[l]), store<n>(now.moment, rows[l]);
+    store<n>(now.friction, pulls[l]);
+    store<n>(now.moment, rows[l]);
   }
 }
 
@@ -146,7 +147,8 @@ struct RollingPass {
     const DamperStep<V> step{call.dt, call.arrays->lag * mobility};
     r.friction[g] = within(c.load + damper_force(step, dashpot, c.stiffness, r.slip[g], c.slip), c.limit);
     c.viscous += (r.friction[g] - c.load).dot(r.slip[g]);
-    r.stored[g] = c.twice_stored, r.slipped[g] = c.twice_slipped;
+    r.stored[g] = c.twice_stored;
+    r.slipped[g] = c.twice_slipped;
   }
   /// The rolling spring takes the place of the friction spring in the tile.
   template <int n, class V = typename LanesOf<n>::Real>
@@ -156,14 +158,16 @@ struct RollingPass {
     const RollingStepOf<V> step{
         c.normal_stiffness, c.grip, c.radius, r.inertia[g], sqrt(r.spin[g].dot(r.spin[g])), call.dt};
     r.dashpot[g] = AnyRolling::damping(p, step);
-    c.stiffness = AnyRolling::stiffness(p, step), c.limit = AnyRolling::limit(p, step);
+    c.stiffness = AnyRolling::stiffness(p, step);
+    c.limit = AnyRolling::limit(p, step);
     c.slip = r.turning[g];
   }
   template <int n>
   EPAFI_LANES void finish(SphereTile<n>& t, SphereRolling<n>& r, std::size_t g) const {
     typename SphereTile<n>::Group& c = t.group[g];
     settle_springs<n>(t, g, call.now, call.dt);
-    c.twice_stored += r.stored[g], c.twice_slipped += r.slipped[g];
+    c.twice_stored += r.stored[g];
+    c.twice_slipped += r.slipped[g];
     const double lag = call.type == AnyRolling::Type::constant ? 0.0 : call.arrays->lag;
     const DamperStep<typename LanesOf<n>::Real> step{call.dt, lag / r.inertia[g]};
     r.moment[g] = within(c.load + damper_force(step, r.dashpot[g], c.stiffness, r.spin[g], c.slip), c.limit);

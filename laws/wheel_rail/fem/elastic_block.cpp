@@ -20,7 +20,10 @@ Eigen::Matrix<double, 6, 6> elasticity(double E, double nu) {
   Eigen::Matrix<double, 6, 6> C = Eigen::Matrix<double, 6, 6>::Zero();
   const double lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), G = E / (2.0 * (1.0 + nu));
   C.topLeftCorner<3, 3>().setConstant(lambda);
-  for (int k = 0; k < 3; ++k) C(k, k) += 2.0 * G, C(k + 3, k + 3) = G;
+  for (int k = 0; k < 3; ++k) {
+    C(k, k) += 2.0 * G;
+    C(k + 3, k + 3) = G;
+  }
   return C;
 }
 
@@ -36,8 +39,15 @@ Strains strains_at(const double (&xi)[3], const double (&size)[3]) {
         if (o != k) d[k] *= 0.5 * (1.0 + (n >> o & 1 ? xi[o] : -xi[o]));
     }
     const int c = 3 * n;
-    B(0, c) = d[0], B(1, c + 1) = d[1], B(2, c + 2) = d[2];
-    B(3, c + 1) = d[2], B(3, c + 2) = d[1], B(4, c) = d[2], B(4, c + 2) = d[0], B(5, c) = d[1], B(5, c + 1) = d[0];
+    B(0, c) = d[0];
+    B(1, c + 1) = d[1];
+    B(2, c + 2) = d[2];
+    B(3, c + 1) = d[2];
+    B(3, c + 2) = d[1];
+    B(4, c) = d[2];
+    B(4, c + 2) = d[0];
+    B(5, c) = d[1];
+    B(5, c + 1) = d[0];
   }
   return B;
 }
@@ -66,8 +76,10 @@ std::vector<double> planes(double centre, double a, int cells, double growth, do
   std::vector<double> out;
   const double h = 2.0 * a / cells;
   for (int k = 0; k <= cells; ++k) out.push_back(centre - a + h * k);
-  for (double step = h * growth; out.back() < centre + reach; step *= growth)
-    out.push_back(out.back() + step), out.insert(out.begin(), out.front() - step);
+  for (double step = h * growth; out.back() < centre + reach; step *= growth) {
+    out.push_back(out.back() + step);
+    out.insert(out.begin(), out.front() - step);
+  }
   return out;
 }
 
@@ -78,11 +90,14 @@ BlockMesh make_block_mesh(double cx, double cy, double ax, double ay, int across
   const int nx = std::max(across, static_cast<int>(std::lround(2.0 * ax / h))),
             ny = std::max(across, static_cast<int>(std::lround(2.0 * ay / h)));
   BlockMesh m;
-  m.x = planes(cx, ax, nx, growth, far), m.y = planes(cy, ay, ny, growth, far);
+  m.x = planes(cx, ax, nx, growth, far);
+  m.y = planes(cy, ay, ny, growth, far);
   m.z = {0.0};
   for (double step = h; m.z.back() < far; step *= growth) m.z.push_back(m.z.back() + step);
-  m.ix0 = (m.x.size() - static_cast<std::size_t>(nx) - 1) / 2, m.ix1 = m.ix0 + static_cast<std::size_t>(nx) + 1;
-  m.iy0 = (m.y.size() - static_cast<std::size_t>(ny) - 1) / 2, m.iy1 = m.iy0 + static_cast<std::size_t>(ny) + 1;
+  m.ix0 = (m.x.size() - static_cast<std::size_t>(nx) - 1) / 2;
+  m.ix1 = m.ix0 + static_cast<std::size_t>(nx) + 1;
+  m.iy0 = (m.y.size() - static_cast<std::size_t>(ny) - 1) / 2;
+  m.iy1 = m.iy0 + static_cast<std::size_t>(ny) + 1;
   return m;
 }
 

@@ -22,7 +22,8 @@ void add_grid(std::span<const Vec3> at, std::uint32_t first, std::size_t nx, std
   for (std::size_t j = 0; j + 1 < ny; ++j)
     for (std::size_t i = 0; i + 1 < nx; ++i) {
       const auto k = first + static_cast<std::uint32_t>(j * nx + i), row = static_cast<std::uint32_t>(nx);
-      add(k, k + 1, k + row + 1), add(k, k + row + 1, k + row);
+      add(k, k + 1, k + row + 1);
+      add(k, k + row + 1, k + row);
     }
 }
 
@@ -67,7 +68,8 @@ SurfaceProblem MeshGaps::linearise(const Eigen::MatrixXd& W, const Eigen::Vector
     for (std::uint32_t r = rows_.begin[c]; r < rows_.begin[c + 1]; ++r) {
       const auto k = static_cast<Eigen::Index>(rows_.node[r]);
       if (k >= candidates_) continue;  // of the rigid surface: they all move by the approach
-      node[own] = k, shape[own++] = rows_.weight[r];
+      node[own] = k;
+      shape[own++] = rows_.weight[r];
       at_rest -= nz * rows_.weight[r] * (displacement[k] - approach);
     }
     const bool integrate = method_ == GapMethod::surface_to_surface;

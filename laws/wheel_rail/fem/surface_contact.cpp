@@ -30,13 +30,15 @@ bool solve_active(const SurfaceProblem& s, const NormalTarget& target, double c,
         A(i, j) = s.W(a[static_cast<std::size_t>(i)], a[static_cast<std::size_t>(j)]);
       const Eigen::Index I = a[static_cast<std::size_t>(i)];
       A(i, i) += c * s.level[I];
-      b(i, 0) = s.level[I], b(i, 1) = -s.gap[I] + c * s.level[I] * held[I];
+      b(i, 0) = s.level[I];
+      b(i, 1) = -s.gap[I] + c * s.level[I] * held[I];
     }
     const Eigen::MatrixXd x = A.partialPivLu().solve(b);
     double f0 = 0.0, f1 = 0.0;
-    for (Eigen::Index i = 0; i < m; ++i)
-      f0 += s.weight[a[static_cast<std::size_t>(i)]] * x(i, 0),
-          f1 += s.weight[a[static_cast<std::size_t>(i)]] * x(i, 1);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      f0 += s.weight[a[static_cast<std::size_t>(i)]] * x(i, 0);
+      f1 += s.weight[a[static_cast<std::size_t>(i)]] * x(i, 1);
+    }
     out.approach = target.by_force ? (target.value - f1) / f0 : target.value;
     out.p.setZero();
     for (Eigen::Index i = 0; i < m; ++i) out.p[a[static_cast<std::size_t>(i)]] = out.approach * x(i, 0) + x(i, 1);
@@ -44,10 +46,13 @@ bool solve_active(const SurfaceProblem& s, const NormalTarget& target, double c,
     bool same = true;
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      if (in[k] && out.p[i] < 0.0)
-        in[k] = false, same = false;
-      else if (!in[k] && g[i] - c * s.level[i] * held[i] < -1e-13 * out.approach * s.level[i])
-        in[k] = true, same = false;
+      if (in[k] && out.p[i] < 0.0) {
+        in[k] = false;
+        same = false;
+      } else if (!in[k] && g[i] - c * s.level[i] * held[i] < -1e-13 * out.approach * s.level[i]) {
+        in[k] = true;
+        same = false;
+      }
     }
     if (same) return true;
   }

@@ -27,8 +27,10 @@ void radix2(const Pass& a) {
 #pragma omp simd
     for (std::size_t q = 0; q < a.s; ++q) {
       const double dr = r0[q] - r1[q], di = i0[q] - i1[q];
-      s0[q] = r0[q] + r1[q], j0[q] = i0[q] + i1[q];
-      s1[q] = dr * c - di * d, j1[q] = dr * d + di * c;
+      s0[q] = r0[q] + r1[q];
+      j0[q] = i0[q] + i1[q];
+      s1[q] = dr * c - di * d;
+      j1[q] = dr * d + di * c;
     }
   }
 }
@@ -47,9 +49,12 @@ void radix3(const Pass& a) {
     for (std::size_t q = 0; q < a.s; ++q) {
       const double sr = r1[q] + r2[q], si = i1[q] + i2[q], er = h * (i1[q] - i2[q]), ei = -h * (r1[q] - r2[q]);
       const double mr = r0[q] - 0.5 * sr, mi = i0[q] - 0.5 * si;
-      s0[q] = r0[q] + sr, j0[q] = i0[q] + si;
-      s1[q] = (mr + er) * c1 - (mi + ei) * d1, j1[q] = (mr + er) * d1 + (mi + ei) * c1;
-      s2[q] = (mr - er) * c2 - (mi - ei) * d2, j2[q] = (mr - er) * d2 + (mi - ei) * c2;
+      s0[q] = r0[q] + sr;
+      j0[q] = i0[q] + si;
+      s1[q] = (mr + er) * c1 - (mi + ei) * d1;
+      j1[q] = (mr + er) * d1 + (mi + ei) * c1;
+      s2[q] = (mr - er) * c2 - (mi - ei) * d2;
+      j2[q] = (mr - er) * d2 + (mi - ei) * c2;
     }
   }
 }
@@ -68,11 +73,15 @@ void radix4(const Pass& a) {
     for (std::size_t q = 0; q < a.s; ++q) {
       const double apr = r0[q] + r2[q], api = i0[q] + i2[q], amr = r0[q] - r2[q], ami = i0[q] - i2[q];
       const double bpr = r1[q] + r3[q], bpi = i1[q] + i3[q], bmr = r1[q] - r3[q], bmi = i1[q] - i3[q];
-      s0[q] = apr + bpr, j0[q] = api + bpi;
+      s0[q] = apr + bpr;
+      j0[q] = api + bpi;
       const double ur = amr + bmi, ui = ami - bmr, vr = apr - bpr, vi = api - bpi, wr = amr - bmi, wi = ami + bmr;
-      s1[q] = ur * c1 - ui * d1, j1[q] = ur * d1 + ui * c1;
-      s2[q] = vr * c2 - vi * d2, j2[q] = vr * d2 + vi * c2;
-      s3[q] = wr * c3 - wi * d3, j3[q] = wr * d3 + wi * c3;
+      s1[q] = ur * c1 - ui * d1;
+      j1[q] = ur * d1 + ui * c1;
+      s2[q] = vr * c2 - vi * d2;
+      j2[q] = vr * d2 + vi * c2;
+      s3[q] = wr * c3 - wi * d3;
+      j3[q] = wr * d3 + wi * c3;
     }
   }
 }
@@ -101,20 +110,26 @@ Fft::Fft(std::size_t n) : n_(n), cosine_(n), sine_(n) {
   EPAFI_REQUIRE(n > 0 && fft_size(n) == n, "a length of 2^k, 3 2^k or 9 2^k");
   for (std::size_t k = 0; k < n; ++k) {
     const double angle = -6.28318530717958647693 * static_cast<double>(k) / static_cast<double>(n);
-    cosine_[k] = std::cos(angle), sine_[k] = std::sin(angle);
+    cosine_[k] = std::cos(angle);
+    sine_[k] = std::sin(angle);
   }
 }
 
 std::size_t Fft::transform(double* work, bool inverse) const {
   const std::size_t plane = n_ * lanes;
   double *xr = work, *xi = work + plane, *yr = work + 2 * plane, *yi = work + 3 * plane;
-  if (inverse) std::swap(xr, xi), std::swap(yr, yi);
+  if (inverse) {
+    std::swap(xr, xi);
+    std::swap(yr, yi);
+  }
   for (std::size_t n = n_, s = lanes; n > 1;) {
     const Pass pass{n, s, n_ / n, cosine_.data(), sine_.data(), xr, xi, yr, yi};
     const std::size_t radix = n % 4 == 0 ? 4 : n % 2 == 0 ? 2 : 3;
     radix == 4 ? radix4(pass) : radix == 2 ? radix2(pass) : radix3(pass);
-    n /= radix, s *= radix;
-    std::swap(xr, yr), std::swap(xi, yi);
+    n /= radix;
+    s *= radix;
+    std::swap(xr, yr);
+    std::swap(xi, yi);
   }
   return std::min(xr, xi) == work ? 0 : 2 * plane;
 }
@@ -127,12 +142,18 @@ void fft_rows(const Fft& fft, ComplexPlanes& f, std::size_t rows, bool inverse) 
     if (end - begin < L) std::fill(work.begin(), work.begin() + static_cast<std::ptrdiff_t>(2 * plane), 0.0);
     for (std::size_t l = 0; l < end - begin; ++l) {
       const double *re = &f.re[(begin + l) * f.nx], *im = &f.im[(begin + l) * f.nx];
-      for (std::size_t k = 0; k < n; ++k) work[k * L + l] = re[k], work[plane + k * L + l] = im[k];
+      for (std::size_t k = 0; k < n; ++k) {
+        work[k * L + l] = re[k];
+        work[plane + k * L + l] = im[k];
+      }
     }
     const double* out = work.data() + fft.transform(work.data(), inverse);
     for (std::size_t l = 0; l < end - begin; ++l) {
       double *re = &f.re[(begin + l) * f.nx], *im = &f.im[(begin + l) * f.nx];
-      for (std::size_t k = 0; k < n; ++k) re[k] = out[k * L + l], im[k] = out[plane + k * L + l];
+      for (std::size_t k = 0; k < n; ++k) {
+        re[k] = out[k * L + l];
+        im[k] = out[plane + k * L + l];
+      }
     }
   });
 }
@@ -146,13 +167,15 @@ void fft_columns(const Fft& fft, ComplexPlanes& f, std::size_t columns, bool inv
     if (width < L) std::fill(work.begin(), work.begin() + static_cast<std::ptrdiff_t>(2 * plane), 0.0);
     for (std::size_t k = 0; k < n; ++k) {
       for (std::size_t l = 0; l < width; ++l) {
-        work[k * L + l] = f.re[k * f.nx + begin + l], work[plane + k * L + l] = f.im[k * f.nx + begin + l];
+        work[k * L + l] = f.re[k * f.nx + begin + l];
+        work[plane + k * L + l] = f.im[k * f.nx + begin + l];
       }
     }
     const double* out = work.data() + fft.transform(work.data(), inverse);
     for (std::size_t k = 0; k < n; ++k) {
       for (std::size_t l = 0; l < width; ++l) {
-        f.re[k * f.nx + begin + l] = out[k * L + l], f.im[k * f.nx + begin + l] = out[plane + k * L + l];
+        f.re[k * f.nx + begin + l] = out[k * L + l];
+        f.im[k * f.nx + begin + l] = out[plane + k * L + l];
       }
     }
   });

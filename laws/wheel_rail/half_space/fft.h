@@ -32,7 +32,10 @@ struct ComplexPlanes {
   std::size_t nx = 0, ny = 0;
   std::vector<double> re, im;
   void resize(std::size_t columns, std::size_t rows) {
-    nx = columns, ny = rows, re.assign(nx * ny, 0.0), im.assign(nx * ny, 0.0);
+    nx = columns;
+    ny = rows;
+    re.assign(nx * ny, 0.0);
+    im.assign(nx * ny, 0.0);
   }
 };
 void fft_rows(const Fft& fft, ComplexPlanes& planes, std::size_t rows,

@@ -15,8 +15,12 @@ int gmres(const Apply& apply, const std::vector<double>& b, std::vector<double>&
   const auto dot = [n](const std::vector<double>& u, const std::vector<double>& v) {
     double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
     std::size_t i = 0;
-    for (; i + 4 <= n; i += 4)
-      s0 += u[i] * v[i], s1 += u[i + 1] * v[i + 1], s2 += u[i + 2] * v[i + 2], s3 += u[i + 3] * v[i + 3];
+    for (; i + 4 <= n; i += 4) {
+      s0 += u[i] * v[i];
+      s1 += u[i + 1] * v[i + 1];
+      s2 += u[i + 2] * v[i + 2];
+      s3 += u[i + 3] * v[i + 3];
+    }
     for (; i < n; ++i) s0 += u[i] * v[i];
     return (s0 + s1) + (s2 + s3);
   };
@@ -50,7 +54,8 @@ int gmres(const Apply& apply, const std::vector<double>& b, std::vector<double>&
         H[k][i] = t;
       }
       const double length = std::hypot(H[k][k], H[k][k + 1]);
-      cosine[k] = H[k][k] / length, sine[k] = H[k][k + 1] / length;
+      cosine[k] = H[k][k] / length;
+      sine[k] = H[k][k + 1] / length;
       H[k][k] = length;
       g[k + 1] = -sine[k] * g[k];
       g[k] *= cosine[k];

@@ -42,7 +42,10 @@ double update_gap(ActiveSet& a, std::span<const double> h, const NormalTarget& t
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < a.p.size(); ++i)
-      if (a.p[i] > 0.0) sum += a.u[i] + h[i], ++count;
+      if (a.p[i] > 0.0) {
+        sum += a.u[i] + h[i];
+        ++count;
+      }
     approach = count ? sum / static_cast<double>(count) : *std::min_element(h.begin(), h.end());
   }
   for (std::size_t i = 0; i < a.p.size(); ++i) a.g[i] = a.u[i] + h[i] - approach;
@@ -65,12 +68,18 @@ double step_length(ActiveSet& a, bool by_force) {
   if (by_force) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < a.p.size(); ++i)
-      if (a.p[i] > 0.0) mean += a.r[i], ++count;
+      if (a.p[i] > 0.0) {
+        mean += a.r[i];
+        ++count;
+      }
     mean = count ? mean / static_cast<double>(count) : 0.0;
   }
   double gt = 0.0, rt = 0.0;
   for (std::size_t i = 0; i < a.p.size(); ++i)
-    if (a.p[i] > 0.0) gt += a.g[i] * a.t[i], rt += (a.r[i] - mean) * a.t[i];
+    if (a.p[i] > 0.0) {
+      gt += a.g[i] * a.t[i];
+      rt += (a.r[i] - mean) * a.t[i];
+    }
   return rt > 0.0 ? gt / rt : 0.0;
 }
 
@@ -95,7 +104,8 @@ class Yielding {
       : grid_(grid), kernel_(grid, pair), apart_(apart) {
     if (apart.whole()) return;
     for (std::size_t j = 0; j < grid.ny; ++j) group_.push_back(apart.group(grid.y(j)));
-    one_.resize(grid.size()), part_.resize(grid.size());
+    one_.resize(grid.size());
+    part_.resize(grid.size());
   }
   double self() const { return kernel_.self(); }
   void apply(std::span<const double> p, std::span<double> u) {
@@ -149,7 +159,10 @@ void solve_on(const PatchGrid& grid, std::span<const double> gap, const ElasticT
     if (target.by_force && force > 0.0)
       for (double& p : a.p) p *= target.value / force;
     double change = 0.0, total = 0.0;
-    for (std::size_t i = 0; i < a.p.size(); ++i) change += std::abs(a.p[i] - a.old[i]), total += a.p[i];
+    for (std::size_t i = 0; i < a.p.size(); ++i) {
+      change += std::abs(a.p[i] - a.old[i]);
+      total += a.p[i];
+    }
     out.report.residual = total > 0.0 ? change / total : 0.0;
     if (out.report.residual < tolerance) break;
   }

@@ -53,22 +53,29 @@ void PressureKernel::apply(std::span<const double> pressure, std::span<double> d
     double *re = &rows_.re[k * px], *im = &rows_.im[k * px];
     const double *zr = &packed_.re[k * h], *zi = &packed_.im[k * h], *yr = &packed_.re[m * h], *yi = &packed_.im[m * h];
     for (std::size_t i = 0; i < h; ++i) {
-      re[i] = 0.5 * (zr[i] + yr[i]), im[i] = 0.5 * (zi[i] - yi[i]);
-      re[i + h] = 0.5 * (zi[i] + yi[i]), im[i + h] = 0.5 * (yr[i] - zr[i]);
+      re[i] = 0.5 * (zr[i] + yr[i]);
+      im[i] = 0.5 * (zi[i] - yi[i]);
+      re[i + h] = 0.5 * (zi[i] + yi[i]);
+      im[i + h] = 0.5 * (yr[i] - zr[i]);
     }
     std::fill(re + 2 * h, re + px, 0.0);
     std::fill(im + 2 * h, im + px, 0.0);
   }
   fft_rows(along_x_, rows_, py / 2 + 1, false);
-  for (std::size_t k = 0; k < spectrum_.size(); ++k) rows_.re[k] *= spectrum_[k], rows_.im[k] *= spectrum_[k];
+  for (std::size_t k = 0; k < spectrum_.size(); ++k) {
+    rows_.re[k] *= spectrum_[k];
+    rows_.im[k] *= spectrum_[k];
+  }
   fft_rows(along_x_, rows_, py / 2 + 1, true);
   for (std::size_t k = 0; k <= py / 2; ++k) {
     const std::size_t m = (py - k) % py;
     const double *re = &rows_.re[k * px], *im = &rows_.im[k * px];
     for (std::size_t i = 0; i < h; ++i) {
       const double ar = re[i], ai = im[i], br = re[i + h], bi = im[i + h];
-      packed_.re[m * h + i] = ar + bi, packed_.im[m * h + i] = br - ai;
-      packed_.re[k * h + i] = ar - bi, packed_.im[k * h + i] = ai + br;
+      packed_.re[m * h + i] = ar + bi;
+      packed_.im[m * h + i] = br - ai;
+      packed_.re[k * h + i] = ar - bi;
+      packed_.im[k * h + i] = ai + br;
     }
   }
   fft_columns(along_y_, packed_, h, true);

@@ -28,9 +28,15 @@ struct SlipProblem {
   }
   /// out = K v on the cells in contact
   void apply(const std::vector<double>& v, std::vector<double>& out) {
-    for (std::size_t c = 0; c < cells.size(); ++c) q.x[cells[c]] = v[2 * c], q.y[cells[c]] = v[2 * c + 1];
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      q.x[cells[c]] = v[2 * c];
+      q.y[cells[c]] = v[2 * c + 1];
+    }
     kernel.apply(q, u);
-    for (std::size_t c = 0; c < cells.size(); ++c) out[2 * c] = u.x[cells[c]], out[2 * c + 1] = u.y[cells[c]];
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      out[2 * c] = u.x[cells[c]];
+      out[2 * c + 1] = u.y[cells[c]];
+    }
   }
 };
 
@@ -41,7 +47,10 @@ struct DiskDerivative {
 
 void project_on_disk(double& x, double& y, double radius) {
   const double size = std::hypot(x, y);
-  if (size > radius) x *= radius / size, y *= radius / size;
+  if (size > radius) {
+    x *= radius / size;
+    y *= radius / size;
+  }
 }
 
 /// F = q - P(q - R s): the residual of stick and slip; fills the derivative of P by cell. Returns its norm over that of
@@ -57,10 +66,13 @@ double natural_map(const SlipProblem& p, const std::vector<double>& q, const std
     if (z > g) {
       const double ex = zx / z, ey = zy / z, m = g / z;
       D[c] = {m * ey * ey, -m * ex * ey, m * ex * ex};
-      px = g * ex, py = g * ey;
+      px = g * ex;
+      py = g * ey;
     }
-    F[2 * c] = q[2 * c] - px, F[2 * c + 1] = q[2 * c + 1] - py;
-    sum += F[2 * c] * F[2 * c] + F[2 * c + 1] * F[2 * c + 1], size += g * g;
+    F[2 * c] = q[2 * c] - px;
+    F[2 * c + 1] = q[2 * c + 1] - py;
+    sum += F[2 * c] * F[2 * c] + F[2 * c + 1] * F[2 * c + 1];
+    size += g * g;
   }
   return size > 0.0 ? std::sqrt(sum / size) : 0.0;
 }
@@ -94,7 +106,8 @@ SolverReport newton(SlipProblem& p, std::vector<double>& q, std::vector<double>&
     double residual = 0.0, step = 1.0;
     for (int halvings = 0; halvings < 3; ++halvings, step *= 0.5) {
       for (std::size_t c = 0; c < n / 2; ++c) {
-        q[2 * c] = from[2 * c] + step * dq[2 * c], q[2 * c + 1] = from[2 * c + 1] + step * dq[2 * c + 1];
+        q[2 * c] = from[2 * c] + step * dq[2 * c];
+        q[2 * c + 1] = from[2 * c + 1] + step * dq[2 * c + 1];
         project_on_disk(q[2 * c], q[2 * c + 1], p.bound[p.cells[c]]);
       }
       residual = residual_of();
@@ -113,10 +126,14 @@ HalfSpaceTangential solve(SlipProblem& p, const PatchGrid& grid, const Tangentia
   for (std::size_t c = 0; c < n; ++c) {
     const double g = p.bound[p.cells[c]];
     if (start && start->size() == grid.size()) {
-      q[2 * c] = start->x[p.cells[c]], q[2 * c + 1] = start->y[p.cells[c]];
+      q[2 * c] = start->x[p.cells[c]];
+      q[2 * c + 1] = start->y[p.cells[c]];
     } else {  // all slides against the rigid slip
       const double size = std::hypot(p.free[2 * c], p.free[2 * c + 1]);
-      if (size > 0.0) q[2 * c] = -g * p.free[2 * c] / size, q[2 * c + 1] = -g * p.free[2 * c + 1] / size;
+      if (size > 0.0) {
+        q[2 * c] = -g * p.free[2 * c] / size;
+        q[2 * c + 1] = -g * p.free[2 * c + 1] / size;
+      }
     }
     project_on_disk(q[2 * c], q[2 * c + 1], g);
   }
@@ -130,12 +147,16 @@ HalfSpaceTangential solve(SlipProblem& p, const PatchGrid& grid, const Tangentia
     const double qx = q[2 * c], qy = q[2 * c + 1], x = grid.x(i % grid.nx), y = grid.y(i / grid.nx);
     const bool sticks = std::hypot(qx, qy) < p.bound[i] * (1.0 - 1e-6);
     stick += sticks;
-    out.traction.x[i] = qx, out.traction.y[i] = qy;
+    out.traction.x[i] = qx;
+    out.traction.y[i] = qy;
     if (!sticks) {
-      out.slip.x[i] = s[2 * c] / per, out.slip.y[i] = s[2 * c + 1] / per;
+      out.slip.x[i] = s[2 * c] / per;
+      out.slip.y[i] = s[2 * c + 1] / per;
       out.frictional_power += grid.cell() * (std::abs(qx * out.slip.x[i]) + std::abs(qy * out.slip.y[i]));
     }
-    out.force.fx += grid.cell() * qx, out.force.fy += grid.cell() * qy, out.force.mz += grid.cell() * (x * qy - y * qx);
+    out.force.fx += grid.cell() * qx;
+    out.force.fy += grid.cell() * qy;
+    out.force.mz += grid.cell() * (x * qy - y * qx);
   }
   out.stick_share = n ? static_cast<double>(stick) / static_cast<double>(n) : 0.0;
   return out;
@@ -158,7 +179,10 @@ TangentialField stuck_tractions(SlipProblem& p) {
   gmres([&](const std::vector<double>& v, std::vector<double>& out) { p.apply(v, out); }, b, q, 1e-3, restart,
         most_products);
   TangentialField out(p.q.size());
-  for (std::size_t c = 0; c < p.cells.size(); ++c) out.x[p.cells[c]] = q[2 * c], out.y[p.cells[c]] = q[2 * c + 1];
+  for (std::size_t c = 0; c < p.cells.size(); ++c) {
+    out.x[p.cells[c]] = q[2 * c];
+    out.y[p.cells[c]] = q[2 * c + 1];
+  }
   return out;
 }
 
@@ -179,7 +203,8 @@ TangentialField refine(const TangentialField& coarse, const PatchGrid& from, con
       return (1 - v) * ((1 - u) * at(c, i, j) + u * at(c, i + 1, j)) +
              v * ((1 - u) * at(c, i, j + 1) + u * at(c, i + 1, j + 1));
     };
-    fine.x[k] = mix(coarse.x), fine.y[k] = mix(coarse.y);
+    fine.x[k] = mix(coarse.x);
+    fine.y[k] = mix(coarse.y);
   }
   return fine;
 }
@@ -205,8 +230,10 @@ HalfSpaceTangential roll_on(TractionKernel& here, TractionKernel& ahead, const T
   if (rolled) {
     TangentialField old(b.grid.size());
     ahead.apply(before, old);
-    for (std::size_t c = 0; c < p.cells.size(); ++c)
-      p.free[2 * c] -= old.x[p.cells[c]], p.free[2 * c + 1] -= old.y[p.cells[c]];
+    for (std::size_t c = 0; c < p.cells.size(); ++c) {
+      p.free[2 * c] -= old.x[p.cells[c]];
+      p.free[2 * c + 1] -= old.y[p.cells[c]];
+    }
   }
   return solve(p, b.grid, rolled ? &before : nullptr, b.grid.dx, tolerance);
 }
@@ -218,7 +245,10 @@ double set_limit(const TractionBound& b, const PatchForce& fine, const PatchForc
   double size = 0.0;
   for (const double g : b.bound) size += g * b.grid.cell();
   const double length = std::hypot(limit.fx, limit.fy);
-  if (length > size) limit.fx *= size / length, limit.fy *= size / length;
+  if (length > size) {
+    limit.fx *= size / length;
+    limit.fy *= size / length;
+  }
   return size > 0.0 ? 0.5 * std::hypot(limit.fx - fine.fx, limit.fy - fine.fy) / size : 0.0;
 }
 
@@ -241,7 +271,10 @@ HalfSpaceTangential solve_rolling_start(const TractionBound& b, const ElasticPai
     now = roll_on(here, ahead, b, creepage, last.traction, tolerance);
     if (!now.report.converged) return now;
   }
-  if (now.traction.size() == 0) now.traction = now.slip = TangentialField(b.grid.size()), now.grid = b.grid;
+  if (now.traction.size() == 0) {
+    now.traction = now.slip = TangentialField(b.grid.size());
+    now.grid = b.grid;
+  }
   const auto between = [&](double from, double to) { return part > 0.0 ? from + part * (to - from) : to; };
   now.force = {between(last.force.fx, now.force.fx), between(last.force.fy, now.force.fy),
                between(last.force.mz, now.force.mz)};

@@ -37,8 +37,9 @@ TractionKernel::TractionKernel(const PatchGrid& grid, const ElasticPair& pair, K
       if (i == 0 && j == 0) self_ = std::max(std::abs(k.xx), std::abs(k.yy));
       const auto row = static_cast<std::size_t>(j < 0 ? j + static_cast<std::ptrdiff_t>(py) : j);
       const auto column = static_cast<std::size_t>(i < 0 ? i + static_cast<std::ptrdiff_t>(px) : i);
-      xx_.re[row * px + column] = scale * k.xx, xy_.re[row * px + column] = scale * k.xy,
-                        yy_.re[row * px + column] = scale * k.yy;
+      xx_.re[row * px + column] = scale * k.xx;
+      xy_.re[row * px + column] = scale * k.xy;
+      yy_.re[row * px + column] = scale * k.yy;
     }
   }
   for (auto* planes : {&xx_, &xy_, &yy_}) {
@@ -73,8 +74,10 @@ void TractionKernel::apply(const TangentialField& traction, TangentialField& dis
       const double ui = xx_.re[k] * xi + xx_.im[k] * xr + xy_.re[k] * yi + xy_.im[k] * yr;
       const double vr = xy_.re[k] * xr - xy_.im[k] * xi + yy_.re[k] * yr - yy_.im[k] * yi;
       const double vi = xy_.re[k] * xi + xy_.im[k] * xr + yy_.re[k] * yi + yy_.im[k] * yr;
-      field_.re[m] = ur + vi, field_.im[m] = vr - ui;  // at -k: conj U + i conj V
-      field_.re[k] = ur - vi, field_.im[k] = ui + vr;  // U + i V
+      field_.re[m] = ur + vi;  // at -k: conj U + i conj V
+      field_.im[m] = vr - ui;
+      field_.re[k] = ur - vi;  // U + i V
+      field_.im[k] = ui + vr;
     }
   }
   fft_columns(along_y_, field_, px, true);

@@ -62,7 +62,9 @@ bool contact_box(const HalfSpaceNormal& s, double cx, double cy, Window& w) {
   std::size_t i0 = s.grid.nx, i1 = 0, j0 = s.grid.ny, j1 = 0;
   for (std::size_t k = 0; k < s.pressure.size(); ++k) {
     if (!(s.pressure[k] > 0.0)) continue;
-    i0 = std::min(i0, k % s.grid.nx), i1 = std::max(i1, k % s.grid.nx), j0 = std::min(j0, k / s.grid.nx),
+    i0 = std::min(i0, k % s.grid.nx);
+    i1 = std::max(i1, k % s.grid.nx);
+    j0 = std::min(j0, k / s.grid.nx);
     j1 = std::max(j1, k / s.grid.nx);
   }
   if (i0 > i1) return true;
@@ -134,9 +136,14 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   p.grid = s.grid;
   p.pressure = s.pressure;
   set_equivalent_ellipse(p);
-  p.grid_x = 0.5 * (w.x0 + w.x1), p.grid_y = 0.5 * (w.y0 + w.y1);
-  p.centre_x += p.grid_x, p.centre_y += p.grid_y;
-  p.normal_force = s.normal_force, p.approach = s.approach, p.max_pressure = s.max_pressure, p.area = s.area;
+  p.grid_x = 0.5 * (w.x0 + w.x1);
+  p.grid_y = 0.5 * (w.y0 + w.y1);
+  p.centre_x += p.grid_x;
+  p.centre_y += p.grid_y;
+  p.normal_force = s.normal_force;
+  p.approach = s.approach;
+  p.max_pressure = s.max_pressure;
+  p.area = s.area;
   // second order: on 16 cells across the peak of a Hertzian patch is 3e-4 off
   const double across = 2.0 * std::min(p.ellipse.a / dx, p.ellipse.b / dy);
   p.error_estimate = 0.1 / (across * across) + s.report.residual;

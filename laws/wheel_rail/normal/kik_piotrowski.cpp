@@ -57,16 +57,19 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus,
   Penetration out;
   double area = 0.0, middle = 0.0;
   const std::vector<Strip> strips = overlap(r, share * approach);
-  for (const Strip& s : strips)
-    out.longest = std::max(out.longest, s.half_length), area += 2.0 * s.half_length * s.width,
+  for (const Strip& s : strips) {
+    out.longest = std::max(out.longest, s.half_length);
+    area += 2.0 * s.half_length * s.width;
     middle += 2.0 * s.half_length * s.width * s.y;
+  }
   if (!(area > 0.0)) return out;
   middle /= area;
   // the ellipse of this area and length, and Hertz' own for the curvatures that would overlap so
   const double wide = area / (pi * out.longest), A = 0.5 * r.curvature_x, B = share * approach / (wide * wide);
   const Ellipse hertz = hertz_of_approach(A, B, modulus, approach).ellipse;
   const double along = hertz.a / std::sqrt(share * approach / A), across = hertz.b / wide;
-  out.longest *= along, out.area = area * along * across;
+  out.longest *= along;
+  out.area = area * along * across;
   double n1 = 0.0, u1 = 0.0;
   for (const Strip& s : strips) {
     const double a = along * s.half_length, y = across * s.y, step = across * s.width;
@@ -90,7 +93,10 @@ Penetration penetrate(const ContactRegion& r, double approach, double modulus,
 /// Approach at which the force is met, by secants in its 2/3 power, which is nearly proportional to the approach.
 double approach_of(const ContactRegion& r, double force, double modulus) {
   double low = 0.0, high = 1e-6;
-  while (penetrate(r, high, modulus).force < force && high < 1e-2) low = high, high *= 2.0;
+  while (penetrate(r, high, modulus).force < force && high < 1e-2) {
+    low = high;
+    high *= 2.0;
+  }
   const auto root = [](double f) { return std::cbrt(f * f); };
   const double wished = root(force);
   double at_low = root(low > 0.0 ? penetrate(r, low, modulus).force : 0.0),
@@ -100,7 +106,8 @@ double approach_of(const ContactRegion& r, double force, double modulus) {
     x = low + (high - low) * std::clamp((wished - at_low) / (at_high - at_low), 0.02, 0.98);
     const double here = penetrate(r, x, modulus).force;
     if (std::abs(here - force) < 1e-9 * force) return x;
-    (here < force ? low : high) = x, (here < force ? at_low : at_high) = root(here);
+    (here < force ? low : high) = x;
+    (here < force ? at_low : at_high) = root(here);
   }
   return x;
 }
@@ -116,7 +123,10 @@ std::vector<RegionPatch> solve_kik_piotrowski(const NormalInput& in) {
   const double left_open = misfit_of(strips, approach, E);
   RegionPatch out;
   NormalPatch& p = out.patch;
-  p.normal_force = at.force, p.approach = approach, p.max_pressure = at.peak, p.area = at.area;
+  p.normal_force = at.force;
+  p.approach = approach;
+  p.max_pressure = at.peak;
+  p.area = at.area;
   p.ellipse = {at.longest, at.area / (pi * at.longest)};
   p.is_ellipse = true;  // for creep laws: the ellipse of the same area and length
   check_conformal(r, p, p.reasons);

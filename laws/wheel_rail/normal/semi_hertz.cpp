@@ -53,9 +53,13 @@ Strips cut(const ContactRegion& r, double low, double high, int count) {
   for (int k = 0; k < count; ++k) {
     const double y = low + (k + 0.5) * s.width;
     const GapAt g = gap_at(r, y);
-    s.y.push_back(y), s.gap.push_back(g.gap), s.curvature.push_back(g.curvature), s.centre.push_back(g.centre);
+    s.y.push_back(y);
+    s.gap.push_back(g.gap);
+    s.curvature.push_back(g.curvature);
+    s.centre.push_back(g.centre);
   }
-  s.p.assign(s.y.size(), 0.0), s.a.assign(s.y.size(), 0.0);
+  s.p.assign(s.y.size(), 0.0);
+  s.a.assign(s.y.size(), 0.0);
   s.bent.assign(s.y.size(), 0.0);
   return s;
 }
@@ -65,8 +69,10 @@ Ellipse moments(const Strips& s) {
   double n = 0.0, ny = 0.0, nyy = 0.0, nxx = 0.0;
   for (std::size_t j = 0; j < s.y.size(); ++j) {
     const double w = s.p[j] * s.a[j];
-    n += w, ny += w * s.y[j], nyy += w * (s.y[j] * s.y[j] + s.width * s.width / 12.0),
-        nxx += 0.25 * w * s.a[j] * s.a[j];
+    n += w;
+    ny += w * s.y[j];
+    nyy += w * (s.y[j] * s.y[j] + s.width * s.width / 12.0);
+    nxx += 0.25 * w * s.a[j] * s.a[j];
   }
   ny /= n;
   return {std::sqrt(5.0 * nxx / n), std::sqrt(5.0 * (nyy / n - ny * ny))};
@@ -78,7 +84,8 @@ struct Influences {
 };
 void set_influences(const Strips& s, const std::vector<std::size_t>& active, double modulus, Influences& out) {
   const auto n = static_cast<Eigen::Index>(active.size());
-  out.displacement.resize(n, n), out.bend.resize(n, n);
+  out.displacement.resize(n, n);
+  out.bend.resize(n, n);
   const std::size_t middle = s.y.size();
   const bool one = s.apart.whole();
   std::vector<char> asked(middle, 0);  // distances that occur: 30 of 60 where two regions lie apart
@@ -95,15 +102,18 @@ void set_influences(const Strips& s, const std::vector<std::size_t>& active, dou
       if (m > 0 && !asked[m - 1]) last = strip_influence((static_cast<double>(m) - 0.5) * w);
       const StripInfluence edge = strip_influence((static_cast<double>(m) + 0.5) * w);
       displacement[middle - m] = displacement[middle + m] = u * (edge.displacement - last.displacement);
-      bend[middle - m] = bend[middle + m] = k * (edge.bend - last.bend), last = edge;
+      bend[middle - m] = bend[middle + m] = k * (edge.bend - last.bend);
+      last = edge;
     }
     for (Eigen::Index i = 0; i < n; ++i) {
       const std::size_t I = active[static_cast<std::size_t>(i)], m = middle + I - J;
-      out.displacement(i, j) = displacement[m], out.bend(i, j) = bend[m];
+      out.displacement(i, j) = displacement[m];
+      out.bend(i, j) = bend[m];
     }
     for (Eigen::Index i = 0; !one && i < n; ++i) {
       const double share = s.share(active[static_cast<std::size_t>(i)], J);
-      out.displacement(i, j) *= share, out.bend(i, j) *= share;
+      out.displacement(i, j) *= share;
+      out.bend(i, j) *= share;
     }
   }
 }
@@ -114,18 +124,23 @@ void solve_pressures(Strips& s, const std::vector<std::size_t>& active, const In
                      const NormalTarget& target) {
   const auto n = static_cast<Eigen::Index>(active.size());
   Eigen::MatrixXd rhs(n, 2);
-  for (Eigen::Index j = 0; j < n; ++j) rhs(j, 0) = 1.0, rhs(j, 1) = s.gap[active[static_cast<std::size_t>(j)]];
+  for (Eigen::Index j = 0; j < n; ++j) {
+    rhs(j, 0) = 1.0;
+    rhs(j, 1) = s.gap[active[static_cast<std::size_t>(j)]];
+  }
   const Eigen::MatrixXd x = by.displacement.partialPivLu().solve(rhs);
   double n1 = 0.0, ng = 0.0;
   for (Eigen::Index j = 0; j < n; ++j) {
     const double length = 0.5 * pi * s.a[active[static_cast<std::size_t>(j)]] * s.width;
-    n1 += length * x(j, 0), ng += length * x(j, 1);
+    n1 += length * x(j, 0);
+    ng += length * x(j, 1);
   }
   s.approach = target.by_force ? (target.value + ng) / n1 : target.value;
   const Eigen::VectorXd p = (s.approach * x.col(0) - x.col(1)).cwiseMax(0.0), bent = by.bend * p;
   for (Eigen::Index j = 0; j < n; ++j) {
     const std::size_t J = active[static_cast<std::size_t>(j)];
-    s.p[J] = p[j], s.bent[J] = bent[j];
+    s.p[J] = p[j];
+    s.bent[J] = bent[j];
   }
 }
 
@@ -146,19 +161,28 @@ double overlap_left(const Strips& s, const std::vector<std::size_t>& active, std
 class Mixing {
  public:
   Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& f) {
-    if (known_ == 0) dx_.setZero(x.size(), most), df_.setZero(x.size(), most);
+    if (known_ == 0) {
+      dx_.setZero(x.size(), most);
+      df_.setZero(x.size(), most);
+    }
     Eigen::VectorXd out = x + share * f;
     if (known_ > 0) {
       const Eigen::Index column = (known_ - 1) % most, columns = std::min<Eigen::Index>(known_, most);
-      dx_.col(column) = x - x_, df_.col(column) = f - f_;
+      dx_.col(column) = x - x_;
+      df_.col(column) = f - f_;
       for (Eigen::Index k = 0; k < x.size(); ++k)
-        if ((x[k] > 0.0) != (x_[k] > 0.0)) dx_.row(k).setZero(), df_.row(k).setZero();
+        if ((x[k] > 0.0) != (x_[k] > 0.0)) {
+          dx_.row(k).setZero();
+          df_.row(k).setZero();
+        }
       const auto F = df_.leftCols(columns);
       const Eigen::MatrixXd M = F.transpose() * F;
       out -= (dx_.leftCols(columns) + share * F) *
              (M + 1e-12 * M.trace() * Eigen::MatrixXd::Identity(columns, columns)).ldlt().solve(F.transpose() * f);
     }
-    x_ = x, f_ = f, ++known_;
+    x_ = x;
+    f_ = f;
+    ++known_;
     return out;
   }
 
@@ -207,7 +231,8 @@ bool settle_once(Strips& s, double modulus, const NormalTarget& target, double t
   std::vector<std::size_t> active, outside;
   std::vector<int> times_left(s.y.size(), 0);
   for (int round = 0; round < most_strip_rounds; ++round) {
-    active.clear(), outside.clear();
+    active.clear();
+    outside.clear();
     for (std::size_t j = 0; j < s.y.size(); ++j) (s.a[j] > 0.0 ? active : outside).push_back(j);
     if (active.empty()) return false;
     set_influences(s, active, modulus, by);
@@ -216,7 +241,8 @@ bool settle_once(Strips& s, double modulus, const NormalTarget& target, double t
     const std::size_t left = std::erase_if(active, [&](std::size_t j) {
       if (s.p[j] > 0.0 && s.a[j] > least) return false;
       s.p[j] = 0.0;
-      s.a[j] = 0.0, ++times_left[j];
+      s.a[j] = 0.0;
+      ++times_left[j];
       return true;
     });
     if (active.empty()) return false;
@@ -230,7 +256,10 @@ bool settle_once(Strips& s, double modulus, const NormalTarget& target, double t
       const bool beside = (j > 0 && s.p[j - 1] > 0.0) || (j + 1 < s.p.size() && s.p[j + 1] > 0.0);
       if (times_left[j] > 1 || !(beside || settled || round == 0) || s.gap[j] >= s.approach) continue;
       const double left_open = overlap_left(s, active, j, modulus);
-      if (left_open > 0.0) s.a[j] = std::sqrt(start_depth * 2.0 * left_open / s.curvature[j]), ++joined;
+      if (left_open > 0.0) {
+        s.a[j] = std::sqrt(start_depth * 2.0 * left_open / s.curvature[j]);
+        ++joined;
+      }
     }
     if (joined == 0 && settled) return true;
     last_approach = s.approach;
@@ -266,7 +295,8 @@ NormalPatch patch_of(const Strips& s, std::size_t along) {
   for (std::size_t j = 0; j < s.y.size(); ++j) {
     if (!(s.p[j] > 0.0)) continue;
     longest = std::max(longest, s.a[j]);
-    left = std::min(left, s.centre[j] - s.a[j]), right = std::max(right, s.centre[j] + s.a[j]);
+    left = std::min(left, s.centre[j] - s.a[j]);
+    right = std::max(right, s.centre[j] + s.a[j]);
     p.area += 2.0 * s.a[j] * s.width;
     double peak = s.p[j] * s.p[j];  // p^2 is a parabola near the peak
     if (j > 0 && j + 1 < s.p.size()) {
@@ -285,8 +315,10 @@ NormalPatch patch_of(const Strips& s, std::size_t along) {
     }
   }
   set_equivalent_ellipse(p);
-  p.grid_x = cx, p.grid_y = cy;
-  p.centre_x += cx, p.centre_y += cy;
+  p.grid_x = cx;
+  p.grid_y = cy;
+  p.centre_x += cx;
+  p.centre_y += cy;
   double force = 0.0;
   for (std::size_t j = 0; j < s.y.size(); ++j) force += 0.5 * pi * s.a[j] * s.p[j] * s.width;
   p.normal_force = force;
@@ -304,8 +336,11 @@ double error_of(const Strips& s) {
   for (std::size_t j = s.y.size(); j-- > 0;) behind[j] = top = std::max(top, s.p[j]);
   for (std::size_t j = 0; j < s.y.size(); ++j) {
     if (!(s.p[j] > 0.0)) continue;
-    before = std::max(before, s.p[j]), valley = std::min(valley, s.p[j] / std::min(before, behind[j]));
-    longest = std::max(longest, s.a[j]), low = std::min(low, s.centre[j]), high = std::max(high, s.centre[j]);
+    before = std::max(before, s.p[j]);
+    valley = std::min(valley, s.p[j] / std::min(before, behind[j]));
+    longest = std::max(longest, s.a[j]);
+    low = std::min(low, s.centre[j]);
+    high = std::max(high, s.centre[j]);
   }
   return 0.01 + 0.02 * (1.0 - valley) + 0.2 * (high - low) / (2.0 * longest);
 }

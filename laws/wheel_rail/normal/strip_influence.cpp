@@ -67,7 +67,8 @@ StripInfluence strip_influence(double t) {
   StripInfluence out = chord(k < near ? table.low : table.at);
   if (k < near && s > 0.0) {
     const double singular = 2.0 * s * std::log(s);
-    out.displacement -= singular - 2.0 * s, out.bend -= singular;
+    out.displacement -= singular - 2.0 * s;
+    out.bend -= singular;
   }
   return {sign * out.displacement, sign * out.bend};
 }

@@ -45,8 +45,12 @@ StripSum press(const std::vector<Line>& lines, double step, double approach) {
     if (!(rest > 0.0)) continue;
     const double root = std::sqrt(approach * rest), a = l.hertz.a * root, p = l.hertz.p0 * root;
     const double f = 0.5 * pi * a * p * step;
-    s.force += f, s.peak = std::max(s.peak, p), s.area += 2.0 * a * step;
-    s.first += f * l.y, s.moment_y += f * l.y * l.y, s.moment_x += 0.25 * f * a * a;
+    s.force += f;
+    s.peak = std::max(s.peak, p);
+    s.area += 2.0 * a * step;
+    s.first += f * l.y;
+    s.moment_y += f * l.y * l.y;
+    s.moment_x += 0.25 * f * a * a;
   }
   return s;
 }
@@ -112,7 +116,8 @@ int overlaps(const std::vector<Line>& lines, double approach) {
   bool inside = false;
   for (const Line& l : lines) {
     const bool now = l.gap < approach;
-    runs += now && !inside, inside = now;
+    runs += now && !inside;
+    inside = now;
   }
   return runs;
 }
@@ -137,7 +142,10 @@ std::vector<RegionPatch> solve(const NormalInput& in, bool mean_curvature) {
   const StripSum s = press(lines, step, approach);
   RegionPatch out;
   NormalPatch& p = out.patch;
-  p.normal_force = s.force, p.approach = approach, p.max_pressure = s.peak, p.area = s.area;
+  p.normal_force = s.force;
+  p.approach = approach;
+  p.max_pressure = s.peak;
+  p.area = s.area;
   if (s.force > 0.0) {
     const double centre = s.first / s.force, across = std::max(s.moment_y / s.force - centre * centre, 1e-16);
     p.centre_y = centre;

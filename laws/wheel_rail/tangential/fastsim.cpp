@@ -56,19 +56,31 @@ StripSolution fastsim(const StripPatch& patch, const Flexibility& L, double fric
       const double size2 = tx * tx + ty * ty;
       const bool slides = size2 > bound * bound;
       const double scale = slides ? bound / std::sqrt(size2) : 1.0;
-      qx = tx * scale, qy = ty * scale;
+      qx = tx * scale;
+      qy = ty * scale;
       sticking += !slides;
       if (slides) {
         const double wx = (qx - tx) / h * L.longitudinal, wy = (qy - ty) / h * L.lateral;
         out.frictional_power += (std::abs(qx * wx) + std::abs(qy * wy)) * dA;
-        if (store) out.slip_x[strip.first + k] = wx, out.slip_y[strip.first + k] = wy;
+        if (store) {
+          out.slip_x[strip.first + k] = wx;
+          out.slip_y[strip.first + k] = wy;
+        }
         if (store) out.sticks[strip.first + k] = 0;
       }
-      if (store) out.traction_x[strip.first + k] = qx, out.traction_y[strip.first + k] = qy;
-      fx += qx, fy += qy, mz += x * qy - strip.y * qx;
+      if (store) {
+        out.traction_x[strip.first + k] = qx;
+        out.traction_y[strip.first + k] = qy;
+      }
+      fx += qx;
+      fy += qy;
+      mz += x * qy - strip.y * qx;
     }
-    out.force.fx += fx * dA, out.force.fy += fy * dA, out.force.mz += mz * dA;
-    stick += sticking * dA, area += strip.count * dA;
+    out.force.fx += fx * dA;
+    out.force.fy += fy * dA;
+    out.force.mz += mz * dA;
+    stick += sticking * dA;
+    area += strip.count * dA;
   }
   out.stick_share = area > 0.0 ? stick / area : 0.0;
   return out;

@@ -32,10 +32,13 @@ TangentialOutcome outcome_of(const TangentialInput& in, const BoundLevels& level
   for (std::size_t k = 0; k < g.size(); ++k) {
     const double bound = levels.back().bound[k];
     if (!(bound > 0.0)) continue;
-    out.map.x.push_back(g.x(k % g.nx)), out.map.y.push_back(g.y(k / g.nx)),
-        out.map.pressure.push_back(bound / in.friction);
-    out.map.traction_x.push_back(fine.traction.x[k]), out.map.traction_y.push_back(fine.traction.y[k]);
-    out.map.slip_x.push_back(fine.slip.x[k]), out.map.slip_y.push_back(fine.slip.y[k]);
+    out.map.x.push_back(g.x(k % g.nx));
+    out.map.y.push_back(g.y(k / g.nx));
+    out.map.pressure.push_back(bound / in.friction);
+    out.map.traction_x.push_back(fine.traction.x[k]);
+    out.map.traction_y.push_back(fine.traction.y[k]);
+    out.map.slip_x.push_back(fine.slip.x[k]);
+    out.map.slip_y.push_back(fine.slip.y[k]);
     out.map.sticks.push_back(fine.slip.x[k] == 0.0 && fine.slip.y[k] == 0.0);
   }
   return out;

@@ -69,19 +69,31 @@ StripSolution march(const StripPatch& patch, const RollingCase& c, const PlaneCr
         tx = rx - (c.creepage.longitudinal / L->longitudinal - c.creepage.spin / L->spin * strip.y) * h;
         ty = ry - (c.creepage.lateral / L->lateral + c.creepage.spin / L->spin * (x + 0.5 * h)) * h;
         const double size = std::hypot(tx, ty), s = size > bound ? bound / size : 1.0;
-        rx = tx * s, ry = ty * s;
+        rx = tx * s;
+        ry = ty * s;
       }
       if (!sticks) {
-        if (!L) tx = -z.kappa_x, ty = -z.kappa_y;
+        if (!L) {
+          tx = -z.kappa_x;
+          ty = -z.kappa_y;
+        }
         const double size = std::hypot(tx, ty);
-        qx = size > 0.0 ? bound * tx / size : 0.0, qy = size > 0.0 ? bound * ty / size : 0.0;
+        qx = size > 0.0 ? bound * tx / size : 0.0;
+        qy = size > 0.0 ? bound * ty / size : 0.0;
       } else if (L) {
-        rx = qx, ry = qy;
+        rx = qx;
+        ry = qy;
       }
-      if (store) out.traction_x[strip.first + k] = qx, out.traction_y[strip.first + k] = qy;
+      if (store) {
+        out.traction_x[strip.first + k] = qx;
+        out.traction_y[strip.first + k] = qy;
+      }
       if (store) out.sticks[strip.first + k] = sticks;
-      out.force.fx += qx * dA, out.force.fy += qy * dA, out.force.mz += (x * qy - strip.y * qx) * dA;
-      stick += sticks ? dA : 0.0, area += dA;
+      out.force.fx += qx * dA;
+      out.force.fy += qy * dA;
+      out.force.mz += (x * qy - strip.y * qx) * dA;
+      stick += sticks ? dA : 0.0;
+      area += dA;
     }
   }
   out.stick_share = area > 0.0 ? stick / area : 0.0;

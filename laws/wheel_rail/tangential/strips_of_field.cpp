@@ -7,7 +7,10 @@ namespace epafi {
 StripPatch strips_of_field(const PatchGrid& grid, const std::vector<double>& pressure, Bound bound) {
   StripPatch patch;
   double p1 = 0.0, p2 = 0.0;
-  for (const double p : pressure) p1 += p, p2 += p * p;
+  for (const double p : pressure) {
+    p1 += p;
+    p2 += p * p;
+  }
   // p0^2 (1 - r^2) of Hertz times 4 / (3 p0) is the parabola of the same force
   const double square = bound == Bound::parabolic && p2 > 0.0 ? p1 / p2 : 0.0;
   for (std::size_t j = 0; j < grid.ny; ++j) {

@@ -48,7 +48,8 @@ class Bullet final : public peers::Engine {
                                                   btVector3(b.inertia[0], b.inertia[1], b.inertia[2]));
     info.m_startWorldTransform = btTransform(btQuaternion(b.turn[1], b.turn[2], b.turn[3], b.turn[0]),
                                              btVector3(b.position[0], b.position[1], b.position[2]));
-    info.m_friction = std::sqrt(friction), info.m_restitution = 0.0;  // pairs take the product
+    info.m_friction = std::sqrt(friction);  // pairs take the product
+    info.m_restitution = 0.0;
     info.m_linearDamping = info.m_angularDamping = 0.0;
     bodies_.push_back(std::make_unique<btRigidBody>(info));
     bodies_.back()->setActivationState(DISABLE_DEACTIVATION);

@@ -77,7 +77,8 @@ inline std::vector<Body> read_bodies(const char* name) {
     for (double& x : b.inertia) in >> x;
     for (double& x : b.position) in >> x;
     for (double& x : b.turn) in >> x;
-    b.vertices.resize(vertices), b.triangles.resize(triangles);
+    b.vertices.resize(vertices);
+    b.triangles.resize(triangles);
     for (Vec& v : b.vertices) in >> word >> v[0] >> v[1] >> v[2];
     for (auto& t : b.triangles) in >> word >> t[0] >> t[1] >> t[2];
     bodies.push_back(std::move(b));
@@ -99,8 +100,10 @@ inline double median_of_last(std::vector<double> seconds, double share) {
 }
 
 inline int run(int argc, char** argv, Engine& engine) {
-  if (argc < 6)
-    return std::fprintf(stderr, "usage: %s bodies.txt dt steps sample poses.txt [option=value]...\n", argv[0]), 2;
+  if (argc < 6) {
+    std::fprintf(stderr, "usage: %s bodies.txt dt steps sample poses.txt [option=value]...\n", argv[0]);
+    return 2;
+  }
   const std::vector<Body> bodies = read_bodies(argv[1]);
   Settings settings;
   settings.dt = std::atof(argv[2]);

@@ -10,8 +10,10 @@ class Ode final : public peers::Engine {
  public:
   Ode() { dInitODE2(0), dAllocateODEDataForThread(dAllocateMaskAll); }
   void build(const std::vector<peers::Body>& bodies, const peers::Settings& settings) override {
-    dt_ = settings.dt, friction_ = settings.friction;
-    world_ = dWorldCreate(), contacts_ = dJointGroupCreate(0);
+    dt_ = settings.dt;
+    friction_ = settings.friction;
+    world_ = dWorldCreate();
+    contacts_ = dJointGroupCreate(0);
     space_ = dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ);
     dWorldSetGravity(world_, 0, 0, -9.81);
     dWorldSetQuickStepNumIterations(world_, settings.number("iterations", 20));
@@ -48,9 +50,13 @@ class Ode final : public peers::Engine {
       double n[3], length = 0.0, distance = 0.0;
       for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        n[k] = (q[i] - p[i]) * (r[j] - p[j]) - (q[j] - p[j]) * (r[i] - p[i]), length += n[k] * n[k];
+        n[k] = (q[i] - p[i]) * (r[j] - p[j]) - (q[j] - p[j]) * (r[i] - p[i]);
+        length += n[k] * n[k];
       }
-      for (int k = 0; k < 3; ++k) n[k] /= std::sqrt(length), distance += n[k] * p[k];
+      for (int k = 0; k < 3; ++k) {
+        n[k] /= std::sqrt(length);
+        distance += n[k] * p[k];
+      }
       h.planes.insert(h.planes.end(), {n[0], n[1], n[2], distance});
       h.polygons.push_back(3);
       for (int corner : t) h.polygons.push_back(static_cast<unsigned>(corner));
@@ -63,15 +69,18 @@ class Ode final : public peers::Engine {
     const dGeomID geom = half[0] > 0 ? dCreateBox(space_, 2 * half[0], 2 * half[1], 2 * half[2]) : hull(b);
     const dQuaternion turn = {b.turn[0], b.turn[1], b.turn[2], b.turn[3]};
     if (b.fixed()) {
-      dGeomSetPosition(geom, b.position[0], b.position[1], b.position[2]), dGeomSetQuaternion(geom, turn);
+      dGeomSetPosition(geom, b.position[0], b.position[1], b.position[2]);
+      dGeomSetQuaternion(geom, turn);
       bodies_.push_back(nullptr);
       return;
     }
     const dBodyID body = dBodyCreate(world_);
     dMass mass;
     dMassSetParameters(&mass, b.mass, 0, 0, 0, b.inertia[0], b.inertia[1], b.inertia[2], 0, 0, 0);
-    dBodySetMass(body, &mass), dBodySetAutoDisableFlag(body, 0);
-    dBodySetPosition(body, b.position[0], b.position[1], b.position[2]), dBodySetQuaternion(body, turn);
+    dBodySetMass(body, &mass);
+    dBodySetAutoDisableFlag(body, 0);
+    dBodySetPosition(body, b.position[0], b.position[1], b.position[2]);
+    dBodySetQuaternion(body, turn);
     dGeomSetBody(geom, body);
     bodies_.push_back(body);
   }
@@ -82,7 +91,8 @@ class Ode final : public peers::Engine {
     const int count = dCollide(a, b, 8, &contact[0].geom, sizeof(dContact));
     for (int k = 0; k < count; ++k) {
       contact[k].surface = {};
-      contact[k].surface.mode = dContactApprox1, contact[k].surface.mu = engine.friction_;
+      contact[k].surface.mode = dContactApprox1;
+      contact[k].surface.mu = engine.friction_;
       dJointAttach(dJointCreateContact(engine.world_, engine.contacts_, &contact[k]), dGeomGetBody(a), dGeomGetBody(b));
     }
   }
