@@ -9,8 +9,12 @@ struct Aabb {
   Vec3 max = Vec3::Constant(-std::numeric_limits<double>::infinity());
 
   Aabb fattened(double margin) const { return {min - Vec3::Constant(margin), max + Vec3::Constant(margin)}; }
-  bool overlaps(const Aabb& o) const { return (min.array() <= o.max.array()).all() && (o.min.array() <= max.array()).all(); }
-  bool contains(const Aabb& o) const { return (min.array() <= o.min.array()).all() && (o.max.array() <= max.array()).all(); }
+  bool overlaps(const Aabb& o) const {
+    return (min.array() <= o.max.array()).all() && (o.min.array() <= max.array()).all();
+  }
+  bool contains(const Aabb& o) const {
+    return (min.array() <= o.min.array()).all() && (o.max.array() <= max.array()).all();
+  }
   void include(const Vec3& p) { min = min.cwiseMin(p), max = max.cwiseMax(p); }
   void include(const Aabb& o) { min = min.cwiseMin(o.min), max = max.cwiseMax(o.max); }
   Vec3 centre() const { return 0.5 * (min + max); }

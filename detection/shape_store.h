@@ -36,14 +36,22 @@ class ShapeColumns<ShapeList<S...>> {
     return {type_of<T>() << ShapeRef::index_bits | static_cast<std::uint32_t>(column.size() - 1)};
   }
   template <class T>
-  const std::vector<T>& of() const { return std::get<std::vector<T>>(columns_); }
+  const std::vector<T>& of() const {
+    return std::get<std::vector<T>>(columns_);
+  }
 
   /// f(shape) with the concrete type behind the reference.
   template <class F>
-  decltype(auto) with(ShapeRef ref, F&& f) const { return dispatch<0>(ref, std::forward<F>(f)); }
+  decltype(auto) with(ShapeRef ref, F&& f) const {
+    return dispatch<0>(ref, std::forward<F>(f));
+  }
 
-  double bounding_radius(ShapeRef ref) const { return with(ref, [](const auto& s) { return s.bounding_radius(); }); }
-  Aabb bounding_box(ShapeRef ref, const Pose& pose) const { return with(ref, [&](const auto& s) { return s.bounding_box(pose); }); }
+  double bounding_radius(ShapeRef ref) const {
+    return with(ref, [](const auto& s) { return s.bounding_radius(); });
+  }
+  Aabb bounding_box(ShapeRef ref, const Pose& pose) const {
+    return with(ref, [&](const auto& s) { return s.bounding_box(pose); });
+  }
   Aabb bounding_box(const World& world, Slot s) const { return bounding_box({world.shape[s]}, world.pose(s)); }
 
  private:
@@ -61,6 +69,8 @@ using ShapeStore = ShapeColumns<AllShapes>;
 
 /// Names in the order of AllShapes: names[ref.type()].
 template <class... S>
-std::vector<Entry> shape_entries(ShapeList<S...>) { return {S::entry()...}; }
+std::vector<Entry> shape_entries(ShapeList<S...>) {
+  return {S::entry()...};
+}
 
 }  // namespace epafi

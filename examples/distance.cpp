@@ -20,7 +20,8 @@ int main() {
   sink.end();
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Vec3 n = contacts.normal[k], p = contacts.arm[k];
-    std::printf("gap %.12f  normal (%g, %g, %g)  point (%g, %g, %g)\n", contacts.gap[k], n.x(), n.y(), n.z(), p.x(), p.y(), p.z());
+    std::printf("gap %.12f  normal (%g, %g, %g)  point (%g, %g, %g)\n", contacts.gap[k], n.x(), n.y(), n.z(), p.x(),
+                p.y(), p.z());
   }
   if (contacts.size() == 0) return 1;
   const double nearest = *std::min_element(contacts.gap.begin(), contacts.gap.end());

@@ -1,5 +1,5 @@
-// A contact law in one file, without touching the tree: a progressive spring N = k delta^3. A ball falls on a floor; how
-// deep it goes follows from its energy: m g (h + delta) = k delta^4 / 4.
+// A contact law in one file, without touching the tree: a progressive spring N = k delta^3. A ball falls on a floor;
+// how deep it goes follows from its energy: m g (h + delta) = k delta^4 / 4.
 #include <cmath>
 #include <cstdio>
 
@@ -15,20 +15,25 @@ using namespace epafi;
 // --- the law
 struct Cubic {
   static constexpr const char* name = "cubic";
-  static constexpr Needs needs{};               // no rotation, no memory, no curvature: nothing of it is stored
+  static constexpr Needs needs{};  // no rotation, no memory, no curvature: nothing of it is stored
   static constexpr bool is_hertzian = false;
   struct Parameters {
     double stiffness;  ///< k [N/m^3], > 0
   };
   static Entry entry() {  // feeds the parser, `epafi list laws` and the reference
-    return {name, "progressive spring", {{"stiffness", "k", "N/m^3", Kind::number, {}, positive, "of the cube of the overlap"}}, needs, ""};
+    return {name,
+            "progressive spring",
+            {{"stiffness", "k", "N/m^3", Kind::number, {}, positive, "of the cube of the overlap"}},
+            needs,
+            ""};
   }
   static Missing missing(const MaterialPair&) { return {}; }
   static Parameters parameters(const MaterialPair& pair) { return {pair.parameters.number("stiffness")}; }
   static bool is_damped(const Parameters&) { return false; }
   static NormalResponse respond(const Parameters& p, const ContactKinematics& c) {
     const double n = p.stiffness * c.overlap * c.overlap * c.overlap;
-    return {n, n, 3 * p.stiffness * c.overlap * c.overlap, 0.25 * n * c.overlap};  // force, its elastic part, dN/d delta, energy
+    return {n, n, 3 * p.stiffness * c.overlap * c.overlap,
+            0.25 * n * c.overlap};  // force, its elastic part, dN/d delta, energy
   }
 };
 static_assert(NormalLaw<Cubic>);

@@ -31,8 +31,8 @@ int main() {
   double sag[2];
   const char* solvers[] = {"pgs", "newton"};
   for (int i = 0; i < 2; ++i) {
-    auto assembly = epafi::load_text(column(boxes), {"contact.nonsmooth.iterations=100",
-                                                     "contact.nonsmooth.solver=" + std::string(solvers[i])});
+    auto assembly = epafi::load_text(
+        column(boxes), {"contact.nonsmooth.iterations=100", "contact.nonsmooth.solver=" + std::string(solvers[i])});
     epafi::Simulation& simulation = *assembly->simulation;
     while (simulation.steps() < assembly->steps)
       if (simulation.advance()) return 4;

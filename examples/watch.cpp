@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   for (int k = 0; k < 400; ++k)
     if (assembly->simulation->advance()) return 4;
   for (std::size_t k = 0; k < seen.bins.size() && k < 10; ++k)
-    std::printf("%.1f to %.1f of the mean force: %.3f\n", 0.5 * static_cast<double>(k), 0.5 * static_cast<double>(k + 1),
-                static_cast<double>(seen.bins[k]) / static_cast<double>(seen.count));
+    std::printf("%.1f to %.1f of the mean force: %.3f\n", 0.5 * static_cast<double>(k),
+                0.5 * static_cast<double>(k + 1), static_cast<double>(seen.bins[k]) / static_cast<double>(seen.count));
   return seen.count > 0 ? 0 : 1;
 }

@@ -6,8 +6,8 @@
 #include <concepts>
 
 #include "engine/lanes/lanes.h"
-#include "engine/units/registry.h"
 #include "engine/state/types.h"
+#include "engine/units/registry.h"
 #include "laws/material.h"
 #include "laws/smooth/damper.h"
 

@@ -13,9 +13,9 @@
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/hdf5/checkpoint.h"
-#include "viz_export/vtk/frame_writer.h"
 #include "viz_export/hdf5/run_file.h"
 #include "viz_export/hdf5/stored_run.h"
+#include "viz_export/vtk/frame_writer.h"
 
 using namespace epafi;
 
@@ -37,11 +37,13 @@ double megabytes(const std::filesystem::path& path) {
   return 1e-6 * static_cast<double>(std::filesystem::file_size(path));
 }
 
-void row(const char* what, std::size_t n, double time, double size, std::optional<double> error, const std::string& hash) {
+void row(const char* what, std::size_t n, double time, double size, std::optional<double> error,
+         const std::string& hash) {
   const double per_million = 1e6 / static_cast<double>(n);
   char text[16] = "-";
   if (error) std::snprintf(text, sizeof text, "%.2g", *error);
-  std::printf("%-12s %9zu %10.4f %10.1f %10s  %s\n", what, n, time * per_million, size * per_million, text, hash.c_str());
+  std::printf("%-12s %9zu %10.4f %10.1f %10s  %s\n", what, n, time * per_million, size * per_million, text,
+              hash.c_str());
 }
 
 }  // namespace
@@ -56,7 +58,8 @@ int main(int argc, char** argv) {
   const std::string hash = state_hash(scene.world);
   const double records = seconds([&](int) { bodies = body_records(scene.world, surfaces); });
   double moved = 0;
-  for (std::size_t i = 0; i < n; ++i) moved = std::max(moved, (bodies[i + 1].pose.position - scene.world.position[i + 1]).norm());
+  for (std::size_t i = 0; i < n; ++i)
+    moved = std::max(moved, (bodies[i + 1].pose.position - scene.world.position[i + 1]).norm());
   row("records", n, records, 0, moved, hash);
   row("state hash", n, seconds([&](int) { state_hash(scene.world); }), 0, std::nullopt, state_hash(scene.world));
   {

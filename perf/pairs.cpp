@@ -14,10 +14,17 @@ namespace {
 
 /// Error over time, one mark per pair of shapes, one colour per method.
 void draw_cells(const std::vector<support::PairError>& cells, const char* path) {
-  ScatterPlot plot{"Every pair of shapes: worst error of 400 random pairs", "processor seconds per cold query with contact points",
-                   "error of the gap / larger bounding radius", {}, {}, {}, {}, false};
+  ScatterPlot plot{"Every pair of shapes: worst error of 400 random pairs",
+                   "processor seconds per cold query with contact points",
+                   "error of the gap / larger bounding radius",
+                   {},
+                   {},
+                   {},
+                   {},
+                   false};
   for (const auto& e : cells) {
-    auto line = std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == e.method; });
+    auto line =
+        std::find_if(plot.lines.begin(), plot.lines.end(), [&](const PlotLine& l) { return l.label == e.method; });
     if (line == plot.lines.end()) line = plot.lines.insert(plot.lines.end(), PlotLine{e.method, {}, {}});
     line->points.push_back({1e-9 * e.nanoseconds, std::max(e.worst, 1e-16)});
   }
@@ -35,8 +42,10 @@ int main(int argc, char** argv) {
       "separation that\n"
       "climbing over directions finds. Uncertain: pairs that the narrow phase itself reports (interval wider than 1e-6 "
       "of the\n"
-      "size). A mesh is the closed surface of a hull of 6 to 25 vertices (8 to 46 triangles), apart from the other body or\n"
-      "entered by at most a hundredth of the size; its ns hold the search for candidates. ns: CPU of one thread per cold query\n"
+      "size). A mesh is the closed surface of a hull of 6 to 25 vertices (8 to 46 triangles), apart from the other "
+      "body or\n"
+      "entered by at most a hundredth of the size; its ns hold the search for candidates. ns: CPU of one thread per "
+      "cold query\n"
       "with contact points, on the machine that made the table; compare ratios.\n\n"
       "| A | B | method | worst error | uncertain | ns |\n|---|---|---|---|---|---|\n");
   bool sound = true;

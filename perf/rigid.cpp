@@ -11,8 +11,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/step/energy.h"
 #include "engine/state/hash.h"
+#include "engine/step/energy.h"
 #include "engine/threads/parallel.h"
 #include "scenes/assemble.h"
 #include "scenes/full_registry.h"

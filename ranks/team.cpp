@@ -5,8 +5,8 @@
 #include <string>
 #include <type_traits>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 #include "ranks/communicator.h"
 #include "ranks/part.h"
 

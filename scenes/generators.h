@@ -1,4 +1,5 @@
-/// @file generators.h  Bodies of a [[fill]]: centres, sizes, orientations, own velocities, all by the fill and its seed.
+/// @file generators.h  Bodies of a [[fill]]: centres, sizes, orientations, own velocities, all by the fill and its
+/// seed.
 #pragma once
 #include <functional>
 #include <string>

@@ -31,8 +31,8 @@ struct BoundCheck {
 
 class RunMonitor final : public Observer {
  public:
-  /// steps: of the whole run; the mean overlap is that of its last tenth. interval: steps between looks at energy and mean
-  /// overlap; the largest overlap, the residual and how bodies have moved are looked at in every step.
+  /// steps: of the whole run; the mean overlap is that of its last tenth. interval: steps between looks at energy and
+  /// mean overlap; the largest overlap, the residual and how bodies have moved are looked at in every step.
   /// bound_bodies: of [bounds], then of [accuracy].
   struct Setup {
     std::uint64_t steps = 0, interval = 1;

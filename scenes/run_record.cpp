@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 #include "scenes/scene.h"
 
 namespace epafi {

@@ -11,14 +11,14 @@
 #include <utility>
 #include <vector>
 
+#include "engine/state/types.h"
 #include "engine/step/cell_events.h"
 #include "engine/step/domain.h"
-#include "engine/units/error.h"
 #include "engine/step/events.h"
 #include "engine/step/loads.h"
-#include "engine/units/registry.h"
 #include "engine/step/servo.h"
-#include "engine/state/types.h"
+#include "engine/units/error.h"
+#include "engine/units/registry.h"
 #include "laws/material.h"
 #include "scenes/rare.h"
 #include "viz_export/view/settings.h"

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/step/contact_layer.h"
-#include "engine/state/hash.h"
-#include "engine/threads/parallel.h"
 #include "engine/lanes/program_pages.h"
+#include "engine/state/hash.h"
 #include "engine/state/state_snapshot.h"
+#include "engine/step/contact_layer.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/about.h"
@@ -17,8 +17,8 @@
 #include "scenes/processor_time.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/stop.h"
-#include "viz_export/hdf5/problem_file.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/problem_file.h"
 #include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
@@ -197,9 +197,9 @@ void Session::add_observers() {
   sim.observers.push_back(std::move(monitor));
   for (const auto& spec : scene.measures) {
     const std::uint64_t written = rows_apart(spec, assembly_->steps);
-    auto recorder = std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), &files_->csv, &files_->run,
-                                                      EverySteps::of_time(spec.interval, dt, first), spec.kind,
-                                                      written);
+    auto recorder =
+        std::make_unique<MeasureRecorder>(spec.name, assembly_->measure(spec), &files_->csv, &files_->run,
+                                          EverySteps::of_time(spec.interval, dt, first), spec.kind, written);
     recorders_.push_back(recorder.get());
     if (const auto& until = scene.stages[scene.stage].until; until && until->measure == spec.name) {
       watched_ = recorder.get();
@@ -293,8 +293,7 @@ std::optional<Ending> Session::step_once(std::uint64_t last_step, bool run_on) {
   if (sim.steps() % keep_every == 0 || fresh_) files_->last_good.save([this](StateVisitor& v) { walk(v); });
   fresh_ = false;
   if (const auto failure = sim.advance(sim.steps() + 1 == last_step, run_on)) return fail(*failure);
-  if (const auto failure = sim.is_ahead() ? std::nullopt : tracks_->look(sim.steps()))
-    return end_off_track(*failure);
+  if (const auto failure = sim.is_ahead() ? std::nullopt : tracks_->look(sim.steps())) return end_off_track(*failure);
   if (const auto bound = monitor_->violated()) {
     trouble_ = fmt::format("[bounds] {}: {:.6g} exceeds {:.6g} at t = {:.6g} s (step {})", bound->name, bound->value,
                            bound->bound, sim.world.time, sim.steps());
@@ -427,6 +426,16 @@ std::vector<std::string> Session::warnings() const {
   return out;
 }
 
+namespace {
+
+const char* status_of(Ending ending) {
+  if (ending == Ending::completed || ending == Ending::until || ending == Ending::stopped) return "completed";
+  if (ending == Ending::bound_violated) return "bound_violated";
+  return ending == Ending::failed ? "failed" : "interrupted";
+}
+
+}  // namespace
+
 RunSummary Session::summary() const {
   const Simulation& sim = *assembly_->simulation;
   const Scene& scene = assembly_->scene;
@@ -436,11 +445,7 @@ RunSummary Session::summary() const {
   s.scene = scene.file;
   s.scene_hash = scene_hash_;
   s.failure = trouble_;
-  const bool well = ending_ == Ending::completed || ending_ == Ending::until || ending_ == Ending::stopped;
-  s.status = well                                ? "completed"
-             : ending_ == Ending::bound_violated ? "bound_violated"
-             : ending_ == Ending::failed         ? "failed"
-                                                 : "interrupted";
+  s.status = status_of(ending_);
   s.warnings = warnings();
   s.stop_reason = stop_reason_;
   for (const StageRecord& r : record_.stages)

@@ -23,8 +23,8 @@ struct BuiltShape {
   double mass = 0.0;     ///< given by the scene [kg]; frame.moments are then whole ones, no density is needed
 };
 
-/// Builds each (shape, size factor) once; of spheres those of the first thousand sizes, beyond that each has its own and
-/// nothing is kept to find it again. Geometry that cannot be built (not convex, no volume, not closed) is a
+/// Builds each (shape, size factor) once; of spheres those of the first thousand sizes, beyond that each has its own
+/// and nothing is kept to find it again. Geometry that cannot be built (not convex, no volume, not closed) is a
 /// SceneError at the place of the shape.
 class ShapeBuilder {
  public:

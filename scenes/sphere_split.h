@@ -37,10 +37,10 @@ class WornPairs final : public BroadPhase {
   const Pipeline& pipeline_;
   std::vector<double>
       used_margin_;  ///< by block of the model: at least the largest used_margin of its bodies; empty: not known
-  bool ways_known_ = false;   ///< in this step
-  Vec3 cell_size_ = Vec3::Zero();  ///< as used_margin_ knows it, in a periodic cell [m]
-  std::vector<Wraps> wraps_;       ///< the same: whoever was put back into the cell has gone elsewhere
-  ListState used_up_;              ///< what was seen when the list ended
+  bool ways_known_ = false;            ///< in this step
+  Vec3 cell_size_ = Vec3::Zero();      ///< as used_margin_ knows it, in a periodic cell [m]
+  std::vector<Wraps> wraps_;           ///< the same: whoever was put back into the cell has gone elsewhere
+  ListState used_up_;                  ///< what was seen when the list ended
   std::vector<std::size_t> doubtful_;  ///< blocks whose bodies are to be looked at
 };
 

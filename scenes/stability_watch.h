@@ -1,4 +1,5 @@
-/// @file stability_watch.h  The watch over the time step of smooth contact: with all contacts and springs of the moment.
+/// @file stability_watch.h  The watch over the time step of smooth contact: with all contacts and springs of the
+/// moment.
 #pragma once
 #include <memory>
 

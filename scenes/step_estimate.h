@@ -1,6 +1,6 @@
 /// @file step_estimate.h  What time step the contacts of a scene will bear, before it has any: impacts at an expected
-/// speed, packings under an expected load, flat bodies on four points. All limits are those of engine/step/stiffest_mode.h
-/// with the law's stiffness and dashpot at the overlap of that speed or load.
+/// speed, packings under an expected load, flat bodies on four points. All limits are those of
+/// engine/step/stiffest_mode.h with the law's stiffness and dashpot at the overlap of that speed or load.
 ///
 /// Limits hold to 20 % where speed and load are what was expected; they go with its power 1/6 (load) and 1/5 (speed)
 /// for Hertz. What comes otherwise is met by the watch in the run.

@@ -77,6 +77,25 @@ bool is_railway(std::uint32_t shape) {
   return type == ShapeStore::type_of<WheelProfile>() || type == ShapeStore::type_of<RailProfile>();
 }
 
+/// What sources will bring: low, high: heights that bodies reach against `down` [m]; fastest [m/s].
+void survey_sources(const Assembly& a, const Vec3& down, Survey& out, double& low, double& high, double& fastest) {
+  const World& w = a.simulation->world;
+  for (const auto* source : a.sources) {
+    for (const auto& b : source->setup().bodies) {
+      look_at(out, a, b.body, 0.5 * (source->setup().low + source->setup().high));
+      fastest = std::max(fastest, b.body.velocity.norm());
+    }
+    for (const Vec3& corner : {source->setup().low, source->setup().high}) {
+      out.low = out.low.cwiseMin(corner);
+      out.high = out.high.cwiseMax(corner);
+      low = std::min(low, corner.dot(down));
+      high = std::max(high, corner.dot(down));
+    }
+    for (Slot s = 0; s < w.size(); ++s)  // what is poured falls onto what is there
+      if (std::isfinite(a.shapes->bounding_radius({w.shape[s]}))) high = std::max(high, w.position[s].dot(down));
+  }
+}
+
 Survey survey(const Assembly& a) {
   const World& w = a.simulation->world;
   Survey out;
@@ -105,20 +124,7 @@ Survey survey(const Assembly& a) {
     low = std::min(low, depth - a.shapes->bounding_radius({w.shape[s]}));
     high = std::max(high, depth);
   }
-  for (const auto* source : a.sources) {
-    for (const auto& b : source->setup().bodies) {
-      look_at(out, a, b.body, 0.5 * (source->setup().low + source->setup().high));
-      fastest = std::max(fastest, b.body.velocity.norm());
-    }
-    for (const Vec3& corner : {source->setup().low, source->setup().high}) {
-      out.low = out.low.cwiseMin(corner);
-      out.high = out.high.cwiseMax(corner);
-      low = std::min(low, corner.dot(down));
-      high = std::max(high, corner.dot(down));
-    }
-    for (Slot s = 0; s < w.size(); ++s)  // what is poured falls onto what is there
-      if (std::isfinite(a.shapes->bounding_radius({w.shape[s]}))) high = std::max(high, w.position[s].dot(down));
-  }
+  survey_sources(a, down, out, low, high, fastest);
   for (const auto& b : a.scene.bodies)
     if (b.servo && !b.absent) {
       fastest = std::max(fastest, b.servo->servo.max_speed);

@@ -12,7 +12,7 @@ namespace {
 constexpr double telling_share = 1e-2;  // of the energy exchanged: told
 // of the energy exchanged: ends the run where the scene sets no bound of its own
 constexpr double ending_share = 0.5;
-constexpr double band_share = 1e-3;     // swings of single contacts: automatic steps err by less of all energy
+constexpr double band_share = 1e-3;  // swings of single contacts: automatic steps err by less of all energy
 // steps: the first touch of a scene at rest errs by all of an energy that is nothing yet
 constexpr double passing = 40;
 constexpr double noise_per_residual = 1e3;  // velocities of a stack of 30 err by 30 times what its residual says
@@ -109,8 +109,10 @@ void WatchedBalance::judge(const StepView& view, double known) {
   if (f.share > telling_share && !view.report.has_solver) measure(rounding_energy(view));
   const double step = static_cast<double>(view.step);
   const auto lasts = [&](bool open, double& since) {
-    if (!open || view.step == 0) since = 0;
-    else if (since == 0) since = step;
+    if (!open || view.step == 0)
+      since = 0;
+    else if (since == 0)
+      since = step;
     return since > 0 && (view.last || step - since >= passing);
   };
   f.told = lasts(!(f.share <= telling_share), state_.since_told);

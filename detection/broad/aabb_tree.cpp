@@ -8,9 +8,9 @@
 namespace epafi {
 
 namespace {
-constexpr std::uint32_t leaf_size = 8;      // bodies; 4 and 16 are slower in perf/broad.cpp
-constexpr double mixed_sizes = 4.0;         // largest over smallest in a node, above which it is split by size
-constexpr double rebuilt_at = 1.2;          // surface over that when built, above which the tree is built anew
+constexpr std::uint32_t leaf_size = 8;  // bodies; 4 and 16 are slower in perf/broad.cpp
+constexpr double mixed_sizes = 4.0;     // largest over smallest in a node, above which it is split by size
+constexpr double rebuilt_at = 1.2;      // surface over that when built, above which the tree is built anew
 constexpr std::size_t leaves_per_block = 64;
 
 double half_surface(const Aabb& b) {
@@ -98,7 +98,8 @@ void AabbTree::find_leaves(const Aabb& box, Scratch& scratch) const {
     stack.pop_back();
     const Node& node = node_[i];
     if (!node.box.overlaps(box)) continue;
-    if (node.right == 0) leaves.push_back(i);
+    if (node.right == 0)
+      leaves.push_back(i);
     else {
       stack.push_back(node.right);
       stack.push_back(i + 1);

@@ -1,7 +1,8 @@
-/// @file aabb_tree.h  Binary tree of boxes, refitted while it stays good and rebuilt when it does not (van den Bergen 1997).
-/// Built from the top: a node of mixed sizes is split by size, any other at the median of its longest axis. Boulders thus
-/// stand in a subtree of their own and do not swell the nodes of the dust. Quality is the sum of node surfaces, to which the
-/// cost of a query is proportional (Goldsmith and Salmon 1987). Better than a grid where sizes and density both vary widely.
+/// @file aabb_tree.h  Binary tree of boxes, refitted while it stays good and rebuilt when it does not (van den Bergen
+/// 1997). Built from the top: a node of mixed sizes is split by size, any other at the median of its longest axis.
+/// Boulders thus stand in a subtree of their own and do not swell the nodes of the dust. Quality is the sum of node
+/// surfaces, to which the cost of a query is proportional (Goldsmith and Salmon 1987). Better than a grid where sizes
+/// and density both vary widely.
 #pragma once
 #include "detection/broad/broad_phase.h"
 

@@ -12,14 +12,17 @@ namespace epafi {
 
 namespace {
 template <class T>
-std::unique_ptr<BroadPhase> make(const BroadSetup& setup) { return std::make_unique<T>(setup); }
+std::unique_ptr<BroadPhase> make(const BroadSetup& setup) {
+  return std::make_unique<T>(setup);
+}
 
 constexpr std::size_t few = 48;  // bodies below which testing all pairs is fastest (perf/broad.cpp)
 }  // namespace
 
 const std::vector<BroadPhaseEntry>& all_broad_phases() {
   static const std::vector<BroadPhaseEntry> list{
-      {{"spatial-hash", "bodies sorted into cells, one grid per size class", {}, {}, "Ericson 2005"}, make<SpatialHash>},
+      {{"spatial-hash", "bodies sorted into cells, one grid per size class", {}, {}, "Ericson 2005"},
+       make<SpatialHash>},
       {{"aabb-tree", "tree of boxes, refitted, rebuilt when worn", {}, {}, "van den Bergen 1997"}, make<AabbTree>},
       {{"sweep-and-prune", "intervals sorted along one axis", {}, {}, "Cohen et al. 1995"}, make<SweepAndPrune>},
       {{"all-pairs", "every pair tested: the reference", {}, {}, ""}, make<AllPairs>},

@@ -1,4 +1,5 @@
-/// @file all_broad_phases.h  The list of broad phases: one line per entry, and the choice behind `broad_phase = "auto"`.
+/// @file all_broad_phases.h  The list of broad phases: one line per entry, and the choice behind `broad_phase =
+/// "auto"`.
 #pragma once
 #include <functional>
 #include <memory>

@@ -1,5 +1,5 @@
-/// @file all_pairs.h  Every pair is tested: n^2/2 tests, no structure. The reference for the other methods, and the fastest below
-/// some fifty bodies.
+/// @file all_pairs.h  Every pair is tested: n^2/2 tests, no structure. The reference for the other methods, and the
+/// fastest below some fifty bodies.
 #pragma once
 #include "detection/broad/broad_phase.h"
 #include "engine/threads/parallel.h"

@@ -1,6 +1,7 @@
-/// @file broad_phase.h  What all broad phases share: fat bodies, the test when the list is outdated, the canonical list (Verlet 1967).
-/// A method only hands over candidates. The list is a function of the fat boxes, not of the method. Contacts do not depend on
-/// the list's age: a pair with gap < reach is always listed. Hence nothing is saved in `visit` and any restart gives the same bits.
+/// @file broad_phase.h  What all broad phases share: fat bodies, the test when the list is outdated, the canonical list
+/// (Verlet 1967). A method only hands over candidates. The list is a function of the fat boxes, not of the method.
+/// Contacts do not depend on the list's age: a pair with gap < reach is always listed. Hence nothing is saved in
+/// `visit` and any restart gives the same bits.
 #pragma once
 #include "detection/broad/fat_bodies.h"
 #include "detection/broad/pair_collector.h"
@@ -48,9 +49,9 @@ class ListBroadPhase : public BroadPhase {
   PairColumn found_;  ///< with images, in a periodic cell
   bool valid_ = false;
   bool used_up_by_slow_ = false;  ///< as the last look at all bodies says
-  bool known_ = false;           ///< the bodies are in the slots in which bodies_ has seen them
-  double last_time_ = infinity;  ///< of the last call [s]
-  double step_time_ = 0.0;       ///< dt as seen between two calls [s]; 0: not known yet
+  bool known_ = false;            ///< the bodies are in the slots in which bodies_ has seen them
+  double last_time_ = infinity;   ///< of the last call [s]
+  double step_time_ = 0.0;        ///< dt as seen between two calls [s]; 0: not known yet
 };
 
 }  // namespace epafi

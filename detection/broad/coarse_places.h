@@ -1,14 +1,15 @@
-/// @file coarse_places.h  Where many bodies were, for asking how far they have come since: 12 bytes each where positions
-/// take 24 and balls 32. Floats from the first body of each 64, which are neighbours where slots follow a Morton curve.
+/// @file coarse_places.h  Where many bodies were, for asking how far they have come since: 12 bytes each where
+/// positions take 24 and balls 32. Floats from the first body of each 64, which are neighbours where slots follow a
+/// Morton curve.
 #pragma once
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
 #include "engine/state/large_column.h"
+#include "engine/state/types.h"
 #include "engine/threads/parallel.h"
 #include "engine/units/registry.h"
-#include "engine/state/types.h"
 
 namespace epafi {
 

@@ -54,9 +54,9 @@ struct Ball {
 struct ApartPlane {
   Vec3 normal = Vec3::Zero();  ///< world axes; zero where it is none
   Vec3 point = Vec3::Zero();
-  double reach = 0.0;          ///< its own fattening [m]
-  Slot place = no_slot;        ///< of that role: as SpherePairs lists it
-  bool loose = false;          ///< it may move: bodies outside FatBodies::around are always near it
+  double reach = 0.0;    ///< its own fattening [m]
+  Slot place = no_slot;  ///< of that role: as SpherePairs lists it
+  bool loose = false;    ///< it may move: bodies outside FatBodies::around are always near it
   bool is_plane() const { return normal.squaredNorm() > 0.0; }
 };
 
@@ -89,32 +89,33 @@ double largest_ordinary(std::size_t count, double median, const std::function<do
 /// Bounding columns by slot, and the state they were taken from.
 struct FatBodies {
   FatBodies();
-  std::vector<Aabb> boxes;             ///< fat, world axes [m]; empty where all are spheres and half-spaces: their balls say it
-  UnwrittenColumn<Ball> ball;          ///< fat, about the centre of mass [m]; behind the bodies those of images
-  std::vector<double> half;            ///< as half_of; with boxes
-  std::vector<double> radius;          ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
+  std::vector<Aabb> boxes;     ///< fat, world axes [m]; empty where all are spheres and half-spaces: their balls say it
+  UnwrittenColumn<Ball> ball;  ///< fat, about the centre of mass [m]; behind the bodies those of images
+  std::vector<double> half;    ///< as half_of; with boxes
+  std::vector<double> radius;  ///< bounding radius of the shape [m], infinite for half-spaces; with boxes
   std::vector<float> inverse_half_margin;  ///< 1/half the margin or little more [1/m]; of a margin of 0
                                            ///< largest_inverse_half_margin; no images
-  std::vector<CellImage> images;  ///< of bodies, in a periodic cell
+  std::vector<CellImage> images;           ///< of bodies, in a periodic cell
   std::vector<std::uint32_t> id;
   std::vector<std::uint8_t> type;
   std::vector<char> immovable;
-  std::vector<SphereRole> role;        ///< with setup.spheres.wanted
-  std::vector<Quat> orientation;       ///< when the boxes were taken, in worlds that rotate
-  std::vector<Slot> ordinary;          ///< bounded bodies, ascending
-  std::vector<Slot> apart;             ///< unbounded ones and a few giants, ascending: tested one by one against all
-  std::vector<ApartPlane> plane;       ///< of apart[k]
-  std::vector<Slot> sphere_planes;     ///< half-spaces of that role, ascending
-  Aabb around;                         ///< centres of all free bodies but strays, where half-spaces may move [m]
-  bool only_spheres = false;           ///< every pair is one of PairList::spheres
-  bool ordered_spheres = false;        ///< all ordinary bodies are such spheres, and none apart is
+  std::vector<SphereRole> role;     ///< with setup.spheres.wanted
+  std::vector<Quat> orientation;    ///< when the boxes were taken, in worlds that rotate
+  std::vector<Slot> ordinary;       ///< bounded bodies, ascending
+  std::vector<Slot> apart;          ///< unbounded ones and a few giants, ascending: tested one by one against all
+  std::vector<ApartPlane> plane;    ///< of apart[k]
+  std::vector<Slot> sphere_planes;  ///< half-spaces of that role, ascending
+  Aabb around;                      ///< centres of all free bodies but strays, where half-spaces may move [m]
+  bool only_spheres = false;        ///< every pair is one of PairList::spheres
+  bool ordered_spheres = false;     ///< all ordinary bodies are such spheres, and none apart is
 
   std::size_t bodies() const { return inverse_half_margin.size(); }
   /// With images.
   std::size_t size() const { return inverse_half_margin.size() + images.size(); }
   /// Fat, world axes [m].
   Aabb box(std::size_t i) const {
-    return boxes.empty() ? Aabb{position(i) - Vec3::Constant(ball[i].r), position(i) + Vec3::Constant(ball[i].r)} : boxes[i];
+    return boxes.empty() ? Aabb{position(i) - Vec3::Constant(ball[i].r), position(i) + Vec3::Constant(ball[i].r)}
+                         : boxes[i];
   }
   /// When the boxes were taken [m].
   Vec3 position(std::size_t i) const { return {ball[i].x, ball[i].y, ball[i].z}; }
@@ -124,7 +125,9 @@ struct FatBodies {
   }
   /// Largest distance from the centre to a face of the fat box [m].
   double half_of(std::size_t i) const { return half.empty() ? ball[i].r : half[i]; }
-  bool near(Slot i, Slot j) const { return ball[i].overlaps(ball[j]) && (boxes.empty() || boxes[i].overlaps(boxes[j])); }
+  bool near(Slot i, Slot j) const {
+    return ball[i].overlaps(ball[j]) && (boxes.empty() || boxes[i].overlaps(boxes[j]));
+  }
   /// The fat body reaches the fattened half-space.
   bool near_plane(Slot i, const ApartPlane& p) const {
     if (p.loose && !is_around(position(i))) return true;
@@ -133,7 +136,8 @@ struct FatBodies {
   }
   bool is_sphere_apart(Slot i) const { return role.empty() ? only_spheres : role[i] == SphereRole::sphere; }
   bool may_touch(Slot i, Slot j, const PairFilter& filter) const {
-    return !(immovable[i] && immovable[j]) && (id[i] < id[j] ? filter.allows(type[i], type[j]) : filter.allows(type[j], type[i]));
+    return !(immovable[i] && immovable[j]) &&
+           (id[i] < id[j] ? filter.allows(type[i], type[j]) : filter.allows(type[j], type[i]));
   }
 
   /// Takes everything from the world; step_time is dt [s] where it is known, else 0 (margins from sizes alone).
@@ -185,17 +189,17 @@ struct FatBodies {
   CommonMotion common_motion_;
   Vec3 mean_velocity_ = Vec3::Zero();  ///< of the bodies that move, at the last update [m/s]
   bool knows_mean_ = false;
-  double taken_at_ = 0.0;  ///< time of the last update [s]
-  double steps_ = 0.0;     ///< how long the list of fast bodies was to last then
-  bool round_ = false;     ///< all are spheres and half-spaces
-  bool complete_ = false;  ///< no body is left out of `ordinary` and `apart`
-  std::vector<char> slow_;  ///< has the least margin of its size
-  CoarsePlaces places_;     ///< instead of balls
+  double taken_at_ = 0.0;      ///< time of the last update [s]
+  double steps_ = 0.0;         ///< how long the list of fast bodies was to last then
+  bool round_ = false;         ///< all are spheres and half-spaces
+  bool complete_ = false;      ///< no body is left out of `ordinary` and `apart`
+  std::vector<char> slow_;     ///< has the least margin of its size
+  CoarsePlaces places_;        ///< instead of balls
   bool loose_planes_ = false;  ///< some half-space may move
   bool holds_bounded_ = false;
-  double most_radius_ = 0.0;       ///< of bodies that are no spheres [m]
+  double most_radius_ = 0.0;              ///< of bodies that are no spheres [m]
   double strain_over_half_margin_ = 0.0;  ///< largest fat radius over half its margin, in a periodic cell
-  Vec3 cell_size_ = Vec3::Ones();  ///< at the last update [m]
+  Vec3 cell_size_ = Vec3::Ones();         ///< at the last update [m]
   bool is_half_space(std::size_t i) const { return !type.empty() && type[i] == ShapeStore::type_of<HalfSpace>(); }
   /// A surface of revolution: a turn about its own axis moves nothing.
   bool is_hollow(std::size_t i) const {

@@ -1,10 +1,11 @@
-/// @file pair_collector.h  Gathers the near pairs that a method finds, in any order and from any thread, into the canonical list.
-/// A method hands over each ordinary body once with its candidates. Pairs whose A it is form a run of their own; the others
-/// are counted into place by A. The list depends on the set of pairs alone, so it is the same bits for every thread count.
+/// @file pair_collector.h  Gathers the near pairs that a method finds, in any order and from any thread, into the
+/// canonical list. A method hands over each ordinary body once with its candidates. Pairs whose A it is form a run of
+/// their own; the others are counted into place by A. The list depends on the set of pairs alone, so it is the same
+/// bits for every thread count.
 #pragma once
 #include "detection/broad/fat_bodies.h"
-#include "engine/state/contacts.h"
 #include "engine/lanes/lanes.h"
+#include "engine/state/contacts.h"
 
 namespace epafi {
 
@@ -12,12 +13,12 @@ class PairCollector {
  public:
   PairCollector(const FatBodies& bodies, const PairFilter& filter) : bodies_(bodies), filter_(filter) {}
 
-  /// in_order: with bodies.ordered_spheres, of a method that hands in the bodies by ascending slots, in ascending blocks,
-  /// each with all that it is near: nothing is left to be sorted then.
+  /// in_order: with bodies.ordered_spheres, of a method that hands in the bodies by ascending slots, in ascending
+  /// blocks, each with all that it is near: nothing is left to be sorted then.
   void begin(std::size_t blocks, bool in_order = false);
-  /// Candidates of ordinary body i: of every near pair of ordinary bodies one side is handed in as the other's candidate, once.
-  /// Candidates that are not near are dropped. Each i belongs to one call and one block; blocks may run in parallel.
-  /// met: the balls of all candidates are known to overlap that of i.
+  /// Candidates of ordinary body i: of every near pair of ordinary bodies one side is handed in as the other's
+  /// candidate, once. Candidates that are not near are dropped. Each i belongs to one call and one block; blocks may
+  /// run in parallel. met: the balls of all candidates are known to overlap that of i.
   void add(std::size_t block, Slot i, std::span<const Slot> candidates, bool met = false);
   /// No more bodies come for this block, of a list of many: its room is what it holds (7 bytes a sphere).
   void close(std::size_t block) { blocks_[block].spheres.shrink_to_fit(); }

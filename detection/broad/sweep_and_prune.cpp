@@ -32,7 +32,9 @@ void SweepAndPrune::choose_axes(const FatBodies& bodies) {
 }
 
 void SweepAndPrune::sort_intervals(const FatBodies& bodies) {
-  const auto before = [](const Interval& p, const Interval& q) { return p.min != q.min ? p.min < q.min : p.slot < q.slot; };
+  const auto before = [](const Interval& p, const Interval& q) {
+    return p.min != q.min ? p.min < q.min : p.slot < q.slot;
+  };
   bool known = !slots_changed() && axis_ >= 0 && interval_.size() == bodies.ordinary.size();
   if (!known) {
     choose_axes(bodies);
@@ -61,14 +63,14 @@ void SweepAndPrune::make_rows(const FatBodies& bodies) {
   const std::size_t n = interval_.size();
   const auto low = [&](std::size_t k) { return bodies.box(interval_[k].slot).min[across_]; };
   longest_ = block_max<double>(n, 0.0, [&](std::size_t k) { return interval_[k].max - interval_[k].min; });
-  const double widest = block_max<double>(
-      n, 0.0, [&](std::size_t k) { return bodies.box(interval_[k].slot).max[across_] - low(k); });
+  const double widest =
+      block_max<double>(n, 0.0, [&](std::size_t k) { return bodies.box(interval_[k].slot).max[across_] - low(k); });
   const double first = -block_max<double>(n, -infinity, [&](std::size_t k) { return -low(k); });
   const double last = block_max<double>(n, -infinity, low);
   // As wide as the widest body: who is near lies in the same row or in one beside it. Rows beyond n hold nothing.
   double width = std::max(1.000001 * widest, (last - first) / static_cast<double>(n + 1));
-  // In a row one meets who begins within one's own interval, in the row beside who may reach it as well, however long the
-  // longest is: a few boulders in dust make rows dearer than none (530 ns a body and step for 55).
+  // In a row one meets who begins within one's own interval, in the row beside who may reach it as well, however long
+  // the longest is: a few boulders in dust make rows dearer than none (530 ns a body and step for 55).
   const double mean =
       block_sum<double>(n, [&](std::size_t k) { return interval_[k].max - interval_[k].min; }) / static_cast<double>(n);
   if (!((2.0 * mean + longest_) * width < mean * (last - first))) width = 0.0;
@@ -82,7 +84,8 @@ void SweepAndPrune::make_rows(const FatBodies& bodies) {
     ++row_begin_[row_[k] + 2];
   }
   for (std::size_t r = 2; r < rows + 2; ++r) row_begin_[r] += row_begin_[r - 1];
-  for (std::size_t k = 0; k < n; ++k) swept_[row_begin_[row_[k] + 1]++] = interval_[k];  // afterwards row r is [r, r + 1)
+  for (std::size_t k = 0; k < n; ++k)
+    swept_[row_begin_[row_[k] + 1]++] = interval_[k];  // afterwards row r is [r, r + 1)
 }
 
 void SweepAndPrune::sweep(std::size_t begin, std::size_t end, std::size_t block, PairCollector& collector) {
@@ -99,7 +102,8 @@ void SweepAndPrune::sweep(std::size_t begin, std::size_t end, std::size_t block,
       next_end = row + 2 < row_begin_.size() ? row_begin_[row + 2] : row_end;
       const auto at = [&](std::size_t m) { return swept_.begin() + static_cast<std::ptrdiff_t>(m); };
       const auto before = [&](const Interval& i, double x) { return i.min < x; };
-      next = static_cast<std::size_t>(std::lower_bound(at(row_end), at(next_end), own.min - longest_, before) - swept_.begin());
+      next = static_cast<std::size_t>(std::lower_bound(at(row_end), at(next_end), own.min - longest_, before) -
+                                      swept_.begin());
     }
     found.clear();
     const auto take = [&](std::size_t m, std::size_t last) {
@@ -122,9 +126,8 @@ void SweepAndPrune::collect(const FatBodies& bodies, PairCollector& collector) {
   ball_.resize(n);
   parallel_for(n, [&](std::size_t k) { ball_[k] = bodies.ball[swept_[k].slot]; });
   if (found_.size() < blocks) found_.resize(blocks);
-  parallel_blocks(n, sweep_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
-    sweep(begin, end, block, collector);
-  });
+  parallel_blocks(n, sweep_block,
+                  [&](std::size_t begin, std::size_t end, std::size_t block) { sweep(begin, end, block, collector); });
 }
 
 }  // namespace epafi

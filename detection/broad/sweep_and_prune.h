@@ -1,8 +1,7 @@
-/// @file sweep_and_prune.h  Intervals sorted along the axis of largest spread, swept once (Baraff 1992; Cohen et al. 1995), in
-/// rows across the axis of second largest spread: in a cube of N bodies an interval meets some N^(2/3) others, in rows as wide
-/// as the largest body some N^(1/3).
-/// The order of the last list is nearly that of the next: insertion sort takes a few exchanges per body. Best for few bodies
-/// and for long thin scenes.
+/// @file sweep_and_prune.h  Intervals sorted along the axis of largest spread, swept once (Baraff 1992; Cohen et al.
+/// 1995), in rows across the axis of second largest spread: in a cube of N bodies an interval meets some N^(2/3)
+/// others, in rows as wide as the largest body some N^(1/3). The order of the last list is nearly that of the next:
+/// insertion sort takes a few exchanges per body. Best for few bodies and for long thin scenes.
 #pragma once
 #include "detection/broad/broad_phase.h"
 

@@ -86,7 +86,7 @@ class BatchNarrowPhase : public NarrowPhase {
   std::vector<Block> blocks_;
   std::vector<Slot> meshes_;      ///< of all blocks, ascending
   std::unique_ptr<Seams> seams_;  ///< null: each wall stands for itself
-  std::vector<Memory> old_;  ///< of the last list's blocks, in order, none empty
+  std::vector<Memory> old_;       ///< of the last list's blocks, in order, none empty
 };
 
 }  // namespace epafi

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "detection/narrow/gjk/gjk.h"
-#include "detection/narrow/pairs/part_pairs.h"
 #include "detection/narrow/mesh/point_triangle.h"
+#include "detection/narrow/pairs/part_pairs.h"
 
 namespace epafi {
 
@@ -126,7 +126,8 @@ struct Piece<S> {
     for (const bool at_end : {false, true}) {
       const double rim = wall.radius_of_end(at_end), z = wall.z_of_end(at_end);
       if (!wall.closed || distance_in_plane(std::min(radius, rim), z) > near) continue;
-      if (reaches(-across, radius + rim) || reaches(across, rim - radius) || reaches(std::abs(around), rim)) return true;
+      if (reaches(-across, radius + rim) || reaches(across, rim - radius) || reaches(std::abs(around), rim))
+        return true;
     }
     return false;
   }

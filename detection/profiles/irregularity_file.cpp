@@ -27,6 +27,39 @@ std::vector<double>* column(MeasuredTrack& t, const std::string& word) {
                                  : nullptr;
 }
 
+/// '# unit: mm'. Each of these says what is wrong, or "".
+std::string read_unit(const std::vector<std::string>& words, double& unit) {
+  const auto at = std::find(words.begin(), words.end(), "unit:");
+  if (at == words.end() || at + 1 == words.end()) return "";
+  const QuantityResult q = read_quantity("1 " + *(at + 1), "m");
+  if (!q.value) return "unit '" + *(at + 1) + "': " + q.problem;
+  unit = *q.value;
+  return "";
+}
+
+std::string read_heads(const std::vector<std::string>& words, MeasuredTrack& track,
+                       std::vector<std::vector<double>*>& columns) {
+  for (const auto& w : words) {
+    columns.push_back(column(track, w));
+    if (!columns.back()) return "unknown column '" + w + "'; s, lateral, vertical, cross_level, gauge";
+  }
+  return columns[0] == &track.distance ? "" : "the first column must be s";
+}
+
+std::string read_row(const std::vector<std::string>& words, double unit,
+                     const std::vector<std::vector<double>*>& columns) {
+  if (words.size() != columns.size())
+    return "expected " + std::to_string(columns.size()) + " numbers, found " + std::to_string(words.size());
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    char* end = nullptr;
+    const double v = std::strtod(words[k].c_str(), &end);
+    if (*end != '\0' || !std::isfinite(v)) return "'" + words[k] + "' is not a number";
+    columns[k]->push_back(k == 0 ? v : v * unit);
+  }
+  const std::vector<double>& s = *columns[0];
+  return s.size() > 1 && !(s.back() > s[s.size() - 2]) ? "s does not increase" : "";
+}
+
 }  // namespace
 
 MeasuredFile read_irregularity(const std::string& text) {
@@ -38,53 +71,15 @@ MeasuredFile read_irregularity(const std::string& text) {
     ++out.line;
     const auto words = words_of(line);
     if (words.empty()) continue;
-    if (words[0][0] == '#') {
-      const auto at = std::find(words.begin(), words.end(), "unit:");
-      if (at == words.end() || at + 1 == words.end()) continue;
-      const QuantityResult q = read_quantity("1 " + *(at + 1), "m");
-      if (!q.value) {
-        out.problem = "unit '" + *(at + 1) + "': " + q.problem;
-        return out;
-      }
-      unit = *q.value;
-      continue;
-    }
-    if (unit == 0.0) {
+    if (words[0][0] == '#')
+      out.problem = read_unit(words, unit);
+    else if (unit == 0.0)
       out.problem = "the first line must state the unit, as in '# unit: mm'; s is in m";
-      return out;
-    }
-    if (columns.empty()) {
-      for (const auto& w : words) {
-        columns.push_back(column(out.track, w));
-        if (!columns.back()) {
-          out.problem = "unknown column '" + w + "'; s, lateral, vertical, cross_level, gauge";
-          return out;
-        }
-      }
-      if (columns[0] != &out.track.distance) {
-        out.problem = "the first column must be s";
-        return out;
-      }
-      continue;
-    }
-    if (words.size() != columns.size()) {
-      out.problem = "expected " + std::to_string(columns.size()) + " numbers, found " + std::to_string(words.size());
-      return out;
-    }
-    for (std::size_t k = 0; k < words.size(); ++k) {
-      char* end = nullptr;
-      const double v = std::strtod(words[k].c_str(), &end);
-      if (*end != '\0' || !std::isfinite(v)) {
-        out.problem = "'" + words[k] + "' is not a number";
-        return out;
-      }
-      columns[k]->push_back(k == 0 ? v : v * unit);
-    }
-    const auto& s = out.track.distance;
-    if (s.size() > 1 && !(s.back() > s[s.size() - 2])) {
-      out.problem = "s does not increase";
-      return out;
-    }
+    else if (columns.empty())
+      out.problem = read_heads(words, out.track, columns);
+    else
+      out.problem = read_row(words, unit, columns);
+    if (!out.problem.empty()) return out;
   }
   if (out.track.distance.size() < 2) {
     out.problem = "a measured track has at least 2 lines of numbers";

@@ -23,7 +23,7 @@ struct ShapeList {
   static constexpr std::size_t size = sizeof...(S);
 };
 
-using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric, TriangleMesh, Clump,
-                            SolidParts, WheelProfile, RailProfile, Tube, Cone>;
+using AllShapes = ShapeList<Sphere, HalfSpace, Box, ConvexHull, Capsule, Cylinder, Ellipsoid, Superquadric,
+                            TriangleMesh, Clump, SolidParts, WheelProfile, RailProfile, Tube, Cone>;
 
 }  // namespace epafi

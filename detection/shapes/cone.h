@@ -12,13 +12,20 @@ struct Cone {
       : wall(start_radius, end_radius, length, closed) {}
 
   static Entry entry() {
-    return {name,
-            "hollow cone, whole or truncated, of no thickness, axis z, a wall from inside and outside; fixed or driven",
-            {{"radii", "R", "m", Kind::numbers, {}, not_negative, "radii at its start and at its end, [start, end]; one may be 0"},
-             {"length", "L", "m", Kind::number, {}, positive, "length along the axis: start at z = -L/2, end at z = L/2"},
-             Tube::ends_field()},
-            {},
-            ""};
+    return {
+        name,
+        "hollow cone, whole or truncated, of no thickness, axis z, a wall from inside and outside; fixed or driven",
+        {{"radii",
+          "R",
+          "m",
+          Kind::numbers,
+          {},
+          not_negative,
+          "radii at its start and at its end, [start, end]; one may be 0"},
+         {"length", "L", "m", Kind::number, {}, positive, "length along the axis: start at z = -L/2, end at z = L/2"},
+         Tube::ends_field()},
+        {},
+        ""};
   }
 
   double contact_radius() const { return infinity; }

@@ -14,9 +14,11 @@ namespace epafi {
 
 /// A polyhedron that is a rectangular box, wherever its axes point: what its 15-axis test looks up.
 struct BoxFrame {
-  Vec3 centre = Vec3::Zero(), half = Vec3::Zero();         ///< half: extent along each of its axes [m]
-  std::array<std::array<std::uint32_t, 2>, 3> face{};      ///< of axis i, the lower [0] and the upper [1]; the axis is the upper's normal
-  std::array<std::array<std::uint32_t, 4>, 3> edge{};      ///< along axis i at 2 (upper on axis i + 1) + (upper on axis i + 2)
+  Vec3 centre = Vec3::Zero(), half = Vec3::Zero();  ///< half: extent along each of its axes [m]
+  std::array<std::array<std::uint32_t, 2>, 3>
+      face{};  ///< of axis i, the lower [0] and the upper [1]; the axis is the upper's normal
+  std::array<std::array<std::uint32_t, 4>, 3>
+      edge{};         ///< along axis i at 2 (upper on axis i + 1) + (upper on axis i + 2)
   double skew = 0.0;  ///< largest cosine between its axes, or sum of two opposite normals
 };
 
@@ -31,12 +33,12 @@ struct PolyhedronView {
   /// CSR of vertices joined by an edge, counter-clockwise around each vertex seen from outside.
   std::span<const std::uint32_t> neighbour_begin, neighbours;
   std::span<const std::uint32_t> fan_begin, fans;  ///< CSR of the faces, face k left of the edge to neighbour k
-  double radius = 0.0;                                         ///< of the sphere about the origin that contains it [m]
-  double inner_radius = 0.0;                                   ///< of the sphere about the origin that it contains [m]
-  const BoxFrame* box = nullptr;                               ///< where it is a box
-  std::span<const std::uint32_t> starts = {};                  ///< of large hulls: farthest vertex by cell of directions
-  std::span<const VertexLanes> vertex_lanes;                   ///< the vertices again, four at a time
-  std::span<const FaceLanes> face_lanes;                       ///< the faces' planes
+  double radius = 0.0;                             ///< of the sphere about the origin that contains it [m]
+  double inner_radius = 0.0;                       ///< of the sphere about the origin that it contains [m]
+  const BoxFrame* box = nullptr;                   ///< where it is a box
+  std::span<const std::uint32_t> starts = {};      ///< of large hulls: farthest vertex by cell of directions
+  std::span<const VertexLanes> vertex_lanes;       ///< the vertices again, four at a time
+  std::span<const FaceLanes> face_lanes;           ///< the faces' planes
   std::span<const EdgeLanes> edge_lanes;
 };
 
@@ -55,10 +57,11 @@ struct ConvexHull {
   double inner_radius = 0.0;    ///< smallest face offset [m]
   double volume = 0.0;          ///< of the core [m^3]
   Mat3 inertia = Mat3::Zero();  ///< of the core about the origin at density 1 [kg m^2]
-  std::vector<std::uint32_t> starts;  ///< farthest vertex along each cell of a cube of directions; empty for small hulls
+  std::vector<std::uint32_t>
+      starts;  ///< farthest vertex along each cell of a cube of directions; empty for small hulls
   std::optional<BoxFrame> box_frame;  ///< where it is a box, to 1e-9 of the radius
   HullLanes lanes;                    ///< the same four at a time
-  double sweep = 0.0;           ///< `rounding` of the scene: radius of the sphere swept over the core [m]
+  double sweep = 0.0;                 ///< `rounding` of the scene: radius of the sphere swept over the core [m]
 
   /// Builds topology and planes from outward counter-clockwise polygons (triangles or larger, at least 4).
   /// `problem` is empty when the surface is closed, consistently oriented, convex and contains the origin;

@@ -278,9 +278,10 @@ std::vector<ConvexPart> convex_parts(const JoinedSurface& joined, double precisi
     }
   if (!(std::abs(sum - volume) <= same_volume * volume + tolerance * size * size))
     throw SceneError(
-        fmt::format("the surface cannot be cut into convex parts: they hold {:.6g} of {:.6g} m^3. It crosses or touches "
-                    "itself; mend it in a mesh editor, or write polyhedron = {{ file = ... }} for its convex hull",
-                    sum, volume),
+        fmt::format(
+            "the surface cannot be cut into convex parts: they hold {:.6g} of {:.6g} m^3. It crosses or touches "
+            "itself; mend it in a mesh editor, or write polyhedron = {{ file = ... }} for its convex hull",
+            sum, volume),
         place);
   join(parts, tolerance);
   return parts;

@@ -8,7 +8,13 @@ struct HalfSpace {
   static constexpr const char* name = "half_space";
   Vec3 normal = Vec3::UnitZ();  ///< outward unit normal in body axes
 
-  static Entry entry() { return {name, "half space below a plane, fixed or driven", {{"normal", "n", "", Kind::vec3, {}, {}, "outward normal"}}, {}, ""}; }
+  static Entry entry() {
+    return {name,
+            "half space below a plane, fixed or driven",
+            {{"normal", "n", "", Kind::vec3, {}, {}, "outward normal"}},
+            {},
+            ""};
+  }
 
   double contact_radius() const { return infinity; }
   double bounding_radius() const { return infinity; }

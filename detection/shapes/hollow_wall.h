@@ -1,6 +1,6 @@
-/// @file hollow_wall.h  The surface of a hollow body of revolution with a straight side: what tube and cone are made of.
-/// No thickness: bodies touch it from inside and from outside. The axis is the body's own z, the origin half way between
-/// start (z = -h) and end (z = h); each end is open, or closed by a flat disc.
+/// @file hollow_wall.h  The surface of a hollow body of revolution with a straight side: what tube and cone are made
+/// of. No thickness: bodies touch it from inside and from outside. The axis is the body's own z, the origin half way
+/// between start (z = -h) and end (z = h); each end is open, or closed by a flat disc.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ struct HollowWall {
   double half_length;               ///< h [m], > 0
   bool closed;                      ///< both ends are discs
 
-  double side_length;           ///< of the side from start to end [m]
+  double side_length;            ///< of the side from start to end [m]
   double along_radius, along_z;  ///< unit vector of the side from start to end, in the half plane of radius and z
 
   HollowWall(double start, double end, double length, bool is_closed)

@@ -1,6 +1,6 @@
 /// @file hull_lanes.h  Vertices, faces and edges of a polyhedron four at a time, and the loops that a search for the
-/// separating axis spends its time in. Each loop is written once over the lanes of engine/lanes/lanes.h and compiled for
-/// SSE2, AVX2 and AVX-512; the widest that the processor runs is chosen at start. All give the same bits.
+/// separating axis spends its time in. Each loop is written once over the lanes of engine/lanes/lanes.h and compiled
+/// for SSE2, AVX2 and AVX-512; the widest that the processor runs is chosen at start. All give the same bits.
 #pragma once
 #include <array>
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace epafi {
 
-// alignas: the vector types alone are aligned for the target of the file that declares them, 16 bytes for SSE2, and loops for
-// AVX2 rely on 32.
+// alignas: the vector types alone are aligned for the target of the file that declares them, 16 bytes for SSE2, and
+// loops for AVX2 rely on 32.
 struct alignas(32) VertexLanes {
   Lanes3 at;  ///< the last vertex again where there are fewer than four [m]
 };

@@ -157,7 +157,8 @@ std::string MeshReport::to_string() const {
   if (open_edges > 0) {
     std::string some;
     for (const auto& e : some_open) some.append(some.empty() ? "" : ", ").append(edge(e));
-    add(fmt::format("not watertight: {} open edges: {}{}", open_edges, some, open_edges > some_open.size() ? " ..." : ""));
+    add(fmt::format("not watertight: {} open edges: {}{}", open_edges, some,
+                    open_edges > some_open.size() ? " ..." : ""));
   }
   if (clashing_edges > 0)
     add(fmt::format("{} edges with more than two triangles or with two of opposite orientation, the first is {}",

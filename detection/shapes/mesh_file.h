@@ -16,10 +16,10 @@ struct MeshReport {
       0;  ///< edges with three or more triangles, or two that run along it in the same direction
   static constexpr std::size_t most_named = 6;
   std::vector<std::array<Vec3, 2>> some_open{};  ///< ends of the first open edges [m]
-  std::array<Vec3, 2> first_clash{};  ///< ends of the first clashing edge [m]
-  std::size_t dropped = 0;            ///< triangles without area, left out when reading
-  double volume = 0.0;                ///< signed [m^3]; meaningful where watertight
-  double precision = 0.0;             ///< how far its rounding may have put a coordinate; 0 where nothing tells [m]
+  std::array<Vec3, 2> first_clash{};             ///< ends of the first clashing edge [m]
+  std::size_t dropped = 0;                       ///< triangles without area, left out when reading
+  double volume = 0.0;                           ///< signed [m^3]; meaningful where watertight
+  double precision = 0.0;  ///< how far its rounding may have put a coordinate; 0 where nothing tells [m]
 
   bool is_watertight() const { return open_edges == 0 && clashing_edges == 0; }
   bool is_inverted() const { return is_watertight() && volume < 0.0; }
@@ -35,18 +35,15 @@ struct MeshFile {
 /// Whether a file must have faces: a surface must, the convex hull of its corners needs none.
 enum class MeshFaces { needed, optional };
 
-/// Reads by the file's ending (.obj, .stl or .ply, any case). Throws FileError where the file cannot be read, SceneError for
-/// its content. Coordinates are metres.
+/// Reads by the file's ending (.obj, .stl or .ply, any case). Throws FileError where the file cannot be read,
+/// SceneError for its content. Coordinates are metres.
 [[nodiscard]] MeshFile read_mesh_file(const std::string& path, MeshFaces faces = MeshFaces::needed);
 
 /// The same from text in memory; `file` is the name in messages. Vertices of an STL with equal coordinates become one;
 /// polygons are cut into triangles, those with inner corners by ears (polygon_ears.h).
-[[nodiscard]] MeshFile read_obj(std::string_view text, const std::string& file,
-                                MeshFaces faces = MeshFaces::needed);
-[[nodiscard]] MeshFile read_stl(std::string_view bytes, const std::string& file,
-                                MeshFaces faces = MeshFaces::needed);
-[[nodiscard]] MeshFile read_ply(std::string_view bytes, const std::string& file,
-                                MeshFaces faces = MeshFaces::needed);
+[[nodiscard]] MeshFile read_obj(std::string_view text, const std::string& file, MeshFaces faces = MeshFaces::needed);
+[[nodiscard]] MeshFile read_stl(std::string_view bytes, const std::string& file, MeshFaces faces = MeshFaces::needed);
+[[nodiscard]] MeshFile read_ply(std::string_view bytes, const std::string& file, MeshFaces faces = MeshFaces::needed);
 /// Rows of nine numbers: a triangle's corners; names of columns may give a unit (mesh_table.cpp).
 [[nodiscard]] MeshFile read_triangle_table(std::string_view text, const std::string& file,
                                            MeshFaces faces = MeshFaces::needed);

@@ -33,10 +33,10 @@ Property type_named(std::string_view name) {
     std::size_t bytes;
     bool real, is_signed;
   };
-  constexpr Type types[] = {{"char", "int8", 1, false, true},     {"uchar", "uint8", 1, false, false},
-                            {"short", "int16", 2, false, true},   {"ushort", "uint16", 2, false, false},
-                            {"int", "int32", 4, false, true},     {"uint", "uint32", 4, false, false},
-                            {"float", "float32", 4, true, true},  {"double", "float64", 8, true, true}};
+  constexpr Type types[] = {{"char", "int8", 1, false, true},    {"uchar", "uint8", 1, false, false},
+                            {"short", "int16", 2, false, true},  {"ushort", "uint16", 2, false, false},
+                            {"int", "int32", 4, false, true},    {"uint", "uint32", 4, false, false},
+                            {"float", "float32", 4, true, true}, {"double", "float64", 8, true, true}};
   for (const Type& t : types)
     if (name == t.a || name == t.b) return {"", t.bytes, t.real, t.is_signed};
   return {};
@@ -98,10 +98,14 @@ Header read_header(std::string_view bytes, const std::string& file) {
     if (first == "comment" || first == "obj_info" || first.empty()) continue;
     if (first == "format") {
       const auto name = text.word();
-      if (name == "ascii") header.order = Order::text;
-      else if (name == "binary_little_endian") header.order = Order::little;
-      else if (name == "binary_big_endian") header.order = Order::big;
-      else text.fail(fmt::format("unknown format {}", MeshText::named(name)));
+      if (name == "ascii")
+        header.order = Order::text;
+      else if (name == "binary_little_endian")
+        header.order = Order::little;
+      else if (name == "binary_big_endian")
+        header.order = Order::big;
+      else
+        text.fail(fmt::format("unknown format {}", MeshText::named(name)));
       has_format = true;
     } else if (first == "element") {
       const auto name = text.word();
@@ -122,7 +126,11 @@ Header read_header(std::string_view bytes, const std::string& file) {
 class Values {
  public:
   Values(std::string_view bytes, const Header& header, const std::string& file)
-      : order_(header.order), text_(bytes.substr(std::min(header.end, bytes.size())), file), bytes_(bytes), at_(header.end), file_(file) {}
+      : order_(header.order),
+        text_(bytes.substr(std::min(header.end, bytes.size())), file),
+        bytes_(bytes),
+        at_(header.end),
+        file_(file) {}
   /// Before each element of an ASCII file.
   void next_row() {
     if (order_ != Order::text) return;
@@ -141,7 +149,8 @@ class Values {
       raw = raw << 8 | byte;
     }
     at_ += size;
-    if (real) return size == 4 ? double{std::bit_cast<float>(static_cast<std::uint32_t>(raw))} : std::bit_cast<double>(raw);
+    if (real)
+      return size == 4 ? double{std::bit_cast<float>(static_cast<std::uint32_t>(raw))} : std::bit_cast<double>(raw);
     const std::uint64_t sign = std::uint64_t{1} << (8 * size - 1);
     return is_signed && (raw & sign) ? -static_cast<double>(2 * sign - raw) : static_cast<double>(raw);
   }
@@ -201,8 +210,10 @@ MeshFile read_ply(std::string_view bytes, const std::string& file, MeshFaces fac
   for (const Element& element : header.elements)
     for (std::size_t k = 0; k < element.count; ++k) {
       values.next_row();
-      if (element.name == "vertex") read_vertex(values, element, surface);
-      else if (element.name == "face") read_polygon(values, element, surface);
+      if (element.name == "vertex")
+        read_vertex(values, element, surface);
+      else if (element.name == "face")
+        read_polygon(values, element, surface);
       else
         for (const Property& p : element.properties) read_list(values, p, false);
     }

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "engine/units/error.h"
 #include "engine/state/types.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

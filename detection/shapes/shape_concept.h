@@ -1,10 +1,11 @@
-/// @file shape_concept.h  What a shape offers to the rest of the engine. A new shape is one header with these functions.
+/// @file shape_concept.h  What a shape offers to the rest of the engine. A new shape is one header with these
+/// functions.
 #pragma once
 #include <concepts>
 
 #include "detection/aabb.h"
-#include "engine/units/registry.h"
 #include "engine/state/types.h"
+#include "engine/units/registry.h"
 
 namespace epafi {
 
@@ -19,9 +20,9 @@ struct MassProperties {
 template <class S>
 concept SolidShape = requires(const S& s, const Pose& pose) {
   { S::name } -> std::convertible_to<const char*>;
-  { s.bounding_radius() } -> std::same_as<double>;         ///< of the sphere about the origin that contains it [m]
-  { s.bounding_box(pose) } -> std::same_as<Aabb>;          ///< in world axes
-  { s.mass_properties() } -> std::same_as<MassProperties>; ///< at density 1, about the origin
+  { s.bounding_radius() } -> std::same_as<double>;          ///< of the sphere about the origin that contains it [m]
+  { s.bounding_box(pose) } -> std::same_as<Aabb>;           ///< in world axes
+  { s.mass_properties() } -> std::same_as<MassProperties>;  ///< at density 1, about the origin
 };
 
 /// Convex body known by its support function: support(d) = argmax over the body of d.x, d in body axes, any length > 0.

@@ -18,9 +18,8 @@ class CornerOrder {
     for (std::size_t k = 0; k < corners.size(); ++k) place[k] = along.dot(corners[k]);
     order_.resize(corners.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return place[a] < place[b] || (place[a] == place[b] && a < b);
-    });
+    std::sort(order_.begin(), order_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return place[a] < place[b] || (place[a] == place[b] && a < b); });
     for (std::size_t k = 0; k < order_.size(); ++k) place_[k] = place[order_[k]];
   }
   const std::vector<std::uint32_t>& order() const { return order_; }
@@ -165,8 +164,9 @@ void cut_at_corners(TriangleSurface& surface, JoinReport& report) {
   std::vector<EdgeUse> loose;
   for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
     end = end_of_edge(uses, begin);
-    if (end - begin != 2) loose.insert(loose.end(), uses.begin() + static_cast<std::ptrdiff_t>(begin),
-                                       uses.begin() + static_cast<std::ptrdiff_t>(end));
+    if (end - begin != 2)
+      loose.insert(loose.end(), uses.begin() + static_cast<std::ptrdiff_t>(begin),
+                   uses.begin() + static_cast<std::ptrdiff_t>(end));
   }
   if (loose.empty()) return;
   std::vector<std::uint32_t> name;  // a corner on an open side is itself the end of one: no others are asked

@@ -33,7 +33,7 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< triangle behind side k, or none
   std::vector<std::array<EdgeKind, 3>> edge_kinds;       ///< of side k
 
-  std::vector<std::uint32_t> face;  ///< lowest triangle of the plane face a triangle is in
+  std::vector<std::uint32_t> face;    ///< lowest triangle of the plane face a triangle is in
   std::vector<std::uint8_t> notches;  ///< bit k: at corner k the outline of the face turns inwards
   bool bends_gently = false;          ///< some edge between two faces bends by less than a degree
   JoinReport joined;
@@ -51,12 +51,13 @@ struct TriangleMesh {
   void orient_boxes() { oriented_ = ObbTree(vertices, triangles); }
 
   static Entry entry() {
-    return {name,
-            "surface of triangles for fixed and driven bodies, both sides are walls",
-            {{"file", "", "", Kind::text, {}, {}, "OBJ, STL or PLY file"},
-             {"tree", "", "", Kind::text, {}, {}, "aabb (default), or obb: oriented boxes, for thin parts that lie askew"}},
-            {},
-            ""};
+    return {
+        name,
+        "surface of triangles for fixed and driven bodies, both sides are walls",
+        {{"file", "", "", Kind::text, {}, {}, "OBJ, STL or PLY file"},
+         {"tree", "", "", Kind::text, {}, {}, "aabb (default), or obb: oriented boxes, for thin parts that lie askew"}},
+        {},
+        ""};
   }
 
   std::array<Vec3, 3> corners(std::uint32_t t) const {

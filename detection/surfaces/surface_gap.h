@@ -1,10 +1,10 @@
 /// @file surface_gap.h  Gaps between two surfaces of triangles whose nodes move: every node, or every integration
 /// point, of one surface against its closest-point projection on the other, g = (x - x_bar) . n (Wriggers 2006, chapter
-/// 4). The projected-on surface is the first of engine/railway/gap_operator.h ("master"), the other the second: n is the
-/// outward normal of the first, g < 0 inside it. Over a face n is the face's; beside it, over an edge or a corner, it
-/// points from the projection to x, signed by the angle-weighted normal (Baerentzen and Aanaes 2005); so dg = n . (dx -
-/// dx_bar) with the weights of the projection held is exact to first order everywhere but where the projection jumps.
-/// Only candidates with |g| <= band are reported, each with the area that its site would have.
+/// 4). The projected-on surface is the first of engine/railway/gap_operator.h ("master"), the other the second: n is
+/// the outward normal of the first, g < 0 inside it. Over a face n is the face's; beside it, over an edge or a corner,
+/// it points from the projection to x, signed by the angle-weighted normal (Baerentzen and Aanaes 2005); so dg = n .
+/// (dx - dx_bar) with the weights of the projection held is exact to first order everywhere but where the projection
+/// jumps. Only candidates with |g| <= band are reported, each with the area that its site would have.
 #pragma once
 #include "detection/surfaces/surface_tree.h"
 #include "engine/railway/gap_operator.h"

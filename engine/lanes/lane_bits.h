@@ -7,7 +7,8 @@
 #include "engine/lanes/lanes.h"
 #include "engine/lanes/targets.h"  // declares the builtins of all targets
 
-/// Behind the parameters of a lambda that works on lanes: a function of its own keeps the baseline (engine/lanes/targets.h).
+/// Behind the parameters of a lambda that works on lanes: a function of its own keeps the baseline
+/// (engine/lanes/targets.h).
 #define EPAFI_INLINED __attribute__((always_inline))
 
 /// Where GCC has the builtins of AVX-512. It looks at the target of one where it is inlined.

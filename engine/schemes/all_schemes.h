@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "engine/units/registry.h"
 #include "engine/schemes/moreau_jean.h"
 #include "engine/schemes/symplectic_euler.h"
 #include "engine/schemes/velocity_verlet.h"
+#include "engine/units/registry.h"
 
 namespace epafi {
 

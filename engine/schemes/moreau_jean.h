@@ -2,8 +2,8 @@
 /// jump by impulses at the middle configuration, drift half. Events are not located: order one where contacts open and
 /// close.
 #pragma once
-#include "engine/threads/parallel.h"
 #include "engine/step/pipeline.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

@@ -1,8 +1,8 @@
 /// @file symplectic_euler.h  Kick, then drift: first order, the cheapest for smooth contact; bounded below dt =
 /// 2/omega.
 #pragma once
-#include "engine/threads/parallel.h"
 #include "engine/step/pipeline.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

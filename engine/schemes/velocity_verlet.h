@@ -2,8 +2,8 @@
 /// Between the halves world.velocity is that of the middle of the step; contact laws see velocities at its end
 /// through StepClock::velocity_lag, so damping is of second order too. Bounded below dt = 2/omega (case B02).
 #pragma once
-#include "engine/threads/parallel.h"
 #include "engine/step/pipeline.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 
@@ -16,10 +16,12 @@ class VelocityVerlet final : public Scheme {
   bool has_ranges() const override { return true; }
 
   void first_half(World& world, double dt) override {
-    parallel_blocks(world.size(), range, [&](std::size_t i, std::size_t end, std::size_t) { first_half(world, dt, i, end); });
+    parallel_blocks(world.size(), range,
+                    [&](std::size_t i, std::size_t end, std::size_t) { first_half(world, dt, i, end); });
   }
   void second_half(World& world, double dt) override {
-    parallel_blocks(world.size(), range, [&](std::size_t i, std::size_t end, std::size_t) { second_half(world, dt, i, end); });
+    parallel_blocks(world.size(), range,
+                    [&](std::size_t i, std::size_t end, std::size_t) { second_half(world, dt, i, end); });
   }
   void first_half(World& world, double dt, std::size_t begin, std::size_t end) override {
     const bool turns = world.has_orientation();

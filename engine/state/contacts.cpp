@@ -107,7 +107,8 @@ void ContactSet::put(std::size_t i, Slot slot_a, Slot slot_b, const ContactPoint
 }
 
 void ContactSet::put(std::size_t i, const ContactSet& from, std::size_t k) {
-  const ContactPoint c{from.gap[k], from.normal[k], from.arm[k], with_curvature ? from.effective_radius[k] : 0.0,
+  const ContactPoint c{from.gap[k],     from.normal[k],
+                       from.arm[k],     with_curvature ? from.effective_radius[k] : 0.0,
                        from.feature[k], with_area ? from.area[k] : 0.0};
   put(i, from.a[k], from.b[k], c, from.force[k], with_moment ? from.moment[k] : Vec3(Vec3::Zero()));
 }
@@ -135,7 +136,8 @@ std::size_t ContactSet::bytes_per_contact() const {
 
 namespace {
 
-/// Of a feature: its image in a periodic cell, and what of the body touches (the name of the mesh's side stands between).
+/// Of a feature: its image in a periodic cell, and what of the body touches (the name of the mesh's side stands
+/// between).
 constexpr Feature image_bits = Feature{0xff} << 56, body_bits = 0xfffffff;
 
 /// The contacts of one pair of bodies in a list in canonical order.
@@ -203,9 +205,7 @@ std::uint32_t ContactMemory::left_for(const ContactSet& contacts, std::size_t i,
 
 void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>& previous, const IsEmpty& is_empty) {
   previous.resize(contacts.size());
-  const auto is_mesh = [&](Slot s) {
-    return std::binary_search(contacts.meshes.begin(), contacts.meshes.end(), s);
-  };
+  const auto is_mesh = [&](Slot s) { return std::binary_search(contacts.meshes.begin(), contacts.meshes.end(), s); };
   parallel_blocks(contacts.size(), 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
     const auto key = [&](std::size_t i) { return std::tuple(contacts.a[i], contacts.b[i], contacts.feature[i]); };
     const auto old = [&](std::size_t k) { return std::tuple(a_[k], b_[k], feature_[k]); };

@@ -41,11 +41,11 @@ struct PairList {
   PairColumn pairs;
   double margin =
       0.0;  ///< the list holds every pair that comes closer than reach while displacements stay below margin/2 [m]
-  std::uint64_t generation = 0;   ///< grows when the list changes: whoever derives data from it derives it again
-  /// By slot 1/half the body's own margin [1/m] or little more; empty: `margin` for all. Those of the broad phase, until
-  /// it makes the next list or lets go of it.
+  std::uint64_t generation = 0;  ///< grows when the list changes: whoever derives data from it derives it again
+  /// By slot 1/half the body's own margin [1/m] or little more; empty: `margin` for all. Those of the broad phase,
+  /// until it makes the next list or lets go of it.
   std::span<const float> inverse_half_margin{};
-  SpherePairs spheres{};          ///< not among `pairs`; empty where no contact model takes them
+  SpherePairs spheres{};  ///< not among `pairs`; empty where no contact model takes them
   /// Until the next list is made.
   void give_back() {
     release(pairs);
@@ -115,9 +115,9 @@ struct ContactSet {
 };
 
 /// Keys of the contacts of the last step, for whatever is carried from step to step (tangential springs, warm starts).
-/// Both lists are in canonical order, so matching is one merge. On a mesh a contact that begins where another of the same
-/// two bodies ends is the same one, gone on over an edge: of one name on the body, or the only one that begins and ends.
-/// One that was near before, but of which nothing is remembered, begins too.
+/// Both lists are in canonical order, so matching is one merge. On a mesh a contact that begins where another of the
+/// same two bodies ends is the same one, gone on over an edge: of one name on the body, or the only one that begins and
+/// ends. One that was near before, but of which nothing is remembered, begins too.
 class ContactMemory {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;

@@ -23,7 +23,8 @@ void give_back_pages(Column& column) {
   give_back_pages(column.data(), column.data() + column.size());
 }
 /// The same of a column that goes piece by piece from its first element on, [begin, end) now: up to the last whole
-/// large page. Split ones take one thread longer (bed of 100 000, a layout's two pieces: 0.4 to 0.6, now 0.3 to 0.4 ms).
+/// large page. Split ones take one thread longer (bed of 100 000, a layout's two pieces: 0.4 to 0.6, now 0.3 to 0.4
+/// ms).
 void give_back_piece(void* column, void* begin, void* end);
 /// The system may take what the heap keeps of pieces that are free: the reading of a scene leaves much behind.
 void give_back_heap();

@@ -7,8 +7,8 @@
 #include <map>
 #include <memory>
 
-#include "engine/units/error.h"
 #include "engine/state/state_visitor.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

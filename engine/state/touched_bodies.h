@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/state/contacts.h"
-#include "engine/threads/parallel.h"
 #include "engine/state/world.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

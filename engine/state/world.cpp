@@ -5,11 +5,11 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "engine/units/error.h"
-#include "engine/state/hash.h"
-#include "engine/threads/parallel_order.h"
 #include "engine/lanes/prefetch.h"
+#include "engine/state/hash.h"
 #include "engine/state/rotation.h"
+#include "engine/threads/parallel_order.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

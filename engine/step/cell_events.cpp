@@ -38,8 +38,8 @@ namespace {
 /// The next strain rate of an axis, `share` of the limit per relative excess of the stress over its target. A packing
 /// near jamming is so stiff that a share fit for the gas before it overshoots within a step and shakes the packing for
 /// ever; hence the share begins at 1, halves where the direction changes, down to a hundredth, and grows again slowly
-/// where it stays. fall: of the target in this step; a packing's stiffness over its pressure rises by as much, and where
-/// the share does not follow the packing falls apart.
+/// where it stays. fall: of the target in this step; a packing's stiffness over its pressure rises by as much, and
+/// where the share does not follow the packing falls apart.
 double followed(double before, double excess, double limit, double fall, double& share) {
   constexpr double growth = 2e-5, least = 1e-2;  // per step; of the limit
   share = before * excess < 0.0 ? 0.5 * share : std::min(1.0, (1.0 + growth) * share);

@@ -22,9 +22,9 @@ class WrapBodies final : public Event {
 /// Pressure: each periodic axis strains at rate_limit s (sigma - P)/P, at most rate_limit s, sigma the stress of the
 /// contacts along it and s <= 1 a share that falls while the direction keeps changing.
 struct CellControl {
-  Vec3 strain_rate = Vec3::Zero();  ///< [1/s]; where no pressure is given
-  std::optional<double> pressure;   ///< P [Pa], > 0
-  double rate_limit = 0.0;          ///< [1/s], > 0
+  Vec3 strain_rate = Vec3::Zero();                   ///< [1/s]; where no pressure is given
+  std::optional<double> pressure;                    ///< P [Pa], > 0
+  double rate_limit = 0.0;                           ///< [1/s], > 0
   double first_pressure = 0.0, pressure_time = 0.0;  ///< P goes geometrically from the first [Pa] until then [s]; 0: P
 
   double pressure_at(double time) const;

@@ -3,8 +3,8 @@
 #pragma once
 #include <algorithm>
 
-#include "engine/threads/parallel.h"
 #include "engine/step/pipeline.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

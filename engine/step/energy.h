@@ -5,9 +5,9 @@
 /// put in more than they took since it was last at its height, the difference is `gained`, which no term balances, so
 /// that it stays in the error. All sums in a fixed order.
 #pragma once
-#include "engine/step/report.h"
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"
+#include "engine/step/report.h"
 
 namespace epafi {
 
@@ -27,8 +27,8 @@ struct Energy {
   double dissipated = 0, work = 0;                 ///< since the start [J]
   double correction = 0;                           ///< put in by moving overlapping bodies apart, since the start [J]
   double gained = 0;                               ///< most that contacts had put in beyond what they took [J], >= 0
-  double taken = 0;                                ///< by contacts, less what they put in; `dissipated` is its largest [J]
-  Losses losses;                                   ///< parts of `dissipated`, of smooth contact
+  double taken = 0;  ///< by contacts, less what they put in; `dissipated` is its largest [J]
+  Losses losses;     ///< parts of `dissipated`, of smooth contact
   double stored() const { return kinetic + potential + elastic; }
 };
 
@@ -64,8 +64,8 @@ class EnergyLedger {
   double start_ = 0;          ///< E(0) [J]
   double largest_inner_ = 0;  ///< max of kinetic + elastic [J]
   double lowest_potential_ = 0, highest_potential_ = 0;
-  double mass_ = 0;        ///< of the free bodies when the energies were last measured [kg]; with impulses only
-  double fall_ = 0;        ///< speed that the last step of impulses gave a free body [m/s]
+  double mass_ = 0;  ///< of the free bodies when the energies were last measured [kg]; with impulses only
+  double fall_ = 0;  ///< speed that the last step of impulses gave a free body [m/s]
 };
 
 }  // namespace epafi

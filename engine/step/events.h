@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "engine/step/motion_table.h"
 #include "engine/state/state_visitor.h"
 #include "engine/state/world.h"
+#include "engine/step/motion_table.h"
 
 namespace epafi {
 

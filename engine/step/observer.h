@@ -17,10 +17,10 @@ struct StepView {
   const PairList& pairs;
   const StepReport& report;
   const EnergyLedger& ledger;
-  std::uint64_t step = 0;   ///< steps done so far
-  double dt = 0.0;          ///< [s]
-  std::size_t movable = 0;  ///< free bodies now
-  bool last = false;        ///< the run ends with this step
+  std::uint64_t step = 0;               ///< steps done so far
+  double dt = 0.0;                      ///< [s]
+  std::size_t movable = 0;              ///< free bodies now
+  bool last = false;                    ///< the run ends with this step
   const ContactModel* model = nullptr;  ///< with contacts of its own; null: none
 
   /// All contacts, those that are not among `contacts` too.

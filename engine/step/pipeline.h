@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "engine/state/contacts.h"
-#include "engine/step/report.h"
 #include "engine/state/world.h"
+#include "engine/step/report.h"
 
 namespace epafi {
 
@@ -60,7 +60,7 @@ struct StepClock {
   /// Where it is given, all 0 by slot, only the bodies of contacts get their forces, and a 1 here; those of others are
   /// left as they are.
   std::vector<std::uint8_t>* touched = nullptr;
-  const RunOn* run_on = nullptr;  ///< where it is given, the next step has the same dt
+  const RunOn* run_on = nullptr;   ///< where it is given, the next step has the same dt
   const Pushes* pushes = nullptr;  ///< where given, a model that changes velocities adds them as it adds gravity
 };
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "engine/threads/shared_out.h"
 #include "engine/state/types.h"
+#include "engine/threads/shared_out.h"
 
 namespace epafi {
 
@@ -26,9 +26,9 @@ struct SolverTrouble {
     beyond_measure  ///< impulses so large that rounding is more than every velocity
   };
   Kind kind = Kind::none;
-  std::string text;       ///< why, with numbers
-  double size = 0.0;      ///< how fast the contacts close that cannot [m/s], or the largest impulse [N s]
-  std::uint32_t slot = 0; ///< of a body it is about
+  std::string text;        ///< why, with numbers
+  double size = 0.0;       ///< how fast the contacts close that cannot [m/s], or the largest impulse [N s]
+  std::uint32_t slot = 0;  ///< of a body it is about
 };
 
 enum class Stage { integrate, broad_phase, narrow_phase, contact, output };
@@ -84,7 +84,7 @@ struct StepReport {
   double work = 0.0;         ///< work of driven bodies on the others during this step [J]
   double correction = 0.0;   ///< potential energy put in by moving overlapping bodies apart in this step [J]
   Losses losses;             ///< parts of `dissipated`, of smooth contact
-  double deepest = 0.0;           ///< largest overlap of all contacts [m]
+  double deepest = 0.0;      ///< largest overlap of all contacts [m]
   double deepest_relative = 0.0;  ///< of contacts that a model finds itself, over the smaller radius of the pair
   bool has_solver = false;
   SolverReport solver;

@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
+#include "engine/ranks/remote_steps.h"
 #include "engine/step/domain.h"
 #include "engine/step/energy.h"
 #include "engine/step/events.h"
 #include "engine/step/loads.h"
 #include "engine/step/observer.h"
-#include "engine/ranks/remote_steps.h"
 #include "engine/step/step.h"
 #include "engine/step/step_watch.h"
 #include "engine/step/warnings.h"

@@ -1,6 +1,6 @@
-/// @file step_watch.h  Looks now and then at how stiff the contacts are, and divides the time step or stops the run where
-/// the present state makes it unstable. What it decides depends on the state alone: the same for every number of threads
-/// and after a restart, which it is shown for.
+/// @file step_watch.h  Looks now and then at how stiff the contacts are, and divides the time step or stops the run
+/// where the present state makes it unstable. What it decides depends on the state alone: the same for every number of
+/// threads and after a restart, which it is shown for.
 #pragma once
 #include <optional>
 

@@ -16,7 +16,7 @@ namespace epafi {
 
 /// A contact or a spring at a moment: what resists that B moves against A.
 struct StiffLink {
-  Slot a = no_slot, b = no_slot;  ///< no_slot: the ground
+  Slot a = no_slot, b = no_slot;                    ///< no_slot: the ground
   Vec3 arm_a = Vec3::Zero(), arm_b = Vec3::Zero();  ///< from the centres [m]
   Vec3 normal = Vec3::UnitZ();
   double along = 0.0;   ///< dt^2/4 k and what the damper adds, along the normal [kg], >= 0
@@ -25,10 +25,10 @@ struct StiffLink {
 };
 
 struct StiffestMode {
-  double value = 0.0;       ///< largest eigenvalue of M^-1 (dt^2/4 K + dt C), stable below 1
-  Slot body = no_slot;      ///< that its own links hold stiffest
-  std::size_t link = 0;     ///< the stiffest of it
-  std::size_t links = 0;    ///< how many it has
+  double value = 0.0;     ///< largest eigenvalue of M^-1 (dt^2/4 K + dt C), stable below 1
+  Slot body = no_slot;    ///< that its own links hold stiffest
+  std::size_t link = 0;   ///< the stiffest of it
+  std::size_t links = 0;  ///< how many it has
 };
 
 /// A driven body that gives way along one line with a mass of its own: a servo wall.

@@ -1,5 +1,5 @@
-/// @file event_count.h  Threads that wait for a condition which others make true: they poll some times, then sleep until
-/// they are woken (an event count; the sleep is a futex).
+/// @file event_count.h  Threads that wait for a condition which others make true: they poll some times, then sleep
+/// until they are woken (an event count; the sleep is a futex).
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -15,8 +15,8 @@ inline constexpr int spin_limit(bool more_threads_than_processors) {
 /// Of one condition. It outlives every wait.
 class EventCount {
  public:
-  /// Returns true once ready(), which reads what others have written by sequentially consistent atomics; false where one
-  /// of them gives up first.
+  /// Returns true once ready(), which reads what others have written by sequentially consistent atomics; false where
+  /// one of them gives up first.
   template <class Ready>
   bool wait_until(const Ready& ready, int polls) {
     for (int k = 0; k < polls; ++k) {

@@ -86,8 +86,8 @@ void parallel_select(std::size_t n, const Is& is, const Make& make, Column& out)
 /// put(place, value) writes them, those of a key in the order of the items. Every thread counts for itself (4 bytes a
 /// key), eight at most, `grain` items at least.
 template <class Begin, class Each, class Room, class Put>
-void parallel_group(std::size_t n, std::size_t keys, Begin& begin, const Each& each, const Room& room,
-                    const Put& put, std::size_t grain = 4096) {
+void parallel_group(std::size_t n, std::size_t keys, Begin& begin, const Each& each, const Room& room, const Put& put,
+                    std::size_t grain = 4096) {
   const std::size_t parts = std::min({static_cast<std::size_t>(thread_count()), std::size_t{8}, n / grain});
   const SharedOut meter(n >= 2 * grain);
   parallel_fill(begin, keys + 2, 0);

@@ -25,8 +25,8 @@ void wait_together(EventCount& event, const F& part) {
 }  // namespace parallel_detail
 
 /// f(stage, begin, end) for pieces of [0, size(stage)), of piece(stage) >= 1 items each; none of a stage before all of
-/// the one before are done. Shared out in runs (engine/threads/parallel.h): a thread that comes late keeps nobody waiting. One
-/// fork for all stages; `pays`: worth it.
+/// the one before are done. Shared out in runs (engine/threads/parallel.h): a thread that comes late keeps nobody
+/// waiting. One fork for all stages; `pays`: worth it.
 template <class Size, class Piece, class F>
 void parallel_stages(std::size_t stages, bool pays, const Size& size, const Piece& piece, const F& f) {
   const auto pieces = [&](std::size_t s) { return (size(s) + piece(s) - 1) / piece(s); };

@@ -1,5 +1,5 @@
-/// @file thread_team.h  Threads that stay together from loop to loop within one parallel region. A loop is handed out by
-/// one word and ends when its work is done: a thread that has not come by then is not waited for, and one that other
+/// @file thread_team.h  Threads that stay together from loop to loop within one parallel region. A loop is handed out
+/// by one word and ends when its work is done: a thread that has not come by then is not waited for, and one that other
 /// programs keep from running rests for a while (engine/threads/preemption.h). An empty parallel region of libgomp
 /// takes 4 us, a loop of a team 2.
 /// @code
@@ -72,8 +72,8 @@ class ThreadTeam {
       me.done.wake();
     }
   }
-  /// f(member) by all of the team that come before the work is done; f must leave no work to a member that has not begun.
-  /// Throws what the first of them threw, once all are through.
+  /// f(member) by all of the team that come before the work is done; f must leave no work to a member that has not
+  /// begun. Throws what the first of them threw, once all are through.
   template <class F>
   void run(const F& f) {
     idle_ = nullptr;  // a loop inside is one thread's own

@@ -41,14 +41,14 @@ enum class Kind {
   integers,  ///< one integer or a list of them
   vectors,
   quadruples,  ///< a list of four numbers each, stored one behind the other
-  texts,   ///< one word or a list of them
-  table,   ///< a nested table; its values are stored flat as `name.key`
-  shape,   ///< a name under [shape.*] or a shape written in place; read by whoever knows the shapes
-  rows,    ///< a list of rows of numbers; read by whoever knows what they mean, as the next ones
-  load,    ///< a vector whose components may follow time, or a table of it; stored is the steady part
-  motions, ///< a table by `fields`, or a list of them
-  bound,   ///< a number, or a table with that number in `below`
-  tables,  ///< a table or list of tables with a declaration of its own; read with that
+  texts,       ///< one word or a list of them
+  table,       ///< a nested table; its values are stored flat as `name.key`
+  shape,       ///< a name under [shape.*] or a shape written in place; read by whoever knows the shapes
+  rows,        ///< a list of rows of numbers; read by whoever knows what they mean, as the next ones
+  load,        ///< a vector whose components may follow time, or a table of it; stored is the steady part
+  motions,     ///< a table by `fields`, or a list of them
+  bound,       ///< a number, or a table with that number in `below`
+  tables,      ///< a table or list of tables with a declaration of its own; read with that
 };
 
 /// A resolved value of a field (numbers in SI).

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/units/error.h"
 #include "engine/threads/order_free_sum.h"
 #include "engine/threads/parallel_order.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 

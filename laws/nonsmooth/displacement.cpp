@@ -1,7 +1,7 @@
 #include "laws/nonsmooth/displacement.h"
 
-#include "engine/threads/parallel.h"
 #include "engine/state/rotation.h"
+#include "engine/threads/parallel.h"
 
 namespace epafi {
 

@@ -22,9 +22,9 @@ class DrivenMotion {
   void visit(StateVisitor& visitor);
 
  private:
-  std::vector<BodyId> body_;                ///< driven, with their motion in the last step
-  std::vector<Vec3> velocity_, spin_;       ///< [m/s], [rad/s]
-  std::vector<Vec3> linear_, angular_;      ///< by slot: the changes; empty where there is none
+  std::vector<BodyId> body_;            ///< driven, with their motion in the last step
+  std::vector<Vec3> velocity_, spin_;   ///< [m/s], [rad/s]
+  std::vector<Vec3> linear_, angular_;  ///< by slot: the changes; empty where there is none
 };
 
 }  // namespace epafi

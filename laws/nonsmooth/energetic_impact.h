@@ -4,9 +4,9 @@
 /// the contact is compressed until u_N = 0 and opens until the normal impulse has given back e^2 of the work it took:
 ///   int_0^p u_N dp = (1 - e^2) int_0^pc u_N dp.
 /// Friction takes energy all the way and the normal impulse the share 1 - e^2: no gain for e in [0, 1] (Newton's and
-/// Poisson's laws do gain, where the slip turns round within the impact). Without friction, or where W_TN = 0: u_N+ = -e
-/// u_N-. Sliding along a bent hodograph is integrated by Runge-Kutta steps of 4th order, relative error below 1e-7; straight
-/// sliding and sticking are closed forms.
+/// Poisson's laws do gain, where the slip turns round within the impact). Without friction, or where W_TN = 0: u_N+ =
+/// -e u_N-. Sliding along a bent hodograph is integrated by Runge-Kutta steps of 4th order, relative error below 1e-7;
+/// straight sliding and sticking are closed forms.
 #pragma once
 #include "laws/nonsmooth/contact_problem.h"
 

@@ -53,9 +53,9 @@ class Impacts {
   struct Step {
     std::span<const double> gap;          ///< [m]
     std::span<const double> restitution;  ///< e of each contact
-    const BodyVelocities& before;            ///< v_k
-    double threshold;                        ///< slower approaches do not bounce [m/s]
-    double dt;                               ///< [s]
+    const BodyVelocities& before;         ///< v_k
+    double threshold;                     ///< slower approaches do not bounce [m/s]
+    double dt;                            ///< [s]
     bool locates = true;  ///< impacts may put bodies where they would be; not with solvers that move bodies themselves
   };
   /// Adds the impulses of the impacts to problem.free. False, and nothing done, in a step without impact.

@@ -1,9 +1,9 @@
-/// @file impact_balance.h  Energy of impacts at several contacts at once. Newton's law u_N+ = -e u_N- alone can gain some:
-/// where normal impulses turn the slip round, friction of the final slip gives back what it did not take (Kane's paradox).
-/// Here the rebound of an island of bodies is s e u_N- with the largest s in [0, 1] for which it does not:
+/// @file impact_balance.h  Energy of impacts at several contacts at once. Newton's law u_N+ = -e u_N- alone can gain
+/// some: where normal impulses turn the slip round, friction of the final slip gives back what it did not take (Kane's
+/// paradox). Here the rebound of an island of bodies is s e u_N- with the largest s in [0, 1] for which it does not:
 ///   sum of -r.(u- + u+)/2  >=  sum over contacts that bounce of (1 - e)/2 r_N |u_N-|,
-/// the loss of the same impulses without friction. s = 1 where nothing is wrong, which is everywhere without friction and
-/// with one e. s = 0 never gains: then r.u+ <= 0 and the kinetic energy changes by r.u+ - r.W r/2. Solvers end at a
+/// the loss of the same impulses without friction. s = 1 where nothing is wrong, which is everywhere without friction
+/// and with one e. s = 0 never gains: then r.u+ <= 0 and the kinetic energy changes by r.u+ - r.W r/2. Solvers end at a
 /// tolerance; what is left of a gain is taken out by scaling the impulses of the island to none.
 #pragma once
 #include <vector>
@@ -46,11 +46,11 @@ class ImpactBalance {
  private:
   /// Energies of the bodies that impulses join [J].
   struct Island {
-    double lost = 0.0;     ///< by all contacts
-    double owed = 0.0;     ///< (1 - e)/2 r_N |u_N-| of those that bounce
-    double struck = 0.0;   ///< r_N |u_N-| of those that bounce
-    double response = 0.0; ///< r.W r
-    double e = 0.0;        ///< the largest
+    double lost = 0.0;      ///< by all contacts
+    double owed = 0.0;      ///< (1 - e)/2 r_N |u_N-| of those that bounce
+    double struck = 0.0;    ///< r_N |u_N-| of those that bounce
+    double response = 0.0;  ///< r.W r
+    double e = 0.0;         ///< the largest
     double excess() const { return struck > 0.0 ? (lost - owed) / struck : 0.0; }
   };
   /// The search for s: excess(low) >= 0 > excess(high), as far as they are known.

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/lanes/targets.h"
 #include "engine/threads/order_free_sum.h"
 #include "engine/threads/parallel_order.h"
 #include "engine/threads/parallel_stages.h"
-#include "engine/lanes/targets.h"
 #include "laws/nonsmooth/normal_rule.h"
 #include "laws/nonsmooth/solvers/pgs.h"
 #include "laws/nonsmooth/solvers/soft_step.h"

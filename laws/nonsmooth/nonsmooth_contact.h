@@ -27,8 +27,8 @@
 /// a change of energy if e = 1. This law alone can create energy in frictional impacts with rotation (Kane's paradox,
 /// case A21): what the default does about it, and other laws of impact, in impact.h.
 ///
-/// Servo walls (engine/step/giving_wall.h) are bodies of the problem that move along one line. Impulses reach them within
-/// the step, so a plate carries its load exactly, on rigid bodies too.
+/// Servo walls (engine/step/giving_wall.h) are bodies of the problem that move along one line. Impulses reach them
+/// within the step, so a plate carries its load exactly, on rigid bodies too.
 ///
 /// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding
 /// but for the drift of rotating unsymmetric bodies. A contact that opens slowly and is closed again by gravity within

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/units/error.h"
 #include "engine/threads/order_free_sum.h"
+#include "engine/units/error.h"
 #include "laws/nonsmooth/cone.h"
 
 namespace epafi {

@@ -25,8 +25,10 @@ std::size_t WarmStart::find_pair(Slot a, Slot b, std::size_t guess) const {
   std::size_t low = 0, high = a_.size();
   while (low < high) {
     const std::size_t mid = (low + high) / 2;
-    if (std::tuple(a_[mid], b_[mid]) < std::tuple(a, b)) low = mid + 1;
-    else high = mid;
+    if (std::tuple(a_[mid], b_[mid]) < std::tuple(a, b))
+      low = mid + 1;
+    else
+      high = mid;
   }
   return low;
 }
@@ -69,7 +71,8 @@ void WarmStart::recall(const World& world, const ContactSet& contacts, const Con
   const auto begins = [&](std::size_t i) {
     return i == 0 || contacts.a[i] != contacts.a[i - 1] || contacts.b[i] != contacts.b[i - 1];
   };
-  parallel_select(contacts.size(), begins, [](std::size_t i) { return static_cast<std::uint32_t>(i); }, runs_);
+  parallel_select(
+      contacts.size(), begins, [](std::size_t i) { return static_cast<std::uint32_t>(i); }, runs_);
   renew(previous_, contacts.size());
   renew(r, contacts.size());
   parallel_fill(by_name_, contacts.size(), std::uint8_t{1});
@@ -106,9 +109,8 @@ void WarmStart::remember(const World& world, const ContactSet& contacts, const C
 
 bool WarmStart::same() const {
   if (previous_.size() != a_.size()) return false;
-  return block_max<char>(previous_.size(), 0, [&](std::size_t i) {
-           return static_cast<char>(previous_[i] != i || !by_name_[i]);
-         }) == 0;
+  return block_max<char>(previous_.size(), 0,
+                         [&](std::size_t i) { return static_cast<char>(previous_[i] != i || !by_name_[i]); }) == 0;
 }
 
 double WarmStart::foreseen(std::size_t i) const {

@@ -15,8 +15,8 @@ class WarmStart {
   void recall(const World& world, const ContactSet& contacts, const ContactProblem& problem, Impulses& r);
   /// The recalled list holds the contacts of the last step, by name and in their order.
   bool same() const;
-  /// Contact i of the recalled list in the last step: the gap foreseen for now [m] and the slip velocity it ended with (B
-  /// against A, world axes). -infinity and nothing where there was none or where it carried no impulse.
+  /// Contact i of the recalled list in the last step: the gap foreseen for now [m] and the slip velocity it ended with
+  /// (B against A, world axes). -infinity and nothing where there was none or where it carried no impulse.
   double foreseen(std::size_t i) const;
   std::optional<Vec3> slip(std::size_t i) const;
   /// Remembers the impulses of these contacts, the gaps they are to have at the next detection and, of the velocities u
@@ -36,10 +36,10 @@ class WarmStart {
 
   UnwrittenStream<Slot> a_, b_;
   UnwrittenStream<Feature> feature_;
-  std::vector<Vec3> arm_;      ///< from A's centre, in A's axes [m]
-  std::vector<Vec3> impulse_;  ///< on B, world axes [N s]
+  std::vector<Vec3> arm_;        ///< from A's centre, in A's axes [m]
+  std::vector<Vec3> impulse_;    ///< on B, world axes [N s]
   UnwrittenStream<double> gap_;  ///< foreseen [m]
-  std::vector<Vec3> slip_;     ///< world axes [m/s]
+  std::vector<Vec3> slip_;       ///< world axes [m/s]
 
   UnwrittenStream<std::uint32_t> runs_;      ///< of one pair each: the first contact
   UnwrittenStream<std::uint32_t> previous_;  ///< of each new contact: index in the remembered list, or none

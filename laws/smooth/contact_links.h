@@ -1,6 +1,7 @@
-/// @file contact_links.h  How stiff and how damped smooth contacts are at this moment: what engine/step/stiffest_mode.h needs
-/// of them. Stiffness and dashpot are those of the law at the present overlap; a law that remembers is asked for the way
-/// out, which is the stiffer one. Friction counts as sticking: a contact at its limit may stick in the next step.
+/// @file contact_links.h  How stiff and how damped smooth contacts are at this moment: what engine/step/stiffest_mode.h
+/// needs of them. Stiffness and dashpot are those of the law at the present overlap; a law that remembers is asked for
+/// the way out, which is the stiffer one. Friction counts as sticking: a contact at its limit may stick in the next
+/// step.
 #pragma once
 #include <functional>
 
@@ -27,8 +28,8 @@ class ContactLinks {
   /// beyond touch, as if it did: whether they have touched is in the memory of the contact model.
   void append(const World& world, const ContactSet& contacts, std::size_t begin, std::size_t end, double dt,
               std::vector<StiffLink>& links) const;
-  /// A link between bodies of materials i and j by overlap, radius, mass and area of `at`; mobilities: of slip, 1/m + r^2/I
-  /// of both [1/kg], and of rolling [1/(kg m^2)], 0 where it does not count.
+  /// A link between bodies of materials i and j by overlap, radius, mass and area of `at`; mobilities: of slip, 1/m +
+  /// r^2/I of both [1/kg], and of rolling [1/(kg m^2)], 0 where it does not count.
   StiffLink link(std::uint16_t i, std::uint16_t j, const ContactKinematics& at, double slip_mobility,
                  double rolling_mobility, double dt) const;
   NormalSlopes normal(std::uint16_t i, std::uint16_t j, const ContactKinematics& at) const {
@@ -38,7 +39,7 @@ class ContactLinks {
  private:
   std::size_t materials_;
   std::function<NormalSlopes(std::size_t pair, const ContactKinematics& at)> normal_;
-  std::function<double(std::size_t pair, double radius)> reach_;         ///< beyond touch [m]
+  std::function<double(std::size_t pair, double radius)> reach_;        ///< beyond touch [m]
   std::function<double(std::size_t pair, double stiffness)> sideways_;  ///< k_t of k_n [N/m]
   std::vector<double> sideways_damping_;                                ///< by pair, of critical
   /// damped_weight of rolling [kg m^2]

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/units/error.h"
 #include "engine/step/pipeline.h"
+#include "engine/units/error.h"
 #include "laws/material.h"
 
 namespace epafi {

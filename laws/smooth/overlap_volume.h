@@ -1,7 +1,7 @@
 /// @file overlap_volume.h  Force proportional to the overlap volume, for polyhedra (Munjiza 2004, potential contact).
 /// The overlap acts as an elastic layer of thickness l: pressure E*/l times the depth. The force is the gradient of a
-/// potential of the poses (detection/narrow/polyhedra/overlap_cells.h), so that energy is conserved at e = 1 through every change
-/// of face, edge and corner. A flat face is a linear spring E* A/l; a corner starts softly, N ~ delta^3.
+/// potential of the poses (detection/narrow/polyhedra/overlap_cells.h), so that energy is conserved at e = 1 through
+/// every change of face, edge and corner. A flat face is a linear spring E* A/l; a corner starts softly, N ~ delta^3.
 #pragma once
 #include <algorithm>
 #include <cmath>

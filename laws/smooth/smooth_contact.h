@@ -8,10 +8,10 @@
 #pragma once
 #include <cstring>
 
-#include "engine/units/error.h"
 #include "engine/state/incidence.h"
-#include "engine/threads/parallel.h"
 #include "engine/step/pipeline.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 #include "laws/contact_law.h"
 #include "laws/smooth/contact_edge.h"
 #include "laws/smooth/spring.h"

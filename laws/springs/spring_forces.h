@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/step/contact_layer.h"
 #include "engine/railway/guideway.h"
+#include "engine/step/contact_layer.h"
 
 namespace epafi {
 
@@ -32,8 +32,8 @@ std::unique_ptr<ContactModel> make_spring_forces(std::vector<SpringElement> spri
                                                  std::shared_ptr<const Guideway> way, bool smooth,
                                                  std::unique_ptr<ContactModel> below);
 
-/// Largest omega^2 of all springs and masses together [1/s^2], and largest damping rate [1/s]: eigenvalues of M^-1 K and
-/// M^-1 C with masses, moments, arms and axes of the moment.
+/// Largest omega^2 of all springs and masses together [1/s^2], and largest damping rate [1/s]: eigenvalues of M^-1 K
+/// and M^-1 C with masses, moments, arms and axes of the moment.
 struct SpringRates {
   double square = 0.0, damping = 0.0;
 };

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/step/contact_layer.h"
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 #include "laws/wheel_rail/normal/hertz_ellipse.h"
 #include "laws/wheel_rail/normal_models.h"
 #include "laws/wheel_rail/tangential_models.h"

@@ -12,9 +12,9 @@
 #include <memory>
 #include <string>
 
+#include "engine/railway/rolling_regions.h"
 #include "engine/step/pipeline.h"
 #include "engine/units/registry.h"
-#include "engine/railway/rolling_regions.h"
 #include "laws/material.h"
 
 namespace epafi {

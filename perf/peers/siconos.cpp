@@ -1,8 +1,9 @@
-/// @file siconos.cpp  Friction-contact problems solved by Epafi and, on the same machine in the same minute, by the numerics of Siconos
-/// (Debian: libsiconos-numerics-dev): OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 perf_siconos [RESIDUAL] FILE...
-/// One row per problem: the least processor time of one cold solve whose residual, measured here (laws/nonsmooth/residual.h), is at most
-/// RESIDUAL (1e-6). Every method of Siconos is asked with its own tolerances of 1e-3 to 1e-10, three times each, because they are scaled
-/// otherwise; each solve is a process of its own that may take 2 s. Methods in W form get sparse blocks, ADMM a sparse matrix.
+/// @file siconos.cpp  Friction-contact problems solved by Epafi and, on the same machine in the same minute, by the
+/// numerics of Siconos (Debian: libsiconos-numerics-dev): OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 perf_siconos
+/// [RESIDUAL] FILE... One row per problem: the least processor time of one cold solve whose residual, measured here
+/// (laws/nonsmooth/residual.h), is at most RESIDUAL (1e-6). Every method of Siconos is asked with its own tolerances of
+/// 1e-3 to 1e-10, three times each, because they are scaled otherwise; each solve is a process of its own that may take
+/// 2 s. Methods in W form get sparse blocks, ADMM a sparse matrix.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -42,9 +43,10 @@ struct Method {
   bool blocks;  ///< W as 3 x 3 blocks, else as a sparse matrix
   int iterations;
 };
-const Method methods[] = {{"NSGS", SICONOS_FRICTION_3D_NSGS, true, 1000000}, {"NSN_AC", SICONOS_FRICTION_3D_NSN_AC, true, 500},
-                          {"NSN_FB", SICONOS_FRICTION_3D_NSN_FB, true, 500}, {"PROX", SICONOS_FRICTION_3D_PROX, true, 2000},
-                          {"VI_EG", SICONOS_FRICTION_3D_VI_EG, true, 1000000}, {"ADMM", SICONOS_FRICTION_3D_ADMM, false, 1000000}};
+const Method methods[] = {
+    {"NSGS", SICONOS_FRICTION_3D_NSGS, true, 1000000},   {"NSN_AC", SICONOS_FRICTION_3D_NSN_AC, true, 500},
+    {"NSN_FB", SICONOS_FRICTION_3D_NSN_FB, true, 500},   {"PROX", SICONOS_FRICTION_3D_PROX, true, 2000},
+    {"VI_EG", SICONOS_FRICTION_3D_VI_EG, true, 1000000}, {"ADMM", SICONOS_FRICTION_3D_ADMM, false, 1000000}};
 
 struct Answer {
   double ms = 0.0, residual = INFINITY;
@@ -159,8 +161,10 @@ void row(const std::string& path, double wanted) {
       break;
     }
   const bool solved = ours && ours->residual <= wanted;
-  std::printf("| %s | %s | %s | %s |\n", file.name.c_str(), solved ? (std::to_string(ours->ms).substr(0, 5) + " ms").c_str() : "not reached",
-              std::isfinite(best.ms) ? (std::to_string(best.ms).substr(0, 5) + " ms").c_str() : "not reached in 2 s", best_name);
+  std::printf("| %s | %s | %s | %s |\n", file.name.c_str(),
+              solved ? (std::to_string(ours->ms).substr(0, 5) + " ms").c_str() : "not reached",
+              std::isfinite(best.ms) ? (std::to_string(best.ms).substr(0, 5) + " ms").c_str() : "not reached in 2 s",
+              best_name);
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/threads/parallel.h"
 #include "engine/state/state_snapshot.h"
+#include "engine/threads/parallel.h"
 #include "scenes/carry_over.h"
 #include "scenes/foretold_time.h"
 #include "scenes/peak_memory.h"

@@ -29,9 +29,9 @@
 #include "scenes/start_run.h"
 #include "scenes/stop.h"
 #include "scenes/time_step.h"
+#include "viz_export/files/side_file.h"
 #include "viz_export/output/export.h"
 #include "viz_export/report/report.h"
-#include "viz_export/files/side_file.h"
 
 namespace epafi {
 

@@ -218,7 +218,8 @@ void add_studies(Program& p) {
   sweep->add_option("-t,--threads", p.sweep.threads, "threads of each case")->check(epafi::whole_number(1));
   sweep->add_flag("--list", p.sweep.list, "number, state and values of every case");
   sweep->add_flag("--collect", p.sweep.collect, "one CSV row per case on stdout");
-  sweep->add_flag("--slurm", p.sweep.slurm, "writes the array job of the open cases, FOLDER/sweep.sbatch, runs nothing");
+  sweep->add_flag("--slurm", p.sweep.slurm,
+                  "writes the array job of the open cases, FOLDER/sweep.sbatch, runs nothing");
   sweep->add_option("--case", p.sweep.one, "this case only, counted from 0")->check(epafi::whole_number(0));
 }
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/threads/parallel.h"
 #include "engine/units/error.h"
 #include "engine/units/nearest.h"
-#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/no_solution.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
@@ -16,10 +16,10 @@
 #include "scenes/cli/commands.h"
 #include "scenes/cli/print.h"
 #include "scenes/stop.h"
-#include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/files/json_writer.h"
-#include "viz_export/hdf5/problem_file.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
+#include "viz_export/hdf5/problem_file.h"
 
 namespace epafi {
 

@@ -22,7 +22,7 @@ int command_limits(const StudyOptions& options);
 struct SweepOptions {
   bool list = false, collect = false;
   bool slurm = false;  ///< write the array job instead of running
-  int one = -1;  ///< --case K
+  int one = -1;        ///< --case K
   int threads = 1;
 };
 int command_sweep(const StudyOptions& options, const SweepOptions& sweep);

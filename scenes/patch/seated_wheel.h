@@ -49,7 +49,7 @@ class SeatedWheel {
 
   ElasticPair elastic_;
   InfluenceRange influence_;
-  double reach_ = 0.0;  ///< of the profiles to both sides [m]
+  double reach_ = 0.0;              ///< of the profiles to both sides [m]
   std::vector<double> sampled_at_;  ///< depth at which the gaps of each seated region were sampled [m]
 };
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <csignal>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 #include "scenes/include/epafi/epafi.h"
 #include "viz_export/output/output_observers.h"
 

@@ -17,7 +17,7 @@ struct Node {
   Type type = Type::table;
   bool boolean = false;
   long long integer = 0;
-  double real = 0.0;  ///< also set for integers
+  double real = 0.0;            ///< also set for integers
   std::string text;             ///< of a value given by --set as it was written, whatever its type
   std::vector<Node> items;      ///< of an array
   std::vector<Member> members;  ///< of a table, in the order of the file

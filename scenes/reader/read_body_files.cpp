@@ -26,7 +26,7 @@ struct Rows {
   std::map<std::string, Cell> row{};                    ///< its cells that hold something
   std::map<std::string, double> factor{};               ///< of the columns, to SI
   std::map<std::string, std::size_t> written_shapes{};  ///< of column shape, by its text
-  double own_size = 1.0;  ///< of the shape of this row
+  double own_size = 1.0;                                ///< of the shape of this row
 
   bool has(const std::string& column) const { return row.count(column) != 0; }
   double number(const std::string& column, double otherwise = 0.0) {

@@ -60,8 +60,8 @@ void check_polyhedron(Reading& reading, const ShapeSpec& shape, const std::strin
 void check_cone(Reading& reading, const ShapeSpec& shape, const Place& place, const std::string& label) {
   const auto& radii = shape.parameters.numbers("radii");
   if (radii.size() != 2)
-    reading.error(place, label + " radii: two numbers, [at its start, at its end], found " +
-                             std::to_string(radii.size()));
+    reading.error(place,
+                  label + " radii: two numbers, [at its start, at its end], found " + std::to_string(radii.size()));
   else if (!(radii[0] > 0.0 || radii[1] > 0.0))
     reading.error(place, label + " radii: one of them is positive, found [0, 0]");
 }

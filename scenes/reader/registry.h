@@ -21,7 +21,7 @@ struct Registry {
   std::vector<std::string> smooth_schemes;     ///< names of those that work with forces; the first is the default
   std::vector<std::string> nonsmooth_schemes;  ///< those that work with impulses
   std::vector<Entry> measures;
-  std::vector<Field> rolling_fields;           ///< [contact.wheel_rail]
+  std::vector<Field> rolling_fields;       ///< [contact.wheel_rail]
   std::vector<Entry> patch_normal_models;  ///< of `epafi patch`
   std::vector<Entry> patch_tangential_models;
 };

@@ -28,20 +28,18 @@ TableSchema run_table(const Registry& registry) {
   step.choices = {"auto", "adaptive"};
   Field scheme = word("scheme", "time scheme; follows from the method where not written", names_of(registry.schemes));
   scheme.optional = true;
-  return {
-      "run",
-      TableSchema::Form::single,
-      "time: how long and in which steps",
-      {required("duration", "T", "s", Kind::number, positive, "simulated time"),
-       step, scheme,
-       with_default(required("allow_unstable", "", "", Kind::boolean, {},
-                             "takes a time step above the limit instead of refusing it, to see where it fails"),
-                    Value(false)),
-       optional("output_interval", "", "s", Kind::number, positive,
-                "time between snapshots; duration / 100 where not written"),
-       optional("checkpoint_interval", "", "s", Kind::number, positive,
-                "time between checkpoints; only at the end where not written"),
-       with_default(required("seed", "", "", Kind::integer, seeds, "seed of all random numbers"), Value(1.0))}};
+  return {"run",
+          TableSchema::Form::single,
+          "time: how long and in which steps",
+          {required("duration", "T", "s", Kind::number, positive, "simulated time"), step, scheme,
+           with_default(required("allow_unstable", "", "", Kind::boolean, {},
+                                 "takes a time step above the limit instead of refusing it, to see where it fails"),
+                        Value(false)),
+           optional("output_interval", "", "s", Kind::number, positive,
+                    "time between snapshots; duration / 100 where not written"),
+           optional("checkpoint_interval", "", "s", Kind::number, positive,
+                    "time between checkpoints; only at the end where not written"),
+           with_default(required("seed", "", "", Kind::integer, seeds, "seed of all random numbers"), Value(1.0))}};
 }
 
 TableSchema world_table() {

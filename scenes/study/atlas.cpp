@@ -96,12 +96,11 @@ void store(const AtlasOrder& order, const std::string& stem, const std::string& 
     pictures.push_back(stem + name.substr(command.size()));
     fs::copy_file(entry.path(), order.atlas / pictures.back(), fs::copy_options::overwrite_existing);
   }
-  std::sort(pictures.begin(), pictures.end(), [](const std::string& a, const std::string& b) {
-    return std::pair(a.size(), a) < std::pair(b.size(), b);
-  });
+  std::sort(pictures.begin(), pictures.end(),
+            [](const std::string& a, const std::string& b) { return std::pair(a.size(), a) < std::pair(b.size(), b); });
   const Study& study = result.study;
-  write_whole_file(page, {page_with(fs::exists(page) ? read_whole_file(page) : "", study.title.empty() ? stem : study.title,
-                                    measured_text(result, stem, pictures))});
+  write_whole_file(page, {page_with(fs::exists(page) ? read_whole_file(page) : "",
+                                    study.title.empty() ? stem : study.title, measured_text(result, stem, pictures))});
 }
 
 }  // namespace

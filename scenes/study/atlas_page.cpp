@@ -13,7 +13,8 @@ namespace {
 constexpr const char* first_mark = "<!-- measured: written by the command below -->\n";
 constexpr const char* last_mark = "<!-- end of what was measured -->\n";
 
-/// "contact.nonsmooth.iterations=5; run.time_step=1e-3" as "iterations=5; time_step=1e-3": the page has the whole names.
+/// "contact.nonsmooth.iterations=5; run.time_step=1e-3" as "iterations=5; time_step=1e-3": the page has the whole
+/// names.
 std::string short_settings(const StudyMethod& method) {
   std::string out;
   for (const std::string& o : method.overrides) {
@@ -68,9 +69,10 @@ std::string measured_text(const LimitMap& map, const std::string& stem, const st
   std::string out = head("limits", stem, map.study.title, pictures);
   const bool two = map.study.parameters.size() == 2, theory = !map.study.theory.empty();
   const std::string& what = map.study.parameters.back().label;
-  out += "| method | " + (two ? map.study.parameters.front().label + " | " : std::string{}) + what + ": good | failing | kind of failure |" +
-         (theory ? " " + (map.study.theory_label.empty() ? "theory" : map.study.theory_label) + " |" : "") + "\n|---|---|---|---|" +
-         (two ? "---|" : "") + (theory ? "---|" : "") + "\n";
+  out += "| method | " + (two ? map.study.parameters.front().label + " | " : std::string{}) + what +
+         ": good | failing | kind of failure |" +
+         (theory ? " " + (map.study.theory_label.empty() ? "theory" : map.study.theory_label) + " |" : "") +
+         "\n|---|---|---|---|" + (two ? "---|" : "") + (theory ? "---|" : "") + "\n";
   for (const Limit& l : map.limits) {
     out += "| " + map.study.methods[l.method].name + " | ";
     if (two) out += or_dash(l.at) + " | ";
@@ -93,9 +95,12 @@ std::string page_with(const std::string& page, const std::string& title, const s
 std::string atlas_index(const std::filesystem::path& studies) {
   std::string out =
       "# Atlas: what accuracy costs, and where methods stop working\n\n"
-      "`epafi chart --all` and `epafi limits --all` draw everything anew (`--budget 30m`), write the tables of the pages and this list, and "
-      "print which rows moved\nagainst the tables kept here by more than their spread. Times are processor seconds on one core of the "
-      "machine that drew them: compare them within a\npicture. Errors and state hashes are the same bits on every run.\n";
+      "`epafi chart --all` and `epafi limits --all` draw everything anew (`--budget 30m`), write the tables of the "
+      "pages and this list, and "
+      "print which rows moved\nagainst the tables kept here by more than their spread. Times are processor seconds on "
+      "one core of the "
+      "machine that drew them: compare them within a\npicture. Errors and state hashes are the same bits on every "
+      "run.\n";
   for (const bool charts : {true, false}) {
     std::vector<Study> all = studies_in(studies, charts);
     std::sort(all.begin(), all.end(), [](const Study& a, const Study& b) { return a.file < b.file; });

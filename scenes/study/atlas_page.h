@@ -1,5 +1,5 @@
-/// @file atlas_page.h  Pages of the atlas: a person writes what a study says, the command writes what it measured between
-/// two marks of the same page, and the index of all pages.
+/// @file atlas_page.h  Pages of the atlas: a person writes what a study says, the command writes what it measured
+/// between two marks of the same page, and the index of all pages.
 #pragma once
 #include <filesystem>
 #include <string>

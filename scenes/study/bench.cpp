@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/units/error.h"
 #include "engine/step/report.h"
+#include "engine/units/error.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/study/case_run.h"

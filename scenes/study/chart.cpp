@@ -16,7 +16,8 @@ Chart chart_of(const Study& study, const std::filesystem::path& folder,
                const std::function<void(const std::string&)>& say) {
   if (is_corpus_study(study) || is_patch_study(study))
     if (!study.more_errors.empty() || !study.axis.empty() || study.cost != Study::Cost::run)
-      throw SceneError(study.file + ": a list of errors, axis and cost are for scenes that run, not for single contacts");
+      throw SceneError(study.file +
+                       ": a list of errors, axis and cost are for scenes that run, not for single contacts");
   if (is_corpus_study(study)) return run_corpus_chart(study, say);
   return is_patch_study(study) ? run_patch_chart(study, say) : run_chart(study, folder, say);
 }

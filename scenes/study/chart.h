@@ -47,7 +47,7 @@ struct Chart {
   std::optional<double> accuracy;             ///< of the error: the study's, or the scene's of the same name
   std::optional<std::size_t> recommended;     ///< cheapest point inside [accuracy]
   std::optional<SecondOpinion> again;
-  std::string command;                     ///< of the first case, as an example
+  std::string command;  ///< of the first case, as an example
   std::string time_label = "processor seconds per simulated second";
   bool one_question = true;  ///< points answer the same question: lines join them, the best make a front
 };

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "scenes/study/chart.h"
-#include "viz_export/report/charts.h"
 #include "viz_export/files/json_writer.h"
+#include "viz_export/report/charts.h"
 
 namespace epafi {
 namespace {

@@ -118,8 +118,9 @@ struct Seeker {
     }
     CaseLimits cut = limits;
     cut.seconds = std::min(limits.seconds, left());
-    cut.until = study.budget > 0 ? std::optional(begin + std::chrono::milliseconds(
-                                       static_cast<long>(1e3 * study.budget))) : std::nullopt;
+    cut.until = study.budget > 0
+                    ? std::optional(begin + std::chrono::milliseconds(static_cast<long>(1e3 * study.budget)))
+                    : std::nullopt;
     const bool whole = run_cases(study.scene, todo, cut, jobs, [&](std::size_t k, const CaseResult& r) {
       if (r.status == "over_budget" && cut.seconds < limits.seconds) return;  // of the study, not of the case
       const auto& [method, at] = asked[index[k]];

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "scenes/study/limits.h"
-#include "viz_export/report/charts.h"
 #include "viz_export/files/json_writer.h"
+#include "viz_export/report/charts.h"
 
 namespace epafi {
 namespace {

@@ -24,8 +24,8 @@ Field field(std::string name, Kind kind, std::string help, std::optional<Value> 
 
 /// Keys read here by hand, because their names are the user's; the rest by fields.
 bool is_free_table(const std::string& key) {
-  static const std::vector<std::string> free{"vary",      "reference",  "set",  "fails_when",
-                                             "parameter", "parameters", "error", "axis", "again"};
+  static const std::vector<std::string> free{"vary",       "reference", "set",  "fails_when", "parameter",
+                                             "parameters", "error",     "axis", "again"};
   return std::find(free.begin(), free.end(), key) != free.end();
 }
 
@@ -157,9 +157,13 @@ struct StudyReader {
                     field("tolerance", Kind::number, "", Value(0.02)), field("label", Kind::text, "")},
                    reading);
     if (!v.has("key")) return;
-    ParameterSpec p{
-        v.text("key"),        {}, v.text("search") == "bisect", v.text("scale") == "log", v.boolean("integer"),
-        v.number("tolerance"), v.has("label") ? v.text("label") : v.text("key")};
+    ParameterSpec p{v.text("key"),
+                    {},
+                    v.text("search") == "bisect",
+                    v.text("scale") == "log",
+                    v.boolean("integer"),
+                    v.number("tolerance"),
+                    v.has("label") ? v.text("label") : v.text("key")};
     if (v.has("values"))
       p.values = v.numbers("values");
     else if (!v.has("from") || !v.has("to"))

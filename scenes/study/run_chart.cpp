@@ -163,8 +163,7 @@ struct Runner {
     times.push_back(time_of(r));
     const double ns = r.number("ns_per_body_step", 0.0);
     p.ns_per_body_step = first ? ns : std::min(p.ns_per_body_step, ns);
-    if (first && !r.summary.numbers.empty())
-      judge(p, wanted, r, truths.at(setting_of(p.method.overrides, study.axis)));
+    if (first && !r.summary.numbers.empty()) judge(p, wanted, r, truths.at(setting_of(p.method.overrides, study.axis)));
   }
 
   /// The scene's own limit of what the study calls its error, where it has one.

@@ -79,7 +79,7 @@ TEST_CASE("crossed segments a rounding apart are left along the way they are apa
     const Vec3 normal = along_x * p.normal;
     CHECK(p.status == Penetration::Status::flat);
     CHECK(p.upper == Approx(-2e-14).epsilon(1e-2));  // apart, not inside each other
-    CHECK(normal.y() * h > 0.99 * std::abs(h));       // from A to B
+    CHECK(normal.y() * h > 0.99 * std::abs(h));      // from A to B
   }
 }
 

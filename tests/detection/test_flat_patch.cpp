@@ -19,8 +19,10 @@ TEST_CASE("a cylinder that stands on a cylinder stands on four points, also wher
   const Cylinder lower(0.5, 0.4), upper(0.2, 0.6);
   Random random(211, 0);
   for (int k = 0; k < 100; ++k) {
-    const double depth = std::pow(10.0, -random.uniform(3, 10)), shift = k % 2 == 0 ? 0.1 : 0.4, way = random.uniform(0, 6);
-    const Pose pose{{shift * std::cos(way), shift * std::sin(way), 0.5 - depth}, about(Vec3::UnitZ(), random.uniform(0, 6))};
+    const double depth = std::pow(10.0, -random.uniform(3, 10)), shift = k % 2 == 0 ? 0.1 : 0.4,
+                 way = random.uniform(0, 6);
+    const Pose pose{{shift * std::cos(way), shift * std::sin(way), 0.5 - depth},
+                    about(Vec3::UnitZ(), random.uniform(0, 6))};
     const ContactSet c = contacts(lower, {}, upper, pose);
     REQUIRE(c.size() == 4);
     double area = 0.0;  // of the four points, by its largest triangle: no thin strip

@@ -60,7 +60,8 @@ TEST_CASE("equal boxes stacked exactly keep their features under jitter, whichev
 TEST_CASE("crossed edges and a tip touch in one point midway between the surfaces", "[detection][manifold]") {
   const Box cube(Vec3::Constant(0.5));
   const double half = std::sqrt(0.5), depth = 0.02;  // from the centre to an edge
-  const Quat about_x(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitX())), about_y(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitY()));
+  const Quat about_x(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitX())),
+      about_y(Eigen::AngleAxisd(std::atan(1.0), Vec3::UnitY()));
   const Patch edges = patch_of(cube.hull, {{0, 0, 0}, about_x}, cube.hull, {{0, 0, 2 * half - depth}, about_y});
   REQUIRE(edges.count == 1);
   CHECK(edges.point[0].gap == Approx(-depth).epsilon(1e-12));
@@ -163,7 +164,8 @@ TEST_CASE("of six corners the deepest is kept in its own place", "[detection][ma
   std::vector<PatchPoint> corners;
   for (std::uint32_t k = 0; k < 6; ++k) {
     const double turn = static_cast<double>(k) * std::atan(1.0) * 4.0 / 3.0;
-    corners.push_back({{std::cos(turn), std::sin(turn), 0.0}, k == 5 ? -2e-3 : -1e-3, make_feature(FeatureKind::vertex_a, k, 0)});
+    corners.push_back(
+        {{std::cos(turn), std::sin(turn), 0.0}, k == 5 ? -2e-3 : -1e-3, make_feature(FeatureKind::vertex_a, k, 0)});
   }
   Patch p;
   keep_four(corners, Vec3::UnitZ(), 1.0, p);
@@ -175,11 +177,14 @@ TEST_CASE("of six corners the deepest is kept in its own place", "[detection][ma
   for (int k = 1; k < 4; ++k) CHECK(p.point[static_cast<std::size_t>(k)].gap == -1e-3);
 }
 
-TEST_CASE("a needle, all its sides too steep to carry a point, pricks midway between tip and face", "[detection][manifold]") {
+TEST_CASE("a needle, all its sides too steep to carry a point, pricks midway between tip and face",
+          "[detection][manifold]") {
   // the sides' normals are 1.4 deg from the horizontal
-  const ConvexHull needle = ConvexHull::from_faces({{0, 0, 1}, {0.03, 0.03, -0.2}, {-0.03, 0.03, -0.2}, {-0.03, -0.03, -0.2}, {0.03, -0.03, -0.2}},
-                                                   {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {4, 3, 2, 1}})
-                                .hull;
+  const ConvexHull needle =
+      ConvexHull::from_faces(
+          {{0, 0, 1}, {0.03, 0.03, -0.2}, {-0.03, 0.03, -0.2}, {-0.03, -0.03, -0.2}, {0.03, -0.03, -0.2}},
+          {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {4, 3, 2, 1}})
+          .hull;
   const Box slab(Vec3(2, 2, 0.5));
   const Patch above = patch_of(needle, {}, slab.hull, {{0.3, 0.2, 1.498}, upright});
   const Patch below = patch_of(slab.hull, {}, needle, {{0.3, 0.2, 1.498}, Quat(0, 1, 0, 0)});  // the other way up

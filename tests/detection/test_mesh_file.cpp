@@ -164,16 +164,20 @@ TEST_CASE("PLY: text and both byte orders give the same surface; other elements 
     CHECK(mesh.report.is_watertight());
   }
   const auto quad = read_ply(
-      "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement material 1\r\nproperty float shine\r\nelement vertex 4\r\nproperty uchar red\r\n"
-      "property float x\r\nproperty float y\r\nproperty float z\r\nelement face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n"
-      "0.5\r\n255 0 0 0\r\n255 1 0 0\r\n255 1 1 0\r\n255 0 1 0\r\n4 0 1 2 3\r\n", "quad.ply");
+      "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement material 1\r\nproperty float shine\r\nelement vertex "
+      "4\r\nproperty uchar red\r\n"
+      "property float x\r\nproperty float y\r\nproperty float z\r\nelement face 1\r\nproperty list uchar int "
+      "vertex_index\r\nend_header\r\n"
+      "0.5\r\n255 0 0 0\r\n255 1 0 0\r\n255 1 1 0\r\n255 0 1 0\r\n4 0 1 2 3\r\n",
+      "quad.ply");
   CHECK(quad.surface.triangles == std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}});
   CHECK(quad.surface.vertices[2] == Vec3(1, 1, 0));
 }
 
 TEST_CASE("broken PLY files are refused with the reason", "[detection][mesh-file]") {
-  const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
   const std::string corners = "0 0 0\n1 0 0\n0 1 0\n";
   const std::vector<std::pair<std::string, std::string>> broken{
       {"", "a.ply: error: expected 'ply', found the end of the line"},
@@ -259,7 +263,8 @@ TEST_CASE("open, clashing and inverted surfaces are named", "[detection][mesh-fi
   s.triangles.pop_back();  // {3, 7, 5}
   CHECK(inspect(s).open_edges == 3);
   CHECK_FALSE(inspect(s).is_watertight());
-  CHECK(inspect(s).to_string() == "not watertight: 3 open edges: (1, 1, -1) - (1, -1, 1), (1, 1, -1) - (1, 1, 1), (1, -1, 1) - (1, 1, 1)");
+  CHECK(inspect(s).to_string() ==
+        "not watertight: 3 open edges: (1, 1, -1) - (1, -1, 1), (1, 1, -1) - (1, 1, 1), (1, -1, 1) - (1, 1, 1)");
   s.triangles.push_back({3, 5, 7});
   CHECK(inspect(s).open_edges == 0);
   CHECK(inspect(s).clashing_edges == 3);
@@ -339,7 +344,8 @@ TEST_CASE("any cut or flipped byte gives a mesh or a message, nothing else", "[d
   Random random(32, 0);
   const TriangleSurface box = box_surface({1, 2, 3});
   int read = 0, refused = 0;
-  for (const std::string& good : {obj_text(box), ascii_stl(box), binary_stl(box), ply_text(box), binary_ply(box, false)}) {
+  for (const std::string& good :
+       {obj_text(box), ascii_stl(box), binary_stl(box), ply_text(box), binary_ply(box, false)}) {
     for (int k = 0; k < 400; ++k) {
       std::string bad =
           good.substr(0, static_cast<std::size_t>(random.uniform(0, static_cast<double>(good.size() + 1))));

@@ -281,9 +281,10 @@ void check_on_rounded_floor(const S& shape, std::uint64_t stream) {
 
 }  // namespace
 
-TEST_CASE("on a floor of single precision up to 100 m away, with triangles loose, doubled and crooked, every body "
-          "stands as on the plane",
-          "[detection][mesh-pairs]") {
+TEST_CASE(
+    "on a floor of single precision up to 100 m away, with triangles loose, doubled and crooked, every body "
+    "stands as on the plane",
+    "[detection][mesh-pairs]") {
   check_on_rounded_floor(Box(Vec3(0.1, 0.15, 0.2)), 0);
   check_on_rounded_floor(Cylinder(0.1, 0.3), 1);
   check_on_rounded_floor(Ellipsoid({0.1, 0.2, 0.15}), 2);

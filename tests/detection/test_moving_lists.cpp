@@ -2,8 +2,8 @@
 // and lists are not made in every step.
 #include <set>
 
-#include "engine/step/cell_events.h"
 #include "engine/state/rotation.h"
+#include "engine/step/cell_events.h"
 #include "tests/detection/broad_scenes.h"
 #include "tests/support/catch.h"
 

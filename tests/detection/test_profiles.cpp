@@ -40,7 +40,8 @@ TEST_CASE("built-in profiles agree with independent tables to a micrometre", "[d
       if (points.z[k] < deepest) w = std::max(w, std::abs(profile.at(points.y[k]).z - points.z[k]));
     return w;
   };
-  CHECK(worst(s1002(), profile_table("wheel_s1002.csv"), 1.0) < 2e-7);  // 1.2e-4 mm steps at the joints of the definition
+  CHECK(worst(s1002(), profile_table("wheel_s1002.csv"), 1.0) <
+        2e-7);  // 1.2e-4 mm steps at the joints of the definition
   CHECK(worst(uic60(), profile_table("rail_uic60_1in40.csv"), 0.013) < 1e-6);
   CHECK(worst(Profile(*built_in_profile("60e1")), profile_table("rail_60e1.csv"), 0.013) < 1e-6);
   CHECK(built_in_profile("s1003") == nullptr);

@@ -6,8 +6,8 @@
 // - overlapping polyhedra: the expanding polytope, which knows no faces, bounds the depth from below;
 // - smooth bodies: no sampled direction, anywhere or near the normal, separates by more.
 #include "detection/narrow/gjk/convex_answer.h"
-#include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/narrow/gjk/epa.h"
+#include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/shapes/all_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/polyhedra.h"
@@ -176,7 +176,8 @@ void judge_smooth(const Solid& a, const Pose& pa, const Solid& b, const Pose& pb
   }
   const double error = std::max(std::abs(bound - d.gap), better - d.gap) / size;
   tally.shallow +=
-      error > 1e-7;  // the narrow phase names pairs from 1e-6 on; 2.6e-8 is the worst of a million that it does not name
+      error >
+      1e-7;  // the narrow phase names pairs from 1e-6 on; 2.6e-8 is the worst of a million that it does not name
   tally.worst_smooth = std::max(tally.worst_smooth, error);
   // Points: an interval of 1e-14 leaves them sqrt(2e-14 of size times distance) to the side; the longest bodies are 10
   // by 1.
@@ -208,7 +209,9 @@ Tally judge_pairs(long count, std::uint64_t seed) {
     if (!polyhedra)
       with_shape(a, [&](const auto& sa) {
         with_shape(b, [&](const auto& sb) {
-          tally.capped += gjk(MinkowskiDifference(ConvexRef::to(sa), ConvexRef::to(sb), pa, pb), {infinity, 1e-14, Vec3::Zero()}).iterations >= gjk_cap;
+          tally.capped +=
+              gjk(MinkowskiDifference(ConvexRef::to(sa), ConvexRef::to(sb), pa, pb), {infinity, 1e-14, Vec3::Zero()})
+                  .iterations >= gjk_cap;
         });
       });
   }

@@ -2,8 +2,8 @@
 // somewhere: no hit, a wrong depth, a flipped normal, a point far away, no end. The answers are closed forms.
 #include "detection/narrow/gjk/convex_answer.h"
 #include "detection/narrow/gjk/gjk.h"
-#include "detection/narrow/narrow_phase.h"
 #include "detection/narrow/mesh/triangle_solid.h"
+#include "detection/narrow/narrow_phase.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"
 #include "tests/support/polyhedra.h"
@@ -52,7 +52,7 @@ Touch touch(const A& a, const Pose& pose_a, const B& b, const Pose& pose_b, doub
 }
 
 double signed_distance(const ConvexHull& a, const Pose& pa, const ConvexHull& b, const Pose& pb,
-                ConvexMethod method = ConvexMethod::automatic) {
+                       ConvexMethod method = ConvexMethod::automatic) {
   const auto d = ask(method, a.view(), b.view(), pa, pb);
   CHECK(d.normal.allFinite());
   CHECK(std::abs((pb.position - pa.position + d.witness_b - d.witness_a).dot(d.normal) - d.distance) <

@@ -142,7 +142,8 @@ TEST_CASE("bodies at rest on their like keep the names of their points", "[detec
   for (const Lying& l : lying_bodies())
     for (const Vec3& aside : {Vec3(0, 0, 0), Vec3(0.013, 0.021, 0)})
       for (const double turn : {0.0, 0.4}) {
-        const Vec3 along(aside.x(), l.points == 2 ? 0.0 : aside.y(), 0.0);  // what lies on its side touches along x only
+        const Vec3 along(aside.x(), l.points == 2 ? 0.0 : aside.y(),
+                         0.0);  // what lies on its side touches along x only
         INFO(l.name << " aside by " << along.transpose() << ", turned by " << turn);
         ShapeStore shapes;
         World world{Columns{.rotation = true}};

@@ -83,7 +83,8 @@ TEST_CASE("contact points that rest follow their features to second order in the
       const ConvexHull b = support::random_hull(random, 14, Vec3::Constant(0.4));
       const Vec3 d = testing::random_direction(random);
       compare(a, b, at_gap(a, b, d, testing::random_turn(random), -1e-4), way, random, hulls);
-      const double tilt = random.uniform(-0.01, 0.01), turn = random.uniform(0.0, 3.0);  // rests on a face, an edge, a tip
+      const double tilt = random.uniform(-0.01, 0.01),
+                   turn = random.uniform(0.0, 3.0);  // rests on a face, an edge, a tip
       const Quat on_top = Quat(Eigen::AngleAxisd(turn, Vec3::UnitZ())) * Quat(Eigen::AngleAxisd(tilt, Vec3::UnitX()));
       Pose pose = at_gap(box, other, Vec3::UnitZ(), on_top, -1e-5);
       pose.position += Vec3(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0.0);  // over edges and corners too

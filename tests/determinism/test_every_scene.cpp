@@ -1,10 +1,11 @@
-// Every scene of the library, shortened: one hash for every number of threads, a restart in the middle gives the same bits, the
-// ledger closes, and the hash is the one written down (golden: labelled so, compared by Release and Debug builds alike).
+// Every scene of the library, shortened: one hash for every number of threads, a restart in the middle gives the same
+// bits, the ledger closes, and the hash is the one written down (golden: labelled so, compared by Release and Debug
+// builds alike).
 #include <filesystem>
 #include <fstream>
 
-#include "engine/threads/parallel.h"
 #include "engine/state/state_snapshot.h"
+#include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 #include "tests/support/scene_run.h"
@@ -68,7 +69,9 @@ std::vector<std::string> all_scenes() {
   const std::filesystem::path root = library("");
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
     const auto path = std::filesystem::relative(entry.path(), root);
-    if (path.extension() == ".toml" && path.string().find("studies") == std::string::npos && !is_patch_file(entry.path())) scenes.push_back(path.string());
+    if (path.extension() == ".toml" && path.string().find("studies") == std::string::npos &&
+        !is_patch_file(entry.path()))
+      scenes.push_back(path.string());
   }
   std::sort(scenes.begin(), scenes.end());
   return scenes;

@@ -179,7 +179,7 @@ TEST_CASE("on a mesh a contact goes on over an edge, where it can be told which"
   constexpr std::uint32_t none = ContactMemory::none;
   CHECK(previous_of({side(2, 0)}, {side(7, 0)}, true) == List{1});
   CHECK(previous_of({side(2, 0)}, {side(7, 0)}, false) == List{none});
-  CHECK(previous_of({side(2, 0)}, {side(2, 3)}, true) == List{1});  // from the face to its edge
+  CHECK(previous_of({side(2, 0)}, {side(2, 3)}, true) == List{1});                    // from the face to its edge
   CHECK(previous_of({side(2, 0)}, {side(2, 0), side(7, 0)}, true) == List{1, none});  // the face goes on
   CHECK(previous_of({side(2, 5), side(2, 6)}, {side(7, 5), side(7, 6)}, true) == List{1, 2});  // two corners of a box
   CHECK(previous_of({side(2, 5), side(3, 5)}, {side(7, 5), side(8, 5)}, true) == List{none, none});

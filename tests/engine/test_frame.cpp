@@ -10,7 +10,8 @@ namespace {
 double defect(const ContactFrame& f) {
   Mat3 m;
   m << f.normal, f.tangent1, f.tangent2;
-  return std::max((m.transpose() * m - Mat3::Identity()).cwiseAbs().maxCoeff(), (f.normal.cross(f.tangent1) - f.tangent2).norm());
+  return std::max((m.transpose() * m - Mat3::Identity()).cwiseAbs().maxCoeff(),
+                  (f.normal.cross(f.tangent1) - f.tangent2).norm());
 }
 }  // namespace
 
@@ -25,7 +26,8 @@ TEST_CASE("contact frames are right-handed and orthonormal in every direction", 
     worst = std::max(worst, defect(contact_frame(n.normalized())));
   }
   CHECK(worst < 2e-15);
-  for (const Vec3& n : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(0, 1, -0.0)})
+  for (const Vec3& n :
+       {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(0, 1, -0.0)})
     CHECK(defect(contact_frame(n)) < 1e-15);
 }
 

@@ -13,7 +13,8 @@ TEST_CASE("mix_bits is a bijection on samples and flips half of the bits", "[eng
   double flipped = 0;
   for (std::uint64_t k = 0; k < 4096; ++k) {
     images.insert(mix_bits(k));
-    for (int bit = 0; bit < 64; ++bit) flipped += static_cast<double>(std::bitset<64>(mix_bits(k) ^ mix_bits(k ^ 1ULL << bit)).count());
+    for (int bit = 0; bit < 64; ++bit)
+      flipped += static_cast<double>(std::bitset<64>(mix_bits(k) ^ mix_bits(k ^ 1ULL << bit)).count());
   }
   CHECK(images.size() == 4096);
   CHECK(flipped / (4096 * 64) == Approx(32.0).epsilon(0.01));
@@ -26,7 +27,8 @@ TEST_CASE("a hash depends on the values, their order and their number", "[engine
     return h.value();
   };
   const double tiny = std::numeric_limits<double>::denorm_min();
-  const std::set<std::uint64_t> all{of({}), of({0.0}), of({-0.0}), of({0.0, 0.0}), of({tiny}), of({1.0, 2.0}), of({2.0, 1.0})};
+  const std::set<std::uint64_t> all{of({}),     of({0.0}),      of({-0.0}),    of({0.0, 0.0}),
+                                    of({tiny}), of({1.0, 2.0}), of({2.0, 1.0})};
   CHECK(all.size() == 7);
   CHECK(of({1.0, 2.0}) == of({1.0, 2.0}));
 }

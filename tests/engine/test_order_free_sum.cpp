@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/state/incidence.h"
-#include "engine/units/random.h"
-#include "engine/step/sources.h"
 #include "engine/lanes/targets.h"
+#include "engine/state/incidence.h"
+#include "engine/step/sources.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 

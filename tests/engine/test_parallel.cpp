@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "engine/units/random.h"
 #include "engine/step/report.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
 

@@ -47,10 +47,12 @@ TEST_CASE("a symmetric top precesses with the exact space rate (case A19)", "[en
   const Vec3 expected = Eigen::AngleAxisd(std::fmod(l.norm() * dt * steps, 2 * M_PI), along) * Vec3::UnitZ();
   const Vec3 axis = top.world.orientation[0] * Vec3::UnitZ();
   const double phase_error = (axis - expected).norm() / std::sqrt(1.0 - std::pow(expected.dot(along), 2));
-  CHECK(phase_error < 1e-6);  // the gate is 1e-3 rad; the splitting is exact for symmetric tops, rounding of 1e6 steps remains
+  CHECK(phase_error <
+        1e-6);  // the gate is 1e-3 rad; the splitting is exact for symmetric tops, rounding of 1e6 steps remains
 }
 
-TEST_CASE("the intermediate axis flips with the exact period and keeps L and energy (case A18)", "[engine][rotation][A18][slow]") {
+TEST_CASE("the intermediate axis flips with the exact period and keeps L and energy (case A18)",
+          "[engine][rotation][A18][slow]") {
   // full polhode period 39.105734 s for I = (1,2,3), w0 = (.01, 1, .01)
   Top top({1, 2, 3}, {0.01, 1, 0.01});
   const double dt = 1e-3, energy0 = top.energy();

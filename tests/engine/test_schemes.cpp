@@ -117,7 +117,8 @@ TEST_CASE("energy of an undamped oscillator stays bounded for 1e5 periods' worth
   }
 }
 
-TEST_CASE("free fall is exact to rounding for the second-order schemes, of order dt for symplectic Euler", "[engine][schemes]") {
+TEST_CASE("free fall is exact to rounding for the second-order schemes, of order dt for symplectic Euler",
+          "[engine][schemes]") {
   for (const auto& s : all_schemes()) {
     INFO(s.entry.name);
     Run run(s, 0.0, 0.0, 0.01);

@@ -36,7 +36,8 @@ bool consistent(const World& world) {
     const auto k = static_cast<int>(world.id[s]);
     const Body b = numbered(k);
     if (world.slot_of(world.id[s]) != s || world.shape[s] != b.shape || world.material[s] != b.material) return false;
-    if (world.position[s] != b.position || world.velocity[s] != b.velocity || world.inverse_mass[s] != 1.0 / b.mass) return false;
+    if (world.position[s] != b.position || world.velocity[s] != b.velocity || world.inverse_mass[s] != 1.0 / b.mass)
+      return false;
     if (world.columns().external_force && world.external_force[s] != b.external_force) return false;
     if (world.rotates() && world.angular_velocity[s] != b.angular_velocity) return false;
     if (world.rotates() && world.inverse_inertia_of(s) != Vec3(b.inertia.cwiseInverse())) return false;
@@ -58,8 +59,10 @@ struct Tape : StateVisitor {
     return current;
   }
   void exchange(std::string_view, std::size_t, std::byte* data, std::size_t bytes) override {
-    if (loading) std::copy_n(columns[next++].begin(), bytes, data);
-    else columns.emplace_back(data, data + bytes);
+    if (loading)
+      std::copy_n(columns[next++].begin(), bytes, data);
+    else
+      columns.emplace_back(data, data + bytes);
   }
 };
 
@@ -68,8 +71,8 @@ struct Tape : StateVisitor {
 TEST_CASE("columns and handles follow bodies through random sorting and removal", "[engine][world]") {
   const bool rotation = GENERATE(false, true), states = GENERATE(false, true);
   {
-    World world = numbered_world(200, {.rotation = rotation, .anisotropy = rotation, .force = true,
-                                       .external_force = true, .states = states});
+    World world = numbered_world(
+        200, {.rotation = rotation, .anisotropy = rotation, .force = true, .external_force = true, .states = states});
     CHECK(world.states().size() == (states ? 200 : 0));
     Random random(3, 1);
     std::set<std::uint32_t> alive;
@@ -236,10 +239,11 @@ TEST_CASE("the state hash does not depend on slots, and sees the last bit", "[en
   CHECK(state_hash(other) != hash);
 }
 
-TEST_CASE("one walk saves, loads and counts the whole state, wherever position, velocity and spin lie", "[engine][world]") {
+TEST_CASE("one walk saves, loads and counts the whole state, wherever position, velocity and spin lie",
+          "[engine][world]") {
   const bool from_states = GENERATE(false, true), to_states = GENERATE(false, true);
-  World world = numbered_world(40, {.rotation = true, .anisotropy = true, .force = true, .external_force = true,
-                                    .states = from_states});
+  World world = numbered_world(
+      40, {.rotation = true, .anisotropy = true, .force = true, .external_force = true, .states = from_states});
   world.time = 1.25;
   world.remove(std::vector<BodyId>{static_cast<BodyId>(5), static_cast<BodyId>(11)});
   Tape tape;
@@ -260,7 +264,8 @@ TEST_CASE("one walk saves, loads and counts the whole state, wherever position, 
   CHECK(bytes.total == saved);
 }
 
-TEST_CASE("position, velocity and spin lie in the body's state, and room for more bodies leaves them there", "[engine][world]") {
+TEST_CASE("position, velocity and spin lie in the body's state, and room for more bodies leaves them there",
+          "[engine][world]") {
   World world({.rotation = true, .anisotropy = true, .states = true});
   world.reserve(30);
   for (int k = 0; k < 3; ++k) world.add(numbered(k));

@@ -1,5 +1,6 @@
-/// @file feeds.h  Any bytes, given to a reader: they end in a value or in a message that names place and cause, never in
-/// anything else. The fuzz targets call these with bytes of their own making, the tests with the corpus of tests/data/fuzz.
+/// @file feeds.h  Any bytes, given to a reader: they end in a value or in a message that names place and cause, never
+/// in anything else. The fuzz targets call these with bytes of their own making, the tests with the corpus of
+/// tests/data/fuzz.
 #pragma once
 #include <unistd.h>
 
@@ -84,7 +85,8 @@ inline bool feed_scene(std::string_view bytes) {
   const auto is_heavy = [](const ShapeSpec& s) { return s.type == "wheel_profile" || s.type == "rail_profile"; };
   double filled = 0;  // bodies of fills: their number is not always known
   for (const FillSpec& f : scene.fills) filled += f.count ? static_cast<double>(*f.count) : 1e9;
-  if (static_cast<double>(scene.bodies.size()) + filled > 30 || std::any_of(scene.shapes.begin(), scene.shapes.end(), is_heavy))
+  if (static_cast<double>(scene.bodies.size()) + filled > 30 ||
+      std::any_of(scene.shapes.begin(), scene.shapes.end(), is_heavy))
     return true;
   return accepted("fuzz.toml", [&] {
     const auto ready = assemble(scene);

@@ -1,5 +1,5 @@
-// libFuzzer target for every reader; FUZZ=scene, mesh, problem or run chooses. Scene files are changed by grammar: keys,
-// tables and values of the schema are put where they belong and where they do not. See run.sh.
+// libFuzzer target for every reader; FUZZ=scene, mesh, problem or run chooses. Scene files are changed by grammar:
+// keys, tables and values of the schema are put where they belong and where they do not. See run.sh.
 #include <cstdint>
 #include <cstring>
 #include <random>
@@ -53,12 +53,45 @@ const Words& words() {
     for (const auto* list : {&registry.shapes, &registry.normal_laws, &registry.tangential_laws, &registry.rolling_laws,
                              &registry.solvers, &registry.broad_phases, &registry.schemes, &registry.measures})
       take(*list);
-    for (const char* v : {"0", "-1", "1", "2", "1e-300", "1e300", "-0.0", "inf", "nan", "9223372036854775807", "1e-9", "true", "\"\"", "[]", "{}",
-                          "[0, 0, 1]", "[1, 2]", "[[0,0,0],[1,0,0],[0,1,0],[0,0,1]]", "\"= 1/0\"", "\"= 2*(pi + i)\"", "\"= d\"", "\"10 mm\"",
-                          "\"5 GPa\"", "\"3 parsec\"", "\"steel\"", "\"a\"", "\"auto\"", "1979-05-27", "\"../../etc/passwd\"", "\"/dev/zero\"",
-                          "{ sphere = { radius = 0.01 } }", "{ box = { size = [1, 1, 1] } }", "{ half_space = { normal = [0, 0, 1] } }",
-                          "{ polyhedron = { random = { vertices = 12, seed = 3 } } }", "{ capsule = { radius = 1, length = 2 } }",
-                          "\"= min(max(1,2),sqrt(3))^-2^2\"", "\"= ((((((((((1))))))))))\"", "[0.5, \"= i\", 1e3]", "\"\\u0000\\ud7ff\""})
+    for (const char* v : {"0",
+                          "-1",
+                          "1",
+                          "2",
+                          "1e-300",
+                          "1e300",
+                          "-0.0",
+                          "inf",
+                          "nan",
+                          "9223372036854775807",
+                          "1e-9",
+                          "true",
+                          "\"\"",
+                          "[]",
+                          "{}",
+                          "[0, 0, 1]",
+                          "[1, 2]",
+                          "[[0,0,0],[1,0,0],[0,1,0],[0,0,1]]",
+                          "\"= 1/0\"",
+                          "\"= 2*(pi + i)\"",
+                          "\"= d\"",
+                          "\"10 mm\"",
+                          "\"5 GPa\"",
+                          "\"3 parsec\"",
+                          "\"steel\"",
+                          "\"a\"",
+                          "\"auto\"",
+                          "1979-05-27",
+                          "\"../../etc/passwd\"",
+                          "\"/dev/zero\"",
+                          "{ sphere = { radius = 0.01 } }",
+                          "{ box = { size = [1, 1, 1] } }",
+                          "{ half_space = { normal = [0, 0, 1] } }",
+                          "{ polyhedron = { random = { vertices = 12, seed = 3 } } }",
+                          "{ capsule = { radius = 1, length = 2 } }",
+                          "\"= min(max(1,2),sqrt(3))^-2^2\"",
+                          "\"= ((((((((((1))))))))))\"",
+                          "[0.5, \"= i\", 1e3]",
+                          "\"\\u0000\\ud7ff\""})
       w.values.emplace_back(v);
     return w;
   }();
@@ -125,7 +158,7 @@ void change_binary(std::uint8_t* data, std::size_t size, std::mt19937& random) {
     std::size_t at = random() % size;
     for (std::size_t looked = 0; looked < size && data[at] == 0; ++looked) at = (at + 1) % size;
     at = std::min(size - 1, at + random() % 8);
-    data[at] = random() % 2 == 0 ? telling[random() % std::size(telling)]
+    data[at] = random() % 2 == 0   ? telling[random() % std::size(telling)]
                : random() % 2 == 0 ? static_cast<std::uint8_t>(random())
                                    : static_cast<std::uint8_t>(data[at] ^ (1u << (random() % 8)));
   }
@@ -133,7 +166,8 @@ void change_binary(std::uint8_t* data, std::size_t size, std::mt19937& random) {
 
 }  // namespace
 
-extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned seed) {
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
   std::mt19937 random(seed);
   if ((reader() == Reader::run || reader() == Reader::problem) && size > 0 && random() % 4 != 0) {
     change_binary(data, size, random);

@@ -112,7 +112,8 @@ TEST_CASE("normal contact on 32 by 32 cells is Hertz to 1e-3 in pressure and app
     if (n >= 32) {
       CHECK(error < 1e-3);
       CHECK(error < 0.5 * last);
-      const HalfSpaceNormal by_approach = solve_half_space_normal(g, quadratic(g, A, B), half_spaces, {false, s.approach});
+      const HalfSpaceNormal by_approach =
+          solve_half_space_normal(g, quadratic(g, A, B), half_spaces, {false, s.approach});
       CHECK(by_approach.normal_force == Approx(80e3).epsilon(1e-5));
     }
     last = error;

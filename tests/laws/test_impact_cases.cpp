@@ -116,8 +116,8 @@ TEST_CASE("A26: a rocking block loses 1 - 1.5 sin^2 alpha of its rate at every i
 }
 
 TEST_CASE("A26: ten impacts of the rocking block", "[laws][nonsmooth][A26][slow]") {
-  // a closing gap is stopped within the step before it closes, so that each impact loses a share of order dt more: the tenth
-  // peak is 4.3, 2.9 and 0.5 % low with steps of 0.2, 0.1 and 0.025 ms
+  // a closing gap is stopped within the step before it closes, so that each impact loses a share of order dt more: the
+  // tenth peak is 4.3, 2.9 and 0.5 % low with steps of 0.2, 0.1 and 0.025 ms
   double upright = 0.0;
   const auto peaks = rocking_peaks(5e-5, 10, upright);
   for (const auto& [impacts, expected] : {std::pair(1, 0.496116), {2, 0.419203}, {5, 0.268040}, {10, 0.137692}}) {

@@ -1,7 +1,7 @@
 #include <numbers>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"

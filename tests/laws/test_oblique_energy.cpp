@@ -44,8 +44,8 @@ double energy_ratio(const LawCase& c, double e, double mu, double degrees, int s
   double worst = 0.0;
   for (int phase = 0; phase < 3; ++phase) {
     const double dt = time / steps;
-    Rig rig = sphere_on_plane(setup, ball_radius, (phase + 0.5) / 3 * normal * dt, {ball_speed * std::sin(angle), 0, -normal},
-                              mu > 0 ? Vec3(0, 200, 100) : Vec3(0, 0, 0));
+    Rig rig = sphere_on_plane(setup, ball_radius, (phase + 0.5) / 3 * normal * dt,
+                              {ball_speed * std::sin(angle), 0, -normal}, mu > 0 ? Vec3(0, 200, 100) : Vec3(0, 0, 0));
     const double before = kinetic_energy(rig.world);
     rig.start();
     for (int k = 0; k < 20 * steps; ++k) rig.step(dt);

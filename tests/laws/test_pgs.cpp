@@ -1,5 +1,5 @@
-#include "engine/threads/parallel.h"
 #include "engine/lanes/targets.h"
+#include "engine/threads/parallel.h"
 #include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/residual.h"
 #include "laws/nonsmooth/solvers/all_solvers.h"
@@ -191,7 +191,9 @@ TEST_CASE("contacts four at a time are those one at a time", "[laws][pgs]") {
       for (std::size_t i = 0; i < p.size(); ++i) q2 += p.free_relative_velocity(i).squaredNorm();
       CHECK(four.natural_map(rho) / (rho * std::sqrt(q2)) == Approx(residual).epsilon(1e-9));
     };
-    if (rotates) compare(Sweep<true, PgsRule>{}, LaneSweep<true, PgsRule>{});
-    else compare(Sweep<false, PgsRule>{}, LaneSweep<false, PgsRule>{});
+    if (rotates)
+      compare(Sweep<true, PgsRule>{}, LaneSweep<true, PgsRule>{});
+    else
+      compare(Sweep<false, PgsRule>{}, LaneSweep<false, PgsRule>{});
   }
 }

@@ -15,7 +15,8 @@ std::atomic<std::size_t> allocations{0};
   if (void* p = std::malloc(bytes > 0 ? bytes : 1)) return p;
   throw std::bad_alloc();
 }
-[[gnu::noinline]] void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {  // or a sanitizer's meets the free() below
+[[gnu::noinline]] void* operator new(std::size_t bytes,
+                                     const std::nothrow_t&) noexcept {  // or a sanitizer's meets the free() below
   ++allocations;
   return std::malloc(bytes > 0 ? bytes : 1);
 }

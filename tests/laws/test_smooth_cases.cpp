@@ -11,7 +11,6 @@ using namespace epafi::experiments;
 
 namespace {
 
-
 /// Velocities along x, in units of the striker's, of a row of touching spheres after the impact.
 std::vector<double> cradle(int n, int strikers) {
   const double R = 0.01, v = 1.0;

@@ -1,4 +1,5 @@
-// A drum that turns for a day: its balls stay in it, the ledger closes, memory does not grow, and the bits are those of every run.
+// A drum that turns for a day: its balls stay in it, the ledger closes, memory does not grow, and the bits are those of
+// every run.
 #include <malloc.h>
 
 #include <cmath>
@@ -23,7 +24,8 @@ std::string drum_file() {
   constexpr int plates = 24;
   for (int k = 0; k < plates; ++k)
     for (const double y : {-half_length, half_length})
-      out << "v " << radius * std::cos(2 * M_PI * k / plates) << " " << y << " " << radius * std::sin(2 * M_PI * k / plates) << "\n";
+      out << "v " << radius * std::cos(2 * M_PI * k / plates) << " " << y << " "
+          << radius * std::sin(2 * M_PI * k / plates) << "\n";
   out << "v 0 " << -half_length << " 0\nv 0 " << half_length << " 0\n";
   for (int k = 0; k < plates; ++k) {
     const int a = 2 * k + 1, b = a + 1, c = 2 * ((k + 1) % plates) + 1, d = c + 1;
@@ -33,16 +35,19 @@ std::string drum_file() {
   return path;
 }
 
-/// Twelve balls of 10 mm in a drum of 80 mm at 20 turns a minute. Steps of 4 ms: a ball moves by a fifteenth of its radius.
+/// Twelve balls of 10 mm in a drum of 80 mm at 20 turns a minute. Steps of 4 ms: a ball moves by a fifteenth of its
+/// radius.
 SceneRun turned_drum(double seconds, int threads) {
   set_thread_count(threads);
-  return start_text("run = { duration = " + std::to_string(seconds) + R"(, time_step = 4e-3, output_interval = 3600.0, seed = 7 }
+  return start_text("run = { duration = " + std::to_string(seconds) +
+                    R"(, time_step = 4e-3, output_interval = 3600.0, seed = 7 }
 world = { gravity = [0, 0, -9.81] }
 material.glass = { density = 2500.0, youngs_modulus = "20 MPa", poissons_ratio = 0.3 }
 contact = { method = "nonsmooth", restitution = 0.3, friction = 0.4, nonsmooth = { solver = "pgs", iterations = 20 } }
 [[body]]
 name = "drum"
-shape = { mesh = { file = ")" + drum_file() + R"(" } }
+shape = { mesh = { file = ")" +
+                    drum_file() + R"(" } }
 material = "glass"
 motion = { rotation = { axis = [0, 1, 0], rate = "20 rpm", about = [0, 0, 0] } }
 [[body]]
@@ -54,7 +59,8 @@ position = ["= -0.012 + 0.012*i", "= -0.006 + 0.012*j", "= -0.006 + 0.012*k"]
 )");
 }
 
-/// What the ledger leaves open when the work of moving overlapping bodies apart is counted, over all that was dissipated.
+/// What the ledger leaves open when the work of moving overlapping bodies apart is counted, over all that was
+/// dissipated.
 double open_ledger(SceneRun& run, double stored_at_start) {
   const Energy now = run.simulation().ledger.measure(run.simulation().world);
   return std::abs(now.stored() - stored_at_start + now.dissipated - now.work - now.correction) / now.dissipated;
@@ -77,7 +83,8 @@ void check_drum(double seconds) {
     outermost = std::max(outermost, std::hypot(w.position[s].x(), w.position[s].z()));
     lengthwise = std::max(lengthwise, std::abs(w.position[s].y()));
   }
-  INFO(run.assembly->steps << " steps: open " << open_ledger(run, stored) << ", outermost " << outermost << ", heap " << growth);
+  INFO(run.assembly->steps << " steps: open " << open_ledger(run, stored) << ", outermost " << outermost << ", heap "
+                           << growth);
   CHECK(run.failure.empty());
   CHECK(w.size() == 13);
   CHECK(outermost < radius - 0.004);  // centres: a radius of 5 mm less what overlaps
@@ -92,6 +99,10 @@ void check_drum(double seconds) {
 
 }  // namespace
 
-TEST_CASE("a drum that turns for a minute keeps its balls, its ledger and its bits", "[physics][drum]") { check_drum(60.0); }
+TEST_CASE("a drum that turns for a minute keeps its balls, its ledger and its bits", "[physics][drum]") {
+  check_drum(60.0);
+}
 
-TEST_CASE("a drum that turns for a day keeps its balls, its ledger and its bits", "[physics][drum][slow]") { check_drum(86400.0); }
+TEST_CASE("a drum that turns for a day keeps its balls, its ledger and its bits", "[physics][drum][slow]") {
+  check_drum(86400.0);
+}

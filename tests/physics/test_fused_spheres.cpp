@@ -1,9 +1,9 @@
 // The fast path of spheres against the generic loop, which is its reference: the same forces to rounding, the same
 // ledger, the same contacts for observers; and the same bits for every thread count.
 #include "detection/narrow/narrow_phase.h"
-#include "engine/threads/parallel.h"
-#include "engine/state/state_snapshot.h"
 #include "engine/lanes/targets.h"
+#include "engine/state/state_snapshot.h"
+#include "engine/threads/parallel.h"
 #include "scenes/contact_setup.h"
 #include "scenes/sphere_split.h"
 #include "tests/support/catch.h"

@@ -93,8 +93,8 @@ body = "column"
   double lift = 0.0;
   const World& w = run.simulation().world;
   for (Slot s = 0; s < w.size(); ++s) lift += w.is_movable(s) ? w.force[s].z() : 0.0;
-  CHECK(run.last("floor", "z") == Approx(-lift).epsilon(1e-12));  // action and reaction
-  CHECK(lift == Approx(12 * weight + 5).epsilon(1e-2));           // 0.08 s after the start it still swings up and down
+  CHECK(run.last("floor", "z") == Approx(-lift).epsilon(1e-12));   // action and reaction
+  CHECK(lift == Approx(12 * weight + 5).epsilon(1e-2));            // 0.08 s after the start it still swings up and down
   CHECK(run.last("all", "z") == Approx(5 * weight).margin(0.05));  // carries itself: contacts inside cancel
 }
 

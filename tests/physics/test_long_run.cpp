@@ -42,7 +42,8 @@ Ending run_gas(std::uint64_t steps) {
   const std::size_t heap = mallinfo2().uordblks;
   run.advance_to(0);
   const std::size_t now = mallinfo2().uordblks;
-  return {run.hash(), run.failure, run.energy_error(), (linear_momentum(w) - before).norm() / scale, now > heap ? now - heap : 0};
+  return {run.hash(), run.failure, run.energy_error(), (linear_momentum(w) - before).norm() / scale,
+          now > heap ? now - heap : 0};
 }
 
 void check_gas(std::uint64_t steps) {
@@ -51,7 +52,8 @@ void check_gas(std::uint64_t steps) {
   const Ending one = run_gas(steps);
   set_thread_count(3);
   const Ending three = run_gas(steps);
-  INFO(steps << " steps: energy " << one.energy_error << ", momentum " << one.momentum_error << ", heap " << one.heap_growth);
+  INFO(steps << " steps: energy " << one.energy_error << ", momentum " << one.momentum_error << ", heap "
+             << one.heap_growth);
   CHECK(one.failure.empty());
   CHECK(std::abs(one.energy_error) < 1e-3);
   // every contact adds equal and opposite rounding: a walk of as many steps as there are, each 1e-16

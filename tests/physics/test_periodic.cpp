@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "engine/units/random.h"
 #include "engine/state/state_snapshot.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 
@@ -185,7 +185,8 @@ TEST_CASE("a cell strains towards its pressure", "[physics][periodic][long]") {
   const double a = (-1000 + std::sqrt(1e6 + 4 * 500 * 100.0)) / 1000;
   CHECK(cell.size.x() == Approx(3 * a).epsilon(1e-6));
   CHECK(run.last("s", "pressure") == Approx(500.0).epsilon(1e-6));
-  // in the first step the rate jumps, half a step of its power is counted wrong: 1.1e-3 of the energy, first order in dt
+  // in the first step the rate jumps, half a step of its power is counted wrong: 1.1e-3 of the energy, first order in
+  // dt
   auto finer = start_text(lattice(3, 0.1, "pressure = 500.0, rate_limit = 1.0", 0.9), {"run.time_step=5e-5"});
   finer.advance_to(0);
   CHECK(std::abs(run.energy_error()) < 1.2e-3);

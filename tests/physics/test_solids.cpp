@@ -1,4 +1,5 @@
-// Closed surfaces as free bodies: mass properties against closed forms, sums over parts and sampling; convex parts; motion.
+// Closed surfaces as free bodies: mass properties against closed forms, sums over parts and sampling; convex parts;
+// motion.
 #include <unistd.h>
 
 #include <fstream>
@@ -69,7 +70,8 @@ TEST_CASE("an angle bracket has the mass properties of its three cubes and two c
   CHECK(l.solid.parts.size() == 2);
   CHECK(l.solid.volume == Approx(3.0).epsilon(1e-14));
   CHECK((l.frame.centre - Vec3(5.0 / 6, 5.0 / 6, 0.5)).norm() < 1e-14);
-  // three cubes: I = sum of 1/6 + d^2 about the centre; about z: 3/6 + sum of squared distances 2 (1/9 + 1/36 + 1/9 + ...) = 11/6
+  // three cubes: I = sum of 1/6 + d^2 about the centre; about z: 3/6 + sum of squared distances 2 (1/9 + 1/36 + 1/9 +
+  // ...) = 11/6
   double about_z = 0, about_x = 0, product = 0;
   for (const Vec3& c : {Vec3(0.5, 0.5, 0.5), Vec3(1.5, 0.5, 0.5), Vec3(0.5, 1.5, 0.5)}) {
     const Vec3 d = c - Vec3(5.0 / 6, 5.0 / 6, 0.5);
@@ -100,12 +102,14 @@ TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass prop
       const double m = part.hull.volume;
       volume += m;
       first += m * part.centre;
-      inertia += part.hull.inertia + m * (part.centre.squaredNorm() * Mat3::Identity() - part.centre * part.centre.transpose());
+      inertia += part.hull.inertia +
+                 m * (part.centre.squaredNorm() * Mat3::Identity() - part.centre * part.centre.transpose());
     }
     CHECK(volume == Approx(solid.volume).epsilon(1e-12));  // the parts come from exact cuts, rounded once to double
     CHECK(first.norm() < 1e-12 * volume * solid.radius);
     CHECK((inertia - solid.inertia).norm() < 1e-11 * solid.inertia.norm());
-    // independent: 10 000 random points of the box around it, by parity of a ray through the surface and by the parts' planes
+    // independent: 10 000 random points of the box around it, by parity of a ray through the surface and by the parts'
+    // planes
     Random random(7, 0);
     int inside = 0, differ = 0;
     constexpr int points = 10000;
@@ -115,7 +119,8 @@ TEST_CASE("stones: parts are disjoint, fill the surface, and carry its mass prop
       high = high.cwiseMax(v);
     }
     for (int k = 0; k < points; ++k) {
-      const Vec3 x(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()), random.uniform(low.z(), high.z()));
+      const Vec3 x(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()),
+                   random.uniform(low.z(), high.z()));
       const bool by_ray = is_inside(solid.surface, x);
       inside += by_ray;
       differ += by_ray != is_inside(solid, x);
@@ -219,24 +224,31 @@ TEST_CASE("a surface that is open or crosses itself is refused with the reason",
   CHECK_THROWS_WITH(place_solid(open), Catch::Contains("not watertight: 3 open edges: (0, 0, 1) - (1, 2, 1)") &&
                                            Catch::Contains("needs a closed surface"));
   TriangleSurface crossed = angle_bracket();
-  for (std::uint32_t k : {3u, 9u}) crossed.vertices[k] += Vec3(-2.5, 0, 0);  // the inner corner leaves through the far side
+  for (std::uint32_t k : {3u, 9u})
+    crossed.vertices[k] += Vec3(-2.5, 0, 0);  // the inner corner leaves through the far side
   CHECK_THROWS_WITH(place_solid(crossed), Catch::Contains("cannot be cut into convex parts"));
 }
 
 TEST_CASE("a box from a file moves like a box, and a mesh that may move becomes a solid", "[physics][solids]") {
   // the same scene with shape = box and shape = solid: a tilted brick falls on a floor and rolls over an edge
-  const std::string folder = std::filesystem::temp_directory_path().string() + "/epafi_solid_" + std::to_string(::getpid());
+  const std::string folder =
+      std::filesystem::temp_directory_path().string() + "/epafi_solid_" + std::to_string(::getpid());
   std::filesystem::create_directory(folder);
-  std::ofstream(folder + "/brick.obj") << "v 0 0 0\nv 400 0 0\nv 400 200 0\nv 0 200 0\nv 0 0 100\nv 400 0 100\nv 400 200 100\nv 0 200 100\n"
-                                          "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  std::ofstream(folder + "/brick.obj")
+      << "v 0 0 0\nv 400 0 0\nv 400 200 0\nv 0 200 0\nv 0 0 100\nv 400 0 100\nv 400 200 100\nv 0 200 100\n"
+         "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   const auto scene = [&](const std::string& shape) {
     const std::string file = folder + "/scene.toml";
     std::ofstream(file) << "run = { duration = 1.0, time_step = 1e-3 }\nworld = { gravity = [0, 0, -9.81] }\n"
                            "material.m = { density = 1000.0 }\n"
-                           "contact = { method = \"nonsmooth\", restitution = 0.0, friction = 0.3, nonsmooth = { solver = \"newton\", tolerance = 1e-10 } }\n"
-                           "[[body]]\nname = \"floor\"\nshape = { half_space = { normal = [0, 0, 1] } }\nmaterial = \"m\"\nfixed = true\n"
-                           "[[body]]\nname = \"brick\"\nshape = { " + shape + " }\nmaterial = \"m\"\nposition = [0, 0, 0.4]\n"
-                           "euler_deg = [0, 20, 0]\nvelocity = [1, 0, 0]\n";
+                           "contact = { method = \"nonsmooth\", restitution = 0.0, friction = 0.3, nonsmooth = { "
+                           "solver = \"newton\", tolerance = 1e-10 } }\n"
+                           "[[body]]\nname = \"floor\"\nshape = { half_space = { normal = [0, 0, 1] } }\nmaterial = "
+                           "\"m\"\nfixed = true\n"
+                           "[[body]]\nname = \"brick\"\nshape = { " +
+                               shape +
+                               " }\nmaterial = \"m\"\nposition = [0, 0, 0.4]\n"
+                               "euler_deg = [0, 20, 0]\nvelocity = [1, 0, 0]\n";
     auto run = prepare_scene(file, {});
     run.simulation().start();
     run.advance_to(800);

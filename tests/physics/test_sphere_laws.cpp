@@ -5,9 +5,9 @@
 
 #include <random>
 
-#include "engine/threads/parallel.h"
-#include "engine/state/state_snapshot.h"
 #include "engine/lanes/targets.h"
+#include "engine/state/state_snapshot.h"
+#include "engine/threads/parallel.h"
 #include "laws/smooth/choose_law.h"
 #include "tests/support/catch.h"
 #include "tests/support/unfused.h"

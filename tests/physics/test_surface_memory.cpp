@@ -42,7 +42,8 @@ std::string write_scene(const std::string& stem, double hold) {
       << "[material.m]\ndensity = 2500\nyoungs_modulus = 1e7\npoissons_ratio = 0.25\n"
       << "[contact]\nmethod = \"smooth\"\nrestitution = 0.5\nfriction = 0\n"
       << "smooth = { law = \"jkr\", work_of_adhesion = " << work << " }\n"
-      << "[[body]]\nname = \"ceiling\"\nshape = { mesh = { file = \"" << stem << ".obj\" } }\nmaterial = \"m\"\nfixed = true\n"
+      << "[[body]]\nname = \"ceiling\"\nshape = { mesh = { file = \"" << stem
+      << ".obj\" } }\nmaterial = \"m\"\nfixed = true\n"
       << "[[body]]\nname = \"ball\"\nshape = { sphere = { radius = " << radius << " } }\nmaterial = \"m\"\n"
       << "position = [-3e-3, 0, " << -0.9999 * radius << "]\nvelocity = [0.1, 0, 0]\n";
   return stem + ".toml";

@@ -13,7 +13,8 @@ using namespace epafi;
 
 namespace {
 
-const std::string steel_text = "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n";
+const std::string steel_text =
+    "[material.steel]\nshear_modulus = 82e9\npoissons_ratio = 0.28\n[contact]\nfriction = 0.3\n";
 
 std::vector<PatchResult> evaluate(const std::string& text) {
   const PatchReading reading = read_patch_text(steel_text + text, "case.toml", {});

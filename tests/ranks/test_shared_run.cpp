@@ -4,10 +4,10 @@
 
 #include "detection/broad/all_broad_phases.h"
 #include "detection/narrow/narrow_phase.h"
-#include "engine/threads/parallel.h"
-#include "engine/units/random.h"
 #include "engine/schemes/velocity_verlet.h"
 #include "engine/step/simulation.h"
+#include "engine/threads/parallel.h"
+#include "engine/units/random.h"
 #include "laws/smooth/fused/fused_spheres.h"
 #include "ranks/communicator.h"
 #include "ranks/part.h"

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/units/random.h"
 #include "engine/state/types.h"
+#include "engine/units/random.h"
 #include "ranks/communicator.h"
 #include "ranks/state_image.h"
 #include "tests/support/catch.h"

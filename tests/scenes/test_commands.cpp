@@ -407,7 +407,8 @@ TEST_CASE("a polyhedron is the hull of the corners of a file, with faces or with
     ReadResult read = read_scene_text(
         "run = { duration = 0.1, time_step = 0.01 }\nmaterial.a = { density = 1000.0 }\n"
         "contact = { method = \"nonsmooth\", restitution = 0.0, friction = 0.5 }\n[[body]]\n"
-        "shape = { polyhedron = { file = \"" + (folder / "corners.obj").string() + "\" } }\nmaterial = \"a\"\n",
+        "shape = { polyhedron = { file = \"" +
+            (folder / "corners.obj").string() + "\" } }\nmaterial = \"a\"\n",
         "scene.toml", {}, full_registry());
     REQUIRE(read.scene);
     const auto assembly = assemble(std::move(*read.scene));

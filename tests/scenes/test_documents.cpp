@@ -43,9 +43,12 @@ std::vector<std::string> csv_cells(const std::string& line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
   for (const char c : line)
-    if (c == '"') quoted = !quoted;
-    else if (c == ',' && !quoted) cells.emplace_back();
-    else cells.back() += c;
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      cells.emplace_back();
+    else
+      cells.back() += c;
   return cells;
 }
 
@@ -106,7 +109,8 @@ fs::path make_folder(const std::string& page) {
   fs::remove_all(folder);
   fs::create_directories(folder);
   for (const char* part : {"scenes", "docs", "examples", "tools"})
-    if (fs::exists(fs::path(EPAFI_SOURCE_DIR) / part)) fs::create_symlink(fs::path(EPAFI_SOURCE_DIR) / part, folder / part);
+    if (fs::exists(fs::path(EPAFI_SOURCE_DIR) / part))
+      fs::create_symlink(fs::path(EPAFI_SOURCE_DIR) / part, folder / part);
   fs::create_symlink(EPAFI_BINARY_DIR, folder / "build");
   fs::create_symlink(fs::path(EPAFI_BINARY_DIR) / "bin/epafi", folder / "epafi");
   return folder;
@@ -123,8 +127,7 @@ int commands_in(const std::string& script) {
 void run_block(const fs::path& folder, const MarkdownPage& page, const FencedBlock& block) {
   const fs::path script = folder / ".block.sh", log = folder / ".block.log";
   std::ofstream(script) << "set -euo pipefail\n" << block.text;
-  const std::string command =
-      "cd '" + folder.string() + "' && bash .block.sh > .block.log 2>&1";
+  const std::string command = "cd '" + folder.string() + "' && bash .block.sh > .block.log 2>&1";
   const int status = std::system(command.c_str());
   INFO(page.path << ":" << block.line << ":\n" << block.text << "\n" << read_text(log));
   CHECK(WIFEXITED(status));
@@ -198,8 +201,9 @@ using epafi::support::run_page;
 
 TEST_CASE("a page is read: fences, listings, tables of figures", "[scenes][documents]") {
   const fs::path file = fs::temp_directory_path() / ("epafi-page-" + std::to_string(::getpid()) + ".md");
-  std::ofstream(file) << "# x\n```sh\ntrue\n```\n| a | read from | value | within |\n|---|---|---|---|\n| q | `f: k` | 2 | 1 % |\n"
-                         "\n| a | b |\n|---|---|\n| 1 | 2 |\n```toml a/b\nx\n```\n";
+  std::ofstream(file)
+      << "# x\n```sh\ntrue\n```\n| a | read from | value | within |\n|---|---|---|---|\n| q | `f: k` | 2 | 1 % |\n"
+         "\n| a | b |\n|---|---|\n| 1 | 2 |\n```toml a/b\nx\n```\n";
   const auto page = epafi::support::read_page(file);
   fs::remove(file);
   REQUIRE(page.blocks.size() == 2);
@@ -218,14 +222,20 @@ void check_tutorial(const std::string& name, int commands, int figures) {
 }
 }  // namespace
 
-TEST_CASE("tutorial 1 runs as written: first impact", "[scenes][documents]") { check_tutorial("01_first_impact", 2, 4); }
+TEST_CASE("tutorial 1 runs as written: first impact", "[scenes][documents]") {
+  check_tutorial("01_first_impact", 2, 4);
+}
 TEST_CASE("tutorial 2 runs as written: sand in a hopper", "[scenes][documents]") { check_tutorial("02_hopper", 2, 3); }
 TEST_CASE("tutorial 3 runs as written: stack and friction", "[scenes][documents]") { check_tutorial("03_stack", 2, 3); }
 TEST_CASE("tutorial 4 runs as written: a pile of stones", "[scenes][documents]") { check_tutorial("04_stones", 2, 3); }
-TEST_CASE("tutorial 5 runs as written: restart, sweep, Slurm", "[scenes][documents]") { check_tutorial("05_sweep", 3, 2); }
+TEST_CASE("tutorial 5 runs as written: restart, sweep, Slurm", "[scenes][documents]") {
+  check_tutorial("05_sweep", 3, 2);
+}
 TEST_CASE("tutorial 6 runs as written: chart and limits", "[scenes][documents]") { check_tutorial("06_chart", 2, 3); }
 TEST_CASE("tutorial 7 runs as written: wheel on rail", "[scenes][documents]") { check_tutorial("07_wheel_rail", 2, 3); }
-TEST_CASE("tutorial 8 runs as written: a law in one file", "[scenes][documents]") { check_tutorial("08_new_law", 1, 1); }
+TEST_CASE("tutorial 8 runs as written: a law in one file", "[scenes][documents]") {
+  check_tutorial("08_new_law", 1, 1);
+}
 TEST_CASE("tutorial 9 runs as written: more than one act", "[scenes][documents]") { check_tutorial("09_acts", 3, 4); }
 TEST_CASE("the README's commands run as written", "[scenes][documents]") { CHECK(run_page("README.md").commands >= 2); }
 TEST_CASE("the README's long commands run as written", "[scenes][documents][slow]") {
@@ -241,7 +251,8 @@ TEST_CASE("files that the theory notes and tutorials name are there", "[scenes][
       std::string outside, word;  // what stands between backticks is every second piece
       while (std::getline(text, outside, '`') && std::getline(text, word, '`')) {
         const std::string ending = fs::path(word).extension();
-        if (word.find_first_of(" <\n") != word.npos || word.find('/') == word.npos || word.rfind("out/", 0) == 0) continue;
+        if (word.find_first_of(" <\n") != word.npos || word.find('/') == word.npos || word.rfind("out/", 0) == 0)
+          continue;
         if (ending != ".h" && ending != ".cpp" && ending != ".md" && ending != ".toml") continue;
         INFO(page.path() << ": " << word);
         CHECK(fs::exists(root / word));

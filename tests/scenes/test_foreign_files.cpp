@@ -18,19 +18,24 @@ ReadResult read_bodies(const std::string& name, const std::string& text, const s
   const fs::path folder = fs::temp_directory_path() / ("epafi-foreign-" + std::to_string(::getpid()));
   fs::create_directories(folder);
   std::ofstream(folder / name) << text;
-  std::ofstream(folder / "scene.toml") << "run = { duration = 1.0 }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.1 }\n"
-                                          "material.m = { density = 2500.0, youngs_modulus = 1e6, poissons_ratio = 0.3 }\n"
-                                          "[[bodies]]\nname = \"p\"\nmaterial = \"m\"\nfile = \"" + name + "\"\n" + more;
+  std::ofstream(folder / "scene.toml")
+      << "run = { duration = 1.0 }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.1 }\n"
+         "material.m = { density = 2500.0, youngs_modulus = 1e6, poissons_ratio = 0.3 }\n"
+         "[[bodies]]\nname = \"p\"\nmaterial = \"m\"\nfile = \"" +
+             name + "\"\n" + more;
   ReadResult read = read_scene((folder / "scene.toml").string(), {}, full_registry());
   fs::remove_all(folder);
   return read;
 }
 
-double radius_of(const Scene& s, std::size_t body) { return s.bodies[body].size * s.shapes[s.bodies[body].shape].parameters.number("radius"); }
+double radius_of(const Scene& s, std::size_t body) {
+  return s.bodies[body].size * s.shapes[s.bodies[body].shape].parameters.number("radius");
+}
 
 std::string message(const ReadResult& read) {
   std::string all;
-  for (const auto& p : read.problems) all += fs::path(p.place.file).filename().string() + ":" + std::to_string(p.place.line) + ": " + p.text + "\n";
+  for (const auto& p : read.problems)
+    all += fs::path(p.place.file).filename().string() + ":" + std::to_string(p.place.line) + ": " + p.text + "\n";
   return all;
 }
 
@@ -38,10 +43,13 @@ std::string message(const ReadResult& read) {
 
 TEST_CASE("the last frame of a LAMMPS dump becomes bodies", "[scenes][reader][foreign]") {
   const std::string frame = "ITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp ff\n0 1\n0 1\n0 1\n";
-  const auto read = read_bodies("run.dump", "ITEM: TIMESTEP\n0\n" + frame + "ITEM: ATOMS id type xu yu zu vx vy vz diameter c_ke\n"
-                                "1 1 9 9 9 0 0 0 0.02 0\n2 1 8 8 8 0 0 0 0.04 0\n"
-                                "ITEM: TIMESTEP\n1000\n" + frame + "ITEM: ATOMS id type xu yu zu vx vy vz diameter c_ke\n"
-                                "1 1 0.1 0.2 0.3 1 -2 3e-1 0.02 5.5\n2 1 0.4 0.5 0.6 0 0 0 0.04 0\n");
+  const auto read = read_bodies("run.dump", "ITEM: TIMESTEP\n0\n" + frame +
+                                                "ITEM: ATOMS id type xu yu zu vx vy vz diameter c_ke\n"
+                                                "1 1 9 9 9 0 0 0 0.02 0\n2 1 8 8 8 0 0 0 0.04 0\n"
+                                                "ITEM: TIMESTEP\n1000\n" +
+                                                frame +
+                                                "ITEM: ATOMS id type xu yu zu vx vy vz diameter c_ke\n"
+                                                "1 1 0.1 0.2 0.3 1 -2 3e-1 0.02 5.5\n2 1 0.4 0.5 0.6 0 0 0 0.04 0\n");
   INFO(message(read));
   REQUIRE(read.scene);
   const Scene& s = *read.scene;
@@ -54,9 +62,11 @@ TEST_CASE("the last frame of a LAMMPS dump becomes bodies", "[scenes][reader][fo
 }
 
 TEST_CASE("a LIGGGHTS dump brings spin, forces are passed over", "[scenes][reader][foreign]") {
-  const auto read = read_bodies("dump100.liggghts", "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
-                                "ITEM: ATOMS id type type x y z ix iy iz vx vy vz fx fy fz omegax omegay omegaz radius \n"
-                                "7 1 1 1 2 3 0 0 0 4 5 6 0 0 -1 7 8 9 0.25 \n");
+  const auto read =
+      read_bodies("dump100.liggghts",
+                  "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
+                  "ITEM: ATOMS id type type x y z ix iy iz vx vy vz fx fy fz omegax omegay omegaz radius \n"
+                  "7 1 1 1 2 3 0 0 0 4 5 6 0 0 -1 7 8 9 0.25 \n");
   INFO(message(read));
   REQUIRE(read.scene);
   CHECK(read.scene->bodies[0].angular_velocity == Vec3(7, 8, 9));
@@ -73,14 +83,20 @@ TEST_CASE("YADE's text export becomes bodies", "[scenes][reader][foreign]") {
 }
 
 TEST_CASE("what is missing in a foreign file is said", "[scenes][reader][foreign]") {
-  CHECK(message(read_bodies("a.dump", "LAMMPS data file\n")).find("has no line 'ITEM: ATOMS id x y z ...'") != std::string::npos);
-  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id xs ys zs\n1 0 0 0\n")).find("write the dump with x y z in place of xs ys zs") != std::string::npos);
-  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z\n1 0 0 0\n")).find("missing column 'radius' or 'shape'") != std::string::npos);
-  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z radius\n1 0 0 zero 1\n")).find("a.dump:2: column z: expected a number, found 'zero'") != std::string::npos);
-  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z radius\n1 0 0 0\n")).find("a.dump:2: expected 5 columns, found 4") != std::string::npos);
+  CHECK(message(read_bodies("a.dump", "LAMMPS data file\n")).find("has no line 'ITEM: ATOMS id x y z ...'") !=
+        std::string::npos);
+  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id xs ys zs\n1 0 0 0\n"))
+            .find("write the dump with x y z in place of xs ys zs") != std::string::npos);
+  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z\n1 0 0 0\n")).find("missing column 'radius' or 'shape'") !=
+        std::string::npos);
+  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z radius\n1 0 0 zero 1\n"))
+            .find("a.dump:2: column z: expected a number, found 'zero'") != std::string::npos);
+  CHECK(message(read_bodies("a.dump", "ITEM: ATOMS id x y z radius\n1 0 0 0\n"))
+            .find("a.dump:2: expected 5 columns, found 4") != std::string::npos);
   CHECK(message(read_bodies("a.vtk", "1 2 3\n")).find("expected a table (.csv, .txt,") != std::string::npos);
   // without sizes of its own the file takes the shape that is written
-  const auto read = read_bodies("a.dump", "ITEM: ATOMS id x y z\n1 0 0 0\n", "shape = { box = { size = [1, 1, 1] } }\n");
+  const auto read =
+      read_bodies("a.dump", "ITEM: ATOMS id x y z\n1 0 0 0\n", "shape = { box = { size = [1, 1, 1] } }\n");
   REQUIRE(read.scene);
   CHECK(read.scene->shapes[read.scene->bodies[0].shape].type == "box");
 }
@@ -142,7 +158,8 @@ TEST_CASE("a dump is held against the rows and units it names", "[scenes][reader
   CHECK(message(read_bodies("a.dump", dump("", 3))).find("announces 3 bodies and has 1 rows") != std::string::npos);
 }
 
-TEST_CASE("a record of motion is read with a byte order mark, plus signs, quotes and blanks", "[scenes][reader][foreign]") {
+TEST_CASE("a record of motion is read with a byte order mark, plus signs, quotes and blanks",
+          "[scenes][reader][foreign]") {
   const auto folder = fs::temp_directory_path() / ("epafi-record-" + std::to_string(::getpid()));
   fs::create_directories(folder);
   std::ofstream(folder / "base.csv") << "\xef\xbb\xbf\"t\", x \r\n0,+0.0\r\n+0.1,+2e-2\r\n0.2,0\r\n";

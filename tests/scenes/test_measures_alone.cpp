@@ -1,5 +1,5 @@
-// A measure says the same whether it is alone or beside others: those that look at contacts ask for them themselves, where
-// the loop over spheres writes none out.
+// A measure says the same whether it is alone or beside others: those that look at contacts ask for them themselves,
+// where the loop over spheres writes none out.
 #include <cmath>
 #include <map>
 
@@ -64,9 +64,15 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 
 TEST_CASE("a measure says the same alone and beside others that look at contacts", "[scenes][measures]") {
   const std::vector<std::string> measures{
-      "kind = 'force'\nbody = 'floor'\n", "kind = 'contact'\nbetween = ['ball', 'floor']\n", "kind = 'position'\nbody = 'ball'\n",
-      "kind = 'coordination'\n", "kind = 'stress'\nregion = { box = { min = [0, 0, 0], max = [0.02, 0.02, 0.01] } }\n",
-      "kind = 'hysteresis'\nbetween = ['ball', 'floor']\n", "kind = 'force_chains'\n", "kind = 'energy'\n", "kind = 'velocity'\nbody = 'ball'\n",
+      "kind = 'force'\nbody = 'floor'\n",
+      "kind = 'contact'\nbetween = ['ball', 'floor']\n",
+      "kind = 'position'\nbody = 'ball'\n",
+      "kind = 'coordination'\n",
+      "kind = 'stress'\nregion = { box = { min = [0, 0, 0], max = [0.02, 0.02, 0.01] } }\n",
+      "kind = 'hysteresis'\nbetween = ['ball', 'floor']\n",
+      "kind = 'force_chains'\n",
+      "kind = 'energy'\n",
+      "kind = 'velocity'\nbody = 'ball'\n",
       "kind = 'solid_fraction'\nregion = { box = { min = [0, 0, 0], max = [0.02, 0.02, 0.01] } }\n",
       "kind = 'profile'\nregion = { box = { min = [0, 0, 0], max = [0.02, 0.02, 0.01] } }\n"};
   const Values together = measured(measures);

@@ -77,5 +77,6 @@ TEST_CASE("a torn run.h5 is set aside and the run goes on from its checkpoint", 
 TEST_CASE("a run is not continued with another scene's checkpoint or run file", "[scenes][restart]") {
   const TemporaryFolder folder;
   first_half(folder.path());
-  CHECK_THROWS_WITH(Session::resume(ready("[bounds]\nenergy_error = 1\n"), {}, folder / "cut"), Catch::Contains("another scene"));
+  CHECK_THROWS_WITH(Session::resume(ready("[bounds]\nenergy_error = 1\n"), {}, folder / "cut"),
+                    Catch::Contains("another scene"));
 }

@@ -12,8 +12,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/report/charts.h"
 #include "viz_export/hdf5/problem_file.h"
+#include "viz_export/report/charts.h"
 
 using namespace epafi;
 namespace fs = std::filesystem;
@@ -100,7 +100,7 @@ TEST_CASE("pipes and devices are refused where a file is wanted, not waited for"
   CHECK_FALSE(read_scene(path("pipe"), {}, full_registry()).scene);
   const std::string scene = path("scene.toml");
   for (const char* body : {"[[body]]\nshape = { mesh = { file = \"pipe\" } }\nmaterial = \"m\"\nfixed = true\n",
-                                  "[[bodies]]\nname = \"p\"\nmaterial = \"m\"\nfile = \"pipe.csv\"\n"}) {
+                           "[[bodies]]\nname = \"p\"\nmaterial = \"m\"\nfile = \"pipe.csv\"\n"}) {
     std::ofstream(scene)
         << "run = { duration = 1.0 }\ncontact = { method = \"smooth\", restitution = 0.5, friction = 0.1 }\n"
            "material.m = { density = 2500.0, youngs_modulus = 1e6, poissons_ratio = 0.3 }\n"

@@ -6,8 +6,8 @@
 #include "scenes/cli/commands.h"
 #include "tests/support/captured.h"
 #include "tests/support/catch.h"
-#include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/files/json_reader.h"
+#include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/hdf5/problem_file.h"
 
 using namespace epafi;

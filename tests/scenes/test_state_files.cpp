@@ -7,9 +7,9 @@
 #include "scenes/session.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/output/export.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
+#include "viz_export/output/export.h"
 
 using namespace epafi;
 

@@ -20,20 +20,29 @@ std::string scene_with(const TableSchema& table, const std::string& key, const s
       {"contact", {{"method", "'smooth'"}}},
       {"contact.pair", {{"between", "['a', 'a']"}}},
       {"measure", {{"kind", "'energy'"}}},
-      {"fill", {{"material", "'a'"}, {"shape", "{ sphere = { radius = 1 } }"}, {"count", "3"},
-                {"region", "{ box = { min = [0, 0, 2], max = [9, 9, 9] } }"}}}};
+      {"fill",
+       {{"material", "'a'"},
+        {"shape", "{ sphere = { radius = 1 } }"},
+        {"count", "3"},
+        {"region", "{ box = { min = [0, 0, 2], max = [9, 9, 9] } }"}}}};
   std::string text;
-  const auto add = [&](const std::string& name, TableSchema::Form form, std::map<std::string, std::string> lines, bool tested) {
+  const auto add = [&](const std::string& name, TableSchema::Form form, std::map<std::string, std::string> lines,
+                       bool tested) {
     if (tested) lines[key] = value;
-    if (form == TableSchema::Form::list) text += "[[" + name + "]]\n";
-    else text += "[" + name + (form == TableSchema::Form::named ? ".a" : "") + "]\n";
+    if (form == TableSchema::Form::list)
+      text += "[[" + name + "]]\n";
+    else
+      text += "[" + name + (form == TableSchema::Form::named ? ".a" : "") + "]\n";
     for (const auto& [k, v] : lines) text += k + " = " + v + "\n";
   };
   using Form = TableSchema::Form;
   for (const auto& [name, lines] : sound)
     if (name == table.name || (name != "measure" && name != "fill" && name != "contact.pair"))
-      add(name, name == "run" || name == "contact" ? Form::single : name == "material" ? Form::named : Form::list, lines,
-          name == table.name);
+      add(name,
+          name == "run" || name == "contact" ? Form::single
+          : name == "material"               ? Form::named
+                                             : Form::list,
+          lines, name == table.name);
   if (sound.count(table.name) == 0) add(table.name, table.form, {}, true);
   return text;
 }
@@ -41,17 +50,18 @@ std::string scene_with(const TableSchema& table, const std::string& key, const s
 }  // namespace
 
 TEST_CASE("every key of every table takes or refuses every kind of value", "[scenes][reader][long]") {
-  const std::vector<std::string> values{"3",   "-1.5",     "true",        "'x'",    "'= 1/0'",      "nan",       "[]",        "{}",
-                                        "[1]", "[1, 2, 3]", "[[1, 2, 3]]", "['a']", "{ x = 1 }", "[{ x = 1 }]", "['a', 'b']"};
+  const std::vector<std::string> values{"3",           "-1.5",  "true",      "'x'",         "'= 1/0'",
+                                        "nan",         "[]",    "{}",        "[1]",         "[1, 2, 3]",
+                                        "[[1, 2, 3]]", "['a']", "{ x = 1 }", "[{ x = 1 }]", "['a', 'b']"};
   std::size_t taken = 0, refused = 0;
-  const auto try_key = [&](const TableSchema& table, const std::string& key, const std::string& before, const std::string& after) {
+  const auto try_key = [&](const TableSchema& table, const std::string& key, const std::string& before,
+                           const std::string& after) {
     for (const std::string& value : values) {
       const std::string text = scene_with(table, key, before + value + after);
       INFO(text);
       const ReadResult read = read_scene_text(text, "scene.toml", {}, full_registry());
-      CHECK(read.scene.has_value() == std::none_of(read.problems.begin(), read.problems.end(), [](const Problem& p) {
-              return p.level == Problem::Level::error;
-            }));
+      CHECK(read.scene.has_value() == std::none_of(read.problems.begin(), read.problems.end(),
+                                                   [](const Problem& p) { return p.level == Problem::Level::error; }));
       ++(read.scene ? taken : refused);
     }
   };

@@ -103,8 +103,8 @@ class Browser {
   void touch(const std::string& kind, const std::vector<std::pair<double, double>>& fingers) {
     std::string points;
     for (std::size_t k = 0; k < fingers.size(); ++k)
-      points += (k > 0 ? "," : "") + ("{\"x\":" + json_number(fingers[k].first)) + ",\"y\":" +
-                json_number(fingers[k].second) + ",\"id\":" + std::to_string(k) + "}";
+      points += (k > 0 ? "," : "") + ("{\"x\":" + json_number(fingers[k].first)) +
+                ",\"y\":" + json_number(fingers[k].second) + ",\"id\":" + std::to_string(k) + "}";
     call("Input.dispatchTouchEvent", "{\"type\":" + json_text(kind) + ",\"touchPoints\":[" + points + "]}");
   }
   /// Fingers in place of a mouse, from the next page on.

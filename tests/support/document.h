@@ -1,11 +1,13 @@
-/// @file document.h  A Markdown page as something that can be tested: its shell blocks run as written, its listings equal
-/// the files they name, the numbers of its tables are read again from what the commands left behind.
+/// @file document.h  A Markdown page as something that can be tested: its shell blocks run as written, its listings
+/// equal the files they name, the numbers of its tables are read again from what the commands left behind.
 ///
-///   ```sh             run by bash, from a folder that holds nothing but the program and the tree's scenes, docs, examples
+///   ```sh             run by bash, from a folder that holds nothing but the program and the tree's scenes, docs,
+///   examples
 ///   ```sh slow        the same, only where slow commands are asked for
 ///   ```sh elsewhere   not run here: needs another machine
 ///   ```toml PATH      must stand in the file PATH of the tree, word for word (also cpp, cmake, bash)
-///   | ... | read from | value | within |    rows: `FILE: NAME` of a .json, `FILE[ROW]: COLUMN` of a .csv; within: "2 %",
+///   | ... | read from | value | within |    rows: `FILE: NAME` of a .json, `FILE[ROW]: COLUMN` of a .csv; within: "2
+///   %",
 ///                                           an absolute difference, "at most" or "at least"
 #pragma once
 #include <filesystem>

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "engine/step/energy.h"
 #include "engine/schemes/velocity_verlet.h"
+#include "engine/step/energy.h"
 #include "engine/step/step.h"
 #include "laws/smooth/make_smooth_contact.h"
 

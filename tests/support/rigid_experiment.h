@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/step/energy.h"
 #include "engine/schemes/moreau_jean.h"
+#include "engine/step/energy.h"
 #include "engine/step/step.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "tests/support/corner_contacts.h"

@@ -2,13 +2,13 @@
 
 #include <fstream>
 
+#include "engine/state/world.h"
 #include "engine/step/energy.h"
 #include "engine/units/random.h"
-#include "engine/state/world.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
 
 using namespace epafi;
 using Catch::Contains;

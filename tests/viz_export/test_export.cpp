@@ -3,10 +3,10 @@
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/vtk/frame_writer.h"
-#include "viz_export/measures/measures_csv.h"
-#include "viz_export/hdf5/run_file.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/run_file.h"
+#include "viz_export/measures/measures_csv.h"
+#include "viz_export/vtk/frame_writer.h"
 
 using namespace epafi;
 

@@ -1,7 +1,7 @@
 #include "viz_export/vtk/frame_writer.h"
 
-#include "engine/step/energy.h"
 #include "engine/state/state_snapshot.h"
+#include "engine/step/energy.h"
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"

@@ -6,8 +6,8 @@
 #include "tests/support/browser.h"
 #include "tests/support/catch.h"
 #include "viz_export/files/json_reader.h"
-#include "viz_export/report/report.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/report/report.h"
 #include "viz_export/view/page.h"
 #include "viz_export/view/render_run.h"
 

@@ -8,8 +8,8 @@
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/hdf5/checkpoint.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/checkpoint.h"
 #include "viz_export/hdf5/stored_run.h"
 
 using namespace epafi;

@@ -3,8 +3,8 @@
 
 #include "tests/support/catch.h"
 #include "tests/viz_export/small_scene.h"
-#include "viz_export/vtk/frame_writer.h"
 #include "viz_export/output/output_observers.h"
+#include "viz_export/vtk/frame_writer.h"
 
 using namespace epafi;
 

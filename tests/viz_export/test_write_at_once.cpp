@@ -7,8 +7,8 @@
 #include "tests/support/keep_threads.h"
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
-#include "viz_export/vtk/frame_writer.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/vtk/frame_writer.h"
 
 using namespace epafi;
 

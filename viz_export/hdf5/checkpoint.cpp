@@ -3,8 +3,8 @@
 #include <set>
 
 #include "engine/state/hash.h"
-#include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/hdf5_file.h"
 
 namespace epafi {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <charconv>
 
+#include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/hdf5/run_layout.h"
-#include "viz_export/files/side_file.h"
 
 namespace epafi {
 

@@ -9,8 +9,8 @@
 #include "detection/shape_store.h"
 #include "engine/state/body_ids.h"
 #include "engine/step/observer.h"
-#include "engine/units/registry.h"
 #include "engine/step/sources.h"
+#include "engine/units/registry.h"
 
 namespace epafi {
 

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "engine/units/error.h"
-#include "viz_export/vtk/frame_writer.h"
-#include "viz_export/measures/measures_csv.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
+#include "viz_export/measures/measures_csv.h"
+#include "viz_export/vtk/frame_writer.h"
 
 namespace epafi {
 

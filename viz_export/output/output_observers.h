@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "engine/step/observer.h"
-#include "viz_export/vtk/frame_writer.h"
+#include "viz_export/hdf5/run_file.h"
 #include "viz_export/measures/measure.h"
 #include "viz_export/measures/measures_csv.h"
-#include "viz_export/hdf5/run_file.h"
 #include "viz_export/report/summary.h"
+#include "viz_export/vtk/frame_writer.h"
 
 namespace epafi {
 

@@ -7,14 +7,14 @@
 #include <map>
 
 #include "engine/units/error.h"
-#include "viz_export/report/charts.h"
-#include "viz_export/report/html_text.h"
 #include "viz_export/files/json_reader.h"
-#include "viz_export/measures/measure_units.h"
-#include "viz_export/report/report_folder.h"
-#include "viz_export/report/report_style.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
+#include "viz_export/measures/measure_units.h"
+#include "viz_export/report/charts.h"
+#include "viz_export/report/html_text.h"
+#include "viz_export/report/report_folder.h"
+#include "viz_export/report/report_style.h"
 #include "viz_export/view/page.h"
 #include "viz_export/view/render_run.h"
 

@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "engine/units/error.h"
+#include "viz_export/hdf5/stored_run.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_table.h"
-#include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
 namespace {

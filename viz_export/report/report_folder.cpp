@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "engine/units/error.h"
+#include "viz_export/files/side_file.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_cases.h"
 #include "viz_export/report/report_style.h"
 #include "viz_export/report/report_table.h"
-#include "viz_export/files/side_file.h"
 #include "viz_export/view/render_run.h"
 
 namespace epafi {

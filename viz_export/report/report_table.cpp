@@ -7,8 +7,8 @@
 #include <functional>
 #include <sstream>
 
-#include "viz_export/report/html_text.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/report/html_text.h"
 
 namespace epafi {
 namespace {

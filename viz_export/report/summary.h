@@ -52,11 +52,11 @@ struct RunSummary {
   std::uint64_t bodies = 0, bodies_lost = 0;
   std::uint64_t bodies_removed = 0;  ///< by remove_at, outlets and the domain
   std::uint64_t steps = 0;
-  double time_step = 0;       ///< [s]
-  double simulated_time = 0;  ///< [s]
-  double wall_time = 0;       ///< [s]
-  double cpu_time = 0;        ///< of the stepping, all threads, output included [s]
-  int threads = 1;            ///< of each process
+  double time_step = 0;                    ///< [s]
+  double simulated_time = 0;               ///< [s]
+  double wall_time = 0;                    ///< [s]
+  double cpu_time = 0;                     ///< of the stepping, all threads, output included [s]
+  int threads = 1;                         ///< of each process
   std::optional<RankFigures> ranks;        ///< of a run that several processes share
   std::optional<double> ns_per_body_step;  ///< of moving bodies, everything but output
   StageSeconds stage_seconds;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <span>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 #include "viz_export/hdf5/deflate.h"
 #include "viz_export/view/pack_columns.h"
 #include "viz_export/view/planes.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "engine/units/error.h"
-#include "viz_export/hdf5/deflate.h"
 #include "viz_export/files/json_writer.h"
+#include "viz_export/hdf5/deflate.h"
 #include "viz_export/measures/measure_units.h"
 #include "viz_export/view/pack.h"
 #include "viz_export/view/planes.h"

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "engine/units/error.h"
-#include "viz_export/report/html_text.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/report/html_text.h"
 #include "viz_export/view/pack.h"
 
 namespace epafi {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "engine/threads/parallel.h"
 #include "engine/state/types.h"
+#include "engine/threads/parallel.h"
 #include "viz_export/vtk/vtp_writer.h"
 
 namespace epafi {

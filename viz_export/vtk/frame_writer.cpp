@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel_order.h"
+#include "engine/units/error.h"
 #include "viz_export/files/write_at_once.h"
 
 namespace epafi {

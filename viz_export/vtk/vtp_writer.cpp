@@ -11,10 +11,10 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
-#include "viz_export/hdf5/deflate.h"
+#include "engine/units/error.h"
 #include "viz_export/files/side_file.h"
+#include "viz_export/hdf5/deflate.h"
 
 namespace epafi {
 

@@ -37,7 +37,8 @@ struct GjkOptions {
   Vec3 guess = Vec3::Zero();  ///< direction from A to B to begin with, A's axes; zero: the centres
 };
 
-inline constexpr int gjk_cap = 64;  // polyhedra end by exact repetition, mostly below 12; of 1e6 smooth pairs none needs more than 55
+inline constexpr int gjk_cap =
+    64;  // polyhedra end by exact repetition, mostly below 12; of 1e6 smooth pairs none needs more than 55
 
 GjkResult gjk(const MinkowskiDifference& difference, const GjkOptions& options = {});
 

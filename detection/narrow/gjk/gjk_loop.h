@@ -161,9 +161,10 @@ inline Vec3 reduce_to_closest(Simplex& s, bool& contains_origin) {
   return best.point;
 }
 
-/// Smooth bodies: the direction n whose support point lies along it, by Newton steps with differences for the derivative.
-/// GJK alone gains only a factor of about 0.6 per support near the end there (64 were not enough for 1 of 1e5 pairs of
-/// ellipsoids). True where the interval closes; where the bodies are not smooth enough it does not, and GJK goes on.
+/// Smooth bodies: the direction n whose support point lies along it, by Newton steps with differences for the
+/// derivative. GJK alone gains only a factor of about 0.6 per support near the end there (64 were not enough for 1 of
+/// 1e5 pairs of ellipsoids). True where the interval closes; where the bodies are not smooth enough it does not, and
+/// GJK goes on.
 template <class Difference>
 bool close_by_newton(const Difference& difference, double allowed, GjkResult& r) {
   constexpr double step = 1e-5;  // rad: the derivative is right to about this, so each Newton step gains that factor

@@ -23,7 +23,7 @@ struct ConvexRef {
 
 /// Vertex of the difference with the points it came from, in A's axes, relative to A's centre.
 struct MinkowskiVertex {
-  Vec3 y, a, b;  ///< y = a - b [m]
+  Vec3 y, a, b;                            ///< y = a - b [m]
   std::uint32_t index_a = 0, index_b = 0;  ///< of polyhedra: which vertices
 };
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "detection/narrow/pairs/pair_query.h"
 #include "detection/narrow/mesh/point_triangle.h"
+#include "detection/narrow/pairs/pair_query.h"
 #include "detection/shapes/triangle_mesh.h"
 
 namespace epafi {

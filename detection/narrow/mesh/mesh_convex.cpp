@@ -2,19 +2,19 @@
 #include <cmath>
 
 #include "detection/narrow/gjk/epa.h"
-#include "detection/narrow/pairs/flat_patch.h"
 #include "detection/narrow/mesh/mesh_pairs.h"
 #include "detection/narrow/mesh/mesh_region.h"
-#include "detection/narrow/pairs/side_clip.h"
 #include "detection/narrow/mesh/triangle_solid.h"
+#include "detection/narrow/pairs/flat_patch.h"
+#include "detection/narrow/pairs/side_clip.h"
 
 namespace epafi {
 namespace {
 
 constexpr double on_surface = 1e-6;  // of the size, as in the manifold: what counts as lying on an edge or triangle
-constexpr double along_face = 1e-5;       // [rad]
+constexpr double along_face = 1e-5;  // [rad]
 constexpr double same_edge_cosine = 0.7;  // directions nearer than 45 degrees at one point of the surface are one
-constexpr double narrow_enough = 1e-6;  // of the size: a wider interval than this is reported as degenerate
+constexpr double narrow_enough = 1e-6;    // of the size: a wider interval than this is reported as degenerate
 
 /// All triangles lie in one face and none at its rim: the body sees a plane. (Where the face ended below the body, one
 /// of these would have an open or bent side.) A box on 30 triangles takes 0.2 us so (perf/mesh.cpp).
@@ -71,8 +71,8 @@ class PolyhedronSide {
       const Patch patch = contact_patch(pair, d, b.reach, b.sweep, 0.0);
       for (int k = 0; k < patch.count; ++k) {
         const PatchPoint& p = patch.point[static_cast<std::size_t>(k)];
-        const std::uint32_t name = local_name(feature_kind(p.feature), feature_vertex_a(p.feature),
-                                              feature_vertex_b(p.feature));
+        const std::uint32_t name =
+            local_name(feature_kind(p.feature), feature_vertex_a(p.feature), feature_vertex_b(p.feature));
         add(b.pose.position + b.turn * p.position, p.gap, t, name);
       }
     }
@@ -157,8 +157,7 @@ class ConvexOnMesh {
       const bool front = is_in_front(t);
       if (spoken_[place_of(triangles_, t)] & (front ? 1 : 2)) continue;
       gather_region(b_, triangles_, t, front, region_);
-      for (const std::uint32_t member : region_.triangles)
-        spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
+      for (const std::uint32_t member : region_.triangles) spoken_[place_of(triangles_, member)] |= front ? 1 : 2;
       solve();
     }
   }
@@ -246,9 +245,8 @@ class ConvexOnMesh {
 
   /// Walls around a notch, seen from behind, bend away from each other, but nothing is between them.
   bool is_on_surface(const Vec3& x) const {
-    return region_.front || std::any_of(triangles_.begin(), triangles_.end(), [&](std::uint32_t t) {
-      return lies_on(mesh_, t, x, 10.0 * b_.tolerance);
-    });
+    return region_.front || std::any_of(triangles_.begin(), triangles_.end(),
+                                        [&](std::uint32_t t) { return lies_on(mesh_, t, x, 10.0 * b_.tolerance); });
   }
   const RegionPlane& best_plane() {
     for (RegionPlane& p : region_.planes) p.gap = p.normal.dot(b_.tip(-p.normal) - p.point);
@@ -347,8 +345,7 @@ class ConvexOnMesh {
     const double gap = n.dot(p.x - point) - b_.sweep;
     if (!(gap < b_.reach)) return;
     const std::uint32_t name = local_name(cut == 0 ? FeatureKind::vertex_a : FeatureKind::edges, p.corner, cut);
-    out_.push_back(
-        {p.x - (b_.sweep + 0.5 * gap) * n, n, gap, mesh_feature(cut == 0 ? mesh_.face[t] : t, name)});
+    out_.push_back({p.x - (b_.sweep + 0.5 * gap) * n, n, gap, mesh_feature(cut == 0 ? mesh_.face[t] : t, name)});
   }
   bool is_over(const std::vector<std::uint32_t>& members, std::uint32_t face, const Vec3& x) const {
     return std::any_of(members.begin(), members.end(), [&](std::uint32_t t) {
@@ -416,7 +413,7 @@ void collide_all(const Side& side, double sweep, double radius, const TriangleMe
   points.clear();
   const Pose pose{q.b.to_local(q.a.position), q.b.orientation.conjugate() * q.a.orientation};
   const ConvexRef core = side.core();
-  const PlacedCore body{core,    sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * core.radius,
+  const PlacedCore body{core, sweep, pose, pose.orientation.toRotationMatrix(), q.reach, on_surface * core.radius,
                         &mesh};
   ConvexOnMesh<Side>(side, body, triangles, points, sink).collide();
   reduce(points, core.radius);

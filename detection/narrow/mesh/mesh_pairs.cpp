@@ -8,14 +8,14 @@ namespace {
 
 constexpr double on_triangle = 1e-9;  // of the radius: what counts as lying on an edge or triangle; rounding is 1e-15
 constexpr double one_spot = 0.86602540378443864676;  // cosine of 30 degrees
-constexpr double sharp = 1e-6;        // [rad] an edge that bends less is no edge to the side of a capsule
+constexpr double sharp = 1e-6;  // [rad] an edge that bends less is no edge to the side of a capsule
 
 /// A triangle near a sphere.
 struct Touch {
   double distance;  ///< of the centre; < 0: the centre has gone through the triangle [m]
   std::uint32_t triangle;
   NearestOnTriangle nearest;
-  Vec3 normal;  ///< from the mesh to the sphere
+  Vec3 normal;             ///< from the mesh to the sphere
   std::uint32_t spot = 0;  ///< of the surface that smooth edges join
   bool left_out = false;   ///< a nearer face of the same spot stands for it
 };
@@ -41,7 +41,8 @@ class SphereOnMesh {
     find_touches(centre, inside);
     if (mesh_.bends_gently && touches_.size() > 1) leave_hollows();
     for (std::size_t i = 0; i < touches_.size(); ++i)
-      if (!touches_[i].left_out && !is_covered(i, inside)) f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
+      if (!touches_[i].left_out && !is_covered(i, inside))
+        f(touches_[i].distance - radius_, touches_[i].normal, name(i, local));
   }
 
  private:
@@ -71,8 +72,8 @@ class SphereOnMesh {
       return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
     });
   }
-  /// In a shallow hollow of a smooth surface several faces are near, where the surface that they stand for touches once:
-  /// of faces that gentle edges join within reach, the nearest leaves out those turned by less than `one_spot`.
+  /// In a shallow hollow of a smooth surface several faces are near, where the surface that they stand for touches
+  /// once: of faces that gentle edges join within reach, the nearest leaves out those turned by less than `one_spot`.
   void leave_hollows() {
     find_spots();
     for (std::size_t i = 1; i < touches_.size(); ++i) {

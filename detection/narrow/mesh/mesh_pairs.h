@@ -8,9 +8,9 @@
 /// those within 30 degrees. Limits: bodies that move more than their size through the surface in one step; hulls, and
 /// balls in steeper hollows, have one contact for each face.
 #pragma once
+#include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/pairs/closed_forms.h"
 #include "detection/narrow/pairs/convex_pairs.h"
-#include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/shapes/capsule.h"
 #include "detection/shapes/sphere.h"
 

@@ -60,9 +60,8 @@ class Gathering {
     for (const Vec3& c : corner)
       for (const RegionPlane& p : region_.planes)
         if (is_above(p.normal, p.point, c)) return false;
-    return std::none_of(region_.corners.begin(), region_.corners.end(), [&](const Vec3& c) {
-      return is_above(plane.normal, plane.point, body_.pose.position + c);
-    });
+    return std::none_of(region_.corners.begin(), region_.corners.end(),
+                        [&](const Vec3& c) { return is_above(plane.normal, plane.point, body_.pose.position + c); });
   }
   /// The convex outline of what is gathered in the plane of a face holds no notch of the face. A connected part of a
   /// face whose outline reaches out of the face goes around a notch.

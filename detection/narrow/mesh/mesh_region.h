@@ -2,8 +2,8 @@
 /// from each other; of a face with notches or holes a part around none. A body overlaps their convex hull by no more
 /// than the way out of it, on faces, edges and corners alike.
 #pragma once
-#include "detection/narrow/mesh/mesh_contact.h"
 #include "detection/narrow/gjk/minkowski.h"
+#include "detection/narrow/mesh/mesh_contact.h"
 
 namespace epafi {
 
@@ -40,8 +40,8 @@ struct MeshRegion {
   std::vector<std::uint32_t> triangles;  ///< ascending
   std::vector<RegionPlane> planes;
   std::vector<RegionNotch> notches;  ///< of all candidates
-  std::vector<Vec3> corners;  ///< relative to the body's centre, mesh axes [m]
-  double radius = 0.0;        ///< of the sphere about the body's centre that contains it [m]
+  std::vector<Vec3> corners;         ///< relative to the body's centre, mesh axes [m]
+  double radius = 0.0;               ///< of the sphere about the body's centre that contains it [m]
 
   Vec3 support(const Vec3& d) const;
 };

@@ -1,8 +1,8 @@
 #include "detection/narrow/pairs/convex_pairs.h"
 
 #include "detection/narrow/gjk/epa.h"
-#include "detection/narrow/pairs/flat_patch.h"
 #include "detection/narrow/gjk/gjk.h"
+#include "detection/narrow/pairs/flat_patch.h"
 #include "detection/narrow/pairs/hertz_radius.h"
 #include "detection/narrow/polyhedra/overlap_cells.h"
 #include "detection/narrow/polyhedra/resting_patch.h"

@@ -2,12 +2,12 @@
 /// their common normal, everything else by GJK and EPA.
 #pragma once
 #include "detection/narrow/gjk/common_normal.h"
-#include "detection/narrow/pairs/core_patch.h"
 #include "detection/narrow/gjk/cylinder_distance.h"
-#include "detection/narrow/polyhedra/manifold.h"
 #include "detection/narrow/gjk/minkowski.h"
+#include "detection/narrow/pairs/core_patch.h"
 #include "detection/narrow/pairs/pair_query.h"
 #include "detection/narrow/pairs/pair_radius.h"
+#include "detection/narrow/polyhedra/manifold.h"
 
 namespace epafi {
 

@@ -16,7 +16,8 @@ Vec3 end_normal(const FlatSide& end, const Vec3& up) {
 /// The corners of an end counter-clockwise about `normal`.
 FlatSide ordered(FlatSide end, const Vec3& normal) {
   const auto& x = end.corner;
-  if ((x[1] - x[0]).cross(x[2] - x[1]).dot(normal) < 0.0) std::reverse(end.corner.begin(), end.corner.begin() + end.count);
+  if ((x[1] - x[0]).cross(x[2] - x[1]).dot(normal) < 0.0)
+    std::reverse(end.corner.begin(), end.corner.begin() + end.count);
   return end;
 }
 
@@ -60,13 +61,16 @@ Patch flat_patch(const FlatPair& pair, const NearestPoint& nearest, double reach
   } else if (!side.empty()) {
     m = end_normal(table, up);
     const FlatSide end = ordered(table, m);
-    clip_side([&](std::uint32_t k) -> const Vec3& { return end.corner[k]; }, static_cast<std::uint32_t>(end.count), m, tolerance, side);
+    clip_side([&](std::uint32_t k) -> const Vec3& { return end.corner[k]; }, static_cast<std::uint32_t>(end.count), m,
+              tolerance, side);
   }
   for (const SidePoint& s : side) {
     // never below the nearest: along a normal that is not the end's, a point beside it may seem so
     const double gap = std::max(nearest.gap, m.dot(s.x - table.corner[0]) / m.dot(up) - pair.sweep_a - pair.sweep_b);
     if (!(gap < reach)) continue;
-    const FeatureKind kind = s.cut != 0 ? FeatureKind::edges : table_is_b ? FeatureKind::vertex_a : FeatureKind::vertex_b;
+    const FeatureKind kind = s.cut != 0   ? FeatureKind::edges
+                             : table_is_b ? FeatureKind::vertex_a
+                                          : FeatureKind::vertex_b;
     points.push_back({s.x - (sweep + 0.5 * gap) * up, gap, make_feature(kind, s.cut, s.corner)});
   }
   Patch out;

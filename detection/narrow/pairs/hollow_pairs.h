@@ -1,9 +1,10 @@
 /// @file hollow_pairs.h  Contacts with hollow walls of no thickness (tube, cone), in closed form for balls.
-/// Balls: every local minimum of the distance along the wall's outline in the half plane of axis and centre, on the near
-/// side and, from inside, on the far side too (a ball that is wider than the wall). So a ball touches the side, a closed
-/// end, both in the corner between them, and the rim of an open end.
-/// Other convex bodies feel the side of the wall on which their centre is:
-/// * inside the corners of polyhedra and capsules, and where other bodies reach furthest across the side, are held by it
+/// Balls: every local minimum of the distance along the wall's outline in the half plane of axis and centre, on the
+/// near side and, from inside, on the far side too (a ball that is wider than the wall). So a ball touches the side, a
+/// closed end, both in the corner between them, and the rim of an open end. Other convex bodies feel the side of the
+/// wall on which their centre is:
+/// * inside the corners of polyhedra and capsules, and where other bodies reach furthest across the side, are held by
+/// it
 ///   (exact: what is inside is convex, so that a convex body reaches furthest across at its extreme points); a closed
 ///   end is a plane;
 /// * outside, the wall is the solid that it encloses;
@@ -33,9 +34,9 @@ double wall_contact_radius(double r, double curvature);
 /// A ball in the wall's axes: f(distance, direction, curvature, feature) for each place nearer than `limit`; direction:
 /// unit, from the wall to the centre; features 0 near, 1 far, 2 start, 3 end.
 struct WallTouch {
-  double distance;  ///< of the centre [m], >= 0
-  Vec3 direction;   ///< unit, from the wall towards the centre, wall's axes
-  double curvature; ///< of the wall across, negative inside [1/m]
+  double distance;   ///< of the centre [m], >= 0
+  Vec3 direction;    ///< unit, from the wall towards the centre, wall's axes
+  double curvature;  ///< of the wall across, negative inside [1/m]
   Feature feature;
 };
 struct WallTouches {
@@ -52,9 +53,9 @@ struct HollowGuest {
   const void* shape;
   ConvexRef core;
   double sweep, contact_radius;
-  std::span<const Vec3> corners;                       ///< extreme points of the core, body axes; empty: ask the support
-  FlatSide (*facing)(const void*, const Vec3&);        ///< or null
-  const RoundRef* round;                               ///< or null
+  std::span<const Vec3> corners;                 ///< extreme points of the core, body axes; empty: ask the support
+  FlatSide (*facing)(const void*, const Vec3&);  ///< or null
+  const RoundRef* round;                         ///< or null
   void (*on_plane)(const void*, const HalfSpace&, const PairQuery&, ContactSink&);
   void (*on_solid)(const void*, const HollowSolid&, const PairQuery&, ContactSink&);
   void (*on_point)(const void*, const PairQuery&, ContactSink&);  ///< A is a point

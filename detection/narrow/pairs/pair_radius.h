@@ -2,8 +2,8 @@
 /// it the other body's radius counts alone. Where both are flat, that of the wall (a fixed or driven body) is the flat,
 /// then that of a polyhedron; of two equals both count by the sphere of equal volume.
 #pragma once
-#include <concepts>
 #include <cmath>
+#include <concepts>
 
 #include "detection/narrow/pairs/hertz_radius.h"
 #include "detection/narrow/pairs/pair_query.h"
@@ -21,7 +21,7 @@ concept RadiusByDirection = requires(const S& s, const Vec3& d) {
 struct TouchingRadius {
   const void* shape = nullptr;
   double (*radius_towards)(const void* shape, const Vec3& d) = nullptr;  ///< null: flat everywhere
-  double on_flat = 0.0;  ///< against a flat [m]; 0: as towards
+  double on_flat = 0.0;                                                  ///< against a flat [m]; 0: as towards
   bool polyhedral = false;
 
   double towards(const Vec3& d) const { return radius_towards ? radius_towards(shape, d) : infinity; }

@@ -7,9 +7,9 @@
 #include <string>
 #include <type_traits>
 
+#include "detection/narrow/mesh/mesh_pairs.h"
 #include "detection/narrow/pairs/closed_forms.h"
 #include "detection/narrow/pairs/convex_pairs.h"
-#include "detection/narrow/mesh/mesh_pairs.h"
 #include "detection/narrow/pairs/pair_methods.h"
 #include "detection/narrow/pairs/part_pairs.h"
 #include "detection/narrow/polyhedra/resting_patch.h"
@@ -232,9 +232,12 @@ constexpr PairCell make_cell() {
   if constexpr (way<A, B>() == Way::none) {
     return {};
   } else {
-    PairCell cell{&run_of<A, B>,        nullptr,
-                  nullptr,              method_name<A, B>(),
-                  way<A, B>() == Way::convex || way<A, B>() == Way::parts, way<A, B>() == Way::parts};
+    PairCell cell{&run_of<A, B>,
+                  nullptr,
+                  nullptr,
+                  method_name<A, B>(),
+                  way<A, B>() == Way::convex || way<A, B>() == Way::parts,
+                  way<A, B>() == Way::parts};
     if constexpr (HollowShape<A> || HollowShape<B>) {
       cell.near = [](const BatchInput& in, const Pair& p, double margin) {
         if constexpr (HollowShape<A>)

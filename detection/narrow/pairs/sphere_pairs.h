@@ -1,6 +1,7 @@
 /// @file sphere_pairs.h  Closed forms for spheres: exact gap, normal and R*.
-/// The contact point divides the line of centres like the radii; on a flat wall it is the sphere's own pole. Taken in the
-/// middle of the overlap it shortens the arm by half of it, which alone costs 0.11 % of the spin in case A08 (gate 0.1 %).
+/// The contact point divides the line of centres like the radii; on a flat wall it is the sphere's own pole. Taken in
+/// the middle of the overlap it shortens the arm by half of it, which alone costs 0.11 % of the spin in case A08 (gate
+/// 0.1 %).
 #pragma once
 #include <cmath>
 
@@ -58,7 +59,8 @@ inline void collide_closed(const Sphere& a, const Box& b, const PairQuery& q, Co
   const double gap = distance - a.radius;
   if (!(gap < q.reach)) return;
   const Vec3 n = -(q.b.orientation * outward);
-  sink.add({gap, n, a.radius * n, a.radius, 0});  // flat, as a half-space; the same over edges, so that the force keeps a potential
+  sink.add({gap, n, a.radius * n, a.radius,
+            0});  // flat, as a half-space; the same over edges, so that the force keeps a potential
 }
 
 /// Outside: GJK of the centre, a point. Inside: the nearest face plane.

@@ -7,8 +7,8 @@
 /// other half comes from the other body). Force A delta and energy 1/2 A delta^2, times a stiffness per area, are its
 /// part exactly. A half-space gives its own field alone, with the whole area. Rounding radii are not seen.
 #pragma once
-#include "detection/narrow/polyhedra/clipped_solid.h"
 #include "detection/narrow/pairs/convex_pairs.h"
+#include "detection/narrow/polyhedra/clipped_solid.h"
 
 namespace epafi {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "detection/narrow/polyhedra/axis_search.h"
 #include "detection/narrow/gjk/gjk_loop.h"
+#include "detection/narrow/polyhedra/axis_search.h"
 #include "detection/narrow/polyhedra/nearest_features.h"
 
 namespace epafi {

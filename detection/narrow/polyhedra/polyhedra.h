@@ -1,7 +1,7 @@
 /// @file polyhedra.h  Two convex polyhedra, exact by features: signed distance and common normal.
-/// Separated: GJK, whose final simplex names the features that the distance is then taken from. Overlapping: separating-axis test over faces and over the
-/// edge pairs whose Gauss arcs cross (Gregorius 2013), pruned by inner spheres. The normal is that of a face, of two
-/// edges or of two vertices, never a difference of nearly equal points.
+/// Separated: GJK, whose final simplex names the features that the distance is then taken from. Overlapping:
+/// separating-axis test over faces and over the edge pairs whose Gauss arcs cross (Gregorius 2013), pruned by inner
+/// spheres. The normal is that of a face, of two edges or of two vertices, never a difference of nearly equal points.
 #pragma once
 #include "detection/narrow/gjk/gjk.h"
 #include "detection/narrow/polyhedra/pair_memory.h"
@@ -44,8 +44,8 @@ struct SeparatingAxis {
   std::uint32_t feature_b = 0;  ///< face of B, edge of B (kind edges), deepest vertex of B (kind face_a)
 };
 
-/// Largest separation over faces and edge pairs. `start`: an axis found earlier; it makes the search quicker and does not
-/// change a bit of the answer.
+/// Largest separation over faces and edge pairs. `start`: an axis found earlier; it makes the search quicker and does
+/// not change a bit of the answer.
 SeparatingAxis separating_axis(const PolyhedronPair& pair, const SeparatingAxis& start = {});
 
 /// Signed distance of two polyhedra with closest (deepest) points.
@@ -56,11 +56,13 @@ struct PolyhedronDistance {
   double uncertainty = 0.0;   ///< the distance lies in [gap, gap + uncertainty] [m]
 };
 
-/// The axis of largest separation with its points: exact while the bodies overlap, a lower bound of the distance otherwise.
+/// The axis of largest separation with its points: exact while the bodies overlap, a lower bound of the distance
+/// otherwise.
 PolyhedronDistance axis_distance(const PolyhedronPair& pair);
 
 /// limit: distances above it are not wanted [m]. memory: of this pair, from earlier poses; the answer is the same bits
 /// without it.
-PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity, PairMemory* memory = nullptr);
+PolyhedronDistance polyhedron_distance(const PolyhedronPair& pair, double limit = infinity,
+                                       PairMemory* memory = nullptr);
 
 }  // namespace epafi

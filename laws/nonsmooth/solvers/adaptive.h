@@ -37,11 +37,11 @@ class Adaptive final : public ContactSolver {
   double most_sweeps_;
   Impulses start_;
   bool started_ = false;
-  double credit_ = 0.0;           ///< multiplications; < 0 where a chain has taken more
-  std::int32_t pause_ = 0;        ///< steps until the next attempt
-  std::int32_t next_pause_ = 0;   ///< behind it, if it fails
-  bool direct_was_right_ = false; ///< in the last step
-  bool solved_ = true;            ///< in the last step, by whatever means
+  double credit_ = 0.0;            ///< multiplications; < 0 where a chain has taken more
+  std::int32_t pause_ = 0;         ///< steps until the next attempt
+  std::int32_t next_pause_ = 0;    ///< behind it, if it fails
+  bool direct_was_right_ = false;  ///< in the last step
+  bool solved_ = true;             ///< in the last step, by whatever means
 };
 
 }  // namespace epafi

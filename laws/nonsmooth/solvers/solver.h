@@ -3,8 +3,8 @@
 #include <functional>
 #include <memory>
 
-#include "engine/units/registry.h"
 #include "engine/step/report.h"
+#include "engine/units/registry.h"
 #include "laws/nonsmooth/cone_problem.h"
 
 namespace epafi {
@@ -89,7 +89,8 @@ inline std::vector<Field> solver_fields(std::vector<Field> own = {}, double iter
        Kind::text,
        Value(std::string("energetic")),
        {},
-       "law of restitution: energetic (gains no energy), newton (all contacts at once), poisson, or sequential (one impact at a time)",
+       "law of restitution: energetic (gains no energy), newton (all contacts at once), poisson, or sequential (one "
+       "impact at a time)",
        false,
        {"energetic", "newton", "poisson", "sequential"}},
   };

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/threads/parallel_order.h"
-#include "engine/threads/parallel_wavefront.h"
 #include "engine/lanes/targets.h"
 #include "engine/state/touched_bodies.h"
+#include "engine/threads/parallel_order.h"
+#include "engine/threads/parallel_wavefront.h"
 #include "laws/smooth/fused/body_pass.h"
 #include "laws/smooth/fused/sphere_contacts.h"
 #include "laws/smooth/fused/sphere_kernel.h"
@@ -452,18 +452,18 @@ class FusedModel final : public FusedSpheres {
   std::uint32_t own_ = 0;  ///< material of all spheres; as many as there are: several
   std::unique_ptr<ContactModel> generic_;
   bool others_ = false;
-  bool predicted_ = false;                      ///< the states say how fast the bodies are at the detection
-  UnwrittenColumn<double> radius_;              ///< of bodies in new slots [m]; empty: they are known
-  CommonMotion drift_;                          ///< beside which ways are counted
-  double since_drift_ = 0.0;                    ///< it began so long ago [s]
-  std::span<const float> inverse_half_margin_;  ///< as SphereList::inverse_half_margin
-  SpherePairs* room_of_ = nullptr;              ///< 18 bytes a sphere that nobody reads again
-  bool tells_forces_ = true;                    ///< in every step; else in those that somebody looks at only
+  bool predicted_ = false;                         ///< the states say how fast the bodies are at the detection
+  UnwrittenColumn<double> radius_;                 ///< of bodies in new slots [m]; empty: they are known
+  CommonMotion drift_;                             ///< beside which ways are counted
+  double since_drift_ = 0.0;                       ///< it began so long ago [s]
+  std::span<const float> inverse_half_margin_;     ///< as SphereList::inverse_half_margin
+  SpherePairs* room_of_ = nullptr;                 ///< 18 bytes a sphere that nobody reads again
+  bool tells_forces_ = true;                       ///< in every step; else in those that somebody looks at only
   std::vector<Vec3> largest_inverse_half_margin_;  ///< by block: largest squares of velocity times that [1/s^2]
-  std::vector<double> ways_;                    ///< by block, of the step that has begun, over half the margin
-  bool ahead_ = false;                          ///< the first half of the next step is done
-  std::vector<std::uint8_t> is_touched_;        ///< by slot: with forces of the generic loop; empty: none is
-  std::vector<Extent> extents_, next_extents_;  ///< of this step and of the next one, by block
+  std::vector<double> ways_;                       ///< by block, of the step that has begun, over half the margin
+  bool ahead_ = false;                             ///< the first half of the next step is done
+  std::vector<std::uint8_t> is_touched_;           ///< by slot: with forces of the generic loop; empty: none is
+  std::vector<Extent> extents_, next_extents_;     ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
   double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]

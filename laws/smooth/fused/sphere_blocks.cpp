@@ -7,9 +7,9 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel_order.h"
 #include "engine/threads/parallel_wavefront.h"
+#include "engine/units/error.h"
 #include "laws/smooth/fused/body_pass.h"
 
 namespace epafi {

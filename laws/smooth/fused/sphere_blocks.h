@@ -10,12 +10,12 @@
 #include <bit>
 #include <span>
 
-#include "engine/state/contacts.h"
 #include "engine/lanes/lanes.h"
+#include "engine/state/contacts.h"
 #include "engine/state/large_column.h"
+#include "engine/state/state_visitor.h"
 #include "engine/threads/order_free_sum.h"
 #include "engine/threads/parallel.h"
-#include "engine/state/state_visitor.h"
 #include "laws/smooth/fused/sphere_springs.h"
 
 namespace epafi {
@@ -45,8 +45,8 @@ struct SphereList {
   const SpherePairs& pairs;
   std::vector<SpherePlane> planes;  ///< of pairs.planes
   std::span<const float>
-      inverse_half_margin;          ///< as PairList::inverse_half_margin; empty: others move too, or the list has none
-  bool others = false;              ///< the scene has other pairs
+      inverse_half_margin;  ///< as PairList::inverse_half_margin; empty: others move too, or the list has none
+  bool others = false;      ///< the scene has other pairs
 };
 
 /// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies
@@ -109,10 +109,10 @@ class SphereBlocks {
     UnwrittenColumn<SphereRecord> records;
     UnwrittenColumn<SpherePlace> record_places;
     UnwrittenColumn<Lanes> record_moments;
-    double elastic = 0.0;        ///< stored in the contacts when somebody looked last [J]
-    double slipped = 0.0;        ///< lost by slip in the step [J]
-    double viscous = 0.0;        ///< power lost in the dampers [W]
-    double lost = 0.0;           ///< to plastic deformation or adhesion in the step [J]
+    double elastic = 0.0;                ///< stored in the contacts when somebody looked last [J]
+    double slipped = 0.0;                ///< lost by slip in the step [J]
+    double viscous = 0.0;                ///< power lost in the dampers [W]
+    double lost = 0.0;                   ///< to plastic deformation or adhesion in the step [J]
     std::array<OrderFreeSum, 3> virial;  ///< force on A times branch, by axis [N m]; in a periodic cell only
     std::size_t touching = 0;
     double deepest = 0.0, deepest_relative = 0.0;  ///< overlap [m], over the smaller radius

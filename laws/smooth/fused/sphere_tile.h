@@ -21,9 +21,9 @@ struct SphereArrays {
   const std::uint16_t* material = nullptr;  ///< by slot; null: all spheres are of `own`
   std::uint32_t materials = 1, own = 0;
   const std::uint8_t* owner = nullptr;  ///< as World::owner; null: all contacts count
-  double reach = 0.0;                ///< contacts hold so far beyond touch [m]
-  Lanes cell_size{}, strain_rate{};  ///< of a periodic cell [m], [1/s]; fourth 0
-  SpherePlace nowhere{};             ///< of a sum that nobody reads: for lanes behind the last contact
+  double reach = 0.0;                   ///< contacts hold so far beyond touch [m]
+  Lanes cell_size{}, strain_rate{};     ///< of a periodic cell [m], [1/s]; fourth 0
+  SpherePlace nowhere{};                ///< of a sum that nobody reads: for lanes behind the last contact
   // with rolling: spins by slot, then as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;
@@ -71,7 +71,7 @@ struct SphereTile {
   std::uint32_t spring[room];            ///< place it is read from; not known where they are in a row
   bool in_row = true;                    ///< the springs lie one behind the other
   struct Group {
-    V lever;  ///< distance over sum of radii
+    V lever;             ///< distance over sum of radii
     V approach, middle;  ///< velocity at the detection and in the middle of the step [m/s]
     V inverse_mass, radius;
     V smaller;                 ///< radius of the pair [m]

@@ -1,6 +1,6 @@
 /// @file mesh_gaps.h  The block's surface against the other body's, each a mesh of triangles of its own: gaps by
-/// closest-point projection through engine/railway/gap_operator.h, linearised where the nodes stand and evaluated again where
-/// they have moved to (Wriggers 2006, chapters 4 and 6).
+/// closest-point projection through engine/railway/gap_operator.h, linearised where the nodes stand and evaluated again
+/// where they have moved to (Wriggers 2006, chapters 4 and 6).
 #pragma once
 #include <memory>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/units/error.h"
 #include "engine/threads/parallel.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 namespace {

@@ -6,24 +6,38 @@
 
 namespace epafi {
 
+/// By four sums, which the compiler puts into lanes.
+inline double dot(const std::vector<double>& u, const std::vector<double>& v) {
+  double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
+  std::size_t i = 0;
+  for (; i + 4 <= u.size(); i += 4) {
+    s0 += u[i] * v[i];
+    s1 += u[i + 1] * v[i + 1];
+    s2 += u[i + 2] * v[i + 2];
+    s3 += u[i + 3] * v[i + 3];
+  }
+  for (; i < u.size(); ++i) s0 += u[i] * v[i];
+  return (s0 + s1) + (s2 + s3);
+}
+
+/// y of the upper triangle of H, by columns: the first k rows of H y = g.
+inline std::vector<double> solve_triangle(const std::vector<std::vector<double>>& H, const std::vector<double>& g,
+                                          std::size_t k) {
+  std::vector<double> y(k);
+  for (std::size_t i = k; i-- > 0;) {
+    y[i] = g[i];
+    for (std::size_t j = i + 1; j < k; ++j) y[i] -= H[j][i] * y[j];
+    y[i] /= H[i][i];
+  }
+  return y;
+}
+
 /// Solves A x = b from x = 0 to a residual of `tolerance` |b|; apply(v, out) is out = A v. Returns the number of
 /// products.
 template <class Apply>
 int gmres(const Apply& apply, const std::vector<double>& b, std::vector<double>& x, double tolerance, int restart,
           int most) {
   const std::size_t n = b.size();
-  const auto dot = [n](const std::vector<double>& u, const std::vector<double>& v) {
-    double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
-    std::size_t i = 0;
-    for (; i + 4 <= n; i += 4) {
-      s0 += u[i] * v[i];
-      s1 += u[i + 1] * v[i + 1];
-      s2 += u[i + 2] * v[i + 2];
-      s3 += u[i + 3] * v[i + 3];
-    }
-    for (; i < n; ++i) s0 += u[i] * v[i];
-    return (s0 + s1) + (s2 + s3);
-  };
   x.assign(n, 0.0);
   const double target = tolerance * std::sqrt(dot(b, b));
   std::vector<std::vector<double>> V;
@@ -60,12 +74,7 @@ int gmres(const Apply& apply, const std::vector<double>& b, std::vector<double>&
       g[k + 1] = -sine[k] * g[k];
       g[k] *= cosine[k];
     }
-    std::vector<double> y(k);
-    for (std::size_t i = k; i-- > 0;) {
-      y[i] = g[i];
-      for (std::size_t j = i + 1; j < k; ++j) y[i] -= H[j][i] * y[j];
-      y[i] /= H[i][i];
-    }
+    const std::vector<double> y = solve_triangle(H, g, k);
     for (std::size_t i = 0; i < k; ++i)
       for (std::size_t l = 0; l < n; ++l) x[l] += y[i] * V[i][l];
     if (std::abs(g[k]) <= target) break;

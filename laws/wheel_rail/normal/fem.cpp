@@ -19,6 +19,28 @@ constexpr double reach = 6.0;
 /// that of the grading: with 1.5 throughout the peak stays 0.9 % high however fine the patch.
 double growth_of(int across) { return std::pow(1.5, static_cast<double>(default_across) / across); }
 
+/// Centre, area and the ellipse of equal second moments; returns the pressure by candidate [Pa].
+std::vector<double> set_place(const BlockMesh& mesh, const MeshGaps& gaps, const SurfaceContact& s,
+                              const Eigen::VectorXd& tributary, std::size_t cells, NormalPatch& p) {
+  std::vector<double> pressure(cells);
+  double sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0;
+  for (Eigen::Index k = 0; k < tributary.size(); ++k) {
+    const auto c = static_cast<std::size_t>(k);
+    const double f = gaps.force()[k], x = mesh.candidate_x(c), y = mesh.candidate_y(c);
+    pressure[c] = f / tributary[k];  // nodal values of pressures integrated over the surface swing from node to node
+    sx += f * x;
+    sy += f * y;
+    sxx += f * x * x;
+    syy += f * y * y;
+    if (s.p[k] > 0.0) p.area += tributary[k];
+  }
+  p.centre_x = sx / s.force;
+  p.centre_y = sy / s.force;
+  p.ellipse = {std::sqrt(5.0 * (sxx / s.force - p.centre_x * p.centre_x)),
+               std::sqrt(5.0 * (syy / s.force - p.centre_y * p.centre_y))};
+  return pressure;
+}
+
 std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool over_surface) {
   RegionPatch out = solve_semi_hertz(in).front();  // where the patch is and how large
   NormalPatch& p = out.patch;
@@ -35,7 +57,6 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
   }
   const BlockMesh mesh = make_block_mesh(cx, cy, margin * e.a, margin * e.b, across, growth_of(across), reach);
   const Eigen::MatrixXd W = surface_flexibility(mesh, E * (1.0 - nu * nu), nu), M = surface_mass(mesh);
-  const auto n = static_cast<Eigen::Index>(mesh.candidates());
   const Eigen::VectorXd tributary = M.rowwise().sum();
   // by default a thousandth of the elastic compliance, either way
   const double penalty = over_surface ? 10.0 * in.penalty * E / e.a : in.penalty * E * e.a;
@@ -48,22 +69,7 @@ std::vector<RegionPatch> solve(const NormalInput& in, Enforcement method, bool o
   }
   const double hx = mesh.x[mesh.ix0 + 1] - mesh.x[mesh.ix0], hy = mesh.y[mesh.iy0 + 1] - mesh.y[mesh.iy0];
   const PatchGrid grid{mesh.ix1 - mesh.ix0, mesh.iy1 - mesh.iy0, hx, hy};
-  std::vector<double> pressure(grid.size());
-  double sx = 0.0, sy = 0.0, sxx = 0.0, syy = 0.0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const auto c = static_cast<std::size_t>(k);
-    const double f = gaps.force()[k], x = mesh.candidate_x(c), y = mesh.candidate_y(c);
-    pressure[c] = f / tributary[k];  // nodal values of pressures integrated over the surface swing from node to node
-    sx += f * x;
-    sy += f * y;
-    sxx += f * x * x;
-    syy += f * y * y;
-    if (s.p[k] > 0.0) p.area += tributary[k];
-  }
-  p.centre_x = sx / s.force;
-  p.centre_y = sy / s.force;
-  p.ellipse = {std::sqrt(5.0 * (sxx / s.force - p.centre_x * p.centre_x)),
-               std::sqrt(5.0 * (syy / s.force - p.centre_y * p.centre_y))};
+  const std::vector<double> pressure = set_place(mesh, gaps, s, tributary, grid.size(), p);
   p.normal_force = s.force;
   p.approach = s.approach;
   p.max_pressure = peak_pressure(grid, pressure);

@@ -89,6 +89,39 @@ std::pair<double, double> cell_sizes(const NormalInput& in, const Window& w, dou
   return {in.dx > 0.0 ? in.dx : dx, in.dy > 0.0 ? in.dy : dy};
 }
 
+/// The window fitted to the patch of a coarse solution.
+Window fitted(const NormalInput& in, Window w, const Separation& apart) {
+  HalfSpaceNormal coarse;
+  bool inside = false;
+  for (int n = 0; n < 4 && !inside; ++n) {
+    const double dx = (w.x1 - w.x0) / 24.0, dy = (w.y1 - w.y0) / 24.0, cx = 0.5 * (w.x0 + w.x1),
+                 cy = 0.5 * (w.y0 + w.y1);
+    coarse = solve_in(in, w, dx, dy, apart);
+    Window box = w;
+    inside = contact_box(coarse, cx, cy, box);
+    if (inside)
+      w = box;
+    else
+      w = {w.x0 - 0.25 * (w.x1 - w.x0), w.x1 + 0.25 * (w.x1 - w.x0), w.y0 - 0.25 * (w.y1 - w.y0),
+           w.y1 + 0.25 * (w.y1 - w.y0)};
+  }
+  return w;
+}
+
+void set_solution(const HalfSpaceNormal& s, const Window& w, NormalPatch& p) {
+  p.grid = s.grid;
+  p.pressure = s.pressure;
+  set_equivalent_ellipse(p);
+  p.grid_x = 0.5 * (w.x0 + w.x1);
+  p.grid_y = 0.5 * (w.y0 + w.y1);
+  p.centre_x += p.grid_x;
+  p.centre_y += p.grid_y;
+  p.normal_force = s.normal_force;
+  p.approach = s.approach;
+  p.max_pressure = s.max_pressure;
+  p.area = s.area;
+}
+
 }  // namespace
 
 std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
@@ -107,20 +140,7 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
   if (!(w.x1 > w.x0 && w.y1 > w.y0)) return {unsolved("nothing overlaps: the samples of the gap stay open")};
   if (!(w.x1 - w.x0 < longest && w.y1 - w.y0 < longest))
     return {unsolved("the gap does not open along the track: no patch of finite length")};
-  HalfSpaceNormal coarse;
-  bool inside = false;
-  for (int n = 0; n < 4 && !inside; ++n) {
-    const double dx = (w.x1 - w.x0) / 24.0, dy = (w.y1 - w.y0) / 24.0, cx = 0.5 * (w.x0 + w.x1),
-                 cy = 0.5 * (w.y0 + w.y1);
-    coarse = solve_in(in, w, dx, dy, apart);
-    Window box = w;
-    inside = contact_box(coarse, cx, cy, box);
-    if (inside)
-      w = box;
-    else
-      w = {w.x0 - 0.25 * (w.x1 - w.x0), w.x1 + 0.25 * (w.x1 - w.x0), w.y0 - 0.25 * (w.y1 - w.y0),
-           w.y1 + 0.25 * (w.y1 - w.y0)};
-  }
+  w = fitted(in, w, apart);
   const double shorter = std::min(w.x1 - w.x0, w.y1 - w.y0) * (1.0 - 3.0 / 26.0);
   const auto [dx, dy] = cell_sizes(in, w, shorter);
   const double cells = (w.x1 - w.x0) / dx * ((w.y1 - w.y0) / dy);
@@ -133,17 +153,7 @@ std::vector<RegionPatch> solve_half_space(const NormalInput& in) {
 
   RegionPatch out;
   NormalPatch& p = out.patch;
-  p.grid = s.grid;
-  p.pressure = s.pressure;
-  set_equivalent_ellipse(p);
-  p.grid_x = 0.5 * (w.x0 + w.x1);
-  p.grid_y = 0.5 * (w.y0 + w.y1);
-  p.centre_x += p.grid_x;
-  p.centre_y += p.grid_y;
-  p.normal_force = s.normal_force;
-  p.approach = s.approach;
-  p.max_pressure = s.max_pressure;
-  p.area = s.area;
+  set_solution(s, w, p);
   // second order: on 16 cells across the peak of a Hertzian patch is 3e-4 off
   const double across = 2.0 * std::min(p.ellipse.a / dx, p.ellipse.b / dy);
   p.error_estimate = 0.1 / (across * across) + s.report.residual;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/units/error.h"
 #include "engine/railway/elliptic_integrals.h"
+#include "engine/units/error.h"
 
 namespace epafi {
 namespace {

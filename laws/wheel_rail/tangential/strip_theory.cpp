@@ -40,14 +40,24 @@ double stick_traction(double kappa, double lambda, double half, double shift, do
   return kappa * std::sqrt(std::max(0.0, outer)) - lambda * std::sqrt(std::max(0.0, inner));
 }
 
+StripSolution solution_of(const StripPatch& patch, bool store) {
+  StripSolution out;
+  if (!store) return out;
+  out.traction_x.assign(patch.cells(), 0.0);
+  out.traction_y.assign(patch.cells(), 0.0);
+  out.sticks.assign(patch.cells(), 0);
+  return out;
+}
+
+void store_cell(StripSolution& out, std::size_t cell, double qx, double qy, bool sticks) {
+  out.traction_x[cell] = qx;
+  out.traction_y[cell] = qy;
+  out.sticks[cell] = sticks;
+}
+
 StripSolution march(const StripPatch& patch, const RollingCase& c, const PlaneCreepage& plane, const Flexibility* L,
                     bool store) {
-  StripSolution out;
-  if (store) {
-    out.traction_x.assign(patch.cells(), 0.0);
-    out.traction_y.assign(patch.cells(), 0.0);
-    out.sticks.assign(patch.cells(), 0);
-  }
+  StripSolution out = solution_of(patch, store);
   const double Q = bound_slope(patch, c);
   double stick = 0.0, area = 0.0;
   for (const Strip& strip : patch.strips) {
@@ -84,11 +94,7 @@ StripSolution march(const StripPatch& patch, const RollingCase& c, const PlaneCr
         rx = qx;
         ry = qy;
       }
-      if (store) {
-        out.traction_x[strip.first + k] = qx;
-        out.traction_y[strip.first + k] = qy;
-      }
-      if (store) out.sticks[strip.first + k] = sticks;
+      if (store) store_cell(out, strip.first + k, qx, qy, sticks);
       out.force.fx += qx * dA;
       out.force.fy += qy * dA;
       out.force.mz += (x * qy - strip.y * qx) * dA;

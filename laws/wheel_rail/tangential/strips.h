@@ -42,8 +42,8 @@ StripPatch strips_of_field(const PatchGrid& grid, const std::vector<double>& pre
 /// Tractions and slip of a solved patch, cell by cell, and what follows from them.
 struct StripSolution {
   PatchForce force;
-  double stick_share = 0.0;       ///< area of stick over area of contact
-  double frictional_power = 0.0;  ///< traction times slip over the patch, per rolling speed [N]
+  double stick_share = 0.0;                    ///< area of stick over area of contact
+  double frictional_power = 0.0;               ///< traction times slip over the patch, per rolling speed [N]
   std::vector<double> traction_x, traction_y;  ///< [Pa]; empty unless asked for
   std::vector<double> slip_x, slip_y;          ///< [-]; empty unless asked for, and where a law has stick without slip
   std::vector<std::uint8_t> sticks;            ///< 1 in stick; empty unless asked for
