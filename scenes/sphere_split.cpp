@@ -20,7 +20,7 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const bool fresh = pairs.generation != before;
   if (fresh && world.size() >= many_bodies && model()) model()->use_room_of(pairs.spheres);
   if (!fresh && !ways_known_ && !grown) return;  // what the list has gone through is not known then
-  if (FusedSpheres* const m = model()) m->expect(list_->bodies().drift(world.time));
+  if (FusedSpheres* const m = model()) m->expect(list_->bodies().common_motion(world.time));
   const std::size_t block_size = model() ? model()->block_size() : SphereBlocks::largest_block;
   used_margin_.assign((world.size() + block_size - 1) / block_size, 0.0);
   if (fresh) return;

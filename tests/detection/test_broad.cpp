@@ -446,7 +446,7 @@ TEST_CASE("without balls the ways of bodies are little more than they are, never
     coarse.update(scene.world, scene.setup, 1e-3, false);
     coarse.rest_balls();
     CHECK(coarse.size() == exact.size());
-    CHECK_FALSE(coarse.worn(scene.world).out);
+    CHECK_FALSE(coarse.used_up(scene.world).out);
     Random random(5, 1);
     std::vector<Vec3> at(scene.world.size());
     for (std::size_t s = 0; s < at.size(); ++s)
@@ -460,7 +460,7 @@ TEST_CASE("without balls the ways of bodies are little more than they are, never
                                double{exact.inverse_half_margin[s]});  // 2^-23 + sqrt(3) 2^-24 of what a group extends
     }
     scene.world.position[7].x() += 1.01 / double{exact.inverse_half_margin[7]};
-    CHECK(coarse.worn(scene.world).out);
+    CHECK(coarse.used_up(scene.world).out);
   }
 }
 
@@ -468,13 +468,13 @@ TEST_CASE("without balls a body that is nowhere does not hide how far others hav
   CoarsePlaces places;
   const std::vector<Vec3> where{Vec3::Constant(std::nan("")), Vec3(1, 2, 3), Vec3(4, 5, 6)};
   places.take(where.size(), [&](std::size_t s) { return where[s]; });
-  CHECK(places.way(1, Vec3(1, 2, 3.5)) == Approx(0.5).margin(2e-6));
-  CHECK(places.way(2, Vec3(4, 5, 6)) <= 2e-6);
+  CHECK(places.displacement(1, Vec3(1, 2, 3.5)) == Approx(0.5).margin(2e-6));
+  CHECK(places.displacement(2, Vec3(4, 5, 6)) <= 2e-6);
 }
 
 TEST_CASE("where floats cannot tell how far a body has come the list is outdated", "[detection][broad][scale]") {
   CoarsePlaces places;
   const std::vector<Vec3> where{Vec3(0, 0, 0), Vec3(1e31, 0, 0), Vec3(-3e200, 1, 2)};
   places.take(where.size(), [&](std::size_t s) { return where[s]; });
-  for (std::size_t s = 0; s < where.size(); ++s) CHECK(places.way(s, where[s]) == infinity);
+  for (std::size_t s = 0; s < where.size(); ++s) CHECK(places.displacement(s, where[s]) == infinity);
 }

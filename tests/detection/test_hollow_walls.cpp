@@ -13,7 +13,7 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using testing::pi;
 
 template <class A, class B>
 ContactSet touches(const A& a, const Pose& pa, const B& b, const Pose& pb, double reach, bool curvature = false) {

@@ -47,7 +47,7 @@ TEST_CASE("every index is visited once, for every length and thread count", "[en
 TEST_CASE("a run is gone through from its front, helped from its back, and from its front where nobody has come",
           "[engine][parallel]") {
   std::vector<Counter> left(3);
-  const Runs runs(13, left);  // pieces 0 to 3, 4 to 7 and 8 to 12
+  const WorkRanges runs(13, left);  // pieces 0 to 3, 4 to 7 and 8 to 12
   runs.start();
   std::vector<std::size_t> seen;
   SECTION("one thread alone") {

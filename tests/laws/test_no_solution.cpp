@@ -54,8 +54,7 @@ TEST_CASE("a null vector that all contacts oppose decides: 200 random problems a
   for (int k = 0; k < 200; ++k) {
     const Eigen::Index n = 2 + k % 9;
     Eigen::MatrixXd a(n + 2, n);
-    Eigen::VectorXd d(n);
-    q(n);
+    Eigen::VectorXd d(n), q(n);
     for (Eigen::Index j = 0; j < n; ++j) {
       d(j) = in(0.1, 2);
       q(j) = in(-1, 1);

@@ -13,7 +13,7 @@ using namespace epafi::experiments;
 namespace {
 
 /// smooth: the rest of [contact].
-std::string head(const std::string& run, const std::string& contact) {
+std::string tube_head(const std::string& run, const std::string& contact) {
   return "run = { output_interval = 1.0, " + run + " }\nworld = { gravity = [0, 0, -9.81] }\n" +
          "material.m = { density = 2500.0, youngs_modulus = \"5 MPa\", poissons_ratio = 0.3 }\ncontact = { " + contact +
          " }\n";
@@ -39,7 +39,7 @@ double period_of(SceneRun& run, double step) {
 
 double rolled_period(double friction) {
   const double step = 4e-5;
-  SceneRun run = start_text(head("duration = 3.0, time_step = 4e-5",
+  SceneRun run = start_text(tube_head("duration = 3.0, time_step = 4e-5",
                                  "method = \"smooth\", restitution = 0.3, friction = " + std::to_string(friction) +
                                      ", smooth = { law = \"hertz-mindlin\" }") +
                             wall("tube = { radius = 0.1, length = 0.2 }", "fixed = true\neuler_deg = [90, 0, 0]") +
@@ -62,7 +62,7 @@ TEST_CASE("balls that bounce in a tilted closed tube or cone without loss keep t
   for (const char* shape : {"tube = { radius = 0.1, length = 0.3, ends = \"closed\" }",
                             "cone = { radii = [0.03, 0.2], length = 0.2, ends = \"closed\" }"}) {
     SceneRun run = start_text(
-        head("duration = 1.0, time_step = 2e-5",
+        tube_head("duration = 1.0, time_step = 2e-5",
              "method = \"smooth\", restitution = 1.0, friction = 0.0, smooth = { law = \"linear\", stiffness = 2e4 }") +
         wall(shape, "fixed = true\neuler_deg = [50, 20, 0]") +
         "[[body]]\nname = \"ball\"\nrepeat = 3\nmaterial = \"m\"\nshape = { sphere = { radius = 0.01 } }\n"
@@ -78,7 +78,7 @@ TEST_CASE("balls that bounce in a tilted closed tube or cone without loss keep t
 namespace {
 
 std::string drum(const std::string& grain) {
-  return head("duration = 1.0, time_step = 1e-4",
+  return tube_head("duration = 1.0, time_step = 1e-4",
               "method = \"smooth\", restitution = 0.5, friction = 0.5, smooth = { law = \"hertz-mindlin\" }") +
          wall("tube = { radius = 0.05, length = 0.05, ends = \"closed\" }",
               "euler_deg = [90, 0, 0]\nmotion = { rotation = { axis = [0, 1, 0], rate = 6.0, about = [0, 0, 0] } }") +
@@ -118,7 +118,7 @@ TEST_CASE("a turning tube carries its grains up on one side; the bits are those 
 
 TEST_CASE("a hopper of a tube on a cone loses no ball", "[physics][hollow]") {
   const auto hopper = [](const std::string& bodies, const std::string& friction, const std::string& method) {
-    return head("duration = 1.0, time_step = " + std::string(method == "smooth" ? "1e-4" : "1e-3"),
+    return tube_head("duration = 1.0, time_step = " + std::string(method == "smooth" ? "1e-4" : "1e-3"),
                 "method = \"" + method + "\", restitution = 0.3, friction = " + friction) +
            wall("tube = { radius = 0.04, length = 0.1 }", "fixed = true\nposition = [0, 0, 0.05]") +
            "[[body]]\nname = \"funnel\"\nmaterial = \"m\"\nshape = { cone = { radii = [0.002, 0.04], length = 0.06 } "
