@@ -160,9 +160,7 @@ void WheelsetOnTrack::find_on(bool right, const PlaceOnTrack& at, double reach, 
     // along the rail as it lies: its slope turns the normal, or an irregularity would do work out of nothing
     const Vec3 across(0.0, std::cos(r.angle), std::sin(r.angle)), t = (across - across.dot(along) * along).normalized();
     Mat3 axes;
-    axes << along;
-    t;
-    along.cross(t);
+    axes << along, t, along.cross(t);
     region.axes = at.frame.orientation.toRotationMatrix() * axes;
     region.point = at.frame.to_world(r.point + Vec3(-behind, rail.y, rail.z));
     region.mirrored = !right;

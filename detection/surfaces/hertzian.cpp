@@ -101,15 +101,11 @@ Eigen::Vector4d newton_step(const State& s) {
   const Mat3 carried = Mat3::Identity() + s.gap * s.a.turning;  // d x_b / d x_a
   Eigen::Matrix4d jacobian;
   Eigen::Vector4d rest;
-  jacobian.row(0) << s.a.f.gradient.transpose();
-  0.0;
-  jacobian.row(1) << s.b.f.gradient.transpose() * carried;
-  s.b.f.gradient.dot(s.a.normal);
-  jacobian.bottomRows<2>() << t.transpose() * (s.b.turning * carried + s.a.turning);
-  t.transpose() * s.b.turning* s.a.normal;
-  rest << s.a.f.value;
-  s.b.f.value;
-  t.transpose() * (s.a.normal + s.b.normal);
+  jacobian.row(0) << s.a.f.gradient.transpose(), 0.0;
+  jacobian.row(1) << s.b.f.gradient.transpose() * carried, s.b.f.gradient.dot(s.a.normal);
+  jacobian.bottomRows<2>() << t.transpose() * (s.b.turning * carried + s.a.turning),
+      t.transpose() * s.b.turning * s.a.normal;
+  rest << s.a.f.value, s.b.f.value, t.transpose() * (s.a.normal + s.b.normal);
   return jacobian.fullPivLu().solve(rest);
 }
 

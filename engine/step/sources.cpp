@@ -55,13 +55,11 @@ void PourBodies::before_step(World& world, double, std::vector<BodyId>&) {
       balls.push_back({body.position, waiting.radius});
     }
     if (!placed) {
-      {
-        ++tried_;
-        return;
-      }
-      ++next_;
-      tried_ = 0;
+      ++tried_;
+      return;
     }
+    ++next_;
+    tried_ = 0;
   }
 }
 

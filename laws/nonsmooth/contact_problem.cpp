@@ -45,15 +45,7 @@ Mat3 diagonal_block(const ContactProblem& p, std::size_t i) {
   const Vec3 at_n = times(n), at_t1 = times(t1);
   const double n1 = t1.dot(at_n), n2 = t2.dot(at_n), t12 = t2.dot(at_t1);
   Mat3 block;
-  block << n.dot(at_n);
-  n1;
-  n2;
-  n1;
-  t1.dot(at_t1);
-  t12;
-  n2;
-  t12;
-  t2.dot(times(t2));
+  block << n.dot(at_n), n1, n2, n1, t1.dot(at_t1), t12, n2, t12, t2.dot(times(t2));
   return block;
 }
 

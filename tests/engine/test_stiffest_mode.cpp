@@ -31,17 +31,8 @@ double by_matrix(double mass, const Vec3& inertia, const Mat3& turn, const std::
   for (const StiffLink& l : links) {
     Eigen::Matrix<double, 3, 6> G;
     Mat3 cross;
-    cross << 0;
-    l.arm_b.z();
-    -l.arm_b.y();
-    -l.arm_b.z();
-    0;
-    l.arm_b.x();
-    l.arm_b.y();
-    -l.arm_b.x();
-    0;
-    G << Mat3::Identity();
-    cross;
+    cross << 0, l.arm_b.z(), -l.arm_b.y(), -l.arm_b.z(), 0, l.arm_b.x(), l.arm_b.y(), -l.arm_b.x(), 0;
+    G << Mat3::Identity(), cross;
     const Mat3 along = l.normal * l.normal.transpose();
     K += G.transpose() * (l.along * along + l.across * (Mat3::Identity() - along)) * G;
   }

@@ -12,15 +12,7 @@ namespace {
 /// W of a point of a body: 1/m 1 + S^T I^-1 S, S x = arm cross x, in the frame (n, t1, t2).
 Mat3 response_at(double mass, const Vec3& inverse_inertia, const Vec3& arm) {
   Mat3 s;
-  s << 0;
-  -arm.z();
-  arm.y();
-  arm.z();
-  0;
-  -arm.x();
-  -arm.y();
-  arm.x();
-  0;
+  s << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
   return Mat3(Mat3::Identity() / mass + s.transpose() * inverse_inertia.asDiagonal() * s);
 }
 

@@ -129,8 +129,7 @@ inline Eigen::Matrix<double, 6, 1> accelerations(Simulation& sim, Slot s) {
              I = R * w.inverse_inertia_of(s).cwiseInverse().asDiagonal() * R.transpose();
   const Vec3 turn = w.angular_velocity[s];
   Eigen::Matrix<double, 6, 1> a;
-  a << w.acceleration(s);
-  I.inverse() * (w.torque[s] - turn.cross(I * turn));
+  a << w.acceleration(s), I.inverse() * (w.torque[s] - turn.cross(I * turn));
   return a;
 }
 
@@ -163,15 +162,7 @@ inline Eigen::Matrix<double, 12, 12> linearised(SceneRun& run) {
   w.angular_velocity[s] = w0;
   A.block<3, 3>(0, 6).setIdentity();
   A.block<3, 3>(3, 9).setIdentity();
-  A.block<3, 3>(3, 3) << 0;
-  -w0.z();
-  w0.y();
-  w0.z();
-  0;
-  -w0.x();
-  -w0.y();
-  w0.x();
-  0;
+  A.block<3, 3>(3, 3) << 0, -w0.z(), w0.y(), w0.z(), 0, -w0.x(), -w0.y(), w0.x(), 0;
   return A;
 }
 

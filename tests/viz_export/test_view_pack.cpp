@@ -128,7 +128,7 @@ TEST_CASE("every camera sees the whole box", "[viz_export][view]") {
     }
     CHECK(largest == Approx(0.86));  // of the half picture: a corner touches the margin
   }
-  CHECK_THROWS_AS(choose_camera("nowhere", {}, box, 1.0), FileError);
+  CHECK_THROWS_AS(choose_camera("nowhere", {}, box, 1.0), SceneError);
 }
 
 TEST_CASE("a ball covers the pixels that its cone of sight covers, and hides what is behind it", "[viz_export][view]") {

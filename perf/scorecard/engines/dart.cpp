@@ -74,8 +74,7 @@ class DartEngine final : public scorecard::Engine {
     at.translation() = vector(body.position);
     joint->setTransform(at);
     Eigen::Vector6d velocities;  // in axes of the body: no body that spins is turned
-    velocities << vector(body.spin);
-    vector(body.velocity);
+    velocities << vector(body.spin), vector(body.velocity);
     joint->setVelocities(velocities);
     world_->addSkeleton(skeleton);
     bodies_.push_back(node);
