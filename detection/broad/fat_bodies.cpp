@@ -85,7 +85,7 @@ void FatBodies::update(const World& world, const BroadSetup& setup, double step_
   }
   if (world.cell) cell_size_ = world.cell->size;
   if (loose_planes_) look_around(world, *setup.shapes);
-  const double steps = steps_ = choose_drift(world, setup, step_time, since);
+  const double steps = steps_ = choose_list_steps(world, setup, step_time, since);
   fatten(world, setup, step_time, steps);
   set_apart(world, *setup.shapes, same_bodies);
   set_planes(world, setup, step_time, steps);
@@ -210,7 +210,7 @@ double FatBodies::mean_motion(const World& world, const BroadSetup& setup, doubl
 }
 
 /// Returns how many steps the list shall last. since: the last update [s].
-double FatBodies::choose_drift(const World& world, const BroadSetup& setup, double step_time, double since) {
+double FatBodies::choose_list_steps(const World& world, const BroadSetup& setup, double step_time, double since) {
   // A list that lasts K steps costs rebuild/K + K * (pairs that the margin adds): K = 1.6/sqrt(e), e the mean motion
   // per step in radii; perf/broad.cpp shows the minimum to be flat within a factor of two. Slow bodies keep their least
   // margin whatever K is, so that only the fast ones make the list longer.

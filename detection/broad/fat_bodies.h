@@ -225,7 +225,7 @@ struct FatBodies {
   double corner_depth(Slot i, const ApartPlane& p) const;
   double margin_of(const World& world, Slot s, const BroadSetup& setup, double step_time, double steps) const;
   double mean_motion(const World& world, const BroadSetup& setup, double step_time) const;
-  double choose_drift(const World& world, const BroadSetup& setup, double step_time, double since);
+  double choose_list_steps(const World& world, const BroadSetup& setup, double step_time, double since);
   void see_strays(const World& world, const BroadSetup& setup, double step_time, double steps);
   static double fattening(const World& world, Slot s, const BroadSetup& setup, double margin);
   void fatten_one(const World& world, const BroadSetup& setup, Slot s, double margin, const Vec3& x);

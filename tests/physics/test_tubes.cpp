@@ -40,8 +40,8 @@ double period_of(SceneRun& run, double step) {
 double rolled_period(double friction) {
   const double step = 4e-5;
   SceneRun run = start_text(tube_head("duration = 3.0, time_step = 4e-5",
-                                 "method = \"smooth\", restitution = 0.3, friction = " + std::to_string(friction) +
-                                     ", smooth = { law = \"hertz-mindlin\" }") +
+                                      "method = \"smooth\", restitution = 0.3, friction = " + std::to_string(friction) +
+                                          ", smooth = { law = \"hertz-mindlin\" }") +
                             wall("tube = { radius = 0.1, length = 0.2 }", "fixed = true\neuler_deg = [90, 0, 0]") +
                             "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.01 } }\n"
                             "position = [\"= -0.09*sin(0.1)\", 0, \"= -0.09*cos(0.1)\"]\n");
@@ -62,8 +62,9 @@ TEST_CASE("balls that bounce in a tilted closed tube or cone without loss keep t
   for (const char* shape : {"tube = { radius = 0.1, length = 0.3, ends = \"closed\" }",
                             "cone = { radii = [0.03, 0.2], length = 0.2, ends = \"closed\" }"}) {
     SceneRun run = start_text(
-        tube_head("duration = 1.0, time_step = 2e-5",
-             "method = \"smooth\", restitution = 1.0, friction = 0.0, smooth = { law = \"linear\", stiffness = 2e4 }") +
+        tube_head(
+            "duration = 1.0, time_step = 2e-5",
+            "method = \"smooth\", restitution = 1.0, friction = 0.0, smooth = { law = \"linear\", stiffness = 2e4 }") +
         wall(shape, "fixed = true\neuler_deg = [50, 20, 0]") +
         "[[body]]\nname = \"ball\"\nrepeat = 3\nmaterial = \"m\"\nshape = { sphere = { radius = 0.01 } }\n"
         "position = [\"= 0.03*i - 0.02\", 0.01, 0]\nvelocity = [0.3, \"= 0.5*i\", 1.0]\n");
@@ -79,7 +80,7 @@ namespace {
 
 std::string drum(const std::string& grain) {
   return tube_head("duration = 1.0, time_step = 1e-4",
-              "method = \"smooth\", restitution = 0.5, friction = 0.5, smooth = { law = \"hertz-mindlin\" }") +
+                   "method = \"smooth\", restitution = 0.5, friction = 0.5, smooth = { law = \"hertz-mindlin\" }") +
          wall("tube = { radius = 0.05, length = 0.05, ends = \"closed\" }",
               "euler_deg = [90, 0, 0]\nmotion = { rotation = { axis = [0, 1, 0], rate = 6.0, about = [0, 0, 0] } }") +
          "[[body]]\nname = \"grain\"\nrepeat = [6, 4, 4]\nmaterial = \"m\"\nshape = { " + grain +
@@ -119,7 +120,7 @@ TEST_CASE("a turning tube carries its grains up on one side; the bits are those 
 TEST_CASE("a hopper of a tube on a cone loses no ball", "[physics][hollow]") {
   const auto hopper = [](const std::string& bodies, const std::string& friction, const std::string& method) {
     return tube_head("duration = 1.0, time_step = " + std::string(method == "smooth" ? "1e-4" : "1e-3"),
-                "method = \"" + method + "\", restitution = 0.3, friction = " + friction) +
+                     "method = \"" + method + "\", restitution = 0.3, friction = " + friction) +
            wall("tube = { radius = 0.04, length = 0.1 }", "fixed = true\nposition = [0, 0, 0.05]") +
            "[[body]]\nname = \"funnel\"\nmaterial = \"m\"\nshape = { cone = { radii = [0.002, 0.04], length = 0.06 } "
            "}\nfixed = true\nposition = [0, 0, -0.03]\n" +

@@ -36,20 +36,26 @@ ViewFrame balls_at(const std::vector<Vec3>& places, double radius) {
   return frame;
 }
 
-std::string ask(std::uint16_t port, const std::string& request) {
+int connect_to(std::uint16_t port) {
   const int s = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_port = htons(port);
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   REQUIRE(::connect(s, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0);
-  REQUIRE(::send(s, request.data(), request.size(), 0) == static_cast<ssize_t>(request.size()));
+  return s;
+}
+
+std::string rest_of(int s, const std::string& request) {
+  REQUIRE(::send(s, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size()));
   std::string out;
   char piece[4096];
   for (ssize_t n; (n = ::recv(s, piece, sizeof piece, 0)) > 0;) out.append(piece, static_cast<std::size_t>(n));
   ::close(s);
   return out;
 }
+
+std::string ask(std::uint16_t port, const std::string& request) { return rest_of(connect_to(port), request); }
 
 }  // namespace
 
@@ -207,6 +213,14 @@ TEST_CASE("the local server answers its own machine, and nothing else", "[viz_ex
   CHECK(ask(server.port(), "POST /a HTTP/1.1\r\n" + own).starts_with("HTTP/1.1 405"));
   CHECK(ask(server.port(), "nonsense\r\n\r\n").starts_with("HTTP/1.1 400"));
   CHECK(ask(server.port(), "GET /bad HTTP/1.1\r\n" + own).starts_with("HTTP/1.1 503"));
+  const int quiet = connect_to(server.port()), gone = connect_to(server.port()), slow = connect_to(server.port());
+  close(gone);
+  for (int i = 0; i < 100; ++i) {  // a request that waited for a quiet connection would take seconds
+    CHECK(ask(server.port(), "GET /b HTTP/1.1\r\n" + own).ends_with("you asked /b"));
+    send(slow, "x", 1, MSG_NOSIGNAL);
+  }
+  CHECK(rest_of(quiet, "GET /c HTTP/1.1\r\n" + own).ends_with("you asked /c"));
+  CHECK(rest_of(slow, "\r\n\r\n").starts_with("HTTP/1.1 400"));
   CHECK_THROWS_AS(LocalServer(server.port()), FileError);
   stop = true;
   serving.join();

@@ -8,6 +8,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 #include "engine/units/error.h"
 
@@ -15,24 +17,12 @@ namespace epafi {
 namespace {
 
 constexpr std::size_t longest_request = 16384;
-constexpr int patience = 2000;  // ms for a request to arrive, and for a piece of an answer to leave
+constexpr std::size_t most_waiting = 64;
+constexpr int patience = 2000;  // ms for a piece of an answer to leave
 
 bool waits_for(int socket, short what, int milliseconds) {
   pollfd one{socket, what, 0};
   return poll(&one, 1, milliseconds) > 0;
-}
-
-/// Up to the empty line; "" where it does not come in time or is too long.
-std::string read_request(int socket) {
-  std::string text;
-  char piece[2048];
-  while (text.find("\r\n\r\n") == text.npos) {
-    if (text.size() > longest_request || !waits_for(socket, POLLIN, patience)) return "";
-    const ssize_t got = recv(socket, piece, sizeof piece, 0);
-    if (got <= 0) return "";
-    text.append(piece, static_cast<std::size_t>(got));
-  }
-  return text;
 }
 
 void send_all(int socket, const std::string& bytes) {
@@ -86,6 +76,81 @@ HttpAnswer answer_to(const std::string& request, std::uint16_t port,
   }
 }
 
+void send_answer(int connection, const HttpAnswer& a) {
+  send_all(connection,
+           fmt::format("HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
+                       "X-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n",
+                       a.status, reason(a.status), a.type, a.body.size()));
+  send_all(connection, a.body);
+  shutdown(connection, SHUT_WR);
+}
+
+/// Connections whose request has not arrived whole. Browsers open some before they need them: these wait for as long
+/// as the browser likes and never hold up the others.
+class OpenConnections {
+ public:
+  ~OpenConnections() {
+    for (const Connection& c : all_) close(c.socket);
+  }
+
+  /// Up to `milliseconds` for something to arrive, at `listening` or from a connection.
+  void wait(int listening, int milliseconds) {
+    polled_.assign(1, {listening, POLLIN, 0});
+    for (const Connection& c : all_) polled_.push_back({c.socket, POLLIN, 0});
+    if (poll(polled_.data(), polled_.size(), milliseconds) <= 0) {
+      for (pollfd& p : polled_) p.revents = 0;
+    }
+  }
+
+  /// Calls whole(socket, request) for every request that is complete or too long, closes its connection, and
+  /// accepts one that knocks at `listening`.
+  template <class F>
+  void read(int listening, const F& whole) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const bool spoke = polled_[i + 1].revents != 0, open = !spoke || receive(all_[i]);
+      const bool complete = all_[i].text.find("\r\n\r\n") != std::string::npos;
+      if (complete || all_[i].text.size() > longest_request) {
+        whole(all_[i].socket, complete ? all_[i].text : "");
+      } else if (open) {
+        if (kept != i) all_[kept] = std::move(all_[i]);
+        ++kept;
+        continue;
+      }
+      close(all_[i].socket);
+    }
+    all_.resize(kept);
+    if (polled_[0].revents != 0) accept_from(listening);
+  }
+
+ private:
+  struct Connection {
+    int socket = -1;
+    std::string text;
+  };
+
+  /// false where the other side has closed.
+  static bool receive(Connection& c) {
+    char piece[2048];
+    const ssize_t got = recv(c.socket, piece, sizeof piece, MSG_DONTWAIT);
+    if (got > 0) c.text.append(piece, static_cast<std::size_t>(got));
+    return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
+  }
+
+  void accept_from(int listening) {
+    const int connection = accept4(listening, nullptr, nullptr, SOCK_CLOEXEC);
+    if (connection < 0) return;
+    if (all_.size() >= most_waiting) {
+      close(all_.front().socket);
+      all_.erase(all_.begin());
+    }
+    all_.push_back({connection, ""});
+  }
+
+  std::vector<Connection> all_;
+  std::vector<pollfd> polled_;
+};
+
 }  // namespace
 
 LocalServer::LocalServer(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -113,18 +178,12 @@ std::string LocalServer::address() const { return fmt::format("http://127.0.0.1:
 
 void LocalServer::serve(const std::function<HttpAnswer(const std::string&)>& answer,
                         const std::function<bool()>& stop) const {
+  OpenConnections connections;
   while (!stop()) {
-    if (!waits_for(socket_, POLLIN, 250)) continue;
-    const int connection = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (connection < 0) continue;
-    const HttpAnswer a = answer_to(read_request(connection), port_, answer);
-    send_all(connection,
-             fmt::format("HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
-                         "X-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n",
-                         a.status, reason(a.status), a.type, a.body.size()));
-    send_all(connection, a.body);
-    shutdown(connection, SHUT_WR);
-    close(connection);
+    connections.wait(socket_, 250);
+    connections.read(socket_, [&](int connection, const std::string& request) {
+      send_answer(connection, answer_to(request, port_, answer));
+    });
   }
 }
 
