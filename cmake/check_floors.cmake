@@ -18,7 +18,7 @@ set(below_scenes engine detection laws ranks viz_export scenes)
 set(doors
   "omp\\.h|engine/threads/parallel\\.h"
   "hdf5\\.h|viz_export/hdf5/hdf5_file\\.cpp,viz_export/hdf5/hdf5_driver\\.cpp"
-  "CGAL/|detection/shapes/hull_from_points\\.cpp,tests/detection/test_exact_oracle\\.cpp"
+  "CGAL/|detection/shapes/exact_hull\\.cpp,tests/detection/test_exact_oracle\\.cpp"
   "toml\\+\\+/|scenes/reader/toml_text\\.cpp"
   "CLI/|scenes/cli/usage\\.h"
   "mpi\\.h|ranks/communicator\\.cpp,ranks/plan\\.cpp"

@@ -24,7 +24,7 @@ if(EPAFI_MPI)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/library/ DESTINATION ${data_dir}/scenes COMPONENT program)
 install(FILES ${PROJECT_SOURCE_DIR}/scenes/scene.schema.json DESTINATION ${data_dir} COMPONENT program)
-# sources MIT, binaries GPL-3 through CGAL
+# MIT, with LGPL-3 parts in binaries
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi COMPONENT program)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi-dev COMPONENT development)
 install(FILES ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CITATION.cff DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/epafi

@@ -1,9 +1,5 @@
 #include "detection/shapes/hull_from_points.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Surface_mesh.h>
-#include <CGAL/convex_hull_3.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,14 +8,12 @@
 #include <string>
 #include <tuple>
 
+#include "detection/shapes/exact_hull.h"
 #include "detection/shapes/face_finder.h"
 #include "detection/shapes/surface_weld.h"
 
 namespace epafi {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using HullMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
 constexpr double flat = 1e-9;        // of the extent: thinner sets have no usable inertia in double precision
 constexpr double redundant = 1e-12;  // of the extent: what rounding lifts a point of a face or edge out of it
@@ -40,47 +34,45 @@ std::vector<Vec3> sorted_distinct(std::span<const Vec3> points, const Place& pla
   return out;
 }
 
-/// Greedy largest simplex: distances of the 2nd, 3rd and 4th point from the point, line and plane of those before.
-std::array<double, 3> extents(const std::vector<Vec3>& points) {
-  const auto farthest = [&](auto&& distance) {
-    return *std::max_element(points.begin(), points.end(),
-                             [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
+/// Four points far apart: the 2nd, 3rd and 4th farthest from the point, line and plane of those before.
+struct LargeSimplex {
+  std::array<std::uint32_t, 4> corners{};
+  double length = 0.0, width = 0.0, height = 0.0;  ///< those distances [m]
+  bool is_flat() const { return !(height > flat * length); }
+};
+
+LargeSimplex large_simplex(const std::vector<Vec3>& points) {
+  LargeSimplex out;
+  const auto take_farthest = [&](std::size_t k, auto&& distance) {
+    const auto at = std::max_element(points.begin(), points.end(),
+                                     [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
+    out.corners[k] = static_cast<std::uint32_t>(at - points.begin());
+    return distance(*at);
   };
   const Vec3 a = points.front();
-  const auto from_point = [&](const Vec3& p) { return (p - a).norm(); };
-  const Vec3 b = farthest(from_point);
-  if (from_point(b) == 0.0) return {0.0, 0.0, 0.0};
-  const Vec3 along = (b - a).normalized();
-  const auto from_line = [&](const Vec3& p) { return (p - a).cross(along).norm(); };
-  const Vec3 c = farthest(from_line);
-  if (from_line(c) == 0.0) return {from_point(b), 0.0, 0.0};
-  const Vec3 normal = along.cross(c - a).normalized();
-  const auto from_plane = [&](const Vec3& p) { return std::abs(normal.dot(p - a)); };
-  return {from_point(b), from_line(c), from_plane(farthest(from_plane))};
+  out.length = take_farthest(1, [&](const Vec3& p) { return (p - a).norm(); });
+  if (out.length == 0.0) return out;
+  const Vec3 along = (points[out.corners[1]] - a).normalized();
+  out.width = take_farthest(2, [&](const Vec3& p) { return (p - a).cross(along).norm(); });
+  if (out.width == 0.0) return out;
+  const Vec3 normal = along.cross(points[out.corners[2]] - a).normalized();
+  out.height = take_farthest(3, [&](const Vec3& p) { return std::abs(normal.dot(p - a)); });
+  return out;
 }
 
 /// Hull of sorted points; vertices sorted, each triangle begins with its lowest vertex, triangles sorted.
-HullSurface exact_hull(const std::vector<Vec3>& points) {
-  std::vector<Kernel::Point_3> input;
-  input.reserve(points.size());
-  for (const Vec3& p : points) input.emplace_back(p.x(), p.y(), p.z());
-  HullMesh mesh;
-  CGAL::convex_hull_3(input.begin(), input.end(), mesh);
+HullSurface hull_of(const std::vector<Vec3>& points, const LargeSimplex& simplex) {
+  const auto triangles = exact_hull(points, simplex.corners);
+  std::vector<std::uint32_t> vertex(points.size(), 0);
+  for (const auto& t : triangles)
+    for (const std::uint32_t p : t) vertex[p] = 1;
   HullSurface hull;
-  for (const auto v : mesh.vertices())
-    hull.vertices.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
-  const auto unsorted = hull.vertices;
-  std::sort(hull.vertices.begin(), hull.vertices.end(), before);
-  const auto index = [&](const auto vertex) {
-    const auto at = std::lower_bound(hull.vertices.begin(), hull.vertices.end(), unsorted[std::size_t{vertex}], before);
-    return static_cast<std::uint32_t>(at - hull.vertices.begin());
-  };
-  for (const auto f : mesh.faces()) {
-    std::vector<std::uint32_t> face;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) face.push_back(index(v));
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
-    hull.faces.push_back(std::move(face));
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (vertex[p] == 0) continue;
+    vertex[p] = static_cast<std::uint32_t>(hull.vertices.size());
+    hull.vertices.push_back(points[p]);
   }
+  for (const auto& [a, b, c] : triangles) hull.faces.push_back({vertex[a], vertex[b], vertex[c]});
   std::sort(hull.faces.begin(), hull.faces.end());
   return hull;
 }
@@ -143,19 +135,19 @@ HullSurface hull_from_points(std::span<const Vec3> points, const Place& place, d
   if (distinct.size() < 4)
     throw SceneError("a polyhedron needs at least 4 distinct vertices, found " + std::to_string(distinct.size()),
                      place);
-  const auto [length, width, height] = extents(distinct);
-  if (!(height > flat * length))
+  const LargeSimplex size = large_simplex(distinct);
+  if (size.is_flat())
     throw SceneError(std::string("the vertices of the polyhedron lie on one ") +
-                         (width > flat * length ? "plane" : "line") + ": they enclose no volume",
+                         (size.width > flat * size.length ? "plane" : "line") + ": they enclose no volume",
                      place);
-  HullSurface hull = exact_hull(distinct);
-  const double tolerance = std::max(redundant * length, 4.0 * precision);
+  HullSurface hull = hull_of(distinct, size);
+  const double tolerance = std::max(redundant * size.length, 4.0 * precision);
   for (;;) {
     const auto corners = true_corners(hull, tolerance);
     if (corners.size() == hull.vertices.size() || corners.size() < 4) break;
-    const auto rest = extents(corners);
-    if (!(rest[2] > flat * rest[0])) break;
-    hull = exact_hull(corners);
+    const LargeSimplex rest = large_simplex(corners);
+    if (rest.is_flat()) break;
+    hull = hull_of(corners, rest);
   }
   if (precision > 0.0) join_facets(hull, tolerance);
   return hull;

@@ -1,5 +1,5 @@
-/// @file hull_from_points.h  Convex hull of a set of points, with exact predicates (CGAL convex_hull_3, quickhull).
-/// Duplicates, interior and coplanar points are allowed in any order.
+/// @file hull_from_points.h  Convex hull of a set of points, by exact predicates. Duplicates,
+/// interior and coplanar points are allowed in any order.
 #pragma once
 #include <cstdint>
 #include <span>
