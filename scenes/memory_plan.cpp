@@ -15,24 +15,22 @@ namespace epafi {
 namespace {
 
 /// Of a body, in FatBodies and beside it.
-std::size_t list_bytes(const StepPlan& plan, std::size_t bodies) {
+std::size_t list_bytes(const StepPlan& plan) {
   constexpr std::size_t inverse_half_margin = sizeof(float) + sizeof(char),
                         names = sizeof(std::uint32_t) + 3 * sizeof(std::uint8_t);
   if (!plan.fused_spheres)  // box, ball, half and radius, where it stood and how it was turned
     return inverse_half_margin + names + sizeof(Aabb) + sizeof(Ball) + 2 * sizeof(double) + sizeof(Slot) +
            (plan.columns.orientation ? sizeof(Quat) : 0);
-  if (bodies >= many_bodies) return inverse_half_margin + 3 * sizeof(float);  // coarse places
   constexpr std::size_t sorted = 4 * sizeof(float) + sizeof(Slot) + sizeof(std::uint32_t) + sizeof(std::uint8_t);
   return inverse_half_margin + names + sizeof(Ball) + sorted + 2 * sizeof(Slot);
 }
 
 /// In the loop over spheres.
-void plan_spheres(const Scene& scene, std::size_t bodies, MemoryPlan& out) {
+void plan_spheres(const Scene& scene, MemoryPlan& out) {
   const SphereNeeds needs = sphere_needs(smooth_setup(scene));
   const bool rolls = needs.rolling;
   if (rolls) out.body += sizeof(Lanes);  // late spins
-  out.pair = sizeof(SpherePlaces) + (scene.cell ? sizeof(SphereImage) : 0);
-  if (bodies < many_bodies) out.pair += sizeof(Slot) + (scene.cell ? sizeof(std::uint32_t) : 0);  // the list stays
+  out.pair = sizeof(SpherePlaces) + sizeof(Slot) + (scene.cell ? sizeof(SphereImage) + sizeof(std::uint32_t) : 0);
   // of a bed's contacts a sixth lie across blocks and leave a record there
   const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (rolls ? sizeof(Lanes) : 0);
   out.contact = (needs.remembers() ? sizeof(SphereSpring) : 0) + (needs.normal ? sizeof(double) : 0) +
@@ -62,17 +60,17 @@ std::size_t bytes_of(const std::vector<T>& column) {
 
 }  // namespace
 
-MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan, std::size_t bodies) {
+MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan) {
   MemoryPlan out;
   out.body = World(plan.columns).bytes_per_body();
-  out.list = list_bytes(plan, bodies);
+  out.list = list_bytes(plan);
   ContactSet contacts;
   contacts.with_curvature = plan.needs.curvature;
   contacts.with_area = plan.needs.area;
   contacts.with_moment = plan.needs.contact_moment;
   out.in_set = contacts.bytes_per_contact();
   if (plan.fused_spheres) {
-    plan_spheres(scene, bodies, out);
+    plan_spheres(scene, out);
     return out;
   }
   const bool smooth = scene.contact.method.value == Method::smooth;

@@ -20,8 +20,8 @@ struct MemoryPlan {
   std::size_t in_set = 0;  ///< in the set that measures read [B per contact]; no part of the loop over spheres
 };
 
-/// plan: whose columns, needs and loops are known. bodies: how many there will be.
-MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan, std::size_t bodies);
+/// plan: whose columns, needs and loops are known.
+MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan);
 
 /// Of all polyhedra of the scene [B]: vertices, faces and edges, and again four at a time.
 std::size_t polyhedra_bytes(const ShapeStore& shapes);

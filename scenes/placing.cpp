@@ -118,7 +118,6 @@ void add_bodies(Assembly& a, ShapeBuilder& builder, std::size_t stage) {
       for (std::size_t j = 0; j < k; ++j) a.body_ids[j] = static_cast<BodyId>(j);
     }
     if (!a.body_ids.empty()) a.body_ids[k] = id;
-    if (k % many_bodies == many_bodies - 1) a.simulation->world.rest_forces();  // 48 bytes each
   }
   if (stage != a.scene.stage || a.scene.start) return;  // those of before stand elsewhere by now
   for (const GroupSpec& g : a.scene.groups)

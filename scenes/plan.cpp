@@ -289,9 +289,7 @@ StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes, bool ma
   plan_reach(scene, use, smooth, plan);
   if (may_fuse) plan_fused_spheres(scene, shapes, plan);
   plan_railway(scene, use, plan);
-  std::size_t bodies = scene.bodies.size();
-  for (const FillSpec& f : scene.fills) bodies += f.count.value_or(0);
-  plan.memory = plan_memory(scene, plan, bodies);
+  plan.memory = plan_memory(scene, plan);
   return plan;
 }
 

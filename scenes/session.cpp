@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/lanes/program_pages.h"
 #include "engine/state/hash.h"
 #include "engine/state/state_snapshot.h"
 #include "engine/step/contact_layer.h"
@@ -106,9 +105,6 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   tracks_ = std::make_unique<TrackWatch>(*assembly_);
   if (from && assembly_->scene.start) assembly_->scene.start->made.reset();
   std::vector<BodySpec>().swap(assembly_->scene.bodies);  // they are in the world now: 184 bytes each, more than there
-  give_back_heap();                                       // 39 bytes a sphere of a million
-  constexpr std::size_t many = 10'000;                    // what only reading asked for: 28 bytes of each of 100 000
-  if (assembly_->simulation->world.ids_given() >= many) give_back_program();
 }
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
@@ -411,7 +407,6 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   }
   if (output_ == Output::least) {
     StateRecorder last(&files_->run, nullptr, *assembly_->shapes, EverySteps());
-    assembly_->simulation->make_room();
     sim.show(last);
   }
   progress.finish(sim, *monitor_);

@@ -12,13 +12,12 @@ void WornPairs::find_pairs(const World& world, PairList& pairs) {
   const std::uint64_t before = pairs.generation;
   if (!used_up_.out && !list_->keeps_pairs(world)) used_up_ = {true, list_->used_up_by_slow()};
   if (used_up_.out) {
-    if (FusedSpheres* const m = model()) m->release_lists();
+    if (FusedSpheres* const m = model()) m->forget_margins();
     list_->renew_pairs(world, pairs, used_up_.by_slow);
   }
   used_up_ = {};
   used_margin_.clear();
   const bool fresh = pairs.generation != before;
-  if (fresh && world.size() >= many_bodies && model()) model()->use_room_of(pairs.spheres);
   if (!fresh && !ways_known_ && !grown) return;  // what the list has gone through is not known then
   if (FusedSpheres* const m = model()) m->expect(list_->bodies().common_motion(world.time));
   const std::size_t block_size = model() ? model()->block_size() : SphereBlocks::largest_block;

@@ -24,7 +24,7 @@ class WornPairs final : public BroadPhase {
   void reorder(const Reordering& change) override {
     used_margin_.clear();
     list_->reorder(change);
-    if (FusedSpheres* const m = model()) m->release_lists();
+    if (FusedSpheres* const m = model()) m->forget_margins();
   }
   void visit(StateVisitor& visitor) override { used_margin_.clear(), list_->visit(visitor); }
 

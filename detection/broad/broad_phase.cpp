@@ -43,28 +43,11 @@ void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
 
 void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool used_up_by_slow) {
   if (valid_) bodies_.learn(world, step_time_, used_up_by_slow);
-  const bool many = world.size() >= many_bodies;
-  if (many) {  // with what the loop over spheres let go of: 14 bytes of 410
-    pairs.give_back();
-    give_back_heap();
-  }
   bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
-  const bool lean = many && bodies_.only_spheres;
-  if (lean) {
-    bodies_.rest_names();
-    known_ = false;
-  }
   collect(bodies_, collector_);
-  if (many) rest();
-  if (lean) {
-    give_back_heap();
-    bodies_.rest_balls();
-    give_back_heap();
-  }
   if (world.cell) {
     collector_.finish(found_);
     name_images(world, bodies_.images, found_, pairs.pairs);
-    if (many) release(found_);
     if (setup_.spheres.wanted) take_spheres(world, setup_.spheres, pairs);
   } else {
     collector_.finish(pairs.pairs);
@@ -74,9 +57,6 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool used_
   pairs.inverse_half_margin = bodies_.inverse_half_margin;
   ++pairs.generation;
   valid_ = true;
-  if (!many) return;
-  collector_.rest();
-  give_back_heap();
 }
 
 }  // namespace epafi

@@ -27,18 +27,13 @@ class ListBroadPhase : public BroadPhase {
   /// The time has come to `now`: of steps in which neither of both is called.
   void see_time(double now);
   /// The next call builds anew: the list names slots.
-  void reorder(const Reordering&) override {
-    valid_ = known_ = false;
-    if (bodies_.bodies() >= many_bodies) bodies_.rest();
-  }
+  void reorder(const Reordering&) override { valid_ = known_ = false; }
   void visit(StateVisitor&) override { known_ = false; }  ///< it may be another state that comes in
   const FatBodies& bodies() const { return bodies_; }
 
  protected:
   /// Hands every ordinary body and its candidates to the collector.
   virtual void collect(const FatBodies& bodies, PairCollector& collector) = 0;
-  /// Lets go of what is needed while candidates are collected only: 60 of 600 bytes a sphere.
-  virtual void rest() {}
   /// Within collect: what was kept by slot is void. Slots of images name others in every list.
   bool slots_changed() const { return !valid_ || !bodies_.images.empty(); }
 

@@ -132,40 +132,9 @@ bool FatBodies::take_in(const World& world, const BroadSetup& setup, double step
   return true;
 }
 
-void FatBodies::rest() {
-  release(images);
-  release(boxes);
-  release(ball);
-  release(half);
-  release(radius);
-  release(inverse_half_margin);
-  release(id);
-  release(type);
-  release(immovable);
-  release(role);
-  release(orientation);
-  release(ordinary);
-  release(apart);
-  release(plane);
-  release(sphere_planes);
-  release(slow_);
-  places_ = {};
-  complete_ = false;
-}
-
-void FatBodies::rest_names() { release(id), release(type), release(immovable), release(role); }
-
-void FatBodies::rest_balls() {
-  release(ordinary);
-  places_.take(ball.size(), [&](std::size_t i) { return position(i); });
-  release(ball);
-  complete_ = false;
-}
-
 void FatBodies::read_shapes(const World& world, const BroadSetup& setup) {
   const std::size_t n = world.size();
   static_assert(AllShapes::size <= 256);
-  places_ = {};
   ball.clear();  // no more than that: a large page is taken as a whole
   ball.reserve(n);
   ball.resize(n);

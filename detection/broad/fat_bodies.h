@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "detection/aabb.h"
-#include "detection/broad/coarse_places.h"
 #include "detection/broad/list_frame.h"
 #include "detection/broad/periodic_pairs.h"
 #include "detection/broad/sphere_roles.h"
@@ -120,9 +119,7 @@ struct FatBodies {
   /// When the boxes were taken [m].
   Vec3 position(std::size_t i) const { return {ball[i].x, ball[i].y, ball[i].z}; }
   /// Of what a rotation moves [m]: 0 for spheres.
-  double turning_radius(std::size_t i) const {
-    return type.empty() || is_sphere(i) ? 0.0 : round_ ? infinity : radius[i];
-  }
+  double turning_radius(std::size_t i) const { return is_sphere(i) ? 0.0 : round_ ? infinity : radius[i]; }
   /// Largest distance from the centre to a face of the fat box [m].
   double half_of(std::size_t i) const { return half.empty() ? ball[i].r : half[i]; }
   bool near(Slot i, Slot j) const {
@@ -174,13 +171,6 @@ struct FatBodies {
   CommonMotion common_motion(double now) const {
     return {common_motion_.velocity_at(now - taken_at_), common_motion_.acceleration};
   }
-  /// Lets go of the columns until the next update, which must not name the same bodies then.
-  void rest();
-  /// The same, where all are spheres and fixed half-spaces, of what is not asked for once the list is begun (7 bytes a
-  /// body), and then of what is asked for only while candidates are collected: balls go too, and the ways of bodies are
-  /// little more than they are.
-  void rest_names();
-  void rest_balls();
 
  private:
   double median_radius_ = 0.0;
@@ -194,16 +184,15 @@ struct FatBodies {
   bool round_ = false;         ///< all are spheres and half-spaces
   bool complete_ = false;      ///< no body is left out of `ordinary` and `apart`
   std::vector<char> slow_;     ///< has the least margin of its size
-  CoarsePlaces places_;        ///< instead of balls
   bool loose_planes_ = false;  ///< some half-space may move
   bool holds_bounded_ = false;
   double most_radius_ = 0.0;              ///< of bodies that are no spheres [m]
   double strain_over_half_margin_ = 0.0;  ///< largest fat radius over half its margin, in a periodic cell
   Vec3 cell_size_ = Vec3::Ones();         ///< at the last update [m]
-  bool is_half_space(std::size_t i) const { return !type.empty() && type[i] == ShapeStore::type_of<HalfSpace>(); }
+  bool is_half_space(std::size_t i) const { return type[i] == ShapeStore::type_of<HalfSpace>(); }
   /// A surface of revolution: a turn about its own axis moves nothing.
   bool is_hollow(std::size_t i) const {
-    return !type.empty() && (type[i] == ShapeStore::type_of<Tube>() || type[i] == ShapeStore::type_of<Cone>());
+    return type[i] == ShapeStore::type_of<Tube>() || type[i] == ShapeStore::type_of<Cone>();
   }
   bool is_loose_plane(std::size_t i) const {
     return is_half_space(i) && (role.empty() || role[i] != SphereRole::plane);
@@ -217,9 +206,7 @@ struct FatBodies {
   }
   void read_shapes(const World& world, const BroadSetup& setup);
   static constexpr float largest_inverse_half_margin = 1e37f;
-  double displacement(std::size_t i, const Vec3& x) const {
-    return places_.empty() ? (x - position(i)).norm() : places_.displacement(i, x);
-  }
+  double displacement(std::size_t i, const Vec3& x) const { return (x - position(i)).norm(); }
   double half_margin(std::size_t i) const { return 1.0 / double{inverse_half_margin[i]}; }
   bool is_beyond(const World& world, std::size_t i, bool rotates, const ListFrame& now) const;
   double corner_depth(Slot i, const ApartPlane& p) const;

@@ -20,22 +20,11 @@ class PairCollector {
   /// candidate, once. Candidates that are not near are dropped. Each i belongs to one call and one block; blocks may
   /// run in parallel. met: the balls of all candidates are known to overlap that of i.
   void add(std::size_t block, Slot i, std::span<const Slot> candidates, bool met = false);
-  /// No more bodies come for this block, of a list of many: its room is what it holds (7 bytes a sphere).
-  void close(std::size_t block) { blocks_[block].spheres.shrink_to_fit(); }
   /// Writes the sorted list, and that of the spheres where the setup wants it.
   void finish(PairColumn& pairs);
   void finish(SpherePairs& pairs);
   /// Adds to finished lists the pairs of the bodies from slot `old` on with all others.
   void add_behind(std::size_t old, PairList& pairs) const;
-  /// Lets go of what it has gathered.
-  void rest() {
-    release(blocks_);
-    release(run_);
-    release(rest_begin_);
-    release(begin_);
-    release(rest_);
-    release(first_);
-  }
 
  private:
   struct Block {

@@ -132,19 +132,6 @@ void SpatialHash::sort_bodies(const FatBodies& bodies) {
         x[3 * stride_] = static_cast<float>(b.r * axis[0].inverse_cell);
         slot_[place] = s;
       });
-  if (all.size() >= many_bodies) {
-    release(cell_of_);
-    release(level_of_);
-  }
-}
-
-void SpatialHash::rest() {
-  release(level_of_);
-  release(cell_of_);
-  release(start_);
-  release(slot_);
-  release(found_);
-  release(sorted_);
 }
 
 template <int n>
@@ -258,7 +245,6 @@ void SpatialHash::collect(const FatBodies& bodies, PairCollector& collector) {
   const auto search_block = best_loop<Block>();
   parallel_blocks(n, block_size, [&](std::size_t begin, std::size_t end, std::size_t block) {
     search_block({*this, bodies, collector, found_[block], begin, end, block, in_order});
-    if (n >= many_bodies) collector.close(block);
   });
 }
 

@@ -53,7 +53,6 @@ class SpatialHash final : public ListBroadPhase {
   struct Block;
 
   void collect(const FatBodies& bodies, PairCollector& collector) override;
-  void rest() override;
   void set_levels(const FatBodies& bodies);
   void set_grid(Level& level, const Vec3& low, const Vec3& high);
   void sort_bodies(const FatBodies& bodies);

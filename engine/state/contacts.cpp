@@ -37,23 +37,6 @@ void ContactSet::clear() {
   moment.clear();
 }
 
-void ContactSet::give_back() {
-  const auto trim = [](auto& column) {
-    constexpr std::size_t spare = 1 << 16;  // contacts: 7 MB in all columns
-    if (column.capacity() > 2 * column.size() + spare) column.shrink_to_fit();
-  };
-  trim(a);
-  trim(b);
-  trim(feature);
-  trim(gap);
-  trim(normal);
-  trim(arm);
-  trim(effective_radius);
-  trim(area);
-  trim(force);
-  trim(moment);
-}
-
 /// Flattened: GCC leaves columns of names and numbers to calls, 2 % of a step of stones.
 [[gnu::flatten]] void ContactSet::append(Slot slot_a, Slot slot_b, const ContactPoint& c) {
   a.push_back(slot_a);

@@ -46,14 +46,6 @@ struct PairList {
   /// until it makes the next list or lets go of it.
   std::span<const float> inverse_half_margin{};
   SpherePairs spheres{};  ///< not among `pairs`; empty where no contact model takes them
-  /// Until the next list is made.
-  void give_back() {
-    release(pairs);
-    inverse_half_margin = {};
-    release(spheres.first);
-    release(spheres.partner);
-    release(spheres.image);
-  }
   /// By how much the bodies of a pair may come closer while the list lasts [m].
   double margin_of(const Pair& p) const {
     return inverse_half_margin.empty()
@@ -96,8 +88,6 @@ struct ContactSet {
 
   std::size_t size() const { return a.size(); }
   void clear();
-  /// Gives back the room that a larger set left behind, where it is more than a few megabytes.
-  void give_back();
   void append(Slot slot_a, Slot slot_b, const ContactPoint& c);
   /// `size` contacts in place of those that are there, each to be put; a few more next time find room.
   void renew(std::size_t size);

@@ -11,24 +11,9 @@
 namespace epafi {
 
 inline constexpr std::size_t large_page = std::size_t{2} << 20;
-/// Bodies from which on memory that rests goes back to the system: to ask for it again is one thread's work.
-inline constexpr std::size_t many_bodies = 200'000;
 /// As many whole large pages as fit in, small ones behind them; std::bad_alloc where there are none.
 void* large_pages(std::size_t bytes);
 void free_large_pages(void* p);
-/// The system may take the whole pages within [begin, end): what is there is not read again.
-void give_back_pages(void* begin, void* end);
-template <class Column>
-void give_back_pages(Column& column) {
-  give_back_pages(column.data(), column.data() + column.size());
-}
-/// The same of a column that goes piece by piece from its first element on, [begin, end) now: up to the last whole
-/// large page. Split ones take one thread longer (bed of 100 000, a layout's two pieces: 0.4 to 0.6, now 0.3 to 0.4
-/// ms).
-void give_back_piece(void* column, void* begin, void* end);
-/// The system may take what the heap keeps of pieces that are free: the reading of a scene leaves much behind.
-void give_back_heap();
-
 template <class T>
 struct LargePages {
   using value_type = T;

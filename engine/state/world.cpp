@@ -189,8 +189,6 @@ void World::place_states() {
   if (!columns_.anisotropy) join(inverse_moment, &BodyState::predicted, 3);
 }
 
-void World::rest_forces() { give_back_pages(force), give_back_pages(torque); }
-
 std::size_t World::bytes_per_body() const {
   std::size_t bytes = sizeof(Slot) + (columns_.states ? sizeof(BodyState) : 0);  // slot_of
   const_cast<World*>(this)->each_column([&](const char*, auto& column) { bytes += bytes_of_one(column); });

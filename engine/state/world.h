@@ -180,8 +180,6 @@ class World {
   /// A name for a body that comes later; it has no slot until then.
   BodyId reserve();
   void add(const Body& body, BodyId reserved);
-  /// Nobody reads forces and torques before they are written again, or they are 0: their pages go back to the system.
-  void rest_forces();
   /// Takes the bodies out; slots close up. The caller hands the result to every stage.
   Reordering remove(std::span<const BodyId> bodies);
   /// Puts the body of slot order[k] into slot k.

@@ -326,16 +326,9 @@ void Simulation::show(Observer& observer) {
   show_contacts(observer.wants_contacts(steps_, true), true, [&](const StepView& now) { observer.observe(now); });
 }
 
-void Simulation::make_room() {
-  if (world.size() < many_bodies) return;
-  pipeline.broad_phase->reorder({});
-  work.pairs.give_back();
-}
-
 void Simulation::visit(StateVisitor& visitor) {
   come_home();
   away_.sent = away_.rest = false;  // it may be another state that comes in
-  make_room();
   visitor.value("simulation/steps", steps_);
   visitor.value("simulation/removed", removed_);
   if (visitor.has("simulation/steps_before")) visitor.value("simulation/steps_before", before_);

@@ -77,9 +77,6 @@ class Simulation {
   void come_home();
   /// Shows one observer the present state, due or not.
   void show(Observer& observer);
-  /// While the state of many bodies is on its way, or shown for the last time, their list makes room: 70 bytes a
-  /// sphere. It is made anew then.
-  void make_room();
   /// All state that a restart needs for the same bits.
   void visit(StateVisitor& visitor);
 

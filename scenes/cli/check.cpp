@@ -168,7 +168,6 @@ std::string check_text(Assembly& a) {
   const World& w = sim.world;
   const bool polyhedra = polyhedra_move(a.scene);
   std::vector<BodySpec>().swap(a.scene.bodies);  // as runs do
-  give_back_heap();
   std::size_t free = 0;
   for (Slot s = 0; s < w.size(); ++s) free += w.is_movable(s);
   const std::size_t later = w.ids_given() - w.size();

@@ -112,19 +112,6 @@ TEST_CASE("contact memory is the same for every thread count", "[engine][contact
   }
 }
 
-TEST_CASE("a set of contacts gives back what a larger one left behind", "[engine][contacts]") {
-  ContactSet set;
-  for (Slot s = 0; s < 200000; ++s) set.append(s, s + 1, {});
-  set.clear();
-  for (Slot s = 0; s < 10; ++s) set.append(s, s + 1, {});
-  set.give_back();
-  CHECK((set.size() == 10 && set.a[9] == 9 && set.normal[9] == Vec3::UnitZ()));
-  CHECK((set.a.capacity() < 1000 && set.arm.capacity() < 1000 && set.gap.capacity() < 1000));
-  set.a.reserve(5000);
-  set.give_back();
-  CHECK(set.a.capacity() >= 5000);  // little room is kept: the next step needs it
-}
-
 TEST_CASE("features of different words differ and keep their order", "[engine][contacts]") {
   CHECK(feature_of(1, 0) > feature_of(0, 0xffffffffu));
   CHECK(feature_of(2, 3) != feature_of(3, 2));

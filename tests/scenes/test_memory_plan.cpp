@@ -32,7 +32,6 @@ double foretold(SceneRun& run) {
 
 /// What this process holds now without what belongs to files, its code among them [B].
 double resident() {
-  give_back_heap();
   std::ifstream statm("/proc/self/statm");
   double all = 0.0, pages = 0.0, of_files = 0.0;
   statm >> all >> pages >> of_files;

@@ -180,10 +180,6 @@ void Coordination::sample(const StepView& view, std::vector<double>& values) {
   const Rattlers taken(touched, least_, degree);
   const Sum3 left = count_left(degree);
   values = {all.a > 0 ? all.b / all.a : 0.0, left.a > 0 ? left.b / left.a : 0.0, all.a - left.a};
-  if (w.size() >= many_bodies) {
-    touched = {};
-    release(degree);
-  }
 }
 
 }  // namespace epafi

@@ -92,11 +92,7 @@ class FusedModel final : public FusedSpheres {
   const char* name() const override { return "fused spheres"; }
   std::size_t block_size() const override { return blocks_.block_size(); }
   bool waits_for_pairs() const override { return !blocks_.laid_out(); }
-  void release_lists() override {
-    inverse_half_margin_ = {};
-    if (blocks_.bodies() >= many_bodies) blocks_.release_lists();
-  }
-  void use_room_of(SpherePairs& list) override { room_of_ = &list; }
+  void forget_margins() override { inverse_half_margin_ = {}; }
   void expect(const CommonMotion& drift) override { drift_ = drift, since_drift_ = 0.0; }
   void set_bodies(UnwrittenColumn<double> radius) override { radius_.swap(radius); }
 
@@ -105,11 +101,6 @@ class FusedModel final : public FusedSpheres {
     tells_forces_ = list.others || inverse_half_margin_.empty();
     if (!radius_.empty()) find_materials(world);
     blocks_.rebuild(world, list);
-    SpherePairs* const lent = std::exchange(room_of_, nullptr);
-    if (lent == nullptr) return;
-    release(lent->first);
-    release(lent->partner);
-    release(lent->image);
   }
 
   bool move(World& world, const StepClock& clock) override {
@@ -134,8 +125,6 @@ class FusedModel final : public FusedSpheres {
       loop({pass(world, clock, begin, end, 0, extents_[i]), largest_inverse_half_margin_[i]});
     });
     find_ways(clock.dt);
-    // 48 bytes a sphere that nobody reads before they are written again
-    if (clock.run_on != nullptr && !tells_forces_ && world.size() >= many_bodies) world.rest_forces();
     return true;
   }
 
@@ -143,7 +132,7 @@ class FusedModel final : public FusedSpheres {
   std::span<const double> largest_ways() const override { return ways_; }
 
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
-    if (std::exchange(published_, false) && world.size() >= many_bodies) contacts.give_back();
+    published_ = false;
     const bool others = contacts.size() > 0 || others_;
     if (!radius_.empty()) {
       blocks_.set_constants(world, radius_);
@@ -184,7 +173,6 @@ class FusedModel final : public FusedSpheres {
   void publish(const World& world, ContactSet& contacts) const override {
     if (published_ || !blocks_.laid_out()) return;
     publisher_.add(world, blocks_, loads(world), contacts);
-    if (world.size() >= many_bodies) publisher_.release();
     published_ = true;
   }
 
@@ -457,7 +445,6 @@ class FusedModel final : public FusedSpheres {
   CommonMotion drift_;                             ///< beside which ways are counted
   double since_drift_ = 0.0;                       ///< it began so long ago [s]
   std::span<const float> inverse_half_margin_;     ///< as SphereList::inverse_half_margin
-  SpherePairs* room_of_ = nullptr;                 ///< 18 bytes a sphere that nobody reads again
   bool tells_forces_ = true;                       ///< in every step; else in those that somebody looks at only
   std::vector<Vec3> largest_inverse_half_margin_;  ///< by block: largest squares of velocity times that [1/s^2]
   std::vector<double> ways_;                       ///< by block, of the step that has begun, over half the margin

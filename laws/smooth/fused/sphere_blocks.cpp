@@ -85,30 +85,9 @@ SphereImage image_of(std::uint32_t image) {
   return {Lanes{step(0), step(2), step(4), 0.0}, image >> 8};
 }
 
-/// Bytes of springs on their way above which they are not held in the columns as well.
-constexpr std::size_t most_twice = std::size_t{8} << 20;
 /// Blocks a thread up to which they are gone through out of their order. (Hopper of 20 blocks, two threads:
 /// contacts 30.9 to 29.4 ns; bed of 98, whose neighbours' bodies lie in the cache: 22.1 to 25.8.)
 constexpr std::size_t most_ordered = 16;
-/// Blocks after which the pages of what is on its way are given back.
-constexpr std::size_t given_back = 16;
-
-/// f(i) for i in [0, count) by all threads in pieces, and gone(begin, end) of every piece but the last by one of them
-/// beside the next: threads that give pages of one column back wait for each other (100 000 spheres, two threads: 39 ms
-/// to take springs out and in, now 25; serial part of the first layout 1.15, beside the next piece 0.5 ms).
-template <class F, class Gone>
-void by_pieces(std::size_t count, std::size_t piece, const F& f, const Gone& gone) {
-  for (std::size_t begin = 0; begin < count; begin += piece) {
-    const std::size_t size = std::min(piece, count - begin), first = begin > 0 ? 1 : 0;
-    parallel_blocks(first + size, 1, [&](std::size_t k, std::size_t, std::size_t) {
-      if (k < first)
-        gone(begin - piece, begin);
-      else
-        f(begin + k - first);
-    });
-  }
-}
-
 }  // namespace
 
 // --- layout
@@ -140,11 +119,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
       restore(blocks_[i], static_cast<Slot>(i * block_size_),
               std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
-  const bool many = kept_.springs.size() * sizeof(Kept) > most_twice;
-  by_pieces(count, many ? given_back : count, relay, [&](std::size_t begin, std::size_t end) {
-    Kept* const kept = kept_.springs.data();
-    if (many) give_back_piece(kept, kept + kept_begin_[begin], kept + kept_begin_[end]);
-  });
+  parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) { relay(i); });
   release(kept_.springs);
   laid_out_ = true;
   see_rows(pairs, grown);
@@ -162,9 +137,9 @@ bool SphereBlocks::keeps_rows(std::size_t index, std::size_t end, const SpherePa
                     rows_.partner.begin() + then);
 }
 
-/// Where bodies come, many blocks will stay as they are at the next layout. Not of many bodies: it is 30 bytes of each.
+/// Where bodies come, many blocks will stay as they are at the next layout.
 void SphereBlocks::see_rows(const SpherePairs& pairs, bool grown) {
-  const bool wanted = (grown || !rows_.first.empty()) && bodies_ < many_bodies && pairs.image.empty();
+  const bool wanted = (grown || !rows_.first.empty()) && pairs.image.empty();
   laid_bodies_ = bodies_;
   if (!wanted) {
     release(rows_.first);
@@ -299,14 +274,6 @@ void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
   if (rolls) grow(record_moments);
 }
 
-void SphereBlocks::release_lists() {
-  for (Block& block : blocks_) {
-    release(block.records);
-    release(block.record_places);
-    release(block.record_moments);
-  }
-}
-
 // --- springs on their way from one layout to the next
 
 SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
@@ -367,7 +334,6 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   const std::size_t touching = kept_begin_.back();
   kept_.springs.resize(touching);
   kept_.each_more(needs_, [&](auto& column, const char*) { column.resize(touching); });
-  const bool many = touching * sizeof(Kept) > most_twice;
   const auto take = [&](std::size_t i) {
     std::uint32_t at = kept_begin_[i];
     const SphereSprings& springs = blocks_[i].springs;
@@ -380,23 +346,12 @@ void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
         if (needs_.rolling) std::memcpy(kept_.rolling[at].data(), &springs.rolling(rank).load, sizeof(Load));
         ++at;
       });
-    if (many)
-      blocks_[i] = Block(needs_);
-    else {
-      blocks_[i].runs.clear();
-      blocks_[i].springs = SphereSprings(needs_);
-    }
+    blocks_[i].runs.clear();
+    blocks_[i].springs = SphereSprings(needs_);
   };
   laid_out_ = false;
   grouped_ = true;
-  by_pieces(blocks_.size(), many ? given_back : blocks_.size(), take, [&](std::size_t, std::size_t) {
-    if (many) give_back_heap();
-  });
-  if (many) {
-    blocks_.clear();
-    release_lists();
-    give_back_heap();
-  }
+  parallel_blocks(blocks_.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { take(i); });
 }
 
 /// Brings the springs of a block together, in place (McIlroy, Bostic and McIlroy 1993): kept_begin_ says where.

@@ -130,7 +130,6 @@ class SphereBlocks {
   /// Lays out the pairs anew, each block in its own room; springs of contacts that go on are kept.
   void rebuild(const World& world, const SphereList& list);
   /// Records go until the next step.
-  void release_lists();
   /// Bodies went to other slots: springs follow, the layout waits for the next rebuild.
   void reorder(const Reordering& change);
   void visit(StateVisitor& visitor);
