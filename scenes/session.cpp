@@ -16,6 +16,7 @@
 #include "scenes/processor_time.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/stop.h"
+#include "scenes/version.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/problem_file.h"
 #include "viz_export/hdf5/stored_run.h"
@@ -89,9 +90,8 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
   scene_hash_ = from && scene.stage > 0 ? from->scene_hash : scene_hash(scene);
-  const RunFileHeader header{EPAFI_VERSION,     scene_hash_, scene.title,
-                             scene.text,        overrides_,  to_text(about_of(*assembly_)),
-                             assembly_->origins};
+  const RunFileHeader header{
+      version(), scene_hash_, scene.title, scene.text, overrides_, to_text(about_of(*assembly_)), assembly_->origins};
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
                            continued_run(folder_ / "run.h5", header, *from, note_), FrameWriter(folder_, from->time),
@@ -118,7 +118,7 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
   const std::filesystem::path file = folder / "checkpoint.h5";
   const CheckpointHeader header = read_checkpoint_header(file);
   const bool later = assembly->scene.stage > 0;  // its positions are those of no scene
-  const CheckpointExpectation expected{EPAFI_VERSION, later ? header.scene_hash : scene_hash(assembly->scene)};
+  const CheckpointExpectation expected{version(), later ? header.scene_hash : scene_hash(assembly->scene)};
   std::unique_ptr<Session> s(
       new Session(std::move(assembly), std::move(overrides), std::move(folder), &header, Output::all));
   load_checkpoint(file, expected, [&](StateVisitor& v) { s->walk(v); });
@@ -251,7 +251,7 @@ void Session::save_checkpoint_now() {
   files_->run.flush();
   const Scene& scene = assembly_->scene;
   save_checkpoint(folder_ / "checkpoint.h5",
-                  {EPAFI_VERSION, scene_hash_, std::filesystem::absolute(scene.file).string(), scene.text, overrides_,
+                  {version(), scene_hash_, std::filesystem::absolute(scene.file).string(), scene.text, overrides_,
                    sim.steps(), sim.world.time, has_record() ? record_.to_text() : std::string()},
                   [this](StateVisitor& v) { walk(v); });
 }
@@ -436,7 +436,7 @@ RunSummary Session::summary() const {
   const Scene& scene = assembly_->scene;
   const bool smooth = scene.contact.method.value == Method::smooth;
   RunSummary s;
-  s.epafi = EPAFI_VERSION;
+  s.epafi = version();
   s.scene = scene.file;
   s.scene_hash = scene_hash_;
   s.failure = trouble_;

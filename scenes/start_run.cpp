@@ -8,6 +8,7 @@
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
+#include "scenes/version.h"
 #include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
@@ -45,8 +46,8 @@ std::shared_ptr<MadeRun> open_made_run(const std::filesystem::path& run) {
     throw FileError("there is no run in '" + run.string() + "': it has no checkpoint.h5");
   auto made = std::make_shared<MadeRun>();
   made->header = read_checkpoint_header(file);
-  if (made->header.version != EPAFI_VERSION)
-    throw FileError(file.string() + ": was written by version " + made->header.version + ", this is " + EPAFI_VERSION +
+  if (made->header.version != version())
+    throw FileError(file.string() + ": was written by version " + made->header.version + ", this is " + version() +
                     "; make the run again");
   made->record = RunRecord::from_text(made->header.record);
   AssembleOptions options = options_of(made->record);

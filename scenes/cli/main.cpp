@@ -10,6 +10,7 @@
 #include "scenes/cli/usage.h"
 #include "scenes/cli/view_commands.h"
 #include "scenes/cli/watch.h"
+#include "scenes/version.h"
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -45,14 +46,14 @@ void add_solve_flags(CLI::App* command, epafi::SolveOptions& o) {
   command->add_option("--max-iterations", o.max_iterations, "iterations at most")->check(epafi::at_least(1));
   command->add_option("--time-limit", o.time_limit, "CPU time of each solve (1s, 0.5s, 2m; default 10s)");
   command->add_option("--solution", o.solution, "write <problem>/reaction to this HDF5 file");
-  command->add_option("-o,--out", o.out, "write the rows to this file");
+  command->add_option("-o,--out", o.out, "write the rows to this file")->check(epafi::file_name());
   command->add_flag("--json", o.json, "rows as JSON");
 }
 
 void add_study_flags(CLI::App* command, epafi::StudyOptions& o, const char* what) {
   command->add_option(what, o.files, "file (TOML)")->required();
   command->add_option("--set", o.overrides, "override a value, KEY.PATH=VALUE (repeatable)")->allow_extra_args(false);
-  command->add_option("-o,--out", o.out, "output folder");
+  command->add_option("-o,--out", o.out, "output folder")->check(epafi::file_name());
   command->add_flag("-q,--quiet", o.quiet, "no progress");
   command->add_flag("--force", o.force, "run finished cases again");
 }
@@ -106,7 +107,7 @@ void add_runs(Program& p) {
   auto* run = p.add("run", "simulate headlessly", [&p] { return epafi::command_run(p.common, p.run); });
   add_scene_flags(run, p.common);
   add_run_flags(run, p.run);
-  run->add_option("-o,--out", p.run.out, "output folder (default out/<scene name>)");
+  run->add_option("-o,--out", p.run.out, "output folder (default out/<scene name>)")->check(epafi::file_name());
   run->add_flag("--least-output", p.run.least_output, "no frames, no snapshot but the last");
   run->add_flag("--force", p.run.force, "use an output folder that is not empty");
   auto* resume = p.add("resume", "continue a run from its last good checkpoint", [&p] {
@@ -133,7 +134,7 @@ void add_lists(Program& p) {
   narrow->add_option("corpus", p.narrow.corpus, "file of convex pairs (CXP1)")->required();
   narrow->add_option("--method", p.narrow.method, "auto, sat, gjk-epa");
   narrow->add_flag("--json", p.narrow.json, "JSON instead of CSV");
-  narrow->add_option("-o,--out", p.narrow.out, "write to this file");
+  narrow->add_option("-o,--out", p.narrow.out, "write to this file")->check(epafi::file_name());
   p.add("schema", "the JSON Schema of scene files", [] { return epafi::command_schema(); });
   auto* starter = p.add("new", "a commented starter scene on stdout", [&p] { return epafi::command_new(p.kind); });
   starter->add_option("kind", p.kind, "hopper, stack, impact, pile")->required();
@@ -150,7 +151,7 @@ void add_pages(Program& p) {
   auto* report = p.add("report", "one HTML page of a finished run: balance, measures, pictures",
                        [&p] { return epafi::command_report(p.directory, p.page); });
   report->add_option("dir", p.directory, "output folder of the run")->required();
-  report->add_option("-o,--out", p.page, "the page (default DIR/report.html)");
+  report->add_option("-o,--out", p.page, "the page (default DIR/report.html)")->check(epafi::file_name());
   auto* reference = p.add("reference", "writes the reference pages and the schema: everything the registry knows",
                           [&p] { return epafi::command_reference(p.directory, p.page); });
   reference->add_option("dir", p.directory, "folder of the pages")->required();
@@ -167,14 +168,15 @@ void add_views(Program& p) {
   view->add_option("what", p.view.what, "output folder of a run, or a scene file")->required();
   view->add_option("--set", p.view.overrides, "override a value of the scene, KEY.PATH=VALUE (repeatable)")
       ->allow_extra_args(false);
-  view->add_option("-o,--out", p.view.out, "writes this page instead, complete in itself");
+  view->add_option("-o,--out", p.view.out, "writes this page instead, complete in itself")->check(epafi::file_name());
   view->add_option("--port", p.view.port, "of the local server (default 8047; 0: any free one)")
       ->check(epafi::whole_number(0, 65535));
   view->add_flag("--no-browser", p.view.no_browser, "only prints the address");
   auto* render = p.add("render", "a picture (PNG) or film (MP4, WebM by ffmpeg) of a run, without a display",
                        [&p] { return epafi::command_render(p.render); });
   render->add_option("dir", p.render.directory, "output folder of a run")->required();
-  render->add_option("-o,--out", p.render.out, "FILE.png, FILE.mp4 or FILE.webm (default DIR/picture.png)");
+  render->add_option("-o,--out", p.render.out, "FILE.png, FILE.mp4 or FILE.webm (default DIR/picture.png)")
+      ->check(epafi::file_name());
   render->add_option("--time", p.render.time, "of the picture [s]; the last frame where not given")
       ->check(epafi::at_least(0.0));
   render->add_option("--every", p.render.every, "one frame of so many in a film")->check(epafi::whole_number(1));
@@ -236,7 +238,7 @@ void add_bench(Program& p) {
       ->check(epafi::whole_number(1));
   bench->add_flag("--copies", p.bench.copies,
                   "also N copies of the scene at once, one thread each: what N threads can bring on this machine");
-  bench->add_option("-o,--out", p.bench.out_file, "also write the rows to this file");
+  bench->add_option("-o,--out", p.bench.out_file, "also write the rows to this file")->check(epafi::file_name());
 }
 
 }  // namespace
@@ -248,7 +250,7 @@ int epafi::program(int argc, char** argv) {  // NOLINT(bugprone-exception-escape
   mallopt(M_MMAP_THRESHOLD, 1 << 18);
 #endif
   Program p;
-  p.app.set_version_flag("--version", std::string(EPAFI_VERSION));
+  p.app.set_version_flag("--version", epafi::version_text());
   p.app.require_subcommand(1);
   for (const auto add : {add_runs, add_lists, add_pages, add_views, add_patch, add_studies, add_bench}) add(p);
   if (const std::string wrong = epafi::unknown_command(p.app, argc, argv); !wrong.empty()) {

@@ -4,6 +4,7 @@
 
 #include "scenes/cli/list.h"
 #include "scenes/cli/print.h"
+#include "scenes/version.h"
 
 namespace epafi {
 namespace {
@@ -44,9 +45,8 @@ constexpr const char* exits[][2] = {{"0", "done"},
 }  // namespace
 
 std::string manual_page(const ProgramText& program) {
-  std::string out =
-      fmt::format(".TH EPAFI 1 \"\" \"Epafi {}\" \"User Commands\"\n.SH NAME\nepafi \\- {}\n", EPAFI_VERSION,
-                  "many\\-body contact: smooth and non\\-smooth mechanics on one scene file");
+  std::string out = fmt::format(".TH EPAFI 1 \"\" \"Epafi {}\" \"User Commands\"\n.SH NAME\nepafi \\- {}\n", version(),
+                                "many\\-body contact: smooth and non\\-smooth mechanics on one scene file");
   out += ".SH SYNOPSIS\n.B epafi\n.I command\n[\\fIarguments\\fR]\n.SH COMMANDS\n";
   for (const auto& c : program.commands) {
     std::string places;

@@ -29,6 +29,11 @@ inline CLI::Validator whole_number(long long least, long long most = 1'000'000'0
   return {answer, ""};
 }
 
+/// The name of a file or folder: any text but none.
+inline CLI::Validator file_name() {
+  return {[](const std::string& text) { return text.empty() ? std::string("the name of a file is missing") : ""; }, ""};
+}
+
 /// A number of an option that is `least` or more.
 inline CLI::Validator at_least(double least) {
   const auto answer = [=](const std::string& text) {

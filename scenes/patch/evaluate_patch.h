@@ -44,7 +44,8 @@ std::vector<PatchResult> evaluate_patch(const PatchCase& patch, bool maps = fals
 /// The list as `patch --json` prints it.
 std::string patch_json(const std::vector<PatchResult>& results);
 /// Writes pressures, tractions, slips and stick or slip of every solved patch to FOLDER/NORMAL_TANGENTIAL.csv, .vti and
-/// .svg, stresses and displacements inside the body of finite elements to FOLDER/NORMAL_stress.vtr.
+/// .svg, stresses and displacements inside the body of finite elements to FOLDER/NORMAL_stress.vtr, and the results
+/// to FOLDER/patch.csv.
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results);
 /// Rigid geometry of the case's wheelset at shifts of 0 to 8 mm as CSV: roll, contact places, rolling radius
 /// difference, equivalent conicity (EN 15302). Cells are empty where the wheelset does not stand on both rails.
@@ -53,6 +54,8 @@ struct PatchGeometry {
   int shifts = 0, standing = 0;  ///< rows, and those with contacts on both rails
 };
 PatchGeometry patch_geometry(const PatchCase& patch);
+/// A row per result, units in the heads.
+std::string patch_csv(const std::vector<PatchResult>& results);
 /// One line per result for people.
 std::string patch_table(const std::vector<PatchResult>& results);
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "scenes/patch/evaluate_patch.h"
 #include "viz_export/files/json_writer.h"
 
@@ -79,6 +81,24 @@ std::string patch_table(const std::vector<PatchResult>& results) {
                       : fmt::format("{:>13}{:>13}{:>8}", "-", "-", "-");
     out += fmt::format("{:>9.3g}{:>9.1e}  {}\n", r.milliseconds, r.error_estimate, r.reasons.empty() ? "yes" : "NO");
     for (const auto& reason : r.reasons) out += "                  " + reason + "\n";
+  }
+  return out;
+}
+
+std::string patch_csv(const std::vector<PatchResult>& results) {
+  std::string out =
+      "normal,tangential,normal_force [N],approach [m],max_pressure [Pa],area [m2],fx [N],fy [N],mz [N m],stick_share,"
+      "milliseconds,error_estimate,valid,reasons\n";
+  for (const PatchResult& r : results) {
+    out += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},", r.normal, r.friction ? r.tangential : "", r.normal_force,
+                       r.approach, r.max_pressure, r.area);
+    out += r.friction ? fmt::format("{:.6g},{:.6g},{:.6g},", r.force.fx, r.force.fy, r.force.mz) : ",,,";
+    out += r.friction && r.stick_share >= 0.0 ? fmt::format("{:.4g},", r.stick_share) : ",";
+    std::string reasons;
+    for (const std::string& text : r.reasons) reasons += (reasons.empty() ? "" : "; ") + text;
+    std::replace(reasons.begin(), reasons.end(), '"', '\'');
+    out += fmt::format("{:.3g},{:.2g},{},\"{}\"\n", r.milliseconds, r.error_estimate, r.reasons.empty() ? "yes" : "no",
+                       reasons);
   }
   return out;
 }

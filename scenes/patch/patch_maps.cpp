@@ -129,7 +129,8 @@ std::string svg_of(const TractionMap& m) {
              wide * scale + 2.0 * margin, high * scale + 2.0 * margin + 24.0) +
          cells + arrows +
          fmt::format(
-             "<text x=\"{0}\" y=\"{1:.0f}\">stick dark, slip light; longest traction {2:.3g} MPa; {3:.3g} by {4:.3g} "
+             "<text x=\"{0}\" y=\"{1:.0f}\">x (forwards) to the right; stick dark, slip light; longest traction "
+             "{2:.3g} MPa; {3:.3g} by {4:.3g} "
              "mm</text>\n</svg>\n",
              margin, high * scale + 2.0 * margin + 10.0, 1e-6 * most, 1e3 * wide, 1e3 * high);
 }
@@ -171,6 +172,7 @@ std::string vtr_of(const BlockStress& b) {
 
 void write_patch_maps(const std::string& folder, const std::vector<PatchResult>& results) {
   std::filesystem::create_directories(folder);
+  write_whole_file(std::filesystem::path(folder) / "patch.csv", {patch_csv(results)});
   for (const auto& r : results) {
     for (std::size_t k = 0; k < r.contacts.size(); ++k) {
       if (const auto& inside = r.contacts[k].stress)

@@ -11,6 +11,7 @@
 #include "engine/threads/parallel.h"
 #include "engine/units/error.h"
 #include "scenes/include/epafi/epafi.h"
+#include "scenes/version.h"
 #include "viz_export/output/output_observers.h"
 
 namespace py = pybind11;
@@ -173,7 +174,7 @@ PYBIND11_MODULE(epafi, m) {
   m.doc() =
       "Epafi: many-body contact. load() or build() a scene, step() it, read its columns as NumPy arrays without "
       "copying.";
-  m.attr("__version__") = EPAFI_VERSION;
+  m.attr("__version__") = version();
   py::register_exception_translator([](std::exception_ptr p) {
     try {
       if (p) std::rethrow_exception(p);

@@ -204,8 +204,14 @@ TEST_CASE("maps of a patch hold its force, and its picture the cells that stick"
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("epafi-maps-" + std::to_string(::getpid()));
   write_patch_maps(folder.string(), results);
+  std::ifstream table(folder / "patch.csv");
+  std::string line, row;
+  REQUIRE(std::getline(table, line));
+  REQUIRE(std::getline(table, row));
+  CHECK(line.starts_with("normal,tangential,normal_force [N],"));
+  CHECK(row.starts_with("hertz,fastsim,82000,"));
+  CHECK(std::count(line.begin(), line.end(), ',') == std::count(row.begin(), row.end(), ','));
   std::ifstream in(folder / "hertz_fastsim.csv");
-  std::string line;
   std::getline(in, line);
   CHECK(line == "x,y,pressure,traction_x,traction_y,slip_x,slip_y,state");
   std::size_t cells = 0, stick = 0;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "engine/units/error.h"
@@ -16,48 +17,21 @@ namespace epafi {
 
 /// Type of the elements of a dataset.
 enum class Hdf5Type { float32, float64, int8, int16, int32, int64, uint8, uint16, uint32, uint64 };
+
+/// Of the elements of a column of numbers.
 template <class T>
-struct Hdf5TypeOf;
-template <>
-struct Hdf5TypeOf<float> {
-  static constexpr Hdf5Type value = Hdf5Type::float32;
-};
-template <>
-struct Hdf5TypeOf<double> {
-  static constexpr Hdf5Type value = Hdf5Type::float64;
-};
-template <>
-struct Hdf5TypeOf<std::int8_t> {
-  static constexpr Hdf5Type value = Hdf5Type::int8;
-};
-template <>
-struct Hdf5TypeOf<std::int16_t> {
-  static constexpr Hdf5Type value = Hdf5Type::int16;
-};
-template <>
-struct Hdf5TypeOf<std::int32_t> {
-  static constexpr Hdf5Type value = Hdf5Type::int32;
-};
-template <>
-struct Hdf5TypeOf<std::int64_t> {
-  static constexpr Hdf5Type value = Hdf5Type::int64;
-};
-template <>
-struct Hdf5TypeOf<std::uint8_t> {
-  static constexpr Hdf5Type value = Hdf5Type::uint8;
-};
-template <>
-struct Hdf5TypeOf<std::uint16_t> {
-  static constexpr Hdf5Type value = Hdf5Type::uint16;
-};
-template <>
-struct Hdf5TypeOf<std::uint32_t> {
-  static constexpr Hdf5Type value = Hdf5Type::uint32;
-};
-template <>
-struct Hdf5TypeOf<std::uint64_t> {
-  static constexpr Hdf5Type value = Hdf5Type::uint64;
-};
+requires std::is_arithmetic_v<T>
+constexpr Hdf5Type hdf5_type() {
+  constexpr int size = sizeof(T) == 1 ? 0 : sizeof(T) == 2 ? 1 : sizeof(T) == 4 ? 2 : 3;
+  if constexpr (std::is_floating_point_v<T>) {
+    static_assert(sizeof(T) == 4 || sizeof(T) == 8);
+    return sizeof(T) == 4 ? Hdf5Type::float32 : Hdf5Type::float64;
+  } else {
+    const Hdf5Type first = std::is_signed_v<T> ? Hdf5Type::int8 : Hdf5Type::uint8;
+    return static_cast<Hdf5Type>(static_cast<int>(first) + size);
+  }
+}
+static_assert(hdf5_type<std::int64_t>() == Hdf5Type::int64 && hdf5_type<std::uint16_t>() == Hdf5Type::uint16);
 
 /// How a dataset lies in the file. Rows are the first dimension; `columns` 1 makes it one-dimensional.
 struct Hdf5Layout {
@@ -86,14 +60,14 @@ class Hdf5File {
   /// A new dataset; groups on the way are made.
   template <class T>
   void write(const std::string& name, std::span<const T> values, const Hdf5Layout& layout = {}) {
-    write_raw(name, Hdf5TypeOf<T>::value, values.data(), values.size(), layout);
+    write_raw(name, hdf5_type<T>(), values.data(), values.size(), layout);
   }
   /// The same of so many rows, by pieces: fill(first, count, values) writes rows first to first + count, one behind the
   /// other. No more than a piece is in memory at once, and that one in the cache.
   template <class T, class Fill>
   void write_pieces(const std::string& name, std::size_t rows, std::size_t columns, const Fill& fill) {
     std::vector<T> piece;
-    write_pieces_raw(name, Hdf5TypeOf<T>::value, rows, columns, [&](std::size_t first, std::size_t count) {
+    write_pieces_raw(name, hdf5_type<T>(), rows, columns, [&](std::size_t first, std::size_t count) {
       piece.resize(count * columns);
       fill(first, count, piece.data());
       return static_cast<const void*>(piece.data());
@@ -101,27 +75,27 @@ class Hdf5File {
   }
   template <class T>
   void append(const std::string& name, std::span<const T> values) {
-    append_raw(name, Hdf5TypeOf<T>::value, values.data(), values.size());
+    append_raw(name, hdf5_type<T>(), values.data(), values.size());
   }
   /// Rows from `first` on, which are there already.
   template <class T>
   void overwrite(const std::string& name, std::size_t first, std::span<const T> values) {
-    overwrite_raw(name, Hdf5TypeOf<T>::value, first, values.data(), values.size());
+    overwrite_raw(name, hdf5_type<T>(), first, values.data(), values.size());
   }
   /// Keeps the first `rows` rows of an extendable dataset.
   void truncate(const std::string& name, std::size_t rows);
   /// All elements, row by row. The stored type must be of the same kind and not wider than T.
   template <class T>
   std::vector<T> read(const std::string& name) const {
-    std::vector<T> values(elements_checked(name, Hdf5TypeOf<T>::value));
-    read_raw(name, Hdf5TypeOf<T>::value, values.data());
+    std::vector<T> values(elements_checked(name, hdf5_type<T>()));
+    read_raw(name, hdf5_type<T>(), values.data());
     return values;
   }
   /// Into memory of the caller: exactly `size` elements.
   template <class T>
   void read_into(const std::string& name, T* values, std::size_t size) const {
-    if (elements_checked(name, Hdf5TypeOf<T>::value) != size) refuse_size(name, size);
-    read_raw(name, Hdf5TypeOf<T>::value, values);
+    if (elements_checked(name, hdf5_type<T>()) != size) refuse_size(name, size);
+    read_raw(name, hdf5_type<T>(), values);
   }
   /// Extent of each dimension; empty for a scalar.
   std::vector<std::size_t> shape(const std::string& name) const;

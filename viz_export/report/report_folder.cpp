@@ -121,9 +121,12 @@ fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   if (!cases.empty())
     html +=
         fmt::format("<p class='sub'>{}: {} case{}</p>", html_escaped(title), cases.size(), cases.size() > 1 ? "s" : "");
-  html += warnings_html(cases) + drawings_in(folder);
+  const fs::path results = folder / "patch.csv";  // of `epafi patch --maps`: what the maps belong to
+  html += warnings_html(cases) + (fs::exists(results) ? csv_html(results) : "") + drawings_in(folder);
   if (!cases.empty()) html += cases_html(cases) + pictures_of(folders);
-  for (const fs::path& table : files_with(folder, ".csv")) html += csv_html(table);
+  for (const fs::path& table : files_with(folder, ".csv")) {
+    if (table != results) html += csv_html(table);
+  }
   const fs::path target = wanted.empty() ? folder / "report.html" : wanted;
   write_whole_file(target, {"<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
                             "content='width=device-width'><title>",

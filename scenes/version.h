@@ -1,0 +1,12 @@
+/// @file version.h  Which release this is, and under which licences it comes.
+#pragma once
+#include <string>
+
+namespace epafi {
+
+/// As files name it: "1.0.0".
+[[nodiscard]] const char* version();
+/// What `epafi --version` prints: version, licence, and the parts under another one.
+[[nodiscard]] std::string version_text();
+
+}  // namespace epafi
