@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/threads/parallel.h"
 #include "tests/detection/broad_scenes.h"
 #include "tests/support/catch.h"
 
