@@ -76,15 +76,15 @@ namespace {
 
 bool is_at(double time, double wanted) { return std::abs(time - wanted) <= 1e-6 * std::max(1e-9, wanted) + 1e-12; }
 
-/// The snapshot of that time.
-std::size_t snapshot_at(const StoredRun& stored, double time) {
+/// The snapshot of that time; why: it is asked for, where the user has not.
+std::size_t snapshot_at(const StoredRun& stored, double time, const std::string& why = "") {
   std::string times;
   for (std::size_t k = 0; k < stored.snapshots(); ++k) {
     const double t = stored.time(k);
     if (is_at(t, time)) return k;
     times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", t);
   }
-  throw SceneError(fmt::format("the run has no snapshot of {:.6g} s; there are {} s", time, times));
+  throw SceneError(fmt::format("{}the run has no snapshot of {:.6g} s; there are {} s", why, time, times));
 }
 
 /// As if the run had been cut off then: what began later has not begun.
@@ -139,7 +139,8 @@ void begin_drives(Assembly& a, const RunRecord& record, const StoredRun& stored)
     const auto known = drive ? std::ranges::find(a.drives, drive->body(), &Assembly::Drive::body) : a.drives.end();
     if (known == a.drives.end() || known->since.stage == 0) continue;
     const double from = record.stages[record.scenes + known->since.stage].from;
-    for (const BodyRecord& b : stored.snapshot(snapshot_at(stored, from)).bodies)
+    const std::string why = fmt::format("what drives '{}' began then, and ", body_name(a, drive->body()));
+    for (const BodyRecord& b : stored.snapshot(snapshot_at(stored, from, why)).bodies)
       if (static_cast<BodyId>(b.id) == drive->body()) drive->begin_at(b.pose.position);
   }
 }
