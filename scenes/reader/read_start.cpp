@@ -187,6 +187,16 @@ void select(Draft& draft, const TableValues& v) {
   if (left > 0 && draft.stage == 0) draft.scene.changes_bodies = true;
 }
 
+/// Keys that would be passed over.
+void check_keys(Reading& reading, const Node* table, const Node* from, const TableValues& v) {
+  if (from && from->type == Node::Type::table)
+    for (const Member& m : table->members)
+      if (m.key != "from")
+        reading.error(m.place, "[start] " + m.key + " stands beside from = { ... }; write it in there");
+  if (v.written("run") && v.written("from"))
+    reading.error(v.place_of("run"), "[start] run and from both name a run; leave one out");
+}
+
 }  // namespace
 
 void read_start(Draft& draft) {
@@ -197,12 +207,7 @@ void read_start(Draft& draft) {
   const Node& keys = from && from->type == Node::Type::table ? *from : table_or_empty(reading, "start");
   const std::size_t errors = reading.errors();
   const TableValues v = read_table(keys, "[start]", reading.schema.at("start").fields, reading);
-  if (from && from->type == Node::Type::table)
-    for (const Member& m : table->members)
-      if (m.key != "from")
-        reading.error(m.place, "[start] " + m.key + " stands beside from = { ... }; write it in there");
-  if (v.written("run") && v.written("from"))
-    reading.error(v.place_of("run"), "[start] run and from both name a run; leave one out");
+  check_keys(reading, table, from, v);
   const bool named = v.has("run") || v.has("from");
   if (!named && draft.start_run.empty() && reading.errors() == errors)
     reading.error(from ? from->place : table->place,
