@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
   for (const Vec3& x : scene.world.position) before.push_back(x);
   const double save = seconds([&](int) { save_checkpoint(folder / "checkpoint.h5", {}, walk); });
   for (Vec3& x : scene.world.position) x.setConstant(1e9);  // so that what is not restored shows
-  const double load = seconds([&](int) { load_checkpoint(folder / "checkpoint.h5", {}, walk); });
+  const double load = seconds([&](int) { load_checkpoint(folder / "checkpoint.h5", "00ff", walk); });
   double error = 0;
   for (std::size_t i = 0; i < before.size(); ++i) error = std::max(error, (before[i] - scene.world.position[i]).norm());
   row("checkpoint", n, save, megabytes(folder / "checkpoint.h5"), error, hash);

@@ -226,6 +226,7 @@ void begin_motions(Assembly& to, const CarryOver& carry) {
     if (!drive || here.slot_of(drive->body()) == no_slot) continue;
     const bool fresh = is_fresh(*drive, to);
     if (fresh) drive->begin_at(here.position[here.slot_of(drive->body())]);
+    if (!fresh && !carry.move.isZero(0.0)) drive->begin_at(drive->start() + carry.move);
     if (!fresh && carry.turned)
       throw SceneError(
           "[start]: bodies that are driven in the run cannot be turned; write at_rest = true or a motion here",
@@ -327,6 +328,19 @@ ColumnStore memory_of(const Assembly& to, Assembly& from) {
   return store;
 }
 
+/// Springs that have lost a body.
+void tell_lost_springs(const Assembly& from, const Assembly& to, std::vector<std::string>& told) {
+  const auto holds = [&](const World& world, const SpringSpec& s) {
+    const auto is_there = [&](std::size_t body) { return world.slot_of(from.id_of(body)) != no_slot; };
+    return is_there(s.body) && (!s.to || is_there(*s.to));
+  };
+  const auto lost = std::ranges::count_if(from.scene.springs, [&](const SpringSpec& s) {
+    return holds(from.simulation->world, s) && !holds(to.simulation->world, s);
+  });
+  if (lost > 0)
+    told.push_back(fmt::format("{} of {} springs: a body that they hold is gone", lost, from.scene.springs.size()));
+}
+
 bool starts_with(const std::string& text, const char* begin) { return text.rfind(begin, 0) == 0; }
 
 /// Drops what does not mean the same in the other scene, and says so.
@@ -416,10 +430,10 @@ std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, As
       told.push_back(fmt::format("memory of {} contacts: it does not belong to these places", contacts));
   }
   carry_springs(from, to, store);
+  if (carry.goes_on) tell_lost_springs(from, to, told);
   ColumnStore::Saver saver(store);
   for (auto& event : old.events) event->visit(saver);
   if (own_state_there) own_state_there(saver);
-  begin_motions(to, carry);
   ColumnStore::Giver giver(store);
   sim.pipeline.narrow_phase->visit(giver);
   sim.pipeline.contact_model->visit(giver);
@@ -427,6 +441,7 @@ std::vector<std::string> carry_memory(const CarryOver& carry, Assembly& from, As
     const auto* drive = dynamic_cast<DriveBody*>(event.get());
     if (!drive || !is_fresh(*drive, to)) event->visit(giver);
   }
+  begin_motions(to, carry);
   if (own_state_here) own_state_here(giver);
   if (carry.goes_on && hold && old.step_watch && sim.step_watch) {
     old.step_watch->visit(saver);

@@ -57,7 +57,7 @@ class RunMonitor final : public Observer {
   /// Of bounds on measures: its last value, NaN where there is none.
   void read_measures(std::function<double(const Condition&)> value) { measured_ = std::move(value); }
   /// Where gravity or stiffness change the stored energy jumps, and the ledger accepts it; the watch counts from there.
-  void begin_stage() { energy_ = {}; }
+  void begin_stage() { energy_.begin_stage(); }
   /// Of [bounds]: worst value of the whole run.
   std::vector<BoundCheck> checks() const {
     std::vector<BoundCheck> out(checks_.begin(), checks_.begin() + static_cast<std::ptrdiff_t>(stopping_));

@@ -340,8 +340,9 @@ struct OutputSettings {
 
 struct Scene {
   std::string title;
-  std::string file;  ///< as given to the reader
-  std::string text;  ///< the whole text that was read, includes and overrides too: hashed, stored
+  std::string file;                  ///< as given to the reader
+  std::string text;                  ///< the whole text that was read, includes and overrides too: hashed, stored
+  std::vector<std::string> files{};  ///< that decide the run too, of all stages: tables, bodies, shapes of later ones
   RunSettings run;
   Vec3 gravity = Vec3::Zero();  ///< the part that does not follow time [m/s^2]
   TimeVector loose_gravity{};   ///< the other one; empty: none

@@ -68,28 +68,13 @@ struct Session::Files {
   StateSnapshot last_good;
 };
 
-std::string scene_hash(const Scene& scene) {
-  Hash hash;
-  hash.add(scene.text);
-  for (const auto& shape : scene.shapes) {  // files that the text only names
-    for (const char* key : {"file", "irregularity.file"})
-      if (shape.parameters.has(key)) hash.add(read_whole_file(shape.parameters.text(key)));
-    if (!shape.parameters.has("vertices")) continue;
-    for (const Vec3& v : shape.parameters.vectors("vertices")) hash.add(v.data(), 3);
-  }
-  for (const auto& body : scene.bodies) {
-    hash.add(body.position.data(), 3);
-    hash.add(body.velocity.data(), 3);
-  }
-  return hash.hex();
-}
-
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
                  const CheckpointHeader* from, Output output)
     : assembly_(std::move(assembly)), overrides_(std::move(overrides)), folder_(std::move(folder)), output_(output) {
   std::filesystem::create_directories(folder_);
   const Scene& scene = assembly_->scene;
-  scene_hash_ = from && scene.stage > 0 ? from->scene_hash : scene_hash(scene);
+  const bool known = from && (scene.stage > 0 || has_hash(scene, from->scene_hash));
+  scene_hash_ = known ? from->scene_hash : scene_hash(scene);
   const RunFileHeader header{
       version(), scene_hash_, scene.title, scene.text, overrides_, to_text(about_of(*assembly_)), assembly_->origins};
   if (from)
@@ -118,10 +103,15 @@ std::unique_ptr<Session> Session::resume(std::unique_ptr<Assembly> assembly, std
   const std::filesystem::path file = folder / "checkpoint.h5";
   const CheckpointHeader header = read_checkpoint_header(file);
   const bool later = assembly->scene.stage > 0;  // its positions are those of no scene
-  const CheckpointExpectation expected{version(), later ? header.scene_hash : scene_hash(assembly->scene)};
+  const bool same = later || has_hash(assembly->scene, header.scene_hash);
+  const std::string expected = same ? header.scene_hash : scene_hash(assembly->scene);
   std::unique_ptr<Session> s(
       new Session(std::move(assembly), std::move(overrides), std::move(folder), &header, Output::all));
   load_checkpoint(file, expected, [&](StateVisitor& v) { s->walk(v); });
+  if (header.version != version())
+    s->note_ +=
+        (s->note_.empty() ? "" : "; ") + ("the checkpoint is of version " + header.version + ", this is " + version() +
+                                          ": from here on bits may differ from those of an uncut run");
   s->first_step_ = s->assembly_->simulation->steps();
   s->first_body_steps_ = s->monitor_->body_steps();
   return s;

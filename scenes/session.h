@@ -10,6 +10,7 @@
 #include "scenes/assemble.h"
 #include "scenes/carry_over.h"
 #include "scenes/progress.h"
+#include "scenes/scene_hash.h"
 #include "viz_export/hdf5/checkpoint.h"
 #include "viz_export/output/output_observers.h"
 #include "viz_export/report/summary.h"
@@ -124,8 +125,5 @@ class Session {
 
 /// Steps between two rows of a measure in the files: where the scene writes no interval, 10 000 rows at most.
 std::uint64_t rows_apart(const MeasureSpec& spec, std::uint64_t steps);
-
-/// Hash of everything that decides the run: scene text with includes, overrides.
-std::string scene_hash(const Scene& scene);
 
 }  // namespace epafi

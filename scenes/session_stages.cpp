@@ -7,6 +7,7 @@
 #include "engine/threads/parallel.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/session.h"
+#include "scenes/stage_check.h"
 #include "scenes/start_run.h"
 
 namespace epafi {
@@ -39,9 +40,24 @@ void Session::tell(const std::vector<std::string>& dropped) const {
                  what.c_str());
 }
 
+namespace {
+
+/// Forces are those of the run that the scene starts from, its contacts are found in the first step.
+bool contacts_come_later(const Assembly& a) {
+  const StartSpec& start = *a.scene.start;
+  if (!a.simulation->pipeline.scheme->needs_initial_forces()) return true;
+  return same_mechanics(start.made->assembly->scene, a.scene) && start.keeps_memory() && !start.at_rest;
+}
+
+}  // namespace
+
 /// Of a new run: from its scene, or from another run.
 void Session::begin() {
-  if (assembly_->scene.start) record_.time_step = assembly_->time_step;
+  if (assembly_->scene.start) {
+    record_.time_step = assembly_->time_step;
+    for (MeasureRecorder* recorder : recorders_)
+      if (recorder->wants_contacts() && contacts_come_later(*assembly_)) recorder->pass_over(0);
+  }
   tell(enter_simulation(*assembly_));
 }
 
@@ -101,6 +117,7 @@ void Session::enter(Scene next, const RunRecord& record) {
   const CarryOver carry{*before};
   options.place = [&](Assembly& to) { carry_bodies(carry, to); };
   assembly_ = assemble(std::move(next), options);
+  check_conditions(*assembly_);
   record_ = record;
   begin_record();
   record_.stages.back().first_step = before->simulation->steps();

@@ -53,7 +53,7 @@ StageCheck check_stage_of(const Scene& first, std::size_t k) {
   return {fmt::format("{}: {}\n  time step     {:.6g} s, from where the scene begins: {}\n{}  steps         {}{}\n",
                       title, length_text(stage), a->time_step.value, a->time_step.reason, limit,
                       stage.until ? "at most " : "", a->steps),
-          fmt::format("\n{}\n", title) + explain(a->scene, a->plan, *a->shapes)};
+          fmt::format("\n{}\n", title) + explain(a->scene, a->plan, *a->shapes), a->warnings};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ namespace epafi {
 struct StageCheck {
   std::string text;       ///< for `epafi check`
   std::string explained;  ///< for `epafi explain`
+  std::vector<Problem> warnings{};
 };
 
 /// Makes every stage behind the present one ready once, with the bodies where the scene begins, and the conditions of

@@ -8,7 +8,6 @@
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
-#include "scenes/version.h"
 #include "viz_export/hdf5/stored_run.h"
 
 namespace epafi {
@@ -21,9 +20,10 @@ Scene scene_of(const CheckpointHeader& header, const RunRecord& record) {
   options.start_run = record.start_run;
   ReadResult first = read_scene(header.scene_path, header.overrides, full_registry(), options);
   if (!first.scene) throw SceneError(first.problems);
-  if (scene_hash(*first.scene) != header.scene_hash)
+  if (!has_hash(*first.scene, header.scene_hash))
     throw SceneError("the scene '" + header.scene_path +
-                     "' has changed since the run was started; restore it, or start anew with `epafi run`");
+                     "' or a file that it names has changed since the run was started; restore it, or start anew with "
+                     "`epafi run`");
   if (record.stage == 0 && record.inserted.empty()) return std::move(*first.scene);
   options.stage = record.stage;
   options.inserted = record.inserted;
@@ -40,55 +40,128 @@ AssembleOptions options_of(const RunRecord& record) {
   return options;
 }
 
-std::shared_ptr<MadeRun> open_made_run(const std::filesystem::path& run) {
+namespace {
+
+std::shared_ptr<MadeRun> with_header(const std::filesystem::path& run) {
   const auto file = std::filesystem::is_directory(run) ? run / "checkpoint.h5" : run;
   if (!std::filesystem::exists(file))
     throw FileError("there is no run in '" + run.string() + "': it has no checkpoint.h5");
   auto made = std::make_shared<MadeRun>();
   made->header = read_checkpoint_header(file);
-  if (made->header.version != version())
-    throw FileError(file.string() + ": was written by version " + made->header.version + ", this is " + version() +
-                    "; make the run again");
   made->record = RunRecord::from_text(made->header.record);
-  AssembleOptions options = options_of(made->record);
+  return made;
+}
+
+void assemble_made(MadeRun& made) {
+  AssembleOptions options = options_of(made.record);
   options.keep_fill_bodies = true;
-  made->assembly = assemble(scene_of(made->header, made->record), options);
+  made.assembly = assemble(scene_of(made.header, made.record), options);
+}
+
+}  // namespace
+
+std::shared_ptr<MadeRun> open_made_run(const std::filesystem::path& run) {
+  auto made = with_header(run);
+  assemble_made(*made);
+  const auto file = std::filesystem::is_directory(run) ? run / "checkpoint.h5" : run;
   load_state(file, [&](StateVisitor& v) { made->assembly->simulation->visit(v); });
   made->hash = state_hash(made->assembly->simulation->world);
   return made;
 }
 
-void put_back(MadeRun& run, const std::filesystem::path& folder, double time) {
-  const StoredRun stored(folder / "run.h5");
+namespace {
+
+bool is_at(double time, double wanted) { return std::abs(time - wanted) <= 1e-6 * std::max(1e-9, wanted) + 1e-12; }
+
+/// The snapshot of that time; why: it is asked for, where the user has not.
+std::size_t snapshot_at(const StoredRun& stored, double time, const std::string& why = "") {
   std::string times;
   for (std::size_t k = 0; k < stored.snapshots(); ++k) {
-    const StoredSnapshot snapshot = stored.snapshot(k);
-    const double t = snapshot.stamp.time;
-    if (std::abs(t - time) > 1e-6 * std::max(1e-9, time) + 1e-12) {
-      times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", t);
-      continue;
-    }
-    World& w = run.assembly->simulation->world;
-    std::vector<BodyId> later;
-    std::vector<char> there(w.ids_given(), 0);
-    for (const BodyRecord& b : snapshot.bodies) {
-      const Slot s = b.id < w.ids_given() ? w.slot_of(static_cast<BodyId>(b.id)) : no_slot;
-      if (s == no_slot)
-        throw SceneError(fmt::format("body {} of that time was taken out later; start from the last state", b.id));
-      there[b.id] = 1;
-      w.position[s] = b.pose.position;
-      w.velocity[s] = b.velocity;
-      if (w.has_orientation() && snapshot.stamp.has_orientation) w.orientation[s] = b.pose.orientation;
-      if (w.rotates()) w.set_angular_velocity(s, b.angular_velocity);
-      if (w.cell) w.wraps[s].setZero();
-    }
-    for (Slot s = 0; s < w.size(); ++s)
-      if (there[static_cast<std::size_t>(w.id[s])] == 0) later.push_back(w.id[s]);
-    if (!later.empty()) w.remove(later);
-    run.hash = snapshot.stamp.state_hash;
-    return;
+    const double t = stored.time(k);
+    if (is_at(t, time)) return k;
+    times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", t);
   }
-  throw SceneError(fmt::format("the run has no snapshot of {:.6g} s; there are {} s", time, times));
+  throw SceneError(fmt::format("{}the run has no snapshot of {:.6g} s; there are {} s", why, time, times));
+}
+
+/// As if the run had been cut off then: what began later has not begun.
+void cut_record(RunRecord& record, double time) {
+  if (record.stages.empty()) return;
+  std::size_t k = 0;
+  while (k + 1 < record.stages.size() && time > record.stages[k].until && !is_at(record.stages[k].until, time)) ++k;
+  if (k + 1 == record.stages.size()) return;
+  if (k < record.scenes)
+    throw SceneError(
+        fmt::format("at {:.6g} s the run had another scene, which `epafi resume --scene` has replaced at "
+                    "{:.6g} s; start from a later time",
+                    time, record.stages[record.scenes].from));
+  record.stages.resize(k + 1);
+  record.stage = k - record.scenes;
+  record.time_step.reset();
+}
+
+/// Bodies of a snapshot stand as they stood there; those that are not in it are taken out.
+void place_as_stored(Assembly& a, const StoredRun& stored, const StoredSnapshot& snapshot) {
+  World& w = a.simulation->world;
+  std::vector<char> there(w.ids_given(), 0);
+  for (const BodyRecord& b : snapshot.bodies)
+    if (b.id < there.size()) there[b.id] = 1;
+  for (const PourBodies* source : a.sources)
+    for (const WaitingBody& waiting : source->setup().bodies)
+      if (there[static_cast<std::size_t>(waiting.id)] != 0) w.add(waiting.body, waiting.id);
+  std::vector<BodyId> absent;
+  for (Slot s = 0; s < w.size(); ++s)
+    if (there[static_cast<std::size_t>(w.id[s])] == 0) absent.push_back(w.id[s]);
+  if (!absent.empty()) w.remove(absent);
+  for (const BodyRecord& b : snapshot.bodies) {
+    const Slot s = b.id < w.ids_given() ? w.slot_of(static_cast<BodyId>(b.id)) : no_slot;
+    if (s == no_slot) throw SceneError(fmt::format("body {} of that time is not in the scene", b.id));
+    w.position[s] = b.pose.position;
+    w.velocity[s] = b.velocity;
+    if (w.has_orientation() && snapshot.stamp.has_orientation) {
+      const ShapeOrigin* origin = a.origins.of(w.shape[s]);
+      const bool turned = origin != nullptr && origin->is_turned() && stored.has_axes_of_the_scene();
+      w.orientation[s] = b.pose.orientation;
+      if (turned) w.orientation[s] = w.orientation[s] * origin->to_author;
+    }
+    if (w.rotates()) w.set_angular_velocity(s, b.angular_velocity);
+    if (w.cell) w.wraps[s].setZero();
+  }
+}
+
+/// What drives a body began where the body was when its stage began.
+void begin_drives(Assembly& a, const RunRecord& record, const StoredRun& stored) {
+  for (auto& event : a.simulation->events) {
+    auto* drive = dynamic_cast<DriveBody*>(event.get());
+    const auto known = drive ? std::ranges::find(a.drives, drive->body(), &Assembly::Drive::body) : a.drives.end();
+    if (known == a.drives.end() || known->since.stage == 0) continue;
+    const double from = record.stages[record.scenes + known->since.stage].from;
+    const std::string why = fmt::format("what drives '{}' began then, and ", body_name(a, drive->body()));
+    for (const BodyRecord& b : stored.snapshot(snapshot_at(stored, from, why)).bodies)
+      if (static_cast<BodyId>(b.id) == drive->body()) drive->begin_at(b.pose.position);
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<MadeRun> open_made_run_at(const std::filesystem::path& folder, double time) {
+  const StoredRun stored(folder / "run.h5");
+  const StoredSnapshot snapshot = stored.snapshot(snapshot_at(stored, time));
+  auto made = with_header(folder);
+  cut_record(made->record, time);
+  assemble_made(*made);
+  const auto& cell = made->assembly->scene.cell;
+  if (cell && cell->deforms && !is_at(time, made->header.time))
+    throw SceneError("the cell of the run deforms and its shape at that time is not stored; start from the last state");
+  World& w = made->assembly->simulation->world;
+  const auto file = folder / "checkpoint.h5";
+  if (is_at(time, made->header.time)) load_state(file, [&](StateVisitor& v) { made->assembly->simulation->visit(v); });
+  place_as_stored(*made->assembly, stored, snapshot);
+  begin_drives(*made->assembly, made->record, stored);
+  w.time = snapshot.stamp.time;
+  w.clock = made->record.stages.empty() ? w.time : w.time - made->record.stages.back().from;
+  made->hash = snapshot.stamp.state_hash;
+  return made;
 }
 
 }  // namespace epafi

@@ -24,7 +24,8 @@ Scene scene_of(const CheckpointHeader& header, const RunRecord& record);
 /// How that scene is assembled so that the state of the checkpoint fits it.
 AssembleOptions options_of(const RunRecord& record);
 
-/// Puts bodies where those of a snapshot of the run stood at that time [s]. Throws SceneError where there is none.
-void put_back(MadeRun& run, const std::filesystem::path& folder, double time);
+/// The same as it was at the time of one of its snapshots [s]: the stage of that time, bodies and motions as they were.
+/// Contacts remember nothing. Throws SceneError where there is no such snapshot.
+std::shared_ptr<MadeRun> open_made_run_at(const std::filesystem::path& folder, double time);
 
 }  // namespace epafi

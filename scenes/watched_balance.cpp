@@ -89,6 +89,12 @@ void WatchedBalance::look(const StepView& view) {
   judge(view, known);
 }
 
+void WatchedBalance::begin_stage() {
+  state_.unexplained.settle();
+  state_.put_in.settle();
+  state_.started = 0;
+}
+
 void WatchedBalance::judge(const StepView& view, double known) {
   Finding& f = finding_ = {};
   f.put_in = state_.put_in.risen();

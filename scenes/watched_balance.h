@@ -21,6 +21,8 @@ class WatchedBalance {
   void note(const StepReport& report);
   /// After the energies were measured.
   void look(const StepView& view);
+  /// Stored energy jumps here, rightly: what was booked and exchanged before stays, the next look is where it goes on.
+  void begin_stage();
 
   /// What stands open, and since when.
   struct Finding {
@@ -45,6 +47,7 @@ class WatchedBalance {
     double far = 0;               ///< the farthest since
     double direction = 0;         ///< 1, -1, or 0 at the start
     void follow(double value, double band);
+    void settle() { *this = {risen(), fallen(), 0, 0, 0}; }
     double risen() const { return rises + (direction > 0 ? far - turn : 0.0); }
     double fallen() const { return falls + (direction < 0 ? turn - far : 0.0); }
   };

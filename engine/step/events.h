@@ -54,6 +54,7 @@ class DriveBody final : public Event {
   BodyId body() const { return body_; }
   /// Where the body is as its motion begins [m].
   void begin_at(const Vec3& start) { start_ = start; }
+  const Vec3& start() const { return start_; }
 
  private:
   Vec3 position_at(double time) const;

@@ -45,6 +45,16 @@ void print_problems(const std::vector<Problem>& problems) {
   for (const auto& p : problems) say(p.to_string());
 }
 
+/// Of stages to come; what has been told of the scene or of another stage is left out.
+void print_warnings(const std::vector<StageCheck>& stages, std::vector<Problem> told) {
+  for (const StageCheck& stage : stages)
+    for (const Problem& p : stage.warnings) {
+      if (std::ranges::count(told, p.to_string(), &Problem::to_string) > 0) continue;
+      say(p.to_string());
+      told.push_back(p);
+    }
+}
+
 /// The scene, or a SceneError with all its problems; warnings are printed.
 Scene read_or_throw(const std::string& path, const std::vector<std::string>& overrides) {
   ReadResult result = read_scene(existing_scene_file(path), overrides, full_registry());
@@ -172,7 +182,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   if (follows(team)) return follow(*assembly);
   print_problems(assembly->warnings);
   check_conditions(*assembly);
-  (void)check_stages(assembly->scene);
+  print_warnings(check_stages(assembly->scene), assembly->warnings);
   const std::filesystem::path folder = options.out.empty()
                                            ? std::filesystem::path("out") / std::filesystem::path(common.scene).stem()
                                            : std::filesystem::path(options.out);
@@ -228,6 +238,7 @@ void change_scene(Session& session, const std::string& path, const std::vector<s
     ReadResult read = read_scene(path, overrides, full_registry(), {0, {}, record.start_run});
     if (!read.scene) throw SceneError(read.problems);
     print_problems(read.problems);
+    print_warnings(check_stages(*read.scene), {});
     session.change(std::move(*read.scene), record, overrides);
   } catch (...) {
     std::filesystem::remove(kept);
@@ -295,6 +306,7 @@ int command_check(const CommonOptions& common) {
   print_problems(assembly->warnings);
   check_conditions(*assembly);
   const auto later = check_stages(assembly->scene);
+  print_warnings(later, assembly->warnings);
   std::string text = check_text(*assembly);
   for (const StageCheck& stage : later) text += stage.text;
   print(text);

@@ -227,6 +227,7 @@ void read_file(Draft& draft, const Node& item) {
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure))
     return reading.error(place, label + " file: there is no file '" + path + "'");
+  reading.files.push_back(path);
   draft.scene.groups.push_back({name, draft.scene.bodies.size(), 0, item.place, {1}});
   draft.scene.groups.back().group = values.has("group") ? values.text("group") : "";
   draft.scene.groups.back().stage = item.stage;

@@ -36,6 +36,7 @@ void resolve_file(Reading& reading, ShapeSpec& shape, const Place& place, const 
   if (!std::filesystem::is_regular_file(path, failure))
     reading.error(place, label + " file: there is no file '" + path + "'");
   shape.parameters.set("file", path);
+  reading.files.push_back(path);
 }
 
 /// "mm", "in" ... of the numbers in the shape's file.
@@ -81,10 +82,12 @@ void check_clump(Reading& reading, const ShapeSpec& shape, const std::string& la
 /// The profile, the track or what is wrong with their keys.
 void check_railway(Reading& reading, ShapeSpec& shape, const TableValues& values, const std::string& label) {
   const std::string prefix = shape.type + ".";
-  for (const char* key : {"file", "irregularity.file"})
-    if (shape.parameters.has(key))
-      shape.parameters.set(key,
-                           resolve_path(shape.parameters.text(key), values.place_of(prefix + key), reading.main_file));
+  for (const char* key : {"file", "irregularity.file"}) {
+    if (!shape.parameters.has(key)) continue;
+    const std::string path = resolve_path(shape.parameters.text(key), values.place_of(prefix + key), reading.main_file);
+    shape.parameters.set(key, path);
+    reading.files.push_back(path);
+  }
   const auto report = [&](const auto& built) {
     if (built.value) return;
     const bool known = !built.key.empty() && values.written(prefix + built.key);

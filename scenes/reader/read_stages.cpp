@@ -73,9 +73,36 @@ void read_stages(Draft& draft) {
   draft.scene.stage = draft.stage;
 }
 
+namespace {
+
+/// No body of the name is there any more.
+bool are_gone(const Scene& scene, const NamedBodies& named) {
+  const auto removed = [](const BodyChange& change) { return change.remove && !change.one; };
+  bool any = false;
+  for (const auto& [first, count] : named.bodies)
+    for (std::size_t k = first; k < first + count; ++k) any = any || !scene.bodies[k].absent;
+  for (const auto& [fill, one] : named.fills) any = any || std::ranges::none_of(scene.fills[fill].changes, removed);
+  return !any && !(named.bodies.empty() && named.fills.empty());
+}
+
+}  // namespace
+
 void check_stage(Draft& draft) {
   const StageSpec& stage = draft.scene.stages[draft.stage];
-  if (stage.until) check_condition(draft, *stage.until, stage.place, "[[stage]] '" + stage.name + "' until");
+  if (!stage.until) return;
+  const std::string label = "[[stage]] '" + stage.name + "' until";
+  check_condition(draft, *stage.until, stage.place, label);
+  const auto& measures = draft.scene.measures;
+  const auto watched = std::ranges::find(measures, stage.until->measure, &MeasureSpec::name);
+  if (watched == measures.end()) return;
+  if (watched->interval > stage.duration * (1.0 + 1e-9))
+    draft.reading.error(stage.place, label + ": the measure '" + watched->name + "' has an interval of " +
+                                         format_number(watched->interval) + " s, longer than at_most = " +
+                                         format_number(stage.duration) + " s; nobody would look at it");
+  for (const NamedBodies& bodies : watched->bodies)
+    if (are_gone(draft.scene, bodies))
+      return draft.reading.error(stage.place, label + ": the bodies of the measure '" + watched->name +
+                                                  "' are gone; this stage or an earlier one has taken them out");
 }
 
 namespace {

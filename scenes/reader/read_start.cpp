@@ -51,6 +51,13 @@ struct Import {
     }
   }
 
+  /// Axes that stand in space go with the bodies.
+  std::vector<Motion> moved(std::vector<Motion> parts) const {
+    for (Motion& part : parts)
+      if (part.rotation_about) *part.rotation_about += start.move;
+    return parts;
+  }
+
   /// Of the spec as it was written there.
   void add(BodySpec body, BodyId id, std::size_t group) {
     const World& w = world();
@@ -61,7 +68,7 @@ struct Import {
     body.absent = s == no_slot;
     const double passed = w.clock;
     const auto age = [&](Since since) { return Since{0, made.assembly->elapsed(since) + passed}; };
-    if (body.motion) body.motion = MotionSpec{body.motion->parts, age(body.motion->since)};
+    if (body.motion) body.motion = MotionSpec{moved(body.motion->parts), age(body.motion->since)};
     if (body.servo) body.servo = ServoSpec{body.servo->servo, age(body.servo->since)};
     if (body.load) body.load = TimedLoad{body.load->force, body.load->torque, age(body.load->since)};
     if (body.remove_at) body.remove_at = Removal{body.remove_at->time, age(body.remove_at->since)};
@@ -97,6 +104,15 @@ struct Import {
       add(there().bodies[k], made.assembly->id_of(k), draft.scene.groups.size() - 1);
   }
 
+  /// Those that come behind the last one that has been poured: a snapshot does not say how far the source is.
+  std::size_t not_poured(const PourBodies& source) const {
+    const auto& bodies = source.setup().bodies;
+    if (!start.time) return bodies.size() - source.poured();
+    const auto last = std::find_if(bodies.rbegin(), bodies.rend(),
+                                   [&](const WaitingBody& b) { return world().slot_of(b.id) != no_slot; });
+    return static_cast<std::size_t>(last - bodies.rbegin());
+  }
+
   void fill(std::size_t f) {
     const FillSpec& fill = there().fills[f];
     const auto& ids = made.assembly->fill_ids[f];
@@ -113,7 +129,7 @@ struct Import {
       add(std::move(body), ids[k], draft.scene.groups.size() - 1);
     }
     for (const PourBodies* source : made.assembly->sources)
-      if (source->setup().name == fill.name) waiting = source->setup().bodies.size() - source->poured();
+      if (source->setup().name == fill.name) waiting = not_poured(*source);
     if (waiting > 0)
       start.dropped.push_back(fmt::format("{} bodies of '{}' that had not been poured yet", waiting, fill.name));
   }
@@ -153,6 +169,10 @@ void select(Draft& draft, const TableValues& v) {
   if (v.has("region.box.min") && v.has("region.box.max")) {
     const Vec3 low = v.vec3("region.box.min"), high = v.vec3("region.box.max");
     if (!check_box(draft.reading, low, high, v.place_of("region.box"), "[start] region")) return;
+    const bool any = std::ranges::any_of(bodies, [&](const BodySpec& b) {
+      return !b.absent && (b.position.array() >= low.array()).all() && (b.position.array() <= high.array()).all();
+    });
+    if (!any) draft.reading.error(v.place_of("region.box"), "[start] region: no body of the run has its centre in it");
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       const Vec3& x = bodies[k].position;
       if ((x.array() < low.array()).any() || (x.array() > high.array()).any()) keep[k] = 0;
@@ -167,6 +187,16 @@ void select(Draft& draft, const TableValues& v) {
   if (left > 0 && draft.stage == 0) draft.scene.changes_bodies = true;
 }
 
+/// Keys that would be passed over.
+void check_keys(Reading& reading, const Node* table, const Node* from, const TableValues& v) {
+  if (from && from->type == Node::Type::table)
+    for (const Member& m : table->members)
+      if (m.key != "from")
+        reading.error(m.place, "[start] " + m.key + " stands beside from = { ... }; write it in there");
+  if (v.written("run") && v.written("from"))
+    reading.error(v.place_of("run"), "[start] run and from both name a run; leave one out");
+}
+
 }  // namespace
 
 void read_start(Draft& draft) {
@@ -177,6 +207,7 @@ void read_start(Draft& draft) {
   const Node& keys = from && from->type == Node::Type::table ? *from : table_or_empty(reading, "start");
   const std::size_t errors = reading.errors();
   const TableValues v = read_table(keys, "[start]", reading.schema.at("start").fields, reading);
+  check_keys(reading, table, from, v);
   const bool named = v.has("run") || v.has("from");
   if (!named && draft.start_run.empty() && reading.errors() == errors)
     reading.error(from ? from->place : table->place,
@@ -196,11 +227,12 @@ void read_start(Draft& draft) {
   start.turn = Quat(about(2) * about(1) * about(0));
   try {
     auto& made = *draft.made;
-    if (!made) {
-      made = open_made_run(start.run);
-      if (start.time) put_back(*made, start.run, *start.time);
-    }
+    if (!made) made = start.time ? open_made_run_at(start.run, *start.time) : open_made_run(start.run);
     start.made = made;
+  } catch (const SceneError& e) {
+    const Place place = v.has(key) ? v.place_of(key) : start.place;
+    for (const Problem& p : e.problems()) reading.error(place, "[start] from '" + start.run + "': " + p.text);
+    return;
   } catch (const std::runtime_error& e) {
     const Place place = v.has(key) ? v.place_of(key) : start.place;
     return reading.error(place, "[start] from '" + start.run + "': " + e.what());

@@ -91,6 +91,10 @@ std::optional<Columns4> find_columns(RowReader& out, const std::vector<TextCell>
   const auto axis = axes_of(names);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto found = std::find(header.begin(), header.end(), names[k]);
+    if (std::count(header.begin(), header.end(), names[k]) > 1) {
+      out.reading.error(place, out.label + ": the file has two columns '" + names[k] + "'");
+      return std::nullopt;
+    }
     if (found != header.end()) {
       at[axis[k]] = static_cast<std::size_t>(found - header.begin());
     } else if (!columns.empty() || k == 0) {
@@ -107,6 +111,7 @@ std::optional<Columns4> find_columns(RowReader& out, const std::vector<TextCell>
 void read_file_rows(RowReader& out, const std::string& path, const Place& from,
                     const std::vector<std::string>& columns) {
   std::ifstream in(path);
+  out.reading.files.push_back(path);
   if (!in) return out.reading.error(from, out.label + ": the file '" + path + "' does not exist or cannot be read");
   std::optional<Columns4> at;
   std::string line;
@@ -207,6 +212,11 @@ std::shared_ptr<const MotionTable> read_motion_table(Reading& reading, const Nod
   const bool x = of == "displacement", speed = of == "velocity";
   auto rows = read_time_rows(reading, node, v, x ? "m" : speed ? "m/s" : "m/s^2", label);
   if (!rows) return nullptr;
+  if (rows->time.front() < 0.0) {
+    reading.error(node.place, label + ": the table begins at " + format_number(rows->time.front()) +
+                                  " s; times count from the beginning of the motion, the first is 0 or later");
+    return nullptr;
+  }
   const std::string baseline = v.has("baseline") ? v.text("baseline") : "none";
   const auto kind = x       ? MotionTable::Of::displacement
                     : speed ? MotionTable::Of::velocity
@@ -232,6 +242,10 @@ std::optional<Servo> read_servo_of(Reading& reading, const TableValues& v, const
   if (force == stress || stress != v.has("servo.area"))
     reading.error(place, label + " motion servo: write force, or stress with area");
   Servo servo;
+  if (v.written("servo.gains") && v.written("servo.mass"))
+    reading.error(
+        v.place_of("servo.mass"),
+        label + " motion servo: a wall with gains has no mass; write mass or gains = [proportional, integral]");
   if (v.has("servo.gains")) {
     const auto& gains = v.numbers("servo.gains");
     if (gains.size() != 2 || gains[0] < 0.0 || gains[1] < 0.0 || gains[0] + gains[1] <= 0.0)

@@ -66,7 +66,8 @@ struct StageSource {
   std::string file, text;
   const Registry& registry;
   ReadOptions options;
-  std::shared_ptr<MadeRun> made{};  ///< that the scene starts from
+  std::shared_ptr<MadeRun> made{};   ///< that the scene starts from
+  std::vector<std::string> files{};  ///< read so far
 };
 
 /// One stage; the scene is empty where it has an error.
@@ -93,6 +94,8 @@ std::optional<Scene> read_stage_of(StageSource& from, std::size_t stage, std::ve
   reading.check_params();
   read_parts(draft);
   append_new(problems, reading.problems);
+  for (const std::string& file : reading.files)
+    if (std::ranges::find(from.files, file) == from.files.end()) from.files.push_back(file);
   return whole && reading.errors() == 0 ? std::optional(std::move(draft.scene)) : std::nullopt;
 }
 
@@ -105,6 +108,19 @@ std::function<Scene(std::size_t)> reader_of(std::shared_ptr<StageSource> source)
     scene->stage_of = reader_of(source);
     return std::move(*scene);
   };
+}
+
+/// Of those that were read: shapes of the first stage are hashed with their parameters.
+std::vector<std::string> files_beside_shapes(const Scene& scene, std::vector<std::string> files) {
+  std::erase_if(files, [&](const std::string& file) {
+    return std::ranges::any_of(scene.shapes, [&](const ShapeSpec& shape) {
+      const auto is_named = [&](const char* key) {
+        return shape.parameters.has(key) && shape.parameters.text(key) == file;
+      };
+      return is_named("file") || is_named("irregularity.file");
+    });
+  });
+  return files;
 }
 
 ReadResult read_document(Document document, const std::string& file, const Registry& registry,
@@ -131,6 +147,7 @@ ReadResult read_document(Document document, const std::string& file, const Regis
       if (wanted) result.scene = std::move(scene);
     }
     if (!sound) result.scene.reset();
+    if (result.scene) result.scene->files = files_beside_shapes(*result.scene, source->files);
     if (result.scene && count > 1) result.scene->stage_of = reader_of(source);
   }
   append_new(result.problems, other_kind);

@@ -29,6 +29,7 @@ class Reading {
   const std::string main_file;
   std::vector<Problem> problems;
   std::vector<std::pair<std::string, double>> indices;  ///< i, j, k of the `repeat` being unrolled
+  std::vector<std::string> files;                       ///< that tables, bodies and shapes were read from
 
   void error(const Place& place, std::string text) { report(Problem::Level::error, place, std::move(text)); }
   void warning(const Place& place, std::string text) { report(Problem::Level::warning, place, std::move(text)); }

@@ -19,12 +19,12 @@ int shell(const std::string& command) { return std::system(command.c_str()); }
 struct ReportedRun {
   fs::path folder = fs::temp_directory_path() / ("epafi-report-" + std::to_string(::getpid()));
   std::string page;
-  ReportedRun() {
+  explicit ReportedRun(const std::string& name = "tutorials/04_stones.toml",
+                       const std::string& options = "--set params.n=5 --until 0.2") {
     fs::remove_all(folder);
     const std::string program = std::string(EPAFI_BINARY_DIR) + "/bin/epafi";
-    const std::string scene = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/tutorials/04_stones.toml";
-    REQUIRE(shell(program + " run " + scene + " -q --set params.n=5 --until 0.2 -o " + folder.string() +
-                  " 2>/dev/null") == 0);
+    const std::string scene = std::string(EPAFI_SOURCE_DIR) + "/scenes/library/" + name;
+    REQUIRE(shell(program + " run " + scene + " -q " + options + " -o " + folder.string() + " 2>/dev/null") == 0);
     REQUIRE(shell(program + " report " + folder.string() + " 2>/dev/null") == 0);
     page = epafi::support::read_text(folder / "report.html");
   }
@@ -58,6 +58,18 @@ TEST_CASE("a report has all its parts and asks for nothing from outside", "[scen
   const auto at = state.find("\"state_hash\": \"");
   REQUIRE(at != state.npos);
   CHECK(run.page.find(state.substr(at + 15, 16)) != run.page.npos);
+}
+
+TEST_CASE("a report names the stages of a run, how each ended, and the stage of each picture", "[scenes][report]") {
+  const ReportedRun run("stages/clamp.toml", "");
+  CHECK(count(run.page, "<h2>Stages</h2>") == 1);
+  for (const char* row : {"<td>close</td><td class='n'>0</td><td class='n'>2.5</td><td>duration</td>",
+                          "<td>clamp</td><td class='n'>2.5</td><td class='n'>3</td><td>duration</td>",
+                          "<td>ease</td><td class='n'>3</td><td class='n'>3.5</td><td>duration</td>"})
+    CHECK(count(run.page, row) == 1);
+  CHECK(count(run.page, "t = 0 s, stage 'close'") == 1);
+  CHECK(count(run.page, "t = 3.5 s, stage 'ease'") >= 1);
+  CHECK(ReportedRun().page.find("<h2>Stages</h2>") == std::string::npos);
 }
 
 TEST_CASE("run.h5 needs h5py alone: the example reads the energy of the summary", "[scenes][report]") {

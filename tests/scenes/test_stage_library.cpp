@@ -212,3 +212,21 @@ TEST_CASE("a driven wheelset gains the speed of rolling without slip", "[scenes]
   // it begins at rest: the same law for way and speed
   CHECK(value_at(distance, driven.until) - value_at(distance, driven.from) == Approx(0.5 * gain * 0.04).epsilon(0.01));
 }
+
+TEST_CASE("a servo plate clamps a pile with its force, which wall and floor give back", "[scenes][stages]") {
+  StagedRun run("clamp.toml", {});
+  REQUIRE(run.ending == Ending::completed);
+  CHECK(run.summary.warnings.empty());
+  const std::array<double, 3> force{400.0, 1200.0, 200.0};
+  const double weight = 5 * 2000.0 * 1e-3 * 9.81;
+  REQUIRE(run.summary.stages.size() == force.size());
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    INFO(k);
+    const double end = run.summary.stages[k].until;
+    const auto at_end = [&](const char* body, const char* axis) { return value_at(run.series(body, axis), end); };
+    CHECK(at_end("plate", "x") == Approx(-force[k]).epsilon(1e-6));
+    CHECK(at_end("wall", "x") + at_end("floor", "x") == Approx(force[k]).epsilon(1e-5));
+    CHECK(at_end("plate", "y") + at_end("wall", "y") + at_end("floor", "y") == Approx(0.0).margin(1e-3));
+    CHECK(at_end("plate", "z") + at_end("wall", "z") + at_end("floor", "z") == Approx(-weight).epsilon(1e-5));
+  }
+}

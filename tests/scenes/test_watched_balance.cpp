@@ -42,6 +42,7 @@ class BookedRun {
     told = told || watch_.finding().told;
     ends = ends || watch_.finding().ends;
   }
+  void begin_stage() { watch_.begin_stage(); }
   double residual = 1e-7;
   bool told = false, ends = false;
 
@@ -95,6 +96,30 @@ TEST_CASE("a gain that grows by a tenth a step ends the run within 100 steps", "
     CHECK(run.told);
     CHECK(run.ends);
   }
+}
+
+TEST_CASE("a stage at rest is held against what the run has exchanged before", "[scenes][warnings][balance]") {
+  // 0.5 J go into contacts, then a stage in which bodies gain so much; of all that was exchanged
+  for (const bool impulses : {true, false})
+    for (const double gain : {1e-8, 1e-4, 4e-3, 2e-2, 0.1}) {
+      INFO("impulses " << impulses << " gain " << gain);
+      BookedRun run(0.5, impulses), before(0.5, impulses);
+      for (int k = 1; k <= 500; ++k) {
+        run.step(0.5 - 0.001 * k, 0.001);
+        // booked before the stage, told in it too
+        before.step(0.5 - 0.001 * k + gain * k / 500.0, 0.001);
+      }
+      CHECK_FALSE(run.told);
+      run.begin_stage();
+      before.begin_stage();
+      before.told = false;
+      for (int k = 1; k <= 500; ++k) {
+        run.step(gain * k / 500.0);
+        before.step(gain);
+      }
+      CHECK(run.told == (gain > 1e-2));
+      CHECK(before.told == (gain > 1e-2));
+    }
 }
 
 TEST_CASE("what ends a run is held against all energy that was exchanged", "[scenes][warnings][balance]") {

@@ -17,7 +17,7 @@ namespace {
 
 const CheckpointHeader header{"0.1.0", "00ff", "scenes/a.toml", "[run]\nduration = 1\n", {"params.n=5", "x=\"y\""},
                               1234,    0.1};
-const CheckpointExpectation expected{"0.1.0", "00ff"};
+const std::string expected = "00ff";
 
 World some_world(std::uint64_t seed, int bodies) {
   World world({.rotation = true, .anisotropy = true, .force = true, .external_force = true});
@@ -80,14 +80,16 @@ TEST_CASE("a loaded checkpoint gives the saved bits and header, into a world of 
   CHECK((alone.scene_path == header.scene_path && alone.version == "0.1.0" && alone.scene_hash == "00ff"));
 }
 
-TEST_CASE("a checkpoint of another version, format or scene is refused with both names", "[viz_export][checkpoint]") {
+TEST_CASE("a checkpoint of another format or scene is refused, of another version it is read",
+          "[viz_export][checkpoint]") {
   const TemporaryFolder folder;
   const auto path = folder / "checkpoint.h5";
   World world = some_world(1, 5);
   CheckpointHeader other = header;
   other.version = "0.2.0";
   save_checkpoint(path, other, walk_of(world));
-  CHECK_THAT(message_of(path), Contains("0.2.0") && Contains("0.1.0"));
+  CHECK(message_of(path).empty());
+  CHECK(read_checkpoint_header(path).version == "0.2.0");
   other = header;
   other.scene_hash = "beef";
   save_checkpoint(path, other, walk_of(world));

@@ -108,7 +108,7 @@ TEST_CASE("recorders resumed from a checkpoint write the files of an uninterrupt
   }
   {
     Recording resumed(folder, 5);
-    load_checkpoint(folder / "checkpoint.h5", {"0.1.0", "00ff"}, resumed.walk());
+    load_checkpoint(folder / "checkpoint.h5", "00ff", resumed.walk());
     resumed.steps(5, 12);  // looks again at the state of step 5
     CHECK(resumed.measure.summary().at("x").max == straight.measure.summary().at("x").max);
     CHECK(resumed.measure.summary().at("reciprocal").min == straight.measure.summary().at("reciprocal").min);

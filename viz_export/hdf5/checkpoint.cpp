@@ -182,16 +182,13 @@ void load_state(const std::filesystem::path& path, const StateWalk& walk) {
   walk(visitor);
 }
 
-CheckpointHeader load_checkpoint(const std::filesystem::path& path, const CheckpointExpectation& expected,
+CheckpointHeader load_checkpoint(const std::filesystem::path& path, const std::string& scene_hash,
                                  const StateWalk& walk) {
   const Hdf5File file(path, Hdf5File::Mode::read);
   CheckpointHeader header = read_header(file);
-  if (header.version != expected.version)
-    throw FileError(path.string() + ": was written by version " + header.version + ", this is " + expected.version +
-                    "; the same bits are only promised within one version, resume with that one");
-  if (header.scene_hash != expected.scene_hash)
+  if (header.scene_hash != scene_hash)
     throw FileError(path.string() + ": belongs to another scene (hash " + header.scene_hash + ", this scene has " +
-                    expected.scene_hash + ")");
+                    scene_hash + ")");
   std::vector<std::string> names;
   collect_columns(file, "", names);
   if (names.size() != file.count_attribute("/", "columns"))

@@ -1,6 +1,6 @@
 /// @file checkpoint.h  The whole state in one HDF5 file, column by column, without knowing what a column means.
 /// Written beside its place, synced and renamed: checkpoint.h5 is always the last good one. Every column carries a hash
-/// of its name and bytes; a file that is cut, torn, of another version or of another scene is refused before any state
+/// of its name and bytes; a file that is cut, torn, of another format or of another scene is refused before any state
 /// changes.
 #pragma once
 #include <cstdint>
@@ -33,15 +33,10 @@ void save_checkpoint(const std::filesystem::path& path, const CheckpointHeader& 
 /// The header alone: to rebuild the simulation before its state is loaded.
 CheckpointHeader read_checkpoint_header(const std::filesystem::path& path);
 
-/// What a checkpoint must match to be loaded.
-struct CheckpointExpectation {
-  std::string version;
-  std::string scene_hash;
-};
-
-/// Fills the walked columns. Throws FileError where the file does not match `expected`, is damaged, or its columns are
-/// not exactly those of the walk; after an error inside the walk the walked state is unusable.
-CheckpointHeader load_checkpoint(const std::filesystem::path& path, const CheckpointExpectation& expected,
+/// Fills the walked columns. Throws FileError where the file is of a scene with another hash, is damaged, or its
+/// columns are not exactly those of the walk; after an error inside the walk the walked state is unusable. Bits are
+/// promised within one version of the program; the header says which wrote the file.
+CheckpointHeader load_checkpoint(const std::filesystem::path& path, const std::string& scene_hash,
                                  const StateWalk& walk);
 
 /// Fills the columns that the walk shows from a checkpoint that holds more; what is damaged or missing is a FileError.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
+#include <limits>
 
 #include "engine/units/error.h"
 
@@ -15,6 +17,7 @@ constexpr std::size_t buffer_bytes = 1 << 16;
 
 /// Bytes of the file up to and including the last whole row not later than `time`. Rows are in order of time.
 std::uintmax_t bytes_until(const std::filesystem::path& path, double time) {
+  if (!std::filesystem::exists(path)) throw FileError(path.string() + ": cannot continue it: it is not there");
   std::ifstream in(path, std::ios::binary);
   std::string line;
   if (!in || !std::getline(in, line) || line != header || in.eof())
@@ -61,8 +64,9 @@ MeasuresCsv::~MeasuresCsv() {
 }
 
 void MeasuresCsv::add(double time, std::string_view measure, std::string_view component, double value) {
+  constexpr double no_value = std::numeric_limits<double>::quiet_NaN();  // of one sign
   fmt::format_to(std::back_inserter(buffer_), "{:.17g},{},{},{:.17g}\n", time, csv_field(measure), csv_field(component),
-                 value);
+                 std::isnan(value) ? no_value : value);
   if (buffer_.size() > buffer_bytes) flush();
 }
 

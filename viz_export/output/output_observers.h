@@ -62,6 +62,9 @@ class MeasureRecorder final : public Observer {
   void visit(StateVisitor& visitor) override;
 
   const std::string& name() const { return name_; }
+  /// In this step nothing is known yet of what it measures.
+  void pass_over(std::uint64_t step) { sampled_ = step; }
+  bool wants_contacts() const { return measure_->wants_contacts() != ContactView::none; }
   /// Step of the last sample, and its value of a component.
   std::uint64_t sampled() const { return sampled_; }
   double last(std::size_t component) const { return last_[component]; }

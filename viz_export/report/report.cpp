@@ -73,6 +73,32 @@ void warnings(Page& p) {
     if (name.starts_with("warnings.")) p.html += "<p class='warning'>" + escaped(text) + "</p>";
 }
 
+/// Key of one stage's value in the summary.
+std::string stage_key(std::size_t k, const char* what) { return fmt::format("stages.{}.{}", k, what); }
+
+/// The acts of the run, where the scene has any.
+void acts(Page& p) {
+  if (!p.summary.number(stage_key(0, "from"))) return;
+  p.html +=
+      "<h2>Stages</h2><table><tr><th>stage</th><th class='n'>from [s]</th><th class='n'>until [s]</th><th>ended by</th>"
+      "</tr>";
+  for (std::size_t k = 0; p.summary.number(stage_key(k, "from")); ++k) {
+    const std::string ended = p.summary.text(stage_key(k, "ended"));
+    p.html += fmt::format("<tr><td>{}</td><td class='n'>{}</td><td class='n'>{}</td><td>{}</td></tr>",
+                          escaped(p.summary.text(stage_key(k, "name"))), p.number(stage_key(k, "from"), "{:.6g}"),
+                          p.number(stage_key(k, "until"), "{:.6g}"), ended == "at_most" ? "its longest time" : ended);
+  }
+  p.html += "</table>";
+}
+
+/// ", stage 'settle'" where the run has stages.
+std::string stage_at(const Page& p, double time) {
+  for (std::size_t k = 0; p.summary.number(stage_key(k, "from")); ++k)
+    if (time <= p.summary.number(stage_key(k, "until")).value_or(0.0) * (1.0 + 1e-9))
+      return ", stage '" + escaped(p.summary.text(stage_key(k, "name"))) + "'";
+  return {};
+}
+
 /// Six frames of one camera, chosen by what happens between them; where contacts are few, those of the last one too.
 void pictures(Page& p, const ViewSource& source) {
   if (source.times().empty()) return;
@@ -84,7 +110,7 @@ void pictures(Page& p, const ViewSource& source) {
   RunPainter painter(source, overview, options);
   const auto add = [&](RunPainter& by, std::size_t k, const std::string& what) {
     p.figure("<img alt='bodies' src='data:image/png;base64," + base64(png_of(by.paint(k))) + "'/>",
-             fmt::format("t = {:.4g} s{}", source.times()[k], what));
+             fmt::format("t = {:.4g} s{}{}", source.times()[k], stage_at(p, source.times()[k]), what));
   };
   const std::vector<std::size_t> shown = telling_frames(source, 6);
   for (const std::size_t k : shown) add(painter, k, "");
@@ -257,6 +283,7 @@ fs::path write_report(const fs::path& folder, const fs::path& wanted) {
   const auto source = open_run(folder);
   head(page);
   warnings(page);
+  acts(page);
   pictures(page, *source);
   three_dimensions(page, *source);
   energy(page);

@@ -1,0 +1,100 @@
+// What is told of stages to come before they begin, and of scenes that a run goes on with.
+#include <filesystem>
+#include <fstream>
+
+#include "scenes/cli/commands.h"
+#include "scenes/stage_check.h"
+#include "tests/support/captured.h"
+#include "tests/support/catch.h"
+#include "tests/support/scene_run.h"
+#include "tests/viz_export/temporary_folder.h"
+
+using namespace epafi;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string told_scene =
+    "[run]\ntime_step = 1e-3\noutput_interval = 0.1\n[material.m]\ndensity = 2000\nyoungs_modulus = 1e6\n"
+    "poissons_ratio = 0.3\n[contact]\nmethod = \"smooth\"\nrestitution = 0.5\nfriction = 0.5\n[[body]]\nname = \"a\"\n"
+    "shape = { sphere = { radius = 0.1 } }\nmaterial = \"m\"\n[[body]]\nname = \"b\"\n"
+    "shape = { sphere = { radius = 0.1 } }\nposition = [1, 0, 0]\nmaterial = \"m\"\n[[spring]]\nname = \"s\"\n"
+    "body = \"a\"\nto = \"b\"\nstiffness = [10, 10, 10]\n[[measure]]\nname = \"e\"\nkind = \"energy\"\n"
+    "[[stage]]\nname = \"one\"\nduration = 0.02\n";
+
+fs::path told_file(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+  std::ofstream(folder / name) << text;
+  return folder / name;
+}
+
+template <class Command>
+Captured told_by(const Command& command) {
+  return captured([&] { return guarded(command); });
+}
+
+}  // namespace
+
+TEST_CASE("check and run tell of a step that is longer than a later stage, once", "[scenes][stages][warnings]") {
+  const TemporaryFolder folder;
+  const fs::path scene = told_file(folder, "short.toml",
+                                   told_scene +
+                                       "[[stage]]\nname = \"two\"\nduration = 1e-4\n[[stage]]\nname = "
+                                       "\"three\"\nduration = 0.01\n[[stage]]\nname = \"four\"\nduration = 2e-4\n");
+  CommonOptions common;
+  common.scene = scene.string();
+  const Captured check = told_by([&] { return command_check(common); });
+  CHECK(check.code == exit_done);
+  for (const char* length : {"longer than the 0.0001 s", "longer than the 0.0002 s"}) {
+    const auto first = check.err.find(length);
+    CHECK(first != std::string::npos);
+    CHECK(check.err.find(length, first + 1) == std::string::npos);
+  }
+  RunOptions run;
+  run.out = (folder / "out").string();
+  run.threads = 1;
+  CHECK_THAT(told_by([&] { return command_run(common, run); }).err, Catch::Contains("longer than the 0.0002 s"));
+}
+
+TEST_CASE("a spring whose body a stage takes out is told", "[scenes][stages][warnings]") {
+  const TemporaryFolder folder;
+  CommonOptions common;
+  common.scene = told_file(folder, "lost.toml",
+                           told_scene + "[[stage]]\nname = \"two\"\nduration = 0.01\nbody.b = { remove = true }\n")
+                     .string();
+  RunOptions run;
+  run.out = (folder / "out").string();
+  run.threads = 1;
+  const Captured told = told_by([&] { return command_run(common, run); });
+  CHECK(told.code == exit_done);
+  CHECK_THAT(told.err, Catch::Contains("stage 'two': dropped: 1 of 1 springs: a body that they hold is gone"));
+}
+
+TEST_CASE("a run is not continued with a scene or change whose conditions ask for what is not there",
+          "[scenes][stages][restart]") {
+  const TemporaryFolder folder;
+  CommonOptions common;
+  common.scene = told_file(folder, "first.toml", told_scene).string();
+  RunOptions run;
+  run.out = (folder / "out").string();
+  run.threads = 1;
+  run.quiet = true;
+  REQUIRE(told_by([&] { return command_run(common, run); }).code == exit_done);
+  const std::string until = "until = { measure = \"e\", component = \"kinetc\", above = 1.0, at_most = 0.1 }\n";
+  std::string at_once = told_scene, later = told_scene + "[[stage]]\nname = \"two\"\n" + until;
+  at_once.replace(at_once.find("duration"), std::string::npos, until);
+  for (const std::string& next : {at_once, later}) {
+    ResumeChanges changes;
+    changes.scene = told_file(folder, "next.toml", next).string();
+    const Captured refused = told_by([&] { return command_resume(run.out, run, changes); });
+    CHECK(refused.code == exit_usage);
+    CHECK_THAT(refused.err, Catch::Contains("unknown component 'kinetc' of the measure 'e'"));
+  }
+  ResumeChanges changes;
+  changes.overrides = {"bounds.measure=[{ measure = \"e\", component = \"kinetc\", below = 1.0 }]"};
+  run.until = 0.05;
+  const Captured refused = told_by([&] { return command_resume(run.out, run, changes); });
+  CHECK(refused.code == exit_usage);
+  CHECK_THAT(refused.err, Catch::Contains("unknown component 'kinetc'"));
+  changes.overrides = {"contact.friction=0.1"};  // the folder is as it was
+  CHECK(told_by([&] { return command_resume(run.out, run, changes); }).code == exit_done);
+}
