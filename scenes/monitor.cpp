@@ -58,6 +58,7 @@ RunMonitor::RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bod
       shapes_(shapes),
       steps_(setup.steps),
       interval_(std::max<std::uint64_t>(1, setup.interval)),
+      way_to_balance_(setup.way_to_balance),
       least_radius_(setup.least_radius),
       warnings_(warnings) {
   watches_balance_ = std::ranges::none_of(bounds_, [](const BoundSpec& b) { return b.quantity == "energy_error"; });
@@ -169,8 +170,9 @@ void RunMonitor::watch_energy(const StepView& view) {
   energy_.look(view);
   const WatchedBalance::Finding& open = energy_.finding();
   if (!open.told) return;
+  const std::string way = way_to_balance_.empty() ? "" : "; " + way_to_balance_;
   warnings_.add({.kind = "energy",
-                 .text = balance_text(open, view.ledger.last()),
+                 .text = balance_text(open, view.ledger.last()) + way,
                  .first_step = view.step,
                  .first_time = view.world.time,
                  .value = open.share});

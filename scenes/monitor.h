@@ -36,7 +36,8 @@ class RunMonitor final : public Observer {
   /// bound_bodies: of [bounds], then of [accuracy].
   struct Setup {
     std::uint64_t steps = 0, interval = 1;
-    double least_radius = 0.0;  ///< of all bodies that are there or come later [m]: spares most radii
+    double least_radius = 0.0;     ///< of all bodies that are there or come later [m]: spares most radii
+    std::string way_to_balance{};  ///< what to write where the law alone may open the energy balance; "": it cannot
   };
   RunMonitor(const Scene& scene, const std::vector<BodyIds>& bound_bodies, const ShapeStore& shapes, const Setup& setup,
              Warnings& warnings);
@@ -105,6 +106,7 @@ class RunMonitor final : public Observer {
   std::optional<BoundCheck> balance_;  ///< the energy balance, where it has opened beyond what any run may show
   const ShapeStore& shapes_;
   std::uint64_t steps_, interval_;
+  std::string way_to_balance_;
   double least_radius_;
   Warnings& warnings_;
   bool watches_balance_;  ///< the scene sets no bound of its own on the energy error

@@ -4,26 +4,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace epafi {
 
 namespace {
 
+/// The largest free body.
 struct Largest {
-  double radius = 0.0, density = 0.0;  ///< of the largest free body [m], [kg/m^3]
+  double radius = 0.0, density = 0.0;  ///< [m], [kg/m^3]
+  std::string name;                    ///< for messages
 };
 
 Largest largest_body(const Assembly& a) {
   Largest out;
-  const auto look = [&](std::uint32_t shape, double mass) {
+  const auto look = [&](std::uint32_t shape, double mass, const auto& name) {
     const double r = a.shapes->bounding_radius({shape});
-    if (r > out.radius) out = {r, mass / (4.0 / 3.0 * 3.14159265358979323846 * r * r * r)};
+    if (r > out.radius) out = {r, mass / (4.0 / 3.0 * 3.14159265358979323846 * r * r * r), name()};
   };
   const World& w = a.simulation->world;
   for (Slot s = 0; s < w.size(); ++s)
-    if (w.is_movable(s)) look(w.shape[s], 1.0 / w.inverse_mass[s]);
+    if (w.is_movable(s)) look(w.shape[s], 1.0 / w.inverse_mass[s], [&] { return "'" + body_name(a, w.id[s]) + "'"; });
   for (const auto* source : a.sources)
-    for (const auto& b : source->setup().bodies) look(b.body.shape, b.body.mass);
+    for (const auto& b : source->setup().bodies)
+      look(b.body.shape, b.body.mass, [] { return std::string("a body that is poured"); });
   return out;
 }
 
@@ -57,10 +61,12 @@ void add_cell(Assembly& a) {
   const Largest largest = largest_body(a);
   for (int k = 0; k < 3; ++k)
     if (spec.cell.repeats[static_cast<std::size_t>(k)] && spec.cell.size[k] < 4 * largest.radius)
-      throw SceneError(fmt::format("[world] domain: {:g} m along {} is less than two diameters of the largest body "
-                                   "({:g} m): it would meet its own image",
-                                   spec.cell.size[k], "xyz"[k], 2 * largest.radius),
-                       spec.place);
+      throw SceneError(
+          fmt::format("[world] domain: {:g} m along {}, where it repeats, is less than two diameters of the largest "
+                      "free body ({}, {:g} m across): it may be near two images of another one at once; make the "
+                      "domain {:g} m wide or more and repeat what is in it, or the body smaller",
+                      spec.cell.size[k], "xyz"[k], largest.name, 2 * largest.radius, 4 * largest.radius),
+          spec.place);
   if (spec.deforms && a.scene.contact.method.value == Method::nonsmooth)
     throw SceneError("[world] domain: strain_rate and pressure work with contact.method = \"smooth\"", spec.place);
   check_walls(a);

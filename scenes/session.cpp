@@ -1,4 +1,5 @@
 #include "scenes/session.h"
+#include "scenes/law_potential.h"
 
 #include <fmt/format.h>
 
@@ -176,7 +177,8 @@ void Session::add_observers() {
   for (const auto& b : scene.accuracy) bound_bodies.push_back(assembly_->ids(b.bodies));
   const std::uint64_t frame_every = steps_of(scene.run.output_interval.value, dt);
   const std::uint64_t first = record_.stages.back().first_step;
-  const RunMonitor::Setup setup{last_step(), std::min<std::uint64_t>(50, frame_every), least_radius(*assembly_)};
+  const RunMonitor::Setup setup{last_step(), std::min<std::uint64_t>(50, frame_every), least_radius(*assembly_),
+                                way_to_a_potential(*assembly_)};
   auto monitor = std::make_unique<RunMonitor>(scene, bound_bodies, *assembly_->shapes, setup, sim.warnings);
   monitor->read_measures([this](const Condition& c) { return last_value(c); });
   monitor_ = monitor.get();

@@ -23,12 +23,31 @@ ConvexRef ref_of_a_point() {
   return {nullptr, [](const void*, const Vec3&) { return Vec3(Vec3::Zero()); }, 0.0};
 }
 
+/// Collects normals of sides and keeps the one nearest to a direction.
+class NearestNormal {
+ public:
+  explicit NearestNormal(const Vec3& normal) : given_(normal), best_(normal) {}
+  void see(const Vec3& n) {
+    const double cosine = n.dot(given_);
+    if (!(cosine > most_)) return;
+    most_ = cosine;
+    best_ = n;
+  }
+  const Vec3& best() const { return best_; }
+  bool is_best(const Vec3& n) const { return n.dot(best_) > 1.0 - 1e-9; }
+
+ private:
+  Vec3 given_, best_;
+  double most_ = std::sqrt(1.0 - facing_sine * facing_sine);
+};
+
 /// What seams ask of a shape; of one that is no wall with flat faces nothing.
 template <class S>
 struct Piece {
   static constexpr bool flat = false;
   static double distance(const S&, const Vec3&, double) { return infinity; }
   static bool beyond(const S&, const Vec3&, const Vec3&, double) { return false; }
+  static Vec3 side_normal(const S&, const Vec3&, const Vec3& normal, double) { return normal; }
 };
 
 template <PolyhedralShape S>
@@ -46,6 +65,16 @@ struct Piece<S> {
   static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
     return reaches_beyond(s, point, normal, near);
   }
+  static Vec3 side_normal(const S& s, const Vec3& point, const Vec3& normal, double near) {
+    const PolyhedronView view = s.view();
+    NearestNormal nearest(normal);
+    for (const Vec3& n : view.face_normals) nearest.see(n);
+    for (std::size_t k = 0; k < view.face_normals.size(); ++k) {
+      const double height = view.face_normals[k].dot(point) - view.face_offsets[k] - s.rounding();
+      if (height > -near && !nearest.is_best(view.face_normals[k])) return normal;
+    }
+    return nearest.best();
+  }
 };
 
 template <FlatConvex S>
@@ -60,6 +89,20 @@ requires(!PolyhedralShape<S>) struct Piece<S> {
   static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
     return reaches_beyond(s, point, normal, near);
   }
+  static Vec3 side_normal(const S& s, const Vec3& point, const Vec3& normal, double near) {
+    const FlatSide side = s.facing(normal);
+    if (side.count < 2) return normal;
+    const Vec3 along = (side.corner[1] - side.corner[0]).normalized();
+    if (side.count == 2) {
+      const double at = along.dot(point - side.corner[0]), length = along.dot(side.corner[1] - side.corner[0]);
+      return at > near && at < length - near ? Vec3((normal - normal.dot(along) * along).normalized()) : normal;
+    }
+    Vec3 n = along.cross(side.corner[2] - side.corner[0]).normalized(), middle = Vec3::Zero();
+    for (int k = 0; k < side.count; ++k) middle += side.corner[static_cast<std::size_t>(k)] / side.count;
+    if (n.dot(normal) < 0.0) n = -n;
+    const Vec3 out = point - middle;  // of a round end
+    return (out - n.dot(out) * n).norm() < (side.corner[0] - middle).norm() - near ? n : normal;
+  }
 };
 
 template <>
@@ -69,6 +112,11 @@ struct Piece<HalfSpace> {
   static bool beyond(const HalfSpace& s, const Vec3&, const Vec3& normal, double) {
     return s.normal.dot(normal) < 1.0 - 1e-12;
   }
+  static Vec3 side_normal(const HalfSpace& s, const Vec3&, const Vec3& normal, double) {
+    NearestNormal nearest(normal);
+    nearest.see(s.normal);
+    return nearest.best();
+  }
 };
 
 template <>
@@ -76,15 +124,26 @@ struct Piece<TriangleMesh> {
   static constexpr bool flat = true;
   static double distance(const TriangleMesh& s, const Vec3& point, double near) {
     double least = infinity;
-    each_near(s, point, near, [&](const std::array<Vec3, 3>&, double distance) { least = std::min(least, distance); });
+    each_near(s, point, near, [&](std::uint32_t, double distance) { least = std::min(least, distance); });
     return least;
   }
   static bool beyond(const TriangleMesh& s, const Vec3& point, const Vec3& normal, double near) {
     bool any = false;
-    each_near(s, point, near, [&](const std::array<Vec3, 3>& corners, double) {
-      for (const Vec3& corner : corners) any = any || normal.dot(corner - point) > near;
+    each_near(s, point, near, [&](std::uint32_t t, double) {
+      for (const Vec3& corner : s.corners(t)) any = any || normal.dot(corner - point) > near;
     });
     return any;
+  }
+  static Vec3 side_normal(const TriangleMesh& s, const Vec3& point, const Vec3& normal, double near) {
+    NearestNormal nearest(normal);
+    bool inside = true;
+    each_near(s, point, near, [&](std::uint32_t t, double) {
+      nearest.see(s.normals[t].dot(normal) < 0.0 ? Vec3(-s.normals[t]) : s.normals[t]);
+      const auto corners = s.corners(t);
+      for (std::size_t k = 0; k < 3; ++k)
+        inside = inside && (s.edge_kinds[t][k] == EdgeKind::flat || s.inward[t][k].dot(point - corners[k]) > near);
+    });
+    return inside ? nearest.best() : normal;
   }
 
  private:
@@ -95,7 +154,7 @@ struct Piece<TriangleMesh> {
     s.query(Aabb{point, point}.fattened(near), triangles);
     for (const std::uint32_t t : triangles) {
       const double distance = nearest_on_triangle(point, s.corners(t)).distance;
-      if (distance <= near) f(s.corners(t), distance);
+      if (distance <= near) f(t, distance);
     }
   }
 };
@@ -106,6 +165,7 @@ template <HollowShape S>
 struct Piece<S> {
   static constexpr bool flat = true;
   static double distance(const S& s, const Vec3& point, double) { return s.wall.distance(point); }
+  static Vec3 side_normal(const S&, const Vec3&, const Vec3& normal, double) { return normal; }
   static bool beyond(const S& s, const Vec3& point, const Vec3& normal, double near) {
     const HollowWall& wall = s.wall;
     const double radius = std::sqrt(point.x() * point.x() + point.y() * point.y());
@@ -158,6 +218,10 @@ struct Piece<S> {
   static bool beyond(const S& s, std::size_t k, const Vec3& point, const Vec3& normal, double near) {
     return Of::beyond(s.part(k), point - s.part_pose(k, Pose{}).position, normal, near);
   }
+  static Vec3 side_normal(const S&, const Vec3&, const Vec3& normal, double) { return normal; }
+  static Vec3 side_normal(const S& s, std::size_t k, const Vec3& point, const Vec3& normal, double near) {
+    return Of::side_normal(s.part(k), point - s.part_pose(k, Pose{}).position, normal, near);
+  }
 };
 
 }  // namespace
@@ -189,6 +253,16 @@ bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& p
       if (piece.part != WallPiece::whole) return Piece<S>::beyond(s, piece.part, local, direction, near);
     return Piece<S>::beyond(s, local, direction, near);
   });
+}
+
+Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near) {
+  const Vec3 local = piece.pose.to_local(point), direction = piece.pose.orientation.conjugate() * normal;
+  const Vec3 found = shapes.with(piece.shape, [&]<class S>(const S& s) {
+    if constexpr (FlatParts<S>)
+      if (piece.part != WallPiece::whole) return Piece<S>::side_normal(s, piece.part, local, direction, near);
+    return Piece<S>::side_normal(s, local, direction, near);
+  });
+  return piece.pose.orientation * found;
 }
 
 }  // namespace epafi

@@ -32,4 +32,9 @@ inline bool is_on(const ShapeStore& shapes, const WallPiece& piece, const Vec3& 
 /// `near` [m]: of convex bodies anything, of solids the parts on which the point is, of meshes the triangles.
 bool goes_beyond(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
 
+/// The normal (unit, world axes) of the flat or straight side inside of which `point` lies, by more than `near` [m]
+/// from its edges, where that is turned from `normal` by less than facing_sine; else `normal` itself. Where a body lies
+/// flat its own face may say the normal of the contact, and that leans as the body does.
+Vec3 side_normal(const ShapeStore& shapes, const WallPiece& piece, const Vec3& point, const Vec3& normal, double near);
+
 }  // namespace epafi

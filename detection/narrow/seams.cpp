@@ -172,6 +172,11 @@ Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts
     c.point = point;
     c.piece.part = piece.part;
     c.on_wall = true;
+    const Vec3 n = side_normal(shapes_, piece, point, c.normal, c.near);
+    // the point of a round end stands for its rim, and may be in the wall
+    const double height = distance_to(shapes_, piece, point, c.near);
+    if (n != c.normal && height < -c.near && height > -2.0 * c.near - out) c.point -= height * n;
+    c.normal = n;
     break;
   }
   return c;
@@ -182,8 +187,11 @@ WallPiece Seams::piece_at(const Candidate& c, const Vec3& point) const {
   WallPiece piece{c.piece.shape, c.piece.pose};
   const std::size_t parts = part_count(shapes_, piece.shape);
   if (parts < 2) return piece;
-  for (piece.part = 0; piece.part < parts; ++piece.part)
-    if (is_on(shapes_, piece, point, c.near) && !goes_beyond(shapes_, piece, point, c.normal, c.near)) return piece;
+  for (piece.part = 0; piece.part < parts; ++piece.part) {
+    if (!is_on(shapes_, piece, point, c.near)) continue;
+    const Vec3 normal = side_normal(shapes_, piece, point, c.normal, c.near);
+    if (!goes_beyond(shapes_, piece, point, normal, c.near)) return piece;
+  }
   return {c.piece.shape, c.piece.pose};
 }
 
@@ -240,39 +248,51 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
   if (!beyond && comes_first(c, other)) return false;
   const Vec3 centre = centre_of_body(world, contacts, c);
   const auto [begin, end] = pair_range(world, contacts, other.wall, c.body);
+  double deepest = 0.0;  // the body may lean: where it has the wall it is not as deep as at the point
+  for (std::size_t k = begin; k < end; ++k) deepest = std::max(deepest, -contacts.gap[k]);
+  const double deep = c.near + deepest;
   for (std::size_t k = begin; k < end; ++k) {
-    if (k == c.contact) continue;
+    if (k == c.contact || hidden_[k] != 0) continue;
     const Candidate held = candidate(world, contacts, k, contacts.b[k] == other.wall);
     if (other.piece.part != WallPiece::whole && held.piece.part != other.piece.part) continue;
     if ((centre_of_body(world, contacts, held) + other.shift - centre).norm() > c.near) continue;  // of another image
-    const double deep = c.near + std::max(0.0, -contacts.gap[k]);
     if (!beyond && same_direction(held.normal, c.normal) && (held.point + other.shift - c.point).norm() <= deep)
       return true;
-    if (beyond && !goes_beyond(shapes_, other.piece, c.point, held.normal, deep) &&
-        !goes_beyond(shapes_, c.piece, c.point, held.normal, deep))
+    // several points: the body lies on it, and may lean; at the wall's edges too its side says the normal
+    const bool flat = end - begin > 1 && held.on_wall;
+    const Vec3 n = flat ? side_normal(shapes_, held.piece, held.point, held.normal, -infinity) : held.normal;
+    if (beyond && !goes_beyond(shapes_, other.piece, c.point, n, deep) &&
+        !goes_beyond(shapes_, c.piece, c.point, n, deep))
       return true;
   }
   return false;
 }
 
 /// Points of one normal stand or go together. They stand where one that is not hidden has a normal of its wall: a box
-/// that slides over a seam keeps the corners that it has on it. Else they are those of an edge, which the neighbour
-/// has.
-void Seams::decide_faces(const World& world, const ContactSet& contacts) {
+/// that slides over a seam keeps the corners that it has on it, with the wall's normal where its own face said one.
+/// Else they are those of an edge, which the neighbour has.
+void Seams::decide_faces(const World& world, ContactSet& contacts) {
   for (const Candidate& c : candidates_) {
-    if (hidden_[c.contact] != 1) continue;
+    if (hidden_[c.contact] == 2) continue;
     std::size_t begin = c.contact, end = c.contact;
     while (begin > 0 && same_pair(contacts, begin - 1, c.contact)) --begin;
     while (end < contacts.size() && same_pair(contacts, end, c.contact)) ++end;
-    const auto of_face = [&](std::size_t i) { return same_direction(contacts.normal[i], contacts.normal[c.contact]); };
-    bool stands = false;
-    for (std::size_t i = begin; i < end && !stands; ++i) {
-      if (hidden_[i] != 0 || !of_face(i)) continue;
+    const Vec3 of_group = contacts.normal[c.contact];
+    const auto of_face = [&](std::size_t i) { return same_direction(contacts.normal[i], of_group); };
+    bool stands = false, some_hidden = false;
+    Vec3 normal = of_group;
+    for (std::size_t i = begin; i < end; ++i) {
+      some_hidden = some_hidden || (hidden_[i] != 0 && of_face(i));
+      if (stands || hidden_[i] != 0 || !of_face(i)) continue;
       const Candidate other = candidate(world, contacts, i, c.wall_is_b);
       stands = !other.on_wall || !goes_beyond(shapes_, other.piece, other.point, other.normal, other.near);
+      if (stands && other.on_wall) normal = c.wall_is_b ? Vec3(-other.normal) : other.normal;
     }
-    for (std::size_t i = begin; i < end; ++i)
-      if (of_face(i)) hidden_[i] = stands ? 0 : 2;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!of_face(i)) continue;
+      if (some_hidden) hidden_[i] = stands ? 0 : 2;
+      contacts.normal[i] = normal;
+    }
   }
   for (std::uint8_t& h : hidden_) h = h != 0;
 }

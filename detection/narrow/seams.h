@@ -78,7 +78,7 @@ class Seams {
   bool holds_instead(const World& world, const ContactSet& contacts, const Candidate& c, const Other& other) const;
   static bool comes_first(const Candidate& c, const Other& other);
   static Vec3 centre_of_body(const World& world, const ContactSet& contacts, const Candidate& c);
-  void decide_faces(const World& world, const ContactSet& contacts);
+  void decide_faces(const World& world, ContactSet& contacts);
 
   const ShapeStore& shapes_;
   std::vector<Wall> walls_;                  ///< ascending slots

@@ -9,6 +9,7 @@
 #include "detection/aabb.h"
 #include "detection/mass_properties.h"
 #include "detection/narrow/polyhedra/clipped_solid.h"
+#include "detection/shapes/surface_crossing.h"
 
 namespace epafi {
 namespace {
@@ -237,11 +238,20 @@ bool may_join(const ConvexPart& a, const ConvexPart& b, double tolerance) {
   return beyond;
 }
 
+Aabb box_of(const ConvexPart& part) {
+  Aabb box;
+  for (const Vec3& v : part.surface.vertices) box.include(v);
+  return box;
+}
+
 /// Joins pairs whose hull has no more volume than they have, until there are none. tolerance: of corners to planes [m].
 void join(std::vector<ConvexPart>& parts, double tolerance) {
+  std::vector<Aabb> boxes;
+  for (const ConvexPart& part : parts) boxes.push_back(box_of(part).fattened(4.0 * tolerance));
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (std::size_t j = 0; j < parts.size(); ++j) {
-      if (i == j || !may_join(parts[i], parts[j], tolerance) || !may_join(parts[j], parts[i], tolerance)) continue;
+      if (i == j || !boxes[i].overlaps(boxes[j])) continue;
+      if (!may_join(parts[i], parts[j], tolerance) || !may_join(parts[j], parts[i], tolerance)) continue;
       auto points = parts[i].surface.vertices;
       points.insert(points.end(), parts[j].surface.vertices.begin(), parts[j].surface.vertices.end());
       auto both = hull_of(points, 0.25 * tolerance, 0.0);
@@ -250,10 +260,24 @@ void join(std::vector<ConvexPart>& parts, double tolerance) {
       for (const Vec3& v : points) box.include(v);
       if (!both || both->volume > sum * (1 + same_volume) + tolerance * box.extent().squaredNorm()) continue;
       parts[i] = std::move(*both);
+      boxes[i] = box_of(parts[i]).fattened(4.0 * tolerance);
       parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(j));
+      boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(j));
       if (j < i) --i;
       j = std::size_t(-1);  // what grew may join what it could not before
     }
+}
+
+constexpr const char* ways_out = "mend it in a mesh editor, or write polyhedron = { file = ... } for its convex hull";
+
+/// Refuses a surface that goes through itself. slack: as in find_crossings().
+void refuse_crossings(const TriangleSurface& surface, double slack, const Place& place) {
+  const SurfaceCrossings c = find_crossings(surface, slack);
+  if (c.triangles == 0) return;
+  throw SceneError(fmt::format("the surface crosses itself: {} of its {} triangles go through others, the first at "
+                               "({:.6g}, {:.6g}, {:.6g}) m; {}",
+                               c.triangles, surface.triangles.size(), c.first.x(), c.first.y(), c.first.z(), ways_out),
+                   place);
 }
 
 }  // namespace
@@ -263,6 +287,7 @@ std::vector<ConvexPart> convex_parts(const JoinedSurface& joined, double precisi
   Aabb box;
   for (const Vec3& v : joined.surface.vertices) box.include(v);
   const double size = box.extent().norm(), tolerance = std::max(4.0 * precision, rounding * size);
+  refuse_crossings(joined.surface, joined.report.tolerance, place);
   const CellCutter cutter(joined, tolerance);
   if (!cutter.is_complete)
     throw SceneError(fmt::format("the surface takes more than {} cuts to convex parts; simplify it, or write "
@@ -276,13 +301,13 @@ std::vector<ConvexPart> convex_parts(const JoinedSurface& joined, double precisi
       sum += part->volume;
       parts.push_back(std::move(*part));
     }
-  if (!(std::abs(sum - volume) <= same_volume * volume + tolerance * size * size))
-    throw SceneError(
-        fmt::format(
-            "the surface cannot be cut into convex parts: they hold {:.6g} of {:.6g} m^3. It crosses or touches "
-            "itself; mend it in a mesh editor, or write polyhedron = {{ file = ... }} for its convex hull",
-            sum, volume),
-        place);
+  if (!(std::abs(sum - volume) <= same_volume * volume + tolerance * size * size)) {
+    refuse_crossings(joined.surface, -tolerance, place);
+    throw SceneError(fmt::format("the surface cannot be cut into convex parts: they hold {:.6g} of {:.6g} m^3. It "
+                                 "touches itself or encloses a part twice; {}",
+                                 sum, volume, ways_out),
+                     place);
+  }
   join(parts, tolerance);
   return parts;
 }

@@ -6,6 +6,7 @@
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/superquadric.h"
 #include "tests/detection/mesh_floors.h"
+#include "tests/support/polyhedra.h"
 
 using namespace epafi;
 using namespace epafi::testing;
@@ -361,6 +362,33 @@ TEST_CASE("a box in slight contact with a box of triangles is pushed apart as th
   // A triangle knows nothing of the solid behind it: where a contact is nearer to a corner than it is deep, the
   // direction may be off by degrees. With 1e-5 deep and bodies of 0.3 that is 1 case of 300 here.
   CHECK(certified >= 299);
+}
+
+TEST_CASE("hulls deep in a triangulated floor touch it as the plane: with all corners below, not those of one face",
+          "[detection][mesh-pairs]") {
+  Random random(63, 0);
+  for (const auto joints : {Joints::shared, Joints::loose, Joints::staggered}) {
+    for (const std::uint32_t n : {2u, 10u}) {
+      const TriangleMesh mesh = TriangleMesh::from_surface(floor_surface(random, n, joints));
+      const Pose at{random_point(random), random_turn(random)};
+      int several = 0;
+      for (int k = 0; k < 200; ++k) {
+        const ConvexHull hull = support::random_hull(random, 8 + random.bits() % 24, Vec3::Constant(0.2));
+        const Quat turn = random_turn(random);
+        double lowest = 0.0;
+        for (const Vec3& v : hull.vertices) lowest = std::min(lowest, (turn * v).z());
+        const double depth = std::pow(10.0, random.uniform(-4, -0.7)) * hull.radius;
+        const Pose in_mesh{Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), -lowest - depth), turn};
+        const Pose body{at.to_world(in_mesh.position), at.orientation * turn};
+        const ContactSet found = contacts_with(hull, body, mesh, at),
+                         expected = contacts_closed(hull, body, HalfSpace{}, at);
+        several += expected.size() > 1;
+        check_same_contacts(found, expected, 1e-9);
+        check_distinct_features(found);
+      }
+      CHECK(several > 15);
+    }
+  }
 }
 
 TEST_CASE("cylinders and ellipsoids on a triangulated floor see the plane", "[detection][mesh-pairs]") {

@@ -212,6 +212,94 @@ TEST_CASE("a floor as wide as a periodic cell, or wider, is met once", "[detecti
   }
 }
 
+TEST_CASE("flat bodies on a floor of any width, its images over each other, stand as on one plane",
+          "[detection][seams]") {
+  Random random(14, 0);
+  for (int k = 0; k < 300; ++k) {
+    Setting s(random);
+    s.frame = {};
+    const double wide = k % 5 == 0 ? 1.0 : random.uniform(1.0, 6.0);
+    PeriodicCell cell;
+    cell.size = Vec3(1, 1, 1);
+    cell.repeats = {true, true, false};
+    s.world.cell = cell;
+    s.add(block(Vec3(wide, wide, 0.1)), {Vec3(random.uniform(), random.uniform(), -0.05), Quat(1, 0, 0, 0)});
+    const double tilt = k % 4 == 0 ? 0.0 : std::pow(10.0, random.uniform(-12, -2));
+    const Quat turn = Quat(Eigen::AngleAxisd(tilt, testing::random_direction(random))) *
+                      Quat(Eigen::AngleAxisd(random.uniform(0, 2 * testing::pi), Vec3::UnitZ()));
+    const double depth = std::pow(10.0, random.uniform(-7, -2.5)), x = random.uniform(), y = random.uniform();
+    if (k % 2 == 0) {
+      const Cylinder body(0.08, 0.16);
+      s.add_body(body, pressed(body, turn, x, y, depth));
+    } else {
+      const Box body = block(Vec3(0.18, 0.14, 0.16));
+      s.add_body(body, pressed(body, turn, x, y, depth));
+    }
+    PairList list;
+    for (const int i : {0, -1, 1})
+      for (const int j : {0, -1, 1}) list.pairs.push_back({0, 1, image_code(i, j, 0) | image_code(i, j, 0) << 8});
+    list.generation = 1;
+    BatchNarrowPhase narrow(s.shapes, 0.0, false);
+    narrow.join_walls();
+    ContactSet found;
+    narrow.collide(s.world, list, found);
+    INFO("draw " << k << ", width " << wide << ", tilt " << tilt << ", depth " << depth << ", at " << x << " " << y
+                 << ", floor at " << s.world.position[0].transpose());
+    CHECK_THAT(deepest(found), WithinAbs(depth, 1e-9));
+    for (const Vec3& n : found.normal) CHECK(n.dot(Vec3::UnitZ()) > 1.0 - 1e-9);
+  }
+}
+
+TEST_CASE("flat bodies that lean a little stand over the seams of tiles as on one plate", "[detection][seams]") {
+  Random random(15, 0);
+  for (int k = 0; k < 400; ++k) {
+    Setting tiles(random), plate(random);
+    plate.frame = tiles.frame;
+    add_floor(tiles, 4, 0.1);
+    add_floor(plate, 1, 0.1);
+    const double tilt = std::pow(10.0, random.uniform(-9, -1.5)), yaw = random.uniform(0, 2 * testing::pi);
+    const Quat turn =
+        Quat(Eigen::AngleAxisd(tilt, testing::random_direction(random))) * Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()));
+    // from an edge or corner that touches to a face that is in as a whole
+    const double depth = random.uniform(0.01, 2.0) * 0.2 * tilt;
+    const double x = 0.5 * static_cast<double>(random.bits() % 3) - 0.5 + random.uniform(-0.12, 0.12);
+    const auto stands = [&](const auto& body) {
+      for (Setting* s : {&tiles, &plate}) s->add_body(body, pressed(body, turn, x, 0.1, depth));
+    };
+    if (k % 2 == 0)
+      stands(block(Vec3(0.2, 0.16, 0.1)));
+    else
+      stands(Cylinder(0.1, 0.1));
+    const ContactSet found = tiles.contacts(), expected = plate.contacts();
+    INFO("draw " << k << ", tilt " << tilt << ", depth " << depth << ", x " << x);
+    REQUIRE(expected.size() > 0);
+    if (k % 2 == 0)
+      CHECK_THAT(deepest(found), WithinAbs(deepest(expected), 1e-5 * 0.1));
+    else  // of a round end that hangs over a seam the deepest point may be left out: 3 of 100 draws, 0.5 of the depth
+      CHECK(deepest(found) >= 0.5 * deepest(expected));
+    for (const Vec3& n : found.normal) CHECK(n.dot(tiles.up()) > 0.99);
+  }
+}
+
+TEST_CASE("a box that leans is not stopped where its front comes over the next tile by less than it is deep",
+          "[detection][seams]") {
+  Random random(16, 0);
+  for (int k = 0; k < 400; ++k) {
+    Setting s(random);
+    add_floor(s, 4, 0.1);
+    const double pitch = (k % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, random.uniform(-9, -3));
+    const double depth = std::pow(10.0, random.uniform(-6, -3)), ahead = std::pow(10.0, random.uniform(-8, -3));
+    const Quat turn(Eigen::AngleAxisd(pitch, Vec3::UnitY()));
+    const Box body = block(Vec3(0.2, 0.16, 0.1));
+    const double front = (turn * Vec3(0.1, 0, -0.05)).x();
+    s.add_body(body, pressed(body, turn, ahead - front, random.uniform(-0.5, 0.5), depth));
+    const ContactSet found = s.contacts();
+    INFO("draw " << k << ", pitch " << pitch << ", depth " << depth << ", ahead " << ahead);
+    for (const Vec3& n : found.normal) REQUIRE(n.dot(s.up()) > 0.99);
+    CHECK_THAT(deepest(found), WithinAbs(depth, 2e-6));
+  }
+}
+
 TEST_CASE("the parts of a solid are one surface, for what slides on it and for itself", "[detection][seams]") {
   Random random(13, 0);
   for (int k = 0; k < 100; ++k) {

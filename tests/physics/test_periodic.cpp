@@ -263,5 +263,6 @@ TEST_CASE("a periodic cell refuses what cannot repeat in it", "[physics][periodi
   CHECK_THAT(refusal("periodic = [\"x\"]",
                      "[[body]]\nname = \"big\"\nmaterial = \"m\"\nshape = { sphere = { radius = 0.3 } }\nposition = "
                      "[0, 0, 0.9]\n"),
-             Catch::Contains("its own image"));
+             Catch::Contains("less than two diameters of the largest free body ('big', 0.6 m across)") &&
+                 Catch::Contains("make the domain 1.2 m wide or more"));
 }

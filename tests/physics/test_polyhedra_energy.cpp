@@ -1,6 +1,7 @@
 // Polyhedra under smooth contact: what the law of overlap volumes keeps of the energy, and what springs at points do
 // not.
 #include "scenes/contact_setup.h"
+#include "scenes/law_potential.h"
 #include "tests/support/catch.h"
 #include "tests/support/scene_run.h"
 
@@ -36,6 +37,37 @@ TEST_CASE("the overlap-volume law refuses shapes without sharp faces by name", "
   };
   CHECK_THAT(message("shape.stone.rounding=1e-3"),
              Catch::Contains("needs sharp polyhedra") && Catch::Contains("not a rounded polyhedron"));
+}
+
+TEST_CASE("elastic bodies with flat sides under a law without a potential are warned of, others are not",
+          "[physics][polyhedra][errors]") {
+  const auto warned = [](const std::vector<std::string>& overrides) {
+    const SceneRun run =
+        prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml", overrides);
+    const auto& all = run.assembly->warnings;
+    return std::any_of(all.begin(), all.end(), [](const Problem& p) {
+      return p.text.find(
+                 "has no potential where polyhedra or cylinders meet each other; write law = "
+                 "\"overlap-volume\"") != std::string::npos;
+    });
+  };
+  for (const std::string law : {"hertz", "hertz-mindlin", "tsuji"}) {
+    const std::string use = "contact.smooth.law=" + law;
+    CHECK(warned({use}));
+    CHECK_FALSE(warned({use, "contact.restitution=0.5"}));
+    CHECK_FALSE(warned({use, "contact.method=nonsmooth"}));
+    CHECK_FALSE(warned({use, "body.s.fixed=true", "body.s.velocity=[0,0,0]"}));  // nothing that moves meets another
+  }
+  CHECK_FALSE(warned({}));
+}
+
+TEST_CASE("what to write for a potential is known to the watch over the balance", "[physics][polyhedra][errors]") {
+  SceneRun run = prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml",
+                               {"contact.smooth.law=hertz"});
+  CHECK_THAT(way_to_a_potential(*run.assembly), Catch::Contains("law 'hertz' has no potential"));
+  SceneRun with_potential =
+      prepare_scene(std::string(EPAFI_SOURCE_DIR) + "/tests/data/scenes/elastic_polyhedra.toml", {});
+  CHECK(way_to_a_potential(*with_potential.assembly).empty());
 }
 
 TEST_CASE("restitution below critical damping acts as that of critical damping, said so",

@@ -8,6 +8,7 @@
 #include "detection/shapes/rounded_shapes.h"
 #include "engine/units/random.h"
 #include "tests/support/catch.h"
+#include "tests/support/random_geometry.h"
 #include "tests/support/scene_run.h"
 
 using namespace epafi;
@@ -226,7 +227,72 @@ TEST_CASE("a surface that is open or crosses itself is refused with the reason",
   TriangleSurface crossed = angle_bracket();
   for (std::uint32_t k : {3u, 9u})
     crossed.vertices[k] += Vec3(-2.5, 0, 0);  // the inner corner leaves through the far side
-  CHECK_THROWS_WITH(place_solid(crossed), Catch::Contains("cannot be cut into convex parts"));
+  CHECK_THROWS_WITH(place_solid(crossed), Catch::Contains("the surface crosses itself: ") &&
+                                              Catch::Contains("go through others, the first at (") &&
+                                              Catch::Contains("mend it in a mesh editor"));
+}
+
+namespace {
+
+/// A ball of triangles; a random part of its corners is displaced, swapped or drawn through the far side.
+TriangleSurface spoilt_ball(Random& random) {
+  const auto n = static_cast<std::uint32_t>(4 + random.bits() % 12), m = n / 2 + 2;
+  TriangleSurface s;
+  s.vertices = {Vec3(0, 0, -1), Vec3(0, 0, 1)};
+  for (std::uint32_t j = 1; j < m; ++j)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double u = 2 * testing::pi * i / n, w = testing::pi * j / m;
+      s.vertices.emplace_back(std::sin(w) * std::cos(u), std::sin(w) * std::sin(u), -std::cos(w));
+    }
+  const auto at = [&](std::uint32_t j, std::uint32_t i) { return 2 + (j - 1) * n + i % n; };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    s.triangles.push_back({0, at(1, i + 1), at(1, i)});
+    s.triangles.push_back({1, at(m - 1, i), at(m - 1, i + 1)});
+    for (std::uint32_t j = 1; j + 1 < m; ++j) {
+      s.triangles.push_back({at(j, i), at(j, i + 1), at(j + 1, i + 1)});
+      s.triangles.push_back({at(j, i), at(j + 1, i + 1), at(j + 1, i)});
+    }
+  }
+  const auto one = [&]() -> Vec3& { return s.vertices[random.bits() % s.vertices.size()]; };
+  const int kind = static_cast<int>(random.bits() % 3);
+  const double amount = std::pow(10.0, random.uniform(-2, 0));
+  if (kind == 0)
+    for (Vec3& v : s.vertices) v += amount * testing::random_point(random);
+  for (int k = 0; kind == 1 && k < 3; ++k) std::swap(one(), one());
+  if (kind == 2) {
+    Vec3& v = one();
+    v = -random.uniform(1.2, 3.0) * v;
+  }
+  return testing::moved(std::move(s), testing::random_turn(random), 3.0 * testing::random_point(random));
+}
+
+}  // namespace
+
+TEST_CASE("a random closed surface is taken whole or refused with the place", "[physics][solids]") {
+  Random random(31, 0);
+  int taken = 0, refused = 0;
+  for (int k = 0; k < 60; ++k) {
+    const TriangleSurface s = spoilt_ball(random);
+    const double exact = std::abs(surface_mass_properties(s).mass);
+    try {
+      const PlacedSolid placed = place_solid(s);
+      double sum = 0;
+      for (const auto& part : placed.solid.parts) sum += part.hull.volume;
+      CHECK(sum == Approx(exact).epsilon(1e-8));
+      int differ = 0;
+      for (int i = 0; i < 200; ++i) {
+        const Vec3 x = 2.0 * testing::random_point(random);
+        differ += is_inside(placed.solid.surface, x) != is_inside(placed.solid, x);
+      }
+      CHECK(differ == 0);
+      ++taken;
+    } catch (const SceneError& error) {
+      CHECK_THAT(error.what(), Catch::Contains("the surface crosses itself: ") && Catch::Contains("the first at ("));
+      ++refused;
+    }
+  }
+  CHECK(taken > 3);
+  CHECK(refused > 20);
 }
 
 TEST_CASE("a box from a file moves like a box, and a mesh that may move becomes a solid", "[physics][solids]") {

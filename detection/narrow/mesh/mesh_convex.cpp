@@ -40,6 +40,16 @@ std::uint32_t local_name(FeatureKind kind, std::uint32_t on_body, std::uint32_t 
   return static_cast<std::uint32_t>(kind) << 20 | (on_body & 0x3ffffu) << 2 | (side & 3u);
 }
 
+/// The contacts of a body with a plane as if it were a half-space, as f(point, gap, feature of the closed form).
+template <class Collide, class F>
+void points_on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const Collide& collide, const F& f) {
+  static thread_local ContactSet set;  // keeps its size
+  set.clear();
+  ContactSink sink(set);
+  collide(HalfSpace{n}, PairQuery{b.pose, {point, Quat(1, 0, 0, 0)}, b.reach, false, nullptr}, sink);
+  for (std::size_t k = 0; k < set.size(); ++k) f(Vec3(b.pose.position + set.arm[k]), set.gap[k], set.feature[k]);
+}
+
 /// What a polyhedron turns towards a plane: a face.
 class PolyhedronSide {
  public:
@@ -50,6 +60,27 @@ class PolyhedronSide {
     const std::uint32_t face = face_against(body_, n);
     for (std::uint32_t k = body_.face_begin[face]; k < body_.face_begin[face + 1]; ++k)
       out.push_back({body_.vertices[body_.face_vertices[k]], body_.face_vertices[k], 0});
+  }
+  /// All its vertices below the plane: those of one face alone would let go of one that is deep when the face turns.
+  template <class F>
+  void on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const F& f) const {
+    const auto collide = [&](const HalfSpace& plane, const PairQuery& q, ContactSink& sink) {
+      collide_with_plane(body_, b.sweep, 0.0, plane, q, sink);
+    };
+    points_on_plane(b, n, point, collide, [&](const Vec3& x, double gap, Feature name) {
+      f(x, gap, local_name(FeatureKind::vertex_a, feature_vertex_a(name), 0));
+    });
+  }
+  /// Its corners on faces that look against n, as f(corner), mesh axes.
+  template <class F>
+  void corners_towards(const PlacedCore& b, const Vec3& n, const F& f) const {
+    const Vec3 local = b.turn.transpose() * n;
+    for (std::uint32_t v = 0; v < body_.vertices.size(); ++v) {
+      bool looks = false;
+      for (std::uint32_t k = body_.fan_begin[v]; k < body_.fan_begin[v + 1] && !looks; ++k)
+        looks = body_.face_normals[body_.fans[k]].dot(local) < -facing_cosine;
+      if (looks) f(SidePoint{b.pose.position + b.turn * body_.vertices[v], v, 0});
+    }
   }
   /// The points of an edge or corner of the region, along n: those of the triangles that reach as far.
   template <class F>
@@ -124,15 +155,12 @@ class CoreSide {
   /// The closed form against the plane of t, as f(point, gap, name).
   template <class F>
   void on_plane(const PlacedCore& b, const Vec3& n, const Vec3& point, const F& f) const {
-    static thread_local ContactSet set;  // keeps its size
-    set.clear();
-    ContactSink sink(set);
-    body_.collide(body_.shape, HalfSpace{n}, {b.pose, {point, Quat(1, 0, 0, 0)}, b.reach, false, nullptr}, sink);
-    for (std::size_t k = 0; k < set.size(); ++k) {
-      const Feature name = set.feature[k];
-      f(Vec3(b.pose.position + set.arm[k]), set.gap[k],
-        static_cast<std::uint32_t>((name >> 44 & 3u) << 20 | (name >> 22 & 0xffu) << 8 | (name & 0xffu)));
-    }
+    const auto collide = [&](const HalfSpace& plane, const PairQuery& q, ContactSink& sink) {
+      body_.collide(body_.shape, plane, q, sink);
+    };
+    points_on_plane(b, n, point, collide, [&](const Vec3& x, double gap, Feature name) {
+      f(x, gap, static_cast<std::uint32_t>((name >> 44 & 3u) << 20 | (name >> 22 & 0xffu) << 8 | (name & 0xffu)));
+    });
   }
 
  private:
@@ -290,10 +318,16 @@ class ConvexOnMesh {
   void on_face(std::uint32_t t, const Vec3& n, const std::vector<std::uint32_t>& members, bool plain) {
     const Vec3 point = mesh_.vertices[mesh_.triangles[t][0]];
     const std::size_t before = out_.size();
+    if (plain) {
+      side_.on_plane(b_, n, point, [&](const Vec3& x, double gap, std::uint32_t name) {
+        out_.push_back({x, n, gap, mesh_feature(mesh_.face[t], name)});
+      });
+      return;
+    }
     if constexpr (std::is_same_v<Side, CoreSide>) {
       bool all = true;
       side_.on_plane(b_, n, point, [&](const Vec3& x, double gap, std::uint32_t name) {
-        if (plain || (is_over(members, t, x) && came_through(t, n, x + (0.5 * gap) * n)))
+        if (is_over(members, t, x) && came_through(t, n, x + (0.5 * gap) * n))
           out_.push_back({x, n, gap, mesh_feature(mesh_.face[t], name)});
         else
           all = false;
@@ -305,11 +339,10 @@ class ConvexOnMesh {
       out_.resize(before);
       if (is_over(members, t, tip) && came_through(t, n, tip)) add(t, n, point, {tip, 0x3ffffu, 0}, 0);
     }
-    if (plain) {
-      side_points(n);
-      for (const SidePoint& p : side_points_) add(t, n, point, p, 0);
-      return;
-    }
+    if constexpr (std::is_same_v<Side, PolyhedronSide>)
+      side_.corners_towards(b_, n, [&](const SidePoint& p) {
+        if (is_over(members, t, p.x) && came_through(t, n, p.x)) add(t, n, point, p, 0);
+      });
     for (const std::uint32_t member : members) {
       if (mesh_.face[member] != mesh_.face[t]) continue;
       side_points(n);
@@ -317,6 +350,7 @@ class ConvexOnMesh {
       clip_side([&](std::uint32_t k) -> const Vec3& { return mesh_.vertices[corner[k]]; }, 3, mesh_.normals[member],
                 b_.tolerance, side_points_);
       for (const SidePoint& p : side_points_) {
+        if (std::is_same_v<Side, PolyhedronSide> && p.cut == 0) continue;  // a corner of the body
         const Cut cut = p.cut == 0 ? Cut::none : cut_at(member, region_.front, p.x);
         if (cut == Cut::inside) continue;
         if (cut == Cut::rim || came_through(member, n, p.x)) add(member, n, point, p, p.cut);
