@@ -9,7 +9,8 @@ class MpiTeam final : public RankTeam {
  public:
   int count() const override;
   int number() const override;
-  std::unique_ptr<RemoteSteps> lead(std::shared_ptr<Simulation> part, PartSetup setup) override;
+  void lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetup setup) override;
+  std::optional<RankFigures> figures() override;
   int follow(Simulation& part, PartSetup setup) override;
 
   /// By every rank when its command has ended with this code. Returns false where the others cannot be told, because
@@ -19,6 +20,7 @@ class MpiTeam final : public RankTeam {
   int code() const { return code_; }
 
  private:
+  std::function<RankFigures()> figures_;
   bool agreed_ = false;     ///< all have begun, or said that they cannot
   bool following_ = false;  ///< rank 0 has not ended yet
   bool busy_ = false;       ///< rank 0: within something that all do together
