@@ -66,6 +66,10 @@ ContactPoint point_of(const FoundRow& row) {
           row.area};
 }
 
+constexpr double searches_apart =
+    5.0;                             // a margin is for twice as many searches, where one body is fast beside the others
+constexpr double most_margin = 4.0;  // of the usual one, or everybody is a ghost
+
 StateWalk walk_of(World& world, NarrowPhase& narrow_phase) {
   return [&](StateVisitor& visitor) {
     narrow_phase.visit(visitor);
@@ -75,7 +79,7 @@ StateWalk walk_of(World& world, NarrowPhase& narrow_phase) {
 
 }  // namespace
 
-void DetectionPart::receive(World* whole, NarrowPhase* memory) {
+void DetectionPart::receive(World* whole, NarrowPhase* memory, double longest) {
   World& world = sim_.world;
   StateImage image = image_of(walk_of(whole ? *whole : world, whole ? *memory : *sim_.pipeline.narrow_phase));
   if (!whole) drop_rows(image);
@@ -83,8 +87,10 @@ void DetectionPart::receive(World* whole, NarrowPhase* memory) {
   const Owners owner = whole ? owners_of_whole(*whole) : Owners();
   place_.resize(owner.size());
   std::iota(place_.begin(), place_.end(), 0u);
-  territory_.cut(whole ? *whole : world, owner);
+  territory_.cut(whole ? *whole : world, owner, work_.take());
+  territory_.widen(searches_apart * longest, most_margin);
   Routes routes = territory_.routes(whole ? *whole : world, owner, place_, all_ranks());
+  routes.to_one = true;
   from_.clear();
   for (Slot s = 0; s < owner.size(); ++s) from_.insert(from_.end(), routes.begin[s + 1] - routes.begin[s], s);
   const Arrival arrival = exchange_rows(image, routes);
@@ -157,11 +163,9 @@ const PairList& DetectionPart::list_pairs() {
 
 void DetectionPart::find(const World* whole, ContactSet* contacts) {
   spread(whole);
-  StageTimer timer(sim_.work.report.seconds);
-  const PairList& pairs = list_pairs();
-  timer.lap(Stage::broad_phase);
-  sim_.pipeline.narrow_phase->collide(sim_.world, pairs, sim_.work.contacts);
-  timer.lap(Stage::narrow_phase);
+  work_.begin();
+  sim_.pipeline.narrow_phase->collide(sim_.world, list_pairs(), sim_.work.contacts);
+  work_.end();
   gather(contacts);
   figures_.steps += 1.0;
   figures_.own += own_;

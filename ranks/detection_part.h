@@ -15,8 +15,9 @@ class DetectionPart {
   /// The simulation is of the same scene as the whole one; of its stages those of detection are used.
   DetectionPart(Simulation& simulation, PartSetup setup) : sim_(simulation), territory_(std::move(setup)) {}
 
-  /// All bodies are cut anew and shared out, with what the narrow phase of the whole remembers.
-  void receive(World* whole, NarrowPhase* memory);
+  /// All bodies are cut anew and shared out, with what the narrow phase of the whole remembers; longest: way of a body
+  /// between two searches [m].
+  void receive(World* whole, NarrowPhase* memory, double longest);
   /// Where the bodies are now, to all; the contacts come to rank 0 in canonical order.
   void find(const World* whole, ContactSet* contacts);
   /// What the narrow phases remember goes back into that of the whole.
@@ -40,6 +41,7 @@ class DetectionPart {
   bool listed_ = false;               ///< they are those of the last list
   double own_ = 0.0;                  ///< free bodies of this rank
   std::vector<std::byte> out_, in_;
+  WorkMeter work_;
   PartFigures figures_;
 };
 

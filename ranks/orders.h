@@ -10,7 +10,18 @@
 
 namespace epafi {
 
-enum class Task : std::int32_t { receive, give, give_contacts, step, receive_to_find, find, give_found, figures, end };
+enum class Task : std::int32_t {
+  receive,
+  give,
+  give_contacts,
+  step,
+  receive_to_find,
+  find,
+  give_found,
+  help,
+  figures,
+  end
+};
 
 /// As it is sent to all.
 struct Order {

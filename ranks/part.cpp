@@ -60,7 +60,7 @@ void Part::receive(Simulation* whole) {
   const Owners owner = whole ? owners_of_whole(world) : Owners();  // the others have none until they are shared out
   place_.resize(owner.size());
   std::iota(place_.begin(), place_.end(), 0u);
-  territory_.cut(world, owner);
+  territory_.cut(world, owner, work_.take());
   const Arrival arrival = exchange_rows(image, territory_.routes(world, owner, place_, all_ranks()));
   settle(image, arrival);
 }
@@ -135,7 +135,9 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   std::vector<BodyId> none;
   for (auto& event : sim_.events)
     if (event->is_local()) event->before_step(world, dt, none);
+  work_.begin();
   epafi::step(world, sim_.pipeline, sim_.work, dt);
+  work_.end();
   note_overlaps();
   bool sound = is_sound(domain);
   begin_sums(sound);

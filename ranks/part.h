@@ -59,6 +59,7 @@ class Part {
   double own_ = 0.0;                  ///< free bodies of this rank
   Motion motion_;
   Joint joint_;
+  WorkMeter work_;
   PartFigures figures_;
 };
 

@@ -1,5 +1,8 @@
 #include "ranks/shared_detection.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/threads/parallel.h"
 #include "ranks/detection_part.h"
 #include "ranks/orders.h"
@@ -32,6 +35,7 @@ class SharedNarrowPhase final : public NarrowPhase {
     const Busy busy(busy_);
     if (!away_) send();
     tell({.task = Task::find});
+    searches_ += 1.0;
     part_.find(&world, &contacts);
   }
 
@@ -54,19 +58,22 @@ class SharedNarrowPhase final : public NarrowPhase {
 
  private:
   /// The ranks have all bodies that may touch theirs.
-  bool is_near(const World& world) const {
+  bool is_near(const World& world) {
     if (world.size() != start_.size()) return false;
-    const double margin = part_.margin();
-    return block_max<double>(world.size(), 0.0, [&](std::size_t s) {
-             return world.is_movable(static_cast<Slot>(s)) ? (world.position[s] - start_[s]).squaredNorm() : 0.0;
-           }) < margin * margin;
+    const double square = block_max<double>(world.size(), 0.0, [&](std::size_t s) {
+      return world.is_movable(static_cast<Slot>(s)) ? (world.position[s] - start_[s]).squaredNorm() : 0.0;
+    });
+    if (std::sqrt(square) < part_.margin()) return true;
+    pace_ = std::sqrt(square) / std::max(1.0, searches_);
+    return false;
   }
 
   void send() {
     tell({.task = Task::receive_to_find});
-    part_.receive(&world_, memory_.get());
+    part_.receive(&world_, memory_.get(), pace_);
     start_.resize(world_.size());
     for (std::size_t s = 0; s < world_.size(); ++s) start_[s] = world_.position[s];
+    searches_ = 0.0;
     away_ = true;
   }
 
@@ -82,6 +89,8 @@ class SharedNarrowPhase final : public NarrowPhase {
   std::shared_ptr<Simulation> simulation_;
   DetectionPart part_;
   std::vector<Vec3> start_;  ///< by slot: where bodies were when they were sent [m]
+  double searches_ = 0.0;    ///< since then
+  double pace_ = 0.0;        ///< of the fastest body from one search to the next, when they were last sent for it [m]
   bool away_ = false;        ///< bodies and memory are with the ranks
   bool& busy_;
 };

@@ -83,19 +83,22 @@ int obey(Part& part) {
   }
 }
 
-int obey(DetectionPart& part) {
+int obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
   while (true) {
     Order order;
     broadcast(&order, sizeof order);
     switch (order.task) {
       case Task::receive_to_find:
-        part.receive(nullptr, nullptr);
+        part.receive(nullptr, nullptr, 0.0);
         break;
       case Task::find:
         part.find(nullptr, nullptr);
         break;
       case Task::give_found:
         part.give(nullptr);
+        break;
+      case Task::help:
+        setup.help(messages);
         break;
       case Task::figures:
         gather_figures(part.figures());
@@ -106,14 +109,6 @@ int obey(DetectionPart& part) {
         throw std::logic_error("an order for ranks that make whole steps");
     }
   }
-}
-
-template <class P>
-int follow_with(Simulation& simulation, PartSetup setup) {
-  P part(simulation, std::move(setup));
-  int code = 0;
-  with_team([&] { code = obey(part); });
-  return code;
 }
 
 constexpr int no_run = 1000;  ///< added to the code of a rank that ends before all have begun
@@ -138,6 +133,7 @@ void MpiTeam::lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetu
     throw FileError("another process of the run could not begin: it ended with code " + std::to_string(all - no_run));
   }
   if (setup.shares == PartSetup::Shares::contacts) {
+    helped_ = static_cast<bool>(setup.help) && rank_count() > 1;
     figures_ = share_detection(whole, std::move(part), std::move(setup), busy_);
   } else {
     whole.remote = std::make_unique<Leader>(std::move(part), std::move(setup), busy_);
@@ -154,9 +150,14 @@ int MpiTeam::follow(Simulation& part, PartSetup setup) {
   agreed_ = true;
   if (const int all = agree(0); all != 0) return all - no_run;
   following_ = true;
-  const bool finds = setup.shares == PartSetup::Shares::contacts;
-  const int code =
-      finds ? follow_with<DetectionPart>(part, std::move(setup)) : follow_with<Part>(part, std::move(setup));
+  int code = 0;
+  if (setup.shares == PartSetup::Shares::contacts) {
+    DetectionPart finder(part, setup);
+    with_team([&] { code = obey(finder, setup, messages_); });
+  } else {
+    Part mine(part, std::move(setup));
+    with_team([&] { code = obey(mine); });
+  }
   following_ = false;
   return code;
 }

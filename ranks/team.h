@@ -2,6 +2,7 @@
 /// is decided is decided there, so that all ranks decide alike.
 #pragma once
 #include "engine/ranks/rank_team.h"
+#include "ranks/mpi_messages.h"
 
 namespace epafi {
 
@@ -10,6 +11,7 @@ class MpiTeam final : public RankTeam {
   int count() const override;
   int number() const override;
   void lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetup setup) override;
+  RankMessages* helpers() override { return helped_ ? &messages_ : nullptr; }
   std::optional<RankFigures> figures() override;
   int follow(Simulation& part, PartSetup setup) override;
 
@@ -25,6 +27,8 @@ class MpiTeam final : public RankTeam {
   bool following_ = false;  ///< rank 0 has not ended yet
   bool busy_ = false;       ///< rank 0: within something that all do together
   int code_ = 0;
+  bool helped_ = false;  ///< the others wait for problems of this rank
+  MpiMessages messages_{busy_};
 };
 
 }  // namespace epafi

@@ -24,12 +24,41 @@ void Territory::measure(const World& world, const Owners& owner) {
   margin_ = usual_margin_;
 }
 
-void Territory::cut(const World& world, const Owners& owner) {
+/// Of free bodies: the time that one of its rank took over that of one of all, where enough has been measured.
+std::vector<float> Territory::weights(const World& world, const std::vector<Slot>& free,
+                                      const std::vector<double>& worked) const {
+  constexpr double enough = 0.05;  // s of a rank: a hundred times the tick of its clock
+  constexpr double least = 0.2, most = 5.0;
+  std::vector<double> bodies(worked.size(), 0.0);
+  for (const int rank : rank_of_)
+    if (rank >= 0) bodies[static_cast<std::size_t>(rank)] += 1.0;
+  const double all = std::accumulate(bodies.begin(), bodies.end(), 0.0);
+  const double time = std::accumulate(worked.begin(), worked.end(), 0.0);
+  if (!(time > enough * static_cast<double>(worked.size())) || all == 0.0) return {};
+  std::vector<float> out;
+  for (const Slot s : free) {
+    const auto id = static_cast<std::size_t>(world.id[s]);
+    const int rank = id < rank_of_.size() ? rank_of_[id] : -1;
+    const auto r = static_cast<std::size_t>(std::max(rank, 0));
+    const double weight = rank < 0 ? 1.0 : worked[r] / bodies[r] * all / time;
+    out.push_back(static_cast<float>(std::clamp(weight, least, most)));
+  }
+  return out;
+}
+
+void Territory::cut(const World& world, const Owners& owner, double worked) {
   measure(world, owner);
-  std::vector<Vec3> free;
-  for (Slot s = 0; s < owner.size(); ++s)
-    if (owner[s] == World::here) free.push_back(world.position[s]);
-  partition_.cut(free);
+  const std::vector<double> all = gather_numbers(worked);
+  std::vector<Slot> free;
+  std::vector<Vec3> places;
+  for (Slot s = 0; s < owner.size(); ++s) {
+    if (owner[s] != World::here) continue;
+    free.push_back(s);
+    places.push_back(world.position[s]);
+  }
+  partition_.cut(places, weights(world, free, all));
+  rank_of_.assign(free.empty() ? 0 : world.ids_given(), -1);
+  for (const Slot s : free) rank_of_[static_cast<std::size_t>(world.id[s])] = partition_.owner(world.position[s]);
 }
 
 Routes Territory::routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "laws/nonsmooth/shared_sweeps.h"
+
 namespace epafi {
 
 namespace {
@@ -68,7 +70,7 @@ void check_shareable(const Assembly& a) {
 PartSetup part_setup(const Assembly& a) {
   const auto radius = [shapes = a.shapes](std::uint32_t shape) { return shapes->bounding_radius(ShapeRef{shape}); };
   const bool smooth = a.scene.contact.method.value == Method::smooth;
-  return {smooth ? PartSetup::Shares::steps : PartSetup::Shares::contacts, a.plan.reach, radius};
+  return {smooth ? PartSetup::Shares::steps : PartSetup::Shares::contacts, a.plan.reach, radius, help_with_sweeps};
 }
 
 void share_out(Assembly& whole, std::unique_ptr<Assembly> part, RankTeam& team) {

@@ -32,9 +32,12 @@ std::string shared_hash(SceneRun& run, const Short& s) {
   }
   SceneRun part = prepare_scene(library(s.scene), s.overrides);
   share_out(*run.assembly, std::move(part.assembly), team);
+  RankTeam::set_of_program(&team);
+  if (team.helpers()) team.helpers()->least_contacts = 0;
   run.simulation().start();
   run.advance_to(s.steps);
   run.simulation().come_home();
+  RankTeam::set_of_program(nullptr);
   CHECK(run.failure == "");
   const auto figures = team.figures();
   REQUIRE(figures);
