@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 
 #include "engine/units/error.h"
@@ -116,6 +117,20 @@ std::vector<double> gather_numbers(double mine) {
   std::vector<double> all(rank_number() == 0 ? static_cast<std::size_t>(rank_count()) : 0);
   MPI_Gather(&mine, 1, MPI_DOUBLE, all.data(), 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
   return all;
+}
+
+void gather_rows(const std::vector<std::byte>& mine, std::size_t row, std::vector<std::byte>& all) {
+  const int count = static_cast<int>(mine.size() / row);
+  const bool is_first = rank_number() == 0;
+  std::vector<int> counts(is_first ? static_cast<std::size_t>(rank_count()) : 0), first(counts.size() + 1, 0);
+  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+  std::inclusive_scan(counts.begin(), counts.end(), first.begin() + 1);
+  all.resize(row * static_cast<std::size_t>(first.back()));
+  MPI_Datatype type = MPI_DATATYPE_NULL;  // counts are of rows: of bytes they would end at 2 GB
+  MPI_Type_contiguous(static_cast<int>(row), MPI_BYTE, &type);
+  MPI_Type_commit(&type);
+  MPI_Gatherv(mine.data(), count, type, all.data(), counts.data(), first.data(), type, 0, MPI_COMM_WORLD);
+  MPI_Type_free(&type);
 }
 
 }  // namespace epafi

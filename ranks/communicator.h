@@ -42,5 +42,7 @@ class Joint {
 
 /// A number of each rank, at rank 0; empty elsewhere.
 std::vector<double> gather_numbers(double mine);
+/// Rows of so many bytes of all ranks, one rank behind the other, come to rank 0; `all` is empty elsewhere.
+void gather_rows(const std::vector<std::byte>& mine, std::size_t row, std::vector<std::byte>& all);
 
 }  // namespace epafi

@@ -11,23 +11,15 @@
 #include "engine/step/simulation.h"
 #include "ranks/communicator.h"
 #include "ranks/halo.h"
-#include "ranks/partition.h"
-#include "ranks/state_image.h"
+#include "ranks/part_figures.h"
+#include "ranks/territory.h"
 
 namespace epafi {
-
-/// What sharing out has come to, of this rank.
-struct PartFigures {
-  double own = 0.0, ghosts = 0.0;  ///< bodies, summed over the steps
-  double steps = 0.0;
-  double moved = 0.0;  ///< how often bodies went to other ranks
-  double bytes = 0.0;  ///< sent in all
-};
 
 class Part {
  public:
   /// The simulation is of the same scene as the whole one; what it holds is thrown away.
-  Part(Simulation& simulation, PartSetup setup) : sim_(simulation), setup_(std::move(setup)) {}
+  Part(Simulation& simulation, PartSetup setup) : sim_(simulation), territory_(std::move(setup)) {}
 
   /// The state of the whole, which only rank 0 has, is cut anew and shared out.
   void receive(Simulation* whole);
@@ -41,10 +33,7 @@ class Part {
 
  private:
   void move(double longest);
-  using Owners = std::vector<std::uint8_t>;  ///< as World::owner
-  Routes routes(const World& world, const Owners& owner, const std::vector<int>& held) const;
   void settle(StateImage& image, const Arrival& arrival);
-  void measure_bodies(const World& world, const Owners& owner);
   void give_places(Simulation* whole);
   void note_overlaps();
   bool is_sound(const std::optional<Domain>& domain) const;
@@ -63,17 +52,14 @@ class Part {
   void finish_sums(StepReport& report, bool& sound);
 
   Simulation& sim_;
-  PartSetup setup_;
-  Partition partition_;
+  Territory territory_;
   Halo halo_;
   std::vector<std::uint32_t> place_;  ///< by slot: in the order of all bodies
   std::vector<Vec3> start_;           ///< by slot: where bodies were when they were placed [m]
-  double usual_margin_ = 0.0;         ///< [m]
-  double margin_ = 0.0;               ///< ghosts are enough while no body has moved farther [m]
-  double largest_ = 0.0;              ///< radius of all free bodies [m]
   double own_ = 0.0;                  ///< free bodies of this rank
   Motion motion_;
   Joint joint_;
+  WorkMeter work_;
   PartFigures figures_;
 };
 

@@ -19,6 +19,7 @@ void expect(int code, const char* what) {
 struct Partition::Cuts {
   Zoltan_Struct* zoltan = Zoltan_Create(MPI_COMM_WORLD);
   std::span<const Vec3> points;
+  std::span<const float> weights;
   bool made = false;
   std::vector<int> processes, parts;
 
@@ -36,9 +37,13 @@ struct Partition::Cuts {
     *error = ZOLTAN_OK;
     return 3;
   }
-  static void list(void* data, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int, float*, int* error) {
+  static void list(void* data, int, int, ZOLTAN_ID_PTR global, ZOLTAN_ID_PTR local, int, float* weight, int* error) {
     *error = ZOLTAN_OK;
-    for (unsigned i = 0; i < of(data).points.size(); ++i) global[i] = local[i] = i;
+    const Cuts& cuts = of(data);
+    for (unsigned i = 0; i < cuts.points.size(); ++i) {
+      global[i] = local[i] = i;
+      weight[i] = cuts.weights.empty() ? 1.0f : cuts.weights[i];
+    }
   }
   static void places(void* data, int, int, int count, ZOLTAN_ID_PTR, ZOLTAN_ID_PTR local, int, double* x, int* error) {
     *error = ZOLTAN_OK;
@@ -55,7 +60,7 @@ Partition::Cuts::Cuts() {
   set("IMBALANCE_TOL", "1.02");
   set("NUM_GID_ENTRIES", "1");
   set("NUM_LID_ENTRIES", "1");
-  set("OBJ_WEIGHT_DIM", "0");
+  set("OBJ_WEIGHT_DIM", "1");
   Zoltan_Set_Num_Obj_Fn(zoltan, count, this);
   Zoltan_Set_Num_Geom_Fn(zoltan, dimensions, this);
   Zoltan_Set_Obj_List_Fn(zoltan, list, this);
@@ -67,12 +72,14 @@ Partition::Cuts::Cuts() {
 Partition::Partition() : cuts_(std::make_unique<Cuts>()) {}
 Partition::~Partition() = default;
 
-void Partition::cut(std::span<const Vec3> points) {
+void Partition::cut(std::span<const Vec3> points, std::span<const float> weights) {
+  EPAFI_REQUIRE(weights.empty() || weights.size() == points.size(), "a weight for each point");
   double all = static_cast<double>(points.size());
   sum_over_ranks({&all, 1});
   cuts_->made = all > 0.0;
   if (!cuts_->made) return;  // nothing to share out: all space is that of rank 0
   cuts_->points = points;
+  cuts_->weights = weights;
   int changed = 0, globals = 0, locals = 0, incoming = 0, outgoing = 0;
   ZOLTAN_ID_PTR in_global = nullptr, in_local = nullptr, out_global = nullptr, out_local = nullptr;
   int *in_process = nullptr, *in_part = nullptr, *out_process = nullptr, *out_part = nullptr;
@@ -82,6 +89,7 @@ void Partition::cut(std::span<const Vec3> points) {
   Zoltan_LB_Free_Part(&in_global, &in_local, &in_process, &in_part);
   Zoltan_LB_Free_Part(&out_global, &out_local, &out_process, &out_part);
   cuts_->points = {};
+  cuts_->weights = {};
   expect(code, "the partition");
 }
 

@@ -16,8 +16,9 @@ class Partition {
   Partition(const Partition&) = delete;
   Partition& operator=(const Partition&) = delete;
 
-  /// New cuts, so that every rank has as many of all points; points: those of this rank. By all ranks.
-  void cut(std::span<const Vec3> points);
+  /// New cuts, so that every rank has as much weight of all points; points: those of this rank, of weight 1 where none
+  /// are given. By all ranks.
+  void cut(std::span<const Vec3> points, std::span<const float> weights = {});
   int owner(const Vec3& x) const;
   /// Ranks whose part meets a cube of this half side, ascending.
   void ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const;

@@ -152,6 +152,11 @@ void exchange_bodies(const RowGroup& group, const Routes& routes, Arrival& arriv
   parcel.unpack(group, order);
 }
 
+bool goes_to(const Routes& routes, Slot body, int rank) {
+  const auto begin = routes.to.begin() + routes.begin[body], end = routes.to.begin() + routes.begin[body + 1];
+  return std::find(begin, end, rank) != end;
+}
+
 /// A contact goes to the owners of its bodies, sent by that of the first free one.
 void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arrival) {
   Parcel<ContactHead> parcel{group.row(), {}, {}};
@@ -165,6 +170,11 @@ void exchange_contacts(const RowGroup& group, const Routes& routes, Arrival& arr
     if ((held_a && held_b) || routes.mine[held_a ? b : a] == 0) continue;
     if (routes.gathers) {
       parcel.add(0, head, group, k);
+      continue;
+    }
+    if (routes.to_one) {  // bodies that have parted have nothing to remember
+      const int rank = held_a ? second : first;
+      if (goes_to(routes, held_a ? a : b, rank)) parcel.add(rank, head, group, k);
       continue;
     }
     if (!held_a) parcel.add(first, head, group, k);

@@ -34,6 +34,7 @@ struct Routes {
   std::vector<int> to;               ///< ranks that get the rows of a body
   std::vector<int> to_all;           ///< ranks that get contacts of two bodies that every rank has
   bool gathers = false;              ///< all contacts go to rank 0
+  bool to_one = false;               ///< a contact goes to the owner of its first free body, where both bodies go
 };
 
 /// What has come.

@@ -1,73 +1,19 @@
 #include "ranks/team.h"
 
-#include <algorithm>
-#include <exception>
+#include <stdexcept>
 #include <string>
-#include <type_traits>
 
 #include "engine/threads/parallel.h"
 #include "engine/units/error.h"
 #include "ranks/communicator.h"
+#include "ranks/detection_part.h"
+#include "ranks/orders.h"
 #include "ranks/part.h"
+#include "ranks/shared_detection.h"
 
 namespace epafi {
 
 namespace {
-
-enum class Task : std::int32_t { receive, give, give_contacts, step, figures, end };
-
-/// As it is sent to all.
-struct Order {
-  Task task = Task::end;
-  std::int32_t code = 0;  ///< to end with
-  double dt = 0.0;        ///< [s]
-  double low[3] = {}, high[3] = {};
-  std::int32_t has_domain = 0, outside = 0;
-
-  void set_domain(const std::optional<Domain>& domain) {
-    has_domain = domain.has_value();
-    if (!domain) return;
-    for (int k = 0; k < 3; ++k) {
-      low[k] = domain->min[k];
-      high[k] = domain->max[k];
-    }
-    outside = static_cast<std::int32_t>(domain->outside);
-  }
-  std::optional<Domain> domain() const {
-    if (has_domain == 0) return std::nullopt;
-    return Domain{Vec3(low[0], low[1], low[2]), Vec3(high[0], high[1], high[2]), static_cast<Domain::Outside>(outside)};
-  }
-};
-static_assert(std::is_trivially_copyable_v<Order>);
-
-void tell(Order order) { broadcast(&order, sizeof order); }
-
-RankFigures gather_figures(const PartFigures& mine) {
-  RankFigures all;
-  all.ranks = rank_count();
-  const double steps = std::max(1.0, mine.steps);
-  double sums[3] = {mine.own / steps, mine.ghosts / steps, mine.bytes}, most = mine.own / steps;
-  sum_over_ranks(sums);
-  max_over_ranks({&most, 1});
-  all.imbalance = sums[0] > 0.0 ? most * all.ranks / sums[0] : 1.0;
-  all.ghosts = sums[0] > 0.0 ? sums[1] / sums[0] : 0.0;
-  all.bytes_per_step = sums[2] / steps;
-  all.moves = mine.moved;
-  return all;
-}
-
-/// True while it lives, and for ever where it is left by an exception.
-class Busy {
- public:
-  explicit Busy(bool& busy) : busy_(busy), exceptions_(std::uncaught_exceptions()) { busy_ = true; }
-  ~Busy() { busy_ = std::uncaught_exceptions() > exceptions_; }
-  Busy(const Busy&) = delete;
-  Busy& operator=(const Busy&) = delete;
-
- private:
-  bool& busy_;
-  int exceptions_;
-};
 
 class Leader final : public RemoteSteps {
  public:
@@ -131,6 +77,36 @@ int obey(Part& part) {
         break;
       case Task::end:
         return order.code;
+      default:
+        throw std::logic_error("an order for ranks that find contacts only");
+    }
+  }
+}
+
+int obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
+  while (true) {
+    Order order;
+    broadcast(&order, sizeof order);
+    switch (order.task) {
+      case Task::receive_to_find:
+        part.receive(nullptr, nullptr, 0.0);
+        break;
+      case Task::find:
+        part.find(nullptr, nullptr);
+        break;
+      case Task::give_found:
+        part.give(nullptr);
+        break;
+      case Task::help:
+        setup.help(messages);
+        break;
+      case Task::figures:
+        gather_figures(part.figures());
+        break;
+      case Task::end:
+        return order.code;
+      default:
+        throw std::logic_error("an order for ranks that make whole steps");
     }
   }
 }
@@ -149,23 +125,39 @@ int agree(int mine) {
 int MpiTeam::count() const { return rank_count(); }
 int MpiTeam::number() const { return rank_number(); }
 
-std::unique_ptr<RemoteSteps> MpiTeam::lead(std::shared_ptr<Simulation> part, PartSetup setup) {
+void MpiTeam::lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetup setup) {
   agreed_ = true;
   const int all = agree(0);
   if (all != 0) {
     agreed_ = following_ = true;  // nobody is left to be told
     throw FileError("another process of the run could not begin: it ended with code " + std::to_string(all - no_run));
   }
-  return std::make_unique<Leader>(std::move(part), std::move(setup), busy_);
+  if (setup.shares == PartSetup::Shares::contacts) {
+    helped_ = static_cast<bool>(setup.help) && rank_count() > 1;
+    figures_ = share_detection(whole, std::move(part), std::move(setup), busy_);
+  } else {
+    whole.remote = std::make_unique<Leader>(std::move(part), std::move(setup), busy_);
+    figures_ = [steps = whole.remote.get()] { return steps->figures(); };
+  }
 }
 
-int MpiTeam::follow(Simulation& simulation, PartSetup setup) {
+std::optional<RankFigures> MpiTeam::figures() {
+  if (!figures_) return std::nullopt;
+  return figures_();
+}
+
+int MpiTeam::follow(Simulation& part, PartSetup setup) {
   agreed_ = true;
   if (const int all = agree(0); all != 0) return all - no_run;
   following_ = true;
-  Part part(simulation, std::move(setup));
   int code = 0;
-  with_team([&] { code = obey(part); });
+  if (setup.shares == PartSetup::Shares::contacts) {
+    DetectionPart finder(part, setup);
+    with_team([&] { code = obey(finder, setup, messages_); });
+  } else {
+    Part mine(part, std::move(setup));
+    with_team([&] { code = obey(mine); });
+  }
   following_ = false;
   return code;
 }

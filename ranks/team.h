@@ -2,6 +2,7 @@
 /// is decided is decided there, so that all ranks decide alike.
 #pragma once
 #include "engine/ranks/rank_team.h"
+#include "ranks/mpi_messages.h"
 
 namespace epafi {
 
@@ -9,7 +10,9 @@ class MpiTeam final : public RankTeam {
  public:
   int count() const override;
   int number() const override;
-  std::unique_ptr<RemoteSteps> lead(std::shared_ptr<Simulation> part, PartSetup setup) override;
+  void lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetup setup) override;
+  RankMessages* helpers() override { return helped_ ? &messages_ : nullptr; }
+  std::optional<RankFigures> figures() override;
   int follow(Simulation& part, PartSetup setup) override;
 
   /// By every rank when its command has ended with this code. Returns false where the others cannot be told, because
@@ -19,10 +22,13 @@ class MpiTeam final : public RankTeam {
   int code() const { return code_; }
 
  private:
+  std::function<RankFigures()> figures_;
   bool agreed_ = false;     ///< all have begun, or said that they cannot
   bool following_ = false;  ///< rank 0 has not ended yet
   bool busy_ = false;       ///< rank 0: within something that all do together
   int code_ = 0;
+  bool helped_ = false;  ///< the others wait for problems of this rank
+  MpiMessages messages_{busy_};
 };
 
 }  // namespace epafi

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/ranks/rank_team.h"
 #include "engine/state/hash.h"
 #include "engine/state/state_snapshot.h"
 #include "engine/step/contact_layer.h"
@@ -446,7 +447,10 @@ RunSummary Session::summary() const {
   s.wall_time = wall_;
   s.threads = thread_count();
   s.cpu_time = cpu_;
-  if (sim.remote) s.ranks = sim.remote->figures();
+  if (RankTeam* const team = RankTeam::of_program()) {
+    s.ranks = team->figures();
+    s.ranks_share = smooth ? "steps" : "search for contacts";
+  }
   s.stage_seconds = sim.work.report.seconds;
   const double output = s.stage_seconds[Stage::output], body_steps = monitor_->body_steps() - first_body_steps_;
   if (body_steps > 0) s.ns_per_body_step = 1e9 * (wall_ - output) / body_steps;

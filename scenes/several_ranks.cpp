@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "laws/nonsmooth/shared_sweeps.h"
+
 namespace epafi {
 
 namespace {
@@ -33,9 +35,22 @@ void refuse_bodies(const Scene& scene, Refusals& refusals) {
         fmt::format("give it a motion of its own, or {}", run_alone));
   first([](const BodySpec& b) { return b.load.has_value(); }, "a force or torque that follows time",
         fmt::format("write a constant force, or {}", run_alone));
-  first([](const BodySpec& b) { return b.continuous; }, "a body that is `continuous`",
-        fmt::format("take a smaller time step instead, or {}", run_alone));
   first([](const BodySpec& b) { return b.on_rails; }, "a wheelset", run_alone);
+}
+
+}  // namespace
+
+namespace {
+
+/// What whole steps cannot do where each process has its bodies alone. Of impulses process 0 makes the steps.
+void refuse_in_steps(const Scene& scene, Refusals& refusals) {
+  if (scene.start) refusals.add(true, scene.start->place, "a scene that starts from another run", run_alone);
+  if (!scene.springs.empty()) refusals.add(true, scene.springs.front().place, "a [[spring]]", run_alone);
+  refusals.add(static_cast<bool>(scene.loose_gravity), {scene.file}, "gravity that follows time",
+               fmt::format("write a constant gravity, or {}", run_alone));
+  if (scene.output.problems_every)
+    refusals.add(true, scene.output.problems_every->place, "output.problems_every", run_alone);
+  refuse_bodies(scene, refusals);
 }
 
 }  // namespace
@@ -43,32 +58,25 @@ void refuse_bodies(const Scene& scene, Refusals& refusals) {
 void check_shareable(const Assembly& a) {
   const Scene& scene = a.scene;
   Refusals refusals;
-  refusals.add(scene.contact.method.value != Method::smooth, scene.contact.method.place,
-               "contact.method = \"nonsmooth\"", "take method = \"smooth\", or run the scene without `mpi N`");
   if (scene.cell) refusals.add(true, scene.cell->place, "a periodic cell", run_alone);
   if (scene.stages.size() > 1)
     refusals.add(true, scene.stages[1].place, "a scene with stages",
                  fmt::format("write its stages as scenes of their own, or {}", run_alone));
-  if (scene.start) refusals.add(true, scene.start->place, "a scene that starts from another run", run_alone);
-  if (!scene.springs.empty()) refusals.add(true, scene.springs.front().place, "a [[spring]]", run_alone);
   refusals.add(a.rolling != nullptr, scene.contact.wheel_rail_place, "wheel on rail", run_alone);
-  refusals.add(static_cast<bool>(scene.loose_gravity), {scene.file}, "gravity that follows time",
-               fmt::format("write a constant gravity, or {}", run_alone));
-  if (scene.output.problems_every)
-    refusals.add(true, scene.output.problems_every->place, "output.problems_every", run_alone);
-  refuse_bodies(scene, refusals);
+  if (scene.contact.method.value == Method::smooth) refuse_in_steps(scene, refusals);
   refusals.raise();
 }
 
 PartSetup part_setup(const Assembly& a) {
   const auto radius = [shapes = a.shapes](std::uint32_t shape) { return shapes->bounding_radius(ShapeRef{shape}); };
-  return {a.plan.reach, radius};
+  const bool smooth = a.scene.contact.method.value == Method::smooth;
+  return {smooth ? PartSetup::Shares::steps : PartSetup::Shares::contacts, a.plan.reach, radius, help_with_sweeps};
 }
 
 void share_out(Assembly& whole, std::unique_ptr<Assembly> part, RankTeam& team) {
   const PartSetup setup = part_setup(*part);
   const std::shared_ptr<Assembly> kept = std::move(part);
-  whole.simulation->remote = team.lead({kept, kept->simulation.get()}, setup);
+  team.lead(*whole.simulation, {kept, kept->simulation.get()}, setup);
 }
 
 }  // namespace epafi

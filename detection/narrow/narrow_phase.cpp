@@ -210,8 +210,8 @@ void BatchNarrowPhase::visit(StateVisitor& visitor) {
   for (const Block& block : known_ ? std::span<const Block>(blocks_) : std::span<const Block>()) add(block.memory);
   const std::vector<Known> pairs_here = pairs;
   const std::vector<RestingPatch> resting_here = resting;
-  visitor.column("narrow_phase/pair", pairs);
-  visitor.column("narrow_phase/resting", resting);
+  visitor.rows(RowsOf::pairs, "narrow_phase/pair", pairs);
+  visitor.rows(RowsOf::contacts, "narrow_phase/resting", resting);
   if (same_bytes(pairs, pairs_here) && same_bytes(resting, resting_here)) return;  // it was saved, or nothing is new
   old_.clear();
   if (!pairs.empty()) {

@@ -4,14 +4,19 @@
 #include <functional>
 #include <memory>
 
+#include "engine/ranks/rank_messages.h"
 #include "engine/ranks/remote_steps.h"
 
 namespace epafi {
 
 /// What a process must know of the scene to share bodies out.
 struct PartSetup {
+  /// Whole steps, each process with its bodies; or the search for contacts, which act on all bodies in process 0.
+  enum class Shares { steps, contacts };
+  Shares shares = Shares::steps;
   double reach = 0.0;                                 ///< contacts begin at this gap [m]
   std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
+  std::function<void(RankMessages&)> help;            ///< with what process 0 solves (RankMessages::together)
 };
 
 class RankTeam {
@@ -19,9 +24,13 @@ class RankTeam {
   virtual ~RankTeam() = default;
   virtual int count() const = 0;
   virtual int number() const = 0;
-  /// By number 0. part: of the same scene as the whole simulation, its bodies are thrown away. FileError where another
-  /// process cannot begin.
-  virtual std::unique_ptr<RemoteSteps> lead(std::shared_ptr<Simulation> part, PartSetup setup) = 0;
+  /// By number 0: from now on all share in what the whole simulation does. part: of the same scene, its bodies are
+  /// thrown away. FileError where another process cannot begin.
+  virtual void lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetup setup) = 0;
+  /// By number 0: the others wait for work with its problems; null where they do not.
+  virtual RankMessages* helpers() = 0;
+  /// What it has come to, by number 0; nothing where it does not lead.
+  virtual std::optional<RankFigures> figures() = 0;
   /// By all others meanwhile: returns the exit code of the run when number 0 has ended.
   virtual int follow(Simulation& part, PartSetup setup) = 0;
 

@@ -8,6 +8,7 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/state/large_column.h"
@@ -32,6 +33,12 @@ class Coloring {
     std::span<const BodyId> id{};
   };
   void update(std::span<const Slot> a, std::span<const Slot> b, const Bodies& bodies);
+  /// Groups that have their colours, colour by colour: colour c has those from begin[c] on, none of them in sequence.
+  void take(std::span<const ContactGroup> groups, std::vector<std::size_t> begin) {
+    groups_.assign(groups.begin(), groups.end());
+    begin_ = std::move(begin);
+    has_overflow_ = false;
+  }
 
   /// All groups, colour by colour.
   std::span<const ContactGroup> groups() const { return groups_; }

@@ -55,6 +55,7 @@ void LaneGroups::find_stages(const Coloring& coloring) {
   shared_ = 0;
   for (std::size_t c = 0; c < coloring.colors(); ++c) {
     const std::size_t groups = color_begin_[c + 1] - color_begin_[c];
+    if (groups == 0) continue;  // of a part of a problem
     const bool shared = groups > grain && !coloring.in_sequence(c);
     if (shared || is_shared_.empty() || is_shared_.back()) {
       begin_.push_back(0);

@@ -203,10 +203,11 @@ void load_lane(const ContactProblem& problem, std::size_t i, double offset, cons
 }  // namespace
 
 template <bool Rotates, LaneRule Rule>
-void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, std::span<const double> offset,
-                                    std::span<const Vec3> lag, const Impulses& r, const BodyVelocities& v) {
+void LaneSweep<Rotates, Rule>::load(const ContactProblem& problem, const LaneGroups& groups,
+                                    std::span<const double> offset, std::span<const Vec3> lag, const Impulses& r,
+                                    const BodyVelocities& v) {
   load_bodies(problem, v);
-  groups_ = &problem.lane_groups();
+  groups_ = &groups;
   renew(rows_, groups_->rows());
   renew(change_, lane_count * groups_->size());
   groups_->each(pays(), [&](const LaneGroup& group) {
@@ -288,7 +289,18 @@ void LaneSweep<Rotates, Rule>::store(Impulses& r) const {
 }
 
 template <bool Rotates, LaneRule Rule>
-double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::rows == 3) {
+void LaneSweep<Rotates, Rule>::run_color(const Rule& rule, std::size_t color) {
+  const auto loop = best_loop<ColorTask<Rotates, Rule>>();
+  const std::size_t first = groups_->color_begin(color), last = groups_->color_begin(color + 1);
+  parallel_blocks(last - first, LaneGroups::grain, [&](std::size_t b, std::size_t e, std::size_t) {
+    const LaneGroup* const groups = groups_->data();
+    loop({groups + first + b, groups + first + e, groups + last, rows_.data(), bodies_.data(),
+          change_.data() + lane_count * (first + b), rule});
+  });
+}
+
+template <bool Rotates, LaneRule Rule>
+std::span<const double> LaneSweep<Rotates, Rule>::natural_squares(double rho) const requires(Rule::rows == 3) {
   if constexpr (Rule::rows == 3) {  // Clang 14: see angular()
     const auto loop = best_loop<NaturalMapTask<Rotates, Rule>>();
     renew(squares_, lane_count * groups_->size());
@@ -296,8 +308,13 @@ double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::ro
       loop({groups_->data() + b, groups_->data() + e, rows_.data(), bodies_.data(), squares_.data() + lane_count * b,
             rho});
     });
-    return std::sqrt(order_free_sum({squares_.data(), squares_.size()}));
   }
+  return {squares_.data(), squares_.size()};
+}
+
+template <bool Rotates, LaneRule Rule>
+double LaneSweep<Rotates, Rule>::natural_map(double rho) const requires(Rule::rows == 3) {
+  if constexpr (Rule::rows == 3) return std::sqrt(order_free_sum(natural_squares(rho)));
   return 0.0;
 }
 

@@ -30,14 +30,25 @@ class LaneSweep {
   }
   /// With another w than that of the problem.
   void load(const ContactProblem& problem, std::span<const double> offset, std::span<const Vec3> lag, const Impulses& r,
-            const BodyVelocities& v);
+            const BodyVelocities& v) {
+    load(problem, problem.lane_groups(), offset, lag, r, v);
+  }
+  /// In these groups.
+  void load(const ContactProblem& problem, const LaneGroups& groups, std::span<const double> offset,
+            std::span<const Vec3> lag, const Impulses& r, const BodyVelocities& v);
   /// One update of every contact; returns the sum of |change of r|^2, 0 where it is not measured.
   double run(const Rule& rule, bool measured = true);
+  /// The groups of one colour alone, where whoever calls does something between two colours; measured.
+  void run_color(const Rule& rule, std::size_t color);
+  /// |change of r|^2 of each pair in the last sweep that was measured.
+  std::span<const double> changes() const { return {change_.data(), change_.size()}; }
   void store(Impulses& r) const;
   /// Adds to the velocities of the bodies.
   void add(const BodyVelocities& v);
   /// || r - P_K(r - rho u~) || over all contacts, u from the velocities as the updates have left them (residual.h).
   double natural_map(double rho) const requires(Rule::rows == 3);
+  /// Its square, pair by pair, until the next call.
+  std::span<const double> natural_squares(double rho) const requires(Rule::rows == 3);
 
   /// What the rows have made of the velocities of body s.
   Vec3 linear(Slot s) const { return {bodies_[s].velocity[0], bodies_[s].velocity[1], bodies_[s].velocity[2]}; }
@@ -48,6 +59,9 @@ class LaneSweep {
       for (int k = 0; k < 3; ++k) w[k] = bodies_[s].angular_velocity[k];
     return w;
   }
+
+  struct Body;
+  Body& body(Slot s) { return bodies_[s]; }
 
   struct Nothing {};
   struct Rotation {

@@ -1,7 +1,7 @@
 #!/bin/bash
-# What goes wrong on several ranks ends all of them with the right code: faults.sh EPAFI EPAFI_MPI FOLDER BED
+# What goes wrong on several ranks ends all of them with the right code: faults.sh EPAFI EPAFI_MPI FOLDER BED IMPULSES
 set -u
-alone=$1 shared=$2 folder=$3 bed=$4
+alone=$1 shared=$2 folder=$3 bed=$4 impulses=$5
 . "$(dirname "$0")/common.sh"
 bad=0
 fail() { echo "FAILED: $*"; bad=1; }
@@ -17,18 +17,27 @@ on_ranks 3 1 "$shared" resume "$folder/cut" --steps 100 --quiet > "$folder/log" 
 [ "$(hash_of "$folder/cut")" = "$want" ] || fail "after 2, 3 and 1 ranks: state $(hash_of "$folder/cut"), straight $want"
 "$alone" export "$folder/cut" --format csv > /dev/null 2>&1 || fail "run.h5 of several ranks cannot be read"
 
+# the same where impulses are found for all contacts together
+"$alone" run "$impulses" --steps 200 --quiet -t 1 -o "$folder/struck" 2> "$folder/log" || fail "impulses, straight: $(tail -1 "$folder/log")"
+on_ranks 2 1 "$shared" run "$impulses" --steps 70 --quiet -o "$folder/struck2" > "$folder/log" 2>&1 || fail "impulses on two: $(tail -1 "$folder/log")"
+on_ranks 3 1 "$shared" resume "$folder/struck2" --steps 60 --quiet > "$folder/log" 2>&1 || fail "impulses on three: $(tail -1 "$folder/log")"
+"$alone" resume "$folder/struck2" --steps 70 --quiet -t 1 > "$folder/log" 2>&1 || fail "impulses alone: $(tail -1 "$folder/log")"
+[ "$(hash_of "$folder/struck2")" = "$(hash_of "$folder/struck")" ] || fail "impulses after 2, 3 and 1 ranks: another state"
+
 # a wrong scene, one message of rank 0, exit code 2
 cat > "$folder/wrong.toml" <<SCENE
 run = { duration = 0.1, time_step = 1e-4 }
 material.m = { density = 1000.0 }
 contact = { method = "nonsmooth" }
+world = { domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = ["x"] } }
 [[body]]
 shape = { sphere = { radius = 0.1 } }
 material = "m"
+position = [0.5, 0.5, 0.5]
 SCENE
 on_ranks 3 1 "$shared" run "$folder/wrong.toml" -o "$folder/refused" > "$folder/log" 2>&1
 [ $? -eq 2 ] || fail "a scene that is refused: exit code $?"
-[ "$(grep -c 'wrong.toml:3:[0-9]*: error: .*method = "smooth"' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
+[ "$(grep -c 'wrong.toml:4:[0-9]*: error: a periodic cell .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
 on_ranks 3 1 "$shared" run "$folder/absent.toml" > "$folder/log" 2>&1
 code=$?
 "$alone" run "$folder/absent.toml" > /dev/null 2>&1

@@ -42,6 +42,25 @@ TEST_CASE("points on one rank are shared out evenly, and every rank knows the ow
   CHECK(*std::ranges::max_element(count) <= 1.03 * 1000.0 / rank_count() + 1.0);
 }
 
+TEST_CASE("points that weigh more are shared out over more ranks, so that all have as much weight") {
+  const auto all = random_points(2000, 13);
+  std::vector<float> weights;
+  double sum = 0.0;
+  for (const Vec3& x : all) {
+    weights.push_back(x.x() < 0.0 ? 4.0f : 0.5f);
+    sum += static_cast<double>(weights.back());
+  }
+  Partition partition;
+  if (rank_number() == 0)
+    partition.cut(all, weights);
+  else
+    partition.cut({});
+  std::vector<double> weight(static_cast<std::size_t>(rank_count()), 0.0);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    weight[static_cast<std::size_t>(partition.owner(all[k]))] += static_cast<double>(weights[k]);
+  CHECK(*std::ranges::max_element(weight) <= 1.05 * sum / rank_count() + 4.0);
+}
+
 TEST_CASE("a box meets the parts of all points in it, far outside too") {
   const auto all = random_points(500, 11);
   Partition partition;

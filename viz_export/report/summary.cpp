@@ -65,8 +65,9 @@ void put_run_stages(JsonWriter& json, const std::vector<RunSummary::StageTimes>&
   json.end_array();
 }
 
-void put_ranks(JsonWriter& json, const RankFigures& ranks) {
-  json.key("ranks").begin_object().member("count", ranks.ranks).member("imbalance", ranks.imbalance);
+void put_ranks(JsonWriter& json, const RankFigures& ranks, const std::string& share) {
+  json.key("ranks").begin_object().member("count", ranks.ranks).member("share", share);
+  json.member("imbalance", ranks.imbalance);
   json.member("ghosts", ranks.ghosts).member("bytes_per_step", ranks.bytes_per_step).member("moves", ranks.moves);
   json.end_object();
 }
@@ -88,7 +89,7 @@ std::string summary_json(const RunSummary& s) {
       .member("threads", s.threads)
       .member("ns_per_body_step", s.ns_per_body_step);
   put_stages(json, s.stage_seconds);
-  if (s.ranks) put_ranks(json, *s.ranks);
+  if (s.ranks) put_ranks(json, *s.ranks, s.ranks_share);
   json.member("contacts_mean", s.contacts_mean);
   if (s.energy) put_energy(json, *s.energy);
   json.member("momentum_error", s.momentum_error);

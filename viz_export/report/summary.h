@@ -58,6 +58,7 @@ struct RunSummary {
   double cpu_time = 0;                     ///< of the stepping, all threads, output included [s]
   int threads = 1;                         ///< of each process
   std::optional<RankFigures> ranks;        ///< of a run that several processes share
+  std::string ranks_share;                 ///< what of it they do together
   std::optional<double> ns_per_body_step;  ///< of moving bodies, everything but output
   StageSeconds stage_seconds;
   std::optional<double> contacts_mean;

@@ -10,6 +10,8 @@
 #include "laws/nonsmooth/cone_sweep.h"
 #include "laws/nonsmooth/lane_sweep.h"
 #include "laws/nonsmooth/residual.h"
+#include "laws/nonsmooth/shared_sweeps.h"
+#include "laws/nonsmooth/solvers/pgs.h"
 #include "laws/nonsmooth/solvers/solver.h"
 #include "laws/nonsmooth/sweep.h"
 
@@ -39,8 +41,11 @@ class GaussSeidel final : public ContactSolver {
 
   SolverReport solve(const ContactProblem& problem, Impulses& r) override {
     const double rho = problem.mean_effective_mass(), scale = cheap_scale(problem, rho);
+    problem.velocities(r, v_);
+    if constexpr (std::is_same_v<Rule, PgsRule>)
+      if (const auto shared = share_sweeps(problem, {rho, scale, norm(r), rule_.relaxation, limits()}, v_, r))
+        return *shared;
     const auto with = [&](auto& sweep) {
-      problem.velocities(r, v_);
       sweep.load(problem, r, v_);
       const auto measure = [&] {
         if constexpr (requires { sweep.natural_map(rho); }) {
@@ -70,25 +75,13 @@ class GaussSeidel final : public ContactSolver {
   }
 
  private:
-  /// `sweep` returns the squared change of r, `measure` the residual.
+  SweepLimits limits() const { return {iterations_, tolerance_}; }
+
   template <class Run, class Measure>
   SolverReport iterate(double scale, const Impulses& r, const Run& sweep, const Measure& measure) {
-    double threshold = tolerance_ * scale;
-    SolverReport report{false, 0, 0.0};
-    while (report.iterations < iterations_) {
-      const double change = std::sqrt(sweep(report.iterations));
-      ++report.iterations;
-      if (report.iterations % 16 == 0 && stop()) break;
-      if (change > threshold) continue;
-      report.residual = measure();
-      report.converged = report.residual <= tolerance_;
-      if (report.converged || change <= rounding * norm(r)) break;  // nothing more to gain
-      threshold = change * std::min(0.5, tolerance_ / report.residual);
-    }
-    return report;
+    return sweep_until(
+        limits(), scale, sweep, measure, [&] { return norm(r); }, [&] { return stop(); });
   }
-
-  static constexpr double rounding = 1e-15;  // of ||r||: a change of a few ulp of most impulses is noise
 
   static double norm(const Impulses& r) {
     return std::sqrt(order_free_sum(r.size(), [&](std::size_t i) { return r[i].squaredNorm(); }));

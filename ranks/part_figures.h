@@ -1,0 +1,33 @@
+/// @file part_figures.h  What sharing out has come to, of this rank and of all.
+#pragma once
+#include <ctime>
+#include <utility>
+
+#include "engine/ranks/remote_steps.h"
+
+namespace epafi {
+
+struct PartFigures {
+  double own = 0.0, ghosts = 0.0;  ///< bodies, summed over the steps
+  double steps = 0.0;
+  double moved = 0.0;  ///< how often bodies went to other ranks
+  double bytes = 0.0;  ///< sent in all
+};
+
+/// Processor time of this process, all threads, for what is to be balanced.
+class WorkMeter {
+ public:
+  void begin() { begun_ = std::clock(); }
+  void end() { seconds_ += static_cast<double>(std::clock() - begun_) / CLOCKS_PER_SEC; }
+  /// Since the last call [s].
+  double take() { return std::exchange(seconds_, 0.0); }
+
+ private:
+  std::clock_t begun_ = 0;
+  double seconds_ = 0.0;
+};
+
+/// By all ranks.
+RankFigures gather_figures(const PartFigures& mine);
+
+}  // namespace epafi

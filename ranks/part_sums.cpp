@@ -1,0 +1,66 @@
+// What a step of a part comes to, over all parts.
+#include <algorithm>
+#include <array>
+
+#include "engine/threads/parallel.h"
+#include "ranks/part.h"
+
+namespace epafi {
+
+/// Those of contacts that the model has not found itself.
+void Part::note_overlaps() {
+  const ContactSet& c = sim_.work.contacts;
+  const World& world = sim_.world;
+  StepReport& report = sim_.work.report;
+  report.deepest = block_max<double>(c.size(), report.deepest, [&](std::size_t k) { return -c.gap[k]; });
+  report.deepest_relative = block_max<double>(c.size(), report.deepest_relative, [&](std::size_t k) {
+    if (!(c.gap[k] < 0.0)) return 0.0;
+    return -c.gap[k] / std::min(territory_.radius(world.shape[c.a[k]]), territory_.radius(world.shape[c.b[k]]));
+  });
+}
+
+/// Of the bodies that this rank owns.
+bool Part::is_sound(const std::optional<Domain>& domain) const {
+  const Extent* seen = sim_.pipeline.contact_model->extent();
+  if (seen && seen->is_inside(domain)) return true;
+  const auto strays = find_strays(sim_.world, domain);
+  return std::ranges::none_of(strays, [&](Slot s) { return sim_.world.owner[s] == World::here; });
+}
+
+void Part::begin_sums(bool sound) {
+  const StepReport& mine = sim_.work.report;
+  const std::array<double, 11> sums{static_cast<double>(mine.pairs),
+                                    static_cast<double>(mine.contacts),
+                                    static_cast<double>(mine.touching),
+                                    mine.elastic,
+                                    mine.dissipated,
+                                    mine.work,
+                                    mine.losses.viscous,
+                                    mine.losses.frictional,
+                                    mine.losses.plastic,
+                                    mine.losses.adhesive,
+                                    sound ? 0.0 : 1.0};
+  const Motion motion = motion_of_own();
+  const std::array<double, 5> largest{mine.deepest, mine.deepest_relative, motion.way, motion.speed,
+                                      motion.acceleration};
+  joint_.begin(sums, largest);
+}
+
+void Part::finish_sums(StepReport& report, bool& sound) {
+  std::array<double, 11> sums{};
+  std::array<double, 5> largest{};
+  joint_.finish(sums, largest);
+  report.pairs = static_cast<std::size_t>(sums[0]);
+  report.contacts = static_cast<std::size_t>(sums[1]);
+  report.touching = static_cast<std::size_t>(sums[2]);
+  report.elastic = sums[3];
+  report.dissipated = sums[4];
+  report.work = sums[5];
+  report.losses = {sums[6], sums[7], sums[8], sums[9]};
+  report.deepest = largest[0];
+  report.deepest_relative = largest[1];
+  motion_ = {largest[2], largest[3], largest[4]};
+  sound = sums[10] == 0.0;
+}
+
+}  // namespace epafi

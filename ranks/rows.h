@@ -1,0 +1,42 @@
+/// @file rows.h  Plain rows one behind the other, as plans carry them; those of contacts and of places.
+#pragma once
+#include <cstring>
+#include <vector>
+
+#include "engine/state/contacts.h"
+
+namespace epafi {
+
+template <class Row>
+void append_row(std::vector<std::byte>& rows, const Row& row) {
+  rows.resize(rows.size() + sizeof row);
+  std::memcpy(rows.data() + rows.size() - sizeof row, &row, sizeof row);
+}
+
+template <class Row>
+Row row_at(const std::vector<std::byte>& rows, std::size_t k) {
+  Row row;
+  std::memcpy(&row, rows.data() + k * sizeof row, sizeof row);
+  return row;
+}
+
+struct ContactRow {
+  std::uint32_t a, b;  ///< ids
+  Feature feature;
+  double gap, radius, area;
+  double normal[3], arm[3], force[3], moment[3];
+};
+ContactRow row_of(const ContactSet& contacts, std::size_t k, const World& world);
+void put_row(ContactSet& contacts, std::size_t k, const ContactRow& row, const World& world);
+
+struct PlaceRow {
+  std::uint32_t id;
+  double position[3], turn[4];
+};
+PlaceRow place_of(const World& world, Slot s);
+void put_place(const PlaceRow& row, World& world);
+
+/// This rank tells of contact k: its owner, of two bodies that every rank has rank 0.
+bool tells_of(const World& world, Slot a, Slot b);
+
+}  // namespace epafi

@@ -1,0 +1,123 @@
+#include "ranks/territory.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "ranks/communicator.h"
+
+namespace epafi {
+
+void Territory::measure(const World& world, const Owners& owner) {
+  double sums[2] = {0.0, 0.0}, largest = 0.0;
+  for (std::size_t s = 0; s < owner.size(); ++s) {
+    if (owner[s] != World::here) continue;
+    const double r = setup_.radius(world.shape[s]);
+    sums[0] += r;
+    sums[1] += 1.0;
+    largest = std::max(largest, r);
+  }
+  sum_over_ranks(sums);
+  max_over_ranks({&largest, 1});
+  largest_ = largest;
+  usual_margin_ = sums[1] > 0.0 ? 0.5 * sums[0] / sums[1] : std::numeric_limits<double>::infinity();
+  margin_ = usual_margin_;
+}
+
+/// Of free bodies: the time that one of its rank took over that of one of all, where enough has been measured.
+std::vector<float> Territory::weights(const World& world, const std::vector<Slot>& free,
+                                      const std::vector<double>& worked) const {
+  constexpr double enough = 0.05;  // s of a rank: a hundred times the tick of its clock
+  constexpr double least = 0.2, most = 5.0;
+  std::vector<double> bodies(worked.size(), 0.0);
+  for (const int rank : rank_of_)
+    if (rank >= 0) bodies[static_cast<std::size_t>(rank)] += 1.0;
+  const double all = std::accumulate(bodies.begin(), bodies.end(), 0.0);
+  const double time = std::accumulate(worked.begin(), worked.end(), 0.0);
+  if (!(time > enough * static_cast<double>(worked.size())) || all == 0.0) return {};
+  std::vector<float> out;
+  for (const Slot s : free) {
+    const auto id = static_cast<std::size_t>(world.id[s]);
+    const int rank = id < rank_of_.size() ? rank_of_[id] : -1;
+    const auto r = static_cast<std::size_t>(std::max(rank, 0));
+    const double weight = rank < 0 ? 1.0 : worked[r] / bodies[r] * all / time;
+    out.push_back(static_cast<float>(std::clamp(weight, least, most)));
+  }
+  return out;
+}
+
+void Territory::cut(const World& world, const Owners& owner, double worked) {
+  measure(world, owner);
+  const std::vector<double> all = gather_numbers(worked);
+  std::vector<Slot> free;
+  std::vector<Vec3> places;
+  for (Slot s = 0; s < owner.size(); ++s) {
+    if (owner[s] != World::here) continue;
+    free.push_back(s);
+    places.push_back(world.position[s]);
+  }
+  partition_.cut(places, weights(world, free, all));
+  rank_of_.assign(free.empty() ? 0 : world.ids_given(), -1);
+  for (const Slot s : free) rank_of_[static_cast<std::size_t>(world.id[s])] = partition_.owner(world.position[s]);
+}
+
+Routes Territory::routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
+                         const std::vector<int>& held) const {
+  Routes r;
+  r.place = place;
+  r.to_all = held;
+  std::vector<int> ranks;
+  for (Slot s = 0; s < owner.size(); ++s) {
+    const bool is_held = owner[s] == World::everywhere;
+    r.begin.push_back(static_cast<std::uint32_t>(r.to.size()));
+    r.mine.push_back(owner[s] != World::elsewhere);
+    r.owner.push_back(is_held ? Routes::all_ranks : partition_.owner(world.position[s]));
+    if (is_held) r.to.insert(r.to.end(), held.begin(), held.end());
+    if (owner[s] != World::here) continue;
+    const double reach = setup_.radius(world.shape[s]) + largest_ + setup_.reach + 2.0 * margin_;
+    partition_.ranks_near(world.position[s], (1.0 + 1e-9) * reach, ranks);
+    if (std::ranges::find(ranks, r.owner.back()) == ranks.end()) ranks.push_back(r.owner.back());
+    r.to.insert(r.to.end(), ranks.begin(), ranks.end());
+  }
+  r.begin.push_back(static_cast<std::uint32_t>(r.to.size()));
+  return r;
+}
+
+Routes routes_home(const World& world, const std::vector<std::uint32_t>& place) {
+  Routes r;
+  r.place = place;
+  r.gathers = true;
+  if (rank_number() == 0) r.to_all = {0};
+  for (Slot s = 0; s < world.size(); ++s) {
+    const bool held = world.owner[s] == World::everywhere;
+    r.owner.push_back(held ? Routes::all_ranks : 0);
+    r.mine.push_back(held ? rank_number() == 0 : world.owner[s] == World::here);
+    r.begin.push_back(s);
+    r.to.push_back(0);
+  }
+  r.begin.push_back(static_cast<std::uint32_t>(world.size()));
+  return r;
+}
+
+std::vector<int> all_ranks() {
+  std::vector<int> all(static_cast<std::size_t>(rank_count()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+Owners owners_of_whole(const World& world) {
+  Owners owner;
+  for (Slot s = 0; s < world.size(); ++s) owner.push_back(world.is_movable(s) ? World::here : World::everywhere);
+  return owner;
+}
+
+Owners owners_of(const Arrival& arrival) {
+  Owners owner;
+  for (const int rank : arrival.owner)
+    owner.push_back(rank == Routes::all_ranks ? World::everywhere
+                    : rank == rank_number()   ? World::here
+                                              : World::elsewhere);
+  return owner;
+}
+
+}  // namespace epafi

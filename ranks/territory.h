@@ -1,0 +1,57 @@
+/// @file territory.h  Which bodies are whose: parts of space, and how far beyond its own a rank sees.
+#pragma once
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "engine/ranks/rank_team.h"
+#include "engine/state/world.h"
+#include "ranks/partition.h"
+#include "ranks/state_image.h"
+
+namespace epafi {
+
+using Owners = std::vector<std::uint8_t>;  ///< as World::owner
+
+class Territory {
+ public:
+  explicit Territory(PartSetup setup) : setup_(std::move(setup)) {}
+
+  /// Sizes of the free bodies that are here decide how far ghosts reach; new cuts, so that all ranks have as much to
+  /// do. worked: processor time of this rank since the last cut [s]; bodies of a rank that took longer for each weigh
+  /// more. No result depends on it. Bodies are at rank 0. By all ranks.
+  void cut(const World& world, const Owners& owner, double worked);
+  /// Ghosts are enough while no body has moved farther than this since it was placed [m].
+  double margin() const { return margin_; }
+  /// Enough for ways of this length too; no more than so many times the usual margin.
+  void widen(double longest, double most = std::numeric_limits<double>::infinity()) {
+    margin_ = std::max(usual_margin_, std::min(2.0 * longest, most * usual_margin_));
+  }
+  /// By the present cuts: who owns the bodies that are here, and who else may touch them. Held ones go to `held`.
+  /// place: by slot, as Routes::place.
+  Routes routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
+                const std::vector<int>& held) const;
+  double radius(std::uint32_t shape) const { return setup_.radius(shape); }
+
+ private:
+  void measure(const World& world, const Owners& owner);
+  std::vector<float> weights(const World& world, const std::vector<Slot>& free,
+                             const std::vector<double>& worked) const;
+
+  PartSetup setup_;
+  Partition partition_;
+  double usual_margin_ = 0.0, margin_ = 0.0;  ///< [m]
+  double largest_ = 0.0;                      ///< radius of all free bodies [m]
+  std::vector<int> rank_of_;                  ///< by id: whose the body was after the last cut; -1: nobody's
+};
+
+std::vector<int> all_ranks();
+/// Of all bodies, which rank 0 has until they are shared out.
+Owners owners_of_whole(const World& world);
+/// Of those that have come.
+Owners owners_of(const Arrival& arrival);
+/// Every body and contact goes to rank 0, from the owner, held ones from rank 0 itself; world.owner is filled.
+Routes routes_home(const World& world, const std::vector<std::uint32_t>& place);
+
+}  // namespace epafi
