@@ -249,6 +249,7 @@ void place_all(Assembly& a, ShapeBuilder& builder, const AssembleOptions& option
   a.fill_ids.resize(a.scene.fills.size());
   if (options.keep_fill_bodies || a.scene.stages.size() > 1) a.fill_bodies.resize(a.scene.fills.size());
   const KnownFills known = known_fills(a.scene, options);
+  if (!options.place && !a.scene.start) read_principal_axes(a, builder);
   for (std::size_t stage = 0; stage < a.scene.stage; ++stage) {
     add_bodies(a, builder, stage);
     add_known_fills(a, builder, stage, known);

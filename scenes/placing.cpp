@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "detection/broad/all_broad_phases.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/generators.h"
 #include "scenes/held_probe.h"
@@ -93,6 +94,65 @@ void look_for_outsiders(Assembly& a, const GroupSpec& group) {
 BodyId leave_out(Assembly& a) { return a.simulation->world.reserve(); }
 
 }  // namespace
+
+namespace {
+
+constexpr double deep = 0.1;        // of a radius: no state that a run exports has such overlaps
+constexpr double less_deep = 0.25;  // of that, where the other reading is the right one
+constexpr std::size_t enough = 10;  // overlapping pairs: fewer may lie deep by chance
+
+/// A row of a file whose shape does not stand in its principal axes.
+bool may_have_old_axes(const Scene& scene, const BodySpec& b, ShapeBuilder& builder) {
+  const GroupSpec& group = scene.groups[b.group];
+  const bool is_row = group.repeat == std::vector<std::size_t>{1} && group.count > 1 && group.stage == 0;
+  if (!is_row || !b.moves() || b.absent || b.as_drawn || scene.shapes[b.shape].type == "sphere") return false;
+  return builder.build(b.shape, b.size).frame.orientation.vec().squaredNorm() > 0.0;
+}
+
+/// Of all bodies at the start, with those rows read one way or the other.
+Overlap overlap_of_reading(const Assembly& a, ShapeBuilder& builder, bool principal) {
+  World world(a.plan.columns);
+  if (a.scene.cell) world.cell = a.scene.cell->cell;
+  for (const BodySpec& b : a.scene.bodies) {
+    if (b.absent || a.scene.groups[b.group].stage > 0) continue;
+    const BuiltShape shape = builder.build(b.shape, b.size);
+    Body body = make_body(a, shape, b, a.scene.groups[b.group].place);
+    if (principal && may_have_old_axes(a.scene, b, builder)) body.orientation = b.orientation;
+    world.add(body);
+  }
+  BroadSetup setup;
+  setup.shapes = a.shapes.get();
+  for (const auto& row : pair_table())
+    for (const auto& cell : row) setup.filter.has_cell.push_back(cell.batch != nullptr);
+  PairList pairs;
+  ContactSet contacts;
+  make_broad_phase("spatial-hash", setup, world)->find_pairs(world, pairs);
+  BatchNarrowPhase(*a.shapes, 0.0, false).collide(world, pairs, contacts);
+  return measure_overlap(world, {world, contacts}, *a.shapes);
+}
+
+}  // namespace
+
+void read_principal_axes(Assembly& a, ShapeBuilder& builder) {
+  auto& bodies = a.scene.bodies;
+  const auto first =
+      std::ranges::find_if(bodies, [&](const BodySpec& b) { return may_have_old_axes(a.scene, b, builder); });
+  if (first == bodies.end()) return;
+  const Overlap written = overlap_of_reading(a, builder, false);
+  if (written.max_relative < deep || written.pairs < enough) return;
+  const Overlap principal = overlap_of_reading(a, builder, true);
+  if (principal.max_relative > less_deep * written.max_relative) return;
+  a.warnings.push_back(
+      {Problem::Level::warning, a.scene.groups[first->group].place,
+       fmt::format(
+           "[[bodies]]: the orientations are read as those of principal axes, as exports of older versions "
+           "have them: the bodies overlap by up to {:.2g} of their radius so, by {:.2g} where they are those of "
+           "the axes of the shape; export the run anew to be rid of this",
+           principal.max_relative, written.max_relative)});
+  for (BodySpec& b : bodies)
+    if (may_have_old_axes(a.scene, b, builder))
+      b.orientation = b.orientation * builder.build(b.shape, b.size).frame.orientation.conjugate();
+}
 
 void add_bodies(Assembly& a, ShapeBuilder& builder, std::size_t stage) {
   const auto& bodies = a.scene.bodies;

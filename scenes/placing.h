@@ -9,6 +9,11 @@ namespace epafi {
 /// The bodies of the tables that a stage brings.
 void add_bodies(Assembly& assembly, ShapeBuilder& builder, std::size_t stage);
 
+/// Rows of [[bodies]] as exports of versions before format 2 of run.h5 wrote them have the orientations of principal
+/// axes. They are known by what they do: as written their bodies lie deep in each other, as principal axes they do not.
+/// Then they are read so, with a warning. Before the bodies are added.
+void read_principal_axes(Assembly& assembly, ShapeBuilder& builder);
+
 /// What the fills of earlier stages have brought; what has not been kept is asked for once more.
 KnownFills known_fills(const Scene& scene, const AssembleOptions& options);
 

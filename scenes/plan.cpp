@@ -264,10 +264,9 @@ void plan_reach(const Scene& scene, const ShapesInUse& use, bool smooth, StepPla
   const double smallest = use.smallest;
   if (!std::isfinite(smallest)) return;
   // What bodies move in a step is foreseen, as far as the step that the program chooses lets them go: by a quarter of
-  // the smallest each (time_step_nonsmooth.h). Of a written step impacts at their own times are foreseen. Pairs that
-  // move less are asked for less (follow_motion).
-  const bool chosen = !scene.run.time_step.value;
-  plan.reach = (chosen ? 0.5 : locates_impacts(scene) ? 0.25 : 0.02) * smallest;
+  // the smallest each (time_step_nonsmooth.h). What a longer written step brings nearer than that is found overlapping.
+  // Pairs that move less are asked for less (follow_motion).
+  plan.reach = 0.5 * smallest;
   plan.resting_reach = 0.005 * smallest;
 }
 

@@ -79,6 +79,10 @@ const std::string nonsmooth = R"(
 run = { duration = 3.0, time_step = 1e-3, output_interval = 1.0 }
 contact = { method = "nonsmooth", restitution = 0.2, friction = 0.5 }
 )";
+const std::string longer = R"(
+run = { duration = 4.0, time_step = 1e-3, output_interval = 1.0 }
+contact = { method = "nonsmooth", restitution = 0.2, friction = 0.5 }
+)";
 /// Without the tangential dashpot 1e-6 of the drop's energy swings on in the friction springs.
 const std::string smooth = R"(
 run = { duration = 3.0, time_step = 2e-5, output_interval = 1.0 }
@@ -102,14 +106,14 @@ std::set<std::tuple<Slot, Slot, Feature>> loaded(const Simulation& sim, double w
   return out;
 }
 
-/// Runs to the end; the last half second must be rest.
+/// Runs to the end; the last sixth must be rest.
 void check_rest(const std::string& method, const std::string& scene, double drop) {
   SceneRun run = start_text(rest_head + method + scene);
   Simulation& sim = run.simulation();
   double weight = 0;
   for (Slot s = 0; s < sim.world.size(); ++s)
     if (sim.world.is_movable(s)) weight += 9.81 / sim.world.inverse_mass[s];
-  const auto last = static_cast<std::uint64_t>(std::llround(3.0 / sim.time_step)), from = last / 6 * 5;
+  const std::uint64_t last = run.assembly->steps, from = last / 6 * 5;
   run.advance_to(from);
   REQUIRE(run.failure.empty());
   const auto names = loaded(sim, weight);
@@ -159,7 +163,8 @@ TEST_CASE("they come to rest on each other", "[physics][rest][long]") {
   for (const auto& [lower_name, lower] : shapes())
     for (const auto& top : shapes()) {
       if (lower_name == "hull of 64 points") continue;  // nothing stands on its corners
-      check_pile(nonsmooth, {lower_name, lower}, top);
+      const bool rolls_on = lower_name == "clump of four" && top.first == "hull of 64 points";  // for up to 3 s
+      check_pile(rolls_on ? longer : nonsmooth, {lower_name, lower}, top);
       if (lower_name != "cylinder") check_pile(smooth, {lower_name, lower}, top);  // below
     }
 }

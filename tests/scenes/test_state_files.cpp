@@ -1,7 +1,10 @@
 // What a run wrote is read back whole: sizes, shapes, materials, groups, axes; and goes on with the energies it had.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 
+#include "engine/step/contact_pieces.h"
 #include "scenes/full_registry.h"
 #include "scenes/reader/scene_reader.h"
 #include "scenes/session.h"
@@ -152,4 +155,74 @@ TEST_CASE("a hull without orientation is exported without one", "[scenes][export
   for (std::size_t at = 0, k = 0; k < 10; ++k, at = row.find(',', at) + 1) values.push_back(std::stod(row.substr(at)));
   CHECK(values[6] == Approx(1.0).epsilon(1e-15));
   CHECK(std::abs(values[7]) + std::abs(values[8]) + std::abs(values[9]) < 1e-15);
+}
+
+TEST_CASE("rows with orientations of principal axes, as older versions wrote them, are read as the state they were",
+          "[scenes][export]") {
+  const std::string hulls = R"x(
+shape.g = { SHAPE }
+[[body]]
+name = "floor"
+shape = { half_space = { normal = [0, 0, 1] } }
+material = "stone"
+fixed = true
+[[body]]
+name = "side"
+repeat = 4
+shape = { half_space = { normal = ["= cos(i*pi/2)", "= sin(i*pi/2)", 0]
+}
+}
+position = ["= -0.012*cos(i*pi/2)", "= -0.012*sin(i*pi/2)", 0]
+material = "stone"
+fixed = true
+)x";
+  const std::string head = state_head.substr(0, state_head.find("[[body]]"));
+  const auto shapes = {
+      "polyhedron = { random = { vertices = 16, seed = 3 } }, scale_to_diameter = 0.005",
+      "polyhedron = { random = { vertices = 8, seed = 11 } }, scale_to_diameter = 0.004",
+      "clump = { spheres = [[0, 0, 0, 0.0015], [0.002, 0.001, 0, 0.001], [0, 0.002, 0.0015, 0.001]] }"};
+  for (const std::string shape : shapes) {
+    INFO(shape);
+    const TemporaryFolder folder;
+    std::string walls = hulls;
+    walls.replace(walls.find("SHAPE"), 5, shape);
+    const std::string fill =
+        "[[fill]]\nname = \"g\"\nshape = \"g\"\nmaterial = \"wood\"\ncount = 60\n"
+        "region = { box = { min = [-0.012, -0.012, 0], max = [0.012, 0.012, 0.06] } }\n";
+    Session run(assembled(head + walls + fill, folder.path()), {}, folder / "out");
+    SessionLimits limits;
+    limits.until = 0.15;
+    run.run(limits, true);
+    const Assembly& was = run.assembly();
+    const World& w = was.simulation->world;
+    const ContactPieces pieces(w, was.simulation->work.contacts);
+    REQUIRE(measure_overlap(w, pieces, *was.shapes).max_relative < 0.1);
+    std::string rows = "x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n";  // principal axes are those of the world's bodies
+    for (Slot s = 0; s < w.size(); ++s) {
+      if (!w.is_movable(s)) continue;
+      const Vec3 &x = w.position[s], &v = w.velocity[s], &spin = w.angular_velocity[s];
+      const Quat& q = w.orientation[s];
+      for (const double value :
+           {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), spin.x(), spin.y()})
+        rows += fmt::format("{:.17g},", value);
+      rows += fmt::format("{:.17g}\n", spin.z());
+    }
+    std::ofstream(folder / "old.csv") << rows;
+    const std::string file = "[[bodies]]\nfile = \"old.csv\"\nmaterial = \"wood\"\nshape = \"g\"\n";
+    const auto again = assembled(head + walls + file, folder.path());
+    REQUIRE(!again->warnings.empty());
+    CHECK_THAT(again->warnings.back().text, Catch::Contains("read as those of principal axes"));
+    again->simulation->start();
+    const World& is = again->simulation->world;
+    const Energy before = was.simulation->ledger.measure(w), after = again->simulation->ledger.measure(is);
+    CHECK(after.kinetic == Approx(before.kinetic).epsilon(1e-9));
+    CHECK(after.potential == Approx(before.potential).epsilon(1e-9));
+    CHECK(after.elastic == Approx(before.elastic).epsilon(1e-6));
+    // what this version writes is taken as it stands
+    export_run(folder / "out", ExportFormat::csv);
+    const auto own = assembled(head + walls + "[[bodies]]\nfile = \"out/bodies.csv\"\n", folder.path());
+    CHECK(own->warnings.empty());
+    own->simulation->start();
+    CHECK(own->simulation->ledger.measure(own->simulation->world).elastic == Approx(before.elastic).epsilon(1e-6));
+  }
 }

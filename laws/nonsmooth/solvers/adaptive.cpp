@@ -11,6 +11,7 @@ constexpr double lane_work = 20.0;    // multiplications of a contact in a sweep
 constexpr double over_sweeps = 1.5;   // of the work of all sweeps: what a step may cost on average
 constexpr double first_steps = 20.0;  // whose credit is there at the start
 constexpr double first_credit = 2e7;  // beside it: 10 ms
+constexpr double unspent = 0.5;       // of it: failed attempts cost little and are made again in the next step
 constexpr double most_saved = 200.0;  // steps whose credit is kept
 constexpr std::int32_t longest_pause = 63;
 constexpr int direct_iterations = 2000;  // of the attempt, as `auto`
@@ -53,8 +54,8 @@ SolverReport Adaptive::choose(const ContactProblem& problem, Impulses& r) {
     direct = solve_directly(problem, start_);
     swept.iterations += direct.iterations;
     next_pause_ = std::min(2 * next_pause_ + 1, longest_pause);
+    if (direct.converged || credit_ > unspent * first_credit) next_pause_ = 0;
     if (direct_.left_some()) next_pause_ = longest_pause;  // what costs too much will for a while
-    if (direct.converged) next_pause_ = 0;
     pause_ = next_pause_;
     if (direct.converged) {
       r.swap(start_);

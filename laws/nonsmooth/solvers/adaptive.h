@@ -4,10 +4,11 @@
 /// chains: price 5 to 10, always factored where sweeps end above the tolerance. Walls and small piles: factored while
 /// credit lasts. Large piles (200 hulls: price 100, 2000 spheres: 10^4): sweeps only, as pgs.
 ///   credit  of a step 1.5 times the work of `sweeps`, at the start that of 20 steps and 2e7 multiplications (10 ms)
-/// An attempt ends when it has spent the credit, a chain's after 120 factorisations or their worth (auto.h), so that a
+/// An attempt ends when it has spent the credit, a chain's after 600 factorisations or their worth (auto.h), so that a
 /// run costs at most 1.5 times what pgs does, but for the start and for chains. Where Newton steps were right in the
 /// last step they come first (auto.h); at rest a step has its solution at the start and costs nothing. Attempts that
-/// fail are made again after 1, 3, 7 ... 63 steps, those that cost too much after 63.
+/// fail are made again in the next step while half of the first credit is there, as in small scenes it always is, then
+/// after 1, 3, 7 ... 63 steps; those that cost too much after 63.
 #pragma once
 #include "laws/nonsmooth/solvers/auto.h"
 #include "laws/nonsmooth/solvers/gauss_seidel.h"

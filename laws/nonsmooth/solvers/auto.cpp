@@ -19,7 +19,7 @@ constexpr int steps_try = 8;  // of a try, after sweeps for twice as many; the n
 
 // with a credit (adaptive.h): stacks and arches cost 5 to 10, walls and piles of 40 boxes 20 to 30, of 200 hulls 100
 constexpr double chain_price = 12.0, largest_price = 60.0;
-constexpr double chain_steps = 120.0;   // factorisations that a chain has in any case
+constexpr double chain_steps = 600.0;   // factorisations that a chain has in any case
 constexpr double proximal_price = 4.0;  // factorisations: LU costs two, and the sweeps behind it as much again
 
 /// Multiplications of one sweep.
