@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""What a step costs where walls turn, cells strain and bodies come: rows as multiples of the settled bed in the same run.
-   python3 perf/scenes.py build/bin/epafi [row ...]
+"""What a step costs for every kind of body, wall, cell and source: rows as multiples of the settled bed in the same run,
+by body and step and by contact.
+   python3 perf/scenes.py build/bin/epafi [part of a row's name ...]
 Each scene is settled, then resumed for some steps and for three times as many: the difference of the processor times on
 one thread is that of the steps alone, and the two beds before and after a row say how busy the machine was. Beside
 each row the open part of its energy balance, and whether 1, 2 and 3 threads end in the same state."""
@@ -103,6 +104,24 @@ def cell(edge, count, more, velocity="", **law):
     return head(**law) + domain + fill(count, [0, 0, 0], [edge, edge, edge], velocity)
 
 
+def bodies_bed(shape, count, size, step, scale=None):
+    """Bodies of one shape, settled in a box six of them wide; size: of the box around one [m]."""
+    edge, text = size * 1.05 * math.ceil((count / 4) ** (1 / 3)), head().replace("5e-5", str(step)) + GRAVITY
+    text = text.replace("[shape.ball]\nsphere = { radius = 0.0025 }", "[shape.ball]\n" + shape + (
+        f"\nscale_to_diameter = {scale}" if scale else ""))
+    fill_text = fill(count, [0, 0, 1e-4], [edge, edge, 14 * edge])
+    return text + box(edge) + fill_text.replace('size = { distribution = "uniform", min = 0.9, max = 1.1 }\n', "")
+
+
+def clump(balls):
+    return "clump = { spheres = [" + ", ".join(str(list(b)) for b in balls) + "] }"
+
+
+CUBE = [(x, y, z, 0.002) for x in (-0.00125, 0.00125) for y in (-0.00125, 0.00125) for z in (-0.00125, 0.00125)]
+ROD = [(x, 0.0, 0.0, 0.0025) for x in (-0.0025, 0.0, 0.0025)]
+ROUND = "ellipsoid = { semi_axes = [0.003, 0.0025, 0.002] }"
+SQUARE = "superquadric = { semi_axes = [0.003, 0.0025, 0.002], across = 4, along = 4 }"
+
 ROWS = {  # scene, settled until [s], steps
     "bed": (bed, 0.3, 300),
     "drum of 48 turning planes": (drum, 0.1, 200),
@@ -110,6 +129,16 @@ ROWS = {  # scene, settled until [s], steps
     "straining cell": (lambda: cell(0.1736465692892682, 20000, ", strain_rate = [-0.8, -0.8, -0.8]", 'method = "random"'), 0.3, 100),
     "periodic gas": (lambda: cell(0.546952419723944, 50000, "", "velocity_deviation = 1.0", restitution=0.95, friction=0.1), 0.01, 60),
     "pour, 20 000 a second": (pour, 0.3, 200),
+    "clumps of one ball": (lambda: bodies_bed(clump([(0, 0, 0, 0.0025)]), 1000, 0.005, 2e-5), 0.15, 600),
+    "clumps of three balls": (lambda: bodies_bed(clump(ROD), 600, 0.01, 2e-5), 0.15, 600),
+    "clumps of eight balls": (lambda: bodies_bed(clump(CUBE), 600, 0.008, 2e-5), 0.15, 600),
+    "capsules": (lambda: bodies_bed("capsule = { radius = 0.0025, length = 0.005 }", 600, 0.01, 3e-5), 0.15, 600),
+    "boxes": (lambda: bodies_bed("box = { size = [0.004, 0.004, 0.004] }", 400, 0.007, 1.6e-5), 0.15, 300),
+    "polyhedra of 16 corners": (
+        lambda: bodies_bed("polyhedron = { random = { vertices = 16, seed = 3 } }", 400, 0.0062, 1.4e-5, 0.005), 0.15, 300),
+    "cylinders": (lambda: bodies_bed("cylinder = { radius = 0.0025, length = 0.005 }", 300, 0.0071, 2e-5), 0.15, 300),
+    "ellipsoids": (lambda: bodies_bed(ROUND, 400, 0.006, 4e-5), 0.15, 300),
+    "superquadrics": (lambda: bodies_bed(SQUARE, 200, 0.008, 2e-5), 0.1, 100),
 }
 
 
@@ -136,27 +165,32 @@ class Scene:
             return seconds, json.load(file)
 
     def nanoseconds(self):
-        """A body and step; and the summary of the longer run."""
-        short = min(self.resume(self.steps)[0] for _ in range(2))
+        """A body and step, and a contact and step; and the summary of the longer run."""
+        short, before = min((self.resume(self.steps) for _ in range(2)), key=lambda r: r[0])
         seconds, summary = min((self.resume(3 * self.steps) for _ in range(2)), key=lambda r: r[0])
-        return 1e9 * (seconds - short) / (2 * self.steps * summary["bodies"]), summary
+        a_step = 1e9 * (seconds - short) / (2 * self.steps)
+        contacts = summary["contacts_mean"] * summary["steps"] - before["contacts_mean"] * before["steps"]
+        return a_step / summary["bodies"], a_step * (2 * self.steps) / max(contacts, 1.0), summary
 
 
 def main():
     program, wanted = os.path.abspath(sys.argv[1]), sys.argv[2:]
     with tempfile.TemporaryDirectory() as folder:
         reference = Scene(program, folder, "bed")
-        last = reference.nanoseconds()[0]
-        print(f"{'scene':28} {'bodies':>7} {'ns':>7} {'beds':>6} {'open energy':>12}  threads")
+        last = reference.nanoseconds()
+        print(f"bed: {last[0]:.1f} ns a body and step, {last[1]:.1f} a contact; beds: multiples of these")
+        print(f"{'scene':28} {'bodies':>7} {'ns':>8} {'beds':>6} {'a contact':>10} {'beds':>6} {'open energy':>12}  threads")
         for name in ROWS:
             if name == "bed" or (wanted and not any(w in name for w in wanted)):
                 continue
             scene = Scene(program, folder, name)
-            cost, summary = scene.nanoseconds()
-            now = reference.nanoseconds()[0]
+            cost, of_contact, summary = scene.nanoseconds()
+            now = reference.nanoseconds()
             hashes = {scene.resume(scene.steps, threads)[1]["state_hash"] for threads in (1, 2, 3)}
-            print(f"{name:28} {summary['bodies']:7} {cost:7.1f} {2 * cost / (last + now):6.2f} "
-                  f"{summary['energy']['relative_error']:12.2e}  {'same bits' if len(hashes) == 1 else 'DIFFER'}")
+            print(f"{name:28} {summary['bodies']:7} {cost:8.1f} {2 * cost / (last[0] + now[0]):6.2f} "
+                  f"{of_contact:10.1f} {2 * of_contact / (last[1] + now[1]):6.2f} "
+                  f"{summary['energy']['relative_error']:12.2e}  {'same bits' if len(hashes) == 1 else 'DIFFER'}",
+                  flush=True)
             last = now
 
 

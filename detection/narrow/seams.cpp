@@ -137,8 +137,10 @@ void Seams::hide(const World& world, ContactSet& contacts) {
   follow(world);
   if (!touching_ && !solids_) return;
   candidates_.clear();
+  const auto may_be_wall = [&](Slot s) { return solids_ || (s < wall_of_slot_.size() && wall_of_slot_[s] != no_wall); };
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    for (const bool wall_is_b : {true, false}) consider(world, contacts, i, wall_is_b);
+    for (const bool wall_is_b : {true, false})
+      if (may_be_wall(wall_is_b ? contacts.b[i] : contacts.a[i])) consider(world, contacts, i, wall_is_b);
   if (candidates_.empty()) return;
   hidden_.assign(contacts.size(), 0);
   for (const Candidate& c : candidates_)

@@ -199,7 +199,9 @@ void ContactMemory::match(const ContactSet& contacts, std::vector<std::uint32_t>
       while (k < a_.size() && old(k) < wanted) ++k;
       const bool found = k < a_.size() && old(k) == wanted;
       previous[i] = found ? static_cast<std::uint32_t>(k) : none;
-      if ((found && !(is_empty && is_empty(k))) || !(is_mesh(contacts.a[i]) || is_mesh(contacts.b[i]))) continue;
+      if (contacts.meshes.empty() || (found && !(is_empty && is_empty(k))) ||
+          !(is_mesh(contacts.a[i]) || is_mesh(contacts.b[i])))
+        continue;
       if (const std::uint32_t left = left_for(contacts, i, is_empty); left != none) previous[i] = left;
     }
   });

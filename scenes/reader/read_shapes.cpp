@@ -79,6 +79,17 @@ void check_clump(Reading& reading, const ShapeSpec& shape, const std::string& la
     reading.error(shape.place, label + ": mass and inertia are given together, centre with them, or none of them");
 }
 
+/// A clump of one ball about the origin is that ball: it has its bits, its step and the loop over spheres.
+void simplify_clump(ShapeSpec& shape) {
+  const Parameters& p = shape.parameters;
+  if (!p.has("spheres") || p.numbers("spheres").size() != 4 || p.has("mass")) return;
+  const std::vector<double> ball = p.numbers("spheres");
+  if (ball[0] != 0.0 || ball[1] != 0.0 || ball[2] != 0.0) return;
+  shape.type = "sphere";
+  shape.parameters = {};
+  shape.parameters.set("radius", ball[3]);
+}
+
 /// The profile, the track or what is wrong with their keys.
 void check_railway(Reading& reading, ShapeSpec& shape, const TableValues& values, const std::string& label) {
   const std::string prefix = shape.type + ".";
@@ -161,6 +172,7 @@ std::optional<std::size_t> add_shape(Draft& draft, const Node& table, const std:
       if (normal) shape.parameters.set("normal", *normal);
     }
     check_size(reading, values, *form, label);
+    if (form->name == "clump" && reading.errors() == errors) simplify_clump(shape);
   }
   draft.scene.shapes.push_back(std::move(shape));  // a wrong one too, so that its name is known
   if (reading.errors() != errors) return std::nullopt;

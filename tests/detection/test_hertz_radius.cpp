@@ -3,6 +3,8 @@
 #include "detection/narrow/pairs/half_space_pairs.h"
 #include "detection/shapes/ellipsoid.h"
 #include "detection/shapes/sphere.h"
+#include "engine/railway/elliptic_integrals.h"
+#include "engine/units/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/pair_contacts.h"
 #include "tests/support/random_geometry.h"
@@ -58,6 +60,26 @@ TEST_CASE("R* is that of Hertz' ellipse at every ratio of curvatures", "[detecti
     CHECK(hertz_radius(3.0, 3.0 * ratio) == Approx(radius_by_quadrature(3.0, 3.0 * ratio)).epsilon(1e-9));
   CHECK(hertz_radius(0.5, 0.5) == Approx(1.0).epsilon(1e-14));
   CHECK(hertz_radius(0.0, 1.0) == infinity);
+}
+
+TEST_CASE("R* holds the equations of the ellipse to the last digits and goes on from octave to octave",
+          "[detection][round]") {
+  // from the axis ratio k to A/B and R* A without iteration, the integrals by their mean
+  Random random(65, 4);
+  for (int n = 0; n < 5000; ++n) {
+    const double k = std::pow(10.0, -5.0 * random.uniform(0.0, 1.0) * random.uniform(0.0, 1.0));
+    const EllipticIntegrals i = elliptic_integrals(k);
+    const double ratio = k * k * i.D / i.B, scale = std::pow(10.0, random.uniform(-6.0, 6.0));
+    const double expected = testing::pi * testing::pi * i.D / (4.0 * i.K * i.K * i.K * scale);
+    INFO("k " << k << " A/B " << ratio);
+    CHECK(hertz_radius(scale, scale / ratio) == Approx(expected).epsilon(2e-13));
+  }
+  for (int octave = 0; octave < 30; ++octave)
+    for (const double part : {1.0, 1.25, 1.5, 1.75}) {
+      const double ratio = std::ldexp(part, -octave - 1);
+      const double below = hertz_radius(1.0, 1.0 / (ratio * (1.0 - 1e-15)));
+      CHECK(hertz_radius(1.0, 1.0 / ratio) == Approx(below).epsilon(1e-13));
+    }
 }
 
 TEST_CASE("an ellipsoid on a plane sinks by what its curvatures there say", "[detection][round]") {

@@ -198,6 +198,55 @@ void check_inside(const Make& make, double tolerance) {
 
 }  // namespace
 
+TEST_CASE("each ball of a clump touches a tube or cone at the nearest point of the surface", "[detection][hollow]") {
+  Random random(65, 3);
+  for (int k = 0; k < 40; ++k) {
+    const double scale = std::pow(10.0, random.uniform(-3.0, 3.0));
+    const HollowWall wall = random_wall(random, scale);
+    ShapeStore shapes;
+    World world{Columns{.rotation = true}};
+    Body body;
+    const Pose pose = random_pose(random, scale);
+    Clump clump;
+    Body hollow;
+    hollow.position = pose.position;
+    hollow.orientation = pose.orientation;
+    hollow.shape = shapes.add(Cone(wall.start_radius, wall.end_radius, 2.0 * wall.half_length, wall.closed)).packed;
+    body.position = pose.to_world(place_near(random, wall));
+    body.orientation = testing::random_turn(random);
+    body.mass = 1.0;
+    body.inertia = Vec3::Ones();
+    std::vector<double> distance;
+    for (int i = 0; i < 4; ++i) {
+      const Vec3 centre = 0.3 * scale * testing::random_point(random);
+      const Vec3 x = pose.to_local(Pose{body.position, body.orientation}.to_world(centre));
+      distance.push_back((nearest_sampled(wall, x) - x).norm());
+      clump.parts.push_back({centre, distance.back() * random.uniform(0.7, 1.3)});
+    }
+    body.shape = shapes.add(clump).packed;
+    const bool wall_first = k % 2 == 0;
+    world.add(wall_first ? hollow : body);
+    world.add(wall_first ? body : hollow);
+    PairList pairs;
+    pairs.pairs.push_back({0, 1});
+    pairs.margin = scale;
+    BatchNarrowPhase narrow(shapes, 0.0, true);
+    ContactSet found;
+    narrow.collide(world, pairs, found);
+    for (std::size_t i = 0; i < 4; ++i) {
+      double deepest = infinity;
+      for (std::size_t c = 0; c < found.size(); ++c)
+        if ((found.feature[c] >> 48 & 0xff) == i) deepest = std::min(deepest, found.gap[c]);
+      const double gap = distance[i] - clump.parts[i].radius;
+      INFO("case " << k << " ball " << i << " gap " << gap / scale << " found " << deepest / scale);
+      if (gap < 0.0)
+        CHECK_THAT(deepest, WithinAbs(gap, 1e-9 * scale));
+      else
+        CHECK(deepest == infinity);
+    }
+  }
+}
+
 TEST_CASE("inside a tube or cone the deepest point of a convex body is the one of its sampled surface",
           "[detection][hollow]") {
   const auto size = [](Random& random) {

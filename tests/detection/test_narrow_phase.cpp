@@ -4,6 +4,7 @@
 #include <cstring>
 #include <map>
 
+#include "engine/lanes/targets.h"
 #include "engine/threads/parallel.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
@@ -322,4 +323,95 @@ TEST_CASE("a world without rotation needs no orientations", "[detection][narrow]
   narrow.collide(world, pairs, contacts);
   REQUIRE(contacts.size() == 2);
   CHECK(contacts.effective_radius.empty());
+}
+
+TEST_CASE("capsules touch as each pair alone does, whatever the width of the loop that leaves out the others",
+          "[detection][narrow]") {
+  Random random(65, 1);
+  for (int k = 0; k < 60; ++k) {
+    const double scale = std::pow(10.0, random.uniform(-6.0, 3.0));
+    Scene s;
+    std::vector<Capsule> shapes;
+    for (int i = 0; i < 24; ++i) {
+      const Capsule c(scale * random.uniform(0.1, 0.4), i % 5 == 0 ? 0.0 : scale * random.uniform(0.0, 3.0));
+      // parallel, crossing at right angles and collinear ones among them
+      const Quat turn = i % 3 == 0   ? Quat(1, 0, 0, 0)
+                        : i % 3 == 1 ? Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0)
+                                     : testing::random_turn(random);
+      Vec3 x = scale * Vec3(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
+      if (i % 4 == 0) x = Vec3(0, 0, x.z());
+      shapes.push_back(c);
+      s.add(c, x, turn);
+    }
+    const double reach = k % 2 == 0 ? 0.0 : scale * random.uniform(0.0, 0.3);
+    ContactSet right;
+    right.with_curvature = true;
+    ContactSink sink(right);
+    for (Slot a = 0; a < 24; ++a)
+      for (Slot b = a + 1; b < 24; ++b) {
+        sink.begin(a, b);
+        collide_closed(shapes[a], shapes[b], PairQuery{s.world.pose(a), s.world.pose(b), reach, true}, sink);
+        sink.end();
+      }
+    REQUIRE(right.size() > 0);
+    for (const Target most : {Target::baseline, Target::avx2, Target::avx512}) {
+      limit_target(most);
+      const ContactSet found = s.contacts(reach);
+      limit_target(Target::avx512);
+      INFO("case " << k << " scale " << scale << " reach " << reach);
+      CHECK(found.a == right.a);
+      CHECK(found.b == right.b);
+      CHECK(found.feature == right.feature);
+      CHECK(found.gap == right.gap);
+      CHECK(found.normal == right.normal);
+      CHECK(found.arm == right.arm);
+    }
+  }
+}
+
+TEST_CASE("each two balls of two clumps touch where their centres are nearer than their radii say",
+          "[detection][narrow]") {
+  Random random(65, 2);
+  std::size_t touching = 0;
+  for (int k = 0; k < 200; ++k) {
+    const double scale = std::pow(10.0, random.uniform(-6.0, 3.0));
+    const auto clump = [&] {
+      Clump c;
+      const int balls = 1 + static_cast<int>(random.uniform(0.0, 9.0));
+      for (int i = 0; i < balls; ++i)
+        c.parts.push_back({scale * testing::random_point(random), scale * random.uniform(0.05, 0.6)});
+      return c;
+    };
+    Scene s;
+    std::vector<Clump> shapes;
+    for (int i = 0; i < 6; ++i) {
+      shapes.push_back(clump());
+      s.add(shapes.back(), 2.0 * scale * testing::random_point(random), testing::random_turn(random));
+    }
+    const double reach = k % 2 == 0 ? 0.0 : scale * random.uniform(0.0, 0.2);
+    const ContactSet found = s.contacts(reach);
+    std::size_t at = 0;
+    for (Slot a = 0; a < 6; ++a)
+      for (Slot b = a + 1; b < 6; ++b)
+        for (std::size_t i = 0; i < shapes[a].parts.size(); ++i)
+          for (std::size_t j = 0; j < shapes[b].parts.size(); ++j) {
+            const PlacedBall &p = shapes[a].parts[i], &r = shapes[b].parts[j];
+            const Vec3 x = s.world.pose(a).to_world(p.centre), y = s.world.pose(b).to_world(r.centre);
+            const double gap = (y - x).norm() - (p.radius + r.radius);
+            if (!(gap < reach - 1e-14 * scale)) continue;
+            REQUIRE(at < found.size());
+            INFO("case " << k << " bodies " << a << " " << b << " balls " << i << " " << j);
+            CHECK(found.a[at] == a);
+            CHECK(found.b[at] == b);
+            CHECK(found.feature[at] >> 40 == (i << 8 | j));
+            CHECK(std::abs(found.gap[at] - gap) <= 1e-14 * scale);
+            CHECK((found.normal[at] - (y - x).normalized()).norm() < 1e-13 * scale / (y - x).norm());
+            const Vec3 point = x + p.radius / (p.radius + r.radius) * (y - x) - s.world.position[a];
+            CHECK((found.arm[at] - point).norm() <= 1e-14 * scale);
+            ++at;
+          }
+    CHECK(at == found.size());
+    touching += at;
+  }
+  CHECK(touching > 1000);
 }

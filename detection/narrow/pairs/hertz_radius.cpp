@@ -1,9 +1,14 @@
 #include "detection/narrow/pairs/hertz_radius.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
 #include "engine/railway/elliptic_integrals.h"
+#include "engine/state/rotation.h"
 
 namespace epafi {
 namespace {
@@ -26,6 +31,60 @@ double axis_ratio(double a_over_b) {
   return k;
 }
 
+/// R* A, a function of A/B alone.
+double radius_times_a(double a_over_b) {
+  const EllipticIntegrals i = elliptic_integrals(axis_ratio(a_over_b));
+  return std::numbers::pi * std::numbers::pi * i.D / (4.0 * i.K * i.K * i.K);
+}
+
+/// The same by Chebyshev series, which take a twentieth of the time of the integrals. One for each of `parts` pieces of
+/// every octave of A/B: the function is singular at 0 only, nine half widths from a piece's middle or more, so that
+/// series end by 17.9 a term, after `terms` below 1e-15.
+class RadiusSeries {
+ public:
+  static constexpr int octaves = 24, parts = 4, terms = 14;
+  static constexpr double least = 1.0 / (1 << octaves);  ///< of A/B
+
+  RadiusSeries() : series_(octaves * parts) {
+    for (int k = 0; k < octaves * parts; ++k) series_[static_cast<std::size_t>(k)] = fit(k);
+  }
+  /// least <= a_over_b < 1.
+  double operator()(double a_over_b) const {
+    // octave and piece are the exponent and the first two bits of the fraction
+    const auto bits = std::bit_cast<std::uint64_t>(a_over_b);
+    const auto piece = static_cast<std::size_t>(bits >> 50) - first_piece;
+    const double low = std::bit_cast<double>(bits >> 50 << 50);
+    const double width = std::bit_cast<double>(bits >> 52 << 52) / parts;
+    const double x = 2.0 * (a_over_b - low) / width - 1.0, twice = 2.0 * x;
+    const std::array<double, terms>& c = series_[piece];
+    double b = 0.0, before = 0.0;  // Clenshaw 1955
+    for (std::size_t n = terms - 1; n > 0; --n) {
+      const double next = c[n] + twice * b - before;
+      before = b;
+      b = next;
+    }
+    return c[0] + x * b - before;
+  }
+
+ private:
+  static constexpr std::size_t first_piece = (1023 - octaves) * parts;
+
+  /// By the values at the zeros of the next polynomial.
+  static std::array<double, terms> fit(int piece) {
+    const double octave = std::ldexp(1.0, piece / parts - octaves), width = octave / parts;
+    const double middle = octave + (piece % parts + 0.5) * width;
+    std::array<double, terms> c{};
+    for (int j = 0; j < terms; ++j) {
+      const double angle = std::numbers::pi * (j + 0.5) / terms;
+      const double value = radius_times_a(middle + 0.5 * width * sin_cos(angle).cos);
+      for (int n = 0; n < terms; ++n)
+        c[static_cast<std::size_t>(n)] += (n == 0 ? 1.0 : 2.0) / terms * value * sin_cos(n * angle).cos;
+    }
+    return c;
+  }
+  std::vector<std::array<double, terms>> series_;
+};
+
 CurvatureAcross curvature_of(const RoundRef& shape, const Mat3& derivative, const Vec3& u, const Vec3& v,
                              double swept) {
   if (shape.curved) return {derivative, u, v, swept};
@@ -38,9 +97,10 @@ CurvatureAcross curvature_of(const RoundRef& shape, const Mat3& derivative, cons
 
 double hertz_radius(double A, double B) {
   if (!(A > 0.0)) return infinity;
-  const double k = axis_ratio(std::min(1.0, A / B));
-  const EllipticIntegrals i = elliptic_integrals(k);
-  return std::numbers::pi * std::numbers::pi * i.D / (4.0 * i.K * i.K * i.K * A);
+  static const RadiusSeries series;
+  const double ratio = A / B;
+  if (!(ratio < 1.0)) return 0.5 / A;
+  return (ratio >= RadiusSeries::least ? series(ratio) : radius_times_a(ratio)) / A;
 }
 
 CurvatureAcross::CurvatureAcross(const Mat3& derivative, const Vec3& u, const Vec3& v, double swept) {

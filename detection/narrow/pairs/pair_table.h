@@ -8,6 +8,8 @@
 #include <type_traits>
 
 #include "detection/narrow/mesh/mesh_pairs.h"
+#include "detection/narrow/pairs/ball_parts.h"
+#include "detection/narrow/pairs/capsule_sieve.h"
 #include "detection/narrow/pairs/closed_forms.h"
 #include "detection/narrow/pairs/convex_pairs.h"
 #include "detection/narrow/pairs/pair_methods.h"
@@ -87,8 +89,10 @@ inline PairQuery query_of(const BatchInput& in, const Pair& p, std::size_t k) {
 }
 
 /// How a pair is decided; `exchanged`: by the function of (B, A).
-/// parts: convex ones by search, so few are asked; parts_of_a, parts_of_b: each part asks.
+/// balls: both consist of balls; parts: convex ones by search, so few are asked; parts_of_a, parts_of_b: each part
+/// asks.
 enum class Way {
+  balls,
   closed,
   closed_exchanged,
   triangles,
@@ -102,7 +106,9 @@ enum class Way {
 
 template <class A, class B>
 constexpr Way way() {
-  if constexpr (Compound<A> || Compound<B>) {
+  if constexpr (requires(const A& a, const B& b, const PairQuery& q, ContactSink& s) { collide_balls(a, b, q, s); }) {
+    return Way::balls;
+  } else if constexpr (Compound<A> || Compound<B>) {
     constexpr Way by = way<PartOf<A>, PartOf<B>>();
     return by == Way::none ? by : by == Way::convex ? Way::parts : Compound<A> ? Way::parts_of_a : Way::parts_of_b;
   } else if constexpr (HasClosedForm<A, B>) {
@@ -134,6 +140,7 @@ template <class A, class B>
 void meet(const A& a, const B& b, const PairQuery& q, ContactSink& s, std::span<const std::uint32_t> triangles) {
   constexpr Way by = way<A, B>();
   if constexpr (by == Way::closed_exchanged || by == Way::triangles_exchanged) s.flip(q.b.position - q.a.position);
+  if constexpr (by == Way::balls) collide_balls(a, b, q, s);
   if constexpr (by == Way::closed) collide_closed(a, b, q, s);
   if constexpr (by == Way::closed_exchanged) collide_closed(b, a, q.exchanged(), s);
   if constexpr (by == Way::triangles) collide_triangles(a, b, triangles, q, s);
@@ -205,7 +212,7 @@ template <class A, class B>
 void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink) {
   const std::vector<A>& as = in.shapes.of<A>();
   const std::vector<B>& bs = in.shapes.of<B>();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
+  const auto ask = [&](std::size_t k) {
     const Pair& p = pairs[k];
     if constexpr (requires(const B& b) { b.prefetch(); }) look_ahead<B>(in, pairs, k);
     sink.begin(p.a, p.b, p.image >> 8);
@@ -215,6 +222,11 @@ void run_of(const BatchInput& in, std::span<const Pair> pairs, ContactSink& sink
     meet(as[ShapeRef{in.world.shape[p.a]}.index()], bs[ShapeRef{in.world.shape[p.b]}.index()], query_of(in, p, k), sink,
          triangles);
     sink.end();
+  };
+  if constexpr (std::same_as<A, Capsule> && std::same_as<B, Capsule>) {
+    for (const std::uint32_t k : near_capsules(in.world, as, pairs, in.reach)) ask(k);
+  } else {
+    for (std::size_t k = 0; k < pairs.size(); ++k) ask(k);
   }
 }
 

@@ -1,0 +1,12 @@
+/// @file ball_parts.h  Two clumps of balls: which balls are asked. Their centres are placed once a pair, those of the
+/// first body once for all its pairs in a row; only balls that reach into the other clump's box are compared.
+#pragma once
+#include "detection/narrow/pairs/pair_query.h"
+#include "detection/shapes/clump.h"
+
+namespace epafi {
+
+/// As every ball of A with every ball of B by the closed form of two spheres.
+void collide_balls(const Clump& a, const Clump& b, const PairQuery& q, ContactSink& sink);
+
+}  // namespace epafi
