@@ -85,7 +85,9 @@ int main(int argc, char** argv) {
   const StateWalk walk = [&](StateVisitor& v) { scene.world.visit(v); };
   std::vector<Vec3> before;
   for (const Vec3& x : scene.world.position) before.push_back(x);
-  const double save = seconds([&](int) { save_checkpoint(folder / "checkpoint.h5", {"1.0.0", "00ff", "", "", {}, 0, 0.0}, walk); });
+  const double save = seconds([&](int) {
+    save_checkpoint(folder / "checkpoint.h5", {"1.0.0", "00ff", "", "", {}, 0, 0.0}, walk);
+  });
   for (Vec3& x : scene.world.position) x.setConstant(1e9);  // so that what is not restored shows
   const double load = seconds([&](int) { load_checkpoint(folder / "checkpoint.h5", "00ff", walk); });
   double error = 0;
