@@ -170,15 +170,15 @@ Seams::Candidate Seams::candidate(const World& world, const ContactSet& contacts
     const Vec3 point = at + way * c.normal;
     const WallPiece piece = piece_at(c, point);
     const bool on_a_part = piece.part != WallPiece::whole || part_count(shapes_, piece.shape) < 2;
-    if (!on_a_part || !is_on(shapes_, piece, point, c.near)) continue;
+    const double height = on_a_part ? distance_to(shapes_, piece, point, c.near) : infinity;
+    if (!(height <= c.near)) continue;
     c.point = point;
     c.piece.part = piece.part;
     c.on_wall = true;
     const Vec3 n = side_normal(shapes_, piece, point, c.normal, c.near);
     // the point of a round end stands for its rim, and may be in the wall
-    const double height = distance_to(shapes_, piece, point, c.near);
-    if (n != c.normal && height < -c.near && height > -2.0 * c.near - out) c.point -= height * n;
-    c.normal = n;
+    if (height < -c.near && height > -2.0 * c.near - out) c.point -= height * n;
+    if (!same_direction(n, c.normal)) c.normal = n;
     break;
   }
   return c;
@@ -275,7 +275,8 @@ bool Seams::holds_instead(const World& world, const ContactSet& contacts, const 
 /// Else they are those of an edge, which the neighbour has.
 void Seams::decide_faces(const World& world, ContactSet& contacts) {
   for (const Candidate& c : candidates_) {
-    if (hidden_[c.contact] == 2) continue;
+    const Vec3 given = c.wall_is_b ? Vec3(-contacts.normal[c.contact]) : contacts.normal[c.contact];
+    if (hidden_[c.contact] == 2 || (hidden_[c.contact] == 0 && same_direction(c.normal, given))) continue;
     std::size_t begin = c.contact, end = c.contact;
     while (begin > 0 && same_pair(contacts, begin - 1, c.contact)) --begin;
     while (end < contacts.size() && same_pair(contacts, end, c.contact)) ++end;
@@ -288,7 +289,8 @@ void Seams::decide_faces(const World& world, ContactSet& contacts) {
       if (stands || hidden_[i] != 0 || !of_face(i)) continue;
       const Candidate other = candidate(world, contacts, i, c.wall_is_b);
       stands = !other.on_wall || !goes_beyond(shapes_, other.piece, other.point, other.normal, other.near);
-      if (stands && other.on_wall) normal = c.wall_is_b ? Vec3(-other.normal) : other.normal;
+      const Vec3 of_wall = c.wall_is_b ? Vec3(-other.normal) : other.normal;
+      if (stands && other.on_wall && !same_direction(of_wall, of_group)) normal = of_wall;
     }
     for (std::size_t i = begin; i < end; ++i) {
       if (!of_face(i)) continue;
