@@ -1,6 +1,7 @@
 #include "ranks/detection_part.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "engine/threads/parallel.h"
@@ -67,7 +68,9 @@ ContactPoint point_of(const FoundRow& row) {
 }
 
 constexpr double searches_apart =
-    5.0;                             // a margin is for twice as many searches, where one body is fast beside the others
+    5.0;  // a margin is for twice as many searches, where one body is fast beside the others
+constexpr std::size_t few_bodies =
+    1000;                            // may all be ghosts: sending them anew takes longer than finding their contacts
 constexpr double most_margin = 4.0;  // of the usual one, or everybody is a ghost
 
 StateWalk walk_of(World& world, NarrowPhase& narrow_phase) {
@@ -88,7 +91,8 @@ void DetectionPart::receive(World* whole, NarrowPhase* memory, double longest) {
   place_.resize(owner.size());
   std::iota(place_.begin(), place_.end(), 0u);
   territory_.cut(whole ? *whole : world, owner, work_.take());
-  territory_.widen(searches_apart * longest, most_margin);
+  const bool are_few = owner.size() < few_bodies;
+  territory_.widen(searches_apart * longest, are_few ? std::numeric_limits<double>::infinity() : most_margin);
   Routes routes = territory_.routes(whole ? *whole : world, owner, place_, all_ranks());
   routes.to_one = true;
   from_.clear();
