@@ -295,7 +295,7 @@ int command_check(const CommonOptions& common) {
   print_problems(assembly->warnings);
   check_conditions(*assembly);
   const auto later = check_stages(assembly->scene);
-  std::string text = check_text(*assembly);
+  std::string text = check_text(*assembly, later);
   for (const StageCheck& stage : later) text += stage.text;
   print(text);
   return exit_done;
