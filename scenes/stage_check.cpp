@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/units/nearest.h"
 
@@ -53,7 +54,8 @@ StageCheck check_stage_of(const Scene& first, std::size_t k) {
   return {fmt::format("{}: {}\n  time step     {:.6g} s, from where the scene begins: {}\n{}  steps         {}{}\n",
                       title, length_text(stage), a->time_step.value, a->time_step.reason, limit,
                       stage.until ? "at most " : "", a->steps),
-          fmt::format("\n{}\n", title) + explain(a->scene, a->plan, *a->shapes), a->warnings};
+          fmt::format("\n{}\n", title) + explain(a->scene, a->plan, *a->shapes), static_cast<double>(a->steps),
+          std::floor(stage.duration / a->scene.run.output_interval.value), a->warnings};
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ std::vector<StageCheck> check_stages(const Scene& scene) {
   std::vector<StageCheck> all;
   if (!scene.stage_of) return all;
   const StageSpec& first = scene.stages[scene.stage];
-  all.push_back({fmt::format("stage '{}', the first: {}\n", first.name, length_text(first)), ""});
+  all.push_back({fmt::format("stage '{}', the first: {}\n", first.name, length_text(first)), "", 0.0, 0.0});
   for (std::size_t k = scene.stage + 1; k < scene.stages.size(); ++k) all.push_back(check_stage_of(scene, k));
   return all;
 }

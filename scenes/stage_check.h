@@ -10,6 +10,8 @@ namespace epafi {
 struct StageCheck {
   std::string text;       ///< for `epafi check`
   std::string explained;  ///< for `epafi explain`
+  double steps = 0.0;     ///< at most, where the stage ends by a condition; 0: it is the first
+  double outputs = 0.0;   ///< frames and snapshots
   std::vector<Problem> warnings{};
 };
 

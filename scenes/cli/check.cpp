@@ -159,9 +159,29 @@ RunCounts counts_of(const Assembly& a, double bodies, bool polyhedra) {
   return run;
 }
 
+/// Of a later stage: its steps cost what those of the first do once its bodies lie on each other.
+ForetoldTime foretell_stage(RunCounts run, const FirstSteps& first, const StageCheck& stage, double speed) {
+  run.steps = stage.steps;
+  run.outputs = stage.outputs;
+  run.falling = 0.0;
+  FirstSteps lasting = first;
+  lasting.start = lasting.seconds = lasting.made = 0.0;
+  ForetoldTime out = foretell_time(run, lasting, speed);
+  out.start = 0.0;
+  return out;
+}
+
+std::string stages_text(const Assembly& a) {
+  const auto& stages = a.scene.stages;
+  if (stages.size() < 2) return "";
+  const bool open = std::ranges::any_of(stages, [](const StageSpec& s) { return s.until.has_value(); });
+  return fmt::format("  stages        {}: the steps are those of the first, the times those of all{}\n", stages.size(),
+                     open ? "; those that end by a condition last as long as they may" : "");
+}
+
 }  // namespace
 
-std::string check_text(Assembly& a) {
+std::string check_text(Assembly& a, const std::vector<StageCheck>& stages) {
   FirstSteps first;
   first.start = process_seconds();
   Simulation& sim = *a.simulation;
@@ -200,9 +220,14 @@ std::string check_text(Assembly& a) {
                      1e-6 * predicted_memory(a, free + later, later, polyhedra), a.plan.memory.body,
                      a.plan.memory.contact);
   run.loose = share_to_come(sim, all);
-  out += time_text(foretell_time(run, first, machine_speed()), first.present);
-  if (a.scene.stages.size() > 1)
-    out += fmt::format("  stages        {}: steps and times are those of the first\n", a.scene.stages.size());
+  const double speed = machine_speed();
+  ForetoldTime time = foretell_time(run, first, speed);
+  for (const StageCheck& stage : stages) {
+    const ForetoldTime more = foretell_stage(run, first, stage, speed);
+    time.steps += more.steps;
+    time.output += more.output;
+  }
+  out += time_text(time, first.present) + stages_text(a);
   return out;
 }
 

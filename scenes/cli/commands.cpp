@@ -307,7 +307,7 @@ int command_check(const CommonOptions& common) {
   check_conditions(*assembly);
   const auto later = check_stages(assembly->scene);
   print_warnings(later, assembly->warnings);
-  std::string text = check_text(*assembly);
+  std::string text = check_text(*assembly, later);
   for (const StageCheck& stage : later) text += stage.text;
   print(text);
   return exit_done;
