@@ -426,11 +426,10 @@ const char* status_of(Ending ending) {
 
 RunSummary Session::summary() const {
   const Simulation& sim = *assembly_->simulation;
-  const Scene& scene = assembly_->scene;
-  const bool smooth = scene.contact.method.value == Method::smooth;
+  const bool smooth = assembly_->scene.contact.method.value == Method::smooth;
   RunSummary s;
   s.epafi = version();
-  s.scene = scene.file;
+  s.scene = assembly_->scene.file;
   s.scene_hash = scene_hash_;
   s.failure = trouble_;
   s.status = status_of(ending_);
