@@ -51,8 +51,7 @@ void NonsmoothContact::load(const World& world, const ContactSet& contacts, cons
     problem_.offset[i] = std::max(0.0, gap / dt);
     u_before_[i] = problem_.relative_velocity(i, before_);
     const double approach = -u_before_[i].x();
-    const double least = pair.restitution > 0.0 ? 0.0 : creep * threshold;  // what solvers leave at rest is no opening
-    if (balances_ && -approach > least && -approach <= threshold)           // see the header: Energy
+    if (balances_ && -approach <= threshold)  // see the header: Energy
       problem_.offset[i] = std::max(problem_.offset[i], -approach);
     restitution_[i] = pair.restitution;
     const double slowest = balances_ ? slow_share * threshold : threshold;

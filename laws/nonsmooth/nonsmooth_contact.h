@@ -32,9 +32,10 @@
 ///
 /// Energy. In the discrete theory dT = sum r.(u_k + u_{k+1})/2 + work of gravity exactly: the ledger closes to rounding
 /// but for the drift of rotating unsymmetric bodies. A contact that opens slowly and is closed again by gravity within
-/// the step would gain r u_k / 2 if it were stopped at u_N = 0. Under the law `energetic` it demands u_N >= -u_k only,
+/// the step would gain r u_k / 2 if it were stopped at u_N = 0. Where contacts bounce it demands u_N >= -u_k only,
 /// however deep it overlaps: at the end of the step it is where it was at its start, and the next step stops it, at
-/// most dt/2 u_k deeper.
+/// most dt/2 u_k deeper. Where nothing bounces contacts are stopped at once: drops on stacks gain at most 1.3e-3 of
+/// what they dissipate, and the joints of a falling arch have a solution in every step (else in four of five).
 #pragma once
 #include <memory>
 #include <string>

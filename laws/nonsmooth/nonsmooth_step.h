@@ -15,6 +15,11 @@
 
 namespace epafi {
 
+inline bool bounces(const MaterialTable& materials) {
+  return std::any_of(materials.pairs.begin(), materials.pairs.end(),
+                     [](const MaterialPair& pair) { return pair.restitution > 0.0; });
+}
+
 class NonsmoothContact final : public ContactModel {
  public:
   NonsmoothContact(const NonsmoothSetup& setup, const SolverEntry& solver)
@@ -23,7 +28,7 @@ class NonsmoothContact final : public ContactModel {
         solver_(solver.make(setup.parameters)),
         tolerance_(setup.parameters.number_or("tolerance", 1e-6)),
         impacts_(impact_law(setup.parameters)),
-        balances_(impacts_.law() == ImpactLaw::energetic),
+        balances_(impacts_.law() == ImpactLaw::energetic && bounces(setup.materials)),
         warm_start_(!setup.parameters.has("warm_start") || setup.parameters.boolean("warm_start")),
         correction_({.share = setup.parameters.number_or("correction", CorrectionSettings{}.share),
                      .slop = setup.parameters.number_or("slop", CorrectionSettings{}.slop)}) {}

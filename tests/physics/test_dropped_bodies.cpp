@@ -96,8 +96,9 @@ TEST_CASE("what falls on a stack gains no energy, at any restitution, friction a
     // what is moved apart after impacts on turning bodies, whose points are foreseen to first order only
     CHECK(std::abs(run.energy_error()) < 1e-2);
     const Energy& energy = sim.ledger.last();
-    // friction of slips that turn round within a step (impact.h), and the solver's tolerance
-    CHECK(energy.gained < 1e-4 * (energy.dissipated + fastest));
+    // friction of slips that turn round within a step (impact.h), and the solver's tolerance; where nothing bounces
+    // contacts that open slowly are stopped (nonsmooth_contact.h)
+    CHECK(energy.gained < (e > 0.0 ? 1e-4 : 2e-3) * (energy.dissipated + fastest));
   }
   CHECK(above_tolerance < steps / 200);
 }

@@ -1,10 +1,12 @@
 // The bytes of `epafi explain` against what a process takes on top of them: they are a count by types, so the process
 // has more (columns keep room to grow, drawn surfaces, the scene itself), and not by far.
 #include <unistd.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include <fstream>
 
-#include "engine/state/large_column.h"
 #include "scenes/memory_plan.h"
 #include "tests/support/catch.h"
 #include "tests/support/keep_threads.h"
@@ -32,6 +34,9 @@ double foretold(SceneRun& run) {
 
 /// What this process holds now without what belongs to files, its code among them [B].
 double resident() {
+#if defined(__GLIBC__)
+  malloc_trim(0);  // what earlier cases have freed
+#endif
   std::ifstream statm("/proc/self/statm");
   double all = 0.0, pages = 0.0, of_files = 0.0;
   statm >> all >> pages >> of_files;
