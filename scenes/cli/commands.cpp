@@ -256,6 +256,16 @@ static bool is_over(const CheckpointHeader& header, const RunRecord& record, con
   return !now.ended.empty() || header.step >= now.first_step + assembly.steps;
 }
 
+/// Of a run that nothing is left of: what would go on.
+static void say_complete(const CheckpointHeader& header, const RunRecord& record, const std::string& directory) {
+  const bool by_condition = !record.stages.empty() && record.stages.back().ended == "condition";
+  const std::string onwards =
+      by_condition ? "it ended by its condition: --set KEY=VALUE changes something and goes on"
+                   : fmt::format("`epafi resume {} --steps N` takes N more, --until T goes on to that time", directory);
+  say(fmt::format("epafi: the run in {} is complete: {} steps, t = {:.6g} s; nothing is changed; {}", directory,
+                  header.step, header.time, onwards));
+}
+
 int command_resume(const std::string& directory, const RunOptions& options, const ResumeChanges& changes) {
   set_threads(options.threads);
   const std::filesystem::path folder(directory);
@@ -274,10 +284,7 @@ int command_resume(const std::string& directory, const RunOptions& options, cons
   const bool changed = !changes.scene.empty() || !changes.overrides.empty();
   const bool longer = options.steps || (limits.until && *limits.until > header.time);
   if (is_over(header, record, *assembly) && !changed && !longer) {
-    say(fmt::format(
-        "epafi: the run in {} is complete: {} steps, t = {:.6g} s; nothing is changed; `epafi resume {} --steps N` "
-        "takes N more, --until T goes on to that time",
-        folder.string(), header.step, header.time, directory));
+    say_complete(header, record, directory);
     return exit_done;
   }
   const bool is_final = assembly->scene.stage + 1 >= assembly->scene.stages.size();

@@ -209,6 +209,37 @@ TEST_CASE("a run that ends early tells the overlap it was left with", "[scenes][
   CHECK(overlap < 5.1e-5);
 }
 
+TEST_CASE("a run that its condition ended is left as it is, and told how it goes on", "[scenes][commands]") {
+  const TemporaryFolder folder;
+  const fs::path scene = ball_in(folder, R"([[measure]]
+name = "place"
+kind = "position"
+body = "ball"
+[[stage]]
+name = "roll"
+until = { measure = "place", component = "x", above = 0.01, at_most = 0.1 }
+)");
+  std::string text = read_whole_file(scene);
+  text.replace(text.find("duration = 0.1, "), 16, "");
+  std::ofstream(scene) << text;
+  RunOptions o;
+  o.out = (folder / "out").string();
+  o.quiet = true;
+  REQUIRE(run_of(scene, o).code == exit_done);
+  const auto steps = read_json(folder / "out" / "summary.json").number("steps");
+  REQUIRE(steps.value() < 50);
+  const auto resume = [&](const RunOptions& options) {
+    return captured([&] { return guarded([&] { return command_resume(o.out, options); }); });
+  };
+  const Captured nothing = resume({});
+  CHECK(nothing.code == exit_done);
+  CHECK_THAT(nothing.err, Catch::Contains("it ended by its condition: --set KEY=VALUE") && !Catch::Contains("--steps"));
+  RunOptions more;
+  more.steps = 7;
+  CHECK(resume(more).code == exit_usage);
+  CHECK(read_json(folder / "out" / "summary.json").number("steps") == steps);
+}
+
 TEST_CASE("a run ends with the code of what ended it, and goes on from there", "[scenes][commands]") {
   const TemporaryFolder folder;
   const fs::path scene = ball_in(folder);
