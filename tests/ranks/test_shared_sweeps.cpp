@@ -98,5 +98,5 @@ TEST_CASE("sweeps of random problems by all ranks are those of one process to th
     early += alone.report.converged;
   }
   CHECK(team.asked == draws);
-  CHECK(early > 2);
+  CHECK(early > 0);  // some draw ends by its tolerance
 }
