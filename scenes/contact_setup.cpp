@@ -1,6 +1,5 @@
 #include "scenes/contact_setup.h"
 
-#include "laws/nonsmooth/impact.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 
 namespace epafi {
@@ -17,10 +16,6 @@ NonsmoothSetup nonsmooth_setup(const Scene& scene) {
 }
 
 }  // namespace
-
-bool locates_impacts(const Scene& scene) {
-  return impact_law(nonsmooth_setup(scene).parameters) == ImpactLaw::sequential;
-}
 
 Needs contact_needs(const Scene& scene) {
   if (scene.contact.method.value == Method::nonsmooth) return nonsmooth_needs(nonsmooth_setup(scene));

@@ -14,9 +14,6 @@ SmoothSetup smooth_setup(const Scene& scene);
 /// What the chosen law or solver needs of the engine.
 Needs contact_needs(const Scene& scene);
 
-/// The non-smooth solver's impacts happen at their own times within the step.
-bool locates_impacts(const Scene& scene);
-
 /// The chosen law or solver; throws SceneError where parts do not fit together.
 std::unique_ptr<ContactModel> make_contact_model(const Scene& scene);
 
