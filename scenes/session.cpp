@@ -14,14 +14,17 @@
 #include "laws/nonsmooth/assembled.h"
 #include "laws/nonsmooth/nonsmooth_contact.h"
 #include "scenes/about.h"
+#include "scenes/frames_to_the_end.h"
 #include "scenes/peak_memory.h"
 #include "scenes/processor_time.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/stop.h"
 #include "scenes/version.h"
+#include "viz_export/files/run_mark.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/problem_file.h"
 #include "viz_export/hdf5/stored_run.h"
+#include "viz_export/output/course_recorder.h"
 
 namespace epafi {
 
@@ -56,6 +59,12 @@ RunFile continued_run(const std::filesystem::path& path, const RunFileHeader& he
   return {path, header};
 }
 
+/// Continued where it is there: older versions wrote none.
+std::unique_ptr<MeasuresCsv> course_file(const std::filesystem::path& path, const CheckpointHeader* from) {
+  const bool goes_on = from != nullptr && std::filesystem::exists(path);
+  return goes_on ? std::make_unique<MeasuresCsv>(path, from->time) : std::make_unique<MeasuresCsv>(path);
+}
+
 }  // namespace
 
 std::uint64_t rows_apart(const MeasureSpec& spec, std::uint64_t steps) {
@@ -68,6 +77,8 @@ struct Session::Files {
   RunFile run;
   FrameWriter frames;
   StateSnapshot last_good;
+  RunMark mark;
+  std::unique_ptr<MeasuresCsv> course{};  ///< null: none is asked for
 };
 
 Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> overrides, std::filesystem::path folder,
@@ -82,10 +93,11 @@ Session::Session(std::unique_ptr<Assembly> assembly, std::vector<std::string> ov
   if (from)
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv", from->time),
                            continued_run(folder_ / "run.h5", header, *from, note_), FrameWriter(folder_, from->time),
-                           StateSnapshot(folder_ / ".last_good")});
+                           StateSnapshot(folder_ / ".last_good"), RunMark(folder_)});
   else
     files_.reset(new Files{MeasuresCsv(folder_ / "measures.csv"), RunFile(folder_ / "run.h5", header),
-                           FrameWriter(folder_), StateSnapshot(folder_ / ".last_good")});
+                           FrameWriter(folder_), StateSnapshot(folder_ / ".last_good"), RunMark(folder_)});
+  if (output_ == Output::all) files_->course = course_file(folder_ / "progress.csv", from);
   if (from) record_ = RunRecord::from_text(from->record);
   if (record_.stages.empty()) begin_record();
   add_observers();
@@ -140,28 +152,6 @@ void Session::walk(StateVisitor& visitor) {
 
 namespace {
 
-/// Frames of a run whose end is one of them. Steps are counted up to or beyond the duration, so that the step nearest
-/// to that last multiple of the interval may be the one before the end: the frame at the end is it, not a second one.
-class FramesToTheEnd final : public Observer {
- public:
-  FramesToTheEnd(std::unique_ptr<StateRecorder> frames, std::uint64_t last) : frames_(std::move(frames)), last_(last) {}
-  bool is_due(std::uint64_t step) const override { return step + 1 != last_ && frames_->is_due(step); }
-  ContactView wants_contacts(std::uint64_t step, bool last) const override {
-    return last || is_due(step) ? frames_->wants_contacts(step, last) : ContactView::none;
-  }
-  void observe(const StepView& view) override { frames_->observe(view); }
-
- private:
-  std::unique_ptr<StateRecorder> frames_;
-  std::uint64_t last_;
-};
-
-/// The duration is a multiple of the interval that no step meets.
-bool ends_between_steps(double duration, double interval, double dt) {
-  const double intervals = duration / interval, steps = duration / dt;
-  return std::abs(intervals - std::round(intervals)) < 1e-9 * intervals && std::abs(steps - std::round(steps)) > 1e-6;
-}
-
 const ContactModel& under_layers(const Simulation& sim) {
   const ContactModel* model = sim.pipeline.contact_model.get();
   while (const auto* layer = dynamic_cast<const ContactLayer*>(model)) model = &layer->below();
@@ -184,6 +174,14 @@ void Session::add_observers() {
   monitor->read_measures([this](const Condition& c) { return last_value(c); });
   monitor_ = monitor.get();
   sim.observers.push_back(std::move(monitor));
+  if (files_->course) {
+    const bool smooth = scene.contact.method.value == Method::smooth;
+    const auto overlap = [this] { return monitor_->last_overlap().max_relative; };
+    auto course = std::make_unique<CourseRecorder>(*files_->course,
+                                                   CourseRecorder::Setup{setup.steps, setup.interval, smooth, overlap});
+    course_ = course.get();
+    sim.observers.push_back(std::move(course));
+  }
   for (const auto& spec : scene.measures) {
     const std::uint64_t written = rows_apart(spec, assembly_->steps);
     auto recorder =
@@ -241,6 +239,7 @@ void Session::write_contact_problem() const {
 void Session::save_checkpoint_now() {
   const Simulation& sim = *assembly_->simulation;
   files_->csv.flush();
+  if (files_->course) files_->course->flush();
   files_->run.flush();
   const Scene& scene = assembly_->scene;
   save_checkpoint(folder_ / "checkpoint.h5",
@@ -324,6 +323,13 @@ Ending Session::fail(const Failure& failure) {
   return Ending::failed;
 }
 
+/// What others see of the run while it goes on, each second.
+void Session::keep_up_files() {
+  files_->csv.flush_each_second();
+  if (files_->course) files_->course->flush_each_second();
+  if (files_->mark.beat() && !assembly_->simulation->warnings.empty()) files_->mark.tell(warnings());
+}
+
 Ending Session::take_steps(const SessionLimits& limits, Progress& progress) {
   Simulation& sim = *assembly_->simulation;
   const auto interval = assembly_->scene.run.checkpoint_interval;
@@ -337,7 +343,7 @@ Ending Session::take_steps(const SessionLimits& limits, Progress& progress) {
     const bool run_on = !reason && !last && goes_on(limits, {keep_every, problems_every, checkpoint_every});
     if (const auto stop = step_once(is_final() ? last_step() : 0, run_on)) return *stop;
     progress.update(sim, *monitor_);
-    files_->csv.flush_each_second();
+    keep_up_files();
     if (problems_every > 0 && sim.steps() % problems_every == 0) write_contact_problem();
     if (stage_is_met()) return Ending::completed;
     if (checkpoint_every > 0 && sim.steps() % checkpoint_every == 0) save_checkpoint_now();
@@ -361,6 +367,8 @@ class LastLook final : public Observer {
 
 Ending Session::run(const SessionLimits& limits, bool quiet) {
   SignalWatch signals;
+  std::error_code none;
+  std::filesystem::remove(folder_ / "summary.json", none);  // of a run that goes on it tells the end no more
   start_ = std::chrono::steady_clock::now();
   quiet_ = quiet;
   const double first_cpu = process_seconds();
@@ -385,6 +393,7 @@ Ending Session::run(const SessionLimits& limits, bool quiet) {
   if (is_cut) save_checkpoint_now();
   sim.come_home();
   sim.ledger.measure(sim.world);
+  if (course_ && ending_ != Ending::failed) sim.show(*course_);
   // what a bound has seen stands in its measures and frames too, whatever their interval
   if (ending_ == Ending::stopped || ending_ == Ending::bound_violated) {
     for (MeasureRecorder* recorder : recorders_) sim.show(*recorder);

@@ -17,6 +17,7 @@
 
 namespace epafi {
 
+class CourseRecorder;
 class TrackWatch;
 
 struct SessionLimits {
@@ -76,6 +77,7 @@ class Session {
   void add_observers();
   void write_contact_problem() const;
   void save_checkpoint_now();
+  void keep_up_files();
   void walk(StateVisitor& visitor);
   bool goes_on(const SessionLimits& limits, std::initializer_list<std::uint64_t> intervals) const;
   Ending take_steps(const SessionLimits& limits, Progress& progress);
@@ -116,6 +118,7 @@ class Session {
   MeasureRecorder* watched_ = nullptr;  ///< of the stage's condition
   std::size_t component_ = 0;           ///< of it
   StateRecorder* frames_ = nullptr;
+  CourseRecorder* course_ = nullptr;
   std::uint64_t first_step_ = 0;  ///< done before this session
   double first_body_steps_ = 0;
   std::uint64_t lost_ = 0;

@@ -29,6 +29,7 @@
 #include "scenes/start_run.h"
 #include "scenes/stop.h"
 #include "scenes/time_step.h"
+#include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/output/export.h"
 #include "viz_export/report/report.h"
@@ -125,7 +126,7 @@ void set_threads(int threads) {
 
 /// Files of an earlier run; beside its frames there may be others.
 void remove_results(const std::filesystem::path& folder) {
-  for (const char* name : {"run.h5", "checkpoint.h5", "measures.csv", "summary.json", "frames.pvd"})
+  for (const char* name : {"run.h5", "checkpoint.h5", "measures.csv", "progress.csv", "summary.json", "frames.pvd"})
     std::filesystem::remove(folder / name);
   if (!std::filesystem::is_directory(folder / "frames")) return;
   std::vector<std::filesystem::path> frames;
@@ -272,6 +273,8 @@ int command_resume(const std::string& directory, const RunOptions& options, cons
   RankTeam* const team = RankTeam::of_program();
   std::optional<FolderLock> lock;
   if (!follows(team)) lock.emplace(folder);
+  if (!std::filesystem::exists(folder / "checkpoint.h5") && !std::filesystem::exists(folder / "run.h5"))
+    throw FileError(no_run_text(folder, "resume"));
   const CheckpointHeader header = read_checkpoint_header(folder / "checkpoint.h5");
   const RunRecord record = RunRecord::from_text(header.record);
   Scene scene = scene_of(header, record);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <vector>
 
 #include "engine/units/error.h"
@@ -46,11 +47,36 @@ std::string scene_file(const std::string& name) {
   return name;
 }
 
+bool looks_like_scene(const fs::path& file) {
+  std::error_code none;
+  if (fs::is_fifo(file, none)) return true;
+  if (!fs::is_regular_file(file, none)) return false;
+  if (file.extension() == ".toml") return true;
+  constexpr std::size_t most_lines = 10'000;
+  std::ifstream in(file);
+  std::string line;
+  for (std::size_t k = 0; k < most_lines && std::getline(in, line); ++k) {
+    line.erase(0, line.find_first_not_of(" \t["));
+    for (const char* word : {"run", "world", "body", "bodies", "fill", "material", "contact", "shape", "measure",
+                             "scene", "patch", "vary", "include", "params"}) {
+      const std::size_t end =
+          line.starts_with(word) ? line.find_first_not_of(" \t", std::string(word).size()) : line.npos;
+      if (end != line.npos && std::string("].=").find(line[end]) != std::string::npos) return true;
+    }
+  }
+  return false;
+}
+
 std::string existing_scene_file(const std::string& name, const std::string& what) {
   const std::string file = scene_file(name);
   std::error_code none;
   if (!fs::exists(file, none))
     throw FileError("the " + what + " '" + name + "' does not exist; `epafi list scenes` names those of the library");
+  if (fs::is_directory(file, none))
+    throw SceneError(
+        "'" + name + "' is a folder; a " + what + " is a TOML file" +
+        (fs::exists(fs::path(file) / "run.h5", none) ? "; `epafi resume`, `view`, `report` take a run's folder" : ""));
+  if (!looks_like_scene(file)) throw SceneError("'" + name + "' is no " + what + ": that is a TOML file");
   return file;
 }
 

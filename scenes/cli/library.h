@@ -16,7 +16,11 @@ std::string list_scenes();
 /// The file of that name, or that of the library which `epafi list scenes` shows under it, with or without .toml.
 std::string scene_file(const std::string& name);
 
-/// The same; a FileError where there is neither. what: "scene file", "study".
+/// By its ending, or by the name of a table that scenes, studies or patch cases have; what comes through a pipe may be
+/// one.
+bool looks_like_scene(const std::filesystem::path& file);
+
+/// As scene_file; a FileError where there is neither, a SceneError where it is none. what: "scene file", "study".
 std::string existing_scene_file(const std::string& name, const std::string& what = "scene file");
 
 /// The library's scenes that have a [benchmark].

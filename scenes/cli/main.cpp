@@ -93,6 +93,7 @@ struct Program {
   epafi::BenchOptions bench;
   epafi::ViewOptions view;
   epafi::RenderRequest render;
+  std::vector<std::string> measures;
   std::string directory, next_scene, kind, page, format = "vtk";
   std::function<int()> chosen;
 
@@ -148,8 +149,9 @@ void add_pages(Program& p) {
                     [&p] { return epafi::command_export(p.directory, p.format); });
   vtk->add_option("dir", p.directory, "output folder of the run")->required();
   vtk->add_option("--format", p.format, "vtk or csv")->check(CLI::IsMember({"vtk", "csv"}));
-  auto* report = p.add("report", "one HTML page of a finished run: balance, measures, pictures",
-                       [&p] { return epafi::command_report(p.directory, p.page); });
+  auto* report = p.add(
+      "report", "one HTML page of a run, finished or cut off: balance, measures, pictures; of a sweep or chart too",
+      [&p] { return epafi::command_report(p.directory, p.page); });
   report->add_option("dir", p.directory, "output folder of the run")->required();
   report->add_option("-o,--out", p.page, "the page (default DIR/report.html)")->check(epafi::file_name());
   auto* reference = p.add("reference", "writes the reference pages and the schema: everything the registry knows",
@@ -183,9 +185,12 @@ void add_views(Program& p) {
   render->add_option("--camera", p.render.camera, "scene, iso, front, back, left, right, top, bottom");
   render->add_option("--field", p.render.field, "what colours the bodies: speed, spin, force, size, id, material ...");
   render->add_option("--size", p.render.size, "pixels, as 1280x720");
-  auto* watch = p.add("watch", "follows a run in the terminal: its measures and their course",
-                      [&p] { return epafi::command_watch(p.directory); });
+  auto* watch =
+      p.add("watch", "follows a run in the terminal: energies, contacts, residual and its measures, with their course",
+            [&p] { return epafi::command_watch(p.directory, p.measures); });
   watch->add_option("dir", p.directory, "output folder of the run")->required();
+  watch->add_option("--measure", p.measures, "shows this measure alone beside the run's own values (repeatable)")
+      ->allow_extra_args(false);
   render->add_flag("--contacts", p.render.contacts, "contacts as ribbons as wide as their force, bodies pale");
 }
 

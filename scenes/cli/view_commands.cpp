@@ -64,6 +64,16 @@ int write_file(const ViewSource& source, const std::string& target) {
   return exit_done;
 }
 
+/// A file that is no scene is no scene with mistakes: what it is told then is what the command takes.
+void refuse_no_scene(const fs::path& file) {
+  const std::string takes = "`epafi view` takes the output folder of a run, or a scene file (TOML)";
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (looks_like_scene(file)) return;
+  if (fs::exists(folder / "run.h5"))
+    throw SceneError("'" + file.string() + "' is a file of a run; `epafi view " + folder.string() + "` shows the run");
+  throw SceneError("'" + file.string() + "' is no scene; " + takes);
+}
+
 /// "1280x720"
 void set_size(const std::string& text, RenderOptions& options) {
   const std::size_t cross = text.find('x');
@@ -85,7 +95,7 @@ std::size_t nearest_frame(const std::vector<double>& times, double wanted) {
 }  // namespace
 
 int command_render(const RenderRequest& request) {
-  const auto source = open_run(request.directory);
+  const auto source = open_run(request.directory, "render");
   const std::vector<double>& times = source->times();
   if (times.empty()) throw FileError("the run in '" + request.directory + "' has no frame yet");
   RenderOptions options;
@@ -110,7 +120,7 @@ int command_render(const RenderRequest& request) {
   if (request.time && (*request.time < times.front() || *request.time > times.back()))
     tell(fmt::format("epafi: note: the run has frames from {:.4g} to {:.4g} s", times.front(), times.back()));
   render_picture(*source, options, frame, target);
-  tell(fmt::format("{}: t = {:.4g} s", target.string(), times[frame]));
+  tell(fmt::format("{}: t = {} s", target.string(), time_text(times, times[frame])));
   return exit_done;
 }
 
@@ -121,6 +131,7 @@ int command_view(const ViewOptions& options) {
   if (is_run && !options.overrides.empty())
     throw SceneError("--set is for a scene file; '" + options.what + "' is a run");
   if (!fs::exists(file)) throw FileError("there is no run and no scene '" + options.what + "'");
+  if (!is_run) refuse_no_scene(file);
   std::unique_ptr<FirstState> scene;
   if (!is_run) scene = std::make_unique<FirstState>(file, options.overrides);
   if (!options.out.empty()) return write_file(*(is_run ? open_run(options.what) : scene->source()), options.out);

@@ -123,7 +123,7 @@ TEST_CASE("a folder without a run has no report, and the message says why", "[sc
   const std::string command =
       std::string(EPAFI_BINARY_DIR) + "/bin/epafi report " + folder.string() + " 2> " + (folder / "said").string();
   CHECK(WEXITSTATUS(shell(command)) == 3);
-  CHECK(epafi::support::read_text(folder / "said").find("summary.json is missing") != std::string::npos);
+  CHECK(epafi::support::read_text(folder / "said").find("run.h5 is missing") != std::string::npos);
   fs::remove_all(folder);
 }
 

@@ -1,6 +1,7 @@
 // How a run is looked at: what is up, where colours end, what contacts do to bodies, a run that grows.
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "tests/support/catch.h"
 #include "viz_export/view/overview.h"
@@ -139,6 +140,53 @@ TEST_CASE("bodies at rest have the colour of rest, not that of rounding", "[viz_
   CHECK(look_over(*slow).range.at("speed")[1] == Approx(0.018));
   const auto floating = still_source("", {}, frame_of(resting));
   CHECK(look_over(*floating).range.at("speed")[1] < 1e-14);
+}
+
+TEST_CASE("colours have no range where nothing is, and no width where all is one value", "[viz_export][view]") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(0.1, 2.0);
+  for (int round = 0; round < 10; ++round) {
+    const double level = any(random), size = any(random);
+    std::vector<BodyRecord> balls;
+    for (std::uint32_t k = 0; k < 8; ++k) {
+      balls.push_back(ball_at(k, Vec3(3 * any(random), any(random), level + 1e-9 * any(random))));  // rounding
+      balls.back().radius = size;
+    }
+    std::vector<BodyRecord> walls = balls;
+    for (BodyRecord& wall : walls) wall.mass = 0;
+    const Overview all = look_over(*still_source("", {}, frame_of(balls)));
+    const auto one_value = [&](const char* field) { return all.range.at(field)[0] == all.range.at(field)[1]; };
+    CHECK(one_value("size"));
+    CHECK(all.range.at("size")[0] == Approx(size));
+    CHECK(one_value("height"));
+    CHECK(one_value("speed"));  // all at rest, without gravity
+    CHECK(all.range.at("id") == std::array<double, 2>{0, 7});
+    const Overview none = look_over(*still_source("", {}, frame_of(walls)));
+    for (const char* field : {"speed", "height", "size"}) CHECK_FALSE(colour_range(none, {}, field).has_value());
+    // two sizes make a range
+    balls[3].radius = 1.01 * size;
+    const Overview two = look_over(*still_source("", {}, frame_of(balls)));
+    CHECK(two.range.at("size")[1] == Approx(1.01 * two.range.at("size")[0]));
+  }
+}
+
+TEST_CASE("legends count in whole numbers, and times tell frames apart", "[viz_export][view]") {
+  CHECK(range_ticks({0, 1}, true) == std::vector<std::string>{"0", "1"});
+  CHECK(range_ticks({0, 6}, true) == std::vector<std::string>{"0", "3", "6"});
+  CHECK(range_ticks({0, 1}, false) == std::vector<std::string>{"0", "0.5", "1"});
+  CHECK(range_ticks({0.25, 0.25}, false) == std::vector<std::string>{"0.25"});
+  std::mt19937 random(8);
+  for (int round = 0; round < 50; ++round) {
+    const double apart = std::pow(10.0, -static_cast<double>(random() % 6)),
+                 start = 1e3 * static_cast<double>(random() % 5);
+    std::vector<double> times;
+    for (int k = 0; k < 100; ++k) times.push_back(start + apart * k);
+    for (std::size_t k = 0; k + 1 < times.size(); ++k) {
+      CHECK(time_text(times, times[k]) != time_text(times, times[k + 1]));
+      CHECK(std::abs(std::stod(time_text(times, times[k])) - times[k]) <= 0.05 * apart + 1e-9);
+    }
+  }
+  CHECK(time_text({0, 0.1, 0.2}, 0.1) == "0.1");
 }
 
 TEST_CASE("a ball between two plates has the stress of its load", "[viz_export][view]") {

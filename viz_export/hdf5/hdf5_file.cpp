@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "viz_export/hdf5/damaged_run.h"
 #include "viz_export/hdf5/hdf5_driver.h"
 #include "viz_export/hdf5/hdf5_heaps.h"
 
@@ -187,7 +188,8 @@ Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::ma
   } else {
     impl_->id = H5Fopen(path.c_str(), mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access);
   }
-  if (impl_->id < 0) impl_->fail(mode == Mode::create ? "create" : "open");
+  if (impl_->id < 0 && mode == Mode::create) impl_->fail("create");
+  if (impl_->id < 0) throw FileError(damage_text(path, path.string() + ": cannot open: " + last_cause()));
 }
 
 Hdf5File::~Hdf5File() {

@@ -2,14 +2,31 @@
 
 #include <sstream>
 
+#include "viz_export/hdf5/damaged_run.h"
 #include "viz_export/hdf5/hdf5_file.h"
 #include "viz_export/hdf5/run_layout.h"
 #include "viz_export/view/settings.h"
 
 namespace epafi {
 
+namespace {
+
+/// Trouble with a file that is there is damage of it.
+template <class Read>
+auto read_undamaged(const std::filesystem::path& path, const Read& read) {
+  try {
+    return read();
+  } catch (const FileError& e) {
+    if (!std::filesystem::is_regular_file(path)) throw;
+    throw DamagedRun(path, e.what());
+  }
+}
+
+}  // namespace
+
 struct StoredRun::Impl {
-  explicit Impl(const std::filesystem::path& path) : file(path, Hdf5File::Mode::read) {}
+  explicit Impl(const std::filesystem::path& path)
+      : file(read_undamaged(path, [&] { return Hdf5File(path, Hdf5File::Mode::read); })) {}
   Hdf5File file;
   std::vector<std::string> snapshots;
   std::vector<Surface> surfaces;
@@ -76,6 +93,9 @@ struct StoredRun::Impl {
     return b;
   }
 
+  StoredSnapshot read_snapshot(std::size_t k) const;
+  std::vector<StoredMeasure> read_measures() const;
+
   std::vector<double> rows(const std::string& name, std::size_t width, std::size_t n) const {
     auto values = file.read<double>(name);
     if (values.size() != width * n) refuse("'" + name + "' has not one row per body");
@@ -86,10 +106,12 @@ struct StoredRun::Impl {
 StoredRun::StoredRun(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {
   Hdf5File& file = impl_->file;
   impl_->format = run_layout::check(file);
-  impl_->snapshots = file.children("snapshots");
-  for (const std::string& name : file.children("shapes")) impl_->read_surface("shapes/" + name);
-  impl_->read_bodies();
-  impl_->about = about_from_text(about());
+  read_undamaged(path, [&] {
+    impl_->snapshots = file.children("snapshots");
+    for (const std::string& name : file.children("shapes")) impl_->read_surface("shapes/" + name);
+    impl_->read_bodies();
+    impl_->about = about_from_text(about());
+  });
 }
 
 StoredRun::~StoredRun() = default;
@@ -97,8 +119,11 @@ StoredRun::~StoredRun() = default;
 std::size_t StoredRun::snapshots() const { return impl_->snapshots.size(); }
 
 StoredSnapshot StoredRun::snapshot(std::size_t k) const {
-  const std::string group = "snapshots/" + impl_->snapshots.at(k);
-  const Hdf5File& file = impl_->file;
+  return read_undamaged(impl_->file.path(), [&] { return impl_->read_snapshot(k); });
+}
+
+StoredSnapshot StoredRun::Impl::read_snapshot(std::size_t k) const {
+  const std::string group = "snapshots/" + snapshots.at(k);
   StoredSnapshot out;
   out.stamp = {file.count_attribute(group, "step"),
                file.number_attribute(group, "time"),
@@ -108,16 +133,16 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
                file.has_attribute(group, "stage") ? file.text_attribute(group, "stage") : std::string()};
   const auto id = file.read<std::uint32_t>(group + "/id");
   const std::size_t n = id.size();
-  const auto x = impl_->rows(group + "/position", 3, n), v = impl_->rows(group + "/velocity", 3, n);
-  const auto energy = impl_->rows(group + "/kinetic_energy", 1, n);
+  const auto x = rows(group + "/position", 3, n), v = rows(group + "/velocity", 3, n);
+  const auto energy = rows(group + "/kinetic_energy", 1, n);
   std::vector<double> q, w;
-  if (out.stamp.has_orientation) q = impl_->rows(group + "/orientation", 4, n);
-  if (out.stamp.rotates) w = impl_->rows(group + "/angular_velocity", 3, n);
+  if (out.stamp.has_orientation) q = rows(group + "/orientation", 4, n);
+  if (out.stamp.rotates) w = rows(group + "/angular_velocity", 3, n);
   out.bodies.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     BodyRecord& b = out.bodies[i];
-    if (id[i] >= impl_->shape.size()) impl_->refuse("'" + group + "' holds a body that is not in 'bodies'");
-    b = impl_->body(id[i]);
+    if (id[i] >= shape.size()) refuse("'" + group + "' holds a body that is not in 'bodies'");
+    b = body(id[i]);
     b.kinetic_energy = energy[i];
     b.pose.position = Vec3(&x[3 * i]);
     b.velocity = Vec3(&v[3 * i]);
@@ -128,7 +153,8 @@ StoredSnapshot StoredRun::snapshot(std::size_t k) const {
 }
 
 double StoredRun::time(std::size_t k) const {
-  return impl_->file.number_attribute("snapshots/" + impl_->snapshots.at(k), "time");
+  return read_undamaged(impl_->file.path(),
+                        [&] { return impl_->file.number_attribute("snapshots/" + impl_->snapshots.at(k), "time"); });
 }
 
 std::vector<BodyRecord> StoredRun::bodies() const {
@@ -138,7 +164,10 @@ std::vector<BodyRecord> StoredRun::bodies() const {
 }
 
 std::vector<StoredMeasure> StoredRun::measures() const {
-  const Hdf5File& file = impl_->file;
+  return read_undamaged(impl_->file.path(), [&] { return impl_->read_measures(); });
+}
+
+std::vector<StoredMeasure> StoredRun::Impl::read_measures() const {
   std::vector<StoredMeasure> out;
   for (const std::string& name : file.children("measures")) {
     const std::string group = "measures/" + name;
@@ -148,7 +177,7 @@ std::vector<StoredMeasure> StoredRun::measures() const {
     std::istringstream words(file.text_attribute(group, "components"));
     for (std::string word; std::getline(words, word, ',');) m.components.push_back(word);
     m.times = file.read<double>(group + "/time");
-    m.values = impl_->rows(group + "/value", m.components.size(), m.times.size());
+    m.values = rows(group + "/value", m.components.size(), m.times.size());
     out.push_back(std::move(m));
   }
   return out;
@@ -169,6 +198,7 @@ StoredWords StoredRun::words(const BodyRecord& b) const {
 }
 
 bool StoredRun::has_axes_of_the_scene() const { return impl_->format > 1; }
+std::string StoredRun::version() const { return impl_->file.text_attribute("/", "version"); }
 std::string StoredRun::title() const { return impl_->file.text_attribute("/", "title"); }
 std::string StoredRun::about() const { return impl_->file.has("about") ? impl_->file.read_text("about") : ""; }
 std::string StoredRun::scene_text() const { return impl_->file.read_text("scene"); }
@@ -185,6 +215,8 @@ std::string damage_of(const std::filesystem::path& path) {
     const StoredRun run(path);
     for (std::size_t k = 0; k < run.snapshots(); ++k) (void)run.snapshot(k);
     (void)run.measures();
+  } catch (const DamagedRun& e) {
+    return e.damage;
   } catch (const FileError& e) {
     return e.what();
   }

@@ -41,6 +41,7 @@ class StoredRun {
   StoredWords words(const BodyRecord& body) const;
   /// Points of shapes and orientations are of the axes that the scene wrote; in older files of principal axes.
   bool has_axes_of_the_scene() const;
+  std::string version() const;  ///< of the program that began it
   std::string title() const;
   std::string about() const;  ///< names, springs, view (view/settings.h); "" in older files
   std::string scene_text() const;

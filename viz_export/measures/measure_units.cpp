@@ -13,6 +13,10 @@ struct Row {
 
 /// The first row that fits counts.
 constexpr Row rows[] = {
+    {"run", "number", "contacts", ""},
+    {"run", "overlap_relative", "overlap over radius", ""},
+    {"run", "residual", "residual", ""},
+    {"run", "iterations", "iterations", ""},
     {"energy", "relative_error", "relative error", ""},
     {"energy", "", "energy", "J"},
     {"position", "", "position", "m"},

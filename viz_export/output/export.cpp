@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/units/error.h"
+#include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/measures/measures_csv.h"
@@ -143,6 +144,7 @@ void write_measures_csv(const std::filesystem::path& path, const std::vector<Sto
 }  // namespace
 
 ExportReport export_run(const std::filesystem::path& folder, ExportFormat format) {
+  if (!std::filesystem::exists(folder / "run.h5")) throw FileError(no_run_text(folder, "export"));
   const StoredRun run(folder / "run.h5");
   ExportReport report{run.snapshots(), 0, {}};
   if (format == ExportFormat::vtk) {

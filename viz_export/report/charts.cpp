@@ -175,6 +175,20 @@ bool draw(const ScatterPlot& plot, const fs::path& path) {
   return render(path, data, settings, parts.empty() ? "plot NaN notitle" : parts);
 }
 
+namespace {
+/// Counts have no halves: steps of one where there are few.
+std::string steps_of_counts(const LinePlot& plot) {
+  PlotRange y;
+  bool whole = true;
+  for (const PlotLine& line : plot.lines)
+    for (const PlotPoint& p : line.points) {
+      whole = whole && p[1] == std::round(p[1]);
+      y.include(p[1]);
+    }
+  return whole && y.high - y.low <= 6 ? "set ytics 1\n" : "";
+}
+}  // namespace
+
 bool draw(const LinePlot& plot, const fs::path& path) {
   const std::string name = single_quoted(path.filename().string()) + ".dat";
   std::string data, parts;
@@ -183,7 +197,8 @@ bool draw(const LinePlot& plot, const fs::path& path) {
     parts += fmt::format("{}'{}' index {} with lines lw 2 lc rgb '{}' title {}", k == 0 ? "plot " : ", \\\n  ", name, k,
                          colours[k % std::size(colours)], quoted(plot.lines[k].label));
   }
-  return render(path, data, frame(plot.title, plot.x_label, plot.y_label) + "set autoscale xfix\n",
+  return render(path, data,
+                frame(plot.title, plot.x_label, plot.y_label) + "set autoscale xfix\n" + steps_of_counts(plot),
                 parts.empty() ? "plot NaN notitle" : parts, "620,420");
 }
 

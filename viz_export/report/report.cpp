@@ -8,6 +8,7 @@
 
 #include "engine/units/error.h"
 #include "viz_export/files/json_reader.h"
+#include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/measures/measure_units.h"
@@ -15,6 +16,7 @@
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_folder.h"
 #include "viz_export/report/report_style.h"
+#include "viz_export/report/run_facts.h"
 #include "viz_export/view/page.h"
 #include "viz_export/view/render_run.h"
 
@@ -30,6 +32,7 @@ struct Page {
   const fs::path& folder;
   const FlatJson& summary;
   const StoredRun& run;
+  const ViewSource& source;
   bool drawn = true;  ///< gnuplot is there
   std::string html{};
 
@@ -46,21 +49,54 @@ struct Page {
   }
 };
 
+/// Above all else: that the run has no end, and what then holds of this page.
+void state(Page& p) {
+  const std::string status = p.summary.text("status"), cut = p.source.cut_text();
+  std::string text;
+  if (status == "running")
+    text = fmt::format("The run goes on: this page shows it up to t = {} s.", p.number("simulated_time", "{:.6g}"));
+  if (!cut.empty()) {
+    text =
+        "T" + cut.substr(1) + ". This page is made of what it wrote until then; maxima over all steps are not known. ";
+    text += fs::exists(p.folder / "checkpoint.h5")
+                ? "`epafi resume " + p.folder.string() + "` goes on from its last checkpoint."
+                : "It wrote no checkpoint: `epafi run` begins anew ([run] checkpoint_interval writes some).";
+  }
+  if (!text.empty()) p.html += "<p class='warning'>" + escaped(text) + "</p>";
+}
+
+/// "bodies at the end, 503 taken out"; what did not happen is left out.
+std::string bodies_label(const Page& p) {
+  const auto removed = p.summary.number("bodies_removed").value_or(0.0),
+             lost = p.summary.number("bodies_lost").value_or(0.0);
+  std::string label = removed > 0 || lost > 0 ? "bodies at the end" : "bodies";
+  if (removed > 0) label += ", " + p.number("bodies_removed", "{:.0f}") + " taken out on the way";
+  if (lost > 0) label += ", " + p.number("bodies_lost", "{:.0f}") + " lost";
+  return label;
+}
+
 void head(Page& p) {
   const std::string status = p.summary.text("status");
-  p.html += fmt::format("<h1>{}</h1><p class='sub'>{} &middot; Epafi {} &middot; state {}</p>", escaped(p.run.title()),
-                        escaped(p.summary.text("scene")), escaped(p.summary.text("epafi")),
-                        escaped(p.summary.text("state_hash")));
+  p.html += "<h1>" + escaped(p.run.title()) + "</h1>";
+  state(p);
+  std::string about = p.summary.text("scene");
+  about += (about.empty() ? "Epafi " : " \u00b7 Epafi ") + p.run.version();
+  if (const std::string hash = p.summary.text("state_hash"); !hash.empty()) about += " \u00b7 state " + hash;
+  p.html += "<p class='sub'>" + escaped(about) + "</p>";
   p.html += "<div class='cards'>";
-  p.card(status, "status", status == "completed" ? "ok" : "no");
-  p.card(p.number("simulated_time") + " s",
-         "simulated, in " + p.number("steps", "{:.0f}") + " steps of " + p.number("time_step") + " s");
-  p.card(p.number("wall_time") + " s", "wall time, " + p.number("threads", "{:.0f}") + " threads");
-  p.card(p.number("bodies", "{:.0f}"), "bodies, " + p.number("bodies_lost", "{:.0f}") + " lost");
-  p.card(p.number("contacts_mean"), "contacts in the mean");
-  p.card(p.number("energy.relative_error", "{:.2g}"), "energy error");
-  p.card(p.number("overlap.max_relative", "{:.2g}"), "deepest overlap over radius, worst step");
-  if (p.summary.number("residual.max")) p.card(p.number("residual.max", "{:.2g}"), "residual, worst step");
+  const bool completed = status == "completed", goes_on = status == "running" || status == "cut";
+  p.card(status == "cut" ? "cut off" : status, "status", completed ? "ok" : "no");
+  p.card(p.number("simulated_time", "{:.6g}") + " s",
+         goes_on ? "simulated so far"
+                 : "simulated, in " + p.number("steps", "{:.0f}") + " steps of " + p.number("time_step") + " s");
+  if (p.summary.number("wall_time"))
+    p.card(p.number("wall_time") + " s", "wall time, " + p.number("threads", "{:.0f}") + " threads");
+  p.card(p.number("bodies", "{:.0f}"), bodies_label(p));
+  for (const auto& [name, label] : {std::pair{"contacts_mean", "contacts in the mean"},
+                                    {"energy.relative_error", "energy error"},
+                                    {"overlap.max_relative", "deepest overlap over radius, worst step"},
+                                    {"residual.max", "residual, worst step"}})
+    if (p.summary.number(name)) p.card(p.number(name, "{:.3g}"), label);
   if (p.summary.number("unconverged_steps").value_or(0.0) > 0.0)
     p.card(p.number("unconverged_steps", "{:.0f}"), "steps above the solver's tolerance");
   p.html += "</div>";
@@ -95,7 +131,7 @@ void acts(Page& p) {
 std::string stage_at(const Page& p, double time) {
   for (std::size_t k = 0; p.summary.number(stage_key(k, "from")); ++k)
     if (time <= p.summary.number(stage_key(k, "until")).value_or(0.0) * (1.0 + 1e-9))
-      return ", stage '" + escaped(p.summary.text(stage_key(k, "name"))) + "'";
+      return ", stage '" + p.summary.text(stage_key(k, "name")) + "'";
   return {};
 }
 
@@ -110,7 +146,8 @@ void pictures(Page& p, const ViewSource& source) {
   RunPainter painter(source, overview, options);
   const auto add = [&](RunPainter& by, std::size_t k, const std::string& what) {
     p.figure("<img alt='bodies' src='data:image/png;base64," + base64(png_of(by.paint(k))) + "'/>",
-             fmt::format("t = {:.4g} s{}{}", source.times()[k], stage_at(p, source.times()[k]), what));
+             fmt::format("t = {} s{}{}", time_text(source.times(), source.times()[k]), stage_at(p, source.times()[k]),
+                         what));
   };
   const std::vector<std::size_t> shown = telling_frames(source, 6);
   for (const std::size_t k : shown) add(painter, k, "");
@@ -159,7 +196,7 @@ void curves(Page& p, const std::string& name, const std::string& title, const St
     const fs::path path = p.folder / "report.part" / fmt::format("{}_{}", name, number++);
     p.drawn = p.drawn && draw(plot, path);
     if (!p.drawn) return;
-    p.figure("<img alt='" + escaped(title) + "' src='data:image/svg+xml;base64," +
+    p.figure("<img alt=\"" + escaped(title) + "\" src='data:image/svg+xml;base64," +
                  base64(read_whole_file(fs::path(path) += ".svg")) + "'/>",
              title + ": " + axis);
   }
@@ -174,7 +211,7 @@ bool is_energy(const StoredMeasure& m) {
 
 /// Energies of the measure of that kind where the scene has one, else the kinetic energy of the snapshots.
 StoredMeasure energies(const Page& p) {
-  for (const StoredMeasure& m : p.run.measures())
+  for (const StoredMeasure& m : p.source.measures())
     if (is_energy(m)) return m;
   StoredMeasure kinetic{"energy", "energy", {"kinetic"}, {}, {}};
   for (std::size_t k = 0; k < p.run.snapshots(); ++k) {
@@ -204,7 +241,7 @@ void energy(Page& p) {
 }
 
 void measures(Page& p) {
-  const auto all = p.run.measures();
+  const auto all = p.source.measures();
   if (all.empty()) return;
   p.html += "<h2>Measures</h2><div class='grid'>";
   for (std::size_t k = 0; k < all.size(); ++k)
@@ -225,6 +262,7 @@ void measures(Page& p) {
 }
 
 void quality(Page& p) {
+  if (!p.summary.number("steps")) return;  // known at the end of a run alone
   p.html +=
       "<h2>Overlap and checks</h2><table><tr><th>quantity</th><th class='n'>value</th><th "
       "class='n'>bound</th><th></th></tr>";
@@ -249,6 +287,7 @@ void quality(Page& p) {
 }
 
 void stages(Page& p) {
+  if (!p.summary.number("ns_per_body_step")) return;
   p.html += "<h2>Where the time went</h2><table>";
   double total = 0;
   for (const auto& [name, value] : p.summary.numbers)
@@ -273,14 +312,14 @@ void settings(Page& p) {
 }  // namespace
 
 fs::path write_report(const fs::path& folder, const fs::path& wanted) {
-  if (!fs::exists(folder / "summary.json") && has_tables(folder)) return write_folder_report(folder, wanted);
-  if (!fs::exists(folder / "summary.json"))
-    throw FileError("no run in '" + folder.string() + "': summary.json is missing; `epafi run` writes it");
-  const FlatJson summary = read_json(folder / "summary.json");
+  const bool is_run = fs::exists(folder / "run.h5") || fs::exists(folder / "summary.json");
+  if (!is_run && has_tables(folder)) return write_folder_report(folder, wanted);
+  if (!is_run) throw FileError(no_run_text(folder, "report"));
+  const auto source = open_run(folder, "report");
+  const FlatJson summary = run_facts(folder, *source);
   const StoredRun run(folder / "run.h5");
   fs::create_directories(folder / "report.part");
-  Page page{folder, summary, run};
-  const auto source = open_run(folder);
+  Page page{folder, summary, run, *source};
   head(page);
   warnings(page);
   acts(page);

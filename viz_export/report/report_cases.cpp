@@ -10,6 +10,7 @@
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_table.h"
+#include "viz_export/report/run_facts.h"
 
 namespace epafi {
 namespace {
@@ -56,7 +57,13 @@ std::vector<TableColumn> measured_columns(const std::vector<ReportCase>& cases) 
 }  // namespace
 
 ReportCase read_case(const std::filesystem::path& folder) {
-  ReportCase out{folder.filename().string(), read_json(folder / "summary.json")};
+  ReportCase out{folder.filename().string(), {}};
+  try {
+    out.summary = run_facts(folder);
+  } catch (const FileError& e) {  // torn or unreadable: the other cases have their page all the same
+    out.summary.texts = {{"status", "unreadable"}, {"failure", e.what()}};
+  }
+  if (out.summary.text("status") == "cut") out.summary.texts["failure"] = open_run(folder)->cut_text();
   try {
     const StoredRun run(folder / "run.h5");
     out.title = run.title();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/units/error.h"
+#include "viz_export/files/run_folder.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/report/html_text.h"
 #include "viz_export/report/report_cases.h"
@@ -21,23 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_pictures = 12;
-
-std::vector<fs::path> files_with(const fs::path& folder, const std::string& ending) {
-  std::vector<fs::path> out;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && entry.path().extension() == ending) out.push_back(entry.path());
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
-/// Folders of finished cases, by name.
-std::vector<fs::path> cases_in(const fs::path& folder) {
-  std::vector<fs::path> out;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_directory() && fs::exists(entry.path() / "summary.json")) out.push_back(entry.path());
-  std::sort(out.begin(), out.end());
-  return out;
-}
 
 /// A case that is drawn.
 struct DrawnCase {
@@ -99,7 +83,7 @@ std::string drawings_in(const fs::path& folder) {
   const std::vector<fs::path> all = files_with(folder, ".svg");
   std::string html;
   for (const fs::path& picture : all)
-    html += "<figure><img alt='" + html_escaped(picture.stem().string()) + "' src='data:image/svg+xml;base64," +
+    html += "<figure><img alt=\"" + html_escaped(picture.stem().string()) + "\" src='data:image/svg+xml;base64," +
             base64(read_whole_file(picture)) + "'/><figcaption>" + html_escaped(picture.stem().string()) +
             "</figcaption></figure>";
   return all.size() > 1 ? "<div class='grid'>" + html + "</div>" : html;
@@ -108,12 +92,12 @@ std::string drawings_in(const fs::path& folder) {
 }  // namespace
 
 bool has_tables(const fs::path& folder) {
-  return fs::is_directory(folder) && (!files_with(folder, ".csv").empty() || !cases_in(folder).empty());
+  return fs::is_directory(folder) && (!files_with(folder, ".csv").empty() || !runs_in(folder).empty());
 }
 
 fs::path write_folder_report(const fs::path& folder, const fs::path& wanted) {
   const std::string title = fs::absolute(folder).lexically_normal().filename().string();
-  const std::vector<fs::path> folders = cases_in(folder);
+  const std::vector<fs::path> folders = runs_in(folder);
   std::vector<ReportCase> cases;
   for (const fs::path& one : folders) cases.push_back(read_case(one));
   const std::string scene = cases.empty() ? "" : cases.front().title;

@@ -132,12 +132,12 @@ std::vector<ViewField> view_fields(const ViewSource& source) {
     out.push_back({"force", "contact force", "N", FieldKind::moving});
     out.push_back({"pressure", "pressure (mean stress)", "Pa", FieldKind::moving});
     out.push_back({"stress", "von Mises stress", "Pa", FieldKind::moving});
-    out.push_back({"contacts", "number of contacts", "", FieldKind::moving});
+    out.push_back({"contacts", "number of contacts", "", FieldKind::moving, true});
   }
   if (source.has_residuals()) out.push_back({"residual", "residual", "", FieldKind::moving});
   out.push_back({"height", height_label(upwards(source.about())), "m", FieldKind::fixed});
   out.push_back({"size", "bounding radius", "m", FieldKind::fixed});
-  out.push_back({"id", "body number", "", FieldKind::fixed});
+  out.push_back({"id", "body number", "", FieldKind::fixed, true});
   out.push_back({"material", "material", "", FieldKind::category});
   out.push_back({"body", "body", "", FieldKind::category});
   return out;

@@ -19,6 +19,7 @@ struct ViewField {
   std::string label;  ///< "speed"; for people
   std::string unit;   ///< SI, "" for none
   Kind kind = Kind::moving;
+  bool whole = false;  ///< a count or a number of something
 };
 
 /// Those that the source can give, "speed" first.

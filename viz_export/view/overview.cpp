@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "viz_export/view/grounds.h"
 
@@ -100,6 +101,11 @@ double speed_at_rest(const RunAbout& about, const ViewBox& box) {
   return box.is_empty() ? 0.0 : share * std::sqrt(about.gravity.norm() * box.diagonal());
 }
 
+double largest_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0,
+                         [](double m, double v) { return std::max(m, std::abs(v)); });
+}
+
 /// The least end of the colours of a moving field.
 double floor_of(const std::string& field, double speed, double radius) {
   if (field == "speed") return speed;
@@ -107,15 +113,15 @@ double floor_of(const std::string& field, double speed, double radius) {
   return field == "residual" ? 1e-12 : 0.0;
 }
 
-/// From the first positive value on, 98 % of the values, `floor` at least; whole numbers as they are.
-std::array<double, 2> range_of(const ViewField& field, std::vector<double>& values, double floor) {
-  if (values.empty()) return {0, 1};
+/// From the first positive value on, 98 % of the values, `floor` at least; whole numbers as they are. One value where
+/// the ends differ by no more than `same`: rounding. values: not empty.
+std::array<double, 2> range_of(const ViewField& field, std::vector<double>& values, double floor, double same) {
   const bool from_zero = field.kind == ViewField::Kind::moving;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   double low = from_zero ? 0.0 : *least, high = *most;
   if (from_zero && field.name != "contacts") high = std::max(quantile(values, 0.98), 0.05 * high);
   if (from_zero) high = std::max(high, floor);
-  if (!(high > low)) high = low + (low == 0 ? 1.0 : 0.01 * std::abs(low));
+  if (!(high - low > same)) high = low;
   return {low, high};
 }
 
@@ -160,8 +166,14 @@ Overview look_over(const ViewSource& source) {
   if (!shown.empty()) include_walls(source.frame(shown.back()), out.box);
   if (out.box.is_empty()) out.box.include(Vec3::Zero(), 1.0);
   const double still = speed_at_rest(source.about(), out.box), radius = free.mean_radius();
-  for (const ViewField& field : fields)
-    out.range[field.name] = range_of(field, values[field.name], floor_of(field.name, still, radius));
+  for (const ViewField& field : fields) {
+    if (values[field.name].empty()) continue;
+    const double same =
+        field.name == "height" ? finest_step * out.box.diagonal() : 1e-6 * largest_of(values[field.name]);
+    const bool moves = field.kind == ViewField::Kind::moving;
+    out.range[field.name] =
+        range_of(field, values[field.name], floor_of(field.name, still, radius), moves || field.whole ? 0.0 : same);
+  }
   out.grounds = grounds.ids();
   out.ground_top = grounds.top();
   out.frames_looked_at = shown.size();
@@ -229,11 +241,12 @@ std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wa
   return out;
 }
 
-std::array<double, 2> colour_range(const Overview& overview, const ViewSettings& settings, const std::string& field) {
+std::optional<std::array<double, 2>> colour_range(const Overview& overview, const ViewSettings& settings,
+                                                  const std::string& field) {
   const std::string chosen = settings.field.empty() ? "speed" : settings.field;
-  if (settings.range && field == chosen) return *settings.range;
   const auto found = overview.range.find(field);
-  return found == overview.range.end() ? std::array<double, 2>{0, 1} : found->second;
+  if (found == overview.range.end()) return std::nullopt;
+  return settings.range && field == chosen ? *settings.range : found->second;
 }
 
 }  // namespace epafi

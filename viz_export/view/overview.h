@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <optional>
 
 #include "viz_export/view/camera.h"
 #include "viz_export/view/fields.h"
@@ -10,13 +11,15 @@
 namespace epafi {
 
 struct Overview {
-  ViewBox box;                                         ///< what a picture shows: strays and far walls are left out
-  std::map<std::string, std::array<double, 2>> range;  ///< of each field that is a number, colours end there
-  std::map<std::string, double> largest;               ///< of each moving field over the frames looked at
-  float strongest = 0;                                 ///< normal force of a contact [N], of 99 % of them
-  double worst_residual = 0;                           ///< of a contact
-  std::vector<std::uint32_t> grounds;                  ///< ids of walls below all else, ascending (grounds.h)
-  double ground_top = 0;                               ///< the highest of them, along what is up [m]
+  ViewBox box;  ///< what a picture shows: strays and far walls are left out
+  /// Of each field that is a number: colours end there. Both ends are the same where there is one value; a field of
+  /// which there is no value (no free bodies) is absent.
+  std::map<std::string, std::array<double, 2>> range;
+  std::map<std::string, double> largest;  ///< of each moving field over the frames looked at
+  float strongest = 0;                    ///< normal force of a contact [N], of 99 % of them
+  double worst_residual = 0;              ///< of a contact
+  std::vector<std::uint32_t> grounds;     ///< ids of walls below all else, ascending (grounds.h)
+  double ground_top = 0;                  ///< the highest of them, along what is up [m]
   std::size_t frames_looked_at = 0;
 };
 
@@ -27,8 +30,8 @@ struct Overview {
 /// size where they come or go) into equal parts: `wanted` frames at most, ascending, all different.
 [[nodiscard]] std::vector<std::size_t> telling_frames(const ViewSource& source, std::size_t wanted);
 
-/// Lower and upper end of the colours: by [view] range where it speaks of this field.
-[[nodiscard]] std::array<double, 2> colour_range(const Overview& overview, const ViewSettings& settings,
-                                                 const std::string& field);
+/// Lower and upper end of the colours: by [view] range where it speaks of this field; none where it has no value.
+[[nodiscard]] std::optional<std::array<double, 2>> colour_range(const Overview& overview, const ViewSettings& settings,
+                                                                const std::string& field);
 
 }  // namespace epafi

@@ -13,7 +13,6 @@
 namespace epafi {
 namespace {
 
-constexpr double finest = 1e-5;         // step of positions over the diagonal of the box
 constexpr double strong_share = 0.1;    // of the strongest force
 constexpr double above_strongest = 16;  // 1 % of the contacts are stronger, and keep their force up to this
 
@@ -32,7 +31,7 @@ Packer::Packer(const ViewSource& source, const Overview& overview, std::size_t s
   if (source.has_contacts()) columns_.emplace_back("contact");
 }
 
-double Packer::step() const { return finest * overview_.box.diagonal(); }
+double Packer::step() const { return finest_step * overview_.box.diagonal(); }
 
 double Packer::least_force() const { return strong_share * static_cast<double>(overview_.strongest); }
 

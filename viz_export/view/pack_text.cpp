@@ -118,6 +118,7 @@ void put_mesh(std::string& out, const ViewMesh& mesh) {
 std::string Packer::manifest(const std::vector<std::string>& columns, const std::vector<std::string>& notes) const {
   JsonWriter json;
   json.begin_object().member("title", source_.title()).member("running", source_.is_running());
+  if (const std::string cut = source_.cut_text(); !cut.empty()) json.member("cut", cut);
   json.member("chunk_frames", std::uint64_t{chunk_frames}).member("bodies", std::uint64_t{source_.bodies().size()});
   json.key("times").begin_array();
   for (const std::size_t k : shown_) json.value(source_.times()[k]);
@@ -127,8 +128,8 @@ std::string Packer::manifest(const std::vector<std::string>& columns, const std:
   for (const ViewField& f : fields_) {
     json.begin_object().member("name", f.name).member("label", f.label).member("unit", f.unit);
     json.member("kind", kind_name(f.kind));
-    if (f.kind != ViewField::Kind::category)
-      put_pair(json, "range", colour_range(overview_, source_.about().view, f.name));
+    if (f.whole) json.member("whole", true);
+    if (const auto range = colour_range(overview_, source_.about().view, f.name)) put_pair(json, "range", *range);
     json.end_object();
   }
   json.end_array().key("box").begin_object();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "engine/units/error.h"
 #include "viz_export/files/side_file.h"
@@ -141,6 +142,20 @@ std::string short_number(double v) {
   return text == "-0" ? "0" : text;
 }
 
+std::string time_text(const std::vector<double>& times, double time) {
+  const double apart = times.size() > 1 ? (times.back() - times.front()) / static_cast<double>(times.size() - 1) : 0.0;
+  const double ratio = apart > 0 ? std::abs(time) / apart : 0.0;
+  const int telling = ratio > 1 ? 1 + static_cast<int>(std::ceil(std::log10(ratio))) : 0;
+  return telling > 4 ? fmt::format("{:.{}g}", time, std::min(telling, 12)) : short_number(time);
+}
+
+std::vector<std::string> range_ticks(const std::array<double, 2>& range, bool whole) {
+  if (range[0] == range[1]) return {short_number(range[0])};
+  const double middle = 0.5 * (range[0] + range[1]);
+  if (whole && middle != std::round(middle)) return {short_number(range[0]), short_number(range[1])};
+  return {short_number(range[0]), short_number(middle), short_number(range[1])};
+}
+
 RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const RenderOptions& options)
     : source_(source),
       overview_(overview),
@@ -155,7 +170,8 @@ RunPainter::RunPainter(const ViewSource& source, const Overview& overview, const
 Rgb RunPainter::colour_of(const BodyRecord& body, float value) const {
   if (field_.kind == ViewField::Kind::category) return kind_colour(static_cast<std::size_t>(value));
   if (body.is_wall()) return is_solid(body) ? ground_colour : wall_colour;
-  const double share = (static_cast<double>(value) - range_[0]) / (range_[1] - range_[0]);
+  if (!range_ || range_->front() == range_->back()) return viridis(0.0);
+  const double share = (static_cast<double>(value) - range_->front()) / (range_->back() - range_->front());
   return viridis(std::isfinite(share) ? share : 0.0);
 }
 
@@ -213,44 +229,96 @@ Image RunPainter::paint(std::size_t k) {
   const auto outlined = std::count_if(frame.bodies.begin(), frame.bodies.end(),
                                       [](const BodyRecord& b) { return !b.is_wall() && b.surface != nullptr; });
   DrawnScene scene;
+  const bool wanted = options_.contacts;
+  options_.contacts = wanted && !frame.contacts.empty();  // without chains the bodies are what there is to see
   for (std::size_t row = 0; row < frame.bodies.size(); ++row)
     add_body(frame.bodies[row], values[row], outlined <= most_outlined && !options_.contacts, scene);
   if (options_.contacts) add_contacts(frame, overview_.strongest, scene);
   add_springs(frame, source_.about(), scene);
   Image image = draw_scene(scene, camera_, options_.width, options_.height, paper);
+  options_.contacts = wanted;
   if (options_.labels) label(image, frame.time);
   return image;
 }
 
+namespace {
+/// The text, or its beginning and dots.
+std::string fitting(std::string text, double size, double width) {
+  if (text_width(text, size) <= width) return text;
+  while (!text.empty() && text_width(text + "...", size) > width) {
+    while (text.size() > 1 && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80) text.pop_back();  // of UTF-8
+    text.pop_back();
+  }
+  return text + "...";
+}
+}  // namespace
+
 void RunPainter::label(Image& image, double time) const {
   const double size = std::max(10.0, options_.height / 38.0);
   const double left = 0.9 * size;
-  draw_text(image, left, 1.7 * size, source_.title(), 1.25 * size, ink);
-  draw_text(image, left, 3.1 * size, "t = " + short_number(time) + " s", size, ink);
-  if (field_.kind == ViewField::Kind::category) return;
-  const std::string unit = options_.contacts     ? "contact force [N]"
-                           : field_.unit.empty() ? field_.label
-                                                 : field_.label + " [" + field_.unit + "]";
-  const std::array<double, 2> range = options_.contacts ? std::array<double, 2>{0, overview_.strongest} : range_;
+  draw_text(image, left, 1.7 * size, fitting(source_.title(), 1.25 * size, image.width - 2 * left), 1.25 * size, ink);
+  draw_text(image, left, 3.1 * size, "t = " + time_text(source_.times(), time) + " s", size, ink);
+  if (field_.kind == ViewField::Kind::category && !options_.contacts)
+    kinds(image, size);
+  else
+    colour_bar(image, size);
+}
+
+/// Colour and name of each kind of body that there is, upwards from the lower left.
+void RunPainter::kinds(Image& image, double size) const {
+  std::set<std::size_t> seen;
+  for (const BodyRecord& b : source_.bodies())
+    seen.insert(field_.name == "material" ? b.material : group_of(source_.about(), b.id));
+  constexpr std::size_t most = 8;
+  const int side = static_cast<int>(0.8 * size), x = static_cast<int>(0.9 * size);
+  double y = image.height - 1.2 * size;
+  std::size_t shown = 0;
+  for (auto kind = seen.rbegin(); kind != seen.rend(); ++kind) {
+    if (++shown > most) break;
+    const Rgb colour = kind_colour(*kind);
+    fill_box(image, x, static_cast<int>(y) - side, side, side, colour);
+    draw_text(image, x + 1.4 * side, y, fitting(kind_name(*kind), size, 0.4 * image.width), size, ink);
+    y -= 1.3 * size;
+  }
+  draw_text(image, x, y, field_.label, size, ink);
+}
+
+std::string RunPainter::kind_name(std::size_t kind) const {
+  const RunAbout& about = source_.about();
+  if (field_.name == "material")
+    return kind < about.materials.size() ? about.materials[kind] : "material " + std::to_string(kind);
+  if (kind >= about.groups.size()) return "others";
+  const auto& group = about.groups[kind];
+  return group.name.empty() ? fmt::format("bodies from {} on", group.first) : group.name;
+}
+
+/// What the colours mean, at the lower left; words alone where there is nothing to colour.
+void RunPainter::colour_bar(Image& image, double size) const {
+  const bool forces = options_.contacts;
+  const std::string unit = forces ? "N" : field_.unit, quantity = forces ? "contact force" : field_.label;
+  const std::string name = unit.empty() ? quantity : quantity + " [" + unit + "]";
   const int width = static_cast<int>(13 * size), height = static_cast<int>(0.8 * size);
-  const int x = static_cast<int>(left), y = image.height - static_cast<int>(2.6 * size);
-  draw_text(image, left, y - 0.5 * size, unit, size, ink);
+  const int x = static_cast<int>(0.9 * size), y = image.height - static_cast<int>(2.6 * size);
+  const bool some = forces ? overview_.strongest > 0 : range_.has_value();
+  if (!some) {
+    draw_text(image, x, y + height, quantity + (forces ? ": no contacts" : ": no free bodies"), size, ink);
+    return;
+  }
+  const std::array<double, 2> range = forces ? std::array<double, 2>{0, overview_.strongest} : *range_;
+  draw_text(image, x, y - 0.5 * size, name, size, ink);
+  const std::vector<std::string> ticks = range_ticks(range, !forces && field_.whole);
   for (int k = 0; k < width; ++k) {
-    const double share = (k + 0.5) / width;
-    fill_box(image, x + k, y, 1, height, options_.contacts ? inferno(0.15 + 0.75 * share) : viridis(share));
+    const double share = ticks.size() > 1 ? (k + 0.5) / width : 0.0;
+    fill_box(image, x + k, y, 1, height, forces ? inferno(0.15 + 0.75 * share) : viridis(share));
   }
-  std::array<std::string, 3> ticks;
   double written = 0;
-  for (std::size_t tick = 0; tick < 3; ++tick) {
-    ticks[tick] = short_number(range[0] + 0.5 * static_cast<double>(tick) * (range[1] - range[0]));
-    written += text_width(ticks[tick], 0.9 * size);
-  }
+  for (const std::string& tick : ticks) written += text_width(tick, 0.9 * size);
   // long numbers would run into each other: the ends are enough
-  const int step = written + text_width(ticks[1], 0.9 * size) > 0.9 * width ? 2 : 1;
-  for (int tick = 0; tick < 3; tick += step) {
-    const std::string& text = ticks[static_cast<std::size_t>(tick)];
-    const double shift = 0.5 * tick * text_width(text, 0.9 * size);
-    draw_text(image, left + 0.5 * tick * width - shift, y + height + 1.1 * size, text, 0.9 * size, ink);
+  const bool crowded = ticks.size() > 2 && written + text_width(ticks[1], 0.9 * size) > 0.9 * width;
+  for (std::size_t k = 0; k < ticks.size(); k += crowded ? 2 : 1) {
+    const double place = ticks.size() > 1 ? static_cast<double>(k) / static_cast<double>(ticks.size() - 1) : 0.0;
+    const double shift = place * text_width(ticks[k], 0.9 * size);
+    draw_text(image, x + place * width - shift, y + height + 1.1 * size, ticks[k], 0.9 * size, ink);
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,6 @@ class RunPainter {
   RunPainter(const ViewSource& source, Overview&& overview, const RenderOptions& options) = delete;
   Image paint(std::size_t frame);
   const ViewField& field() const { return field_; }
-  std::array<double, 2> range() const { return range_; }
 
  private:
   Rgb colour_of(const BodyRecord& body, float value) const;
@@ -35,11 +35,14 @@ class RunPainter {
   bool is_solid(const BodyRecord& wall) const;
   void add_body(const BodyRecord& body, float value, bool edges, DrawnScene& out);
   void label(Image& image, double time) const;
+  void colour_bar(Image& image, double size) const;
+  void kinds(Image& image, double size) const;
+  std::string kind_name(std::size_t kind) const;
   const ViewSource& source_;
   const Overview& overview_;
   RenderOptions options_;
   ViewField field_;
-  std::array<double, 2> range_;
+  std::optional<std::array<double, 2>> range_;  ///< none: there is no value
   Camera camera_;
   bool above_ground_;      ///< the eye
   bool some_free_ = true;  ///< in the frame that is being painted
@@ -58,5 +61,11 @@ std::size_t render_film(const ViewSource& source, const RenderOptions& options, 
 
 /// "12.5", "3e-06": four digits, no trailing zeros.
 [[nodiscard]] std::string short_number(double value);
+
+/// A time of these, with as many digits as tell it from those of the frames before and after, four at least.
+[[nodiscard]] std::string time_text(const std::vector<double>& times, double time);
+
+/// What stands at start, middle and end of a colour bar: one text where all values are the same, no half counts.
+[[nodiscard]] std::vector<std::string> range_ticks(const std::array<double, 2>& range, bool whole);
 
 }  // namespace epafi

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "engine/units/error.h"
+#include "viz_export/files/run_mark.h"
 #include "viz_export/view/pack.h"
 #include "viz_export/view/page.h"
 #include "viz_export/view/server.h"
@@ -13,11 +14,17 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_kept = 32;  // encoded chunks
 
-/// Changes when the run has written something.
-std::pair<std::uintmax_t, fs::file_time_type> mark_of(const fs::path& folder) {
+/// Changes when the run has written something, ends or is killed.
+struct FolderMark {
+  std::uintmax_t bytes = 0;
+  fs::file_time_type written{};
+  RunLife life = RunLife::over;
+  bool operator==(const FolderMark&) const = default;
+};
+
+FolderMark mark_of(const fs::path& folder) {
   std::error_code none;
-  const bool over = fs::exists(folder / "summary.json", none);
-  return {fs::file_size(folder / "run.h5", none) * 2 + (over ? 1 : 0), fs::last_write_time(folder / "run.h5", none)};
+  return {fs::file_size(folder / "run.h5", none), fs::last_write_time(folder / "run.h5", none), run_state(folder).life};
 }
 
 }  // namespace
@@ -27,7 +34,7 @@ struct RunServer::State {
   std::unique_ptr<ViewSource> source;
   Overview overview;
   std::size_t looked_at = 0;  ///< frames that there were at the last look over all
-  std::pair<std::uintmax_t, fs::file_time_type> mark;
+  FolderMark mark;
   std::unique_ptr<Packer> packer;
   std::map<std::size_t, std::string> chunks;  ///< encoded, of whole chunks
 

@@ -1,5 +1,7 @@
 #include "viz_export/view/view_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +10,9 @@
 #include <thread>
 #include <utility>
 
+#include "viz_export/files/run_folder.h"
+#include "viz_export/files/run_mark.h"
+#include "viz_export/measures/measure_rows.h"
 #include "viz_export/vtk/pvd_file.h"
 
 namespace epafi {
@@ -28,14 +33,53 @@ std::map<double, fs::path> contact_files(const fs::path& folder) {
   return out;
 }
 
+/// Energies as a scene's measure of them has.
+bool tells_energies(const StoredMeasure& m) {
+  const auto has = [&](const char* name) { return std::ranges::count(m.components, name) > 0; };
+  return has("kinetic") && has("potential");
+}
+
+/// One row of the measure for rows of one time; components that are not among them have no value there.
+void add_rows(const std::vector<MeasureRow>& rows, StoredMeasure& m) {
+  const double before = m.times.empty() ? -std::numeric_limits<double>::infinity() : m.times.back();
+  for (const MeasureRow& row : rows) {
+    if (row.measure != m.name || !(row.time > before)) continue;
+    const auto component = std::ranges::find(m.components, row.component);
+    if (component == m.components.end()) continue;
+    if (m.times.empty() || m.times.back() != row.time) {
+      m.times.push_back(row.time);
+      m.values.resize(m.values.size() + m.components.size(), std::numeric_limits<double>::quiet_NaN());
+    }
+    m.values[m.values.size() - m.components.size() + static_cast<std::size_t>(component - m.components.begin())] =
+        row.value;
+  }
+}
+
+/// What every run tells of itself: energies, contacts, residual (progress.csv).
+std::vector<StoredMeasure> own_measures(const fs::path& folder) {
+  std::vector<StoredMeasure> out;
+  const auto rows = measure_rows(folder / "progress.csv");
+  for (const MeasureRow& row : rows) {
+    auto at = std::ranges::find(out, row.measure, &StoredMeasure::name);
+    if (at == out.end()) at = out.insert(at, {row.measure, row.measure == "energy" ? "energy" : "run", {}, {}, {}});
+    if (std::ranges::count(at->components, row.component) == 0) at->components.push_back(row.component);
+  }
+  for (StoredMeasure& m : out) {
+    add_rows(rows, m);
+    m.name = "run: " + m.name;
+  }
+  return out;
+}
+
 class RunSource final : public ViewSource {
  public:
   explicit RunSource(const fs::path& folder)
-      : run_(folder / "run.h5"),
+      : folder_(folder),
+        state_(run_state(folder)),
+        run_(folder / "run.h5"),
         about_(about_from_text(run_.about())),
         bodies_(run_.bodies()),
-        contacts_(contact_files(folder)),
-        running_(!fs::exists(folder / "summary.json")) {
+        contacts_(contact_files(folder)) {
     for (std::size_t k = 0; k < run_.snapshots(); ++k) times_.push_back(run_.time(k));
     residuals_ = look_for_residuals();
   }
@@ -43,10 +87,32 @@ class RunSource final : public ViewSource {
   const RunAbout& about() const override { return about_; }
   const std::vector<double>& times() const override { return times_; }
   const std::vector<BodyRecord>& bodies() const override { return bodies_; }
-  std::vector<StoredMeasure> measures() const override { return run_.measures(); }
+  std::vector<StoredMeasure> measures() const override {
+    std::vector<StoredMeasure> out = run_.measures();
+    double known = std::numeric_limits<double>::infinity();
+    for (const StoredMeasure& m : out) known = std::min(known, m.times.empty() ? -1.0 : m.times.back());
+    if (state_.life != RunLife::over) {
+      const auto rows = measure_rows(folder_ / "measures.csv", known);
+      for (StoredMeasure& m : out) add_rows(rows, m);
+    }
+    const bool has_energies = std::ranges::any_of(out, tells_energies);
+    for (StoredMeasure& m : own_measures(folder_))
+      if (!has_energies || !tells_energies(m)) out.push_back(std::move(m));
+    return out;
+  }
   bool has_contacts() const override { return !contacts_.empty(); }
   bool has_residuals() const override { return residuals_; }
-  bool is_running() const override { return running_; }
+  bool is_running() const override { return state_.life == RunLife::running; }
+  std::string cut_text() const override {
+    if (state_.life != RunLife::cut) return {};
+    return fmt::format("the run was cut off after t = {:.6g} s: {}", last_time(), state_.cause);
+  }
+  double last_time() const override {
+    double out = ViewSource::last_time();
+    for (const char* name : {"measures.csv", "progress.csv"})
+      for (const MeasureRow& row : measure_rows(folder_ / name, out)) out = std::max(out, row.time);
+    return out;
+  }
 
   ViewFrame frame(std::size_t k) const override {
     StoredSnapshot s = run_.snapshot(k);
@@ -70,11 +136,12 @@ class RunSource final : public ViewSource {
     return false;
   }
 
+  fs::path folder_;
+  RunState state_;  ///< read before the files: what they hold is not older
   StoredRun run_;
   RunAbout about_;
   std::vector<BodyRecord> bodies_;
   std::map<double, fs::path> contacts_;
-  bool running_;
   bool residuals_ = false;
   std::vector<double> times_;
 };
@@ -108,16 +175,15 @@ class StillSource final : public ViewSource {
 
 }  // namespace
 
-std::unique_ptr<ViewSource> open_run(const fs::path& folder) {
-  if (!fs::exists(folder / "run.h5"))
-    throw FileError("no run in '" + folder.string() + "': run.h5 is missing; `epafi run` writes it");
+std::unique_ptr<ViewSource> open_run(const fs::path& folder, const std::string& command) {
+  if (!fs::exists(folder / "run.h5")) throw FileError(no_run_text(folder, command));
   // A run that goes on may be met in the middle of a write: it is read again, for two seconds at most.
   constexpr int tries = 40;
   for (int k = 1;; ++k) {
     try {
       return std::make_unique<RunSource>(folder);
     } catch (const FileError&) {
-      if (k == tries || fs::exists(folder / "summary.json")) throw;
+      if (k == tries || run_state(folder).life != RunLife::running) throw;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }

@@ -12,6 +12,9 @@
 
 namespace epafi {
 
+/// Of the picture's box: positions of the page are whole steps of it.
+inline constexpr double finest_step = 1e-5;
+
 struct ViewFrame {
   double time = 0.0;                    ///< [s]
   bool rotates = false;                 ///< angular velocities are known
@@ -33,10 +36,15 @@ class ViewSource {
   virtual bool has_contacts() const = 0;
   virtual bool has_residuals() const = 0;  ///< of contacts
   virtual bool is_running() const = 0;
+  /// Of a run that was killed: that it was, and after what time. Empty of all others.
+  virtual std::string cut_text() const { return {}; }
+  virtual double last_time() const { return times().empty() ? 0.0 : times().back(); }  ///< that anything tells of [s]
 };
 
-/// Reads run.h5, and the contacts from frames/. Throws FileError.
-[[nodiscard]] std::unique_ptr<ViewSource> open_run(const std::filesystem::path& folder);
+/// Reads run.h5, and the contacts from frames/. Throws FileError. command: who asks, for the message of a folder that
+/// holds no run.
+[[nodiscard]] std::unique_ptr<ViewSource> open_run(const std::filesystem::path& folder,
+                                                   const std::string& command = "view");
 
 /// One state; the surfaces of the records must stay.
 [[nodiscard]] std::unique_ptr<ViewSource> still_source(std::string title, RunAbout about, ViewFrame frame);

@@ -1,0 +1,32 @@
+/// @file frames_to_the_end.h  Frames of a run whose end is one of them.
+#pragma once
+#include <cmath>
+#include <memory>
+
+#include "viz_export/output/output_observers.h"
+
+namespace epafi {
+
+/// Frames of a run whose end is one of them. Steps are counted up to or beyond the duration, so that the step nearest
+/// to that last multiple of the interval may be the one before the end: the frame at the end is it, not a second one.
+class FramesToTheEnd final : public Observer {
+ public:
+  FramesToTheEnd(std::unique_ptr<StateRecorder> frames, std::uint64_t last) : frames_(std::move(frames)), last_(last) {}
+  bool is_due(std::uint64_t step) const override { return step + 1 != last_ && frames_->is_due(step); }
+  ContactView wants_contacts(std::uint64_t step, bool last) const override {
+    return last || is_due(step) ? frames_->wants_contacts(step, last) : ContactView::none;
+  }
+  void observe(const StepView& view) override { frames_->observe(view); }
+
+ private:
+  std::unique_ptr<StateRecorder> frames_;
+  std::uint64_t last_;
+};
+
+/// The duration is a multiple of the interval that no step meets.
+inline bool ends_between_steps(double duration, double interval, double dt) {
+  const double intervals = duration / interval, steps = duration / dt;
+  return std::abs(intervals - std::round(intervals)) < 1e-9 * intervals && std::abs(steps - std::round(steps)) > 1e-6;
+}
+
+}  // namespace epafi

@@ -1,0 +1,51 @@
+/// @file run_mark.h  Tells a run that is being written from one that was killed. While a run writes it keeps `.running`
+/// in its folder: host, process and its start, machine (boot and process namespace), folder, warnings so far. The
+/// file's time of change moves on every second. Readers on the same machine ask for the process: exact on any file
+/// system, locks or not. On another machine the process cannot be asked: there the file must have changed within two
+/// minutes; a single step that takes longer looks dead there until it ends. Without a mark (older versions) files that
+/// change tell it.
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace epafi {
+
+enum class RunLife {
+  running,  ///< a program writes into the folder
+  over,     ///< it ended and wrote summary.json
+  cut       ///< nobody writes, and nobody said that it ended
+};
+
+struct RunState {
+  RunLife life = RunLife::over;
+  std::string cause{};                  ///< of a cut: "process 123 on host a is gone"
+  std::vector<std::string> warnings{};  ///< that the mark holds
+};
+
+/// Of a folder with a run.
+[[nodiscard]] RunState run_state(const std::filesystem::path& folder);
+
+/// Held by the program that writes. A folder that takes no file is not marked.
+class RunMark {
+ public:
+  explicit RunMark(std::filesystem::path folder);
+  ~RunMark();  ///< the mark goes
+  RunMark(const RunMark&) = delete;
+  RunMark& operator=(const RunMark&) = delete;
+
+  /// To be called often. Once a second it moves the time of change on and returns true.
+  bool beat();
+  /// What a report of the run has to say if it is cut.
+  void tell(std::vector<std::string> warnings);
+
+ private:
+  void write() const;
+  std::filesystem::path path_;
+  std::string head_;
+  std::vector<std::string> warnings_;
+  std::chrono::steady_clock::time_point beaten_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace epafi

@@ -1,0 +1,16 @@
+/// @file run_facts.h  What is known of a run in the form of its summary.json: of one that goes on or was killed what
+/// its other files tell.
+#pragma once
+#include <filesystem>
+
+#include "viz_export/files/json_reader.h"
+#include "viz_export/view/view_source.h"
+
+namespace epafi {
+
+/// summary.json where it is there; else status "running" or "cut", time, bodies, last energies, measures, warnings.
+/// What only the end of a run tells (steps, overlap, residual over all steps, time by stage) is absent then.
+[[nodiscard]] FlatJson run_facts(const std::filesystem::path& folder);
+[[nodiscard]] FlatJson run_facts(const std::filesystem::path& folder, const ViewSource& source);
+
+}  // namespace epafi
