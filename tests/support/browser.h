@@ -107,6 +107,12 @@ class Browser {
                 ",\"y\":" + json_number(fingers[k].second) + ",\"id\":" + std::to_string(k) + "}";
     call("Input.dispatchTouchEvent", "{\"type\":" + json_text(kind) + ",\"touchPoints\":[" + points + "]}");
   }
+  /// The page's area, as that of a phone.
+  void resize(int width, int height) {
+    call("Emulation.setDeviceMetricsOverride", "{\"width\":" + std::to_string(width) +
+                                                   ",\"height\":" + std::to_string(height) +
+                                                   ",\"deviceScaleFactor\":1,\"mobile\":false}");
+  }
   /// Fingers in place of a mouse, from the next page on.
   void take_touch() { call("Emulation.setTouchEmulationEnabled", "{\"enabled\":true,\"maxTouchPoints\":2}"); }
   void prefer(const std::string& scheme) {

@@ -44,10 +44,37 @@ function gradient(map) {
   return "linear-gradient(to right," + stops.join(",") + ")";
 }
 
+// What is known to whole steps: no digit finer than that, seven at most.
+function digitsTo(v, step) {
+  if (v === null || !isFinite(v) || !(step > 0)) return digits(v);
+  const unit = 10 ** Math.ceil(Math.log10(step) - 1e-9);
+  const whole = Math.round(v / unit);
+  if (whole === 0) return "0";
+  const known = Math.min(7, 1 + Math.floor(Math.log10(Math.abs(whole))));
+  const shown = whole * unit;
+  const size = Math.abs(shown);
+  return size < 1e-3 || size >= 1e7 ? shown.toExponential(known - 1).replace("e+", "e").replace(/\.0+e/, "e") : String(Number(shown.toPrecision(known)));
+}
+
+// A time of these, told from those of the frames beside it; as time_text in render_run.cpp.
+function timeText(times, time) {
+  const apart = times.length > 1 ? (times[times.length - 1] - times[0]) / (times.length - 1) : 0;
+  const telling = apart > 0 && Math.abs(time) > apart ? 1 + Math.ceil(Math.log10(Math.abs(time) / apart)) : 0;
+  return telling > 4 ? String(Number(time.toPrecision(Math.min(12, telling)))) : digits(time);
+}
+
+// Start, middle and end of a legend: one text where all values are the same, no half counts.
+function rangeTicks(range, whole) {
+  const [low, high] = range;
+  if (low === high) return [digits(low)];
+  const middle = (low + high) / 2;
+  return whole && !Number.isInteger(middle) ? [digits(low), digits(high)] : [digits(low), digits(middle), digits(high)];
+}
+
 // Four digits, no trailing zeros.
 function digits(v) {
   if (v === null || !isFinite(v)) return "-";
   const size = Math.abs(v);
-  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return v.toExponential(2).replace("e+", "e");
+  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return v.toExponential(2).replace("e+", "e").replace(/\.?0+e/, "e");
   return String(Number(v.toPrecision(4)));
 }

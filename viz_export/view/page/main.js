@@ -1,6 +1,6 @@
 // What the user does with mouse, fingers and keys, and the start of the page.
 
-class Page extends Viewer {
+class Page extends Picker {
   listen() {
     const on = (id, event, f) => el(id).addEventListener(event, f);
     on("time", "input", () => {
@@ -14,12 +14,7 @@ class Page extends Viewer {
       if (this.picked) this.collect(this.picked, this.field());
     });
     on("map", "change", () => this.showColours());
-    for (const [id, end] of [["low", 0], ["high", 1]]) {
-      on(id, "change", () => {
-        this.range[end] = Number(el(id).value);
-        this.showColours();
-      });
-    }
+    for (const id of ["low", "high"]) on(id, "change", () => this.chooseRange());
     on("camera", "change", () => this.place(el("camera").value));
     on("theme", "change", () => this.setTheme());
     on("list-of", "change", () => this.listChanged());

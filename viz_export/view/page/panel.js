@@ -7,31 +7,39 @@ function fillSelect(select, options, chosen) {
   select.replaceChildren(...options.map(([value, text]) => new Option(text, value, false, value === chosen)));
 }
 
+function ticksAt(box, range, whole) {
+  box.replaceChildren(...rangeTicks(range, whole).map((t) => Object.assign(document.createElement("span"), { textContent: t })));
+}
+
+// range: null where no body has a value of the field.
 function showLegend(field, map, range, kinds) {
-  el("legend-name").textContent = labelOf(field.label, field.unit);
-  const numbers = field.kind !== "category";
+  const numbers = field.kind !== "category" && range !== null;
+  el("legend-name").textContent = field.kind !== "category" && !numbers ? field.label + ": no free bodies" : labelOf(field.label, field.unit);
   el("legend-bar").hidden = el("legend-ticks").hidden = !numbers;
   el("legend-bar").style.display = numbers ? "" : "none";
   el("legend-ticks").style.display = numbers ? "" : "none";
-  el("legend-bar").style.background = gradient(map);
-  const ticks = [0, 0.5, 1].map((t) => digits(range[0] + t * (range[1] - range[0])));
-  el("legend-ticks").replaceChildren(...ticks.map((t) => Object.assign(document.createElement("span"), { textContent: t })));
+  if (numbers) {
+    el("legend-bar").style.background = range[0] === range[1] ? css(colourAt(map, 0)) : gradient(map);
+    ticksAt(el("legend-ticks"), range, field.whole);
+  }
   el("legend-kinds").replaceChildren(...kinds.slice(0, 12).map((name, k) => {
     const row = document.createElement("div");
     const mark = document.createElement("i");
     mark.style.background = css(kindColours[k % kindColours.length]);
-    row.append(mark, name);
+    row.append(mark, Object.assign(document.createElement("span"), { textContent: name, title: name }));
     return row;
   }));
 }
 
+// range: null where there are no contacts.
 function showForceLegend(shown, label, range) {
   const box = el("legend-force");
   box.hidden = !shown;
-  box.children[0].textContent = label;
+  box.children[0].textContent = range ? label : "no contacts";
+  box.children[1].hidden = box.children[2].hidden = !range;
+  if (!range) return;
   box.children[1].style.background = gradient("inferno");
-  const ticks = [range[0], (range[0] + range[1]) / 2, range[1]].map((v) => Object.assign(document.createElement("span"), { textContent: digits(v) }));
-  box.children[2].replaceChildren(...ticks);
+  ticksAt(box.children[2], range, false);
 }
 
 // A row per body name or material: seen or not, and how clear.
@@ -39,7 +47,7 @@ function showList(entries, changed) {
   el("list").replaceChildren(...entries.map((entry) => {
     const row = document.createElement("div");
     const seen = Object.assign(document.createElement("input"), { type: "checkbox", checked: entry.opacity > 0, title: "seen" });
-    const name = Object.assign(document.createElement("span"), { textContent: entry.name });
+    const name = Object.assign(document.createElement("span"), { textContent: entry.name, title: entry.name });
     const clear = Object.assign(document.createElement("input"), { type: "range", min: 0, max: 1, step: 0.05, value: entry.opacity, title: "opacity" });
     seen.addEventListener("change", () => {
       entry.opacity = seen.checked ? entry.before || 1 : 0;
@@ -60,7 +68,7 @@ function showPicked(title, rows) {
   el("picked-section").hidden = !title;
   if (!title) return;
   const cells = rows.map(([name, value]) => `<tr><td>${escaped(name)}</td><td>${escaped(value)}</td></tr>`).join("");
-  el("picked").innerHTML = `<h2>${escaped(title)}</h2><table>${cells}</table>`;
+  el("picked").innerHTML = `<h2 title="${escaped(title)}">${escaped(title)}</h2><table>${cells}</table>`;
 }
 
 function showAxes(camera) {

@@ -7,8 +7,16 @@ function raySphere(origin, direction, centre, radius) {
   return rest < 0 ? Infinity : along - Math.sqrt(rest);
 }
 
-// Distance along the ray to a body's triangles.
-function rayMesh(ray, mesh, scale, place, turn) {
+// Distance along the ray to what is seen of a ball: its surface, or the cut through it.
+function rayBall(ray, centre, radius, cut) {
+  const front = raySphere(ray.origin, ray.direction, centre, radius);
+  if (front === Infinity || !cut || !cut.takes(front)) return front;
+  const way = (cut.at - cut.normal.dot(ray.origin)) / cut.normal.dot(ray.direction);
+  return way > front && ray.at(way, new THREE.Vector3()).distanceTo(centre) < radius ? way : Infinity;
+}
+
+// Distance along the ray to a body's triangles, those that are cut away left out.
+function rayMesh(ray, mesh, scale, place, turn, cut) {
   const back = turn.clone().inverse();
   const local = new THREE.Ray(ray.origin.clone().sub(place).applyQuaternion(back).divideScalar(scale),
     ray.direction.clone().applyQuaternion(back));
@@ -18,36 +26,48 @@ function rayMesh(ray, mesh, scale, place, turn) {
     a.fromArray(mesh.points, 3 * mesh.corners[t]);
     b.fromArray(mesh.points, 3 * mesh.corners[t + 1]);
     c.fromArray(mesh.points, 3 * mesh.corners[t + 2]);
-    if (local.intersectTriangle(a, b, c, false, hit)) nearest = Math.min(nearest, hit.distanceTo(local.origin) * scale);
+    if (!local.intersectTriangle(a, b, c, false, hit)) continue;
+    const distance = hit.distanceTo(local.origin) * scale;
+    if (distance < nearest && !(cut && cut.takes(distance))) nearest = distance;
   }
   return nearest;
 }
 
-function pickBody(ray, frame, bodies, opacity, cut) {
-  let best = { distance: Infinity, row: -1 };
+// Bodies under the ray, the one that is meant first: all that are drawn, up to the first that hides the others. Walls
+// stand about what is looked at: free bodies come before them, then walls by how clear they are. { distance, row }
+function bodiesUnder(ray, frame, bodies, opacity, cut) {
+  const hits = hitsOf(ray, frame, bodies, opacity, cut).sort((p, q) => p.distance - q.distance);
+  const hiding = hits.findIndex((hit) => opacity[frame.id[hit.row]] > 0.995);
+  const seen = hiding < 0 ? hits : hits.slice(0, hiding + 1);
+  const rank = (hit) => (bodies.wall[frame.id[hit.row]] ? 2 - opacity[frame.id[hit.row]] : 0);
+  return seen.sort((p, q) => rank(p) - rank(q) || p.distance - q.distance);
+}
+
+function hitsOf(ray, frame, bodies, opacity, cut) {
+  const hits = [];
   const centre = new THREE.Vector3();
   const turn = new THREE.Quaternion();
-  const behindCut = (distance) => {
-    if (!cut) return false;
-    const p = ray.at(distance, new THREE.Vector3());
-    return cut.normal.dot(p) > cut.at;
-  };
+  const normal = new THREE.Vector3();
+  const taken = cut && { ...cut, takes: (distance) => cut.normal.dot(ray.at(distance, new THREE.Vector3())) > cut.at };
   for (let row = 0; row < frame.n; ++row) {
     const id = frame.id[row];
-    if (opacity[id] < 0.5) continue;
+    if (!(opacity[id] > 0)) continue;
     centre.fromArray(frame.place, 3 * row);
     const m = bodies.mesh[id];
     const reach = bodies.radius[id] > 0 ? bodies.radius[id] : Infinity;
     const ball = reach === Infinity ? 0 : raySphere(ray.origin, ray.direction, centre, reach);
-    if (ball >= best.distance || ball === Infinity) continue;
+    if (ball === Infinity) continue;
     let distance = ball;
     if (m >= 0) {
       if (frame.turn) turn.fromArray(frame.turn, 4 * row);
-      distance = rayMesh(ray, bodies.meshes[m], bodies.scale[id], centre, turn);
+      if (reach === Infinity && normal.fromArray(bodies.meshes[m].normals).applyQuaternion(turn).dot(ray.direction) > 0) continue;  // a half-space from within
+      distance = rayMesh(ray, bodies.meshes[m], bodies.scale[id], centre, turn, taken);
+    } else {
+      distance = rayBall(ray, centre, reach, taken);
     }
-    if (distance > 0 && distance < best.distance && !behindCut(distance)) best = { distance, row };
+    if (distance > 0 && distance < Infinity) hits.push({ distance, row });
   }
-  return best;
+  return hits;
 }
 
 // The contact whose line passes within `near` metres of the ray.

@@ -13,7 +13,7 @@ function niceTicks(low, high, wanted) {
 
 // lines: [{ label, x, y }]
 function drawPlot(svg, lines, xLabel, yLabel, now) {
-  const [w, h, left, right, top, bottom] = [264, 150, 50, 16, 16, 28];
+  const [w, h, left, right, top, bottom] = [264, 150, 50, 16, 20, 28];
   let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
   for (const line of lines) {
     for (let k = 0; k < line.x.length; ++k) {
@@ -22,13 +22,17 @@ function drawPlot(svg, lines, xLabel, yLabel, now) {
       [y0, y1] = [Math.min(y0, line.y[k]), Math.max(y1, line.y[k])];
     }
   }
+  // what differs by steps of rounding alone is one value
+  const least = 20 * lines.reduce((most, line) => Math.max(most, line.step || 0), 0);
+  if (y1 - y0 < least) [y0, y1] = [(y0 + y1 - least) / 2, (y0 + y1 + least) / 2];
   if (!(x1 > x0)) [x0, x1] = [isFinite(x0) ? x0 - 0.5 : 0, isFinite(x0) ? x0 + 0.5 : 1];
   if (!(y1 > y0)) [y0, y1] = isFinite(y0) ? [y0 - (Math.abs(y0) || 1) * 0.1, y0 + (Math.abs(y0) || 1) * 0.1] : [0, 1];
   const px = (x) => left + ((x - x0) / (x1 - x0)) * (w - left - right);
   const py = (y) => h - bottom - ((y - y0) / (y1 - y0)) * (h - top - bottom);
   let out = `<rect class="frame" x="${left}" y="${top}" width="${w - left - right}" height="${h - top - bottom}"/>`;
   for (const t of niceTicks(x0, x1, 4)) out += `<text x="${px(t)}" y="${h - bottom + 11}" text-anchor="middle">${digits(t)}</text>`;
-  for (const t of niceTicks(y0, y1, 3)) out += `<text x="${left - 3}" y="${py(t) + 3}" text-anchor="end">${digits(t)}</text>`;
+  const whole = lines.every((line) => line.y.every((v) => v === null || Number.isInteger(v)));
+  for (const t of niceTicks(y0, y1, 3).filter((t) => !whole || Number.isInteger(t))) out += `<text x="${left - 3}" y="${py(t) + 3}" text-anchor="end">${digits(t)}</text>`;
   out += `<text x="${(left + w - right) / 2}" y="${h - 4}" text-anchor="middle">${xLabel}</text><text x="2" y="10">${yLabel}</text>`;
   let legend = w - right;
   lines.forEach((line, k) => {

@@ -111,7 +111,9 @@ function contactsOf(reader, scales) {
   if (scales[5] > 0) residual = Float32Array.from(reader.differences(n, null, 3), (r) => scales[5] * (r / 65535) ** 2);
   const way = placesOf(ends.subarray(3 * n), n, [0, 0, 0, scales[3]]);
   for (let k = 0; k < 3 * n; ++k) way[k] += from[k];
-  return { n, a, b, force, residual, from, to: way };
+  // they are squares of whole steps: the next one is so far
+  const forceStep = (k) => scales[4] * ((2 * root[k] + 1) / 65535 ** 2);
+  return { n, a, b, force, forceStep, residual, from, to: way };
 }
 
 // The frames of a chunk: { n, id, place, turn, fields: {name: values}, heading, contacts }.
@@ -132,7 +134,7 @@ async function framesOfChunk(bytes, columns, frames) {
   const out = [];
   for (let f = 0; f < frames; ++f) {
     const n = readers.id.number();
-    const frame = { n, id: next("id", n, 4), fields: {} };
+    const frame = { n, id: next("id", n, 4), fields: {}, step: scales[3], steps: {} };  // steps: of what numbers are whole multiples of
     frame.place = placesOf(next("position", 3 * n, 4), n, scales);
     if (readers.rest) frame.turn = orientationsOf(next("rest", 3 * n, 2), readers.largest.raw(n), n);
     moving.forEach((name, k) => {
@@ -140,6 +142,7 @@ async function framesOfChunk(bytes, columns, frames) {
       const values = new Float32Array(n);
       for (let row = 0; row < n; ++row) values[row] = steps[row] * scales[6 + k];
       frame.fields[name] = values;
+      frame.steps[name] = scales[6 + k];
     });
     if (readers.heading) frame.heading = headingsOf(next("heading", 2 * n, 2), n);
     if (readers.contact) frame.contacts = contactsOf(readers.contact, scales);

@@ -157,7 +157,10 @@ class Viewer {
 
   manifestChanged() {
     el("time").max = Math.max(0, this.source.frames - 1);
-    el("notes").textContent = [...this.manifest.notes, ...(this.manifest.running ? ["the run goes on"] : [])].join("\n");
+    const last = this.manifest.times.length > 0 ? timeText(this.manifest.times, this.manifest.times[this.source.frames - 1]) : "0";
+    const running = this.source.inside ? `the run went on, at t = ${last} s, when this page was written` : "the run goes on";
+    el("notes").textContent = [...this.manifest.notes, ...(this.manifest.cut ? [this.manifest.cut] : []), ...(this.manifest.running ? [running] : [])].join("\n");
+    el("notes").classList.toggle("cut", this.manifest.cut !== undefined);
   }
 
   field() {
@@ -166,10 +169,25 @@ class Viewer {
 
   resetRange() {
     const field = this.field();
-    this.range = field.range ? [...field.range] : [0, 1];
-    el("low").value = Number(this.range[0].toPrecision(4));
-    el("high").value = Number(this.range[1].toPrecision(4));
-    el("low").disabled = el("high").disabled = field.kind === "category";
+    this.range = field.range ? [...field.range] : null;
+    el("low").disabled = el("high").disabled = field.kind === "category" || !field.range;
+    this.showRange();
+    this.showColours();
+  }
+  showRange() {
+    for (const [id, end] of [["low", 0], ["high", 1]]) el(id).value = this.range && this.field().kind !== "category" ? Number(this.range[end].toPrecision(4)) : "";
+    el("range-note").hidden = true;
+  }
+  // What stands in the two boxes, where it is a range; an empty box means the end of the data.
+  chooseRange() {
+    const own = this.field().range;
+    const [low, high] = ["low", "high"].map((id, end) => (el(id).value === "" ? own[end] : Number(el(id).value)));
+    const fits = low < high || (low === own[0] && high === own[1]);
+    el("range-note").hidden = fits;
+    el("range-note").textContent = `"from" must be less than "to": the colours still go from ${digits(this.range[0])} to ${digits(this.range[1])}`;
+    if (!fits) return;
+    this.range = [low, high];
+    this.showRange();
     this.showColours();
   }
 
@@ -196,7 +214,7 @@ class Viewer {
 
   shares(frame) {
     const field = this.field();
-    const [low, high] = this.range;
+    const [low, high] = this.range || [0, 0];
     const out = new Float32Array(frame.n);
     const kindOf = [];
     if (field.name === "body") [...this.present].sort((a, b) => a - b).forEach((g, k) => (kindOf[g] = k));
@@ -204,7 +222,7 @@ class Viewer {
       const value = this.valueOf(frame, row, field.name);
       if (field.kind === "category") out[row] = (field.name === "body" ? kindOf[value] : value) % 256 / 255;
       else if (this.source.bodies.wall[frame.id[row]]) out[row] = this.isGround(frame.id[row]) ? -3 : -2;
-      else out[row] = Math.min(1, Math.max(0, (value - low) / (high - low)));
+      else out[row] = high > low ? Math.min(1, Math.max(0, (value - low) / (high - low))) : 0;
     }
     return out;
   }
@@ -230,7 +248,7 @@ class Viewer {
     this.showLines();
     const time = this.manifest.times[this.at];
     el("time").value = this.at;
-    el("clock").textContent = `t = ${digits(time)} s`;
+    el("clock").textContent = `t = ${timeText(this.manifest.times, time)} s`;
     if (this.plots.length > 0) {
       const plot = this.plots.find((p) => p.name === el("measure").value) || this.plots[0];
       drawPlot(el("measure-plot"), plot.lines, "time [s]", plot.label, time);
@@ -245,15 +263,15 @@ class Viewer {
   }
 
   showLines() {
-    const strongest = this.manifest.strongest || 1;
+    const strongest = this.manifest.strongest;
     const contacts = el("contacts").checked && this.frame.contacts;
     const none = new Float32Array(0);
-    const residual = contacts && contacts.residual && this.field().name === "residual" ? this.range : null;
-    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest, 0.42 * this.size, residual));
+    const residual = contacts && contacts.residual && this.field().name === "residual" && this.range ? this.range : null;
+    if (contacts) this.contacts.show(contacts.n, contacts.from, contacts.to, contactSizes(contacts, strongest || 1, 0.42 * this.size, residual));
     else this.contacts.show(0, none, none, none);
-    showForceLegend(contacts, residual ? "residual of a contact" : "contact force [N]", residual || [0, strongest]);
-    const speed = this.manifest.fields.find((f) => f.name === "speed").range[1];
-    if (el("arrows").checked && this.frame.heading)
+    showForceLegend(contacts, residual ? "residual of a contact" : "contact force [N]", residual || (strongest > 0 ? [0, strongest] : null));
+    const speed = (this.manifest.fields.find((f) => f.name === "speed").range || [0, 0])[1];
+    if (el("arrows").checked && this.frame.heading && speed > 0)
       showArrows(this.arrows, this.frame, this.source.bodies, speed, 8 * this.size, (id) => this.opacity[id] > 0);
     else this.arrows.show(0, none, none, none);
     if (el("springs").checked) showSprings(this.springs, this.frame, this.manifest, (id) => this.rowOf(id), 0.25 * this.size);
@@ -295,89 +313,6 @@ class Viewer {
     plane.set(normal.x, normal.y, normal.z, normal.dot(point));
     this.dirty = true;
     return plane;
-  }
-
-  // x, y: in pixels of the page.
-  pickAt(x, y) {
-    const area = el("picture").getBoundingClientRect();
-    const caster = new THREE.Raycaster();
-    caster.setFromCamera(new THREE.Vector2((2 * (x - area.left)) / area.width - 1, 1 - (2 * (y - area.top)) / area.height), this.camera);
-    const body = pickBody(caster.ray, this.frame, this.source.bodies, this.opacity, this.cut());
-    const shown = el("contacts").checked && this.frame.contacts;
-    const contact = shown ? pickContact(caster.ray, this.frame.contacts, 0.4 * this.size) : { contact: -1, distance: Infinity };
-    if (contact.contact >= 0 && contact.distance < body.distance) {
-      const { a, b } = this.frame.contacts;
-      this.picked = { a: a[contact.contact], b: b[contact.contact] };
-    } else {
-      this.picked = body.row >= 0 ? { id: this.frame.id[body.row] } : null;
-    }
-    this.history = null;
-    this.showPick();
-    if (this.picked) this.collect(this.picked, this.field());
-    return this.picked;
-  }
-
-  showPick() {
-    if (!this.picked) return showPicked(null);
-    return this.picked.id === undefined ? this.showPickedContact() : this.showPickedBody();
-  }
-
-  showPickedBody() {
-    const id = this.picked.id;
-    const bodies = this.source.bodies;
-    const row = this.rowOf(id);
-    const rows = [["number", id], ["material", this.source.materialName(bodies.material[id])]];
-    if (bodies.radius[id] > 0) rows.push(["bounding radius", digits(bodies.radius[id]) + " m"]);
-    if (row >= 0) {
-      rows.push(["position", [0, 1, 2].map((k) => digits(this.frame.place[3 * row + k])).join(", ") + " m"]);
-      for (const f of this.manifest.fields)
-        if (f.kind === "moving") rows.push([f.label, digits(this.valueOf(this.frame, row, f.name)) + (f.unit ? " " + f.unit : "")]);
-    } else {
-      rows.push(["state", "not there at this time"]);
-    }
-    showPicked(this.source.name(id) + (bodies.wall[id] ? " (wall)" : ""), rows);
-    this.showHistory();
-    return null;
-  }
-
-  // Its number among the contacts of the frame, -1 where the bodies are apart.
-  contactNow(frame) {
-    const c = frame.contacts;
-    for (let k = 0; c && k < c.n; ++k) if (c.a[k] === this.picked.a && c.b[k] === this.picked.b) return k;
-    return -1;
-  }
-
-  showPickedContact() {
-    const { a, b } = this.picked;
-    const k = this.contactNow(this.frame);
-    const contacts = this.frame.contacts;
-    const rows = [["between", this.source.name(a)], ["and", this.source.name(b)],
-      ["normal force", k < 0 ? "apart" : digits(contacts.force[k]) + " N"]];
-    if (k >= 0 && contacts.residual) rows.push(["residual", digits(contacts.residual[k])]);
-    showPicked("contact", rows);
-    this.showHistory();
-  }
-
-  showHistory() {
-    const plot = el("picked-plot");
-    if (!this.history) return plot.replaceChildren();
-    return drawPlot(plot, [this.history], "time [s]", this.history.axis, this.manifest.times[this.at]);
-  }
-
-  // The picked body's field, or the contact's force, over 200 frames at most.
-  async collect(picked, field) {
-    const history = { x: [], y: [], axis: picked.id === undefined ? "normal force [N]" : labelOf(field.label, field.unit) };
-    this.history = history;
-    const stride = Math.max(1, Math.ceil(this.source.frames / 200));
-    for (let k = 0; k < this.source.frames && this.history === history; k += stride) {
-      const frame = await this.source.frame(k);
-      const row = picked.id === undefined ? -1 : frame.id[picked.id] === picked.id ? picked.id : frame.id.indexOf(picked.id);
-      history.x.push(this.manifest.times[k]);
-      const contact = picked.id === undefined ? this.contactNow(frame) : -1;
-      if (picked.id === undefined) history.y.push(contact < 0 ? null : frame.contacts.force[contact]);
-      else history.y.push(row < 0 ? null : this.valueOf(frame, row, field.name));
-    }
-    if (this.history === history) this.showHistory();
   }
 
   setTheme() {
@@ -436,7 +371,7 @@ class Viewer {
   }
 
   async follow() {
-    if (this.source.inside || !this.manifest.running) return;
+    if (this.source.inside || !(this.manifest.running || this.manifest.cut)) return;  // who resumes a cut run is followed on
     const atEnd = this.at >= this.source.frames - 1;
     try {
       if (await this.source.readManifest()) {
@@ -450,6 +385,6 @@ class Viewer {
     } catch (e) {
       el("notes").textContent = "the server does not answer: " + e.message;
     }
-    setTimeout(() => this.follow(), 1000);
+    setTimeout(() => this.follow(), this.manifest.cut ? 5000 : 1000);
   }
 }

@@ -1,0 +1,240 @@
+// The page in a real browser: what a press means, digits that the data have, legends where nothing is, long names.
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include "tests/support/browser.h"
+#include "tests/support/catch.h"
+#include "viz_export/view/page.h"
+
+using namespace epafi;
+using Catch::Contains;
+
+namespace {
+
+bool has_page() {
+  const bool can = !support::find_browser().empty() && page_parts().three[0] != '\0';
+  if (!can) WARN("skipped: no Chromium here, or built without libjs-three");
+  return can;
+}
+
+BodyRecord ball_of(std::uint32_t id, const Vec3& place, double radius = 0.1) {
+  BodyRecord b;
+  b.id = id;
+  b.mass = 1;
+  b.radius = radius;
+  b.pose.position = place;
+  return b;
+}
+
+/// Balls one behind the other for the front camera, each of a name of its own.
+std::unique_ptr<ViewSource> row_of_balls(std::uint32_t n) {
+  RunAbout about;
+  about.view.preset = "front";
+  ViewFrame frame;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    about.groups.push_back({"ball" + std::to_string(k), k, 1});
+    frame.bodies.push_back(ball_of(k, Vec3(0, 0.5 * k, 0)));
+  }
+  return still_source("row", about, std::move(frame));
+}
+
+void open_page(support::Browser& b, const TemporaryFolder& folder, const ViewSource& source) {
+  (void)write_page(source, folder / "page.html");
+  REQUIRE(b.open("file://" + (folder / "page.html").string()));
+}
+
+void choose_value(support::Browser& b, const std::string& id, const std::string& value) {
+  b.text("(() => { const e = document.getElementById('" + id + "'); e.value = '" + value +
+         "'; e.dispatchEvent(new Event('change', { bubbles: true })); return ''; })()");
+}
+
+/// The same frame twice, with or without contacts among what the run can tell.
+class WallsOnly final : public ViewSource {
+ public:
+  WallsOnly() {
+    frame_.bodies.push_back(ball_of(0, Vec3::Zero()));
+    frame_.bodies.back().mass = 0;
+  }
+  std::string title() const override { return "walls"; }
+  const RunAbout& about() const override { return about_; }
+  const std::vector<double>& times() const override { return times_; }
+  const std::vector<BodyRecord>& bodies() const override { return frame_.bodies; }
+  std::vector<StoredMeasure> measures() const override { return {}; }
+  bool has_contacts() const override { return true; }
+  bool has_residuals() const override { return false; }
+  bool is_running() const override { return false; }
+  std::string cut_text() const override { return "the run was cut off after t = 1 s: its process 7 is gone"; }
+  ViewFrame frame(std::size_t k) const override {
+    ViewFrame out = frame_;
+    out.time = times_[k];
+    return out;
+  }
+
+ private:
+  RunAbout about_;
+  ViewFrame frame_;
+  std::vector<double> times_{0.0, 1.0};
+};
+
+}  // namespace
+
+TEST_CASE("a press picks what is drawn, however clear, and the next one what lies behind", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  constexpr std::uint32_t n = 5;
+  support::Browser b(700, 500);
+  open_page(b, folder, *row_of_balls(n));
+  std::istringstream middle(
+      b.text("(() => { const r = document.getElementById('picture').getBoundingClientRect();"
+             "return (r.left + r.width / 2) + ' ' + (r.top + r.height / 2); })()"));
+  double x = 0, y = 0;
+  middle >> x >> y;
+  std::mt19937 random(17);
+  for (int round = 0; round < 12; ++round) {
+    const std::vector<double> kinds{0, 0.1, 0.3, 0.45, 0.7, 1};
+    std::vector<std::uint32_t> expected;
+    bool hidden = false;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double opacity = kinds[random() % kinds.size()];
+      b.text("epafi.opacities.body[" + std::to_string(k) + "].opacity = " + std::to_string(opacity) + ", ''");
+      if (opacity > 0 && !hidden) expected.push_back(k);
+      hidden = hidden || opacity == 1;
+    }
+    b.text("epafi.showOpacity(), epafi.picked = null, epafi.pressed = null, ''");
+    if (expected.empty()) {
+      b.click(x, y);
+      CHECK(b.text("String(epafi.picked)") == "null");
+      continue;
+    }
+    for (std::size_t press = 0; press < expected.size() + 1; ++press) {
+      b.click(x, y);
+      CHECK(b.number("epafi.picked.id") == expected[press % expected.size()]);
+    }
+  }
+  CHECK(b.complaints() == std::vector<std::string>{});
+}
+
+TEST_CASE("a ball that is cut through is picked by its cut, and what is cut away is not", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  support::Browser b(700, 500);
+  open_page(b, folder, *row_of_balls(4));
+  // the cut takes what lies before y = 0.55 as the front camera sees it: ball 0 is gone, ball 1 is cut behind its
+  // middle
+  b.text("epafi.cut = () => ({ normal: new THREE.Vector3(0, -1, 0), at: -0.55 }), ''");
+  const auto picked = [&](double shift) {
+    return b.number(
+        "(() => { const r = document.getElementById('picture').getBoundingClientRect(); epafi.pressed = null;"
+        "const p = new THREE.Vector3(" +
+        std::to_string(shift) +
+        ", 0.55, 0).project(epafi.camera);"
+        "const picked = epafi.pickAt(r.left + (p.x + 1) / 2 * r.width, r.top + (1 - p.y) / 2 * r.height);"
+        "return picked ? picked.id : -1; })()");
+  };
+  CHECK(picked(0.0) == 1);
+  CHECK(picked(0.07) == 1);  // the cut's rim is at sqrt(0.1^2 - 0.05^2) = 0.087
+  CHECK(picked(0.11) == -1);
+}
+
+TEST_CASE("digits of positions are those that the data have", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  support::Browser b(900, 600);
+  std::mt19937 random(2);
+  for (int round = 0; round < 4; ++round) {
+    const double size = std::pow(10.0, static_cast<double>(random() % 7) - 4);
+    std::uniform_real_distribution<double> any(-size, size);
+    ViewFrame frame;
+    for (std::uint32_t k = 0; k < 6; ++k) {
+      frame.bodies.push_back(ball_of(k, Vec3(any(random), any(random), any(random)), 0.05 * size));
+      frame.bodies.back().velocity = Vec3(k == 0 ? 10.0 : 1e-3 * any(random) / size, 0, 0);
+    }
+    const auto exact = frame.bodies;
+    open_page(b, folder, *still_source("six", {}, std::move(frame)));
+    const double step = b.number("epafi.frame.step"), speed_step = b.number("epafi.frame.steps.speed");
+    CHECK(speed_step == Approx(10.0 / 65535));
+    for (std::uint32_t k = 0; k < 6; ++k) {
+      b.text("epafi.picked = { id: " + std::to_string(k) + " }, epafi.showPick(), ''");
+      std::istringstream shown(b.text("document.querySelector('#picked').innerText.match(/position\\s+(.*) m/)[1]"));
+      std::string part;
+      for (int axis = 0; std::getline(shown, part, ','); ++axis) {
+        const double value = std::stod(part), unit = std::pow(10.0, std::ceil(std::log10(step) - 1e-9));
+        INFO(part << " of " << exact[k].pose.position[axis] << " in steps of " << step);
+        CHECK(std::abs(value / unit - std::round(value / unit)) < 1e-3);  // no digit below the step
+        CHECK(std::abs(value - exact[k].pose.position[axis]) <= 0.5 * (step + unit) * (1 + 1e-3) + 2e-7 * size);
+      }
+      const double speed =
+          std::stod(b.text("document.querySelector('#picked').innerText.match(/\\nspeed\\s+(\\S+)/)[1]"));
+      CHECK(std::abs(speed - exact[k].velocity.norm()) <= 1e-3);
+      CHECK(std::abs(speed * 1000 - std::round(speed * 1000)) < 1e-6);  // steps of 1.5e-4 tell thousandths
+    }
+  }
+}
+
+TEST_CASE("there is no legend of what is not there, and a reversed range is told", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  support::Browser b(900, 600);
+  open_page(b, folder, WallsOnly());
+  CHECK(b.text("document.getElementById('legend-name').textContent") == "speed: no free bodies");
+  CHECK(b.number("document.getElementById('legend-ticks').getBoundingClientRect().height") == 0);
+  b.text("document.getElementById('contacts').click(), document.getElementById('arrows').click(), ''");
+  CHECK(b.text("document.querySelector('#legend-force span').textContent") == "no contacts");
+  CHECK(b.number("document.querySelector('#legend-force .bar').getBoundingClientRect().height") == 0);
+  CHECK(b.text("document.getElementById('notes').textContent") ==
+        "the run was cut off after t = 1 s: its process 7 is gone");
+  CHECK(b.complaints() == std::vector<std::string>{});
+
+  open_page(b, folder, *row_of_balls(5));
+  const auto ticks = [&] {
+    return b.text("Array.from(document.querySelectorAll('#legend-ticks span')).map(e => e.textContent).join('|')");
+  };
+  choose_value(b, "field", "size");
+  CHECK(ticks() == "0.1");  // one size: one tick
+  choose_value(b, "field", "id");
+  CHECK(ticks() == "0|2|4");
+  choose_value(b, "low", "3");
+  CHECK(b.text("epafi.range.join()") == "3,4");
+  CHECK(ticks() == "3|4");  // no half bodies
+  choose_value(b, "high", "1");
+  CHECK(b.text("epafi.range.join()") == "3,4");
+  CHECK_THAT(b.text("document.getElementById('range-note').textContent"), Contains("must be less than"));
+  CHECK(b.text("String(document.getElementById('range-note').hidden)") == "false");
+  choose_value(b, "high", "");
+  CHECK(b.text("epafi.range.join()") == "3,4");
+  CHECK(b.text("String(document.getElementById('range-note').hidden)") == "true");
+  CHECK(b.complaints() == std::vector<std::string>{});
+}
+
+TEST_CASE("long names stay in their places, and a phone has room for the slider", "[viz_export][view][long]") {
+  if (!has_page()) return;
+  const TemporaryFolder folder;
+  RunAbout about;
+  ViewFrame frame;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    about.materials.push_back(std::string(150, static_cast<char>('a' + k)));
+    about.groups.push_back({std::string(200, static_cast<char>('k' + k)), k, 1});
+    frame.bodies.push_back(ball_of(k, Vec3(0.3 * k, 0, 0)));
+    frame.bodies.back().material = static_cast<std::uint16_t>(k);
+  }
+  support::Browser b(1100, 700);
+  open_page(b, folder, *still_source(std::string(400, 'T'), about, std::move(frame)));
+  choose_value(b, "field", "body");
+  b.text("epafi.picked = { id: 1 }, epafi.showPick(), ''");
+  for (const auto& [width, height] : {std::pair{1100, 700}, {768, 1024}, {480, 800}, {360, 640}, {320, 560}}) {
+    b.resize(width, height);
+    b.text("document.body.classList.remove('narrow'), epafi.resize(), ''");
+    INFO(width << " x " << height);
+    CHECK(b.number("document.documentElement.scrollWidth") <= width);
+    const std::string outside = b.text(
+        "Array.from(document.querySelectorAll('footer *, #panel, #panel section > *, #list *, #picked *, #head *'))"
+        ".filter(e => { const r = e.getBoundingClientRect(); return r.width > 0 && (r.right > innerWidth + 1 || r.left "
+        "< -1); })"
+        ".map(e => e.tagName + '#' + e.id).join(' ')");
+    CHECK(outside.empty());
+    CHECK(b.number("document.getElementById('time').getBoundingClientRect().width") >= 100);
+    CHECK(b.number("document.getElementById('title').getBoundingClientRect().height") < 60);
+    CHECK(b.number("document.getElementById('panel').scrollWidth - document.getElementById('panel').clientWidth") <= 0);
+  }
+}
