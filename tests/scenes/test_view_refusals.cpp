@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <functional>
 #include <random>
 
 #include "engine/units/error.h"
@@ -58,12 +59,20 @@ TEST_CASE("view, render and watch of a sweep's folder name report and the runs i
   std::filesystem::create_directories(folder / "case_0000");
   std::ofstream(folder / "case_0000" / "run.h5") << "x";
   const std::string name = folder.path().string();
-  const auto points = Contains("`epafi report " + name + "`") && Contains(name + "/case_0000");
-  CHECK_THROWS_WITH(view_of(name), points);
-  CHECK_THROWS_WITH(command_watch(name), points);
+  const auto said = [](const std::function<int()>& command) {
+    try {
+      command();
+    } catch (const FileError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
   RenderRequest render;
   render.directory = name;
-  CHECK_THROWS_WITH(command_render(render), points);
-  CHECK_THROWS_WITH(command_resume(name, {}, {}), points);
-  CHECK_THROWS_WITH(command_export(name, "vtk"), points);
+  for (const std::function<int()>& command :
+       {std::function<int()>([&] { return view_of(name); }), std::function<int()>([&] { return command_watch(name); }),
+        std::function<int()>([&] { return command_render(render); }),
+        std::function<int()>([&] { return command_resume(name, {}, {}); }),
+        std::function<int()>([&] { return command_export(name, "vtk"); })})
+    CHECK_THAT(said(command), Contains("`epafi report " + name + "`") && Contains(name + "/case_0000"));
 }

@@ -1,6 +1,7 @@
 // What a folder without a run of its own is said to hold; rows of measures.csv read back; run files that are cut.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <fstream>
 #include <random>
 
@@ -9,6 +10,7 @@
 #include "tests/viz_export/small_scene.h"
 #include "tests/viz_export/temporary_folder.h"
 #include "viz_export/files/run_folder.h"
+#include "viz_export/files/run_mark.h"
 #include "viz_export/files/side_file.h"
 #include "viz_export/hdf5/stored_run.h"
 #include "viz_export/measures/measure_rows.h"
@@ -77,11 +79,13 @@ TEST_CASE("a run file cut at any place is told in plain words, with what still s
   }
   std::ofstream(folder / "measures.csv") << "time,measure,component,value\n0.25,fall,z,1\n";
   std::ofstream(folder / "checkpoint.h5") << "there";
+  fs::last_write_time(folder / "measures.csv", fs::file_time_type::clock::now() - std::chrono::seconds(60));
   const std::string good = read_whole_file(path);
   std::mt19937 random(11);
   for (int k = 0; k < 40; ++k) {
     const std::size_t size = k == 0 ? good.size() - 1 : 1 + random() % (good.size() - 1);
     write_whole_file(path, {std::string_view(good).substr(0, size)});
+    fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::seconds(60));
     std::string said;
     try {
       const StoredRun run(path);
@@ -95,6 +99,10 @@ TEST_CASE("a run file cut at any place is told in plain words, with what still s
     CHECK_THAT(said, !Contains("eof") && !Contains("superblock") && !Contains("signature"));
     // what a resumed run says of it is the damage alone
     CHECK_THAT(damage_of(path), Contains("is cut short") && !Contains("resume"));
+  }
+  {
+    const RunMark mark(folder.path());  // somebody is about to write it
+    CHECK_THROWS_WITH(StoredRun(path), Contains("try again") && !Contains("resume"));
   }
   write_whole_file(path, {""});
   CHECK_THROWS_WITH(StoredRun(path), Contains("run.h5: is empty"));

@@ -44,8 +44,9 @@ std::string what_is_left(const fs::path& folder) {
     add(fmt::format("{} files in frames/ (open frames.pvd in ParaView)", frames));
   if (fs::exists(folder / "summary.json")) add("summary.json");
   if (!whole.empty()) out += "; whole are " + whole;
-  const bool over = run_state(folder).life == RunLife::over;
-  if (fs::exists(folder / "checkpoint.h5") && !over)
+  const RunLife life = run_state(folder).life;
+  if (life == RunLife::running) return out + "; the run goes on and may just be writing it: try again";
+  if (fs::exists(folder / "checkpoint.h5") && life != RunLife::over)
     return out + "; `epafi resume " + folder.string() + "` goes on from checkpoint.h5 and begins a new run.h5";
   return out + "; `epafi run` with the scene makes it again";
 }

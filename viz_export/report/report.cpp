@@ -90,7 +90,8 @@ void head(Page& p) {
          goes_on ? "simulated so far"
                  : "simulated, in " + p.number("steps", "{:.0f}") + " steps of " + p.number("time_step") + " s");
   if (p.summary.number("wall_time"))
-    p.card(p.number("wall_time") + " s", "wall time, " + p.number("threads", "{:.0f}") + " threads");
+    p.card(p.number("wall_time") + " s", "wall time, " + p.number("threads", "{:.0f}") +
+                                             (p.summary.number("threads") == 1.0 ? " thread" : " threads"));
   p.card(p.number("bodies", "{:.0f}"), bodies_label(p));
   for (const auto& [name, label] : {std::pair{"contacts_mean", "contacts in the mean"},
                                     {"energy.relative_error", "energy error"},

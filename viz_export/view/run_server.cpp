@@ -1,5 +1,7 @@
 #include <charconv>
+#include <chrono>
 #include <map>
+#include <thread>
 
 #include "engine/units/error.h"
 #include "viz_export/files/run_mark.h"
@@ -62,22 +64,12 @@ struct RunServer::State {
     mark = now;
   }
 
-  /// Of a run that goes on the file may have changed since it was opened: then it is opened again.
-  std::string packed(std::size_t k) {
-    try {
-      return bytes_of(packer->chunk(k, packer->columns()));
-    } catch (const FileError&) {
-      if (!source->is_running()) throw;
-    }
-    mark = {};
-    read_again();
-    return bytes_of(packer->chunk(k, packer->columns()));
-  }
+  HttpAnswer answer(const std::string& path);
 
   std::string chunk(std::size_t k) {
     const auto kept = chunks.find(k);
     if (kept != chunks.end()) return kept->second;
-    std::string bytes = packed(k);
+    std::string bytes = bytes_of(packer->chunk(k, packer->columns()));
     const bool whole = (k + 1) * chunk_frames <= packer->frames();
     if (!whole) return bytes;
     if (chunks.size() >= most_kept) chunks.erase(chunks.begin());
@@ -99,21 +91,36 @@ RunServer::RunServer(std::unique_ptr<ViewSource> still) : state_(std::make_uniqu
 
 RunServer::~RunServer() = default;
 
+/// Of a run that goes on the file may have changed since it was opened, or be met in the middle of a write: it is
+/// opened again, for two seconds at most.
 HttpAnswer RunServer::answer(const std::string& path) {
-  State& s = *state_;
-  if (path == "/") return {200, "text/html; charset=utf-8", served_page(s.source->title())};
+  constexpr int tries = 40;
+  for (int k = 1;; ++k) {
+    try {
+      if (k > 1 || !state_->packer) state_->read_again();
+      return state_->answer(path);
+    } catch (const FileError&) {
+      if (k == tries || state_->folder.empty() || run_state(state_->folder).life != RunLife::running) throw;
+    }
+    state_->mark = {};
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+}
+
+HttpAnswer RunServer::State::answer(const std::string& path) {
+  if (path == "/") return {200, "text/html; charset=utf-8", served_page(source->title())};
   if (path == "/manifest") {
-    s.read_again();
-    return {200, "application/json", s.packer->manifest(s.packer->columns(), {})};
+    read_again();
+    return {200, "application/json", packer->manifest(packer->columns(), {})};
   }
   const char* binary = "application/octet-stream";
-  if (path == "/bodies") return {200, binary, s.packer->bodies()};
+  if (path == "/bodies") return {200, binary, packer->bodies()};
   const std::string word = "/chunk-";
   std::size_t k = 0;
   const char* end = path.data() + path.size();
   if (path.starts_with(word)) {
     const auto number = std::from_chars(path.data() + word.size(), end, k);
-    if (number.ec == std::errc() && number.ptr == end && k < s.packer->chunks()) return {200, binary, s.chunk(k)};
+    if (number.ec == std::errc() && number.ptr == end && k < packer->chunks()) return {200, binary, chunk(k)};
   }
   return {404, "text/plain", "there is no " + path};
 }

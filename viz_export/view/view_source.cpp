@@ -66,7 +66,7 @@ std::vector<StoredMeasure> own_measures(const fs::path& folder) {
   }
   for (StoredMeasure& m : out) {
     add_rows(rows, m);
-    m.name = "run: " + m.name;
+    m.name = "run";
   }
   return out;
 }

@@ -108,7 +108,7 @@ class Viewer {
 
   showOpacity() {
     const bodies = this.source.bodies;
-    const chains = el("contacts").checked ? 0.16 : 1;
+    const chains = el("contacts").checked && this.manifest.strongest > 0 ? 0.16 : 1;
     for (let k = 0; k < bodies.n; ++k) {
       const own = this.opacities.body[this.groupOf[k]].opacity * this.opacities.material[bodies.material[k]].opacity;
       this.opacity[k] = own * (!bodies.wall[k] ? chains : this.below && this.grounds.has(k) ? paleWall : 1);
