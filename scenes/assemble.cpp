@@ -63,6 +63,7 @@ BroadSetup broad_setup(const Assembly& a) {
   for (const auto& row : pair_table())
     for (const auto& cell : row) setup.filter.has_cell.push_back(cell.batch != nullptr);
   setup.spheres.wanted = a.plan.fused_spheres;
+  setup.spheres.held = a.plan.fused_held;
   if (a.plan.fused_spheres)
     for (std::size_t k = 0; k < a.scene.bodies.size(); ++k) {
       const auto at = static_cast<std::size_t>(a.id_of(k));

@@ -14,22 +14,34 @@
 namespace epafi {
 namespace {
 
+/// Of the clump that has most.
+std::size_t balls_of_clumps(const Scene& scene) {
+  std::size_t most = 0;
+  for (const ShapeSpec& shape : scene.shapes) most = std::max(most, balls_of_clump(shape));
+  return most;
+}
+
 /// Of a body, in FatBodies and beside it.
-std::size_t list_bytes(const StepPlan& plan) {
+std::size_t list_bytes(const Scene& scene, const StepPlan& plan) {
   constexpr std::size_t inverse_half_margin = sizeof(float) + sizeof(char),
                         names = sizeof(std::uint32_t) + 3 * sizeof(std::uint8_t);
-  if (!plan.fused_spheres)  // box, ball, half and radius, where it stood and how it was turned
+  if (!plan.fused_spheres ||
+      balls_of_clumps(scene) > 0)  // box, ball, half and radius, where it stood and how it was turned
     return inverse_half_margin + names + sizeof(Aabb) + sizeof(Ball) + 2 * sizeof(double) + sizeof(Slot) +
            (plan.columns.orientation ? sizeof(Quat) : 0);
   constexpr std::size_t sorted = 4 * sizeof(float) + sizeof(Slot) + sizeof(std::uint32_t) + sizeof(std::uint8_t);
   return inverse_half_margin + names + sizeof(Ball) + sorted + 2 * sizeof(Slot);
 }
 
+/// State, where it is in its body by list and loop, and in the world, and what it feels.
+constexpr std::size_t bytes_of_ball = sizeof(BodyState) + 3 * sizeof(BodyBall) + 3 * sizeof(Vec3) + sizeof(Ball);
+
 /// In the loop over spheres.
 void plan_spheres(const Scene& scene, MemoryPlan& out) {
   const SphereNeeds needs = sphere_needs(smooth_setup(scene));
   const bool rolls = needs.rolling;
   if (rolls) out.body += sizeof(Lanes);  // late spins
+  out.body += balls_of_clumps(scene) * bytes_of_ball;
   out.pair = sizeof(SpherePlaces) + sizeof(Slot) + (scene.cell ? sizeof(SphereImage) + sizeof(std::uint32_t) : 0);
   // of a bed's contacts a sixth lie across blocks and leave a record there
   const std::size_t record = sizeof(SphereRecord) + sizeof(SpherePlace) + (rolls ? sizeof(Lanes) : 0);
@@ -63,7 +75,7 @@ std::size_t bytes_of(const std::vector<T>& column) {
 MemoryPlan plan_memory(const Scene& scene, const StepPlan& plan) {
   MemoryPlan out;
   out.body = World(plan.columns).bytes_per_body();
-  out.list = list_bytes(plan);
+  out.list = list_bytes(scene, plan);
   ContactSet contacts;
   contacts.with_curvature = plan.needs.curvature;
   contacts.with_area = plan.needs.area;

@@ -145,25 +145,26 @@ void plan_pairs(const Scene& scene, const std::vector<BuiltShape>& shapes, const
   }
 }
 
-/// Free spheres take a loop of their own.
+/// Balls take a loop of their own: free spheres, those of clumps, those that are held.
 void plan_fused_spheres(const Scene& scene, const std::vector<BuiltShape>& shapes, StepPlan& plan) {
   if (scene.contact.method.value != Method::smooth) return;
-  std::size_t spheres = 0;
+  std::size_t balls = 0;
   const auto count = [&](std::size_t shape, std::size_t number) {
-    if (shapes[shape].is_sphere) spheres += number;
+    balls += number * (shapes[shape].is_sphere ? 1 : balls_of_clump(scene.shapes[shape]));
   };
   for (const auto& b : scene.bodies)
     if (b.moves() && !b.absent) count(b.shape, 1);
   for (const auto& f : scene.fills)
     for (std::size_t s : f.shapes) count(s, 100);  // how many is known later; a fill is many
-  if (spheres == 0) return;
+  if (balls == 0) return;
   constexpr std::size_t fewest = 100;  // below, the layout costs more than the loop gains
   plan.without_fused_spheres = without_tiles(smooth_setup(scene));
+  plan.fused_held = !plan.columns.held_force;
   // what a run has begun goes on in a scene that starts from it, with the springs of its contacts
   const auto made = scene.start ? scene.start->made : nullptr;
   const bool begun = made && made->assembly->plan.fused_spheres;
-  if (plan.without_fused_spheres.empty() && spheres < fewest && !begun)
-    plan.without_fused_spheres = fmt::format("{} free spheres, fewer than {}", spheres, fewest);
+  if (plan.without_fused_spheres.empty() && balls < fewest && !begun)
+    plan.without_fused_spheres = fmt::format("{} free balls, fewer than {}", balls, fewest);
   plan.fused_spheres = plan.columns.states = plan.without_fused_spheres.empty();
 }
 
@@ -272,6 +273,10 @@ void plan_reach(const Scene& scene, const ShapesInUse& use, bool smooth, StepPla
 
 }  // namespace
 
+std::size_t balls_of_clump(const ShapeSpec& shape) {
+  return shape.type == "clump" ? shape.parameters.numbers("spheres").size() / 4 : 0;
+}
+
 StepPlan plan(const Scene& scene, const std::vector<BuiltShape>& shapes, bool may_fuse) {
   StepPlan plan;
   const bool smooth = scene.contact.method.value == Method::smooth;
@@ -319,11 +324,14 @@ std::string explain(const Scene& scene, const StepPlan& plan, const ShapeStore& 
   for (std::size_t i = 0; i < plan.not_paid.size(); ++i) out += (i > 0 ? ", " : "") + plan.not_paid[i];
   out += "\n pairs:";
   for (const auto& p : plan.pair_cells) out += fmt::format(" {}-{} ({})", p.a, p.b, p.method);
-  if (plan.fused_spheres)
-    out +=
-        "\n spheres: a loop of their own among free spheres and on fixed half-spaces, all materials; other pairs: one "
-        "by one";
-  else if (!plan.without_fused_spheres.empty())
+  if (plan.fused_spheres) {
+    const bool has_clumps =
+        std::ranges::any_of(scene.shapes, [](const ShapeSpec& shape) { return balls_of_clump(shape) > 0; });
+    out += fmt::format(
+        "\n spheres: a loop of their own among {}spheres{} and on fixed half-spaces, all materials; other "
+        "pairs: one by one",
+        plan.fused_held ? "" : "free ", has_clumps ? ", balls of clumps" : "");
+  } else if (!plan.without_fused_spheres.empty())
     out += "\n spheres: one by one with all others, as there are " + plan.without_fused_spheres;
   return out + "\n" + memory_text(plan.memory, shapes);
 }

@@ -29,8 +29,9 @@ struct StepPlan {
   double reach = 0.0;                 ///< contacts with gap < reach are handed to the contact model [m]
   double resting_reach = 0.0;         ///< the same where nothing moves that far in a step [m]
   bool rolling = false;               ///< wheels on rails by laws of rolling contact
-  bool fused_spheres = false;         ///< free spheres take the fused loop
-  std::string without_fused_spheres;  ///< why they do not; empty: there are no free spheres
+  bool fused_spheres = false;         ///< free spheres, and what else consists of balls, take the fused loop
+  bool fused_held = false;            ///< spheres and clumps that are held do so too
+  std::string without_fused_spheres;  ///< why they do not; empty: there are none
   std::vector<ReachableCell> pair_cells;
   std::vector<Cost> costs;
   std::vector<std::string> not_paid;
@@ -40,6 +41,9 @@ struct StepPlan {
   /// The line that asked for a cost, or "not paid".
   std::string reason(const std::string& cost) const;
 };
+
+/// 0 for other shapes.
+std::size_t balls_of_clump(const ShapeSpec& shape);
 
 /// shapes: of every scene shape, built. Bodies of fills count as free bodies.
 /// may_fuse: false where spheres shall not take their own loop.

@@ -98,6 +98,7 @@ void SphereSplit::split(const World& world, const PairList& pairs) {
                            world.pose(s).orientation * planes[ShapeRef{world.shape[s]}.index()].normal,
                            world.position[s]});
   if (!known_ || bodies_ != world.size()) read_bodies(world);
+  list.balls = balls_;
   if (alone_) list.inverse_half_margin = pairs.inverse_half_margin;
   model_.set_pairs(world, list);
   known_ = true;
@@ -119,6 +120,7 @@ void SphereSplit::read_bodies(const World& world) {
              return static_cast<char>(!sphere && !plane && !roles_.is_fixed(world, static_cast<Slot>(i)));
            }) == 0;
   model_.set_bodies(std::move(radius));
+  balls_ = find_balls(world, shapes_, roles_);
 }
 
 }  // namespace epafi

@@ -1,8 +1,9 @@
-/// @file sphere_split.h  Hands the pair list of a scene with many spheres on: pairs of free spheres, and of free
-/// spheres with fixed planes, go to the fused contact model, all others to the narrow phase.
+/// @file sphere_split.h  Hands the pair list of a scene with many spheres on: pairs of spheres and balls of clumps, and
+/// of these with fixed planes, go to the fused contact model, all others to the narrow phase.
 #pragma once
 #include <memory>
 
+#include "detection/broad/ball_pairs.h"
 #include "detection/broad/broad_phase.h"
 #include "detection/shape_store.h"
 #include "engine/step/pipeline.h"
@@ -65,6 +66,7 @@ class SphereSplit final : public NarrowPhase {
   bool known_ = false;      ///< the bodies are in the slots in which the model has seen them
   bool alone_ = false;      ///< nothing moves but free spheres and half-spaces
   std::size_t bodies_ = 0;  ///< as many as there were then
+  std::vector<BodyBall> balls_;
   std::uint64_t generation_ = 0;
 };
 

@@ -29,9 +29,9 @@ bool ListBroadPhase::take_in(const World& world, PairList& pairs) {
   const std::size_t old = bodies_.bodies();
   if (!valid_ || world.size() <= old || world.size() > old + most_taken_in) return false;
   if (!bodies_.take_in(world, setup_, step_time_)) return false;
-  collector_.add_behind(old, pairs);
-  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin();
-  pairs.inverse_half_margin = bodies_.inverse_half_margin;
+  collector_.add_behind(old, balls_.size(), pairs);
+  name_margins(pairs);
+  if (setup_.spheres.wanted) balls_.take_more(world, setup_, bodies_, pairs);
   ++pairs.generation;
   return true;
 }
@@ -43,7 +43,8 @@ void ListBroadPhase::find_pairs(const World& world, PairList& pairs) {
 
 void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool used_up_by_slow) {
   if (valid_) bodies_.learn(world, step_time_, used_up_by_slow);
-  bodies_.update(world, setup_, step_time_, std::exchange(known_, true));
+  const bool same_bodies = std::exchange(known_, true);
+  bodies_.update(world, setup_, step_time_, same_bodies);
   collect(bodies_, collector_);
   if (world.cell) {
     collector_.finish(found_);
@@ -53,10 +54,15 @@ void ListBroadPhase::renew_pairs(const World& world, PairList& pairs, bool used_
     collector_.finish(pairs.pairs);
     if (setup_.spheres.wanted) collector_.finish(pairs.spheres);
   }
-  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin();
-  pairs.inverse_half_margin = bodies_.inverse_half_margin;
+  name_margins(pairs);
+  if (setup_.spheres.wanted) balls_.take(world, setup_, bodies_, same_bodies, pairs);
   ++pairs.generation;
   valid_ = true;
+}
+
+void ListBroadPhase::name_margins(PairList& pairs) const {
+  pairs.margin = setup_.margin > 0.0 ? setup_.margin : bodies_.largest_margin();
+  pairs.inverse_half_margin = bodies_.inverse_half_margin;
 }
 
 }  // namespace epafi

@@ -3,6 +3,7 @@
 /// Contacts do not depend on the list's age: a pair with gap < reach is always listed. Hence nothing is saved in
 /// `visit` and any restart gives the same bits.
 #pragma once
+#include "detection/broad/ball_pairs.h"
 #include "detection/broad/fat_bodies.h"
 #include "detection/broad/pair_collector.h"
 #include "engine/step/pipeline.h"
@@ -38,9 +39,12 @@ class ListBroadPhase : public BroadPhase {
   bool slots_changed() const { return !valid_ || !bodies_.images.empty(); }
 
  private:
+  void name_margins(PairList& pairs) const;
+
   BroadSetup setup_;
   FatBodies bodies_;
   PairCollector collector_;
+  BallPairs balls_;
   PairColumn found_;  ///< with images, in a periodic cell
   bool valid_ = false;
   bool used_up_by_slow_ = false;  ///< as the last look at all bodies says

@@ -246,10 +246,7 @@ void PairCollector::finish(PairColumn& pairs) {
 
 // --- bodies that come while a list lasts
 
-namespace {
-/// Puts entries (row, partner), sorted, among those of their rows, which are sorted too; rows up to `rows` begin or
-/// end where they have none.
-void insert(const std::vector<std::pair<Slot, Slot>>& entries, std::size_t rows, SpherePairs& list) {
+void insert_pairs(const std::vector<std::pair<Slot, Slot>>& entries, std::size_t rows, SpherePairs& list) {
   std::vector<std::uint32_t>& first = list.first;
   const std::uint32_t end = first.back();
   first.resize(rows + 1, end);
@@ -271,17 +268,17 @@ void insert(const std::vector<std::pair<Slot, Slot>>& entries, std::size_t rows,
     behind = begin;
   }
 }
-}  // namespace
 
-void PairCollector::add_behind(std::size_t old, PairList& pairs) const {
+void PairCollector::add_behind(std::size_t old, std::size_t balls, PairList& pairs) const {
   std::vector<std::pair<Slot, Slot>> spheres;
+  const auto place = [before = static_cast<Slot>(balls)](Slot s) { return before + s; };
   const auto before = static_cast<std::ptrdiff_t>(pairs.pairs.size());
   const auto meet = [&](Slot i, Slot j, Slot plane) {
     const bool sphere = bodies_.is_sphere_apart(i);
     if (sphere && plane != no_slot)
-      spheres.emplace_back(i, plane);
+      spheres.emplace_back(place(i), plane);
     else if (sphere && bodies_.is_sphere_apart(j))
-      spheres.emplace_back(std::min(i, j), std::max(i, j));
+      spheres.emplace_back(place(std::min(i, j)), place(std::max(i, j)));
     else
       pairs.pairs.push_back(bodies_.id[i] < bodies_.id[j] ? Pair{i, j} : Pair{j, i});
   };
@@ -299,7 +296,7 @@ void PairCollector::add_behind(std::size_t old, PairList& pairs) const {
   std::inplace_merge(pairs.pairs.begin(), pairs.pairs.begin() + before, pairs.pairs.end());
   if (pairs.spheres.first.empty()) return;
   std::ranges::sort(spheres);
-  insert(spheres, bodies_.size(), pairs.spheres);
+  insert_pairs(spheres, balls + bodies_.size(), pairs.spheres);
 }
 
 }  // namespace epafi

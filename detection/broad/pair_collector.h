@@ -9,6 +9,10 @@
 
 namespace epafi {
 
+/// Puts entries (row, partner), sorted, among those of their rows, which are sorted too; rows up to `rows` begin or
+/// end where they have none.
+void insert_pairs(const std::vector<std::pair<Slot, Slot>>& entries, std::size_t rows, SpherePairs& list);
+
 class PairCollector {
  public:
   PairCollector(const FatBodies& bodies, const PairFilter& filter) : bodies_(bodies), filter_(filter) {}
@@ -23,8 +27,9 @@ class PairCollector {
   /// Writes the sorted list, and that of the spheres where the setup wants it.
   void finish(PairColumn& pairs);
   void finish(SpherePairs& pairs);
-  /// Adds to finished lists the pairs of the bodies from slot `old` on with all others.
-  void add_behind(std::size_t old, PairList& pairs) const;
+  /// Adds to finished lists the pairs of the bodies from slot `old` on with all others; those of balls, of
+  /// which there are so many, are left to BallPairs.
+  void add_behind(std::size_t old, std::size_t balls, PairList& pairs) const;
 
  private:
   struct Block {

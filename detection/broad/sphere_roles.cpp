@@ -7,9 +7,7 @@
 
 namespace epafi {
 
-namespace {
-/// By partner, then by the key of the contact: runs are a handful of entries.
-void sort_run(Slot* partner, std::uint32_t* image, std::size_t n) {
+void sort_partners(Slot* partner, std::uint32_t* image, std::size_t n) {
   const auto key = [](Slot b, std::uint32_t i) { return std::pair(b, i >> 8); };
   for (std::size_t k = 1; k < n; ++k)
     for (std::size_t l = k; l > 0 && key(partner[l], image[l]) < key(partner[l - 1], image[l - 1]); --l) {
@@ -17,7 +15,6 @@ void sort_run(Slot* partner, std::uint32_t* image, std::size_t n) {
       std::swap(image[l], image[l - 1]);
     }
 }
-}  // namespace
 
 void take_spheres(const World& world, const SphereRoles& roles, PairList& pairs) {
   const std::size_t n = world.size();
@@ -57,7 +54,7 @@ void take_spheres(const World& world, const SphereRoles& roles, PairList& pairs)
       [&](std::size_t count) { renew(out.partner, count), renew(out.image, count); },
       [&](std::uint32_t place, const Partner& p) { out.partner[place] = p.slot, out.image[place] = p.image; });
   parallel_for(n, [&](std::size_t s) {
-    sort_run(out.partner.data() + out.first[s], out.image.data() + out.first[s], out.first[s + 1] - out.first[s]);
+    sort_partners(out.partner.data() + out.first[s], out.image.data() + out.first[s], out.first[s + 1] - out.first[s]);
   });
   PairColumn rest;
   parallel_select(

@@ -1,5 +1,6 @@
-/// @file sphere_roles.h  Which pairs go to PairList::spheres: those of free spheres, and of free spheres with
-/// half-spaces that never move. Their contact model detects them itself, so they are listed as it reads them.
+/// @file sphere_roles.h  Which pairs go to PairList::spheres: those of spheres, free, held or balls of clumps, and of
+/// what moves of these with half-spaces that never move. Their contact model detects them itself, so they are listed as
+/// it reads them.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -9,12 +10,18 @@
 
 namespace epafi {
 
-enum class SphereRole : std::uint8_t { none, sphere, plane };
+enum class SphereRole : std::uint8_t {
+  none,
+  sphere,  ///< free
+  balls,   ///< a clump, or a sphere that is held: detection/broad/ball_pairs.h
+  plane
+};
 
 /// Of a scene whose contact model takes such pairs.
 struct SphereRoles {
   bool wanted = false;
   std::vector<bool> fixed{};  ///< by body id: bodies that never move; ids beyond it are free
+  bool held = false;          ///< spheres and clumps that are fixed or driven are wanted too
 
   bool is_fixed(const World& world, Slot s) const {
     const auto id = static_cast<std::size_t>(world.id[s]);
@@ -22,12 +29,20 @@ struct SphereRoles {
   }
   SphereRole of(const World& world, Slot s) const {
     const std::uint32_t type = ShapeRef{world.shape[s]}.type();
-    if (type == ShapeStore::type_of<Sphere>()) return world.is_movable(s) ? SphereRole::sphere : SphereRole::none;
+    const bool free = world.is_movable(s);
+    if (type == ShapeStore::type_of<Sphere>()) return free ? SphereRole::sphere : as_balls(held);
+    if (type == ShapeStore::type_of<Clump>()) return as_balls(free || held);
     return type == ShapeStore::type_of<HalfSpace>() && is_fixed(world, s) ? SphereRole::plane : SphereRole::none;
   }
+
+ private:
+  static SphereRole as_balls(bool taken) { return taken ? SphereRole::balls : SphereRole::none; }
 };
 
-/// Moves such pairs of a complete list, images among them, to `spheres`.
+/// Moves pairs of free spheres, and of these with planes, of a complete list, images among them, to `spheres`.
 void take_spheres(const World& world, const SphereRoles& roles, PairList& pairs);
+
+/// Puts a run of partners, a handful, in order: by partner, then by the key of the contact.
+void sort_partners(Slot* partner, std::uint32_t* image, std::size_t n);
 
 }  // namespace epafi

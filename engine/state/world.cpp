@@ -161,24 +161,35 @@ void World::visit(StateVisitor& visitor) {
 void World::reserve(std::size_t bodies) {
   slot_of_.reserve(bodies);
   if (columns_.states) {
-    states_.reserve(bodies + 1);
+    states_.reserve(states_before_ + bodies + 1);
     place_states();
   }
   each_column([&](const char*, auto& column) { column.reserve(bodies); });
 }
 
 void World::resize_states(std::size_t n) {
-  if (!columns_.states || states_.size() == n + 1) return;
+  if (!columns_.states || states_.size() == states_before_ + n + 1) return;
   if (!states_.empty()) states_.back() = BodyState{};
-  states_.resize(n + 1, BodyState{});
+  states_.resize(states_before_ + n + 1, BodyState{});
   states_.back().position = lanes(std::numeric_limits<double>::quiet_NaN());
+  place_states();
+}
+
+void World::set_states_before(std::size_t count) {
+  if (count == states_before_) return;
+  EPAFI_REQUIRE(columns_.states && !states_.empty(), "bodies have states");
+  const std::span<BodyState> bodies(states_.data() + states_before_, state_count() + 1);
+  UnwrittenColumn<BodyState> all(count + bodies.size(), BodyState{});
+  std::ranges::copy(bodies, all.begin() + static_cast<std::ptrdiff_t>(count));
+  states_.swap(all);
+  states_before_ = static_cast<std::uint32_t>(count);
   place_states();
 }
 
 void World::place_states() {
   if (!columns_.states) return;
   const auto join = [this](auto& column, Lanes BodyState::*part, std::size_t at) {
-    void* const first = states_.empty() ? nullptr : reinterpret_cast<double*>(&(states_[0].*part)) + at;
+    void* const first = states_.empty() ? nullptr : reinterpret_cast<double*>(&(states_[states_before_].*part)) + at;
     column.join(first, sizeof(BodyState), state_count());
   };
   join(position, &BodyState::position, 0);

@@ -93,8 +93,12 @@ class World {
   std::size_t size() const { return id.size(); }
   /// With columns().states: where position, velocity, spin and inertia of the bodies are; else empty. Behind the last
   /// one stands one more, which is nowhere (NaN): what would touch it touches nothing.
-  std::span<BodyState> states() { return std::span(states_).first(state_count()); }
-  std::span<const BodyState> states() const { return std::span(states_).first(state_count()); }
+  std::span<BodyState> states() { return std::span(states_).subspan(states_before_, state_count()); }
+  std::span<const BodyState> states() const { return std::span(states_).subspan(states_before_, state_count()); }
+  /// So many more stand before that of the first body, for what a contact model keeps in the same way; they are its own
+  /// and no state, and bodies' states are elsewhere afterwards.
+  void set_states_before(std::size_t count);
+  std::size_t states_before() const { return states_before_; }
   bool rotates() const { return columns_.rotation; }
   bool has_orientation() const { return columns_.rotation && columns_.orientation; }
   const Columns& columns() const { return columns_; }
@@ -191,6 +195,7 @@ class World {
 
  private:
   Columns columns_;
+  std::uint32_t states_before_ = 0;
   std::vector<Slot> slot_of_;          ///< by body id
   UnwrittenColumn<BodyState> states_;  ///< with columns().states, and one that is nowhere
 
@@ -199,7 +204,7 @@ class World {
   void rotate_at(Slot s, double dt);
   template <class F>
   void each_column(F&& f);
-  std::size_t state_count() const { return states_.empty() ? 0 : states_.size() - 1; }
+  std::size_t state_count() const { return states_.empty() ? 0 : states_.size() - states_before_ - 1; }
   void resize_states(std::size_t n);
   void place_states();
 };

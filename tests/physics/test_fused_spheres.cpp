@@ -7,6 +7,7 @@
 #include "scenes/contact_setup.h"
 #include "scenes/sphere_split.h"
 #include "tests/support/catch.h"
+#include "tests/support/same_contacts.h"
 #include "tests/support/unfused.h"
 
 using namespace epafi;
@@ -36,8 +37,7 @@ const std::vector<std::string> rising{"params.n=2200",
                                       "fill.0.rate=2000"};
 const std::vector<std::string> opening{"params.n=400", "params.open_at=0.05"};
 
-/// Layers that shear in a cell that repeats along x and y, on a plane and on held spheres (which are left to the
-/// generic loop).
+/// Layers that shear in a cell that repeats along x and y, on a plane and on held spheres.
 const std::vector<std::string> flow{"params.lx=12",
                                     "params.ly=12",
                                     "params.layers=10",
@@ -143,26 +143,7 @@ TEST_CASE("the fused loop of spheres gives the forces, the ledger and the contac
     CHECK((cell->virial - generic.simulation().world.cell->virial).norm() < 1e-9 * cell->virial.norm());
 
   fused.simulation().pipeline.contact_model->publish(fused.simulation().world, fused.simulation().work.contacts);
-  const ContactSet &f = fused.simulation().work.contacts, &d = generic.simulation().work.contacts;
-  // adhesive contacts that have broken may still be listed, without a force
-  const auto acts = [](const ContactSet& set, std::size_t i) {
-    return set.gap[i] < 0.0 || set.force[i].squaredNorm() > 0.0;
-  };
-  std::size_t k = 0;
-  for (std::size_t i = 0; i < d.size(); ++i) {
-    if (!acts(d, i)) continue;
-    while (k < f.size() && !acts(f, k)) ++k;
-    REQUIRE(k < f.size());
-    REQUIRE(std::tuple(f.a[k], f.b[k], f.feature[k]) == std::tuple(d.a[i], d.b[i], d.feature[i]));
-    CHECK(f.gap[k] == Approx(d.gap[i]).epsilon(1e-8));
-    CHECK((f.normal[k] - d.normal[i]).norm() < 1e-12);
-    CHECK((f.arm[k] - d.arm[i]).norm() < 1e-12);
-    CHECK((f.force[k] - d.force[i]).norm() < 1e-8 * (1e-3 + d.force[i].norm()));
-    if (d.with_moment) CHECK((f.moment[k] - d.moment[i]).norm() < 1e-8 * (1e-6 + d.moment[i].norm()));
-    ++k;
-  }
-  while (k < f.size() && !acts(f, k)) ++k;
-  CHECK(k == f.size());
+  check_same_contacts(fused.simulation().work.contacts, generic.simulation().work.contacts);
 }
 
 TEST_CASE("thousands of contacts that begin in one step are those of the generic loop", "[physics][fused][long]") {

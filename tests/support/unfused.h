@@ -27,7 +27,8 @@ inline void copy_state(SceneRun& from, SceneRun& to) {
     b.position[t] = a.position[s];
     b.velocity[t] = a.velocity[s];
     if (a.cell) b.wraps[t] = a.wraps[s];
-    if (a.rotates()) b.angular_velocity[t] = a.angular_velocity[s];
+    if (a.has_orientation()) b.orientation[t] = a.orientation[s];
+    if (a.rotates()) b.set_angular_velocity(t, a.angular_velocity[s]);
   }
   b.cell = a.cell;
 }
@@ -41,7 +42,7 @@ inline Difference compare(SceneRun& x, SceneRun& y) {
   Difference worst, scale;
   for (std::uint32_t id = 0; id < a.ids_given(); ++id) {
     const Slot s = a.slot_of(static_cast<BodyId>(id)), t = b.slot_of(static_cast<BodyId>(id));
-    if (!a.is_movable(s)) continue;
+    if (s == no_slot || !a.is_movable(s)) continue;  // poured later
     worst.force = std::max(worst.force, (a.force[s] - b.force[t]).norm());
     scale.force = std::max(scale.force, a.force[s].norm());
     if (a.rotates()) {

@@ -99,8 +99,8 @@ class FusedModel final : public FusedSpheres {
   void set_pairs(const World& world, const SphereList& list) override {
     inverse_half_margin_ = list.inverse_half_margin;
     tells_forces_ = list.others || inverse_half_margin_.empty();
-    if (!radius_.empty()) find_materials(world);
     blocks_.rebuild(world, list);
+    if (!radius_.empty()) find_materials(world);
   }
 
   bool move(World& world, const StepClock& clock) override {
@@ -121,9 +121,12 @@ class FusedModel final : public FusedSpheres {
     extents_.assign((world.size() + blocks_.block_size() - 1) / blocks_.block_size(), Extent{});
     largest_inverse_half_margin_.assign(extents_.size(), Vec3::Zero());
     const auto loop = best_loop<FirstHalf>();
+    const bool balls = blocks_.laid_out() && !blocks_.balls().empty();
     parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t i) {
       loop({pass(world, clock, begin, end, 0, extents_[i]), largest_inverse_half_margin_[i]});
+      if (balls) blocks_.balls().place(world, lag(clock), blocks_.late_spins(), begin, end);
     });
+    if (balls) blocks_.balls().set_placed();
     find_ways(clock.dt);
     return true;
   }
@@ -134,18 +137,22 @@ class FusedModel final : public FusedSpheres {
   void act(World& world, ContactSet& contacts, const StepClock& clock, StepReport& report) override {
     published_ = false;
     const bool others = contacts.size() > 0 || others_;
+    const bool balls = !blocks_.balls().empty();
+    world.set_states_before(blocks_.balls().size());
     if (!radius_.empty()) {
       blocks_.set_constants(world, radius_);
       release(radius_);
     }
     // reads the force of the last step: before the generic loop writes
-    if (!predicted_)
+    if (const bool places = balls && !blocks_.balls().placed(); !predicted_ || places) {
       parallel_blocks(world.size(), blocks_.block_size(), [&](std::size_t begin, std::size_t end, std::size_t) {
-        predict_bodies(world, lag(clock), blocks_.late_spins(), begin, end);
+        predict_bodies(world, lag(clock), blocks_.late_spins_of_bodies(), begin, end);
       });
+      if (balls) blocks_.balls().place_all(world, lag(clock), blocks_.late_spins());
+    }
     has_extent_ = predicted_ && clock.scheme;
     predicted_ = false;
-    is_touched_.assign(others ? world.size() : 0, 0);
+    is_touched_.assign(others || blocks_.balls().any_free() ? world.size() : 0, 0);
     if (others) {
       StepClock some = clock;
       some.touched = &is_touched_;
@@ -160,7 +167,7 @@ class FusedModel final : public FusedSpheres {
     const bool onward = has_extent_ && clock.run_on && clock.run_on->agrees(seen());
     run_blocks(world, clock, onward);
     count(clock.dt, report);
-    if (world.cell) deform(*world.cell, others, clock.dt, report);
+    drive(world, others, clock.dt, report);
     extent_ = seen();
     if (!onward) return;
     extents_.swap(next_extents_);
@@ -221,7 +228,7 @@ class FusedModel final : public FusedSpheres {
                 Extent& extent) {
     return {world,
             world.states().data(),
-            blocks_.late_spins(),
+            blocks_.late_spins_of_bodies(),
             blocks_.sums(accumulator),
             blocks_.moments(accumulator),
             blocks_.plain(),
@@ -249,13 +256,26 @@ class FusedModel final : public FusedSpheres {
 
   /// Whether one material is that of all spheres.
   void find_materials(const World& world) {
+    const std::vector<BodyBall>& balls = blocks_.balls().all();
     const auto first = std::find_if(radius_.begin(), radius_.end(), [](double r) { return r > 0.0; });
-    if (first == radius_.end()) return;
-    own_ = world.material[static_cast<std::size_t>(first - radius_.begin())];
-    const bool several = block_max<char>(radius_.size(), 0, [&](std::size_t s) {
-                           return static_cast<char>(radius_[s] > 0.0 && world.material[s] != own_);
-                         }) != 0;
+    if (first == radius_.end() && balls.empty()) return;
+    own_ = world.material[balls.empty() ? static_cast<std::size_t>(first - radius_.begin()) : balls.front().body];
+    const auto differs = [&](std::size_t s) { return world.material[s] != own_; };
+    const bool several =
+        block_max<char>(radius_.size(), 0,
+                        [&](std::size_t s) { return static_cast<char>(radius_[s] > 0.0 && differs(s)); }) != 0 ||
+        std::ranges::any_of(balls, [&](const BodyBall& ball) { return differs(ball.body); });
     if (several) own_ = laws_.materials;
+    material_.clear();
+    if (several && !balls.empty()) by_place(world.material, material_);
+  }
+  /// A column of bodies by place.
+  template <class Column>
+  void by_place(const Column& of_bodies, Column& out) const {
+    const std::vector<BodyBall>& balls = blocks_.balls().all();
+    out.resize(balls.size());
+    for (std::size_t k = 0; k < balls.size(); ++k) out[k] = of_bodies[balls[k].body];
+    out.insert(out.end(), of_bodies.begin(), of_bodies.end());
   }
 
   /// Of all bodies in this step.
@@ -268,15 +288,18 @@ class FusedModel final : public FusedSpheres {
   /// What every block reads and writes; its own sums and moments come on top.
   SphereArrays arrays_of(const World& world, const StepClock& clock, bool tells_energy) {
     SphereArrays arrays{
-        blocks_.planes().data(), world.states().data(), 0, clock.dt, lag(clock), laws_.damped, tells_energy};
-    arrays.owner = world.owner.empty() ? nullptr : world.owner.data();
+        blocks_.planes().data(), all_states(world), 0, clock.dt, lag(clock), laws_.damped, tells_energy};
+    if (!world.owner.empty()) by_place(world.owner, owner_);
+    arrays.owner = world.owner.empty() ? nullptr : owner_.data();
     arrays.passes = &passes_;
     arrays.rows = laws_.rows.data();
     arrays.reach = reach_;
-    arrays.material = own_ < laws_.materials ? nullptr : world.material.data();
+    arrays.material = own_ < laws_.materials ? nullptr : material_.empty() ? world.material.data() : material_.data();
     arrays.materials = laws_.materials;
     arrays.own = own_;
     arrays.late_spins = blocks_.late_spins();
+    arrays.offsets = blocks_.balls().offsets();
+    arrays.balls = blocks_.balls().size();
     if (world.cell) {
       const Vec3 &size = world.cell->size, &rate = world.cell->strain_rate;
       arrays.cell_size = Lanes{size.x(), size.y(), size.z(), 0.0};
@@ -300,20 +323,22 @@ class FusedModel final : public FusedSpheres {
     const auto find = [&](std::size_t i, std::size_t accumulator) {
       blocks_.clear_accumulator(accumulator);
       SphereArrays mine = arrays;
-      const std::size_t first = i * blocks_.block_size();
+      const std::size_t first = blocks_.begin_of(i);
       mine.sums = reinterpret_cast<std::uintptr_t>(blocks_.sums(accumulator)) - first * sizeof(SphereSum);
       mine.nowhere = SpherePlace(static_cast<Slot>(first + blocks_.block_size()));
       mine.moments = reinterpret_cast<std::uintptr_t>(blocks_.moments(accumulator)) - first * sizeof(Lanes);
       loop(FindCall{all[i], mine});
     };
-    next_extents_.resize(onward ? all.size() : 1);
+    const std::size_t of_balls = blocks_.ball_blocks(), of_bodies = all.size() - of_balls;
+    next_extents_.resize(onward ? of_bodies : 1);
     largest_inverse_half_margin_.resize(next_extents_.size());
     const auto second_half = best_loop<SecondHalf<false>>();
     const auto run_on = best_loop<SecondHalf<true>>();
     const auto finish = [&](std::size_t i, std::size_t accumulator, std::size_t next) {
-      blocks_.receive(i, accumulator);
+      blocks_.receive(of_balls + i, accumulator);
       const std::size_t begin = i * blocks_.block_size();
       const std::size_t end = std::min(world.size(), begin + blocks_.block_size());
+      if (blocks_.balls().any_free()) blocks_.balls().give(world, is_touched_.data(), begin, end);
       if (!clock.scheme)
         unpack_bodies(world, blocks_.sums(accumulator), blocks_.moments(accumulator), touched(), begin, end);
       else if (onward)
@@ -324,12 +349,26 @@ class FusedModel final : public FusedSpheres {
         second_half({pass(world, clock, begin, end, accumulator, extents_[i]),
                      {next_extents_[0], largest_inverse_half_margin_[0]},
                      {}});
+      if (of_balls > 0 && onward) blocks_.balls().place(world, lag(clock), blocks_.late_spins(), begin, end);
     };
+    // those of balls before: bodies are finished with what their balls have felt
+    const auto collect = [&](std::size_t i, std::size_t accumulator, std::size_t) {
+      blocks_.receive(i, accumulator);
+      blocks_.balls().collect(world, blocks_.sums(accumulator), blocks_.moments(accumulator), blocks_.begin_of(i),
+                              blocks_.end_of(i));
+    };
+    if (of_balls > 0)
+      parallel_wavefront(
+          of_balls, accumulators, {}, [&](std::size_t i) -> const auto& { return all[i].waits; }, find, collect);
     // records go to later blocks only, and no block reads bodies of an earlier one
     parallel_wavefront(
-        all.size(), accumulators, blocks_.order(), [&](std::size_t i) -> const auto& { return all[i].sources; }, find,
-        finish);
+        of_bodies, accumulators, blocks_.order(), [&](std::size_t i) -> const auto& { return all[of_balls + i].waits; },
+        [&](std::size_t i, std::size_t accumulator) { find(of_balls + i, accumulator); }, finish);
   }
+
+  /// Of all places.
+  static BodyState* all_states(World& world) { return world.states().data() - world.states_before(); }
+  static const BodyState* all_states(const World& world) { return world.states().data() - world.states_before(); }
 
   /// Adds what the blocks found to the report of the generic loop.
   void count(double dt, StepReport& report) {
@@ -354,19 +393,26 @@ class FusedModel final : public FusedSpheres {
     report.dissipated += lost.viscous + lost.frictional + lost.plastic + lost.adhesive;
   }
 
-  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run), and the work of
-  /// the strain on it.
-  void deform(PeriodicCell& cell, bool others, double dt, StepReport& report) {
+  /// Work of driven balls and of the strain of a cell.
+  void drive(World& world, bool others, double dt, StepReport& report) {
+    if (!world.cell && blocks_.balls().empty()) return;
+    double power = blocks_.balls().driven_power(world);
+    if (world.cell) power += deform(*world.cell, others);
+    report.work += 0.5 * dt * (driven_power_ + power);
+    driven_power_ = power;
+  }
+  /// Adds the virial to that of the generic loop (which is of an earlier step where it did not run); returns the power
+  /// of the strain on it.
+  double deform(PeriodicCell& cell, bool others) const {
     Vec3 virial;
     for (std::size_t k = 0; k < 3; ++k) {
       OrderFreeSum sum;
       for (const auto& block : blocks_.blocks()) sum += block.virial[k];
       virial[static_cast<int>(k)] = sum.value();
     }
-    const double power = virial.dot(cell.strain_rate);
-    report.work += 0.5 * dt * (driven_power_ + power);
-    driven_power_ = power;
+    if (!blocks_.balls().empty()) virial += blocks_.balls().virial();
     cell.virial = others ? Vec3(cell.virial + virial) : virial;
+    return virial.dot(cell.strain_rate);
   }
 
   SphereContacts::LoadOf loads(const World& world) const {
@@ -386,19 +432,24 @@ class FusedModel final : public FusedSpheres {
     return load;
   }
 
-  /// In the middle of the last step: what its second half added is taken off again [m/s].
-  Vec3 middle_velocity(const World& world, Slot slot) const {
+  /// In the middle of the last step: what its second half added to a body is taken off again [m/s].
+  Vec3 middle_velocity(const World& world, Slot place) const {
+    const auto balls = static_cast<Slot>(blocks_.balls().size());
+    if (place < balls) return world_vector(all_states(world)[place].velocity);
+    const Slot slot = place - balls;
     return lag_ == 0.0 ? Vec3(world.velocity[slot]) : Vec3(world.velocity[slot] - lag_ * world.acceleration(slot));
   }
 
+  static Vec3 world_vector(const Lanes& x) { return {x[0], x[1], x[2]}; }
+
   /// [N]
   double normal_force(const World& world, const SphereContact& c) const {
-    const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+    const auto xyz = [](const Lanes& x) { return world_vector(x); };
     const bool wall = c.plane >= 0;
     const SphereBlocks::Block& block = blocks_.blocks()[c.block];
     const SpherePlaces& places = block.pairs[c.pair];
     const Slot slot_a = places.a.slot(), slot_b = wall ? slot_a : places.b.slot();
-    const BodyState &a = world.states()[slot_a], &b = world.states()[slot_b];
+    const BodyState &a = all_states(world)[slot_a], &b = all_states(world)[slot_b];
     const double radius_a = a.position[3], radius_b = b.position[3];
     KinematicsOf<double> at;
     if (wall) {
@@ -426,8 +477,8 @@ class FusedModel final : public FusedSpheres {
       at.effective_radius = radius_a * radius_b / (radius_a + radius_b);
     }
     at.step = {dt_, lag_ / at.effective_mass};
-    const Slot other = wall ? blocks_.planes()[static_cast<std::size_t>(c.plane)].slot : places.b.slot();
-    const PairRow& row = laws_.rows[laws_.materials * world.material[places.a.slot()] + world.material[other]];
+    const Slot first = blocks_.balls().body_of(slot_a), other = blocks_.balls().body_of(places.b.slot());
+    const PairRow& row = laws_.rows[laws_.materials * world.material[first] + world.material[other]];
     double numbers[PairRow::most], now = 0.0;
     for (std::size_t k = 0; k < PairRow::most; ++k) numbers[k] = row.normal[k];
     const double before = laws_.needs.normal ? block.springs.normal(c.rank) : 0.0;
@@ -437,7 +488,9 @@ class FusedModel final : public FusedSpheres {
   TileLaws laws_;
   Passes passes_;  ///< of the last call
   double reach_, dt_ = 0.0, lag_ = 0.0;
-  std::uint32_t own_ = 0;  ///< material of all spheres; as many as there are: several
+  std::uint32_t own_ = 0;                ///< material of all spheres; as many as there are: several
+  std::vector<std::uint16_t> material_;  ///< by place, where there are balls of several; else that of the world
+  std::vector<std::uint8_t> owner_;      ///< by place, where several processes share the bodies
   std::unique_ptr<ContactModel> generic_;
   bool others_ = false;
   bool predicted_ = false;                         ///< the states say how fast the bodies are at the detection
@@ -453,8 +506,8 @@ class FusedModel final : public FusedSpheres {
   std::vector<Extent> extents_, next_extents_;     ///< of this step and of the next one, by block
   Extent extent_;
   bool has_extent_ = false;
-  double viscous_power_ = 0.0;      ///< of the dampers at the last call [W]
-  double driven_power_ = 0.0;       ///< of the cell's strain on the fused contacts at the last call [W]
+  double viscous_power_ = 0.0;  ///< of the dampers at the last call [W]
+  double driven_power_ = 0.0;   ///< of driven balls and the cell's strain on the fused contacts at the last call [W]
   mutable bool published_ = false;  ///< the contacts of this step are in the set already
   mutable SpherePublisher publisher_;
   SphereBlocks blocks_;

@@ -36,13 +36,13 @@ class Carried {
     });
   }
   /// Finds them among the pairs of the next layout, which has them in the same order.
-  void give(Block& block, const std::vector<SpherePlane>& planes, std::size_t block_size) {
+  template <class BlockOf>
+  void give(Block& block, const std::vector<SpherePlane>& planes, const BlockOf& block_of) {
     from_.clear();
-    block_size_ = block_size;
     for (const SphereBlocks::Run& run : block.runs) {
       const Slot plane = plane_slot(run, planes);
       for (const Run& old : runs_)
-        if (old.plane == plane && old.across == run.across) give(block, run, old);
+        if (old.plane == plane && old.across == run.across) give(block, run, old, block_of);
     }
     block.springs.choose(from_);
   }
@@ -57,13 +57,14 @@ class Carried {
     SpherePlaces pair;
     std::uint32_t key;
   };
-  auto order(const Contact& c) const {
-    return std::tuple(c.pair.b.slot() / block_size_, c.pair.a.offset, c.pair.b.offset, c.key);
-  }
   static Slot plane_slot(const SphereBlocks::Run& run, const std::vector<SpherePlane>& planes) {
     return run.plane >= 0 ? planes[static_cast<std::size_t>(run.plane)].slot : no_slot;
   }
-  void give(Block& block, const SphereBlocks::Run& run, const Run& old) {
+  template <class BlockOf>
+  void give(Block& block, const SphereBlocks::Run& run, const Run& old, const BlockOf& block_of) {
+    const auto order = [&](const Contact& c) {
+      return std::tuple(block_of(c.pair.b.slot()), c.pair.a.offset, c.pair.b.offset, c.key);
+    };
     std::uint32_t at = old.begin;
     for (std::uint32_t k = run.begin; k < run.end && at < old.end; ++k) {
       const Contact now{block.pairs[k], block.images.empty() ? 0u : block.images[k].key};
@@ -74,7 +75,6 @@ class Carried {
     }
   }
 
-  std::size_t block_size_ = 0;
   std::vector<Run> runs_;
   std::vector<Contact> contacts_;
   std::vector<std::uint32_t> from_;  ///< their numbers, as they come now
@@ -93,30 +93,38 @@ constexpr std::size_t most_ordered = 16;
 // --- layout
 
 void SphereBlocks::rebuild(const World& world, const SphereList& list) {
-  EPAFI_REQUIRE(world.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
-  EPAFI_REQUIRE(list.pairs.first.size() > world.size(), "pairs are laid out from a list that is there");
-  const std::size_t count = (world.size() + block_size_ - 1) / block_size_;
   const SpherePairs& pairs = list.pairs;
+  EPAFI_REQUIRE(world.size() + list.balls.size() < most_bodies, "the loop over spheres addresses 67 million bodies");
+  EPAFI_REQUIRE(pairs.first.size() > world.size() + list.balls.size(), "pairs are laid out from a list that is there");
+  if (!std::ranges::equal(list.balls, balls_.all())) {  // places are others
+    take_out(planes_);
+    grouped_ = false;
+    balls_.take(list.balls, world);
+  }
   const std::vector<SpherePlane> before = std::exchange(planes_, list.planes);
   const bool same_planes = std::ranges::equal(before, planes_, {}, &SpherePlane::slot, &SpherePlane::slot);
   const bool grown = laid_out_ && world.size() > laid_bodies_;
   bodies_ = world.size();
-  late_spins_.resize(needs_.rolling ? world.size() : 0);
+  const std::size_t count = ball_blocks() + blocks_of(bodies_);
+  late_spins_.resize(needs_.rolling ? balls_.size() + bodies_ : 0);
   pairs_ = pairs.size();
-  if (!laid_out_) group_kept(count);
+  if (!laid_out_) {
+    name_places();
+    group_kept(count);
+  }
   blocks_.resize(count, Block(needs_));
-  const std::size_t laid = laid_out_ && same_planes && !rows_.first.empty() ? laid_bodies_ : 0;
+  const std::size_t laid = laid_out_ && same_planes && !rows_.first.empty() ? balls_.size() + laid_bodies_ : 0;
   const auto relay = [&](std::size_t i) {
     thread_local Carried carried;
-    const std::size_t end = std::min(bodies_, (i + 1) * block_size_);
+    const std::size_t end = end_of(i);
     if (end <= laid && keeps_rows(i, end, pairs)) return fill_pairs(blocks_[i]);
     const bool carries = laid_out_ && needs_.remembers();
     if (carries) carried.take(blocks_[i], before);
     lay_out(blocks_[i], static_cast<Slot>(i), pairs);
     if (carries)
-      carried.give(blocks_[i], planes_, block_size_);
+      carried.give(blocks_[i], planes_, [this](Slot place) { return block_of(place); });
     else if (needs_.remembers())
-      restore(blocks_[i], static_cast<Slot>(i * block_size_),
+      restore(blocks_[i], static_cast<Slot>(begin_of(i)),
               std::span(kept_.springs).subspan(kept_begin_[i], kept_begin_[i + 1] - kept_begin_[i]));
   };
   parallel_blocks(count, 1, [&](std::size_t i, std::size_t, std::size_t) { relay(i); });
@@ -129,7 +137,7 @@ void SphereBlocks::rebuild(const World& world, const SphereList& list) {
 
 /// The bodies of a block have the partners that they had at the last layout.
 bool SphereBlocks::keeps_rows(std::size_t index, std::size_t end, const SpherePairs& pairs) const {
-  const std::size_t begin = index * block_size_;
+  const std::size_t begin = begin_of(index);
   const std::uint32_t now = pairs.first[begin], then = rows_.first[begin];
   for (std::size_t s = begin; s <= end; ++s)
     if (pairs.first[s] - now != rows_.first[s] - then) return false;
@@ -145,7 +153,8 @@ void SphereBlocks::see_rows(const SpherePairs& pairs, bool grown) {
     release(rows_.first);
     return release(rows_.partner);
   }
-  rows_.first.assign(pairs.first.begin(), pairs.first.begin() + static_cast<std::ptrdiff_t>(bodies_ + 1));
+  rows_.first.assign(pairs.first.begin(),
+                     pairs.first.begin() + static_cast<std::ptrdiff_t>(balls_.size() + bodies_ + 1));
   rows_.partner.assign(pairs.partner.begin(), pairs.partner.begin() + rows_.first.back());
 }
 
@@ -153,7 +162,7 @@ void SphereBlocks::welcome(const World& world) {
   bodies_ = world.size();
   plain_.resize((bodies_ + 3) / 4);
   std::fill(plain_.begin() + static_cast<std::ptrdiff_t>(laid_bodies_ / 4), plain_.end(), std::uint8_t{0});
-  late_spins_.resize(needs_.rolling ? bodies_ : 0);
+  late_spins_.resize(needs_.rolling ? balls_.size() + bodies_ : 0);
 }
 
 void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
@@ -172,7 +181,7 @@ void SphereBlocks::set_constants(World& world, std::span<const double> radius) {
       128);
 }
 
-/// end: of the slots of a block; b: a partner of one of them.
+/// end: of the places of a block; b: a partner of one of them.
 std::size_t SphereBlocks::run_of(Slot b, std::size_t end) const {
   if ((b & SpherePairs::plane) != 0) return b & ~SpherePairs::plane;
   return planes_.size() + (b < end ? 0 : 1);
@@ -193,7 +202,7 @@ void SphereBlocks::make_runs(Block& block, std::size_t end, std::span<const Slot
     const std::size_t run = run_of(b, end);
     ++place[run];
     if (run != across) continue;
-    const std::size_t target = b / block_size_;
+    const std::size_t target = block_of(b);
     if (count_for[target]++ == 0) block.targets.push_back({static_cast<Slot>(target)});
   }
   for (std::size_t r = 0; r <= across; ++r) {
@@ -214,7 +223,7 @@ void SphereBlocks::make_runs(Block& block, std::size_t end, std::span<const Slot
 
 /// Pairs go to their runs in the order of their bodies, those across blocks by the block of their B.
 void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
-  const std::size_t begin = index * block_size_, end = std::min(bodies_, begin + block_size_);
+  const std::size_t begin = begin_of(index), end = end_of(index);
   const std::size_t inside = planes_.size(), across = inside + 1;
   const std::uint32_t first = pairs.first[begin], count = pairs.first[end] - first;
   thread_local std::vector<std::uint32_t> place;
@@ -225,8 +234,9 @@ void SphereBlocks::lay_out(Block& block, Slot index, const SpherePairs& pairs) {
     for (std::uint32_t k = pairs.first[s + 1]; k-- > pairs.first[s];) {
       const Slot b = pairs.partner[k];
       const std::size_t run = run_of(b, end);
-      const std::uint32_t at = run == across ? target_of(block, b / block_size_)->pairs_end++ : place[run]++;
-      block.pairs[at] = {SpherePlace(static_cast<Slot>(s)), SpherePlace(run < inside ? planes_[run].slot : b)};
+      const std::uint32_t at = run == across ? target_of(block, block_of(b))->pairs_end++ : place[run]++;
+      block.pairs[at] = {SpherePlace(static_cast<Slot>(s)),
+                         SpherePlace(run < inside ? place_of_body(planes_[run].slot) : b)};
       if (!block.images.empty()) block.images[at] = image_of(pairs.image[k]);
     }
   block.targets.push_back({no_slot, std::numeric_limits<std::uint32_t>::max()});
@@ -246,7 +256,7 @@ void SphereBlocks::fill_up(Block& block) const {
 
 /// The state that is nowhere stands behind the last body.
 void SphereBlocks::fill_pairs(Block& block) const {
-  const SpherePlace nowhere(static_cast<Slot>(bodies_));
+  const SpherePlace nowhere(place_of_body(static_cast<Slot>(bodies_)));
   for (std::size_t r = 0; r < block.runs.size(); ++r) {
     const std::uint32_t last = block.runs[r].end,
                         next = r + 1 < block.runs.size() ? block.runs[r + 1].begin : block.size;
@@ -256,15 +266,25 @@ void SphereBlocks::fill_pairs(Block& block) const {
 }
 
 void SphereBlocks::list_sources() {
-  for (Block& block : blocks_) block.sources.clear();
+  for (Block& block : blocks_) {
+    block.sources.clear();
+    block.waits.clear();
+  }
+  const std::size_t of_balls = ball_blocks(), of_bodies = blocks_.size() - of_balls;
   for (Slot i = 0; i < blocks_.size(); ++i)
-    for (const Target& t : blocks_[i].targets)
-      if (t.block != no_slot) blocks_[t.block].sources.push_back(i);
+    for (const Target& t : blocks_[i].targets) {
+      if (t.block == no_slot) continue;
+      blocks_[t.block].sources.push_back(i);
+      if (t.block < of_balls)
+        blocks_[t.block].waits.push_back(i);
+      else if (i >= of_balls)
+        blocks_[t.block].waits.push_back(static_cast<std::uint32_t>(i - of_balls));
+    }
   const auto threads = static_cast<std::size_t>(thread_count());
   order_.clear();
-  if (threads > 1 && blocks_.size() <= most_ordered * threads)
+  if (threads > 1 && of_bodies <= most_ordered * threads)
     order_wavefront(
-        blocks_.size(), threads, [&](std::size_t i) -> const auto& { return blocks_[i].sources; }, order_);
+        of_bodies, threads, [&](std::size_t i) -> const auto& { return blocks_[of_balls + i].waits; }, order_);
 }
 
 void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
@@ -277,18 +297,46 @@ void SphereBlocks::Block::grow_records(std::size_t size, bool rolls) {
 // --- springs on their way from one layout to the next
 
 SphereBlocks::Kept SphereBlocks::kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
-                                         const std::vector<SpherePlane>& planes) {
+                                         const std::vector<SpherePlane>& planes) const {
   const Lanes& load = block.springs.friction(rank).load;
   const std::uint32_t image = block.images.empty() ? 0u : block.images[k].key;
   const bool wall = run.plane >= 0;
-  return {block.pairs[k].a.slot(),
-          wall ? planes[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot(),
-          wall ? image | Kept::of_plane : image,
+  const Slot a = block.pairs[k].a.slot(), b = block.pairs[k].b.slot();
+  const std::uint32_t key = image | balls_.part_of(a) << 8;
+  return {balls_.body_of(a),
+          wall ? planes[static_cast<std::size_t>(run.plane)].slot : balls_.body_of(b),
+          wall ? key | Kept::of_plane : key | balls_.part_of(b) << 16,
           0,
           {load[0], load[1], load[2], load[3]}};
 }
 
-/// kept: springs of a block whose first slot is `first`.
+/// The same spring seen from B: what is remembered is what A feels.
+void SphereBlocks::turn_round(Kept& kept) {
+  std::swap(kept.a, kept.b);
+  kept.key = opposite_image((kept.key & Kept::image) << 8) >> 8 | (kept.key >> 8 & 0xffu) << 16 |
+             (kept.key >> 16 & 0xffu) << 8;
+  for (int k = 0; k < 3; ++k) kept.load[k] = -kept.load[k];
+  for (std::size_t k = 0; needs_.rolling && k < 3; ++k) kept_.rolling[kept.more][k] *= -1.0;
+  if (needs_.bristles)
+    for (Vec3& load : kept_.bristles[kept.more].get().load) load = -load;
+}
+
+/// Kept springs go by the places of the next layout from now on, lower one first.
+void SphereBlocks::name_places() {
+  if (std::exchange(kept_of_balls_, false) == false && balls_.empty()) return;
+  for (Kept& s : kept_.springs) {
+    const bool wall = (s.key & Kept::of_plane) != 0;
+    s.a = balls_.place_of(s.a, s.key >> 8 & 0xffu);
+    s.b = wall ? place_of_body(s.b) : balls_.place_of(s.b, s.key >> 16 & 0xffu);
+    if (s.a == no_slot || s.b == no_slot) continue;
+    if (!wall && s.a > s.b) turn_round(s);
+    s.key &= Kept::image | Kept::of_plane;
+  }
+  std::erase_if(kept_.springs, [](const Kept& s) { return s.a == no_slot || s.b == no_slot; });
+  grouped_ = false;
+}
+
+/// kept: springs of a block whose first place is `first`.
 void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept) {
   std::array<std::uint32_t, largest_block + 2> begin{};
   for (const Kept& s : kept) ++begin[s.a - first + 2];
@@ -301,7 +349,7 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
   for (const Run& run : block.runs)
     for (std::uint32_t k = run.begin; k < run.end; ++k) {
       const Slot a = block.pairs[k].a.slot() - first;
-      const Slot b = run.plane >= 0 ? planes_[static_cast<std::size_t>(run.plane)].slot : block.pairs[k].b.slot();
+      const Slot b = block.pairs[k].b.slot();
       const std::uint32_t key = block.images.empty() ? 0u : block.images[k].key;
       const auto end = by_a.begin() + begin[a + 1];
       const auto at = std::find_if(by_a.begin() + begin[a], end,
@@ -327,6 +375,7 @@ void SphereBlocks::restore(Block& block, Slot first, std::span<const Kept> kept)
 /// Springs go out of the blocks, in their order; planes: those of the layout.
 void SphereBlocks::take_out(const std::vector<SpherePlane>& planes) {
   if (!laid_out_) return;
+  kept_of_balls_ = !balls_.empty();
   kept_begin_.assign(blocks_.size() + 1, 0);
   const auto count = [&](std::size_t i) { kept_begin_[i + 1] = blocks_[i].springs.count(); };
   if (needs_.remembers()) parallel_for(blocks_.size(), count, 1);
@@ -359,7 +408,7 @@ void SphereBlocks::group_kept(std::size_t count) {
   if (grouped_ && kept_begin_.size() == count + 1) return;
   UnwrittenColumn<Kept>& kept = kept_.springs;
   kept_begin_.assign(count + 1, 0);
-  const auto block = [this](const Kept& s) { return s.a / block_size_; };
+  const auto block = [this](const Kept& s) { return block_of(s.a); };
   const bool in_order = block_max<char>(std::max(kept.size(), std::size_t{1}) - 1, 0, [&](std::size_t k) {
                           return static_cast<char>(block(kept[k]) > block(kept[k + 1]));
                         }) == 0;
@@ -371,12 +420,12 @@ void SphereBlocks::group_kept(std::size_t count) {
           kept_begin_[i] = static_cast<std::uint32_t>(at - kept.begin());
         },
         1);
-  for (const Kept& s : kept) ++kept_begin_[s.a / block_size_ + 1];
+  for (const Kept& s : kept) ++kept_begin_[block(s) + 1];
   for (std::size_t i = 0; i < count; ++i) kept_begin_[i + 1] += kept_begin_[i];
   std::vector<std::uint32_t> next(kept_begin_.begin(), kept_begin_.end() - 1);
   for (std::size_t i = 0; i < count; ++i)
     while (next[i] < kept_begin_[i + 1]) {
-      const std::size_t home = kept[next[i]].a / block_size_;
+      const std::size_t home = block(kept[next[i]]);
       if (home == i)
         ++next[i];
       else
@@ -388,18 +437,14 @@ void SphereBlocks::reorder(const Reordering& change) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});
   take_out(planes_);
   grouped_ = false;
+  balls_.forget_places();
   for (SpherePlane& p : planes_) p.slot = change.new_slot[p.slot];
   for (Kept& s : kept_.springs) {
     s.a = change.new_slot[s.a];
     s.b = change.new_slot[s.b];
     // planes are not known yet where a state has just come in
     if (s.a == no_slot || s.b == no_slot || (s.key & Kept::of_plane) != 0 || s.a < s.b) continue;
-    std::swap(s.a, s.b);  // the load is that on the lower slot
-    s.key = opposite_image(s.key << 8) >> 8;
-    for (int k = 0; k < 3; ++k) s.load[k] = -s.load[k];
-    for (std::size_t k = 0; needs_.rolling && k < 3; ++k) kept_.rolling[s.more][k] *= -1.0;
-    if (needs_.bristles)
-      for (Vec3& load : kept_.bristles[s.more].get().load) load = -load;
+    turn_round(s);  // the load is that on the lower slot
   }
   std::erase_if(kept_.springs, [](const Kept& s) { return s.a == no_slot || s.b == no_slot; });
 }
@@ -408,6 +453,7 @@ void SphereBlocks::visit(StateVisitor& visitor) {
   std::fill(plain_.begin(), plain_.end(), std::uint8_t{0});  // it may be another state that comes in
   take_out(planes_);
   grouped_ = false;
+  balls_.forget_places();
   // what else is remembered comes in the order of the springs that are left: some have gone since
   kept_.each_more(needs_, [&]<class T>(UnwrittenColumn<T>& column, const char*) {
     UnwrittenColumn<T> left;

@@ -1,9 +1,9 @@
-/// @file sphere_blocks.h  Contacts of free spheres among themselves and with fixed planes, laid out for a loop over
-/// several at a time. Slots are cut into blocks; a block owns the contacts whose lower slot it holds and adds
-/// their forces to its own bodies; what it finds for bodies of later blocks it writes down, by block, and those blocks
-/// add it in a second pass. A body's sum is that of its planes, then of its partners from the highest slot down,
-/// whichever blocks they lie in: the bits depend neither on threads, nor on the size of the blocks, nor on which pairs
-/// that do not touch are listed.
+/// @file sphere_blocks.h  Contacts of spheres among themselves and with fixed planes, laid out for a loop over several
+/// at a time. Places (SpherePairs) are cut into blocks, those of balls apart from those of bodies; a block owns the
+/// contacts whose lower place it holds and adds their forces to its own spheres; what it finds for those of later
+/// blocks it writes down, by block, and those blocks add it in a second pass. The sum of a sphere is that of its
+/// planes, then of its partners from the highest place down, whichever blocks they lie in: the bits depend neither on
+/// threads, nor on the size of the blocks, nor on which pairs that do not touch are listed.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,16 +16,11 @@
 #include "engine/state/state_visitor.h"
 #include "engine/threads/order_free_sum.h"
 #include "engine/threads/parallel.h"
+#include "laws/smooth/fused/ball_bodies.h"
 #include "laws/smooth/fused/sphere_springs.h"
+#include "laws/smooth/fused/sphere_sum.h"
 
 namespace epafi {
-
-/// What the loop writes of a body; it reads BodyState. The pull is the torque over the radius: both bodies of a contact
-/// feel the same one. Six numbers side by side are three registers of SSE2, not four.
-struct alignas(64) SphereSum {
-  Lanes first;   ///< force x y z, pull x [N]
-  Lanes second;  ///< pull y z [N], 0, 0
-};
 
 /// What a contact adds to the sum of a body of another block: 48 bytes, for a million spheres 7 MB less than sums.
 struct SphereRecord {
@@ -47,10 +42,11 @@ struct SphereList {
   std::span<const float>
       inverse_half_margin;  ///< as PairList::inverse_half_margin; empty: others move too, or the list has none
   bool others = false;      ///< the scene has other pairs
+  std::span<const BodyBall> balls{};  ///< whose places come first
 };
 
-/// Where a body's sum begins, from the first one's [B], and, doubled, its state: the loop over contacts multiplies
-/// less.
+/// A place in the loop: where its sum begins, from the first one's [B], and, doubled, its state: the loop over contacts
+/// multiplies less.
 struct SpherePlace {
   static constexpr std::uint32_t unit = sizeof(SphereSum);
   std::uint32_t offset = 0;
@@ -60,7 +56,7 @@ struct SpherePlace {
 };
 static_assert(sizeof(BodyState) % SpherePlace::unit == 0);
 
-/// Two spheres, a < b, or a sphere and the slot of a plane.
+/// Two spheres, a < b, or a sphere and the place of a plane.
 struct SpherePlaces {
   SpherePlace a, b;
 };
@@ -105,6 +101,7 @@ class SphereBlocks {
     std::uint32_t size = 0;               ///< pairs, whole eights
     std::vector<Target> targets;          ///< descending, one behind the last
     std::vector<Slot> sources;            ///< blocks that have this one among their targets, ascending
+    std::vector<std::uint32_t> waits;     ///< those of them that are of balls or of bodies as it is, from its first on
     /// Of contacts across blocks that touch, in their order: forces on B, its place, and with rolling moments [N m].
     UnwrittenColumn<SphereRecord> records;
     UnwrittenColumn<SpherePlace> record_places;
@@ -142,6 +139,19 @@ class SphereBlocks {
   void welcome(const World& world);
   /// Bodies of the last layout, or welcome since.
   std::size_t bodies() const { return bodies_; }
+  BallBodies& balls() { return balls_; }
+  const BallBodies& balls() const { return balls_; }
+  /// The first blocks are of balls.
+  std::size_t ball_blocks() const { return blocks_of(balls_.size()); }
+  /// Of the places of a block.
+  std::size_t begin_of(std::size_t block) const {
+    const std::size_t before = ball_blocks();
+    return block < before ? block * block_size_ : balls_.size() + (block - before) * block_size_;
+  }
+  std::size_t end_of(std::size_t block) const {
+    const std::size_t all = block < ball_blocks() ? balls_.size() : balls_.size() + bodies_;
+    return std::min(begin_of(block) + block_size_, all);
+  }
 
   /// f(run, pair, rank) for all pairs of a block that touched at the last call, in the order of the layout; rank: its
   /// number among those.
@@ -163,12 +173,14 @@ class SphereBlocks {
   const std::uint8_t* plain() const { return plain_.data(); }
   /// How many sums of a block there are at once.
   void set_accumulators(std::size_t accumulators);
-  /// Of the first slot of the block that has this accumulator, and one behind the last that nobody reads; all zero
+  /// Of the first place of the block that has this accumulator, and one behind the last that nobody reads; all zero
   /// before its first contact.
   SphereSum* sums(std::size_t accumulator) { return sums_.data() + accumulator * (block_size_ + 1); }
   void clear_accumulator(std::size_t accumulator);
-  /// Spin at the time of the detection, by slot [rad/s]; null without rolling, as the next ones.
+  /// Spin at the time of the detection, by place [rad/s]; null without rolling, as the next ones.
   Lanes* late_spins() { return late_spins_.empty() ? nullptr : late_spins_.data(); }
+  /// By slot.
+  Lanes* late_spins_of_bodies() { return late_spins_.empty() ? nullptr : late_spins_.data() + balls_.size(); }
   /// Moments against rolling beside the sums [N m].
   Lanes* moments(std::size_t accumulator) {
     return moments_.empty() ? nullptr : moments_.data() + accumulator * block_size_;
@@ -178,11 +190,11 @@ class SphereBlocks {
   bool laid_out() const { return laid_out_; }
 
  private:
-  /// A spring by the slots of its bodies, a < b; of a plane b is its slot, whichever is lower.
+  /// A spring by the slots of its bodies, of a plane b, or by their places while it goes into a layout.
   struct Kept {
-    static constexpr std::uint32_t of_plane = 1u << 31;
+    static constexpr std::uint32_t of_plane = 1u << 31, image = 0xffu;
     Slot a, b;
-    std::uint32_t key;   ///< image code of the contact's key, 24 bits, and of_plane
+    std::uint32_t key;   ///< image code of the contact's key, parts of A and B in the next bytes, and of_plane
     std::uint32_t more;  ///< place of what else is remembered of it
     double load[4];
   };
@@ -200,8 +212,16 @@ class SphereBlocks {
       if (needs.bristles) f(bristles, "spheres/bristles");
     }
   };
-  static Kept kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
-                      const std::vector<SpherePlane>& planes);
+  Kept kept_of(const Block& block, const Run& run, std::uint32_t k, std::uint32_t rank,
+               const std::vector<SpherePlane>& planes) const;
+  void turn_round(Kept& kept);
+  void name_places();
+  std::size_t blocks_of(std::size_t places) const { return (places + block_size_ - 1) / block_size_; }
+  std::size_t block_of(Slot place) const {
+    const std::size_t balls = balls_.size();
+    return place < balls ? place / block_size_ : ball_blocks() + (place - balls) / block_size_;
+  }
+  Slot place_of_body(Slot s) const { return static_cast<Slot>(balls_.size()) + s; }
   void group_kept(std::size_t count);
   bool keeps_rows(std::size_t index, std::size_t end, const SpherePairs& pairs) const;
   void see_rows(const SpherePairs& pairs, bool grown);
@@ -222,6 +242,7 @@ class SphereBlocks {
 
   SphereNeeds needs_;
   std::size_t block_size_;
+  BallBodies balls_;
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> order_;
   std::vector<SpherePlane> planes_;
@@ -233,6 +254,7 @@ class SphereBlocks {
   KeptSprings kept_;                         ///< while the layout waits
   std::vector<std::uint32_t> kept_begin_;    ///< by block, once they are grouped
   bool laid_out_ = false, grouped_ = false;  ///< kept_ is in the order of the blocks
+  bool kept_of_balls_ = false;               ///< some of them are, so that the lower place may be that of B
   std::size_t pairs_ = 0, bodies_ = 0;
   std::size_t laid_bodies_ = 0;  ///< of the last layout
   SpherePairs rows_;             ///< the list it was made from, where bodies have come; else empty

@@ -273,13 +273,13 @@ struct SphereSweep {
     note_depths<n>(t, total);
     const PassCall call = choose_rows(t, with);
     answer(t, call, at, row, with);
+    if (with.owner != nullptr) [[unlikely]]
+      leave_out<n>(t, total, with, wall);
     for (std::size_t k = t.count; k < t.groups * n; ++k) t.bodies[k] = {with.nowhere, with.nowhere};
     SphereRecord* const records = across ? block.records.data() + at.record : nullptr;
     SpherePlace* const record_places = across ? block.record_places.data() + at.record : nullptr;
     for (std::size_t g = 0; g < t.groups; ++g)
       add_forces<n, remembers, wall, across, periodic>(t, g, with, records, record_places);
-    if (with.owner != nullptr) [[unlikely]]
-      leave_out<n>(t, total, with.owner);
     total_up<n, remembers, periodic && !wall>(t, total, with.tells_energy, passes.needs.normal);
     at.write += static_cast<std::uint32_t>(t.count);
     if constexpr (across) at.record += static_cast<std::uint32_t>(t.count);
@@ -347,7 +347,7 @@ struct SphereSweep {
     };
     for (unsigned bits = opened; bits != 0; bits &= bits - 1u) {
       const std::size_t pair = first + static_cast<std::size_t>(std::countr_zero(bits));
-      if (arrays.owner != nullptr && arrays.owner[block.pairs[pair].a.slot()] != World::here) continue;
+      if (arrays.owner != nullptr && !arrays.counts(block.pairs[pair])) continue;
       const std::uint32_t place = read + bit_places.count[before & ((bits & -bits) - 1u)];
       const SphereNeeds& needs = arrays.passes->needs;
       if (needs.bristles)

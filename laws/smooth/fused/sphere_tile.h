@@ -18,16 +18,23 @@ struct SphereArrays {
   bool tells_energy;  ///< somebody asks what the contacts store
   const struct Passes* passes = nullptr;
   const struct PairRow* rows = nullptr;     ///< by pair of materials
-  const std::uint16_t* material = nullptr;  ///< by slot; null: all spheres are of `own`
+  const std::uint16_t* material = nullptr;  ///< by place; null: all spheres are of `own`
   std::uint32_t materials = 1, own = 0;
-  const std::uint8_t* owner = nullptr;  ///< as World::owner; null: all contacts count
+  const std::uint8_t* owner = nullptr;  ///< as World::owner, by place; null: all contacts count
   double reach = 0.0;                   ///< contacts hold so far beyond touch [m]
   Lanes cell_size{}, strain_rate{};     ///< of a periodic cell [m], [1/s]; fourth 0
   SpherePlace nowhere{};                ///< of a sum that nobody reads: for lanes behind the last contact
-  // with rolling: spins by slot, then as sums
+  // with rolling: spins by place, then as sums
   const Lanes* late_spins = nullptr;
   std::uintptr_t moments = 0;
+  const Vec3* offsets = nullptr;  ///< by place of balls, from the centres of their bodies [m]; null: there are none
+  std::size_t balls = 0;
 
+  /// As World::counts; with owner.
+  bool counts(const SpherePlaces& pair) const {
+    const std::uint8_t of_a = owner[pair.a.slot()];
+    return (of_a == World::everywhere ? owner[pair.b.slot()] : of_a) == World::here;
+  }
   EPAFI_LANES const BodyState& state(SpherePlace p) const {
     return *reinterpret_cast<const BodyState*>(reinterpret_cast<const char*>(states) +
                                                sizeof(BodyState) / SpherePlace::unit * std::size_t{p.offset});
@@ -279,13 +286,16 @@ EPAFI_LANES void note_depths(const SphereTile<n>& t, SphereTotals<n>& total) {
   total.deepest_relative = relative;
 }
 
-/// Contacts that another process counts come to nothing here.
+/// Contacts that another process counts come to nothing here, and nothing is added to what they do to a held ball.
 template <int n>
-[[gnu::noinline]] void leave_out(SphereTile<n>& t, SphereTotals<n>& total, const std::uint8_t* owner) {
+[[gnu::noinline]] void leave_out(SphereTile<n>& t, SphereTotals<n>& total, const SphereArrays& with, bool wall) {
+  const auto is_held = [&](SpherePlace p) { return with.owner[p.slot()] == World::everywhere; };
   for (std::size_t k = 0; k < t.count; ++k) {
-    if (owner[t.bodies[k].a.slot()] == World::here) continue;
+    if (with.counts(t.bodies[k])) continue;
     auto& c = t.group[k / n];
     const int lane = static_cast<int>(k % n);
+    if (!wall && (is_held(t.bodies[k].a) || is_held(t.bodies[k].b)))
+      c.force[lane] = c.load.x[lane] = c.load.y[lane] = c.load.z[lane] = 0.0;
     c.elastic[lane] = c.viscous[lane] = c.lost[lane] = c.twice_stored[lane] = c.twice_slipped[lane] = 0.0;
     --total.touching;
   }

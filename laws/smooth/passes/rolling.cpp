@@ -1,3 +1,5 @@
+#include <array>
+
 #include "engine/lanes/targets.h"
 #include "laws/smooth/friction.h"
 #include "laws/smooth/passes/choose_passes.h"
@@ -37,6 +39,16 @@ EPAFI_LANES VectorsOf<V> in_plane(const VectorsOf<V>& x, const VectorsOf<V>& nor
   return x - x.dot(normal) * normal;
 }
 
+/// From the centre of a body to a contact of its ball, whose centre is at `offset` [m^2].
+EPAFI_LANES double square_of_arm(const Vec3& offset, double arm, const std::array<double, 3>& normal) {
+  double square = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double x = offset[k] + arm * normal[static_cast<std::size_t>(k)];
+    square += x * x;
+  }
+  return square;
+}
+
 /// Motion of one side of n contacts, and how easily it gives.
 template <int n>
 struct SphereSide {
@@ -44,9 +56,9 @@ struct SphereSide {
   VectorsOf<V> velocity{}, spin{}, late_spin{};  ///< velocity: at the time of the detection
   V radius{}, slip_mobility{}, rolling_mobility{};
 
-  /// place(lane): of the body.
+  /// place(lane): of the sphere; normal: from it to the other one.
   template <class Place>
-  EPAFI_LANES void read(const SphereArrays& with, const Place& place, const V& lever) {
+  EPAFI_LANES void read(const SphereArrays& with, const Place& place, const V& lever, const VectorsOf<V>& normal) {
     V inverse_inertia, none;
     read_columns([&](int l) EPAFI_INLINED { return row<n>(with.state(place(l)).predicted); }, velocity.x, velocity.y,
                  velocity.z, inverse_inertia);
@@ -56,9 +68,15 @@ struct SphereSide {
                  late_spin.z, none);
     V inverse_mass{};
     for (int l = 0; l < n; ++l) inverse_mass[l] = with.state(place(l)).velocity[3];
-    const V arm = radius * lever, turning = arm * arm * inverse_inertia;
+    const V arm = radius * lever;
+    V square = arm * arm;
+    if (with.offsets != nullptr) [[unlikely]]
+      for (int l = 0; l < n; ++l)
+        if (place(l).slot() < with.balls)
+          square[l] = square_of_arm(with.offsets[place(l).slot()], arm[l], {normal.x[l], normal.y[l], normal.z[l]});
+    const V turning = square * inverse_inertia;
     slip_mobility = inverse_mass + turning;
-    rolling_mobility = inverse_inertia * inverse_mass / slip_mobility;
+    rolling_mobility = inverse_inertia * inverse_mass / at_least<n>(slip_mobility, 1e-300);  // of a held ball 0
   }
 };
 
@@ -70,10 +88,10 @@ EPAFI_LANES void find_rolling(const SphereTile<n>& t, SphereRolling<n>& r, std::
   const VectorsOf<V> normal = t.normal(g);
   SphereSide<n> a, b;
   a.read(
-      with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, t.group[g].lever);
+      with, [&](int l) EPAFI_INLINED { return bodies[l].a; }, t.group[g].lever, normal);
   if (!call.wall)
     b.read(
-        with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, t.group[g].lever);
+        with, [&](int l) EPAFI_INLINED { return bodies[l].b; }, t.group[g].lever, -normal);
   VectorsOf<V> velocity = b.velocity - a.velocity;
   if (call.periodic && !call.wall) {  // the flow of a deforming cell comes on top
     const V length = t.column(t.distance, g);

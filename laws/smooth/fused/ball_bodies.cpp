@@ -1,0 +1,130 @@
+#include "laws/smooth/fused/ball_bodies.h"
+
+#include <algorithm>
+
+#include "engine/threads/order_free_sum.h"
+#include "engine/threads/parallel.h"
+
+namespace epafi {
+
+void BallBodies::take(std::span<const BodyBall> balls, const World& world) {
+  balls_.assign(balls.begin(), balls.end());
+  free_.clear();
+  held_.clear();
+  for (std::uint32_t k = 0; k < balls_.size(); ++k) {
+    std::vector<Whole>& all = world.is_movable(balls_[k].body) ? free_ : held_;
+    if (all.empty() || all.back().body != balls_[k].body) all.push_back({balls_[k].body, k, 0});
+    ++all.back().count;
+  }
+  offset_.resize(balls_.size());
+  load_.assign(balls_.size(), {});
+  placed_ = false;
+}
+
+Slot BallBodies::place_of(Slot body, std::uint32_t part) const {
+  for (const std::vector<Whole>* all : {&free_, &held_}) {
+    const auto at = std::ranges::lower_bound(*all, body, {}, &Whole::body);
+    if (at != all->end() && at->body == body) return part < at->count ? at->first + part : no_slot;
+  }
+  return part == 0 ? static_cast<Slot>(size()) + body : no_slot;
+}
+
+/// f(whole, it is free) for those of bodies in slots [begin, end).
+template <class F>
+void BallBodies::each_in(std::size_t begin, std::size_t end, const F& f) const {
+  for (const std::vector<Whole>* all : {&free_, &held_})
+    for (auto w = std::ranges::lower_bound(*all, static_cast<Slot>(begin), {}, &Whole::body);
+         w != all->end() && w->body < end; ++w)
+      f(*w, all == &free_);
+}
+
+void BallBodies::place_one(World& world, const Whole& whole, double lag, Lanes* late_spins) {
+  const Slot s = whole.body;
+  const BodyState& body = world.states()[s];
+  BodyState* const states = world.states().data() - world.states_before();
+  const Mat3 turn = world.has_orientation() ? world.orientation[s].toRotationMatrix() : Mat3(Mat3::Identity());
+  const Vec3 spin = world.rotates() ? Vec3(world.angular_velocity[s]) : Vec3(Vec3::Zero());
+  Vec3 late = spin;
+  double inverse_moment = 0.0;  // the harmonic mean of the moments
+  if (world.rotates() && world.is_movable(s)) {
+    const Vec3 inverse = world.inverse_inertia_of(s);
+    if (lag != 0.0) late += turn * inverse.cwiseProduct(turn.transpose() * (lag * world.torque[s]));
+    inverse_moment = inverse.sum() / 3.0;
+  }
+  const Vec3 rate = world.cell ? world.cell->strain_rate : Vec3(Vec3::Zero());
+  const auto xyz = [](const Lanes& x) { return Vec3(x[0], x[1], x[2]); };
+  const auto put = [](Lanes& to, const Vec3& x, double fourth) { to = Lanes{x.x(), x.y(), x.z(), fourth}; };
+  const Vec3 position = xyz(body.position), velocity = xyz(body.velocity), predicted = xyz(body.predicted);
+  for (std::uint32_t k = whole.first; k < whole.first + whole.count; ++k) {
+    const BodyBall& ball = balls_[k];
+    const Vec3 offset = turn * ball.centre,
+               flow = rate.cwiseProduct(offset);  // the cell carries the body, not its balls
+    offset_[k] = offset;
+    BodyState& state = states[k];
+    put(state.position, position + offset, ball.radius);
+    put(state.velocity, velocity + (spin.cross(offset) - flow), body.velocity[3]);
+    put(state.spin, spin, ball.radius);
+    put(state.predicted, predicted + (late.cross(offset) - flow), inverse_moment);
+    if (late_spins != nullptr) put(late_spins[k], late, 0.0);
+  }
+}
+
+void BallBodies::place(World& world, double lag, Lanes* late_spins, std::size_t begin, std::size_t end) {
+  each_in(begin, end, [&](const Whole& whole, bool) { place_one(world, whole, lag, late_spins); });
+}
+
+void BallBodies::place_all(World& world, double lag, Lanes* late_spins) {
+  parallel_blocks(world.size(), 256,
+                  [&](std::size_t begin, std::size_t end, std::size_t) { place(world, lag, late_spins, begin, end); });
+  placed_ = true;
+}
+
+void BallBodies::collect(const World& world, SphereSum* sums, Lanes* moments, std::size_t begin, std::size_t end) {
+  for (std::size_t k = begin; k < end; ++k) {
+    SphereSum& sum = sums[k - begin];
+    const Vec3 force(sum.first[0], sum.first[1], sum.first[2]);
+    Vec3 torque = balls_[k].radius * Vec3(sum.first[3], sum.second[0], sum.second[1]);
+    sum = SphereSum{};
+    if (moments != nullptr) {
+      Lanes& moment = moments[k - begin];
+      torque += Vec3(moment[0], moment[1], moment[2]);
+      moment = Lanes{};
+    }
+    if (world.rotates()) torque += offset_[k].cross(force);
+    load_[k] = {force, torque};
+  }
+}
+
+void BallBodies::give(World& world, std::uint8_t* touched, std::size_t begin, std::size_t end) {
+  each_in(begin, end, [&](const Whole& whole, bool free) {
+    if (!free) return;  // nobody asks
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (std::uint32_t k = whole.first; k < whole.first + whole.count; ++k) {
+      force += load_[k].force;
+      torque += load_[k].torque;
+    }
+    const bool more = std::exchange(touched[whole.body], std::uint8_t{1}) != 0;
+    world.force[whole.body] = more ? Vec3(world.force[whole.body] + force) : force;
+    if (world.rotates()) world.torque[whole.body] = more ? Vec3(world.torque[whole.body] + torque) : torque;
+  });
+}
+
+double BallBodies::driven_power(const World& world) const {
+  double power = 0.0;
+  for (const Whole& whole : held_) {
+    const Vec3 spin = world.rotates() ? Vec3(world.angular_velocity[whole.body]) : Vec3(Vec3::Zero());
+    for (std::uint32_t k = whole.first; k < whole.first + whole.count; ++k)
+      power -= load_[k].force.dot(world.velocity[whole.body]) + load_[k].torque.dot(spin);
+  }
+  return power;
+}
+
+Vec3 BallBodies::virial() const {
+  const auto sums = order_free_sums<3>(balls_.size(), [&](std::size_t k) -> std::array<double, 3> {
+    const Vec3 term = load_[k].force.cwiseProduct(offset_[k]);
+    return {term.x(), term.y(), term.z()};
+  });
+  return {sums[0].sum, sums[1].sum, sums[2].sum};
+}
+
+}  // namespace epafi
