@@ -20,6 +20,7 @@ enum class Task : std::int32_t {
   give_found,
   help,
   figures,
+  announce,  ///< the text follows, of `size` bytes
   end
 };
 
@@ -30,6 +31,7 @@ struct Order {
   double dt = 0.0;        ///< [s]
   double low[3] = {}, high[3] = {};
   std::int32_t has_domain = 0, outside = 0;
+  std::uint64_t size = 0;  ///< of what is announced
 
   void set_domain(const std::optional<Domain>& domain) {
     has_domain = domain.has_value();

@@ -53,8 +53,15 @@ class Leader final : public RemoteSteps {
   bool& busy_;
 };
 
+/// What number 0 has announced, behind its order.
+std::string announced(const Order& order) {
+  std::string text(order.size, ' ');
+  broadcast(text.data(), text.size());
+  return text;
+}
+
 /// One order after the other, until the last one.
-int obey(Part& part) {
+RankTeam::Followed obey(Part& part) {
   StepReport report;
   while (true) {
     Order order;
@@ -75,15 +82,17 @@ int obey(Part& part) {
       case Task::figures:
         gather_figures(part.figures());
         break;
+      case Task::announce:
+        return {0, announced(order)};
       case Task::end:
-        return order.code;
+        return {order.code, {}};
       default:
         throw std::logic_error("an order for ranks that find contacts only");
     }
   }
 }
 
-int obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
+RankTeam::Followed obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
   while (true) {
     Order order;
     broadcast(&order, sizeof order);
@@ -103,8 +112,10 @@ int obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
       case Task::figures:
         gather_figures(part.figures());
         break;
+      case Task::announce:
+        return {0, announced(order)};
       case Task::end:
-        return order.code;
+        return {order.code, {}};
       default:
         throw std::logic_error("an order for ranks that make whole steps");
     }
@@ -141,25 +152,35 @@ void MpiTeam::lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetu
   }
 }
 
+void MpiTeam::announce(const std::string& text) {
+  const Busy busy(busy_);
+  tell({.task = Task::announce, .size = text.size()});
+  std::string sent = text;
+  broadcast(sent.data(), sent.size());
+  agreed_ = helped_ = false;
+  figures_ = nullptr;
+}
+
 std::optional<RankFigures> MpiTeam::figures() {
   if (!figures_) return std::nullopt;
   return figures_();
 }
 
-int MpiTeam::follow(Simulation& part, PartSetup setup) {
+RankTeam::Followed MpiTeam::follow(Simulation& part, PartSetup setup) {
   agreed_ = true;
-  if (const int all = agree(0); all != 0) return all - no_run;
+  if (const int all = agree(0); all != 0) return {all - no_run, {}};
   following_ = true;
-  int code = 0;
+  Followed end;
   if (setup.shares == PartSetup::Shares::contacts) {
     DetectionPart finder(part, setup);
-    with_team([&] { code = obey(finder, setup, messages_); });
+    with_team([&] { end = obey(finder, setup, messages_); });
   } else {
     Part mine(part, std::move(setup));
-    with_team([&] { code = obey(mine); });
+    with_team([&] { end = obey(mine); });
   }
   following_ = false;
-  return code;
+  agreed_ = end.announced.empty();
+  return end;
 }
 
 bool MpiTeam::end(int code) {

@@ -75,6 +75,7 @@ class Session {
           const CheckpointHeader* from, Output output);
   void add_observers();
   void write_contact_problem() const;
+  CheckpointHeader header() const;
   void save_checkpoint_now();
   void walk(StateVisitor& visitor);
   bool goes_on(const SessionLimits& limits, std::initializer_list<std::uint64_t> intervals) const;
