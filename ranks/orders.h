@@ -14,6 +14,7 @@ enum class Task : std::int32_t {
   receive,
   give,
   give_contacts,
+  give_pieces,  ///< contacts, as pieces have them
   step,
   receive_to_find,
   find,

@@ -1,7 +1,9 @@
 #include "ranks/team.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "engine/threads/parallel.h"
 #include "engine/units/error.h"
@@ -29,13 +31,17 @@ class Leader final : public RemoteSteps {
     tell({.task = Task::give});
     part_.give(&whole);
   }
-  void fetch_contacts(Simulation& whole) override {
+  /// Once in a step, unless the first order of them will not do.
+  void fetch_contacts(Simulation& whole, bool in_pieces) override {
+    const int order = in_pieces ? 1 : 2;
+    if (std::exchange(fetched_, std::max(fetched_, order)) >= order) return;
     const Busy busy(busy_);
-    tell({.task = Task::give_contacts});
-    part_.give_contacts(&whole);
+    tell({.task = in_pieces ? Task::give_pieces : Task::give_contacts});
+    part_.give_contacts(&whole, in_pieces);
   }
   bool step(double dt, const std::optional<Domain>& domain, StepReport& report) override {
     const Busy busy(busy_);
+    fetched_ = 0;
     Order order{.task = Task::step, .dt = dt};
     order.set_domain(domain);
     tell(order);
@@ -51,6 +57,7 @@ class Leader final : public RemoteSteps {
   std::shared_ptr<Simulation> simulation_;
   Part part_;
   bool& busy_;
+  int fetched_ = 0;  ///< contacts of the last step: 1 in pieces, 2 in canonical order
 };
 
 /// What number 0 has announced, behind its order.
@@ -74,7 +81,8 @@ RankTeam::Followed obey(Part& part) {
         part.give(nullptr);
         break;
       case Task::give_contacts:
-        part.give_contacts(nullptr);
+      case Task::give_pieces:
+        part.give_contacts(nullptr, order.task == Task::give_pieces);
         break;
       case Task::step:
         part.step(order.dt, order.domain(), report);
