@@ -19,6 +19,7 @@ template <class W, class F>
 void each_seen(W& world, const F& f) {
   f(world.position);
   f(world.velocity);
+  if (world.columns().periodic) f(world.wraps);
   if (!world.rotates()) return;
   f(world.angular_velocity);
   if (world.columns().orientation) f(world.orientation);

@@ -15,6 +15,7 @@ void each_moving(World& world, const F& f) {
   f(world.position);
   f(world.velocity);
   if (world.columns().force) f(world.force);
+  if (world.columns().periodic) f(world.wraps);
   if (!world.rotates()) return;
   f(world.angular_velocity);
   if (world.columns().force) f(world.torque);

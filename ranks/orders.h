@@ -14,12 +14,14 @@ enum class Task : std::int32_t {
   receive,
   give,
   give_contacts,
+  give_pieces,  ///< contacts, as pieces have them
   step,
   receive_to_find,
   find,
   give_found,
   help,
   figures,
+  announce,  ///< the text follows, of `size` bytes
   end
 };
 
@@ -30,6 +32,7 @@ struct Order {
   double dt = 0.0;        ///< [s]
   double low[3] = {}, high[3] = {};
   std::int32_t has_domain = 0, outside = 0;
+  std::uint64_t size = 0;  ///< of what is announced
 
   void set_domain(const std::optional<Domain>& domain) {
     has_domain = domain.has_value();

@@ -33,7 +33,7 @@ void Part::settle(StateImage& image, const Arrival& arrival) {
   place_ = arrival.place;
   world.owner = owners_of(arrival);
   start_.resize(world.size());
-  for (std::size_t s = 0; s < world.size(); ++s) start_[s] = world.position[s];
+  for (Slot s = 0; s < world.size(); ++s) start_[s] = world.unwrapped(s);
   own_ = static_cast<double>(std::ranges::count(world.owner, std::uint8_t{World::here}));
   const Motion own = motion_of_own();
   std::array<double, 3> largest{own.way, own.speed, own.acceleration};
@@ -63,6 +63,7 @@ void Part::receive(Simulation* whole) {
   territory_.cut(world, owner, work_.take());
   const Arrival arrival = exchange_rows(image, territory_.routes(world, owner, place_, all_ranks()));
   settle(image, arrival);
+  asked_ = false;  // events have seen this state
 }
 
 /// Bodies go to the ranks in whose parts they are now; longest: way of a body in the next step [m].
@@ -97,23 +98,60 @@ void Part::give_places(Simulation* whole) {
     if (world.owner[s] == World::everywhere) put_place(place_of(world, s), whole->world);
 }
 
-void Part::give_contacts(Simulation* whole) {
-  give_places(whole);
+/// Those that this rank tells of; in_pieces: those of the model behind the others, as its own.
+std::vector<std::byte> Part::contact_rows(bool in_pieces) {
   const World& world = sim_.world;
   ContactSet& set = sim_.work.contacts;
-  sim_.pipeline.contact_model->publish(world, set);
-  std::vector<std::byte> rows, arrived;
-  for (std::size_t k = 0; k < set.size(); ++k)
-    if (tells_of(world, set.a[k], set.b[k])) append_row(rows, row_of(set, k, world));
+  const ContactModel& model = *sim_.pipeline.contact_model;
+  if (!in_pieces) model.publish(world, set);
+  std::vector<std::byte> rows;
+  const auto add = [&](const ContactSet& contacts, bool own) {
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      if (tells_of(world, contacts.a[k], contacts.b[k])) append_row(rows, row_of(contacts, k, world, own));
+  };
+  add(set, false);
+  ContactSet pieces;
+  pieces.with_curvature = true;
+  for (std::size_t part = 0; in_pieces && part < model.own_parts(); ++part) {
+    pieces.clear();
+    model.append_contacts(world, part, pieces);
+    add(pieces, true);
+  }
+  return rows;
+}
+
+/// Those of the model stand by the lower slot, or the sphere's at a plane.
+void Part::put_contacts(const std::vector<std::byte>& rows, World& world, ContactSet& all) const {
+  struct Key {
+    bool own;
+    Slot first, second;
+    Feature feature;
+    std::size_t row;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<Key> keys;
+  for (std::size_t k = 0; k < rows.size() / sizeof(ContactRow); ++k) {
+    const auto row = row_at<ContactRow>(rows, k);
+    Slot a = world.slot_of(static_cast<BodyId>(row.a)), b = world.slot_of(static_cast<BodyId>(row.b));
+    const auto is_plane = [&](Slot s) { return std::isinf(territory_.radius(world.shape[s])); };
+    if (row.own != 0 && !is_plane(b) && (is_plane(a) || b < a)) std::swap(a, b);
+    keys.push_back({row.own != 0, a, b, row.feature, k});
+  }
+  std::ranges::sort(keys);
+  all.renew(keys.size());
+  for (std::size_t k = 0; k < keys.size(); ++k) put_row(all, k, row_at<ContactRow>(rows, keys[k].row), world);
+}
+
+void Part::give_contacts(Simulation* whole, bool in_pieces) {
+  give_places(whole);
+  const std::vector<std::byte> rows = contact_rows(in_pieces);
+  std::vector<std::byte> arrived;
   const Plan plan(std::vector<int>(rows.size() / sizeof(ContactRow), 0));
   plan.run(rows, sizeof(ContactRow), arrived);
   figures_.bytes += static_cast<double>(rows.size());
   if (!whole) return;
-  ContactSet& all = whole->work.contacts;
-  all.with_moment = set.with_moment;
-  all.renew(plan.received());
-  for (std::size_t k = 0; k < plan.received(); ++k) put_row(all, k, row_at<ContactRow>(arrived, k), whole->world);
-  all.sort();
+  whole->work.contacts.with_moment = sim_.work.contacts.with_moment;
+  put_contacts(arrived, whole->world, whole->work.contacts);
 }
 
 Part::Motion Part::motion_of_own() const {
@@ -124,7 +162,7 @@ Part::Motion Part::motion_of_own() const {
       return world.owner[s] == World::here ? of(s) : 0.0;
     });
   };
-  return {largest([&](Slot s) { return (world.position[s] - start_[s]).squaredNorm(); }),
+  return {largest([&](Slot s) { return (world.unwrapped(s) - start_[s]).squaredNorm(); }),
           largest([&](Slot s) { return world.velocity[s].squaredNorm(); }),
           largest([&](Slot s) { return world.acceleration(s).squaredNorm(); })};
 }
@@ -133,10 +171,14 @@ bool Part::step(double dt, const std::optional<Domain>& domain, StepReport& repo
   World& world = sim_.world;
   if (!(motion_.all(dt) < territory_.margin())) move(motion_.next(dt));
   std::vector<BodyId> none;
-  for (auto& event : sim_.events)
-    if (event->is_local()) event->before_step(world, dt, none);
+  for (auto& event : sim_.events) {
+    if (event->is_common() && asked_) event->answer(world);
+    if (event->is_local() && !event->is_common()) event->before_step(world, dt, none);
+  }
   work_.begin();
+  if (sim_.loads) sim_.loads->before_step(world, dt);
   epafi::step(world, sim_.pipeline, sim_.work, dt);
+  if (sim_.loads) sim_.work.report.work += sim_.loads->after_step(world, dt);
   work_.end();
   note_overlaps();
   bool sound = is_sound(domain);

@@ -26,7 +26,7 @@ class Part {
   /// The state of all parts comes into the whole.
   void give(Simulation* whole);
   /// Contacts of the last step, and where the bodies are: nothing else of the whole is of this moment.
-  void give_contacts(Simulation* whole);
+  void give_contacts(Simulation* whole, bool in_pieces);
   /// One step; report: what all parts did in it. False where a body is astray.
   bool step(double dt, const std::optional<Domain>& domain, StepReport& report);
   PartFigures figures() const;
@@ -35,8 +35,11 @@ class Part {
   void move(double longest);
   void settle(StateImage& image, const Arrival& arrival);
   void give_places(Simulation* whole);
+  std::vector<std::byte> contact_rows(bool in_pieces);
+  void put_contacts(const std::vector<std::byte>& rows, World& world, ContactSet& all) const;
   void note_overlaps();
   bool is_sound(const std::optional<Domain>& domain) const;
+  bool asks() const;
 
   /// Largest of the free bodies of all ranks, squared.
   struct Motion {
@@ -57,6 +60,7 @@ class Part {
   std::vector<std::uint32_t> place_;  ///< by slot: in the order of all bodies
   std::vector<Vec3> start_;           ///< by slot: where bodies were when they were placed [m]
   double own_ = 0.0;                  ///< free bodies of this rank
+  bool asked_ = false;                ///< some common event has something to do before the next step
   Motion motion_;
   Joint joint_;
   WorkMeter work_;

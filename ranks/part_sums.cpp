@@ -27,9 +27,13 @@ bool Part::is_sound(const std::optional<Domain>& domain) const {
   return std::ranges::none_of(strays, [&](Slot s) { return sim_.world.owner[s] == World::here; });
 }
 
+bool Part::asks() const {
+  return std::ranges::any_of(sim_.events, [&](const auto& event) { return event->asks(sim_.world); });
+}
+
 void Part::begin_sums(bool sound) {
   const StepReport& mine = sim_.work.report;
-  const std::array<double, 11> sums{static_cast<double>(mine.pairs),
+  const std::array<double, 12> sums{static_cast<double>(mine.pairs),
                                     static_cast<double>(mine.contacts),
                                     static_cast<double>(mine.touching),
                                     mine.elastic,
@@ -39,7 +43,8 @@ void Part::begin_sums(bool sound) {
                                     mine.losses.frictional,
                                     mine.losses.plastic,
                                     mine.losses.adhesive,
-                                    sound ? 0.0 : 1.0};
+                                    sound ? 0.0 : 1.0,
+                                    asks() ? 1.0 : 0.0};
   const Motion motion = motion_of_own();
   const std::array<double, 5> largest{mine.deepest, mine.deepest_relative, motion.way, motion.speed,
                                       motion.acceleration};
@@ -47,7 +52,7 @@ void Part::begin_sums(bool sound) {
 }
 
 void Part::finish_sums(StepReport& report, bool& sound) {
-  std::array<double, 11> sums{};
+  std::array<double, 12> sums{};
   std::array<double, 5> largest{};
   joint_.finish(sums, largest);
   report.pairs = static_cast<std::size_t>(sums[0]);
@@ -61,6 +66,7 @@ void Part::finish_sums(StepReport& report, bool& sound) {
   report.deepest_relative = largest[1];
   motion_ = {largest[2], largest[3], largest[4]};
   sound = sums[10] == 0.0;
+  asked_ = sums[11] != 0.0;
 }
 
 }  // namespace epafi

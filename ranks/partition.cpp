@@ -102,16 +102,13 @@ int Partition::owner(const Vec3& x) const {
 }
 
 void Partition::ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const {
-  ranks.clear();
   if (!cuts_->made) return ranks.push_back(0);
   const Vec3 low = x.array() - half, high = x.array() + half;
   int processes = 0, parts = 0;
   expect(Zoltan_LB_Box_PP_Assign(cuts_->zoltan, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(),
                                  cuts_->processes.data(), &processes, cuts_->parts.data(), &parts),
          "the ranks of a box");
-  ranks.assign(cuts_->processes.begin(), cuts_->processes.begin() + processes);
-  std::sort(ranks.begin(), ranks.end());
-  ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+  ranks.insert(ranks.end(), cuts_->processes.begin(), cuts_->processes.begin() + processes);
 }
 
 }  // namespace epafi

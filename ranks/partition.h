@@ -20,7 +20,7 @@ class Partition {
   /// are given. By all ranks.
   void cut(std::span<const Vec3> points, std::span<const float> weights = {});
   int owner(const Vec3& x) const;
-  /// Ranks whose part meets a cube of this half side, ascending.
+  /// Adds the ranks whose part meets a cube of this half side.
   void ranks_near(const Vec3& x, double half, std::vector<int>& ranks) const;
 
  private:

@@ -6,9 +6,10 @@
 
 namespace epafi {
 
-ContactRow row_of(const ContactSet& c, std::size_t k, const World& world) {
+ContactRow row_of(const ContactSet& c, std::size_t k, const World& world, bool own) {
   ContactRow row{static_cast<std::uint32_t>(world.id[c.a[k]]),
                  static_cast<std::uint32_t>(world.id[c.b[k]]),
+                 own ? 1u : 0u,
                  c.feature[k],
                  c.gap[k],
                  c.effective_radius.empty() ? 0.0 : c.effective_radius[k],
@@ -35,7 +36,8 @@ void put_row(ContactSet& set, std::size_t k, const ContactRow& row, const World&
 }
 
 PlaceRow place_of(const World& world, Slot s) {
-  PlaceRow row{static_cast<std::uint32_t>(world.id[s]), {}, {}};
+  PlaceRow row{static_cast<std::uint32_t>(world.id[s]), {}, {}, {}};
+  if (world.cell) std::copy_n(world.wraps[s].data(), 3, row.wraps);
   std::copy_n(world.position[s].data(), 3, row.position);
   if (world.has_orientation()) std::copy_n(world.orientation[s].coeffs().data(), 4, row.turn);
   return row;
@@ -44,6 +46,7 @@ PlaceRow place_of(const World& world, Slot s) {
 void put_place(const PlaceRow& row, World& world) {
   const Slot s = world.slot_of(static_cast<BodyId>(row.id));
   std::copy_n(row.position, 3, world.position[s].data());
+  if (world.cell) std::copy_n(row.wraps, 3, world.wraps[s].data());
   if (world.has_orientation()) std::copy_n(row.turn, 4, world.orientation[s].coeffs().data());
 }
 

@@ -22,15 +22,17 @@ Row row_at(const std::vector<std::byte>& rows, std::size_t k) {
 
 struct ContactRow {
   std::uint32_t a, b;  ///< ids
+  std::uint64_t own;   ///< 1: the contact model keeps it by itself
   Feature feature;
   double gap, radius, area;
   double normal[3], arm[3], force[3], moment[3];
 };
-ContactRow row_of(const ContactSet& contacts, std::size_t k, const World& world);
+ContactRow row_of(const ContactSet& contacts, std::size_t k, const World& world, bool own);
 void put_row(ContactSet& contacts, std::size_t k, const ContactRow& row, const World& world);
 
 struct PlaceRow {
   std::uint32_t id;
+  std::int32_t wraps[3];
   double position[3], turn[4];
 };
 PlaceRow place_of(const World& world, Slot s);

@@ -61,7 +61,8 @@ class SharedNarrowPhase final : public NarrowPhase {
   bool is_near(const World& world) {
     if (world.size() != start_.size()) return false;
     const double square = block_max<double>(world.size(), 0.0, [&](std::size_t s) {
-      return world.is_movable(static_cast<Slot>(s)) ? (world.position[s] - start_[s]).squaredNorm() : 0.0;
+      return world.is_movable(static_cast<Slot>(s)) ? (world.unwrapped(static_cast<Slot>(s)) - start_[s]).squaredNorm()
+                                                    : 0.0;
     });
     if (std::sqrt(square) < part_.margin()) return true;
     pace_ = std::sqrt(square) / std::max(1.0, searches_);
@@ -72,7 +73,7 @@ class SharedNarrowPhase final : public NarrowPhase {
     tell({.task = Task::receive_to_find});
     part_.receive(&world_, memory_.get(), pace_);
     start_.resize(world_.size());
-    for (std::size_t s = 0; s < world_.size(); ++s) start_[s] = world_.position[s];
+    for (Slot s = 0; s < world_.size(); ++s) start_[s] = world_.unwrapped(s);
     searches_ = 0.0;
     away_ = true;
   }

@@ -1,7 +1,9 @@
 #include "ranks/team.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "engine/threads/parallel.h"
 #include "engine/units/error.h"
@@ -29,13 +31,17 @@ class Leader final : public RemoteSteps {
     tell({.task = Task::give});
     part_.give(&whole);
   }
-  void fetch_contacts(Simulation& whole) override {
+  /// Once in a step, unless the first order of them will not do.
+  void fetch_contacts(Simulation& whole, bool in_pieces) override {
+    const int order = in_pieces ? 1 : 2;
+    if (std::exchange(fetched_, std::max(fetched_, order)) >= order) return;
     const Busy busy(busy_);
-    tell({.task = Task::give_contacts});
-    part_.give_contacts(&whole);
+    tell({.task = in_pieces ? Task::give_pieces : Task::give_contacts});
+    part_.give_contacts(&whole, in_pieces);
   }
   bool step(double dt, const std::optional<Domain>& domain, StepReport& report) override {
     const Busy busy(busy_);
+    fetched_ = 0;
     Order order{.task = Task::step, .dt = dt};
     order.set_domain(domain);
     tell(order);
@@ -51,10 +57,18 @@ class Leader final : public RemoteSteps {
   std::shared_ptr<Simulation> simulation_;
   Part part_;
   bool& busy_;
+  int fetched_ = 0;  ///< contacts of the last step: 1 in pieces, 2 in canonical order
 };
 
+/// What number 0 has announced, behind its order.
+std::string announced(const Order& order) {
+  std::string text(order.size, ' ');
+  broadcast(text.data(), text.size());
+  return text;
+}
+
 /// One order after the other, until the last one.
-int obey(Part& part) {
+RankTeam::Followed obey(Part& part) {
   StepReport report;
   while (true) {
     Order order;
@@ -67,7 +81,8 @@ int obey(Part& part) {
         part.give(nullptr);
         break;
       case Task::give_contacts:
-        part.give_contacts(nullptr);
+      case Task::give_pieces:
+        part.give_contacts(nullptr, order.task == Task::give_pieces);
         break;
       case Task::step:
         part.step(order.dt, order.domain(), report);
@@ -75,15 +90,17 @@ int obey(Part& part) {
       case Task::figures:
         gather_figures(part.figures());
         break;
+      case Task::announce:
+        return {0, announced(order)};
       case Task::end:
-        return order.code;
+        return {order.code, {}};
       default:
         throw std::logic_error("an order for ranks that find contacts only");
     }
   }
 }
 
-int obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
+RankTeam::Followed obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
   while (true) {
     Order order;
     broadcast(&order, sizeof order);
@@ -103,8 +120,10 @@ int obey(DetectionPart& part, const PartSetup& setup, RankMessages& messages) {
       case Task::figures:
         gather_figures(part.figures());
         break;
+      case Task::announce:
+        return {0, announced(order)};
       case Task::end:
-        return order.code;
+        return {order.code, {}};
       default:
         throw std::logic_error("an order for ranks that make whole steps");
     }
@@ -141,25 +160,35 @@ void MpiTeam::lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetu
   }
 }
 
+void MpiTeam::announce(const std::string& text) {
+  const Busy busy(busy_);
+  tell({.task = Task::announce, .size = text.size()});
+  std::string sent = text;
+  broadcast(sent.data(), sent.size());
+  agreed_ = helped_ = false;
+  figures_ = nullptr;
+}
+
 std::optional<RankFigures> MpiTeam::figures() {
   if (!figures_) return std::nullopt;
   return figures_();
 }
 
-int MpiTeam::follow(Simulation& part, PartSetup setup) {
+RankTeam::Followed MpiTeam::follow(Simulation& part, PartSetup setup) {
   agreed_ = true;
-  if (const int all = agree(0); all != 0) return all - no_run;
+  if (const int all = agree(0); all != 0) return {all - no_run, {}};
   following_ = true;
-  int code = 0;
+  Followed end;
   if (setup.shares == PartSetup::Shares::contacts) {
     DetectionPart finder(part, setup);
-    with_team([&] { code = obey(finder, setup, messages_); });
+    with_team([&] { end = obey(finder, setup, messages_); });
   } else {
     Part mine(part, std::move(setup));
-    with_team([&] { code = obey(mine); });
+    with_team([&] { end = obey(mine); });
   }
   following_ = false;
-  return code;
+  agreed_ = end.announced.empty();
+  return end;
 }
 
 bool MpiTeam::end(int code) {

@@ -11,9 +11,10 @@ class MpiTeam final : public RankTeam {
   int count() const override;
   int number() const override;
   void lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetup setup) override;
+  void announce(const std::string& text) override;
   RankMessages* helpers() override { return helped_ ? &messages_ : nullptr; }
   std::optional<RankFigures> figures() override;
-  int follow(Simulation& part, PartSetup setup) override;
+  Followed follow(Simulation& part, PartSetup setup) override;
 
   /// By every rank when its command has ended with this code. Returns false where the others cannot be told, because
   /// this one has failed in the middle of what all do together: they must be ended by force.
@@ -23,7 +24,7 @@ class MpiTeam final : public RankTeam {
 
  private:
   std::function<RankFigures()> figures_;
-  bool agreed_ = false;     ///< all have begun, or said that they cannot
+  bool agreed_ = false;     ///< all have begun with this simulation, or said that they cannot
   bool following_ = false;  ///< rank 0 has not ended yet
   bool busy_ = false;       ///< rank 0: within something that all do together
   int code_ = 0;

@@ -61,12 +61,26 @@ void Territory::cut(const World& world, const Owners& owner, double worked) {
   for (const Slot s : free) rank_of_[static_cast<std::size_t>(world.id[s])] = partition_.owner(world.position[s]);
 }
 
+namespace {
+
+/// To the images of a body, and to the body itself [m].
+std::vector<Vec3> shifts_of(const std::optional<PeriodicCell>& cell) {
+  std::vector<Vec3> shifts{Vec3::Zero()};
+  for (int k = 0; cell && k < 3; ++k)
+    for (std::size_t i = shifts.size(); cell->repeats[static_cast<std::size_t>(k)] && i-- > 0;)
+      for (const double side : {-1.0, 1.0}) shifts.push_back(shifts[i] + side * cell->size[k] * Vec3::Unit(k));
+  return shifts;
+}
+
+}  // namespace
+
 Routes Territory::routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
                          const std::vector<int>& held) const {
   Routes r;
   r.place = place;
   r.to_all = held;
   std::vector<int> ranks;
+  const std::vector<Vec3> shifts = shifts_of(world.cell);
   for (Slot s = 0; s < owner.size(); ++s) {
     const bool is_held = owner[s] == World::everywhere;
     r.begin.push_back(static_cast<std::uint32_t>(r.to.size()));
@@ -75,8 +89,10 @@ Routes Territory::routes(const World& world, const Owners& owner, const std::vec
     if (is_held) r.to.insert(r.to.end(), held.begin(), held.end());
     if (owner[s] != World::here) continue;
     const double reach = setup_.radius(world.shape[s]) + largest_ + setup_.reach + 2.0 * margin_;
-    partition_.ranks_near(world.position[s], (1.0 + 1e-9) * reach, ranks);
-    if (std::ranges::find(ranks, r.owner.back()) == ranks.end()) ranks.push_back(r.owner.back());
+    ranks = {r.owner.back()};
+    for (const Vec3& shift : shifts) partition_.ranks_near(world.position[s] + shift, (1.0 + 1e-9) * reach, ranks);
+    std::ranges::sort(ranks);
+    ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
     r.to.insert(r.to.end(), ranks.begin(), ranks.end());
   }
   r.begin.push_back(static_cast<std::uint32_t>(r.to.size()));

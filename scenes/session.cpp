@@ -236,16 +236,18 @@ void Session::write_contact_problem() const {
                 fmt::format("{}, step {}, t = {:.9g} s", scene, sim.steps(), sim.world.time));
 }
 
-void Session::save_checkpoint_now() {
+CheckpointHeader Session::header() const {
   const Simulation& sim = *assembly_->simulation;
+  const Scene& scene = assembly_->scene;
+  return {version(),   scene_hash_,    std::filesystem::absolute(scene.file).string(),  scene.text, overrides_,
+          sim.steps(), sim.world.time, has_record() ? record_.to_text() : std::string()};
+}
+
+void Session::save_checkpoint_now() {
   files_->csv.flush();
   if (files_->course) files_->course->flush();
   files_->run.flush();
-  const Scene& scene = assembly_->scene;
-  save_checkpoint(folder_ / "checkpoint.h5",
-                  {version(), scene_hash_, std::filesystem::absolute(scene.file).string(), scene.text, overrides_,
-                   sim.steps(), sim.world.time, has_record() ? record_.to_text() : std::string()},
-                  [this](StateVisitor& v) { walk(v); });
+  save_checkpoint(folder_ / "checkpoint.h5", header(), [this](StateVisitor& v) { walk(v); });
 }
 
 double Session::elapsed() const {

@@ -76,6 +76,7 @@ class Session {
           const CheckpointHeader* from, Output output);
   void add_observers();
   void write_contact_problem() const;
+  CheckpointHeader header() const;
   void save_checkpoint_now();
   void keep_up_files();
   void walk(StateVisitor& visitor);

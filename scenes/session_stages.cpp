@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/ranks/rank_team.h"
 #include "engine/threads/parallel.h"
 #include "scenes/railway/on_rails.h"
 #include "scenes/session.h"
+#include "scenes/several_ranks.h"
 #include "scenes/stage_check.h"
 #include "scenes/start_run.h"
 
@@ -108,6 +110,7 @@ void Session::keep_fills() {
 /// The simulation of `next` takes the place of the present one.
 void Session::enter(Scene next, const RunRecord& record) {
   const std::unique_ptr<Assembly> before = std::move(assembly_);
+  before->simulation->come_home();
   const bool held = same_mechanics(before->scene, next);
   AssembleOptions options;
   if (next.stage > 0)
@@ -118,6 +121,8 @@ void Session::enter(Scene next, const RunRecord& record) {
   options.place = [&](Assembly& to) { carry_bodies(carry, to); };
   assembly_ = assemble(std::move(next), options);
   check_conditions(*assembly_);
+  RankTeam* const team = RankTeam::of_program();
+  if (team) check_shareable(*assembly_);
   record_ = record;
   begin_record();
   record_.stages.back().first_step = before->simulation->steps();
@@ -139,6 +144,11 @@ void Session::enter(Scene next, const RunRecord& record) {
     for (auto& o : assembly_->simulation->observers) o->visit(v);
   };
   tell(carry_memory(carry, *before, *assembly_, there, here));
+  if (team) {
+    const std::string text = text_of(header());
+    team->announce(text);
+    share_out(*assembly_, part_of(text), *team);
+  }
   monitor_->begin_stage();
   std::vector<BodySpec>().swap(assembly_->scene.bodies);
   if (assembly_->scene.start) assembly_->scene.start->made.reset();

@@ -33,8 +33,6 @@ void refuse_bodies(const Scene& scene, Refusals& refusals) {
   };
   first([](const BodySpec& b) { return b.servo.has_value(); }, "a servo wall",
         fmt::format("give it a motion of its own, or {}", run_alone));
-  first([](const BodySpec& b) { return b.load.has_value(); }, "a force or torque that follows time",
-        fmt::format("write a constant force, or {}", run_alone));
   first([](const BodySpec& b) { return b.on_rails; }, "a wheelset", run_alone);
 }
 
@@ -44,27 +42,29 @@ namespace {
 
 /// What whole steps cannot do where each process has its bodies alone. Of impulses process 0 makes the steps.
 void refuse_in_steps(const Scene& scene, Refusals& refusals) {
-  if (scene.start) refusals.add(true, scene.start->place, "a scene that starts from another run", run_alone);
   if (!scene.springs.empty()) refusals.add(true, scene.springs.front().place, "a [[spring]]", run_alone);
-  refusals.add(static_cast<bool>(scene.loose_gravity), {scene.file}, "gravity that follows time",
-               fmt::format("write a constant gravity, or {}", run_alone));
   if (scene.output.problems_every)
     refusals.add(true, scene.output.problems_every->place, "output.problems_every", run_alone);
   refuse_bodies(scene, refusals);
 }
 
+void refuse(const Scene& scene, bool rolls, Refusals& refusals) {
+  if (scene.cell) refusals.add(scene.cell->deforms, scene.cell->place, "a cell that deforms", run_alone);
+  refusals.add(rolls, scene.contact.wheel_rail_place, "wheel on rail", run_alone);
+  if (scene.contact.method.value == Method::smooth) refuse_in_steps(scene, refusals);
+}
+
 }  // namespace
 
 void check_shareable(const Assembly& a) {
-  const Scene& scene = a.scene;
-  Refusals refusals;
-  if (scene.cell) refusals.add(true, scene.cell->place, "a periodic cell", run_alone);
-  if (scene.stages.size() > 1)
-    refusals.add(true, scene.stages[1].place, "a scene with stages",
-                 fmt::format("write its stages as scenes of their own, or {}", run_alone));
-  refusals.add(a.rolling != nullptr, scene.contact.wheel_rail_place, "wheel on rail", run_alone);
-  if (scene.contact.method.value == Method::smooth) refuse_in_steps(scene, refusals);
-  refusals.raise();
+  Refusals now;
+  refuse(a.scene, a.rolling != nullptr, now);
+  now.raise();
+  for (std::size_t k = a.scene.stage + 1; k < a.scene.stages.size(); ++k) {
+    Refusals later;
+    refuse(a.scene.stage_of(k), false, later);  // wheels and rails are those of the first stage
+    later.raise();
+  }
 }
 
 PartSetup part_setup(const Assembly& a) {

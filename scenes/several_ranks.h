@@ -11,7 +11,7 @@ void check_shareable(const Assembly& assembly);
 /// What the processes must know of it.
 PartSetup part_setup(const Assembly& assembly);
 
-/// Steps of the assembly by all processes from now on; part: the same scene assembled once more.
+/// Steps of the assembly by all processes from now on; part: the same scene assembled once more, its bodies apart.
 void share_out(Assembly& whole, std::unique_ptr<Assembly> part, RankTeam& team);
 
 }  // namespace epafi

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -38,6 +40,22 @@ AssembleOptions options_of(const RunRecord& record) {
   options.time_step = record.time_step;
   options.fill_bodies = record.fills;
   return options;
+}
+
+std::string text_of(const CheckpointHeader& h) {
+  return nlohmann::json{
+      {"scene", h.scene_path}, {"hash", h.scene_hash}, {"overrides", h.overrides}, {"record", h.record}}
+      .dump();
+}
+
+std::unique_ptr<Assembly> part_of(const std::string& text) {
+  const auto json = nlohmann::json::parse(text);
+  CheckpointHeader header;
+  header.scene_path = json.at("scene");
+  header.scene_hash = json.at("hash");
+  header.overrides = json.at("overrides").get<std::vector<std::string>>();
+  const RunRecord record = RunRecord::from_text(json.at("record"));
+  return assemble(scene_of(header, record), options_of(record));
 }
 
 namespace {

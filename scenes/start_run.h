@@ -24,6 +24,11 @@ Scene scene_of(const CheckpointHeader& header, const RunRecord& record);
 /// How that scene is assembled so that the state of the checkpoint fits it.
 AssembleOptions options_of(const RunRecord& record);
 
+/// A run that this program makes, in words for another process of it, and what is assembled there of them: all that its
+/// bodies do not decide.
+std::string text_of(const CheckpointHeader& header);
+std::unique_ptr<Assembly> part_of(const std::string& text);
+
 /// The same as it was at the time of one of its snapshots [s]: the stage of that time, bodies and motions as they were.
 /// Contacts remember nothing. Throws SceneError where there is no such snapshot.
 std::shared_ptr<MadeRun> open_made_run_at(const std::filesystem::path& folder, double time);

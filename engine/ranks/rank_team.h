@@ -3,6 +3,8 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "engine/ranks/rank_messages.h"
 #include "engine/ranks/remote_steps.h"
@@ -25,14 +27,21 @@ class RankTeam {
   virtual int count() const = 0;
   virtual int number() const = 0;
   /// By number 0: from now on all share in what the whole simulation does. part: of the same scene, its bodies are
-  /// thrown away. FileError where another process cannot begin.
+  /// thrown away. FileError where another process cannot begin. Again after `announce`.
   virtual void lead(Simulation& whole, std::shared_ptr<Simulation> part, PartSetup setup) = 0;
+  /// By number 0: all are done with this simulation, whose state has come home; `lead` follows with another one, of
+  /// which the others know by this text.
+  virtual void announce(const std::string& text) = 0;
   /// By number 0: the others wait for work with its problems; null where they do not.
   virtual RankMessages* helpers() = 0;
   /// What it has come to, by number 0; nothing where it does not lead.
   virtual std::optional<RankFigures> figures() = 0;
-  /// By all others meanwhile: returns the exit code of the run when number 0 has ended.
-  virtual int follow(Simulation& part, PartSetup setup) = 0;
+  /// By all others meanwhile: until number 0 has ended, or has announced another simulation, of which they follow next.
+  struct Followed {
+    int code = 0;             ///< exit code of the run
+    std::string announced{};  ///< empty: number 0 has ended
+  };
+  virtual Followed follow(Simulation& part, PartSetup setup) = 0;
 
   /// That of this program; null where it is alone.
   static RankTeam* of_program() { return of_program_; }

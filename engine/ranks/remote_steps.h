@@ -24,9 +24,9 @@ class RemoteSteps {
   virtual void send(Simulation& whole) = 0;
   /// Their state comes into the simulation.
   virtual void fetch(Simulation& whole) = 0;
-  /// The contacts of the last step come into its workspace, in canonical order, and its bodies to where they are now:
-  /// whatever else it knows of them may be of an earlier step.
-  virtual void fetch_contacts(Simulation& whole) = 0;
+  /// The contacts of the last step come into its workspace, and its bodies to where they are now: whatever else it
+  /// knows of them may be of an earlier step. in_pieces: in the order of ContactPieces, else in canonical order.
+  virtual void fetch_contacts(Simulation& whole, bool in_pieces) = 0;
   /// A step of all of them; what it did is summed up in the report. False where some free body is outside the domain or
   /// its state is no number.
   virtual bool step(double dt, const std::optional<Domain>& domain, StepReport& report) = 0;

@@ -7,7 +7,7 @@
 
 namespace epafi {
 
-void WrapBodies::before_step(World& world, double, std::vector<BodyId>&) {
+bool WrapBodies::asks(const World& world) const {
   const PeriodicCell& cell = *world.cell;
   const auto outside = [&](std::size_t s) {
     for (int k = 0; k < 3; ++k) {
@@ -20,7 +20,11 @@ void WrapBodies::before_step(World& world, double, std::vector<BodyId>&) {
   const auto is_astray = [&](std::size_t i) {
     return static_cast<char>(world.is_movable(static_cast<Slot>(i)) && outside(i));
   };
-  if (block_max<char>(world.size(), 0, is_astray) == 0) return;
+  return block_max<char>(world.size(), 0, is_astray) != 0;
+}
+
+void WrapBodies::answer(World& world) {
+  const PeriodicCell& cell = *world.cell;
   parallel_for(world.size(), [&](std::size_t s) {
     if (!world.is_movable(static_cast<Slot>(s))) return;
     for (int k = 0; k < 3; ++k) {

@@ -12,7 +12,13 @@ class WrapBodies final : public Event {
  public:
   /// slack [m], > 0
   explicit WrapBodies(double slack) : slack_(slack) {}
-  void before_step(World& world, double dt, std::vector<BodyId>& leaving) override;
+  void before_step(World& world, double, std::vector<BodyId>&) override {
+    if (asks(world)) answer(world);
+  }
+  bool is_local() const override { return true; }
+  bool is_common() const override { return true; }
+  bool asks(const World& world) const override;
+  void answer(World& world) override;
 
  private:
   double slack_;

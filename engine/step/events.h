@@ -21,6 +21,10 @@ class Event {
   virtual bool rests_next(const World& /*world*/, double /*dt*/) const { return false; }
   /// It asks for no other body than fixed and driven ones, so that every process of a run can do it for itself.
   virtual bool is_local() const { return false; }
+  /// A local event that all bodies decide on: every process does `answer` where `asks` is true on some of them.
+  virtual bool is_common() const { return false; }
+  virtual bool asks(const World&) const { return false; }
+  virtual void answer(World&) {}
   virtual void visit(StateVisitor&) {}
 };
 

@@ -6,10 +6,15 @@ namespace epafi {
 
 namespace {
 
+/// Its work is counted here: of several processes by its owner.
+bool is_own(const World& world, Slot s) {
+  return world.is_movable(s) && (world.owner.empty() || world.owner[s] == World::here);
+}
+
 Vec3 first_moment(const World& world) {
   const auto sum = block_sum<Sum3>(world.size(), [&](std::size_t i) {
     const auto s = static_cast<Slot>(i);
-    if (!world.is_movable(s)) return Sum3{};
+    if (!is_own(world, s)) return Sum3{};
     const Vec3 m = world.unwrapped(s) / world.inverse_mass[s];
     return Sum3{m.x(), m.y(), m.z()};
   });
@@ -48,7 +53,7 @@ void Loads::kick(World& world, double dt) {
     if (s == no_slot || !world.is_movable(s) || !load.torque) continue;
     const Vec3 impulse = 0.5 * dt * world.external_torque[s], before = world.angular_velocity[s];
     world.apply_angular_impulse(s, impulse);
-    kick_work_ += 0.5 * impulse.dot(before + world.angular_velocity[s]);
+    if (is_own(world, s)) kick_work_ += 0.5 * impulse.dot(before + world.angular_velocity[s]);
   }
 }
 
@@ -75,7 +80,7 @@ double Loads::after_step(World& world, double dt) {
   if (gravity_.loose) work += world.loose_gravity.dot(first_moment(world) - moment_);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Slot s = world.slot_of(bodies_[k].body);
-    if (s == no_slot || !world.is_movable(s)) continue;
+    if (s == no_slot || !is_own(world, s)) continue;
     if (bodies_[k].force) work += world.loose_force[s].dot(world.unwrapped(s) - place_[k]);
     if (bodies_[k].torque && !kicks_)
       work += 0.5 * dt * world.external_torque[s].dot(spin_[k] + world.angular_velocity[s]);

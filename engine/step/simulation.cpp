@@ -109,7 +109,7 @@ std::optional<Failure> Simulation::look_at_step() {
   if (!away_.stepped) {
     show_contacts(ContactView::pieces, false, look);
   } else {  // it asks for contacts and places alone: the state of all bodies may stay away
-    remote->fetch_contacts(*this);
+    remote->fetch_contacts(*this, true);
     look({world, work.contacts, work.pairs, work.report, ledger, steps_, time_step, movable_, false, nullptr});
   }
   return failure;
@@ -164,6 +164,8 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort) {
   away_.dt = dt;
   away_.home = false;
   away_.stepped = true;
+  if (loads) loads->set(world, world.clock + 0.5 * dt);  // those of the bodies are at work elsewhere
+  work.contacts.clear();
   const bool sound = remote->step(dt, watched(), work.report);
   world.time += dt;
   world.clock += dt;
@@ -171,14 +173,12 @@ std::optional<Failure> Simulation::make_remote_step(double dt, bool sort) {
   ledger.add(work.report, dt * world.gravity.norm());
   if (sound) return std::nullopt;
   come_home();
-  remote->fetch_contacts(*this);
+  remote->fetch_contacts(*this, false);
   return look_at_strays();
 }
 
 void Simulation::come_home() {
-  if (std::exchange(away_.home, true)) return;
-  work.contacts.clear();
-  remote->fetch(*this);
+  if (!std::exchange(away_.home, true)) remote->fetch(*this);
 }
 
 /// Bodies from slot `before` on came in: their energy is work done on the scene.
@@ -299,6 +299,8 @@ void Simulation::observe(bool last) {
     contacts = std::max(contacts, o->wants_contacts(steps_, last));
   }
   if (!any) return;
+  // before the state comes home: what models keep by themselves is in one set with all others then
+  if (away_.stepped && contacts != ContactView::none) remote->fetch_contacts(*this, contacts != ContactView::all);
   if (energy || bodies) come_home();
   if (energy) ledger.measure(world);
   show_contacts(contacts, last, [&](const StepView& now) {
@@ -311,8 +313,8 @@ void Simulation::show_contacts(ContactView needed, bool last, const std::functio
   const ContactModel* model = pipeline.contact_model.get();
   if (away_.stepped) {
     if (needed != ContactView::none) {
+      remote->fetch_contacts(*this, needed != ContactView::all);
       come_home();
-      remote->fetch_contacts(*this);
     }
     model = nullptr;  // all are in the set
   } else if (needed == ContactView::all) {

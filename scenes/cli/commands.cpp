@@ -163,11 +163,15 @@ void note_thinned(const Assembly& assembly) {
   std::_Exit(exit_file);
 }
 
-/// This process follows another one: its part of the steps until the run ends.
-int follow(const Assembly& part) {
+/// This process follows another one: its part of the steps until the run ends, stage after stage.
+int follow(std::unique_ptr<Assembly> part) {
   std::signal(SIGINT, SIG_IGN);  // whoever leads writes a checkpoint and ends the run
   std::signal(SIGTERM, SIG_IGN);
-  return RankTeam::of_program()->follow(*part.simulation, part_setup(part));
+  while (true) {
+    const RankTeam::Followed end = RankTeam::of_program()->follow(*part->simulation, part_setup(*part));
+    if (end.announced.empty()) return end.code;
+    part = part_of(end.announced);
+  }
 }
 
 bool follows(const RankTeam* team) { return team != nullptr && team->number() > 0; }
@@ -180,7 +184,7 @@ int command_run(const CommonOptions& common, const RunOptions& options) {
   auto assembly = assemble(read_or_throw(common.scene, common.overrides));
   RankTeam* const team = RankTeam::of_program();
   if (team) check_shareable(*assembly);
-  if (follows(team)) return follow(*assembly);
+  if (follows(team)) return follow(std::move(assembly));
   print_problems(assembly->warnings);
   check_conditions(*assembly);
   print_warnings(check_stages(assembly->scene), assembly->warnings);
@@ -295,9 +299,7 @@ int command_resume(const std::string& directory, const RunOptions& options, cons
     const std::uint64_t first = record.stages.empty() ? 0 : record.stages.back().first_step;
     assembly->steps = std::max(assembly->steps, *limits.steps - first);
   }
-  if (team && changed)
-    throw SceneError("a run is changed by one process: resume it with --set or --scene without `mpi N`");
-  if (follows(team)) return follow(*assembly);
+  if (follows(team)) return follow(std::move(assembly));
   const SignalWatch from_the_first_file_on;
   if (team) share_out(*assembly, assemble(scene_of(header, record), ready), *team);
   auto session = Session::resume(std::move(assembly), header.overrides, folder);

@@ -24,12 +24,25 @@ on_ranks 3 1 "$shared" resume "$folder/struck2" --steps 60 --quiet > "$folder/lo
 "$alone" resume "$folder/struck2" --steps 70 --quiet -t 1 > "$folder/log" 2>&1 || fail "impulses alone: $(tail -1 "$folder/log")"
 [ "$(hash_of "$folder/struck2")" = "$(hash_of "$folder/struck")" ] || fail "impulses after 2, 3 and 1 ranks: another state"
 
+# cut in each of three stages, gone on with on other numbers; changed by a resume
+acts=$(dirname "$0")/acts.toml
+"$alone" run "$acts" --quiet -t 1 -o "$folder/acts" 2> "$folder/log" || fail "acts, straight: $(tail -1 "$folder/log")"
+on_ranks 2 1 "$shared" run "$acts" --steps 50 --quiet -o "$folder/acts2" > "$folder/log" 2>&1 || fail "acts on two: $(tail -1 "$folder/log")"
+on_ranks 3 1 "$shared" resume "$folder/acts2" --steps 90 --quiet > "$folder/log" 2>&1 || fail "acts on three: $(tail -1 "$folder/log")"
+on_ranks 2 1 "$shared" resume "$folder/acts2" --steps 100 --quiet > "$folder/log" 2>&1 || fail "acts on two again: $(tail -1 "$folder/log")"
+"$alone" resume "$folder/acts2" --quiet -t 1 > "$folder/log" 2>&1 || fail "acts alone: $(tail -1 "$folder/log")"
+[ "$(hash_of "$folder/acts2")" = "$(hash_of "$folder/acts")" ] || fail "acts after 2, 3, 2 and 1 ranks: another state"
+change=(--set world.gravity=[0,0,-5] --until 0.02 --quiet)
+"$alone" resume "$folder/acts" -t 1 "${change[@]}" > "$folder/log" 2>&1 || fail "changed alone: $(tail -1 "$folder/log")"
+on_ranks 3 1 "$shared" resume "$folder/acts2" "${change[@]}" > "$folder/log" 2>&1 || fail "changed on three: $(tail -1 "$folder/log")"
+[ "$(hash_of "$folder/acts2")" = "$(hash_of "$folder/acts")" ] || fail "acts, changed: another state"
+
 # a wrong scene, one message of rank 0, exit code 2
 cat > "$folder/wrong.toml" <<SCENE
 run = { duration = 0.1, time_step = 1e-4 }
-material.m = { density = 1000.0 }
-contact = { method = "nonsmooth" }
-world = { domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = ["x"] } }
+material.m = { density = 1000.0, youngs_modulus = "5 MPa", poissons_ratio = 0.3 }
+contact = { method = "smooth", restitution = 0.6, friction = 0.5, smooth = { law = "hertz-mindlin" } }
+world = { domain = { min = [0, 0, 0], max = [1, 1, 1], periodic = ["x"], strain_rate = [0.1, 0, 0] } }
 [[body]]
 shape = { sphere = { radius = 0.1 } }
 material = "m"
@@ -37,7 +50,7 @@ position = [0.5, 0.5, 0.5]
 SCENE
 on_ranks 3 1 "$shared" run "$folder/wrong.toml" -o "$folder/refused" > "$folder/log" 2>&1
 [ $? -eq 2 ] || fail "a scene that is refused: exit code $?"
-[ "$(grep -c 'wrong.toml:4:[0-9]*: error: a periodic cell .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
+[ "$(grep -c 'wrong.toml:4:[0-9]*: error: a cell that deforms .*run the scene without' "$folder/log")" = 1 ] || fail "no single line that refuses: $(cat "$folder/log")"
 on_ranks 3 1 "$shared" run "$folder/absent.toml" > "$folder/log" 2>&1
 code=$?
 "$alone" run "$folder/absent.toml" > /dev/null 2>&1

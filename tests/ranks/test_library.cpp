@@ -27,7 +27,7 @@ std::string refusal(const Assembly& assembly) {
 std::string shared_hash(SceneRun& run, const Short& s) {
   MpiTeam team;
   if (team.number() != 0) {
-    CHECK(team.follow(run.simulation(), part_setup(*run.assembly)) == 0);
+    CHECK(team.follow(run.simulation(), part_setup(*run.assembly)).code == 0);
     return "";
   }
   SceneRun part = prepare_scene(library(s.scene), s.overrides);

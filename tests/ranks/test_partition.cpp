@@ -73,6 +73,7 @@ TEST_CASE("a box meets the parts of all points in it, far outside too") {
   for (int trial = 0; trial < 300; ++trial) {
     const double half = random.uniform(0.01, 0.5), far = trial % 10 == 0 ? 100.0 : 1.0;
     const Vec3 centre = far * all[static_cast<std::size_t>(trial)];
+    ranks.clear();
     partition.ranks_near(centre, half, ranks);
     for (int k = 0; k < 20; ++k) {
       const Vec3 inside = centre + half * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
@@ -91,6 +92,7 @@ TEST_CASE("a partition without points, and with fewer points than ranks, still o
       const int owner = partition.owner(x);
       CHECK(owner >= 0);
       CHECK(owner < rank_count());
+      ranks.clear();
       partition.ranks_near(x, 0.1, ranks);
       CHECK(std::ranges::find(ranks, owner) != ranks.end());
     }

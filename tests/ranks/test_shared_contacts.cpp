@@ -99,7 +99,7 @@ TEST_CASE("random heaps under impulses by all ranks have the bits of one process
                           help_with_sweeps};
     MpiTeam team;
     if (rank_number() != 0) {
-      CHECK(team.follow(*part->simulation, setup) == 0);
+      CHECK(team.follow(*part->simulation, setup).code == 0);
       continue;
     }
     Heap alone(draw), shared(draw);

@@ -202,7 +202,10 @@ class Sharing final : public RemoteSteps {
     order(1);
     part_.give(&whole);
   }
-  void fetch_contacts(Simulation& whole) override { order(2), part_.give_contacts(&whole); }
+  void fetch_contacts(Simulation& whole, bool in_pieces) override {
+    order(in_pieces ? 5 : 2);
+    part_.give_contacts(&whole, in_pieces);
+  }
   bool step(double, const std::optional<Domain>& domain, StepReport& report) override {
     order(3);
     return part_.step(dt, domain, report);
@@ -215,7 +218,7 @@ class Sharing final : public RemoteSteps {
       broadcast(&what, sizeof what);
       if (what == 0) part.receive(nullptr);
       if (what == 1) part.give(nullptr);
-      if (what == 2) part.give_contacts(nullptr);
+      if (what == 2 || what == 5) part.give_contacts(nullptr, what == 5);
       if (what == 3) part.step(dt, std::nullopt, report);
     }
   }

@@ -31,6 +31,7 @@ epafi_same_bits(bed "1x2 2x2 3x1 4x1" 600 scenes/library/bed/bed.toml params.n=2
 epafi_same_bits(hopper "3x1" 300 scenes/library/hopper/hopper.toml params.n=200 params.open_at=0.01)
 epafi_same_bits(mixed "2x1 3x1" 150 tests/ranks/mixed.toml)
 epafi_same_bits(kinds "3x1" 105 tests/ranks/kinds.toml)
+epafi_same_bits(acts "1x2 3x1" 1000 tests/ranks/acts.toml)
 # non-smooth contact: contacts are found by all ranks, impulses by the first
 set(library scenes/library)
 epafi_same_bits(stack "3x1" 150 ${library}/stacking/stack.toml)
@@ -39,6 +40,8 @@ epafi_same_bits(stones "1x2 2x2 3x1" 150 ${library}/pile/polyhedra.toml params.n
 epafi_same_bits(cards "3x1" 120 ${library}/stability/card_house.toml)
 epafi_same_bits(balls "3x1" 60 ${library}/simbenchmark/balls_666.toml)
 epafi_same_bits(impulses "1x2 3x1 4x1" 160 tests/ranks/impulses.toml)
+epafi_same_bits(hard_acts "1x2 3x1" 1000 tests/ranks/acts.toml contact.method=nonsmooth)
+epafi_same_bits(arch_acts "3x1" 400 ${library}/stages/tilted_arch.toml)
 add_test(NAME "ranks: faults" COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/ranks/faults.sh $<TARGET_FILE:epafi> $<TARGET_FILE:epafi-mpi>
   ${PROJECT_BINARY_DIR}/ranks/faults ${PROJECT_SOURCE_DIR}/scenes/library/bed/bed.toml
   ${PROJECT_SOURCE_DIR}/tests/ranks/impulses.toml)

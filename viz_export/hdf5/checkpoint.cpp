@@ -152,7 +152,7 @@ void save_checkpoint(const std::filesystem::path& path, const CheckpointHeader& 
   SideFile side(path);
   Hdf5File file(side.path(), Hdf5File::Mode::create);
   SavingVisitor visitor(file);
-  file.make_group(columns_group);
+  file.make_group("/state");
   walk(visitor);
   file.set_attribute("/", "kind", std::string(kind));
   file.set_attribute("/", "format", format_number);

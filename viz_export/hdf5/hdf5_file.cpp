@@ -34,6 +34,13 @@ class Handle {
   Close close_;
 };
 
+/// What is made in a file keeps no time of its making: the same run writes the same bytes.
+Handle timeless(hid_t kind) {
+  Handle list(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(list, false);
+  return list;
+}
+
 /// HDF5's description of where the last call failed: the innermost frame, which is nearest to the cause.
 std::string last_cause() {
   std::string cause;
@@ -122,6 +129,13 @@ struct Hdf5File::Impl {
     if (rank > 0) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
     return dims;
   }
+  bool has(const std::string& name) const;
+  void make_group(const std::string& name) const;
+  /// All groups that lead to `name`.
+  void make_parents(const std::string& name) const {
+    const std::size_t last = name.find_last_not_of('/', name.rfind('/'));  // before one or several in a row
+    if (name.find('/') != std::string::npos && last != std::string::npos) make_group(name.substr(0, last + 1));
+  }
   /// rows: at first, of one that is extendable.
   Handle make_dataset(const std::string& name, Hdf5Type type, hsize_t rows, const Hdf5Layout& layout) const;
   /// extents: of the rows from `first` on that are written.
@@ -184,7 +198,7 @@ Hdf5File::Hdf5File(const std::filesystem::path& path, Mode mode) : impl_(std::ma
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   if (mode == Mode::read && !set_checked_reading(access)) impl_->fail("open");
   if (mode == Mode::create) {
-    impl_->id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    impl_->id = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, timeless(H5P_FILE_CREATE), access);
   } else {
     impl_->id = H5Fopen(path.c_str(), mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access);
   }
@@ -214,11 +228,13 @@ void Hdf5File::close() {
   H5garbage_collect();  // it keeps 2 MB for the next file: 5 bytes of each of 400 000 spheres
 }
 
-bool Hdf5File::has(const std::string& name) const {
+bool Hdf5File::has(const std::string& name) const { return impl_->has(name); }
+
+bool Hdf5File::Impl::has(const std::string& name) const {
   // every group on the way is asked for: H5Lexists fails where one is missing
   for (std::size_t end = name.find('/', 1);; end = name.find('/', end + 1)) {
     const std::string part = name.substr(0, end);
-    if (part != "/" && H5Lexists(impl_->id, part.c_str(), H5P_DEFAULT) <= 0) {
+    if (part != "/" && H5Lexists(id, part.c_str(), H5P_DEFAULT) <= 0) {
       H5Eclear2(H5E_DEFAULT);
       return false;
     }
@@ -239,12 +255,13 @@ std::vector<std::string> Hdf5File::children(const std::string& group) const {
   return names;
 }
 
-void Hdf5File::make_group(const std::string& name) {
+void Hdf5File::make_group(const std::string& name) { impl_->make_group(name); }
+
+void Hdf5File::Impl::make_group(const std::string& name) const {
   if (has(name)) return;
-  const Handle make_parents(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(make_parents, 1);
-  const hid_t made = H5Gcreate2(impl_->id, name.c_str(), make_parents, H5P_DEFAULT, H5P_DEFAULT);
-  impl_->checked(made, H5Gclose, "create group '" + name + "'");
+  make_parents(name);
+  const hid_t made = H5Gcreate2(id, name.c_str(), H5P_DEFAULT, timeless(H5P_GROUP_CREATE), H5P_DEFAULT);
+  checked(made, H5Gclose, "create group '" + name + "'");
 }
 
 void Hdf5File::remove(const std::string& name) {
@@ -257,9 +274,8 @@ Handle Hdf5File::Impl::make_dataset(const std::string& name, Hdf5Type type, hsiz
   const hsize_t dims[2] = {rows, layout.columns}, most[2] = {layout.extendable ? H5S_UNLIMITED : rows, layout.columns};
   const int rank = layout.columns > 1 ? 2 : 1;
   const Handle space = checked(H5Screate_simple(rank, dims, most), H5Sclose, what);
-  const Handle make_parents(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(make_parents, 1);
-  const Handle create(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  make_parents(name);
+  const Handle create = timeless(H5P_DATASET_CREATE);
   H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
   if (layout.extendable || (layout.compressed && rows > 0)) {
     const hsize_t chunk_rows = layout.extendable ? layout.chunk_rows : std::min<hsize_t>(rows, layout.chunk_rows);
@@ -270,7 +286,7 @@ Handle Hdf5File::Impl::make_dataset(const std::string& name, Hdf5Type type, hsiz
       check(H5Pset_deflate(create, 1), what);
     }
   }
-  const hid_t made = H5Dcreate2(id, name.c_str(), memory_type(type), space, make_parents, create, H5P_DEFAULT);
+  const hid_t made = H5Dcreate2(id, name.c_str(), memory_type(type), space, H5P_DEFAULT, create, H5P_DEFAULT);
   return checked(made, H5Dclose, what);
 }
 
@@ -377,9 +393,9 @@ void Hdf5File::write_text(const std::string& name, const std::string& text) {
   const std::string what = "write text '" + name + "'";
   const Handle type = text_type(text.size());
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle make_parents(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(make_parents, 1);
-  const hid_t made = H5Dcreate2(impl_->id, name.c_str(), type, space, make_parents, H5P_DEFAULT, H5P_DEFAULT);
+  impl_->make_parents(name);
+  const hid_t made =
+      H5Dcreate2(impl_->id, name.c_str(), type, space, H5P_DEFAULT, timeless(H5P_DATASET_CREATE), H5P_DEFAULT);
   const Handle d = impl_->checked(made, H5Dclose, what);
   impl_->check(H5Dwrite(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()), what);
 }

@@ -1,6 +1,7 @@
 #include "laws/smooth/fused/fused_spheres.h"
 
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "engine/lanes/targets.h"
@@ -200,11 +201,15 @@ class FusedModel final : public FusedSpheres {
   void append_contacts(const World& world, std::size_t part, ContactSet& contacts) const override {
     const SphereContacts all(world, blocks_);
     const SphereContacts::LoadOf load = loads(world);
-    all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) {
+    std::vector<SphereContact> sorted;
+    all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) { sorted.push_back(c); });
+    std::ranges::sort(sorted, {},
+                      [&](const SphereContact& c) { return std::tuple(all.first(c), all.second(c), all.image(c)); });
+    for (const SphereContact& c : sorted) {
       const NamedContact n = all.named(c, load);
       contacts.append(n.a, n.b, n.point);
       contacts.force.push_back(n.on_a.force);
-    });
+    }
   }
 
   void reorder(const Reordering& change) override { generic_->reorder(change), blocks_.reorder(change); }
