@@ -120,22 +120,47 @@ std::vector<std::byte> Part::contact_rows(bool in_pieces) {
   return rows;
 }
 
-/// Those of the model stand by the lower slot, or the sphere's at a plane.
+namespace {
+
+/// Of a body in a contact, as a contact model orders what it keeps by itself: balls of free clumps, held balls, others.
+struct PlaceInModel {
+  int kind;
+  Slot body;
+  std::uint32_t part;  ///< of the clump
+  auto operator<=>(const PlaceInModel&) const = default;
+};
+
+struct ContactKey {
+  bool own;
+  PlaceInModel first, second;
+  Feature feature;
+  std::size_t row;
+  auto operator<=>(const ContactKey&) const = default;
+};
+
+}  // namespace
+
+/// Those of the model stand by the lower place, or the ball's at a plane.
 void Part::put_contacts(const std::vector<std::byte>& rows, World& world, ContactSet& all) const {
-  struct Key {
-    bool own;
-    Slot first, second;
-    Feature feature;
-    std::size_t row;
-    auto operator<=>(const Key&) const = default;
+  const auto is_plane = [&](Slot s) { return std::isinf(territory_.radius(world.shape[s])); };
+  const auto place_of = [&](Slot s, Feature& parts) -> PlaceInModel {
+    const bool clump = territory_.is_clump(world.shape[s]);
+    const auto part = static_cast<std::uint32_t>(clump ? parts >> 48 & 0xffu : 0u);
+    if (clump) parts <<= 8;  // that of the other one is next
+    return {!world.is_movable(s) ? 1 : clump ? 0 : 2, s, part};
   };
-  std::vector<Key> keys;
+  std::vector<ContactKey> keys;
   for (std::size_t k = 0; k < rows.size() / sizeof(ContactRow); ++k) {
     const auto row = row_at<ContactRow>(rows, k);
-    Slot a = world.slot_of(static_cast<BodyId>(row.a)), b = world.slot_of(static_cast<BodyId>(row.b));
-    const auto is_plane = [&](Slot s) { return std::isinf(territory_.radius(world.shape[s])); };
-    if (row.own != 0 && !is_plane(b) && (is_plane(a) || b < a)) std::swap(a, b);
-    keys.push_back({row.own != 0, a, b, row.feature, k});
+    const Slot a = world.slot_of(static_cast<BodyId>(row.a)), b = world.slot_of(static_cast<BodyId>(row.b));
+    ContactKey key{row.own != 0, {0, a, 0}, {0, b, 0}, row.feature, k};
+    if (key.own) {
+      Feature parts = row.feature;
+      key.first = place_of(a, parts);
+      key.second = place_of(b, parts);
+      if (!is_plane(b) && (is_plane(a) || key.second < key.first)) std::swap(key.first, key.second);
+    }
+    keys.push_back(key);
   }
   std::ranges::sort(keys);
   all.renew(keys.size());

@@ -33,6 +33,7 @@ class Territory {
   Routes routes(const World& world, const Owners& owner, const std::vector<std::uint32_t>& place,
                 const std::vector<int>& held) const;
   double radius(std::uint32_t shape) const { return setup_.radius(shape); }
+  bool is_clump(std::uint32_t shape) const { return setup_.is_clump(shape); }
 
  private:
   void measure(const World& world, const Owners& owner);

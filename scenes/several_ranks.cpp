@@ -70,7 +70,9 @@ void check_shareable(const Assembly& a) {
 PartSetup part_setup(const Assembly& a) {
   const auto radius = [shapes = a.shapes](std::uint32_t shape) { return shapes->bounding_radius(ShapeRef{shape}); };
   const bool smooth = a.scene.contact.method.value == Method::smooth;
-  return {smooth ? PartSetup::Shares::steps : PartSetup::Shares::contacts, a.plan.reach, radius, help_with_sweeps};
+  const auto is_clump = [](std::uint32_t shape) { return ShapeRef{shape}.type() == ShapeStore::type_of<Clump>(); };
+  return {smooth ? PartSetup::Shares::steps : PartSetup::Shares::contacts, a.plan.reach, radius, is_clump,
+          help_with_sweeps};
 }
 
 void share_out(Assembly& whole, std::unique_ptr<Assembly> part, RankTeam& team) {

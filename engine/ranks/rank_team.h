@@ -18,6 +18,7 @@ struct PartSetup {
   Shares shares = Shares::steps;
   double reach = 0.0;                                 ///< contacts begin at this gap [m]
   std::function<double(std::uint32_t shape)> radius;  ///< bounding radius of World::shape [m]
+  std::function<bool(std::uint32_t shape)> is_clump;  ///< of World::shape
   std::function<void(RankMessages&)> help;            ///< with what process 0 solves (RankMessages::together)
 };
 

@@ -96,6 +96,7 @@ TEST_CASE("random heaps under impulses by all ranks have the bits of one process
     auto part = std::make_shared<Heap>(draw);
     const PartSetup setup{PartSetup::Shares::contacts, 0.01,
                           [part](std::uint32_t s) { return part->shapes->bounding_radius(ShapeRef{s}); },
+                          {},
                           help_with_sweeps};
     MpiTeam team;
     if (rank_number() != 0) {

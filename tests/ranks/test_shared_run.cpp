@@ -230,8 +230,11 @@ class Sharing final : public RemoteSteps {
 
 void compare(bool fused, bool shaken, int steps) {
   Box mine(fused, shaken);
-  const PartSetup setup{
-      PartSetup::Shares::steps, 0.0, [&](std::uint32_t s) { return mine.shapes->bounding_radius(ShapeRef{s}); }, {}};
+  const PartSetup setup{PartSetup::Shares::steps,
+                        0.0,
+                        [&](std::uint32_t s) { return mine.shapes->bounding_radius(ShapeRef{s}); },
+                        [](std::uint32_t) { return false; },
+                        {}};
   Part part(*mine.simulation, setup);
   if (rank_number() != 0) return Sharing::follow(part);
   Box alone(fused, shaken), shared(fused, shaken);

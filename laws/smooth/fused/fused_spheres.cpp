@@ -203,8 +203,9 @@ class FusedModel final : public FusedSpheres {
     const SphereContacts::LoadOf load = loads(world);
     std::vector<SphereContact> sorted;
     all.each(static_cast<std::uint32_t>(part), [&](const SphereContact& c) { sorted.push_back(c); });
-    std::ranges::sort(sorted, {},
-                      [&](const SphereContact& c) { return std::tuple(all.first(c), all.second(c), all.image(c)); });
+    std::ranges::sort(sorted, {}, [&](const SphereContact& c) {
+      return std::tuple(all.first_place(c), all.second_place(c), all.second(c), all.image(c));
+    });
     for (const SphereContact& c : sorted) {
       const NamedContact n = all.named(c, load);
       contacts.append(n.a, n.b, n.point);
@@ -401,7 +402,8 @@ class FusedModel final : public FusedSpheres {
   /// Work of driven balls and of the strain of a cell.
   void drive(World& world, bool others, double dt, StepReport& report) {
     if (!world.cell && blocks_.balls().empty()) return;
-    double power = blocks_.balls().driven_power(world);
+    double power = world.owner.empty() ? blocks_.balls().driven_power(world)
+                                       : SphereContacts(world, blocks_).driven_power(loads(world));
     if (world.cell) power += deform(*world.cell, others);
     report.work += 0.5 * dt * (driven_power_ + power);
     driven_power_ = power;
