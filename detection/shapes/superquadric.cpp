@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detection/shapes/whole_root.h"
+
 namespace epafi {
 namespace {
+
+using TwoRoots = LanesOf<2>::Real;
 
 /// Integral over w in [0, 1] of w^p (1 - w^n)^q.
 double shape_integral(double p, double n, double q) {
@@ -18,40 +22,7 @@ double reach_of(double a, double b, int n) {
   return most * std::sqrt(std::pow(std::pow(a / most, k) + std::pow(b / most, k), 1.0 - 2.0 / n));
 }
 
-/// Point (u, v) of u^n + v^n = 1 where p u + q v is largest; p, q >= 0, not both 0.
-struct GridCorner {
-  double u, v;
-};
-GridCorner farthest(double p, double q, int n) {
-  const double most = std::max(p, q);
-  const double u = whole_root(p / most, n - 1), v = whole_root(q / most, n - 1);
-  const double scale = whole_root(whole_power(u, n) + whole_power(v, n), n);
-  return {u / scale, v / scale};
-}
-
 }  // namespace
-
-double whole_power(double x, int k) {
-  double result = 1.0;
-  for (; k > 0; k >>= 1, x *= x)
-    if (k & 1) result *= x;
-  return result;
-}
-
-double whole_root(double x, int k) {
-  if (!(x > 0.0)) return 0.0;
-  if (k == 1 || x == 1.0) return x;
-  if (k == 2) return std::sqrt(x);
-  int exponent = 0;
-  double fraction = std::frexp(x, &exponent);  // exact
-  const int shift = ((exponent % k) + k) % k;
-  const double t = 1.0 - static_cast<double>(shift) / k;  // the root lies in [2^-t 2^(-1/k), 2^-t)
-  fraction = std::ldexp(fraction, shift - k);
-  // 2^-t by its series, within 1e-3 on [0, 1]; from within a factor 1.3 seven steps of Newton's method end in rounding
-  double y = 1.0 + t * (-0.6931 + t * (0.2402 + t * (-0.0555 + t * 0.0092)));
-  for (int step = 0; step < 7; ++step) y -= (y - fraction / whole_power(y, k - 1)) / k;
-  return std::ldexp(y, (exponent - shift) / k + 1);
-}
 
 Superquadric::Superquadric(const Vec3& abc, int n, int m) : semi_axes(abc), across(n), along(m) {
   const double section = 4.0 * abc.x() * abc.y() * shape_integral(0, n, 1.0 / n);  // area at z = 0
@@ -62,21 +33,44 @@ Superquadric::Superquadric(const Vec3& abc, int n, int m) : semi_axes(abc), acro
   least_radius_ = find_least_radius();
 }
 
-/// Of the directions of a grid over one octant, halved for what lies between them.
+/// The smaller principal radius where the normal is d [m].
+double Superquadric::radius_at(const Vec3& d) const {
+  const Mat3 k = curved_support(d).derivative;
+  const Vec3 u = d.unitOrthogonal(), v = d.cross(u);
+  const Vec3 ku = k * u, kv = k * v;
+  const double uu = u.dot(ku), uv = u.dot(kv), vv = v.dot(kv);
+  const double mean = 0.5 * (uu + vv), apart = 0.5 * (uu - vv);
+  return (uu * vv - uv * uv) / (mean + std::sqrt(apart * apart + uv * uv));
+}
+
+/// The least of a grid of directions over one octant, and from there downhill by ever shorter steps along the grid.
 double Superquadric::find_least_radius() const {
   constexpr int cells = 24;
+  const auto radius = [this](const Vec3& sides) { return radius_at(sides.cwiseQuotient(semi_axes).normalized()); };
   double least = infinity;
+  Vec3 best;
   for (int i = 0; i <= cells; ++i)
     for (int j = 0; i + j <= cells; ++j) {
-      const Vec3 d = Vec3(i, j, cells - i - j).cwiseQuotient(semi_axes).normalized();
-      const Mat3 k = curved_support(d).derivative;
-      // the two radii are the roots of x^2 - trace x + sum of the principal minors
-      const double trace = k.trace();
-      const double minors = 0.5 * (trace * trace - (k * k).trace());
-      const double root = std::sqrt(std::max(0.0, 0.25 * trace * trace - minors));
-      least = std::min(least, minors / (0.5 * trace + root));
+      const Vec3 sides(i, j, cells - i - j);
+      const double r = radius(sides);
+      if (!(r < least)) continue;
+      least = r;
+      best = sides;
     }
-  return 0.5 * least;
+  double step = 0.5;
+  for (int round = 0; round < 60 && step > 1e-3; ++round) {
+    const Vec3 from = best;
+    for (int axis = 0; axis < 6; ++axis) {
+      Vec3 to = from;
+      to[axis / 2] += axis % 2 == 0 ? step : -step;
+      const double r = radius(to.cwiseAbs());
+      if (!(r < least)) continue;
+      least = r;
+      best = to.cwiseAbs();
+    }
+    if (best == from) step *= 0.5;
+  }
+  return 0.98 * least;
 }
 
 Entry Superquadric::entry() {
@@ -90,49 +84,118 @@ Entry Superquadric::entry() {
           "Barr 1981"};
 }
 
+// The norm dual to that of exponent n is T = (p^n' + q^n')^(1/n'), n' = n/(n - 1). With p^n' = p p^(1/(n - 1)) that is
+// S^(1 - 1/n) of S = p p^(1/(n - 1)) + q q^(1/(n - 1)), and the coordinates are p^(1/(n - 1)) S^(-1/n).
 Superquadric::UnitPoint Superquadric::unit_point(const Vec3& d) const {
   const Vec3 stretched = semi_axes.cwiseProduct(d).cwiseAbs();
-  UnitPoint p;
-  if (!(stretched.maxCoeff() > 0.0)) return p;
-  if (std::max(stretched.x(), stretched.y()) > 0.0) {
-    const GridCorner flat = farthest(stretched.x(), stretched.y(), across);
-    p.u = flat.u;
-    p.v = flat.v;
-    p.beside = stretched.x() * flat.u + stretched.y() * flat.v;
-  }
-  const GridCorner up = farthest(p.beside, stretched.z(), along);
-  p.scale = up.u;
-  p.height = up.v;
-  p.reach = p.beside * up.u + stretched.z() * up.v;
+  const double most = stretched.maxCoeff();
+  if (!(most > 0.0)) return {};
+  const Vec3 sides = stretched / most;
+  UnitPoint p = across == along ? point_of_one_exponent(sides) : point_of_two_exponents(sides);
+  p.reach *= most;
   return p;
 }
 
-Vec3 Superquadric::on_surface(const UnitPoint& p, const Vec3& d) const {
-  Vec3 out = semi_axes.cwiseProduct(Vec3(p.u * p.scale, p.v * p.scale, p.height));
+Superquadric::UnitPoint Superquadric::point_of_one_exponent(const Vec3& sides) const {
+  const Lanes roots = whole_roots(Lanes{sides.x(), sides.y(), sides.z(), 0.0}, along - 1);
+  const Vec3 root(roots[0], roots[1], roots[2]);
+  const double sum = sides.dot(root), of_sum = whole_root(sum, along), norm = sum / of_sum;
+  UnitPoint p;
+  p.x = root / of_sum;
+  p.slope = sides / norm;
+  p.reach = norm;
+  return p;
+}
+
+Superquadric::UnitPoint Superquadric::point_of_two_exponents(const Vec3& sides) const {
+  UnitPoint p;
+  double beside = 0.0;  // norm of the sides along x and y
+  if (std::max(sides.x(), sides.y()) > 0.0) {
+    const TwoRoots roots = whole_roots(TwoRoots{sides.x(), sides.y()}, across - 1);
+    const double sum = sides.x() * roots[0] + sides.y() * roots[1], of_sum = whole_root(sum, across);
+    beside = sum / of_sum;
+    p.section = {roots[0] / of_sum, roots[1] / of_sum};
+    p.section_slope = {sides.x() / beside, sides.y() / beside};
+  }
+  const TwoRoots roots = whole_roots(TwoRoots{beside, sides.z()}, along - 1);
+  const double sum = beside * roots[0] + sides.z() * roots[1], of_sum = whole_root(sum, along), norm = sum / of_sum;
+  p.scale = roots[0] / of_sum;
+  p.scale_slope = beside / norm;
+  p.x = {p.section[0] * p.scale, p.section[1] * p.scale, roots[1] / of_sum};
+  p.slope.z() = sides.z() / norm;
+  p.reach = norm;
+  return p;
+}
+
+Vec3 Superquadric::signed_axes(const Vec3& d) const {
+  Vec3 out = semi_axes;
   for (int k = 0; k < 3; ++k)
     if (d[k] < 0.0) out[k] = -out[k];
   return out;
 }
 
-Vec3 Superquadric::support(const Vec3& d) const { return on_surface(unit_point(d), d); }
+Vec3 Superquadric::support(const Vec3& d) const { return signed_axes(d).cwiseProduct(unit_point(d).x); }
+
+/// x^(2 - n), where slope = x^(n - 1).
+double Superquadric::flatness(double x, double slope, int n) {
+  if (n == 2) return 1.0;
+  return x < flattest * slope ? x / slope : flattest;
+}
+
+// The second derivatives of a norm dual to exponent n, with gradient x: (diag(x^(2 - n)) - x x^T) / ((n - 1) norm).
+Mat3 Superquadric::curvature(const UnitPoint& p) const {
+  const double h = 1.0 / ((along - 1) * p.reach);
+  const double zz = flatness(p.x.z(), p.slope.z(), along);
+  if (across == along) {
+    Mat3 m = (-h * p.x) * p.x.transpose();
+    m(0, 0) += h * flatness(p.x.x(), p.slope.x(), along);
+    m(1, 1) += h * flatness(p.x.y(), p.slope.y(), along);
+    m(2, 2) += h * zz;
+    return m;
+  }
+  // of the norm of (T, z) along z, T that of (x, y) across it
+  const double of_scale = flatness(p.scale, p.scale_slope, along), u = p.section[0], v = p.section[1];
+  const double tt = h * (of_scale - p.scale * p.scale), tz = -h * p.scale * p.x.z();
+  const double t = of_scale / ((across - 1) * p.reach);  // scale / T, finite at the poles
+  const double uu = t * (flatness(u, p.section_slope[0], across) - u * u);
+  const double vv = t * (flatness(v, p.section_slope[1], across) - v * v);
+  Mat3 m;
+  m << tt * u * u + uu, (tt - t) * u * v, tz * u,  //
+      (tt - t) * u * v, tt * v * v + vv, tz * v,   //
+      tz * u, tz * v, h * (zz - p.x.z() * p.x.z());
+  return m;
+}
 
 CurvedSupport Superquadric::curved_support(const Vec3& d) const {
   const UnitPoint p = unit_point(d);
-  const auto flatness = [](double x, int n) { return 1.0 / whole_power(std::max(x, least_side), n - 2); };
-  // second derivatives of the norm of (T, z) along z, T that of (x, y) across it: for each of exponent n' dual to n,
-  // with gradient g, (diag(g^(2 - n)) - g g^T) / ((n - 1) norm)
-  const double h = 1.0 / ((along - 1) * p.reach);
-  const double tt = h * (flatness(p.scale, along) - p.scale * p.scale), tz = -h * p.scale * p.height;
-  const double zz = h * (flatness(p.height, along) - p.height * p.height);
-  const double t = flatness(p.scale, along) / ((across - 1) * p.reach);  // scale / beside, finite at the poles
-  Mat3 m;
-  m << tt * p.u * p.u + t * (flatness(p.u, across) - p.u * p.u), tt * p.u * p.v - t * p.u * p.v, tz * p.u,  //
-      tt * p.u * p.v - t * p.u * p.v, tt * p.v * p.v + t * (flatness(p.v, across) - p.v * p.v), tz * p.v,   //
-      tz * p.u, tz * p.v, zz;
-  Vec3 signed_axes = semi_axes;
-  for (int k = 0; k < 3; ++k)
-    if (d[k] < 0.0) signed_axes[k] = -signed_axes[k];
-  return {on_surface(p, d), signed_axes.asDiagonal() * m * signed_axes.asDiagonal()};
+  const Vec3 axes = signed_axes(d);
+  return {axes.cwiseProduct(p.x), axes.asDiagonal() * curvature(p) * axes.asDiagonal()};
+}
+
+Vec3 Superquadric::gradient(const Vec3& x) const {
+  const Vec3 size = x.cwiseAbs();
+  double of_section = 1.0;
+  if (across != along) {
+    const double radius = whole_root(whole_power(size.x(), across) + whole_power(size.y(), across), across);
+    of_section = along > across ? whole_power(radius, along - across)
+                                : 1.0 / whole_power(std::max(radius, 1e-6), across - along);
+  }
+  const Vec3 g(of_section * whole_power(size.x(), across - 1), of_section * whole_power(size.y(), across - 1),
+               whole_power(size.z(), along - 1));
+  return {x.x() < 0.0 ? -g.x() : g.x(), x.y() < 0.0 ? -g.y() : g.y(), x.z() < 0.0 ? -g.z() : g.z()};
+}
+
+Vec3 Superquadric::turned(const Vec3& d, const CurvedSupport& at, const Vec3& step) const {
+  const Vec3 axes = signed_axes(d);
+  const Vec3 sides = axes.cwiseProduct(d), change = axes.cwiseProduct(step);
+  const Vec3 x = at.point.cwiseQuotient(axes), next = x + (at.derivative * step).cwiseQuotient(axes);
+  // of the new normal, to first order that of sides + change and never below 0
+  const double size = x.dot(sides), growth = x.dot(change) / size;
+  const double length = growth < 0.0 ? size / (1.0 - growth) : size * (1.0 + growth);
+  const Vec3 by_point = length * gradient(next.cwiseMax(-1.0).cwiseMin(1.0));
+  Vec3 out;
+  for (int k = 0; k < 3; ++k) out[k] = (change[k] > 0.0 ? sides[k] + change[k] : by_point[k]) / axes[k];
+  return out.normalized();
 }
 
 Aabb Superquadric::bounding_box(const Pose& pose) const {

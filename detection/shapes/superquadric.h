@@ -1,7 +1,9 @@
 /// @file superquadric.h  Superquadric about its centre (Barr 1981): (|x/a|^n + |y/b|^n)^(m/n) + |z/c|^m <= 1, whole n,
 /// m >= 2. n = m = 2 is the ellipsoid; large exponents come near the box (n, m) or the elliptic cylinder (n = 2, m
-/// large). Roots are taken by Newton's method with + - * / only, so that no libm decides a bit of a run.
+/// large).
 #pragma once
+#include <array>
+
 #include "detection/shapes/equal_volume.h"
 #include "detection/shapes/shape_concept.h"
 
@@ -28,26 +30,39 @@ struct Superquadric {
   double rounding() const { return 0.0; }
   /// Where the surface is flat the derivative is large and not infinite.
   CurvedSupport curved_support(const Vec3& d) const;
+  /// Which unit direction a step of Newton's method leads to from d, where the support point is `at`. To first order
+  /// d + step. Beyond that, a coordinate of the direction that grows leads towards an edge: there the point hardly
+  /// moves, and the direction is taken. One that shrinks leads into a flat, where it falls as a high power of the
+  /// point's coordinate: the point is taken, and the direction is its normal. Either side of a power law is then
+  /// approached without passing the end, where steps in the direction alone overshoot by the power.
+  Vec3 turned(const Vec3& d, const CurvedSupport& at, const Vec3& step) const;
   Vec3 core_semi_axes() const { return semi_axes; }
   bool curved() const { return across == 2 && along == 2; }
   double least_radius() const { return least_radius_; }
 
  private:
-  /// The support point of the unit superquadric, without signs: (u s, v s, height).
+  /// The support point of the unit superquadric, without signs, and what it follows from.
   struct UnitPoint {
-    double u = 1.0, v = 0.0, scale = 1.0, height = 0.0;
-    double beside = 0.0, reach = 0.0;  ///< of the stretched direction: across z, and in all
+    Vec3 x{1.0, 0.0, 0.0};
+    Vec3 slope{1.0, 0.0, 0.0};  ///< x^(n - 1) by coordinate; of x and y where both exponents are one
+    double reach = 0.0;         ///< x times the stretched direction [m]
+    // of two exponents: x and y are section * scale, with their own slopes
+    std::array<double, 2> section{1.0, 0.0}, section_slope{1.0, 0.0};
+    double scale = 1.0, scale_slope = 1.0;
   };
-  static constexpr double least_side = 1e-4;  ///< a coordinate below counts as this in a curvature
+  static constexpr double flattest = 1e8;  ///< radii of curvature above this times the size count as this
   UnitPoint unit_point(const Vec3& d) const;
-  Vec3 on_surface(const UnitPoint& p, const Vec3& d) const;
+  UnitPoint point_of_one_exponent(const Vec3& sides) const;
+  UnitPoint point_of_two_exponents(const Vec3& sides) const;
+  static double flatness(double x, double slope, int n);
+  Mat3 curvature(const UnitPoint& p) const;
+  /// Along the normal at a point of the unit superquadric, or of one that is similar to it.
+  Vec3 gradient(const Vec3& x) const;
+  Vec3 signed_axes(const Vec3& d) const;
+  double radius_at(const Vec3& d) const;
   double find_least_radius() const;
   double volume_, radius_, contact_radius_, least_radius_;
 };
 static_assert(SolidShape<Superquadric> && ConvexShape<Superquadric>);
-
-/// x^k and the kth root of x, x >= 0, k >= 1; relative error of the root below 4 ulp.
-double whole_power(double x, int k);
-double whole_root(double x, int k);
 
 }  // namespace epafi

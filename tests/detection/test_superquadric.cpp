@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "detection/shapes/ellipsoid.h"
+#include "detection/shapes/whole_root.h"
 #include "tests/support/catch.h"
 #include "tests/support/random_geometry.h"
 
@@ -27,6 +28,7 @@ TEST_CASE("whole roots are those of libm to a few ulp", "[detection][superquadri
       CHECK(whole_root(x, k) == Approx(std::pow(x, 1.0 / k)).epsilon(1e-14));
     }
   CHECK(whole_root(0.0, 7) == 0.0);
+  CHECK(whole_root(5e-324, 3) == Approx(std::cbrt(5e-324)).epsilon(1e-14));
   CHECK(whole_root(1.0, 7) == 1.0);
 }
 

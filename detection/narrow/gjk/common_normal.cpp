@@ -1,11 +1,21 @@
 #include "detection/narrow/gjk/common_normal.h"
 
+#include "detection/narrow/gjk/two_normals.h"
+
 namespace epafi {
 namespace {
 
 constexpr int most_steps = 16;          // ellipsoids of 1:20 need up to 9
 constexpr double equal_points = 1e-13;  // of the size: the points lie on one normal; the gap errs by its square
 constexpr double full_step = 1e-4;      // radian: near the end rounding, not the gap, would decide on the step's length
+
+Mat3 adjugate(const Mat3& m) {  // of a symmetric matrix
+  Mat3 out;
+  out.col(0) = m.col(1).cross(m.col(2));
+  out.col(1) = m.col(2).cross(m.col(0));
+  out.col(2) = m.col(0).cross(m.col(1));
+  return out;
+}
 
 /// The difference A - B at one unit direction.
 struct DifferenceAt {
@@ -28,24 +38,7 @@ class Search {
     return d;
   }
 
-  /// The normal of two similar ellipsoids, (A^2 + B^2)^-1 c, c the way from centre to centre; exact for two spheres.
-  Vec3 first_normal() const {
-    const Mat3 stretched = rotation_ * b_.semi_axes.asDiagonal();
-    Mat3 sum = stretched * stretched.transpose();
-    sum.diagonal() += a_.semi_axes.cwiseProduct(a_.semi_axes);
-    const Vec3 n = adjugate(sum) * offset_;
-    const double size = std::sqrt(n.squaredNorm());
-    return size > 0.0 ? Vec3(n / size) : Vec3::UnitZ();
-  }
-
  private:
-  static Mat3 adjugate(const Mat3& m) {  // of a symmetric matrix
-    Mat3 out;
-    out.col(0) = m.col(1).cross(m.col(2));
-    out.col(1) = m.col(2).cross(m.col(0));
-    out.col(2) = m.col(0).cross(m.col(1));
-    return out;
-  }
   const RoundRef &a_, &b_;
   const Mat3& rotation_;
   const Vec3& offset_;
@@ -74,12 +67,22 @@ CommonNormal answer(CommonNormal::Status status, const DifferenceAt& d, int step
 
 }  // namespace
 
+Vec3 first_normal(const RoundRef& a, const RoundRef& b, const Mat3& rotation, const Vec3& offset) {
+  const Mat3 stretched = rotation * b.semi_axes.asDiagonal();
+  Mat3 sum = stretched * stretched.transpose();
+  sum.diagonal() += a.semi_axes.cwiseProduct(a.semi_axes);
+  const Vec3 n = adjugate(sum) * offset;
+  const double size = std::sqrt(n.squaredNorm());
+  return size > 0.0 ? Vec3(n / size) : Vec3::UnitZ();
+}
+
 CommonNormal common_normal(const RoundRef& a, const RoundRef& b, const Mat3& rotation, const Vec3& offset,
                            double limit) {
+  if (a.turned_of || b.turned_of) return two_normals(a, b, rotation, offset, limit);
   const Search search(a, b, rotation, offset);
   const double size = std::max(a.semi_axes.maxCoeff(), b.semi_axes.maxCoeff());
   const double certain_depth = 0.99 * (a.least_radius + b.least_radius);
-  DifferenceAt here = search.at(search.first_normal());
+  DifferenceAt here = search.at(first_normal(a, b, rotation, offset));
   for (int k = 0; k < most_steps; ++k) {
     if (here.gap > limit) return answer(CommonNormal::Status::beyond, here, k);
     const Vec3 way = here.on_b - here.on_a, across = way - here.gap * here.normal;

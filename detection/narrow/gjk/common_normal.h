@@ -5,6 +5,7 @@
 /// * apart (g > 0), every n gives a lower bound, so that the largest value found is the distance;
 /// * overlapping, A - B has no radius of curvature below r, the sum of the least radii of A and B, so that a ball of
 ///   radius r rolls freely inside it (Blaschke 1956): where the common normal has depth -g < r it is the least depth.
+/// Where a body has flat sides the steps are those of two_normals.h.
 /// Elsewhere the caller asks the exact method. Nothing is remembered: a pair has one answer, whatever came before.
 #pragma once
 #include <cmath>
@@ -29,6 +30,8 @@ concept RoundShape = ConvexShape<S> && requires(const S& s, const Vec3& d) {
 struct RoundRef {
   const void* shape;
   CurvedSupport (*curved_support_of)(const void*, const Vec3&);
+  /// The unit direction that a step leads to from one with this support, where the shape has flat sides; else null.
+  Vec3 (*turned_of)(const void*, const Vec3& d, const CurvedSupport& at, const Vec3& step);
   Vec3 semi_axes;
   double least_radius;
   bool curved;
@@ -38,10 +41,22 @@ struct RoundRef {
   static RoundRef to(const S& s) {
     return {&s,
             [](const void* p, const Vec3& d) { return static_cast<const S*>(p)->curved_support(d); },
+            turned_on<S>(),
             s.core_semi_axes(),
             s.least_radius(),
             s.curved(),
             s.contact_radius()};
+  }
+
+ private:
+  template <RoundShape S>
+  static constexpr auto turned_on() -> Vec3 (*)(const void*, const Vec3&, const CurvedSupport&, const Vec3&) {
+    if constexpr (requires(const S& s, const Vec3& d, const CurvedSupport& at) { s.turned(d, at, d); })
+      return [](const void* p, const Vec3& d, const CurvedSupport& at, const Vec3& step) {
+        return static_cast<const S*>(p)->turned(d, at, step);
+      };
+    else
+      return nullptr;
   }
 };
 
@@ -69,6 +84,9 @@ struct CommonNormal {
   Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();  ///< the points of the cores [m]
   int iterations = 0;
 };
+
+/// The normal of two similar ellipsoids, (A^2 + B^2)^-1 c, c the way from centre to centre; exact for two spheres.
+Vec3 first_normal(const RoundRef& a, const RoundRef& b, const Mat3& rotation, const Vec3& offset);
 
 /// rotation, offset: B's axes and centre in A's. limit: gaps beyond are not wanted [m].
 CommonNormal common_normal(const RoundRef& a, const RoundRef& b, const Mat3& rotation, const Vec3& offset,

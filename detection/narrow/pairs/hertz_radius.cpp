@@ -85,9 +85,11 @@ class RadiusSeries {
   std::vector<std::array<double, terms>> series_;
 };
 
-CurvatureAcross curvature_of(const RoundRef& shape, const Mat3& derivative, const Vec3& u, const Vec3& v,
+/// derivative(): asked where the curvature counts. u, v: across the normal.
+template <class Derivative>
+CurvatureAcross curvature_of(const RoundRef& shape, const Derivative& derivative, const Vec3& u, const Vec3& v,
                              double swept) {
-  if (shape.curved) return {derivative, u, v, swept};
+  if (shape.curved) return {derivative(), u, v, swept};
   CurvatureAcross sphere;
   sphere.uu = sphere.vv = 1.0 / shape.contact_radius;
   return sphere;
@@ -122,15 +124,18 @@ double hertz_radius(const CurvatureAcross& a, const CurvatureAcross& b) {
 double hertz_radius(const RoundRef& a, double swept_a, const RoundRef& b, double swept_b, const Mat3& rotation,
                     const Vec3& n) {
   const auto [u, v] = Tangents(n);
-  const Mat3 on_a = a.curved_support_of(a.shape, n).derivative;
-  const Mat3 on_b = b.curved_support_of(b.shape, -(rotation.transpose() * n)).derivative;
-  return hertz_radius(curvature_of(a, on_a, u, v, swept_a),
-                      curvature_of(b, rotation * on_b * rotation.transpose(), u, v, swept_b));
+  const auto on_a = [&]() -> Mat3 { return a.curved_support_of(a.shape, n).derivative; };
+  const auto on_b = [&]() -> Mat3 {
+    const Mat3 in_b = b.curved_support_of(b.shape, -(rotation.transpose() * n)).derivative;
+    return rotation * in_b * rotation.transpose();
+  };
+  return hertz_radius(curvature_of(a, on_a, u, v, swept_a), curvature_of(b, on_b, u, v, swept_b));
 }
 
 double hertz_radius_on_plane(const RoundRef& a, double swept, const Vec3& d) {
   const auto [u, v] = Tangents(d);
-  return hertz_radius(curvature_of(a, a.curved_support_of(a.shape, d).derivative, u, v, swept), {});
+  const auto on_a = [&]() -> Mat3 { return a.curved_support_of(a.shape, d).derivative; };
+  return hertz_radius(curvature_of(a, on_a, u, v, swept), {});
 }
 
 }  // namespace epafi
